@@ -3,7 +3,7 @@
 import * as vscode from "vscode";
 import { savedDeck } from "./deck";
 import { foldingRanges } from "./folding";
-import { showLiveView } from "./liveView";
+import { LiveViews } from "./liveView";
 import { ReportPanels } from "./report";
 import { DeckServer } from "./server";
 import { DeckTaskProvider, runDeckTask } from "./tasks";
@@ -23,15 +23,17 @@ export function activate(context: vscode.ExtensionContext): void {
       const deck = await savedDeck(resource);
       return deck === undefined ? undefined : action(deck);
     });
+  const liveViews = new LiveViews(log);
   const reports = new ReportPanels();
   const run = (deck: string) => runDeckTask("run", deck, running.runs);
   context.subscriptions.push(
     log,
     running,
+    liveViews,
     deckCommand("revolve.run", run),
     deckCommand("revolve.check", (deck) => runDeckTask("check", deck, running.runs)),
     deckCommand("revolve.report", (deck) => reports.show(deck, () => run(deck))),
-    deckCommand("revolve.liveView", (deck) => showLiveView(deck, log)),
+    deckCommand("revolve.liveView", (deck) => liveViews.show(deck)),
     vscode.commands.registerCommand("revolve.restartServer", () => running.restart()),
     vscode.tasks.registerTaskProvider("revolve", new DeckTaskProvider(() => running.runs)),
     vscode.languages.registerFoldingRangeProvider({ language: LANGUAGE }, {

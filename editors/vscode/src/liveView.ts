@@ -41,29 +41,42 @@ export function waitForAddress(process: ChildProcess, log: (text: string) => voi
   });
 }
 
-/** Starts the live view of a deck in a panel. The program ends with the panel. */
-export async function showLiveView(deck: string, log: vscode.LogOutputChannel): Promise<void> {
-  const program = configuredProgram();
-  const known = await hasCommand(program, "view");
-  if (known === "missing") {
-    return reportMissing(program);
+/** Live views of this window. A program ends with its panel, and all end with the extension. */
+export class LiveViews implements vscode.Disposable {
+  private readonly processes = new Set<ChildProcess>();
+
+  constructor(private readonly log: vscode.LogOutputChannel) {}
+
+  /** Starts the live view of a deck in a panel. */
+  async show(deck: string): Promise<void> {
+    const program = configuredProgram();
+    const known = await hasCommand(program, "view");
+    if (known === "missing") {
+      return reportMissing(program);
+    }
+    if (!known) {
+      return reportUnknownCommand(program, "view", "there is no live view");
+    }
+    const { words, cwd } = deckCommandLine("view", deck);
+    const process = spawn(program.path, words, { cwd, env: environment(program), stdio: ["ignore", "pipe", "pipe"] });
+    this.processes.add(process);
+    process.on("close", () => this.processes.delete(process));
+    try {
+      const address = await waitForAddress(process, (text) => this.log.info(text.trimEnd()));
+      const forwarded = await vscode.env.asExternalUri(vscode.Uri.parse(address, true));
+      openPanel(path.basename(deck), forwarded.toString(true), process);
+    } catch (error) {
+      process.kill();
+      void vscode.window.showErrorMessage(`revolve view ${path.basename(deck)}: ${(error as Error).message}`);
+    }
   }
-  if (!known) {
-    return reportUnknownCommand(program, "view", "there is no live view");
-  }
-  const { words, cwd } = deckCommandLine("view", deck);
-  const process = spawn(program.path, words, { cwd, env: environment(program), stdio: ["ignore", "pipe", "pipe"] });
-  try {
-    const address = await waitForAddress(process, (text) => log.info(text.trimEnd()));
-    const forwarded = await vscode.env.asExternalUri(vscode.Uri.parse(address, true));
-    open(path.basename(deck), forwarded.toString(true), process);
-  } catch (error) {
-    process.kill();
-    void vscode.window.showErrorMessage(`revolve view ${path.basename(deck)}: ${(error as Error).message}`);
+
+  dispose(): void {
+    this.processes.forEach((process) => process.kill());
   }
 }
 
-function open(name: string, address: string, process: ChildProcess): void {
+function openPanel(name: string, address: string, process: ChildProcess): void {
   const title = `Live view: ${name}`;
   // Frames have no scripts in a panel without scripts; the policy of the page forbids its own.
   const options = { enableScripts: true, localResourceRoots: [], retainContextWhenHidden: true };

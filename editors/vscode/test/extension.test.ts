@@ -1,7 +1,7 @@
 // Commands, tasks, panels and the start of the server, with fakes of VS Code and of the program. All paths contain blanks.
 
 import * as assert from "node:assert/strict";
-import { chmodSync, copyFileSync, existsSync, mkdirSync, mkdtempSync, realpathSync, rmSync, writeFileSync } from "node:fs";
+import { chmodSync, copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, realpathSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import * as path from "node:path";
 import { after, before, beforeEach, test } from "node:test";
@@ -16,6 +16,7 @@ const folder = realpathSync(mkdtempSync(path.join(tmpdir(), "revolve 'commands' 
 const program = path.join(folder, "my program.mjs");
 const deck = path.join(folder, "models 1", 'long "rod" $HOME.inp');
 
+const subscriptions: { dispose(): void }[] = [];
 const workspaceFolder = { uri: fake.Uri.file(folder) };
 
 /** Starts a command of the extension. */
@@ -35,7 +36,7 @@ before(async () => {
   mkdirSync(path.dirname(deck));
   writeFileSync(deck, "*Heading\n title\n*Node\n 1, 0., 0.\n");
   recorded.settings.path = program;
-  activate({ subscriptions: [] } as never);
+  activate({ subscriptions } as never);
   await until(() => clients.length === 1);
 });
 
@@ -164,14 +165,25 @@ test("results of runs in a workspace folder are found", async () => {
   rmSync(path.join(folder, "out"), { recursive: true });
 });
 
+/** Returns whether the process of the last live view runs; the fake program writes its number. */
+function runs(): boolean {
+  try {
+    return process.kill(Number(readFileSync(path.join(path.dirname(deck), "view process"), "utf8")), 0);
+  } catch {
+    return false;
+  }
+}
+
 test("a live view shows the printed address and ends with its panel", async () => {
   await command("liveView");
   const [panel] = recorded.panels;
   assert.match(panel.webview.html, /<iframe src="http:\/\/127\.0\.0\.1:4711\/\?key=a%20b&#38;n=1"/);
   assert.match(panel.webview.html, /content="default-src &#39;none&#39;; .*frame-src http:\/\/127\.0\.0\.1:4711"/);
   assert.doesNotMatch(panel.webview.html, /script-src|<script/);
-  panel.dispose();
   assert.deepEqual(recorded.messages, []);
+  assert.equal(runs(), true);
+  panel.dispose();
+  await until(() => !runs());
 });
 
 test("a live view that fails shows the output of the program", async () => {
@@ -231,4 +243,12 @@ test("without the command `lsp` the extension folds and says what is missing", a
   assert.equal(ranges(), 2);
   await until(() => recorded.messages.length === 1);
   assert.match(recorded.messages[0], /does not know the command `revolve lsp`/);
+});
+
+// The last test: afterwards nothing is subscribed.
+test("a live view ends with the extension", async () => {
+  await command("liveView");
+  assert.equal(runs(), true);
+  subscriptions.forEach((item) => item.dispose());
+  await until(() => !runs());
 });

@@ -88,6 +88,17 @@ test("the first line of a deck is detected", () => {
   }
 });
 
+test("patterns of the grammar work in the engines of other editors", () => {
+  const grammar = readFileSync(path.join(root, "syntaxes/abaqus.tmLanguage.json"), "utf8");
+  const patterns = [...grammar.matchAll(/"(?:match|begin|end)": (".*")/g)].map((found) => JSON.parse(found[1]) as string);
+  assert.ok(patterns.length > 30);
+  for (const pattern of patterns) {
+    // The syntax that Oniguruma, PCRE and JavaScript share: no \G, and lookbehind of fixed length.
+    assert.doesNotThrow(() => new RegExp(pattern.replace(/^\(\?i\)/, "")), pattern);
+    assert.doesNotMatch(pattern, /\\G|\(\?<[=!][^)]*[*+?{|]/);
+  }
+});
+
 test("files of the manifest exist, and its version is that of the program", () => {
   const { languages, grammars, snippets } = manifest.contributes;
   const files = [...languages.map((l) => l.configuration), ...grammars.map((g) => g.path), ...snippets.map((s) => s.path)];
