@@ -29,11 +29,11 @@ test("only complete addresses of this machine are accepted", () => {
 });
 
 test("paths of the program are resolved", () => {
-  const resolve = (setting: string) => resolvePath(setting, "/home/a b", "/work");
+  const resolve = (setting: string) => resolvePath(setting, "/home/a b", "/project");
   assert.deepEqual(["revolve", "~/bin/revolve", "target/revolve", "/opt/revolve"].map(resolve), [
     "revolve",
     "/home/a b/bin/revolve",
-    "/work/target/revolve",
+    "/project/target/revolve",
     "/opt/revolve",
   ]);
 });
