@@ -13,6 +13,8 @@ else
 fi
 # With the features of the Python package, whose wheel is built from the same library.
 cargo test --release --workspace --exclude revolve-python --features parquet --locked -- --show-output 2>&1 | tee target/tests.log
+# The extension for VS Code, whose snippets and messages are checked with the program that the tests have built.
+REVOLVE="${CARGO_TARGET_DIR:-$PWD/target}/release/revolve" editors/vscode/test.sh 2>&1 | tee -a target/tests.log
 [ -z "$spelling" ] || echo "$spelling" >>target/tests.log
 RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --exclude revolve-python --no-deps --locked --quiet
 grep -E "^on this machine:" target/tests.log | sort -u || true
