@@ -20,6 +20,8 @@ cases! { "Guard rails":
         "one warning of negative ALLIE during the run, with increment and time; none for the reversed path, which dissipates energy";
     an_increment_that_crawls, "increment so small that 1e9 remain: a run of days without a message",
         "one warning during the run with the remaining increments; none for the same block at its stable increment";
+    shells_that_burst, "a clamped plate of shells bursts under a pressure: 60 times as many increments remain as were expected",
+        "one warning during the run with the expected increments and the element";
     an_element_that_collapses, "one squashed element makes the increment of the whole model 50 times smaller",
         "warning during the run with element, material, factor, remaining increments and cards, and one at the end with the share of the increments; none if a layer of elements is compressed, or if the element is squashed at the end";
     a_pattern_that_grows, "kinetic energy in the hourglass modes",
@@ -160,12 +162,12 @@ fn a_closed_path_that_gives_energy() -> CaseVerdict {
     }
 }
 
-/// Ends a run after some thousand increments.
-struct IncrementBudget;
+/// Ends a run after a number of increments.
+struct IncrementBudget(u64);
 
 impl UserEvents for IncrementBudget {
     fn moment(&mut self, _: AnalysisMoment, now: &Instant, _: f64) -> Result<RunAction, LoadFailure> {
-        Ok(if now.increment < 4096 { RunAction::Continue } else { RunAction::EndAnalysis })
+        Ok(if now.increment < self.0 { RunAction::Continue } else { RunAction::EndAnalysis })
     }
 }
 
@@ -175,7 +177,7 @@ fn an_increment_that_crawls() -> CaseVerdict {
         let step = format!("*Dynamic, Explicit, direct user control\n 1.e-9, {length}\n*Boundary\n I0, 1, 1\n");
         let deck =
             grid(2, 2, false, |i, j| [i as f64, j as f64]) + &material(100.0, 0.3, 1.0, "") + "*Step\n" + &step + END;
-        text(&deck, &Routines::none().with_events(IncrementBudget))
+        text(&deck, &Routines::none().with_events(IncrementBudget(4096)))
     };
     let reported = |scene: &GauntletRun| {
         scene.outcome.warnings.iter().filter(|w| w.starts_with("R306: the run advances slowly")).count()
@@ -191,6 +193,21 @@ fn an_increment_that_crawls() -> CaseVerdict {
         figure: format!("{} and {} times", reported(&slow), reported(&quick)),
         holds: named && (reported(&slow), reported(&quick)) == (1, 0),
     }
+}
+
+/// A clamped plate of 20 shells under a pressure that bursts it: necking takes the increment far below that at the start.
+fn shells_that_burst() -> CaseVerdict {
+    let deck = "*Node, nset=AXIS\n 1, 0., 0.\n*Node, nset=RIM\n 21, 0.2, 0.\n*Ngen\n 1, 21, 1\n\
+        *Element, type=SAX1, elset=PLATE\n 1, 1, 2\n*Elgen, elset=PLATE\n 1, 20, 1, 1\n\
+        *Shell Section, elset=PLATE, material=STEEL\n 2.e-3,\n*Material, name=STEEL\n*Density\n 7850.,\n\
+        *Elastic\n 200.e9, 0.3\n*Plastic\n 300.e6, 0.\n 500.e6, 0.5\n\
+        *Step\n*Dynamic, Explicit\n , 3.e-3\n*Boundary\n AXIS, 1, 1\n AXIS, 6, 6\n RIM, ENCASTRE\n*Dload\n PLATE, P, 5.e6\n*End Step\n";
+    let scene = text(deck, &Routines::none().with_events(IncrementBudget(12_000)));
+    let found: Vec<_> =
+        scene.outcome.warnings.iter().filter(|w| w.starts_with("R306: the run advances slowly")).collect();
+    println!("{found:?}");
+    let named = |w: &&String| contains_all(w, &["at its start 2.2e3 were expected", "limited by element"]);
+    CaseVerdict { figure: format!("{} times", found.len()), holds: found.len() == 1 && found.iter().all(named) }
 }
 
 fn an_element_that_collapses() -> CaseVerdict {

@@ -146,7 +146,7 @@ impl YieldStress for FlowStress {
     }
 }
 
-/// Largest number of secants for a plastic strain; three halve the bracket.
+/// Largest number of secants; three halve the bracket.
 const MOST_SECANTS: usize = 400;
 
 /// Returns the increment dp of plastic strain for which `trial - 3 G dp` equals the yield stress at `strain + dp` and
@@ -177,23 +177,33 @@ pub fn plastic_increment(
             return high;
         }
     }
-    let enough = 1e-11 * trial;
+    bracketed_root(residual, [low, at_low], [high, at_high], 1e-11 * trial)
+}
+
+/// Returns the root of a function between two points `[x, value]`, of which the first has a positive value and the second
+/// a negative one, to a value of `enough`. Returns NaN if no root is found.
+pub(super) fn bracketed_root(
+    residual: impl Fn(f64) -> f64,
+    [mut low, at_low]: [f64; 2],
+    [mut high, at_high]: [f64; 2],
+    enough: f64,
+) -> f64 {
     // Secants through the last two points inside the bracket; bisection if two secants do not halve the bracket.
     let (mut before, mut at_before) = (low, at_low);
-    let (mut dp, mut value) = (high, at_high);
+    let (mut x, mut value) = (high, at_high);
     let (mut width, mut slow) = (high - low, 0);
     for _ in 0..MOST_SECANTS {
         if value.abs() <= enough || high - low <= 1e-15 * high || value.is_nan() {
-            return dp;
+            return x;
         }
-        let secant = dp - value * (dp - before) / (value - at_before);
-        (before, at_before) = (dp, value);
-        dp = if slow < 2 && secant > low && secant < high { secant } else { 0.5 * (low + high) };
-        value = residual(dp);
+        let secant = x - value * (x - before) / (value - at_before);
+        (before, at_before) = (x, value);
+        x = if slow < 2 && secant > low && secant < high { secant } else { 0.5 * (low + high) };
+        value = residual(x);
         if value > 0.0 {
-            low = dp
+            low = x
         } else {
-            high = dp
+            high = x
         }
         slow = if high - low <= 0.5 * width { 0 } else { slow + 1 };
         width = if slow == 0 { high - low } else { width };

@@ -5,7 +5,7 @@
 //! q² = (p² + 3 d²)/4, and the return scales both by one unknown x (Simo and Taylor 1986, Int. J. Numer. Meth. Eng. 22,
 //! 649): p = p_trial / (1 + x E/(3 (1 - ν))), d = d_trial / (1 + 2 G x), with the plastic strain increment 2/3 x q.
 
-use super::hardening::YieldStress;
+use super::hardening::{YieldStress, bracketed_root};
 
 /// Young's modulus and Poisson's ratio in plane stress.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +107,7 @@ impl PlaneElastic {
     }
 
     /// Returns the root of a residual that is positive at 0 and decreases: the upper limit is doubled until the sign
-    /// changes, then bracketed secants.
+    /// changes, then bracketed secants. Returns NaN if no root is found.
     fn root(&self, residual: impl Fn(f64) -> f64, at_zero: f64, trial: f64) -> f64 {
         let (mut low, mut at_low) = (0.0, at_zero);
         let mut high = at_zero / (trial * self.shear());
@@ -120,20 +120,7 @@ impl PlaneElastic {
             high *= 2.0;
             at_high = residual(high);
         }
-        let enough = 1e-12 * trial;
-        let (mut before, mut at_before) = (low, at_low);
-        let (mut x, mut value) = (high, at_high);
-        for _ in 0..100 {
-            if value.abs() <= enough || high - low <= 1e-15 * high {
-                break;
-            }
-            let secant = x - value * (x - before) / (value - at_before);
-            (before, at_before) = (x, value);
-            x = if secant > low && secant < high { secant } else { 0.5 * (low + high) };
-            value = residual(x);
-            if value > 0.0 { low = x } else { high = x }
-        }
-        x
+        bracketed_root(residual, [low, at_low], [high, at_high], 1e-12 * trial)
     }
 }
 
