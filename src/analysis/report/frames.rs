@@ -64,7 +64,7 @@ pub fn read(time: f64, path: &Path, sums: &Checksums) -> Result<FrameData, Strin
     sums.verify(path)?;
     let wrong = |e: String| format!("{}: {e}", path.display());
     let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
-    let mesh = vtk_file::read(path, |_| true).map_err(wrong)?;
+    let mesh = vtk_file::read(path, &|_| true).map_err(wrong)?;
     let mut scalars = Vec::new();
     for (name, values) in mesh.point_arrays.iter().filter(|array| !EntityLabels::is_name(&array.0)) {
         scalars.extend(split(name, values, mesh.points.len(), &text).into_iter().map(|(n, v)| (n, false, v)));
