@@ -195,6 +195,7 @@ fn commands_have_the_shared_options() {
         "resistance",
         "material",
         "chart",
+        "view",
         "new",
         "completions",
         "man",

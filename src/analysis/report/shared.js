@@ -181,7 +181,9 @@ function drawChart(chart) {
     download('PNG', () => pngOf(svg, at), `${fileName(chart.title)}.png`));
   const title = make('h3', { title: chart.words }, chart.title, make('small', {}, chart.words ? ` ${chart.words}` : ''));
   draw();
-  new ResizeObserver(() => { if (plot.clientWidth && Math.abs(plot.clientWidth - at.width) > 1) draw(); }).observe(plot);
+  // In the next frame: a drawing within the observer would change the sizes that it observes.
+  const fit = () => { if (plot.clientWidth && Math.abs(plot.clientWidth - at.width) > 1) draw(); };
+  new ResizeObserver(() => requestAnimationFrame(fit)).observe(plot);
   return { node: make('figure', { class: 'card', style: { margin: '0' } }, make('div', { class: 'title' }, title, takeAway), legend, plot), setTime, draw, at, series };
 }
 /** Draws grid, ticks and labels of both axes. */

@@ -68,7 +68,9 @@ mod tests {
         for host in ["127.0.0.1:8000", "localhost:1", "LocalHost"] {
             assert!(is_local_host(host), "{host}");
         }
-        for host in ["", "127.0.0.1:", "127.0.0.1:a", "example.org", "example.org:80", "localhost.example.org", "10.0.0.1"] {
+        for host in
+            ["", "127.0.0.1:", "127.0.0.1:a", "example.org", "example.org:80", "localhost.example.org", "10.0.0.1"]
+        {
             assert!(!is_local_host(host), "{host}");
         }
         assert!(is_own_origin("http://localhost:8000", "localhost:8000"));

@@ -119,7 +119,10 @@ mod tests {
         assert_eq!((status.last["increment"].as_u64(), status.last["step"].as_str()), (Some(12), Some("Step-1")));
         assert_eq!((status.last["element"].as_str(), status.last["wall"].as_str()), (Some("Rod.7"), Some("00:00:01")));
         assert_eq!((status.warnings, status.ended.as_str()), (vec!["R301: slow".to_owned()], ""));
-        assert_eq!(status.limits[0], json!({"time": [1e-6], "increment": [8e-8], "by": [0], "names": ["element Rod.7"]}));
+        assert_eq!(
+            status.limits[0],
+            json!({"time": [1e-6], "increment": [8e-8], "by": [0], "names": ["element Rod.7"]})
+        );
         assert_eq!(JobStatus::parse(&format!("{text}THE ANALYSIS HAS HALTED\n")).ended, "halted");
         assert_eq!(JobStatus::parse("\0 \u{fffd} STEP"), JobStatus { limits: json!([]), ..JobStatus::default() });
     }

@@ -36,7 +36,8 @@ impl ViewMesh {
     fn of(mut first: FrameData) -> ViewMesh {
         let arrays = std::mem::take(&mut first.arrays);
         let scalars = std::mem::take(&mut first.scalars).into_iter().zip(arrays);
-        let field = |((name, on_cells, _), array): ((String, bool, Vec<f64>), String)| ViewField { name, on_cells, array };
+        let field =
+            |((name, on_cells, _), array): ((String, bool, Vec<f64>), String)| ViewField { name, on_cells, array };
         let mut fields: Vec<ViewField> = scalars.map(field).collect();
         let has_mises = fields.iter().any(|f| f.name == "MISES");
         fields.retain(|f| f.name != Variable::Status.name() && !(has_mises && f.name == "S_MISES"));
@@ -52,8 +53,10 @@ impl ViewMesh {
         // Six-node triangles are drawn by their corners; a point is not drawn.
         let step = |cell: &[usize]| if cell.len() == 6 { 2 } else { 1 };
         let corner = |cell: &[usize], i: usize| cell.get(step(cell) * i).map_or(NONE, |&p| p as u32);
-        let corners = cells.iter().flat_map(|cell| (0..4).map(move |i| if cell.len() < 2 { NONE } else { corner(cell, i) }));
-        let labels = |list: &[i32]| (0..cells.len()).map(|i| list.get(i).copied().unwrap_or(0) as u32).collect::<Vec<_>>();
+        let corners =
+            cells.iter().flat_map(|cell| (0..4).map(move |i| if cell.len() < 2 { NONE } else { corner(cell, i) }));
+        let labels =
+            |list: &[i32]| (0..cells.len()).map(|i| list.get(i).copied().unwrap_or(0) as u32).collect::<Vec<_>>();
         let (elements, materials) = (labels(&self.first.elements), labels(&self.first.materials));
         counts.into_iter().chain(corners).chain(elements).chain(materials).flat_map(u32::to_le_bytes).collect()
     }
@@ -231,8 +234,7 @@ impl FrameStore {
             let found = data.scalars.iter().find(|s| s.0 == field.name && s.1 == field.on_cells)?;
             Some(Arc::new(numbers(mesh, field, &found.2)))
         };
-        let read: Vec<_> =
-            mesh.fields.iter().enumerate().filter_map(|(i, field)| Some((i, values(field)?))).collect();
+        let read: Vec<_> = mesh.fields.iter().enumerate().filter_map(|(i, field)| Some((i, values(field)?))).collect();
         let shape = shape(mesh, data);
         let mut series = self.lock();
         if series.generation != generation {

@@ -35,9 +35,12 @@ const store = {
     return this.wanted.get(key);
   },
   async read(frame, field) {
-    const generation = parts.frames.generation, old = this.kept.get(frame);
-    const bytes = await this.fetchBytes(`frame?frame=${frame}${field < 0 ? '' : `&field=${field}`}${old ? '' : '&shape=1'}`);
+    const { generation } = parts.frames, shape = this.kept.has(frame) ? '' : '&shape=1';
+    const bytes = await this.fetchBytes(`frame?frame=${frame}${field < 0 ? '' : `&field=${field}`}${shape}`);
     if (generation !== parts.frames.generation) throw new Error('the run has begun anew');
+    // Meanwhile another request may have loaded the frame, or it may have been removed.
+    const old = this.kept.get(frame);
+    if (!old && !shape) return this.read(frame, field);
     const [positions, values, hidden] = new Uint32Array(bytes, 0, 3);
     const found = old || { positions: new Float32Array(bytes, 12, positions), hidden: new Uint8Array(bytes, 12 + 4 * (positions + values), hidden), values: new Map() };
     if (field >= 0) found.values.set(field, this.take(new Float32Array(bytes, 12 + 4 * positions, values), field));
@@ -112,6 +115,8 @@ function meshView(onShow, onPick) {
         const mesh = await store.loadMesh();
         drawing.setMesh(mesh);
         state.chains = outlines(mesh, mesh.corners, NO_CORNER);
+        // The first frame for the bounds of the view.
+        await store.load(0, -1);
       }
       const found = store.get(frame, field) || await store.load(frame, field);
       if (ask !== state.asked) return;
@@ -121,7 +126,19 @@ function meshView(onShow, onPick) {
       draw();
       state.shown++;
       onShow(frame);
+      prefetch();
     } catch (error) { if (ask === state.asked) view.fault(error.message); }
+  };
+  /** Loads all frames of a finished job, for the range of the colours and for playing; they are at most half of the memory. */
+  const prefetch = async () => {
+    const { generation, times } = parts.frames, key = `${generation}/${state.field}/${times.length}`;
+    if (!view.ended() || state.prefetched === key) return;
+    state.prefetched = key;
+    for (let frame = 0; frame < times.length && state.prefetched === key && store.bytes < MEMORY / 2; frame++) {
+      if (store.get(frame, state.field)) continue;
+      try { await store.load(frame, state.field); } catch { return; }
+      draw();
+    }
   };
   /** Shows the last frame of a running job, not more often than the part of a processor that a view may use allows. */
   const showLast = () => {
@@ -172,8 +189,10 @@ function meshView(onShow, onPick) {
     const box = { left: MARGIN.left, top: MARGIN.top, width: inner, height: high };
     for (const key of ['left', 'top', 'width', 'height']) canvas.style[key] = `${box[key]}px`;
     const shift = (line, from) => [line[0] * ratio, line[1] * ratio, (line[2] - from) * ratio];
+    // Edges of elements of a few pixels would hide the colours.
+    const [reach, low, top] = store.bounds, isCoarse = Math.sqrt(reach * (top - low) / store.mesh.cells) * unit > 4;
     const look = { width: Math.round(inner * ratio), height: Math.round(high * ratio), toX: shift(toX, box.left), toY: shift(toY, box.top) };
-    drawing.draw({ ...look, range: range(), plain: ink('--body'), line: ink('--soft'), edges: edges.checked, selected: state.selected });
+    drawing.draw({ ...look, range: range(), plain: ink('--body'), line: ink('--soft'), edges: edges.checked && isCoarse, selected: state.selected });
     label();
   };
   /** Draws what is below the mesh: targets, planes, axis, rigid bodies, ticks. It is skipped while nothing of it changes. */
@@ -256,6 +275,7 @@ function meshView(onShow, onPick) {
     const t = Math.min(1, Math.max(0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2 || 1)));
     return Math.hypot(x - ax - t * (bx - ax), y - ay - t * (by - ay));
   };
+  const setField = field => { state.field = field; chooser.value = field; onPick(state.selected); return show(state.frame); };
   const select = cell => { state.selected = cell; draw(); onPick(cell); };
   // Dragging moves the view, the wheel changes its scale, a double click shows all. A click without a drag selects.
   let drag = null;
@@ -295,7 +315,7 @@ function meshView(onShow, onPick) {
     tip.style.left = `${e.offsetX + MARGIN.left + 14}px`; tip.style.top = `${e.offsetY + MARGIN.top + 14}px`;
   };
   slider.addEventListener('input', () => { playing(false); follow.checked = false; show(Number(slider.value)); });
-  chooser.addEventListener('change', () => { state.field = Number(chooser.value); show(state.frame); onPick(state.selected); });
+  chooser.addEventListener('change', () => setField(Number(chooser.value)));
   follow.addEventListener('change', () => { if (follow.checked) { playing(false); showLast(); } });
   for (const control of [own, edges]) control.addEventListener('change', draw);
   new ResizeObserver(draw).observe(stage);
@@ -322,7 +342,7 @@ function meshView(onShow, onPick) {
     empty.hidden = times.length > 0;
     if (times.length) { label(); showLast(); }
   };
-  return { node: card('', controls, stage, scale, choices, hint), update, show, draw, select, playing, state, drawing, canvas, setField: i => { state.field = i; chooser.value = i; return show(state.frame); }, paint };
+  return { node: card('', controls, stage, scale, choices, hint), update, show, draw, select, playing, state, drawing, canvas, setField, paint, prefetch, position: (x, y) => back(x + MARGIN.left, y + MARGIN.top) };
 }
 
 // ---- the page ----
@@ -345,7 +365,7 @@ const view = (() => {
     return number ? name || `material ${number}` : 'no material';
   };
   /** Draws a chart, or again with new data, with its zoom and hidden series. */
-  const chart = (place, chart) => {
+  const chart = (place, chart, before = false) => {
     const text = JSON.stringify(chart), old = charts.get(chart.title);
     if (old && old.text === text) return;
     const drawn = drawChart(chart);
@@ -353,7 +373,8 @@ const view = (() => {
       drawn.at.zoom = old.drawn.at.zoom;
       drawn.series.forEach(s => { s.hidden = old.drawn.series.some(o => o.name === s.name && o.hidden); });
       old.drawn.node.replaceWith(drawn.node);
-    } else place.append(drawn.node);
+    } else if (before) place.prepend(drawn.node);
+    else place.append(drawn.node);
     drawn.draw();
     drawn.setTime(parts.frames.times[mesh.state.frame] ?? null);
     charts.set(chart.title, { text, drawn });
@@ -362,7 +383,7 @@ const view = (() => {
     const all = (parts.run ? parts.run.charts : []).filter(c => c.title !== 'Increment');
     const increments = (parts.run ? parts.run.charts : []).find(c => c.title === 'Increment') || parts.status.increments;
     const first = all.find(c => c.title === 'Energy balance') || all.find(c => c.title === 'Energy');
-    if (first) chart(side, first);
+    if (first) chart(side, first, true);
     if (increments) chart(side, increments);
     for (const other of all) if (other !== first) chart(below, other);
     const present = new Set([...all, increments].filter(Boolean).map(c => c.title));
@@ -464,7 +485,7 @@ const view = (() => {
     progress(value) { parts.progress = value; drawHead(); },
     warnings(value) { parts.warnings = value; drawMessages(); },
     faults(value) { parts.faults = value; drawMessages(); },
-    run(value) { parts.run = value; drawHead(); drawMessages(); drawCharts(); drawFacts(); mesh.draw(); },
+    run(value) { parts.run = value; drawHead(); drawMessages(); drawCharts(); drawFacts(); mesh.draw(); mesh.prefetch(); },
   };
   const events = new EventSource('events');
   for (const [name, act] of Object.entries(received)) events.addEventListener(name, e => act(JSON.parse(e.data)));

@@ -100,7 +100,11 @@ impl FolderWatch {
 
     fn read_status(&mut self) -> Result<(), String> {
         let path = self.job.path(STATUS);
-        let text = if path.is_file() { files::read(&path).map_err(|e| format!("{}: {e}", path.display()))? } else { Vec::new() };
+        let text = if path.is_file() {
+            files::read(&path).map_err(|e| format!("{}: {e}", path.display()))?
+        } else {
+            Vec::new()
+        };
         let JobStatus { last, warnings, ended, limits } = JobStatus::parse(&String::from_utf8_lossy(&text));
         let increments = limits::chart(&limits, &self.units);
         self.ended = !ended.is_empty();

@@ -249,7 +249,12 @@ impl<'a> XmlMesh<'a> {
         Ok(())
     }
 
-    fn data(&self, section: &[u8], count: usize, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<(String, Vec<f64>)>, String> {
+    fn data(
+        &self,
+        section: &[u8],
+        count: usize,
+        wanted: &dyn Fn(&str) -> bool,
+    ) -> Result<Vec<(String, Vec<f64>)>, String> {
         let read = |entry: &ArrayEntry<'_>| {
             let values =
                 if wanted(&entry.name) { self.values(entry, count as u64, &self.data_budget)? } else { Vec::new() };
