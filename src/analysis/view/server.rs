@@ -3,13 +3,16 @@
 use std::collections::VecDeque;
 use std::io;
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use super::access::{AccessToken, is_local_host, is_own_origin};
 use super::http::{REQUEST_TIME, Refusal, Request, Response, read_request};
 
 /// Largest number of connections. A browser opens up to six per page.
 const CONNECTIONS: usize = 32;
+/// Longest time that a connection waits for the end of another one.
+const WAIT: Duration = Duration::from_secs(10);
 
 /// Answers to requests with the token, below it.
 pub trait Answers: Send + Sync + 'static {
@@ -34,6 +37,8 @@ pub struct ViewServer {
     token: AccessToken,
     answers: Box<dyn Answers>,
     connections: Mutex<Connections>,
+    /// Notified when a connection ends.
+    ended: Condvar,
 }
 
 impl ViewServer {
@@ -44,8 +49,8 @@ impl ViewServer {
     pub fn open(port: u16, answers: impl Answers) -> Result<ViewServer, String> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))
             .map_err(|e| format!("cannot open port {port} of 127.0.0.1: {e}; choose another one with --port"))?;
-        let (token, connections) = (AccessToken::random()?, Mutex::default());
-        Ok(ViewServer { listener, token, answers: Box::new(answers), connections })
+        let (token, connections, ended) = (AccessToken::random()?, Mutex::default(), Condvar::new());
+        Ok(ViewServer { listener, token, answers: Box::new(answers), connections, ended })
     }
 
     /// Returns the address of the page.
@@ -67,27 +72,40 @@ impl ViewServer {
                 // A connection that has ended concerns nobody else.
                 let _ = server.handle(number, &mut stream);
                 let _ = stream.shutdown(Shutdown::Both);
-                server.lock().count -= 1;
+                server.end();
             };
             if std::thread::Builder::new().name("view".into()).spawn(serve).is_err() {
                 self.begin_answer(number);
-                self.lock().count -= 1;
+                self.end();
             }
         }
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, Connections> {
+    fn end(&self) {
+        self.lock().count -= 1;
+        self.ended.notify_one();
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Connections> {
         self.connections.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Counts a connection and returns its number. If there are too many, the oldest one without a complete request is
-    /// closed, so that slow senders do not keep others out; `None` if all are being answered.
+    /// closed, so that slow senders do not keep others out; if all are being answered, one of them must end first. `None`
+    /// if none does.
     fn admit(&self, stream: &TcpStream) -> Option<u64> {
         let copy = stream.try_clone().ok()?;
         let mut connections = self.lock();
-        if connections.count >= CONNECTIONS {
-            let (_, oldest) = connections.pending.pop_front()?;
+        if connections.count >= CONNECTIONS
+            && let Some((_, oldest)) = connections.pending.pop_front()
+        {
             let _ = oldest.shutdown(Shutdown::Both);
+        }
+        let is_full = |connections: &mut Connections| connections.count >= CONNECTIONS;
+        let waited = self.ended.wait_timeout_while(connections, WAIT, is_full);
+        let (mut connections, waiting) = waited.unwrap_or_else(PoisonError::into_inner);
+        if waiting.timed_out() {
+            return None;
         }
         connections.count += 1;
         connections.number += 1;

@@ -33,15 +33,19 @@ pub struct ViewMesh {
 }
 
 impl ViewMesh {
-    fn of(mut first: FrameData) -> ViewMesh {
-        let arrays = std::mem::take(&mut first.arrays);
-        let scalars = std::mem::take(&mut first.scalars).into_iter().zip(arrays);
-        let field =
-            |((name, on_cells, _), array): ((String, bool, Vec<f64>), String)| ViewField { name, on_cells, array };
-        let mut fields: Vec<ViewField> = scalars.map(field).collect();
+    fn of(data: &FrameData) -> ViewMesh {
+        let field = |((name, on_cells, _), array): (&(String, bool, Vec<f64>), &String)| ViewField {
+            name: name.clone(),
+            on_cells: *on_cells,
+            array: array.clone(),
+        };
+        let mut fields: Vec<ViewField> = data.scalars.iter().zip(&data.arrays).map(field).collect();
         let has_mises = fields.iter().any(|f| f.name == "MISES");
         fields.retain(|f| f.name != Variable::Status.name() && !(has_mises && f.name == "S_MISES"));
         fields.sort_by_key(|f| rank(&f.name));
+        let (points, cells) = (data.points.clone(), data.cells.clone());
+        let (elements, materials) = (data.elements.clone(), data.materials.clone());
+        let first = FrameData { time: data.time, points, cells, elements, materials, ..FrameData::default() };
         ViewMesh { first, fields }
     }
 
@@ -161,18 +165,22 @@ impl FrameStore {
     /// # Errors
     /// If there is no frame, or it cannot be read.
     pub fn mesh(&self) -> Result<Arc<ViewMesh>, Refusal> {
-        let (files, sums) = {
+        let (files, sums, generation) = {
             let series = self.lock();
             if let Some(mesh) = &series.mesh {
                 return Ok(mesh.clone());
             }
-            (series.files.clone(), series.sums.clone())
+            (series.files.clone(), series.sums.clone(), series.generation)
         };
         let (time, path) = files.first().ok_or_else(|| absent("first frame"))?;
         let _one = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
-        let first = read_arrays(*time, path, &sums, &|_| true).map_err(|why| Refusal::new(500, why))?;
-        let mesh = Arc::new(ViewMesh::of(first));
-        self.lock().mesh = Some(mesh.clone());
+        let data = read_arrays(*time, path, &sums, &|_| true).map_err(|why| Refusal::new(500, why))?;
+        let mesh = Arc::new(ViewMesh::of(&data));
+        self.keep(&mesh, 0, &data, generation);
+        let mut series = self.lock();
+        if series.generation == generation {
+            series.mesh = Some(mesh.clone());
+        }
         Ok(mesh)
     }
 

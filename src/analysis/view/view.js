@@ -228,11 +228,14 @@ function meshView(onShow, onPick) {
     g.textAlign = 'right';
     ys.forEach((v, i) => g.fillText(texts.texts[xs.length + i], x - 6, (long ? project(v, 0)[1] : project(0, v)[1]) + 4));
   };
+  let scaled = '';
   const label = () => {
     const { times, units } = parts.frames, field = fieldOf(), [low, high] = range();
     clock.value = `frame ${state.frame + 1} of ${times.length}, time ${show6(times[state.frame])}${units[1] ? ` ${units[1]}` : ''}`;
     scale.hidden = !field;
-    if (!field) return;
+    const key = JSON.stringify([field, low, high]);
+    if (!field || key === scaled) return;
+    scaled = key;
     const values = high > low ? [0, 1, 2, 3, 4].map(i => low + (high - low) * i / 4) : [low], written = labels(values);
     name.textContent = withUnit(field.name, field.unit, written.exponent);
     marks.replaceChildren(...written.texts.map(text => make('span', {}, text)));
@@ -462,13 +465,21 @@ const view = (() => {
     drawElement();
     if (cell >= 0) { readState(); readTrace(); }
   };
-  const shown = frame => {
-    charts.forEach(({ drawn }) => drawn.setTime(parts.frames.times[frame]));
+  let marked = 0;
+  const mark = () => {
+    clearTimeout(marked);
+    marked = 0;
+    charts.forEach(({ drawn }) => drawn.setTime(parts.frames.times[mesh.state.frame]));
+  };
+  const shown = () => {
+    // The browser needs more time for the charts than for the mesh: ten times a second are enough while frames are played.
+    if (!mesh.state.playing) mark();
+    else if (!marked) marked = setTimeout(mark, 100);
     readState();
   };
   const fault = text => { local = text; drawMessages(); };
   let mesh = null;
-  mesh = meshView(frame => shown(frame), cell => pick(cell));
+  mesh = meshView(shown, pick);
   page.replaceChildren(
     make('header', {}, make('h1', {}, data.name), badge, bar, make('span', { class: 'soft' }, `${data.folder} · Revolve ${data.version}`), link), line, messages_,
     make('div', { class: 'live' }, make('div', {}, mesh.node, element), side), below, more);
