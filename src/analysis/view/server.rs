@@ -1,4 +1,4 @@
-//! Server of a view on 127.0.0.1: bounded connections, each in a thread of its own for one request.
+//! Server of a view on 127.0.0.1: bounded connections, each in a separate thread for one request.
 
 use std::collections::VecDeque;
 use std::io;

@@ -92,7 +92,7 @@ impl KeptFrame {
 
 #[derive(Default)]
 struct Series {
-    /// Number of the run in this folder: a run that begins anew has another mesh.
+    /// Number of the run in this folder: a restarted run has another mesh.
     generation: u64,
     files: Vec<(f64, PathBuf)>,
     sums: Arc<Checksums>,
@@ -150,10 +150,10 @@ impl FrameStore {
         self.series.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Takes the list of frames of a run; `begins_anew` if an earlier run had other frames. Returns the generation.
-    pub fn set_files(&self, files: Vec<(f64, PathBuf)>, sums: Arc<Checksums>, begins_anew: bool) -> u64 {
+    /// Takes the list of frames of a run; `is_restarted` if an earlier run had other frames. Returns the generation.
+    pub fn set_files(&self, files: Vec<(f64, PathBuf)>, sums: Arc<Checksums>, is_restarted: bool) -> u64 {
         let mut series = self.lock();
-        if begins_anew {
+        if is_restarted {
             *series = Series { generation: series.generation + 1, ..Series::default() };
         }
         (series.files, series.sums) = (files, sums);
@@ -236,7 +236,7 @@ impl FrameStore {
         }
     }
 
-    /// Keeps the shape of a frame, and its fields that have been read, unless the run has begun anew.
+    /// Keeps the shape of a frame, and its fields that have been read, unless the run has been restarted.
     fn keep(&self, mesh: &ViewMesh, index: usize, data: &FrameData, generation: u64) {
         let values = |field: &ViewField| {
             let found = data.scalars.iter().find(|s| s.0 == field.name && s.1 == field.on_cells)?;

@@ -37,7 +37,7 @@ const store = {
   async read(frame, field) {
     const { generation } = parts.frames, shape = this.kept.has(frame) ? '' : '&shape=1';
     const bytes = await this.fetchBytes(`frame?frame=${frame}${field < 0 ? '' : `&field=${field}`}${shape}`);
-    if (generation !== parts.frames.generation) throw new Error('the run has begun anew');
+    if (generation !== parts.frames.generation) throw new Error('the run has been restarted');
     // Meanwhile another request may have loaded the frame, or it may have been removed.
     const old = this.kept.get(frame);
     if (!old && !shape) return this.read(frame, field);
@@ -328,10 +328,10 @@ function meshView(onShow, onPick) {
   const choices = make('div', { class: 'controls' }, chooser, speed, label_(follow, 'newest frame'), label_(own, 'scale of this frame'), label_(edges, 'edges'));
   const hint = make('p', { class: 'soft' }, 'Click on an element for its history. The wheel changes the scale, dragging moves the view, a double click shows all.');
   stage.append(tip, empty);
-  /** Takes a new list of frames; another run in the same folder begins anew. */
-  const update = anew => {
+  /** Takes a new list of frames; another run in the same folder resets the view. */
+  const update = restarted => {
     const { times, fields } = parts.frames;
-    if (anew) {
+    if (restarted) {
       store.reset(); painted = '';
       Object.assign(state, { frame: 0, field: fields.length ? 0 : -1, selected: -1, zoom: 1, centre: null, chains: [], next: 0 });
       onPick(-1);
@@ -487,9 +487,9 @@ const view = (() => {
   const received = {
     setup(value) { parts.setup = value; drawFacts(); },
     frames(value) {
-      const anew = value.generation !== parts.frames.generation || value.times.length < parts.frames.times.length || !store.mesh && value.times.length > 0 && !parts.frames.times.length;
+      const restarted = value.generation !== parts.frames.generation || value.times.length < parts.frames.times.length || !store.mesh && value.times.length > 0 && !parts.frames.times.length;
       parts.frames = value;
-      mesh.update(anew);
+      mesh.update(restarted);
       if (chosen.cell >= 0) readTrace();
     },
     status(value) { parts.status = value; drawHead(); drawCharts(); },

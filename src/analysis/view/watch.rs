@@ -134,8 +134,8 @@ impl FolderWatch {
         let files = if path.is_file() { frames::series(&path)? } else { Vec::new() };
         let times: Vec<f64> = files.iter().map(|file| file.0).collect();
         let first = files.first().and_then(|file| stamp(&file.1));
-        let begins_anew = first != self.series.1 || !times.starts_with(&self.series.0);
-        let generation = self.store.set_files(files, self.sums.clone(), begins_anew);
+        let is_restarted = first != self.series.1 || !times.starts_with(&self.series.0);
+        let generation = self.store.set_files(files, self.sums.clone(), is_restarted);
         self.series = (times, first);
         let mesh = if self.series.0.is_empty() { None } else { Some(self.store.mesh().map_err(|why| why.reason)?) };
         self.post_frames(generation, mesh.as_deref());
