@@ -66,6 +66,22 @@ impl ViewProcess {
         self.send(&[&format!("GET {}{path} HTTP/1.1", self.path), &format!("Host: {}", self.host)])
     }
 
+    /// Opens the stream of events.
+    fn events(&self) -> impl Iterator<Item = (String, Value)> + use<> {
+        let mut stream = self.connect();
+        let request = format!("GET {}events HTTP/1.1\r\nHost: {}\r\n\r\n", self.path, self.host);
+        stream.write_all(request.as_bytes()).expect("sent");
+        let mut event = String::new();
+        BufReader::new(stream).lines().filter_map(move |line| {
+            let line = line.expect("text");
+            if let Some(name) = line.strip_prefix("event: ") {
+                name.clone_into(&mut event);
+            }
+            let data = line.strip_prefix("data: ")?;
+            Some((event.clone(), serde_json::from_str(data).expect("JSON")))
+        })
+    }
+
     fn status(&self, lines: &[&str]) -> u16 {
         self.send(lines).0
     }
@@ -161,6 +177,9 @@ fn frames_are_those_of_the_run() {
         revolve(&["run", "input/taylor_copper.inp", "-q", "-o", out, "-s", "nr=3", "-s", "nz=12"]).status.success()
     );
     let view = ViewProcess::start(&["view", out]);
+    assert!(
+        view.events().any(|(event, data)| event == "frames" && data["times"].as_array().is_some_and(|t| t.len() == 21))
+    );
     let mesh = words(&view.get("mesh").2);
     let [points, cells] = [mesh[0], mesh[1]].map(|n| u32::from_le_bytes(n) as usize);
     assert_eq!((points, cells, mesh.len()), (4 * 13, 36, 2 + 6 * 36));
@@ -191,24 +210,19 @@ fn events_arrive_while_a_run_writes() {
     let folder = tempfile::tempdir().expect("a folder");
     let deck = ["run", "input/taylor_copper.inp", "-s", "nr=16", "-s", "nz=80", "--view", "-o"];
     let mut view = ViewProcess::start(&[&deck[..], &[name(folder.path())]].concat());
-    let mut stream = view.connect();
-    let request = format!("GET {}events HTTP/1.1\r\nHost: {}\r\n\r\n", view.path, view.host);
-    stream.write_all(request.as_bytes()).expect("sent");
-    let (mut event, mut lengths, mut seen) = (String::new(), Vec::new(), Vec::new());
-    for line in BufReader::new(stream).lines().map(|line| line.expect("text")) {
-        if let Some(name) = line.strip_prefix("event: ") {
-            name.clone_into(&mut event);
-            seen.push(event.clone());
-        }
-        let Some(data) = line.strip_prefix("data: ") else { continue };
-        let data: Value = serde_json::from_str(data).expect("JSON");
+    let (mut lengths, mut seen) = (Vec::new(), Vec::new());
+    for (event, data) in view.events() {
         match event.as_str() {
             "frames" => lengths.push(data["times"].as_array().expect("times").len()),
             "setup" => assert!(data["ledger"]["effects"].is_array() && data["materials"][0] == "COPPER", "{data}"),
             "faults" => assert_eq!(data, Value::Array(Vec::new())),
-            "run" if data["summary"]["status"] == "completed" => break,
+            "run" if data["summary"]["status"] == "completed" => {
+                seen.push(event);
+                break;
+            }
             _ => {}
         }
+        seen.push(event);
     }
     for name in ["setup", "status", "progress", "frames", "run", "warnings"] {
         assert!(seen.iter().any(|event| event == name), "{name} {seen:?}");
