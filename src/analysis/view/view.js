@@ -43,7 +43,7 @@ const store = {
     if (!old && !shape) return this.read(frame, field);
     const [positions, values, hidden] = new Uint32Array(bytes, 0, 3);
     const found = old || { positions: new Float32Array(bytes, 12, positions), hidden: new Uint8Array(bytes, 12 + 4 * (positions + values), hidden), values: new Map() };
-    if (field >= 0) found.values.set(field, this.take(new Float32Array(bytes, 12 + 4 * positions, values), field));
+    if (field >= 0) found.values.set(field, this.take(new Float32Array(bytes, 12 + 4 * positions, values), field, found.hidden));
     if (!old) this.extend(found.positions);
     this.kept.delete(frame); this.kept.set(frame, found);
     this.bytes += bytes.byteLength;
@@ -54,12 +54,14 @@ const store = {
     }
     return found;
   },
-  /** Marks numbers that are no values, and extends the range of the field. */
-  take(values, field) {
+  /** Marks numbers that are no values, and extends the range of the field, without deleted elements. */
+  take(values, field, hidden) {
+    const skips = hidden.length > 0 && parts.frames.fields[field].on_cells;
     let low = Infinity, high = -Infinity;
     for (let i = 0; i < values.length; i++) {
       const v = values[i];
       if (!Number.isFinite(v)) { values[i] = NO_VALUE; continue; }
+      if (skips && hidden[i]) continue;
       if (v < low) low = v;
       if (v > high) high = v;
     }
