@@ -21,3 +21,7 @@ pub mod explain;
 #[allow(missing_docs)]
 pub mod report;
 pub mod study;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+#[allow(missing_docs)]
+pub mod view;

@@ -58,6 +58,8 @@ impl HeadlessBrowser {
             .args(["-c", "p=$1 t=$2 f=$3; shift 3; exec \"$p\" \"$@\" 3<\"$t\" 4>\"$f\"", "sh", name])
             .args([&to, &from])
             .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"])
+            // WebGL without a graphics processor.
+            .args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
             .args(["--hide-scrollbars", "--remote-debugging-pipe"])
             .arg(format!("--user-data-dir={}", folder.path().join("profile").display()))
             .stderr(Stdio::null())
@@ -74,8 +76,13 @@ impl HeadlessBrowser {
         Some(browser)
     }
 
-    /// Opens a page; `fragment` is the part of the address after `#`.
+    /// Opens the page of a file; `fragment` is the part of the address after `#`.
     pub fn open(&mut self, page: &Path, fragment: &str, view: PageView) {
+        self.open_address(&format!("file://{}{fragment}", page.display()), view);
+    }
+
+    /// Opens the page of an address.
+    pub fn open_address(&mut self, address: &str, view: PageView) {
         let PageView { width, dark } = view;
         let metrics = json!({"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": false});
         self.ask("Emulation.setDeviceMetricsOverride", metrics);
@@ -85,7 +92,7 @@ impl HeadlessBrowser {
         // A change of the fragment alone would not reload the page.
         self.go("about:blank");
         (self.requests, self.errors) = (Vec::new(), Vec::new());
-        self.go(&format!("file://{}{fragment}", page.display()));
+        self.go(address);
         self.requests.remove(0);
     }
 

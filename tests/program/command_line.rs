@@ -20,7 +20,18 @@ fn run_writes_complete_files_with_stable_keys() {
     let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
     let keys: Vec<_> = summary.as_object().expect("an object").keys().cloned().collect();
     let expected = [
-        "status", "steps", "limits", "history", "energy", "digest", "rests", "ledger", "scene", "timing", "deck",
+        "status",
+        "steps",
+        "limits",
+        "history",
+        "energy",
+        "digest",
+        "rests",
+        "ledger",
+        "scene",
+        "materials",
+        "timing",
+        "deck",
         "version",
     ];
     assert_eq!(keys, expected);
@@ -195,6 +206,7 @@ fn commands_have_the_shared_options() {
         "resistance",
         "material",
         "chart",
+        "view",
         "new",
         "completions",
         "man",

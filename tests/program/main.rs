@@ -37,5 +37,6 @@ mod study_effects;
 mod supply;
 mod tidy;
 mod tutorial;
+mod view;
 mod vtk;
 mod watching;

@@ -13,6 +13,7 @@ use crate::common::project;
 /// right. Cargo keeps the crates apart: `numerics` does not depend on decks and models.
 pub const LAYERS: &[(&str, &[&str])] = &[
     ("analysis", &["command"]),
+    ("analysis", &["view"]),
     ("analysis", &["report", "study"]),
     ("analysis", &["explain"]),
     ("solver", &["job", "overview"]),

@@ -406,3 +406,33 @@ def test_parquet_samples_match_csv(tmp_path: Path) -> None:
     pandas.testing.assert_frame_equal(rows, columns, check_exact=True)
     assert len(rows) == 40
     assert 0 < rows.isna().to_numpy().sum() < 40
+
+
+def test_live_view_shows_the_page_of_a_run_and_then_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import IPython.display
+    from revolve._view import NotebookView
+
+    shown: list[object] = []
+
+    class Handle:
+        def update(self, value: object) -> None:
+            shown.append(value)
+
+    def display(value: object, display_id: bool) -> Handle:
+        assert display_id
+        shown.append(value)
+        return Handle()
+
+    monkeypatch.setattr(IPython.display, "display", display)
+    rv.Deck("input/ogive.inp").run(out=tmp_path)
+    told: list[float] = []
+    view = NotebookView(tmp_path, 300, lambda fraction, _: told.append(fraction))
+    while not shown:
+        view(0.5, "")
+    view.close()
+    page, picture = shown
+    assert page.src.startswith("http://127.0.0.1:")
+    assert "<svg" in picture.data and "PRESSURE" in picture.data
+    assert told and set(told) == {0.5}
+    with pytest.raises(TypeError, match="out="):
+        rv.Deck("input/ogive.inp").run(view=True)

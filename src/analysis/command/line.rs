@@ -8,7 +8,7 @@ use clap::{Parser, Subcommand};
 use super::words::print_err;
 use super::{
     CommandStatus, HALTED, REFUSED, chart, check, explain, identify, limit, material, mesh, new, print_error, report,
-    resistance, run, scatter, shell, study, sweep,
+    resistance, run, scatter, shell, study, sweep, view,
 };
 
 /// Axisymmetric explicit finite-element code for ABAQUS-style decks with user subroutines.
@@ -38,6 +38,7 @@ enum ProgramCommand {
     Resistance(resistance::ResistanceCommand),
     Material(material::MaterialCommand),
     Chart(chart::ChartCommand),
+    View(view::ViewCommand),
     New(new::NewCommand),
     Mesh(mesh::MeshCommand),
     Completions(shell::CompletionsCommand),
@@ -78,6 +79,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandSta
         ProgramCommand::Resistance(resistance) => resistance.execute(),
         ProgramCommand::Material(material) => material.execute(),
         ProgramCommand::Chart(chart) => chart.execute(),
+        ProgramCommand::View(view) => view.execute(),
         ProgramCommand::New(new) => new.execute(),
         ProgramCommand::Mesh(mesh) => mesh.execute(),
         ProgramCommand::Completions(completions) => completions.execute::<ProgramArguments>(),

@@ -25,6 +25,7 @@ pub mod study;
 pub mod sweep;
 pub mod threads;
 mod uncertainty;
+pub mod view;
 mod watchdog;
 pub mod words;
 

@@ -21,6 +21,7 @@ use crate::study::quantity::{FinishedRun, Quantity};
 use crate::study::settings::ModelEdit;
 use crate::study::uncertainty::{ModelTraits, RunCertificate};
 use crate::user::{Routines, host};
+use crate::view::JobView;
 use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
@@ -28,6 +29,7 @@ use serde::Serialize;
 use super::options::{CurvedOption, FolderOption, OutputOptions, ThreadOption};
 use super::progress::{self, RunBar};
 use super::uncertainty::{EstimatedRun, UncertaintyOptions};
+use super::view::{self, ViewOption};
 use super::watchdog::Watchdog;
 use super::words::{self, print_err, print_out};
 use super::{CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings};
@@ -96,6 +98,8 @@ pub struct RunCommand {
     /// Print the run time of each effect.
     #[arg(long)]
     profile: bool,
+    #[command(flatten)]
+    view: ViewOption,
 }
 
 /// Parses a checkpoint interval in seconds, minutes, hours or increments.
@@ -144,6 +148,7 @@ impl RunCommand {
             print_out!("{}", prepared.plan.ledger.render(false));
         }
         self.announce_output(&mut prepared, &job, from.is_some())?;
+        let mut view = self.view.open(&job, &prepared, self.is_silent())?;
         let signal = watch_signals()?;
         // The run takes the state itself, without a copy, which could be large.
         let state = Some(std::mem::take(&mut prepared.state));
@@ -157,7 +162,7 @@ impl RunCommand {
             frames,
             ..JobOptions::default()
         };
-        let summary = run(&prepared, &job, options, &signal, self.is_silent())?;
+        let summary = run(&prepared, &job, options, (&signal, self.is_silent(), view.as_mut()))?;
         print_messages(&summary.messages, self.is_silent());
         if !self.is_silent() {
             outcome::print(&summary, &job, frames, self.profile);
@@ -177,6 +182,9 @@ impl RunCommand {
             certificate.conclusions.iter().for_each(|line| print_out!("{line}"));
         } else {
             values.iter().for_each(|(text, value)| print_value(text, value));
+        }
+        if let Some(view) = &view {
+            view::serve_until_closed(view, &signal, self.is_silent());
         }
         let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
         let end = print_end(&summary, &job, frames, signal);
@@ -332,8 +340,7 @@ fn run(
     prepared: &PreparedJob,
     job: &output::JobFiles,
     options: JobOptions<'_>,
-    signal: &AtomicUsize,
-    quiet: bool,
+    (signal, quiet, mut view): (&AtomicUsize, bool, Option<&mut JobView>),
 ) -> Result<RunSummary, JobError> {
     let mut bar = RunBar::new(quiet);
     let above = bar.handle();
@@ -342,7 +349,12 @@ fn run(
             above.suspend(|| print_err!("warning: {text}"));
         }
     };
-    let mut follow = |progress: &Progress<'_>| bar.follow(progress);
+    let mut follow = |progress: &Progress<'_>| {
+        bar.follow(progress);
+        if let Some(view) = view.as_deref_mut() {
+            view.report_progress(progress);
+        }
+    };
     // Run as one thread of the pool: calls from outside the pool would wait in each pass over the elements.
     let position = RunPosition::default();
     let options = JobOptions { warn: Some(&warn), position: Some(&position), ..options };

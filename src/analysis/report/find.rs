@@ -134,6 +134,22 @@ fn is_run(path: &Path) -> bool {
 
 /// Reads the existing files of a run.
 fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<ReportRun, String> {
+    let mut run = run_without_frames(folder, name, sums)?;
+    let list = folder.join(format!("{name}.pvd"));
+    if list.is_file() {
+        sums.verify(&list)?;
+        let series = frames::series(&list)?;
+        let scene = run.summary.get("scene").cloned().unwrap_or_default();
+        run.meridian = frames::pack(&series, &scene, (&UnitNames::of(&run.summary), sums), &mut run.notes)?;
+    }
+    if run.meridian.is_none() {
+        run.notes.push("there are no frames: the deck requests no field output".into());
+    }
+    Ok(run)
+}
+
+/// Reads the existing files of a run except its frames.
+pub(crate) fn run_without_frames(folder: &Path, name: &str, sums: &Checksums) -> Result<ReportRun, String> {
     let file = |ending: &str| folder.join(format!("{name}{ending}"));
     let mut run = ReportRun { name: name.to_owned(), ..ReportRun::default() };
     if !sums.has(&file(".pvd")) && !sums.has(&file(HISTORY)) {
@@ -159,15 +175,6 @@ fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<ReportRun, String>
     run.columns.truncate(COLUMNS);
     let limits = run.summary.as_object_mut().and_then(|s| s.shift_remove("limits")).unwrap_or_default();
     run.charts.extend(limits::chart(&limits, &UnitNames::of(&run.summary)));
-    if file(".pvd").is_file() {
-        sums.verify(&file(".pvd"))?;
-        let series = frames::series(&file(".pvd"))?;
-        let scene = run.summary.get("scene").cloned().unwrap_or_default();
-        run.meridian = frames::pack(&series, &scene, (&UnitNames::of(&run.summary), sums), &mut run.notes)?;
-    }
-    if run.meridian.is_none() {
-        run.notes.push("there are no frames: the deck requests no field output".into());
-    }
     Ok(run)
 }
 

@@ -38,8 +38,12 @@ pub struct FrameData {
     pub deleted: Vec<bool>,
     /// Element number of each cell in the deck; empty if the file has none.
     pub elements: Vec<i32>,
+    /// Material number of each cell, counted from 1; empty if the file has none.
+    pub materials: Vec<i32>,
     /// Scalar fields: name, whether on cells, values.
     pub scalars: Vec<(String, bool, Vec<f64>)>,
+    /// Name of the array of the file from which each scalar field was made.
+    pub arrays: Vec<String>,
 }
 
 /// Reads the times and files of a series.
@@ -61,13 +65,26 @@ pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
 }
 
 pub fn read(time: f64, path: &Path, sums: &Checksums) -> Result<FrameData, String> {
+    read_arrays(time, path, sums, &|_| true)
+}
+
+/// Reads a frame with the arrays whose names `wanted` accepts, and those that its shape needs.
+pub fn read_arrays(
+    time: f64,
+    path: &Path,
+    sums: &Checksums,
+    wanted: &dyn Fn(&str) -> bool,
+) -> Result<FrameData, String> {
     sums.verify(path)?;
     let wrong = |e: String| format!("{}: {e}", path.display());
     let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
-    let mesh = vtk_file::read(path, |_| true).map_err(wrong)?;
-    let mut scalars = Vec::new();
+    let is_reference = text.contains(REFERENCE);
+    let needed = |name: &str| name == BLANKING || name == "U" && is_reference || wanted(name);
+    let mesh = vtk_file::read(path, &needed).map_err(wrong)?;
+    let (mut scalars, mut arrays) = (Vec::new(), Vec::new());
     for (name, values) in mesh.point_arrays.iter().filter(|array| !EntityLabels::is_name(&array.0)) {
         scalars.extend(split(name, values, mesh.points.len(), &text).into_iter().map(|(n, v)| (n, false, v)));
+        arrays.resize(scalars.len(), name.clone());
     }
     let mut deleted = Vec::new();
     for (name, values) in mesh.cell_arrays.iter().filter(|array| !EntityLabels::is_name(&array.0)) {
@@ -76,18 +93,22 @@ pub fn read(time: f64, path: &Path, sums: &Checksums) -> Result<FrameData, Strin
             continue;
         }
         scalars.extend(split(name, values, mesh.cells.len(), &text).into_iter().map(|(n, v)| (n, true, v)));
+        arrays.resize(scalars.len(), name.clone());
     }
     let around = |cell: Vec<usize>| match cell[..] {
         [a, b, c, ab, bc, ca] => vec![a, ab, b, bc, c, ca],
         _ => cell,
     };
-    let moved = mesh.point_arrays.iter().find(|(name, _)| name == "U" && text.contains(REFERENCE));
+    let moved = mesh.point_arrays.iter().find(|(name, _)| name == "U" && is_reference);
     let shift = |i: usize| moved.map_or([0.0; 2], |(_, values)| [values[3 * i], values[3 * i + 1]]);
     let places = mesh.points.iter().enumerate().map(|(i, p)| [p[0] + shift(i)[0], p[1] + shift(i)[1]]).collect();
-    let numbers = mesh.cell_arrays.iter().find(|(name, _)| name == "ELEMENT");
-    let elements = numbers.map_or_else(Vec::new, |(_, values)| values.iter().map(|v| *v as i32).collect());
+    let labels = |label: &str| {
+        let found = mesh.cell_arrays.iter().find(|(name, _)| name == label);
+        found.map_or_else(Vec::new, |(_, values)| values.iter().map(|v| *v as i32).collect::<Vec<_>>())
+    };
+    let (elements, materials) = (labels("ELEMENT"), labels("MATERIAL"));
     let cells = mesh.cells.into_iter().map(around).collect();
-    Ok(FrameData { time, points: places, cells, deleted, elements, scalars })
+    Ok(FrameData { time, points: places, cells, deleted, elements, materials, scalars, arrays })
 }
 
 fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
@@ -134,7 +155,7 @@ fn component_names(name: &str, parts: usize, text: &str) -> Vec<String> {
 }
 
 /// Returns the sort rank of a field: the most common fields come first.
-fn rank(name: &str) -> usize {
+pub fn rank(name: &str) -> usize {
     const FIRST: [&str; 9] = ["S_MISES", "MISES", "PEEQ", "PRESSURE", "|V|", "V2", "|U|", "TEMP", "STATUS"];
     FIRST.iter().position(|f| *f == name).unwrap_or(FIRST.len())
 }
@@ -179,9 +200,14 @@ pub fn pack(
     Ok(Some(meridian))
 }
 
+/// Returns whether a field on cells belongs to the facets of rigid bodies; the others belong to elements.
+pub fn is_facet_field(name: &str) -> bool {
+    ["PRESSURE", "NORMAL_VELOCITY", "LAYER"].contains(&name)
+}
+
 /// Returns whether a frame has the mesh of the first frame; the cells of deleted elements, collapsed to a point, are
 /// ignored.
-fn is_same_mesh(first: &FrameData, frame: &FrameData) -> bool {
+pub fn is_same_mesh(first: &FrameData, frame: &FrameData) -> bool {
     let gone = |cell: usize| frame.deleted.get(cell).copied().unwrap_or(false);
     let mut cells = first.cells.iter().zip(&frame.cells).enumerate();
     let alike = cells.all(|(i, (a, b))| a == b || gone(i) && a.len() == b.len());

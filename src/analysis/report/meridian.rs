@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::frames::{self, CELLS, FrameData};
+use super::frames::{self, CELLS, FrameData, is_facet_field};
 use super::mesh::{bounds, drawn};
 use super::picture::missing;
 use super::units::UnitNames;
@@ -207,7 +207,7 @@ impl FramePicture {
         let there = |cell: usize| !frame.deleted.get(cell).copied().unwrap_or(false);
         let mean = |corners: &[usize]| corners.iter().map(|&p| values[p]).sum::<f64>() / corners.len() as f64;
         // Element fields are zero on the facets of rigid bodies, and facet fields on deformable elements.
-        let of_facets = ["PRESSURE", "NORMAL_VELOCITY", "LAYER"].contains(&field.as_str());
+        let of_facets = is_facet_field(field);
         let belongs = |corners: usize| !on_cells || (corners == 2) == of_facets;
         let at_nodes = (options.smooth && *on_cells)
             .then(|| node_means(frame, values, |cell| there(cell) && belongs(frame.cells[cell].len())));

@@ -8,26 +8,28 @@ mod compare;
 pub mod data;
 pub mod filter;
 mod find;
-mod frames;
+pub(crate) mod frames;
 mod history;
 mod html;
 mod labels;
-mod limits;
+pub(crate) mod limits;
 pub mod meridian;
 mod mesh;
 pub mod picture;
 mod search;
 mod study;
 mod sweep;
-mod units;
+pub(crate) mod units;
 
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 pub use find::page as gather_with;
+pub(crate) use find::{only_run, run_without_frames};
 pub use frames::{BYTES, CELLS, FRAMES};
 pub use html::html;
+pub(crate) use html::{PageContents, SHARED_SCRIPT, STYLE};
 pub use labels::QuantityLabels;
 
 use crate::study::table::rounded;

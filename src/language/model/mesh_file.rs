@@ -24,7 +24,7 @@ fn read_any(path: &Path) -> Result<MeshFile, (String, Option<&'static str>)> {
     match ending.as_deref() {
         Some("msh") => text().and_then(|t| gmsh_file::parse(&t)).map_err(|why| (why, None)),
         Some("inp") => text().and_then(|t| inp_file::parse(&t)).map_err(|why| (why, None)),
-        _ => read(path, is_recognized_array).map_err(|why| (why, Some(RESAVE))),
+        _ => read(path, &is_recognized_array).map_err(|why| (why, Some(RESAVE))),
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::mesh_data::MeshFile;
 
 /// Returns an error for every file.
-pub fn read(_path: &Path, _wanted: fn(&str) -> bool) -> Result<MeshFile, String> {
+pub fn read(_path: &Path, _wanted: &dyn Fn(&str) -> bool) -> Result<MeshFile, String> {
     Err("this build cannot read mesh files: the feature `mesh-files` is off".into())
 }
 

@@ -36,7 +36,7 @@ pub fn silence_caught_panics() {
 ///
 /// # Errors
 /// The reason if the file is damaged or not supported.
-pub fn read(path: &Path, wanted: fn(&str) -> bool) -> Result<MeshFile, String> {
+pub fn read(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<MeshFile, String> {
     if path.metadata().is_ok_and(|file| file.len() > MAX_BYTES) {
         return Err(format!("the file is larger than {} GB", MAX_BYTES >> 30));
     }

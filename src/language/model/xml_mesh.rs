@@ -115,7 +115,7 @@ const CELLS: [(&[u8], &str); 5] = [
 ///
 /// # Errors
 /// The reason if the file is damaged or not supported.
-pub(super) fn parse(bytes: &[u8], wanted: fn(&str) -> bool) -> Result<(MeshFile, Vec<u8>), String> {
+pub(super) fn parse(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<(MeshFile, Vec<u8>), String> {
     let file = XmlMesh::scan(bytes)?;
     let values = file.decode(b"Points", "", file.points, 3, &file.mesh_budget)?;
     let points = values.as_chunks::<3>().0.to_vec();
@@ -249,7 +249,12 @@ impl<'a> XmlMesh<'a> {
         Ok(())
     }
 
-    fn data(&self, section: &[u8], count: usize, wanted: fn(&str) -> bool) -> Result<Vec<(String, Vec<f64>)>, String> {
+    fn data(
+        &self,
+        section: &[u8],
+        count: usize,
+        wanted: &dyn Fn(&str) -> bool,
+    ) -> Result<Vec<(String, Vec<f64>)>, String> {
         let read = |entry: &ArrayEntry<'_>| {
             let values =
                 if wanted(&entry.name) { self.values(entry, count as u64, &self.data_budget)? } else { Vec::new() };

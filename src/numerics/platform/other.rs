@@ -3,6 +3,7 @@
 use std::fs::{File, FileType, OpenOptions};
 use std::io;
 use std::path::Path;
+use std::process::Command;
 
 /// Returns default options: only Unix has a flag for opening a file without waiting.
 pub fn without_waiting() -> OpenOptions {
@@ -54,4 +55,11 @@ pub fn memory_of_machine() -> Option<u128> {
 #[cfg(feature = "disk-space")]
 pub fn free_space(_folder: &Path) -> Option<u64> {
     None
+}
+
+/// Returns the command that opens an address in the user's browser.
+pub fn browser_command(address: &str) -> Option<Command> {
+    let mut command = Command::new("explorer");
+    command.arg(address);
+    Some(command)
 }

@@ -4,6 +4,7 @@ use std::fs::{DirBuilder, File, FileType, OpenOptions};
 use std::io;
 use std::os::unix::fs::{DirBuilderExt as _, FileTypeExt as _, MetadataExt as _, OpenOptionsExt as _};
 use std::path::Path;
+use std::process::Command;
 
 /// Returns options that open a pipe without waiting for its other end.
 pub fn without_waiting() -> OpenOptions {
@@ -71,4 +72,16 @@ pub fn memory_of_machine() -> Option<u128> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let kilobytes = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?.trim().trim_end_matches("kB");
     Some(1024 * kilobytes.trim().parse::<u128>().ok()?)
+}
+
+/// Returns the command that opens an address in the user's browser; `None` without a display.
+pub fn browser_command(address: &str) -> Option<Command> {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let (is_mac, has_display) = (cfg!(target_os = "macos"), is_set("DISPLAY") || is_set("WAYLAND_DISPLAY"));
+    if !is_mac && !has_display {
+        return None;
+    }
+    let mut command = Command::new(if is_mac { "open" } else { "xdg-open" });
+    command.arg(address);
+    Some(command)
 }

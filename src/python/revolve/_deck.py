@@ -19,12 +19,15 @@ from ._progress import Progress
 from ._report import Ledger
 from ._run import Run
 from ._study import Limit, Study
+from ._view import NotebookView
 
 User = str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None
 """User subroutine files: Fortran, C or shared libraries."""
 Value = float | int | str
 """A value of a ``*PARAMETER``."""
 
+_VIEW_HEIGHT = 900
+"""Height of the live view in a notebook, in pixels."""
 _KNOWN = 8
 """Largest number of evaluators that a deck caches."""
 
@@ -89,6 +92,7 @@ class Deck:
         frames: bool = True,
         out: str | os.PathLike[str] | None = None,
         progress: Progress = None,
+        view: bool = False,
         check: bool = True,
         **parameters: Value,
     ) -> Run:
@@ -96,15 +100,21 @@ class Deck:
 
         ``user`` gives user subroutine files, ``load`` a load function in Python (see
         :data:`revolve._load.LoadFunction`) or the address of a compiled one. With ``out`` the result files are also
-        written to that folder. ``progress`` is called with the completed fraction and a text. A halted run raises
+        written to that folder. ``progress`` is called with the completed fraction and a text. ``view`` shows the run
+        in a notebook while it writes to ``out``, and afterwards a picture of its last frame. A halted run raises
         :class:`HaltedError` unless ``check`` is false. Ctrl-C ends a run after the current increment.
         """
-        told = _progress.resolved(progress)
         folder = None if out is None else Path(out)
+        if view and folder is None:
+            raise TypeError("Deck.run: view=True needs a result folder, out=")
+        told = _progress.resolved(progress)
+        live = NotebookView(folder, _VIEW_HEIGHT, told) if view and folder and _progress.in_notebook() else None
         arguments = (_settings(parameters), _compiled(user), _load.resolved(load), _threads.resolved(threads))
         try:
-            found = Run(self.name, self._deck.run(*arguments, frames, folder, told))
+            found = Run(self.name, self._deck.run(*arguments, frames, folder, live or told))
         finally:
+            if live is not None:
+                live.close()
             _progress.closed(told)
         if check and found.reason is not None:
             raise HaltedError(found.reason, run=found)

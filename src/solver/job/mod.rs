@@ -63,7 +63,7 @@ pub struct PreparedJob {
     /// Text of `*HEADING`; empty without one.
     pub title: String,
     /// Targets without a mesh and analytical planes, for pictures.
-    scene: SceneOutline,
+    pub scene: SceneOutline,
     /// Names of the units, if the deck has `*UNITS`.
     pub units: Option<DeckUnits>,
     /// Whether user subroutines are present.
@@ -227,6 +227,9 @@ pub struct RunSummary {
     /// Names of the units, if the deck has `*UNITS`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub units: Option<DeckUnits>,
+    /// Names of the materials; the array MATERIAL of frames has their numbers, counted from 1.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<String>,
     /// Number of increments, and wall-clock times.
     pub timing: RunTiming,
     /// Title, files and parameters of the deck.
@@ -677,6 +680,7 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         diagnostics: prepared.diagnostics.findings(&deck.sources),
         scene: prepared.scene.clone(),
         units: prepared.units.clone(),
+        materials: prepared.plan.labels.material_names().to_vec(),
         timing: RunTiming {
             increments: outcome.increments,
             seconds: outcome.seconds,

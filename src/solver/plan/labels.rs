@@ -51,6 +51,11 @@ impl FrameLabels {
         index.checked_sub(1).and_then(|m| self.material_names.get(m)).map_or("", String::as_str)
     }
 
+    /// Returns the names of the materials in the order of their numbers in frames.
+    pub fn material_names(&self) -> &[String] {
+        &self.material_names
+    }
+
     /// Returns the labels of the points and cells of a frame, given their mesh nodes and elements.
     pub fn of_frame(&self, mesh: &Mesh, nodes: &[usize], elements: &[usize]) -> (Vec<EntityLabels>, Vec<EntityLabels>) {
         let label = |name: &str, values: Vec<i32>| EntityLabels { name: name.into(), values };
