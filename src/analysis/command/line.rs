@@ -7,8 +7,8 @@ use clap::{Parser, Subcommand};
 
 use super::words::print_err;
 use super::{
-    CommandStatus, HALTED, REFUSED, chart, check, explain, identify, limit, material, mesh, new, print_error, report,
-    resistance, run, scatter, shell, study, sweep,
+    CommandStatus, HALTED, REFUSED, chart, check, explain, identify, limit, lsp, material, mesh, new, print_error,
+    report, resistance, run, scatter, shell, study, sweep,
 };
 
 /// Axisymmetric explicit finite-element code for ABAQUS-style decks with user subroutines.
@@ -40,6 +40,7 @@ enum ProgramCommand {
     Chart(chart::ChartCommand),
     New(new::NewCommand),
     Mesh(mesh::MeshCommand),
+    Lsp(lsp::LspCommand),
     Completions(shell::CompletionsCommand),
     Man(shell::ManCommand),
 }
@@ -80,6 +81,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandSta
         ProgramCommand::Chart(chart) => chart.execute(),
         ProgramCommand::New(new) => new.execute(),
         ProgramCommand::Mesh(mesh) => mesh.execute(),
+        ProgramCommand::Lsp(lsp) => lsp.execute(),
         ProgramCommand::Completions(completions) => completions.execute::<ProgramArguments>(),
         ProgramCommand::Man(man) => man.execute::<ProgramArguments>(),
     };
