@@ -196,6 +196,7 @@ fn commands_have_the_shared_options() {
         "material",
         "chart",
         "new",
+        "lsp",
         "completions",
         "man",
     ];

@@ -156,7 +156,8 @@ pub struct DocumentDiagnostic {
     pub range: TextRange,
     /// Its level.
     pub severity: DiagnosticLevel,
-    /// Code, explained by `revolve explain CODE`.
+    /// Code, explained by `revolve explain CODE`; empty if the check itself failed.
+    #[serde(skip_serializing_if = "str::is_empty")]
     pub code: &'static str,
     /// Name of the program.
     pub source: &'static str,

@@ -39,7 +39,7 @@ impl FileDiagnostic {
             path: root.to_owned(),
             range: TextRange::default(),
             severity: Severity::Error,
-            code: "D000",
+            code: "",
             message: "the check of this deck failed inside the program; please report it".into(),
             related: Vec::new(),
             correction: None,

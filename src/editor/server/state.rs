@@ -1,5 +1,6 @@
 //! State of a session: open files, checked decks, and the messages to send.
 
+use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -89,7 +90,7 @@ impl ServerState {
         let opened = params.text_document;
         let key = path_of_document(&opened.uri);
         let text = TextBuffer::new(&opened.text);
-        let has_step = opened.text.lines().any(|line| line.trim_start().to_ascii_lowercase().starts_with("*step"));
+        let has_step = has_keyword(&text, "*step");
         self.documents.open.insert(key.clone(), Document { uri: opened.uri, version: opened.version, text });
         self.mark_edited(&key);
         if !has_step && let Some(deck) = find_including_deck(&key).filter(|deck| may_read(deck, &key)) {
@@ -238,7 +239,11 @@ impl ServerState {
         for document in self.documents.open.values() {
             wanted.entry(document.uri.clone()).or_default();
         }
-        let uri = |path: &Path| self.documents.uri(path);
+        let uris = RefCell::new(HashMap::new());
+        let uri = |path: &Path| -> String {
+            let mut uris = uris.borrow_mut();
+            uris.entry(path.to_owned()).or_insert_with(|| self.documents.uri(path)).clone()
+        };
         for root in self.roots.values() {
             let is_foreign = is_foreign(self.options.mode, &root.diagnostics);
             for diagnostic in &root.diagnostics {
@@ -282,4 +287,10 @@ impl ServerState {
             root.diagnostics.iter().filter(move |d| path_key(&d.path) == key).map(move |d| (d, is_foreign))
         })
     }
+}
+
+/// Returns whether a text has a keyword line that begins with a lower-case text.
+fn has_keyword(text: &TextBuffer, begin: &str) -> bool {
+    let is_wanted = |line: &str| line.trim_start().get(..begin.len()).is_some_and(|head| head.eq_ignore_ascii_case(begin));
+    text.blocks().any(|(_, block)| block.keywords().iter().any(|line| is_wanted(block.line(*line as usize))))
 }
