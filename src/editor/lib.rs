@@ -16,4 +16,4 @@ mod server;
 mod text;
 
 pub use server::{EditorError, serve};
-pub use text::{Encoding, Position, TextBuffer, TextRange};
+pub use text::{ColumnEncoding, TextBuffer, TextPosition, TextRange};

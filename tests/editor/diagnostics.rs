@@ -14,12 +14,12 @@ use crate::common::faulty_decks::{BAR, DOUBTFUL, TRIFLES, WRONG, changed};
 use crate::common::project;
 
 /// Code, and first and last line and column.
-type Place = (String, [u64; 4]);
+type DiagnosticPlace = (String, [u64; 4]);
 
 /// Returns the places of the diagnostics of `check` by path; the columns count UTF-16 units.
-fn checked(prepared: &PreparedJob) -> BTreeMap<PathBuf, Vec<Place>> {
+fn checked(prepared: &PreparedJob) -> BTreeMap<PathBuf, Vec<DiagnosticPlace>> {
     let sources = &prepared.deck.sources;
-    let mut found: BTreeMap<PathBuf, Vec<Place>> = BTreeMap::new();
+    let mut found: BTreeMap<PathBuf, Vec<DiagnosticPlace>> = BTreeMap::new();
     for diagnostic in prepared.diagnostics.iter() {
         let label = diagnostic.labels.first().filter(|label| sources.file(label.span).is_some());
         let file = label.and_then(|label| sources.file(label.span)).unwrap_or(&sources.files()[0]);
@@ -55,7 +55,7 @@ fn assert_file_like_check(client: &mut EditorClient, path: &Path) {
     for (file, list) in &wanted {
         let file = file.canonicalize().unwrap_or(file.clone());
         let sorted = |found: &[Value]| {
-            let mut places: Vec<Place> = found.iter().map(place).collect();
+            let mut places: Vec<DiagnosticPlace> = found.iter().map(place).collect();
             places.sort();
             places.dedup();
             places
@@ -160,6 +160,7 @@ fn quick_fixes_remove_their_diagnostics() {
         "*Parameter\\n => * units: m, kg\\n*Parameter\\n",
         "*Plastic => $ yield stress\\n*Plastic",
         " 1, 0., 0. => 1.0, 0., 0.",
+        "*Dynamic, Explicit => *Dynamic",
     ];
     for change in changes {
         let text = changed(change);

@@ -124,6 +124,18 @@ fn names_are_found_and_renamed_across_files() {
     let edits = client.request("textDocument/rename", rename("IRON")).expect("edits");
     assert_eq!(edits["changes"][&uri(&part)][0]["newText"], "IRON");
     assert_eq!(edits["changes"][&uri(&main)].as_array().map(Vec::len), Some(1));
+    // Parameters are found in definitions, expressions and fields.
+    let length = after(place_of(&text, "<length>"), 2);
+    let hover = client.ask("hover", &uri(&main), length);
+    assert!(hover["contents"]["value"].as_str().is_some_and(|text| text.contains("value 2")), "{hover}");
+    assert_eq!(client.ask("references", &uri(&main), length).as_array().map(Vec::len), Some(3));
+    let place = json!({ "line": length[0], "character": length[1] });
+    let params = json!({ "textDocument": { "uri": uri(&main) }, "position": place, "newName": "1a" });
+    assert!(client.request("textDocument/rename", params).is_err());
+    // The name of an included file leads to the file.
+    let file = client.ask("definition", &uri(&main), after(place_of(&text, "input=law.inc"), 8));
+    assert_eq!(file[0]["uri"], uri(&part));
+    assert_eq!(client.ask_file("documentLink", &uri(&main))[0]["target"], uri(&part));
     for wrong in ["", "a,b", "12", "*A"] {
         assert!(client.request("textDocument/rename", rename(wrong)).is_err(), "{wrong}");
     }

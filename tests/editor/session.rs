@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::client::EditorClient;
+use crate::client::{EditorClient, uri};
 
 #[test]
 fn session_starts_and_ends() {
@@ -42,4 +42,24 @@ fn end_of_the_stream_without_shutdown_is_an_error() {
     client.notify("textDocument/didOpen", json!({ "wrong": true }));
     client.notify("exit", Value::Null);
     assert!(client.end().is_err());
+}
+
+#[test]
+fn changes_of_files_on_disk_are_watched() {
+    let mut client = EditorClient::connect();
+    let watching = json!({ "workspace": { "didChangeWatchedFiles": { "dynamicRegistration": true } } });
+    client.request("initialize", json!({ "capabilities": watching })).expect("initialised");
+    client.notify("initialized", json!({}));
+    let request = client.receive();
+    assert_eq!(request["method"], "client/registerCapability");
+    client.send(&json!({ "jsonrpc": "2.0", "id": request["id"], "result": null }));
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path().canonicalize().expect("a folder");
+    let (main, part) = (folder.join("main.inp"), folder.join("part.inc"));
+    client.open(&uri(&main), "*Include, input=part.inc\n*Heading\n");
+    client.wait_for(&uri(&main), |found| found.iter().any(|d| d["code"] == "D002"));
+    std::fs::write(part, "*Heading\n").expect("written");
+    client.notify("workspace/didChangeWatchedFiles", json!({ "changes": [] }));
+    client.wait_for(&uri(&main), |found| found.iter().all(|d| d["code"] != "D002"));
+    assert!(client.finish().is_ok());
 }

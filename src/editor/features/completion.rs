@@ -4,11 +4,12 @@ use serde_json::{Value, json};
 
 use super::FeatureContext;
 use super::context::{CardContext, CardPart, card_context};
+use super::facts::short;
 use crate::deck::keywords::{InputRule, InputUsage, Keyword, KeywordTier, keywords};
 use crate::deck::manual::{explain_keyword_briefly, explain_rule};
 use crate::deck::name_kinds::{NameKind, field_name_kind, parameter_name_usage};
 use crate::outline::NameUse;
-use crate::text::{Position, TextRange};
+use crate::text::{TextPosition, TextRange};
 use crate::variables::{Variable, VariablePlace, manual::explain_variable};
 
 /// Kinds of completions, as the protocol numbers them.
@@ -22,11 +23,16 @@ enum ItemKind {
 }
 
 /// Returns the completions at a position.
-pub fn completions(context: &FeatureContext<'_>, position: Position) -> Vec<Value> {
+pub fn completions(context: &FeatureContext<'_>, position: TextPosition) -> Vec<Value> {
     let line = context.text.line(position.line);
     let byte = context.encoding.byte(line, position.character);
     if line[..byte].trim() == "*" || line.trim() == "*" {
         return keyword_items(context, position, to_cursor(line, byte, position, context));
+    }
+    if let Some(at) = line[..byte].rfind('<').filter(|at| !line[*at..byte].contains(['>', ',', ' '])) {
+        let start = context.encoding.width(&line[..at + 1]);
+        let range = TextRange::on_line(position.line, start, position.character);
+        return parameter_reference_items(context, range, line[byte..].starts_with('>'));
     }
     let card = card_context(context.text, position, context.encoding);
     match &card.part {
@@ -39,7 +45,7 @@ pub fn completions(context: &FeatureContext<'_>, position: Position) -> Vec<Valu
 }
 
 /// Returns the range from the first character of a line to the cursor.
-fn to_cursor(line: &str, byte: usize, position: Position, context: &FeatureContext<'_>) -> TextRange {
+fn to_cursor(line: &str, byte: usize, position: TextPosition, context: &FeatureContext<'_>) -> TextRange {
     let start = line[..byte].find('*').unwrap_or(byte);
     TextRange::on_line(position.line, context.encoding.width(&line[..start]), position.character)
 }
@@ -72,7 +78,7 @@ fn title_case(text: &str) -> String {
     text.chars().map(letter).collect()
 }
 
-fn keyword_items(context: &FeatureContext<'_>, position: Position, range: TextRange) -> Vec<Value> {
+fn keyword_items(context: &FeatureContext<'_>, position: TextPosition, range: TextRange) -> Vec<Value> {
     // The style of the line, or of the keyword before it.
     let line = context.text.line(position.line);
     let style = if line.chars().any(char::is_alphabetic) {
@@ -159,6 +165,17 @@ fn variable_places(keyword: &str, rule: &InputRule) -> &'static [VariablePlace] 
         ("ENERGY OUTPUT", _) => &[VariablePlace::Energy, VariablePlace::Part],
         _ => &[],
     }
+}
+
+/// Returns the parameters of the deck, with the closing bracket unless it is written.
+fn parameter_reference_items(context: &FeatureContext<'_>, range: TextRange, is_closed: bool) -> Vec<Value> {
+    let of = |one: &NameUse| {
+        let written = if is_closed { one.name.clone() } else { format!("{}>", one.name) };
+        let value = context.parameter_value(one).map(|value| format!(": {}", short(value)));
+        let detail = format!("parameter{}", value.unwrap_or_default());
+        item(&one.name, ItemKind::Variable, range, &written, &detail, 0)
+    };
+    context.root.outline.names.defined(NameKind::Parameter).into_iter().map(of).collect()
 }
 
 fn name_items(context: &FeatureContext<'_>, kind: NameKind, range: TextRange) -> Vec<Value> {

@@ -2,7 +2,7 @@
 
 use crate::deck::keywords::{DataShape, InputRule, Keyword, NameLookup, find_keyword, find_parameter, is_parameter};
 use crate::deck::lexer::{self, LineKind, kind, split};
-use crate::text::{Encoding, Position, TextBuffer, TextRange};
+use crate::text::{ColumnEncoding, TextBuffer, TextPosition, TextRange};
 
 /// Largest number of data lines that are read to find the layout of a line.
 const MOST_LINES: u32 = 4000;
@@ -63,7 +63,7 @@ pub struct KeywordLine {
 
 impl KeywordLine {
     /// Reads the keyword line at a line.
-    pub fn read(buffer: &TextBuffer, line: u32, encoding: Encoding) -> KeywordLine {
+    pub fn read(buffer: &TextBuffer, line: u32, encoding: ColumnEncoding) -> KeywordLine {
         let text = buffer.line(line);
         let fields = split(text, 0..text.len());
         let star = fields.ranges.first().cloned().unwrap_or(lexer::trim(text, 0..text.len()));
@@ -109,7 +109,7 @@ impl KeywordLine {
         text: &str,
         line: u32,
         ranges: impl Iterator<Item = std::ops::Range<usize>>,
-        encoding: Encoding,
+        encoding: ColumnEncoding,
     ) {
         for field in ranges.filter(|range| !range.is_empty()) {
             let equals = lexer::equals_sign(text, field.clone());
@@ -140,13 +140,13 @@ impl KeywordLine {
 }
 
 /// Returns the range of bytes of a line.
-pub fn range(text: &str, line: u32, bytes: std::ops::Range<usize>, encoding: Encoding) -> TextRange {
+pub fn range(text: &str, line: u32, bytes: std::ops::Range<usize>, encoding: ColumnEncoding) -> TextRange {
     let start = encoding.width(&text[..bytes.start]);
     TextRange::on_line(line, start, start + encoding.width(&text[bytes]))
 }
 
 /// Finds the place of a position.
-pub fn card_context(buffer: &TextBuffer, position: Position, encoding: Encoding) -> CardContext {
+pub fn card_context(buffer: &TextBuffer, position: TextPosition, encoding: ColumnEncoding) -> CardContext {
     let text = buffer.line(position.line);
     let none = |part| CardContext { keyword: None, parameters: Vec::new(), part };
     if kind(text) == LineKind::Comment {
@@ -169,7 +169,7 @@ fn continues_at(head: &KeywordLine, buffer: &TextBuffer, line: u32) -> bool {
     is_open && line == head.end && begun.starts_with(char::is_alphabetic)
 }
 
-fn keyword_part(head: &KeywordLine, buffer: &TextBuffer, position: Position, encoding: Encoding) -> CardPart {
+fn keyword_part(head: &KeywordLine, buffer: &TextBuffer, position: TextPosition, encoding: ColumnEncoding) -> CardPart {
     if position.line == head.range.start.line && position <= head.range.end {
         return CardPart::Keyword(head.range);
     }
@@ -192,7 +192,7 @@ fn keyword_part(head: &KeywordLine, buffer: &TextBuffer, position: Position, enc
     of_value.map_or(CardPart::ParameterName(here), |index| CardPart::ParameterValue(index, here))
 }
 
-fn field_part(head: &KeywordLine, buffer: &TextBuffer, position: Position, encoding: Encoding) -> CardPart {
+fn field_part(head: &KeywordLine, buffer: &TextBuffer, position: TextPosition, encoding: ColumnEncoding) -> CardPart {
     let shape = head.shape();
     let text = buffer.line(position.line);
     let byte = encoding.byte(text, position.character);
@@ -231,7 +231,7 @@ mod tests {
         "*Material, name=A\n*Plastic, hardening=JOHNSON COOK,\n rate=1\n 1., 2., 3.\n*Boundary\nS, 1, 2\n";
 
     fn part(line: u32, character: u32) -> String {
-        let context = card_context(&TextBuffer::new(DECK), Position { line, character }, Encoding::Utf16);
+        let context = card_context(&TextBuffer::new(DECK), TextPosition { line, character }, ColumnEncoding::Utf16);
         let keyword = context.keyword.map_or("", |k| k.name);
         match context.part {
             CardPart::Keyword(_) => format!("{keyword} keyword"),

@@ -5,7 +5,7 @@ use super::context::KeywordLine;
 use crate::deck::keywords::{DataShape, Keyword};
 use crate::deck::lexer::{LineKind, kind, split};
 use crate::protocol::TextEdit;
-use crate::text::{Encoding, TextBuffer, TextRange};
+use crate::text::{ColumnEncoding, TextBuffer, TextRange};
 
 /// Longest formatted line, characters.
 const LONGEST: usize = 80;
@@ -16,7 +16,7 @@ pub const MOST_LINES: u32 = 300_000;
 const FREE_TEXT: [&str; 3] = ["HEADING", "PARAMETER", "OUTPUT EXPRESSION"];
 
 /// Returns the edits that format the lines from `first` to before `last`.
-pub fn formatting_edits(buffer: &TextBuffer, first: u32, last: u32, encoding: Encoding) -> Vec<TextEdit> {
+pub fn formatting_edits(buffer: &TextBuffer, first: u32, last: u32, encoding: ColumnEncoding) -> Vec<TextEdit> {
     let mut edits = Vec::new();
     let mut line = first;
     while line < last {
@@ -38,7 +38,7 @@ fn next_run(buffer: &TextBuffer, from: u32, last: u32) -> std::ops::Range<u32> {
 }
 
 /// Returns whether the data lines of the card at a line have fields.
-fn has_columns(buffer: &TextBuffer, line: u32, encoding: Encoding) -> bool {
+fn has_columns(buffer: &TextBuffer, line: u32, encoding: ColumnEncoding) -> bool {
     let Some(head) = buffer.keyword_line_at(line).map(|at| KeywordLine::read(buffer, at, encoding)) else {
         return false;
     };
@@ -47,7 +47,7 @@ fn has_columns(buffer: &TextBuffer, line: u32, encoding: Encoding) -> bool {
     known && line >= head.end
 }
 
-fn format_run(buffer: &TextBuffer, run: &std::ops::Range<u32>, encoding: Encoding, edits: &mut Vec<TextEdit>) {
+fn format_run(buffer: &TextBuffer, run: &std::ops::Range<u32>, encoding: ColumnEncoding, edits: &mut Vec<TextEdit>) {
     let rows: Vec<(u32, &str, Vec<&str>, bool)> = run
         .clone()
         .map(|line| {
@@ -99,13 +99,13 @@ mod tests {
     fn fields_are_aligned_and_remain_the_same() {
         let deck = "*Heading\n a,b\n*Node\n1,0.,0.\n 20, 1.5,  -0.25\n** c\n*Nset, nset=\"A, b\"\n1,\n20,\n*Boundary\n\"A, b\",1\n";
         let buffer = TextBuffer::new(deck);
-        let edits = formatting_edits(&buffer, 0, buffer.line_count(), Encoding::Utf16);
+        let edits = formatting_edits(&buffer, 0, buffer.line_count(), ColumnEncoding::Utf16);
         let mut formatted = buffer.clone();
-        edits.iter().for_each(|edit| drop(formatted.replace(edit.range, &edit.new_text, Encoding::Utf16)));
+        edits.iter().for_each(|edit| drop(formatted.replace(edit.range, &edit.new_text, ColumnEncoding::Utf16)));
         assert_eq!(
             formatted.text(),
             "*Heading\n a,b\n*Node\n  1,  0.,    0.\n 20, 1.5, -0.25\n** c\n*Nset, nset=\"A, b\"\n  1,\n 20,\n*Boundary\n \"A, b\", 1\n"
         );
-        assert!(formatting_edits(&formatted, 0, formatted.line_count(), Encoding::Utf16).is_empty());
+        assert!(formatting_edits(&formatted, 0, formatted.line_count(), ColumnEncoding::Utf16).is_empty());
     }
 }

@@ -6,7 +6,7 @@ use super::FeatureContext;
 use super::facts::short;
 use crate::deck::Card;
 use crate::deck::name_kinds::NameKind;
-use crate::text::{Position, TextRange};
+use crate::text::{TextPosition, TextRange};
 
 /// Returns the hints in a range.
 pub fn inlay_hints(context: &FeatureContext<'_>, range: TextRange) -> Vec<Value> {
@@ -17,7 +17,7 @@ pub fn inlay_hints(context: &FeatureContext<'_>, range: TextRange) -> Vec<Value>
 
 fn hint(context: &FeatureContext<'_>, line: u32, label: &str) -> Value {
     let character = context.encoding.width(context.text.line(line).trim_end());
-    json!({ "position": Position { line, character }, "label": label, "paddingLeft": true })
+    json!({ "position": TextPosition { line, character }, "label": label, "paddingLeft": true })
 }
 
 fn label(context: &FeatureContext<'_>, card: &Card) -> Option<String> {

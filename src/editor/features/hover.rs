@@ -2,13 +2,14 @@
 
 use super::FeatureContext;
 use super::context::{CardPart, card_context};
+use super::facts::short;
 use crate::deck::keywords::InputRule;
 use crate::deck::manual::{explain_keyword_briefly, explain_rule};
 use crate::outline::NameUse;
-use crate::text::{Position, TextRange};
+use crate::text::{TextPosition, TextRange};
 
 /// Returns the documentation of a position as Markdown, and the range of its word.
-pub fn hover(context: &FeatureContext<'_>, position: Position) -> Option<(String, TextRange)> {
+pub fn hover(context: &FeatureContext<'_>, position: TextPosition) -> Option<(String, TextRange)> {
     let card = card_context(context.text, position, context.encoding);
     let keyword = card.keyword;
     let (text, range) = match card.part {
@@ -54,7 +55,7 @@ fn rule_text(keyword: &str, rule: &InputRule) -> String {
 }
 
 /// Adds the description of the name at a position.
-fn with_name(context: &FeatureContext<'_>, position: Position, text: String) -> String {
+fn with_name(context: &FeatureContext<'_>, position: TextPosition, text: String) -> String {
     match context.name_at(position).and_then(|one| name_text(context, one)) {
         Some(about) => format!("{about}\n\n{text}"),
         None => text,
@@ -64,12 +65,14 @@ fn with_name(context: &FeatureContext<'_>, position: Position, text: String) -> 
 fn name_text(context: &FeatureContext<'_>, one: &NameUse) -> Option<String> {
     let outline = &context.root.outline;
     let defined = outline.names.same_as(one).find(|u| u.defines);
-    let about = context.root.facts.and_then(|facts| facts.description(one.kind, &one.name));
+    let value = context.parameter_value(one).map(|value| format!("value {}", short(value)));
+    let about = context.root.facts.and_then(|facts| facts.description(one.kind, &one.name)).map(str::to_owned);
+    let about = value.or(about);
     let place = defined.and_then(|u| outline.locate(u.span, context.encoding)).map(|(path, range)| {
         let file = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
         format!("defined in {file}, line {}", range.start.line + 1)
     });
-    let parts: Vec<&str> = [about, place.as_deref()].into_iter().flatten().collect();
+    let parts: Vec<&str> = [about.as_deref(), place.as_deref()].into_iter().flatten().collect();
     let text = if parts.is_empty() { "not defined in this deck".to_owned() } else { parts.join("; ") };
     Some(format!("**{}** ({}): {text}", one.name.replace('*', "\\*"), one.kind.words()))
 }

@@ -13,9 +13,12 @@ pub mod tokens;
 
 pub use facts::DeckFacts;
 
+use std::path::Path;
+
 use crate::deck::Card;
+use crate::deck::name_kinds::NameKind;
 use crate::outline::{DeckOutline, NameUse};
-use crate::text::{Encoding, Position, TextBuffer};
+use crate::text::{ColumnEncoding, TextBuffer, TextPosition, TextRange};
 
 /// A deck as features see it: its outline, and the properties of its model.
 pub struct DeckView<'a> {
@@ -34,14 +37,14 @@ pub struct FeatureContext<'a> {
     /// The deck.
     pub root: DeckView<'a>,
     /// Unit of columns.
-    pub encoding: Encoding,
+    pub encoding: ColumnEncoding,
     /// Documentation of a word.
     pub explain: fn(&str) -> Option<String>,
 }
 
 impl FeatureContext<'_> {
     /// Returns the name at a position.
-    pub fn name_at(&self, position: Position) -> Option<&NameUse> {
+    pub fn name_at(&self, position: TextPosition) -> Option<&NameUse> {
         let outline = self.root.outline;
         outline
             .names
@@ -50,11 +53,25 @@ impl FeatureContext<'_> {
             .find(|one| outline.locate(one.span, self.encoding).is_some_and(|(_, range)| range.touches(position)))
     }
 
+    /// Returns the value of a parameter; `None` for other names, and for texts.
+    pub fn parameter_value(&self, one: &NameUse) -> Option<f64> {
+        let parameters = self.root.outline.deck.parameters.iter().filter(|_| one.kind == NameKind::Parameter);
+        parameters.filter(|(name, _)| *name == one.name).map(|(_, value)| *value).next()
+    }
+
     /// Iterates over the cards of the file with their lines.
     pub fn cards(&self) -> impl Iterator<Item = (u32, &Card)> {
         let outline = self.root.outline;
         let of_file = outline.deck.cards.iter().filter(|card| card.span.file == self.file);
         of_file.filter_map(|card| Some((outline.line(card.span)?, card)))
+    }
+
+    /// Iterates over the files that the file includes, with the ranges of their names.
+    pub fn included_files(&self) -> impl Iterator<Item = (&Path, TextRange)> {
+        let outline = self.root.outline;
+        let included = outline.deck.sources.files().iter().filter_map(|file| Some((file, file.included_at?)));
+        let here = included.filter(|(_, span)| span.file == self.file);
+        here.filter_map(|(file, span)| Some((file.path.as_path(), outline.locate(span, self.encoding)?.1)))
     }
 
     /// Returns the part in which a line is, in upper case; empty outside of parts.

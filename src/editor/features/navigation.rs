@@ -3,13 +3,15 @@
 use std::path::PathBuf;
 
 use super::FeatureContext;
-use crate::text::{Position, TextRange};
+use crate::deck::is_parameter_name;
+use crate::deck::name_kinds::NameKind;
+use crate::text::{TextPosition, TextRange};
 
 /// A place of a name: path of the file, range, and whether the name is defined there.
 pub type NamePlace = (PathBuf, TextRange, bool);
 
 /// Returns all places of the name at a position, in the order of the deck.
-pub fn places_of_name(context: &FeatureContext<'_>, position: Position) -> Vec<NamePlace> {
+pub fn places_of_name(context: &FeatureContext<'_>, position: TextPosition) -> Vec<NamePlace> {
     let Some(one) = context.name_at(position) else { return Vec::new() };
     let outline = &context.root.outline;
     let located = outline.names.same_as(one).filter_map(|u| {
@@ -27,16 +29,19 @@ pub fn places_of_name(context: &FeatureContext<'_>, position: Position) -> Vec<N
 }
 
 /// Returns the range and text of the name at a position, if it can be renamed.
-pub fn renamed_word(context: &FeatureContext<'_>, position: Position) -> Option<(TextRange, String)> {
+pub fn renamed_word(context: &FeatureContext<'_>, position: TextPosition) -> Option<(TextRange, String)> {
     let one = context.name_at(position)?;
     let outline = &context.root.outline;
     let (_, range) = outline.locate(one.span, context.encoding)?;
     Some((range, outline.deck.sources.text(one.span).to_owned()))
 }
 
-/// Returns the reason why a text cannot be a name; `None` for a name.
-pub fn invalid_name(name: &str) -> Option<&'static str> {
+/// Returns the reason why a text cannot be the name of something; `None` for a name.
+pub fn invalid_name(kind: NameKind, name: &str) -> Option<&'static str> {
     let name = name.trim();
+    if kind == NameKind::Parameter && !is_parameter_name(name) {
+        return Some("the name of a parameter consists of letters, digits and `_`, and does not begin with a digit");
+    }
     if name.is_empty() {
         return Some("a name must not be empty");
     }

@@ -6,17 +6,17 @@ use super::FeatureContext;
 use crate::deck::Card;
 use crate::deck::keywords::CardPlace;
 use crate::deck::name_kinds::parameter_name_usage;
-use crate::text::{Position, TextRange};
+use crate::text::{TextPosition, TextRange};
 
 /// A card that is shown.
-struct Symbol {
+struct CardSymbol {
     name: String,
     detail: String,
     kind: u8,
     line: u32,
     end: u32,
     selection: TextRange,
-    children: Vec<Symbol>,
+    children: Vec<CardSymbol>,
     /// Keyword that ends the symbol; `None` for a card whose subordinate cards follow.
     closing: Option<&'static str>,
     keyword: &'static str,
@@ -43,8 +43,8 @@ fn symbol_kind(keyword: &str) -> u8 {
 
 /// Returns the symbols of a file as the protocol has them.
 pub fn document_symbols(context: &FeatureContext<'_>) -> Vec<Value> {
-    let mut open: Vec<Symbol> = Vec::new();
-    let mut done: Vec<Symbol> = Vec::new();
+    let mut open: Vec<CardSymbol> = Vec::new();
+    let mut done: Vec<CardSymbol> = Vec::new();
     let mut last = 0;
     for (line, card) in context.cards() {
         last = line;
@@ -71,12 +71,12 @@ pub fn document_symbols(context: &FeatureContext<'_>) -> Vec<Value> {
     done.into_iter().map(|symbol| symbol.value(context)).collect()
 }
 
-fn is_below(card: &Card, symbol: &Symbol) -> bool {
+fn is_below(card: &Card, symbol: &CardSymbol) -> bool {
     card.keyword.place == CardPlace::Below(symbol.keyword)
 }
 
 /// Moves the last open symbol to its parent.
-fn close(open: &mut Vec<Symbol>, done: &mut Vec<Symbol>, end: u32) {
+fn close(open: &mut Vec<CardSymbol>, done: &mut Vec<CardSymbol>, end: u32) {
     let Some(mut symbol) = open.pop() else { return };
     symbol.end = end.max(symbol.line);
     match open.last_mut() {
@@ -86,7 +86,7 @@ fn close(open: &mut Vec<Symbol>, done: &mut Vec<Symbol>, end: u32) {
 }
 
 /// Returns the symbol of a card; `None` if it neither defines a name nor belongs to a step or material.
-fn symbol(context: &FeatureContext<'_>, line: u32, card: &Card, in_block: bool) -> Option<Symbol> {
+fn symbol(context: &FeatureContext<'_>, line: u32, card: &Card, in_block: bool) -> Option<CardSymbol> {
     let keyword = card.keyword;
     let closing = BLOCKS.iter().find(|(begin, _)| *begin == keyword.name).map(|(_, end)| *end);
     let defined = card.parameters.iter().find_map(|parameter| {
@@ -103,7 +103,7 @@ fn symbol(context: &FeatureContext<'_>, line: u32, card: &Card, in_block: bool) 
         None => (format!("*{}", keyword.name), keyword.summary.to_owned()),
     };
     let selection = if selection.start.line == line { selection } else { TextRange::on_line(line, 0, 0) };
-    Some(Symbol {
+    Some(CardSymbol {
         name,
         detail,
         kind: symbol_kind(keyword.name),
@@ -116,12 +116,12 @@ fn symbol(context: &FeatureContext<'_>, line: u32, card: &Card, in_block: bool) 
     })
 }
 
-impl Symbol {
+impl CardSymbol {
     fn value(self, context: &FeatureContext<'_>) -> Value {
         let end = context.encoding.width(context.text.line(self.end));
         let range = TextRange {
-            start: Position { line: self.line, character: 0 },
-            end: Position { line: self.end, character: end },
+            start: TextPosition { line: self.line, character: 0 },
+            end: TextPosition { line: self.end, character: end },
         };
         let children: Vec<Value> = self.children.into_iter().map(|child| child.value(context)).collect();
         json!({

@@ -23,7 +23,7 @@ const DEFINITION: u32 = 1;
 const DEPRECATED: u32 = 2;
 
 /// A token: range on one line, type, modifiers.
-type Token = (TextRange, u32, u32);
+type SemanticToken = (TextRange, u32, u32);
 
 /// Returns the tokens of the lines from `first` to before `last`, as the protocol encodes them.
 pub fn semantic_tokens(context: &FeatureContext<'_>, first: u32, last: u32) -> Vec<u32> {
@@ -38,7 +38,7 @@ pub fn semantic_tokens(context: &FeatureContext<'_>, first: u32, last: u32) -> V
     encoded(tokens)
 }
 
-fn add_tokens(context: &FeatureContext<'_>, first: u32, last: u32, tokens: &mut Vec<Token>) {
+fn add_tokens(context: &FeatureContext<'_>, first: u32, last: u32, tokens: &mut Vec<SemanticToken>) {
     let (buffer, encoding) = (context.text, context.encoding);
     let mut head = buffer.keyword_line_at(first).map(|line| KeywordLine::read(buffer, line, encoding));
     let (mut row, mut before) = (0, 0);
@@ -81,7 +81,7 @@ fn field_type(rule: &InputRule, text: &str) -> Option<u32> {
     (rule.value.words().is_some() || rule.name.ends_with("variable")).then_some(ENUM_MEMBER)
 }
 
-fn keyword_tokens(head: &KeywordLine, tokens: &mut Vec<Token>) {
+fn keyword_tokens(head: &KeywordLine, tokens: &mut Vec<SemanticToken>) {
     let unsupported = head.keyword.is_some_and(|keyword| keyword.tier == KeywordTier::UnsupportedPhysics);
     tokens.push((head.range, KEYWORD, if unsupported { DEPRECATED } else { 0 }));
     for parameter in &head.parameters {
@@ -99,7 +99,7 @@ fn keyword_tokens(head: &KeywordLine, tokens: &mut Vec<Token>) {
 }
 
 /// Encodes tokens by their distance from the previous one.
-fn encoded(mut tokens: Vec<Token>) -> Vec<u32> {
+fn encoded(mut tokens: Vec<SemanticToken>) -> Vec<u32> {
     tokens.sort_by_key(|(range, _, _)| range.start);
     tokens.dedup_by_key(|(range, _, _)| range.start);
     let (mut line, mut column) = (0, 0);

@@ -7,7 +7,7 @@ mod reduced;
 use std::path::{Path, PathBuf};
 
 use crate::deck::{self, Deck, Diagnostics, Sources, Span};
-use crate::text::{Encoding, Position, TextBuffer, TextRange};
+use crate::text::{ColumnEncoding, TextBuffer, TextPosition, TextRange};
 pub use names::{NameTable, NameUse};
 pub use reduced::{LineMap, reduced};
 
@@ -57,27 +57,27 @@ impl DeckOutline {
     }
 
     /// Returns the path and range of a span.
-    pub fn locate(&self, span: Span, encoding: Encoding) -> Option<(&Path, TextRange)> {
+    pub fn locate(&self, span: Span, encoding: ColumnEncoding) -> Option<(&Path, TextRange)> {
         let (path, map) = self.files.get(span.file as usize)?;
         let range = range_of_span(&self.deck.sources, span, encoding)?;
-        let real = |position: Position| Position { line: map.line(position.line), ..position };
+        let real = |position: TextPosition| TextPosition { line: map.line(position.line), ..position };
         Some((path, TextRange { start: real(range.start), end: real(range.end) }))
     }
 }
 
 /// Returns the range of a span in the text of its file; `None` if it is in no file.
-pub fn range_of_span(sources: &Sources, span: Span, encoding: Encoding) -> Option<TextRange> {
+pub fn range_of_span(sources: &Sources, span: Span, encoding: ColumnEncoding) -> Option<TextRange> {
     let file = sources.file(span)?;
     let first = sources.line_column(span).0.checked_sub(1)? as u32;
     let start = span.start as usize;
     let line_start = file.text.get(..start)?.rfind('\n').map_or(0, |at| at + 1);
-    let start = Position { line: first, character: encoding.width(&file.text[line_start..start]) };
+    let start = TextPosition { line: first, character: encoding.width(&file.text[line_start..start]) };
     let marked = sources.text(span);
     let end = match marked.rfind('\n') {
-        None => Position { line: first, character: start.character + encoding.width(marked) },
+        None => TextPosition { line: first, character: start.character + encoding.width(marked) },
         Some(at) => {
             let line = first + marked.bytes().filter(|b| *b == b'\n').count() as u32;
-            Position { line, character: encoding.width(&marked[at + 1..]) }
+            TextPosition { line, character: encoding.width(&marked[at + 1..]) }
         }
     };
     Some(TextRange { start, end })

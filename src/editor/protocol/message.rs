@@ -13,7 +13,7 @@ const LONGEST: usize = 1 << 30;
 
 /// A message of the client or of the server.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Message {
+pub enum ProtocolMessage {
     /// A request, which needs a response.
     Request {
         /// Identification that the response repeats.
@@ -74,7 +74,7 @@ impl ResponseError {
 ///
 /// # Errors
 /// If the stream fails, or its bytes are not a message with a header and an object of JSON.
-pub fn read_message(input: &mut dyn BufRead) -> io::Result<Option<Message>> {
+pub fn read_message(input: &mut dyn BufRead) -> io::Result<Option<ProtocolMessage>> {
     let invalid = |text: &str| io::Error::new(io::ErrorKind::InvalidData, text.to_owned());
     let mut length = None;
     loop {
@@ -99,20 +99,20 @@ pub fn read_message(input: &mut dyn BufRead) -> io::Result<Option<Message>> {
     message(value).map(Some).ok_or_else(|| invalid("a message is neither request nor response"))
 }
 
-fn message(mut value: Value) -> Option<Message> {
+fn message(mut value: Value) -> Option<ProtocolMessage> {
     let object = value.as_object_mut()?;
     let id = object.remove("id");
     let params = object.remove("params").unwrap_or(Value::Null);
     match (object.remove("method"), id) {
-        (Some(Value::String(method)), Some(id)) => Some(Message::Request { id, method, params }),
-        (Some(Value::String(method)), None) => Some(Message::Notification { method, params }),
+        (Some(Value::String(method)), Some(id)) => Some(ProtocolMessage::Request { id, method, params }),
+        (Some(Value::String(method)), None) => Some(ProtocolMessage::Notification { method, params }),
         (None, Some(id)) => {
             let error = object.remove("error").map(serde_json::from_value::<ResponseError>);
             let result = match error {
                 Some(error) => Err(error.ok()?),
                 None => Ok(object.remove("result").unwrap_or(Value::Null)),
             };
-            Some(Message::Response { id, result })
+            Some(ProtocolMessage::Response { id, result })
         }
         _ => None,
     }
@@ -122,14 +122,16 @@ fn message(mut value: Value) -> Option<Message> {
 ///
 /// # Errors
 /// If the stream fails.
-pub fn write_message(output: &mut dyn Write, message: &Message) -> io::Result<()> {
+pub fn write_message(output: &mut dyn Write, message: &ProtocolMessage) -> io::Result<()> {
     let value = match message {
-        Message::Request { id, method, params } => {
+        ProtocolMessage::Request { id, method, params } => {
             json!({ "jsonrpc": "2.0", "id": id, "method": method, "params": params })
         }
-        Message::Notification { method, params } => json!({ "jsonrpc": "2.0", "method": method, "params": params }),
-        Message::Response { id, result: Ok(result) } => json!({ "jsonrpc": "2.0", "id": id, "result": result }),
-        Message::Response { id, result: Err(error) } => json!({ "jsonrpc": "2.0", "id": id, "error": error }),
+        ProtocolMessage::Notification { method, params } => {
+            json!({ "jsonrpc": "2.0", "method": method, "params": params })
+        }
+        ProtocolMessage::Response { id, result: Ok(result) } => json!({ "jsonrpc": "2.0", "id": id, "result": result }),
+        ProtocolMessage::Response { id, result: Err(error) } => json!({ "jsonrpc": "2.0", "id": id, "error": error }),
     };
     let bytes = serde_json::to_vec(&value)?;
     write!(output, "Content-Length: {}\r\n\r\n", bytes.len())?;
@@ -144,10 +146,10 @@ mod tests {
     #[test]
     fn messages_are_read_as_written() {
         let all = [
-            Message::Request { id: json!(7), method: "initialize".into(), params: json!({"a": "\u{e4}"}) },
-            Message::Notification { method: "exit".into(), params: Value::Null },
-            Message::Response { id: json!("x"), result: Ok(json!([1])) },
-            Message::Response { id: json!(8), result: Err(ResponseError::new(ErrorCode::InvalidParams, "no")) },
+            ProtocolMessage::Request { id: json!(7), method: "initialize".into(), params: json!({"a": "\u{e4}"}) },
+            ProtocolMessage::Notification { method: "exit".into(), params: Value::Null },
+            ProtocolMessage::Response { id: json!("x"), result: Ok(json!([1])) },
+            ProtocolMessage::Response { id: json!(8), result: Err(ResponseError::new(ErrorCode::InvalidParams, "no")) },
         ];
         let mut bytes = Vec::new();
         all.iter().for_each(|message| write_message(&mut bytes, message).expect("written"));

@@ -5,5 +5,5 @@ mod message;
 mod structures;
 
 pub use file_uri::{path_of_uri, uri_of_path};
-pub use message::{ErrorCode, Message, RequestId, ResponseError, read_message, write_message};
+pub use message::{ErrorCode, ProtocolMessage, RequestId, ResponseError, read_message, write_message};
 pub use structures::*;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::text::{Position, TextRange};
+use crate::text::{TextPosition, TextRange};
 
 /// Arguments of `initialize`.
 #[derive(Debug, Default, Deserialize)]
@@ -91,7 +91,7 @@ pub struct DocumentParams {
     pub text_document: DocumentIdentifier,
     /// Position of requests about one.
     #[serde(default)]
-    pub position: Position,
+    pub position: TextPosition,
     /// Range of requests about one.
     #[serde(default)]
     pub range: Option<TextRange>,

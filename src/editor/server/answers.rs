@@ -12,7 +12,7 @@ use super::state::ServerState;
 use crate::features::navigation::{NamePlace, invalid_name, places_of_name, renamed_word};
 use crate::features::{DeckView, FeatureContext, completion, folding, format, hints, hover, symbols, tokens};
 use crate::protocol::{DocumentParams, ErrorCode, FileLocation, ResponseError, TextEdit};
-use crate::text::{Position, TextRange};
+use crate::text::{TextPosition, TextRange};
 
 impl ServerState {
     /// Answers a request about a file.
@@ -29,6 +29,7 @@ impl ServerState {
             "documentSymbol" => symbols_answer,
             "foldingRange" => folding_answer,
             "semanticTokens/full" | "semanticTokens/range" => tokens_answer,
+            "documentLink" => links_answer,
             "codeAction" => code_action_answer,
             "inlayHint" => hints_answer,
             "formatting" | "rangeFormatting" => formatting_answer,
@@ -46,7 +47,7 @@ impl ServerState {
             encoding: self.encoding,
             explain: self.explain,
         };
-        answer(&Question { state: self, context, params, key })
+        answer(&DocumentQuestion { state: self, context, params, key })
     }
 
     fn location(&self, place: &NamePlace) -> FileLocation {
@@ -55,21 +56,21 @@ impl ServerState {
 }
 
 /// A request about a file.
-struct Question<'a> {
+struct DocumentQuestion<'a> {
     state: &'a ServerState,
     context: FeatureContext<'a>,
     params: DocumentParams,
     key: PathBuf,
 }
 
-impl Question<'_> {
+impl DocumentQuestion<'_> {
     fn lines(&self) -> (u32, u32) {
         let count = self.context.text.line_count();
         self.params.range.map_or((0, count), |range| (range.start.line.min(count), (range.end.line + 1).min(count)))
     }
 }
 
-fn hover_answer(question: &Question<'_>) -> RequestResult {
+fn hover_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let found = hover::hover(&question.context, question.params.position);
     Ok(found.map_or(
         Value::Null,
@@ -77,50 +78,52 @@ fn hover_answer(question: &Question<'_>) -> RequestResult {
     ))
 }
 
-fn completion_answer(question: &Question<'_>) -> RequestResult {
+fn completion_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let items = completion::completions(&question.context, question.params.position);
     Ok(json!({ "isIncomplete": false, "items": items }))
 }
 
-fn places(question: &Question<'_>) -> Vec<NamePlace> {
+fn places(question: &DocumentQuestion<'_>) -> Vec<NamePlace> {
     places_of_name(&question.context, question.params.position)
 }
 
-fn definition_answer(question: &Question<'_>) -> RequestResult {
+fn definition_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let found = places(question);
-    let defined: Vec<FileLocation> =
-        found.iter().filter(|place| place.2).map(|place| question.state.location(place)).collect();
-    Ok(json!(defined))
+    let names = found.iter().filter(|place| place.2).map(|place| question.state.location(place));
+    let files = question.context.included_files().filter(|(_, range)| range.touches(question.params.position));
+    let files =
+        files.map(|(path, _)| FileLocation { uri: question.state.documents.uri(path), range: TextRange::default() });
+    Ok(json!(names.chain(files).collect::<Vec<_>>()))
 }
 
-fn references_answer(question: &Question<'_>) -> RequestResult {
+fn references_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let with_definitions = question.params.context.include_declaration;
     let found = places(question);
     let wanted = found.iter().filter(|place| with_definitions || !place.2);
     Ok(json!(wanted.map(|place| question.state.location(place)).collect::<Vec<_>>()))
 }
 
-fn highlight_answer(question: &Question<'_>) -> RequestResult {
+fn highlight_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let found = places(question);
     let here = found.iter().filter(|place| path_key(&place.0) == question.key);
     let kind = |place: &NamePlace| if place.2 { 3 } else { 2 };
     Ok(here.map(|place| json!({ "range": place.1, "kind": kind(place) })).collect())
 }
 
-fn prepare_rename_answer(question: &Question<'_>) -> RequestResult {
+fn prepare_rename_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let found = renamed_word(&question.context, question.params.position);
     Ok(found.map_or(Value::Null, |(range, text)| json!({ "range": range, "placeholder": text })))
 }
 
-fn rename_answer(question: &Question<'_>) -> RequestResult {
+fn rename_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let new_name = question.params.new_name.trim();
-    if let Some(reason) = invalid_name(new_name) {
+    let Some(one) = question.context.name_at(question.params.position) else {
+        return Err(ResponseError::new(ErrorCode::RequestFailed, "there is no name at this position"));
+    };
+    if let Some(reason) = invalid_name(one.kind, new_name) {
         return Err(ResponseError::new(ErrorCode::InvalidParams, reason));
     }
     let found = places(question);
-    if found.is_empty() {
-        return Err(ResponseError::new(ErrorCode::RequestFailed, "there is no name at this position"));
-    }
     let mut changes: BTreeMap<String, Vec<TextEdit>> = BTreeMap::new();
     for place in &found {
         let edit = TextEdit { range: place.1, new_text: new_name.to_owned() };
@@ -129,25 +132,31 @@ fn rename_answer(question: &Question<'_>) -> RequestResult {
     Ok(json!({ "changes": changes }))
 }
 
-fn symbols_answer(question: &Question<'_>) -> RequestResult {
+fn links_answer(question: &DocumentQuestion<'_>) -> RequestResult {
+    let link =
+        |(path, range): (&Path, TextRange)| json!({ "range": range, "target": question.state.documents.uri(path) });
+    Ok(question.context.included_files().map(link).collect())
+}
+
+fn symbols_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     Ok(symbols::document_symbols(&question.context).into())
 }
 
-fn folding_answer(question: &Question<'_>) -> RequestResult {
+fn folding_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     Ok(folding::folding_ranges(question.context.text).into())
 }
 
-fn tokens_answer(question: &Question<'_>) -> RequestResult {
+fn tokens_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let (first, last) = question.lines();
     Ok(json!({ "data": tokens::semantic_tokens(&question.context, first, last) }))
 }
 
-fn hints_answer(question: &Question<'_>) -> RequestResult {
-    let all = TextRange { start: Position::default(), end: Position { line: u32::MAX, character: 0 } };
+fn hints_answer(question: &DocumentQuestion<'_>) -> RequestResult {
+    let all = TextRange { start: TextPosition::default(), end: TextPosition { line: u32::MAX, character: 0 } };
     Ok(hints::inlay_hints(&question.context, question.params.range.unwrap_or(all)).into())
 }
 
-fn formatting_answer(question: &Question<'_>) -> RequestResult {
+fn formatting_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let (first, last) = question.lines();
     if last.saturating_sub(first) > format::MOST_LINES {
         let message = format!("more than {} lines: select the lines to format", format::MOST_LINES);
@@ -156,12 +165,12 @@ fn formatting_answer(question: &Question<'_>) -> RequestResult {
     Ok(json!(format::formatting_edits(question.context.text, first, last, question.context.encoding)))
 }
 
-fn code_action_answer(question: &Question<'_>) -> RequestResult {
+fn code_action_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let wanted = question.params.range.unwrap_or_default();
     let uri = |path: &Path| question.state.documents.uri(path);
     let action = |(diagnostic, is_foreign): (&FileDiagnostic, bool)| {
         let edit = diagnostic.correction.as_ref().filter(|_| diagnostic.range.meets(&wanted))?;
-        let shown = diagnostic.document(diagnostic.level(is_foreign), &uri);
+        let shown = diagnostic.document(diagnostic.level(question.state.options.mode, is_foreign), &uri);
         let title = if edit.new_text.contains('\n') {
             "Add the missing line".into()
         } else {

@@ -3,20 +3,20 @@
 use serde_json::{Value, json};
 
 use crate::features::tokens::{TOKEN_MODIFIERS, TOKEN_TYPES};
-use crate::text::Encoding;
+use crate::text::ColumnEncoding;
 
 /// Returns the unit of columns: UTF-8 if the client offers it, UTF-16 otherwise.
-pub fn chosen_encoding(capabilities: &Value) -> Encoding {
+pub fn chosen_encoding(capabilities: &Value) -> ColumnEncoding {
     let offered = capabilities.pointer("/general/positionEncodings").and_then(Value::as_array);
     let has_utf8 = offered.is_some_and(|all| all.iter().any(|name| name == "utf-8"));
-    if has_utf8 { Encoding::Utf8 } else { Encoding::Utf16 }
+    if has_utf8 { ColumnEncoding::Utf8 } else { ColumnEncoding::Utf16 }
 }
 
 /// Returns the result of `initialize`.
-pub fn initialize_result(encoding: Encoding) -> Value {
+pub fn initialize_result(encoding: ColumnEncoding) -> Value {
     let encoding = match encoding {
-        Encoding::Utf8 => "utf-8",
-        Encoding::Utf16 => "utf-16",
+        ColumnEncoding::Utf8 => "utf-8",
+        ColumnEncoding::Utf16 => "utf-16",
     };
     json!({
         "capabilities": {
@@ -29,6 +29,7 @@ pub fn initialize_result(encoding: Encoding) -> Value {
             "documentHighlightProvider": true,
             "renameProvider": { "prepareProvider": true },
             "documentSymbolProvider": true,
+            "documentLinkProvider": { "resolveProvider": false },
             "foldingRangeProvider": true,
             "semanticTokensProvider": {
                 "legend": { "tokenTypes": TOKEN_TYPES, "tokenModifiers": TOKEN_MODIFIERS },

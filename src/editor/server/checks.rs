@@ -12,7 +12,7 @@ use super::publish::{FileDiagnostic, file_diagnostics};
 use crate::deck;
 use crate::features::DeckFacts;
 use crate::job;
-use crate::text::{Encoding, TextBuffer};
+use crate::text::{ColumnEncoding, TextBuffer};
 use crate::user::Routines;
 
 /// Longest time that a check waits for further edits.
@@ -31,7 +31,7 @@ pub struct CheckRequest {
     /// Texts of all open files by [`path_key`].
     pub open: Arc<HashMap<PathBuf, TextBuffer>>,
     /// Unit of columns.
-    pub encoding: Encoding,
+    pub encoding: ColumnEncoding,
 }
 
 /// The result of a check.
@@ -59,17 +59,17 @@ struct CheckQueue {
 }
 
 /// Handle of the checking thread, which ends when the handle is dropped.
-pub struct Checker {
+pub struct DeckChecker {
     shared: Arc<(Mutex<CheckQueue>, Condvar)>,
 }
 
-impl Checker {
+impl DeckChecker {
     /// Starts the thread. `deliver` receives each result, and returns whether further results are wanted.
-    pub fn start(deliver: impl Fn(CheckResult) -> bool + Send + 'static) -> Checker {
+    pub fn start(deliver: impl Fn(CheckResult) -> bool + Send + 'static) -> DeckChecker {
         let shared = Arc::new((Mutex::default(), Condvar::new()));
-        let checker = Checker { shared: Arc::clone(&shared) };
+        let checker = DeckChecker { shared: Arc::clone(&shared) };
         std::thread::spawn(move || {
-            let thread = Checker { shared };
+            let thread = DeckChecker { shared };
             while let Some(request) = thread.next_request() {
                 if let Some(result) = thread.check(request)
                     && !deliver(result)
@@ -156,7 +156,7 @@ impl Checker {
     }
 }
 
-impl Drop for Checker {
+impl Drop for DeckChecker {
     fn drop(&mut self) {
         self.queue().is_closed = true;
         self.shared.1.notify_all();

@@ -10,7 +10,7 @@ use crate::protocol::{path_of_uri, uri_of_path};
 use crate::text::TextBuffer;
 
 /// A file that is open in the editor.
-pub struct Document {
+pub struct OpenDocument {
     /// URI that the client uses.
     pub uri: String,
     /// Version of the text.
@@ -23,7 +23,7 @@ pub struct Document {
 #[derive(Default)]
 pub struct DocumentStore {
     /// Open files.
-    pub open: HashMap<PathBuf, Document>,
+    pub open: HashMap<PathBuf, OpenDocument>,
     disk: RefCell<HashMap<PathBuf, DiskText>>,
 }
 

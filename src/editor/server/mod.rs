@@ -14,8 +14,8 @@ use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 
 use thiserror::Error;
 
-use crate::protocol::{Message, read_message, write_message};
-use checks::{CheckResult, Checker};
+use crate::protocol::{ProtocolMessage, read_message, write_message};
+use checks::{CheckResult, DeckChecker};
 use state::{ServerState, SessionPhase};
 
 /// Error that ends the server.
@@ -32,7 +32,7 @@ pub enum EditorError {
 /// What the loop of the server waits for.
 enum ServerEvent {
     /// A message of the client.
-    Received(Message),
+    Received(ProtocolMessage),
     /// The end of the messages, with its reason if it is an error.
     Closed(Option<io::Error>),
     /// The result of a check.
@@ -52,7 +52,7 @@ pub fn serve(
     let (sender, events) = channel();
     let reader = sender.clone();
     std::thread::spawn(move || read_messages(input, &reader));
-    let checker = Checker::start(move |result| sender.send(ServerEvent::Checked(Box::new(result))).is_ok());
+    let checker = DeckChecker::start(move |result| sender.send(ServerEvent::Checked(Box::new(result))).is_ok());
     let mut state = ServerState::new(Box::new(checker), explain);
     let mut output = output;
     run_loop(&mut state, &events, &mut output)

@@ -6,7 +6,7 @@ use crate::deck::{Deck, Diagnostic, Diagnostics, Severity, Sources};
 use crate::job::PreparedJob;
 use crate::outline::{DeckOutline, range_of_span};
 use crate::protocol::{DiagnosticLevel, DocumentDiagnostic, FileLocation, RelatedPlace, ServerMode, TextEdit};
-use crate::text::{Encoding, TextRange};
+use crate::text::{ColumnEncoding, TextRange};
 
 /// A diagnostic with its place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,6 +46,12 @@ impl FileDiagnostic {
         }
     }
 
+    /// Returns whether the deck has physics or a dimension that Revolve does not have.
+    fn shows_other_analysis(&self) -> bool {
+        // Nodes in space.
+        matches!(self.code, "D201" | "M121") || self.code == "M104" && self.message.starts_with("third coordinate")
+    }
+
     /// Converts the diagnostic for the client.
     pub fn document(&self, level: DiagnosticLevel, uri: &dyn Fn(&Path) -> String) -> DocumentDiagnostic {
         let related = self.related.iter().map(|(path, range, message)| RelatedPlace {
@@ -63,14 +69,15 @@ impl FileDiagnostic {
     }
 
     /// Returns the level that the client shows. In a deck for another analysis of ABAQUS only mistakes that are
-    /// mistakes in each deck remain errors.
-    pub fn level(&self, is_foreign: bool) -> DiagnosticLevel {
+    /// mistakes in each deck remain errors. User subroutines are given to a run, not in the deck.
+    pub fn level(&self, mode: ServerMode, is_foreign: bool) -> DiagnosticLevel {
         let level = match self.severity {
             Severity::Error => DiagnosticLevel::Error,
             Severity::Warning => DiagnosticLevel::Warning,
             Severity::Note => DiagnosticLevel::Information,
         };
         match self.code {
+            "P004" if mode != ServerMode::Revolve => DiagnosticLevel::Information,
             _ if !is_foreign => level,
             "D002" | "D003" | "D004" | "D005" | "D006" | "D007" | "D105" | "D106" | "D107" | "D108" | "D302"
             | "D303" | "D401" | "D402" | "D404" => level,
@@ -88,12 +95,12 @@ pub fn is_foreign(mode: ServerMode, diagnostics: &[FileDiagnostic]) -> bool {
     match mode {
         ServerMode::Revolve => false,
         ServerMode::Abaqus => true,
-        ServerMode::Auto => diagnostics.iter().any(|d| matches!(d.code, "D201" | "M121")),
+        ServerMode::Auto => diagnostics.iter().any(FileDiagnostic::shows_other_analysis),
     }
 }
 
 /// Converts the diagnostics of a check.
-pub fn file_diagnostics(prepared: &PreparedJob, encoding: Encoding) -> Vec<FileDiagnostic> {
+pub fn file_diagnostics(prepared: &PreparedJob, encoding: ColumnEncoding) -> Vec<FileDiagnostic> {
     let sources = &prepared.deck.sources;
     let locate = |span| {
         let range = range_of_span(sources, span, encoding)?;
@@ -103,20 +110,20 @@ pub fn file_diagnostics(prepared: &PreparedJob, encoding: Encoding) -> Vec<FileD
 }
 
 /// Converts the diagnostics of the syntax of an outline.
-pub fn outline_diagnostics(outline: &DeckOutline, encoding: Encoding) -> Vec<FileDiagnostic> {
+pub fn outline_diagnostics(outline: &DeckOutline, encoding: ColumnEncoding) -> Vec<FileDiagnostic> {
     let locate = |span| outline.locate(span, encoding).map(|(path, range)| (path.to_owned(), range));
     let mut merged = outline.diagnostics.clone();
     merged.merge_repeats();
     converted(&outline.deck, &merged, &locate)
 }
 
-type Locate<'a> = dyn Fn(crate::deck::Span) -> Option<(PathBuf, TextRange)> + 'a;
+type SpanLocator<'a> = dyn Fn(crate::deck::Span) -> Option<(PathBuf, TextRange)> + 'a;
 
-fn converted(deck: &Deck, diagnostics: &Diagnostics, locate: &Locate<'_>) -> Vec<FileDiagnostic> {
+fn converted(deck: &Deck, diagnostics: &Diagnostics, locate: &SpanLocator<'_>) -> Vec<FileDiagnostic> {
     diagnostics.iter().map(|diagnostic| file_diagnostic(&deck.sources, diagnostic, locate)).collect()
 }
 
-fn file_diagnostic(sources: &Sources, diagnostic: &Diagnostic, locate: &Locate<'_>) -> FileDiagnostic {
+fn file_diagnostic(sources: &Sources, diagnostic: &Diagnostic, locate: &SpanLocator<'_>) -> FileDiagnostic {
     let main = || sources.files().first().map_or_else(PathBuf::new, |file| file.path.clone());
     let mut places = diagnostic.labels.iter().map(|label| (locate(label.span), label.text.clone()));
     let (place, label) = places.next().unwrap_or_default();

@@ -2,31 +2,34 @@
 //! `answers.rs`.
 
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::capabilities::{chosen_encoding, initialize_result};
 use super::state::{ServerState, SessionPhase};
-use crate::protocol::{ErrorCode, InitializeParams, Message, RequestId, ResponseError};
+use crate::protocol::{ErrorCode, InitializeParams, ProtocolMessage, RequestId, ResponseError};
+
+/// Files of decks: decks, included files and mesh files.
+const WATCHED_FILES: &str = "**/*.{inp,inc,dat,txt,csv,msh,vtk,vtu}";
 
 /// Result of a request.
 pub type RequestResult = Result<Value, ResponseError>;
 
 impl ServerState {
     /// Handles a message.
-    pub fn receive(&mut self, message: Message) {
+    pub fn receive(&mut self, message: ProtocolMessage) {
         match message {
-            Message::Request { id, method, params } => {
+            ProtocolMessage::Request { id, method, params } => {
                 let result = self.answer(&method, params);
                 self.respond(id, result);
             }
-            Message::Notification { method, params } => self.take_notification(&method, params),
+            ProtocolMessage::Notification { method, params } => self.take_notification(&method, params),
             // The server sends no requests whose response matters.
-            Message::Response { .. } => {}
+            ProtocolMessage::Response { .. } => {}
         }
     }
 
     fn respond(&mut self, id: RequestId, result: RequestResult) {
-        self.outbox.push(Message::Response { id, result });
+        self.outbox.push(ProtocolMessage::Response { id, result });
     }
 
     fn answer(&mut self, method: &str, params: Value) -> RequestResult {
@@ -56,6 +59,21 @@ impl ServerState {
         Ok(initialize_result(self.encoding))
     }
 
+    /// Asks the client to report changes of files on disk, if it can.
+    fn watch_files(&mut self) {
+        if self.client.pointer("/workspace/didChangeWatchedFiles/dynamicRegistration") != Some(&Value::Bool(true)) {
+            return;
+        }
+        let method = "workspace/didChangeWatchedFiles";
+        let options = json!({ "watchers": [{ "globPattern": WATCHED_FILES }] });
+        let registration = json!({ "id": "files", "method": method, "registerOptions": options });
+        self.outbox.push(ProtocolMessage::Request {
+            id: "register-files".into(),
+            method: "client/registerCapability".into(),
+            params: json!({ "registrations": [registration] }),
+        });
+    }
+
     fn take_notification(&mut self, method: &str, params: Value) {
         if method == "exit" {
             self.phase = SessionPhase::Exited { after_shutdown: self.phase == SessionPhase::ShutDown };
@@ -66,6 +84,7 @@ impl ServerState {
         }
         // Notifications have no response: those with invalid arguments are ignored.
         match method {
+            "initialized" => self.watch_files(),
             "textDocument/didOpen" => drop(parameters(params).map(|params| self.open(params))),
             "textDocument/didChange" => drop(parameters(params).map(|params| self.change(params))),
             "textDocument/didClose" => drop(parameters(params).map(|params| self.close(&params))),

@@ -8,13 +8,15 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::checks::{CheckRequest, CheckResult, Checker};
-use super::documents::{Document, DocumentStore, may_read, path_key, path_of_document};
+use super::checks::{CheckRequest, CheckResult, DeckChecker};
+use super::documents::{DocumentStore, OpenDocument, may_read, path_key, path_of_document};
 use super::publish::{FileDiagnostic, is_foreign, outline_diagnostics};
 use super::roots::{RootDeck, find_including_deck};
 use crate::outline::DeckOutline;
-use crate::protocol::{ChangeParams, DocumentDiagnostic, DocumentParams, InitializationOptions, Message, OpenParams};
-use crate::text::{Encoding, TextBuffer};
+use crate::protocol::{
+    ChangeParams, DocumentDiagnostic, DocumentParams, InitializationOptions, OpenParams, ProtocolMessage,
+};
+use crate::text::{ColumnEncoding, TextBuffer};
 
 /// Phase of the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,11 +42,11 @@ pub struct ServerState {
     /// Phase of the session.
     pub phase: SessionPhase,
     /// Messages to send.
-    pub outbox: Vec<Message>,
+    pub outbox: Vec<ProtocolMessage>,
     /// Open files.
     pub documents: DocumentStore,
     /// Unit of columns.
-    pub encoding: Encoding,
+    pub encoding: ColumnEncoding,
     /// Options of the client.
     pub options: InitializationOptions,
     /// What the client can do.
@@ -57,18 +59,18 @@ pub struct ServerState {
     disk_roots: BTreeSet<PathBuf>,
     /// Diagnostics that the client shows, by URI.
     published: HashMap<String, Vec<DocumentDiagnostic>>,
-    checker: Box<Checker>,
+    checker: Box<DeckChecker>,
     generation: u64,
 }
 
 impl ServerState {
     /// Creates the state at the start of a session.
-    pub fn new(checker: Box<Checker>, explain: fn(&str) -> Option<String>) -> ServerState {
+    pub fn new(checker: Box<DeckChecker>, explain: fn(&str) -> Option<String>) -> ServerState {
         ServerState {
             phase: SessionPhase::Starting,
             outbox: Vec::new(),
             documents: DocumentStore::default(),
-            encoding: Encoding::default(),
+            encoding: ColumnEncoding::default(),
             options: InitializationOptions::default(),
             client: Value::Null,
             explain,
@@ -82,7 +84,7 @@ impl ServerState {
 
     /// Adds a notification to the messages to send.
     pub fn notify(&mut self, method: &str, params: Value) {
-        self.outbox.push(Message::Notification { method: method.to_owned(), params });
+        self.outbox.push(ProtocolMessage::Notification { method: method.to_owned(), params });
     }
 
     /// Opens a file.
@@ -91,7 +93,7 @@ impl ServerState {
         let key = path_of_document(&opened.uri);
         let text = TextBuffer::new(&opened.text);
         let has_step = has_keyword(&text, "*step");
-        self.documents.open.insert(key.clone(), Document { uri: opened.uri, version: opened.version, text });
+        self.documents.open.insert(key.clone(), OpenDocument { uri: opened.uri, version: opened.version, text });
         self.mark_edited(&key);
         if !has_step && let Some(deck) = find_including_deck(&key).filter(|deck| may_read(deck, &key)) {
             let deck = path_key(&deck);
@@ -247,7 +249,7 @@ impl ServerState {
         for root in self.roots.values() {
             let is_foreign = is_foreign(self.options.mode, &root.diagnostics);
             for diagnostic in &root.diagnostics {
-                let shown = diagnostic.document(diagnostic.level(is_foreign), &uri);
+                let shown = diagnostic.document(diagnostic.level(self.options.mode, is_foreign), &uri);
                 let list = wanted.entry(uri(&diagnostic.path)).or_default();
                 if !list.contains(&shown) {
                     list.push(shown);
@@ -291,6 +293,7 @@ impl ServerState {
 
 /// Returns whether a text has a keyword line that begins with a lower-case text.
 fn has_keyword(text: &TextBuffer, begin: &str) -> bool {
-    let is_wanted = |line: &str| line.trim_start().get(..begin.len()).is_some_and(|head| head.eq_ignore_ascii_case(begin));
+    let is_wanted =
+        |line: &str| line.trim_start().get(..begin.len()).is_some_and(|head| head.eq_ignore_ascii_case(begin));
     text.blocks().any(|(_, block)| block.keywords().iter().any(|line| is_wanted(block.line(*line as usize))))
 }

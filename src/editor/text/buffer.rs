@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::block::TextBlock;
-use super::position::{Encoding, Position, TextRange};
+use super::position::{ColumnEncoding, TextPosition, TextRange};
 
 /// An editable text.
 #[derive(Clone, Debug, Default)]
@@ -77,14 +77,14 @@ impl TextBuffer {
     }
 
     /// Returns the position at the end of the text.
-    pub fn end(&self, encoding: Encoding) -> Position {
+    pub fn end(&self, encoding: ColumnEncoding) -> TextPosition {
         let line = self.line_count() - 1;
-        Position { line, character: encoding.width(self.line(line)) }
+        TextPosition { line, character: encoding.width(self.line(line)) }
     }
 
     /// Replaces a range by a text. Positions after the end of a line or of the text are at this end. Returns the lines
     /// of the range before the edit.
-    pub fn replace(&mut self, range: TextRange, text: &str, encoding: Encoding) -> Range<u32> {
+    pub fn replace(&mut self, range: TextRange, text: &str, encoding: ColumnEncoding) -> Range<u32> {
         let start = self.place(range.start.min(range.end), encoding);
         let end = self.place(range.end.max(range.start), encoding);
         let lines = self.line_at(start)..self.line_at(end) + 1;
@@ -108,7 +108,7 @@ impl TextBuffer {
     }
 
     /// Returns the place of a position.
-    fn place(&self, position: Position, encoding: Encoding) -> BlockPlace {
+    fn place(&self, position: TextPosition, encoding: ColumnEncoding) -> BlockPlace {
         if position.line >= self.line_count() {
             return self.end_place();
         }
@@ -159,8 +159,8 @@ mod tests {
     use proptest::prelude::*;
 
     /// Applies an edit to a text without blocks.
-    fn edited(text: &str, range: TextRange, new: &str, encoding: Encoding) -> String {
-        let offset = |position: Position| {
+    fn edited(text: &str, range: TextRange, new: &str, encoding: ColumnEncoding) -> String {
+        let offset = |position: TextPosition| {
             let mut start = 0;
             for _ in 0..position.line {
                 let rest = &text[start..];
@@ -194,10 +194,12 @@ mod tests {
         }
     }
 
+    /// Texts that edits insert.
+    const PIECES: &[&str] =
+        &["*Node\n", "1, 2.5, 3\r\n", "\r", "\n", "** \u{e4}\u{1f600}\n", "", "x", "**", "*", "a\r\nb\rc\nd"];
+
     fn piece() -> impl Strategy<Value = String> {
-        let pieces =
-            ["*Node\n", "1, 2.5, 3\r\n", "\r", "\n", "** \u{e4}\u{1f600}\n", "", "x", "**", "*", "a\r\nb\rc\nd"];
-        prop::collection::vec(prop::sample::select(&pieces[..]), 0..4).prop_map(|all| all.concat())
+        prop::collection::vec(prop::sample::select(PIECES), 0..4).prop_map(|all| all.concat())
     }
 
     proptest! {
@@ -207,15 +209,15 @@ mod tests {
             edits in prop::collection::vec((0_u32..5000, 0_u32..12, 0_u32..3, 0_u32..12, piece()), 1..12),
             utf8: bool,
         ) {
-            let encoding = if utf8 { Encoding::Utf8 } else { Encoding::Utf16 };
+            let encoding = if utf8 { ColumnEncoding::Utf8 } else { ColumnEncoding::Utf16 };
             let mut text: String = (0..lines).map(|i| format!("{i}, 0.5, \u{e4}{}", if i % 3 == 0 { "\r\n" } else { "\n" })).collect();
             let mut buffer = TextBuffer::new(&text);
             for (line, character, more, end, new) in edits {
                 let last = buffer.line_count();
                 let line = line % (last + 2);
                 let range = TextRange {
-                    start: Position { line, character },
-                    end: Position { line: line + more, character: end },
+                    start: TextPosition { line, character },
+                    end: TextPosition { line: line + more, character: end },
                 };
                 text = edited(&text, range, &new, encoding);
                 buffer.replace(range, &new, encoding);
@@ -229,14 +231,18 @@ mod tests {
     fn line_breaks_are_joined_and_divided() {
         let mut buffer = TextBuffer::new("a\rb\nc");
         buffer.replace(
-            TextRange { start: Position { line: 1, character: 0 }, end: Position { line: 1, character: 1 } },
+            TextRange { start: TextPosition { line: 1, character: 0 }, end: TextPosition { line: 1, character: 1 } },
             "",
-            Encoding::Utf16,
+            ColumnEncoding::Utf16,
         );
         assert_same(&buffer, "a\r\nc");
-        buffer.replace(TextRange { start: Position::default(), end: buffer.end(Encoding::Utf16) }, "", Encoding::Utf16);
+        buffer.replace(
+            TextRange { start: TextPosition::default(), end: buffer.end(ColumnEncoding::Utf16) },
+            "",
+            ColumnEncoding::Utf16,
+        );
         assert_same(&buffer, "");
-        buffer.replace(TextRange::default(), "*A\n", Encoding::Utf16);
+        buffer.replace(TextRange::default(), "*A\n", ColumnEncoding::Utf16);
         assert_same(&buffer, "*A\n");
     }
 }

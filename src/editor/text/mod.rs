@@ -5,4 +5,4 @@ mod buffer;
 mod position;
 
 pub use buffer::TextBuffer;
-pub use position::{Encoding, Position, TextRange};
+pub use position::{ColumnEncoding, TextPosition, TextRange};

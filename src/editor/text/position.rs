@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Unit of columns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Encoding {
+pub enum ColumnEncoding {
     /// Bytes of UTF-8.
     Utf8,
     /// Code units of UTF-16, the default of the protocol.
@@ -14,10 +14,10 @@ pub enum Encoding {
 
 /// Line and column, both counted from 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct Position {
+pub struct TextPosition {
     /// Line.
     pub line: u32,
-    /// Column, in units of the agreed [`Encoding`].
+    /// Column, in units of the agreed [`ColumnEncoding`].
     pub character: u32,
 }
 
@@ -25,19 +25,19 @@ pub struct Position {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct TextRange {
     /// First position.
-    pub start: Position,
+    pub start: TextPosition,
     /// Position after the last character.
-    pub end: Position,
+    pub end: TextPosition,
 }
 
 impl TextRange {
     /// Returns the range between two columns of a line.
     pub fn on_line(line: u32, start: u32, end: u32) -> TextRange {
-        TextRange { start: Position { line, character: start }, end: Position { line, character: end } }
+        TextRange { start: TextPosition { line, character: start }, end: TextPosition { line, character: end } }
     }
 
     /// Returns whether a position is in the range, its end included.
-    pub fn touches(&self, position: Position) -> bool {
+    pub fn touches(&self, position: TextPosition) -> bool {
         self.start <= position && position <= self.end
     }
 
@@ -47,13 +47,13 @@ impl TextRange {
     }
 }
 
-impl Encoding {
+impl ColumnEncoding {
     /// Returns the length of a text in units of columns.
     pub fn width(self, text: &str) -> u32 {
         match self {
-            Encoding::Utf8 => text.len() as u32,
-            Encoding::Utf16 if text.is_ascii() => text.len() as u32,
-            Encoding::Utf16 => text.chars().map(|c| c.len_utf16() as u32).sum(),
+            ColumnEncoding::Utf8 => text.len() as u32,
+            ColumnEncoding::Utf16 if text.is_ascii() => text.len() as u32,
+            ColumnEncoding::Utf16 => text.chars().map(|c| c.len_utf16() as u32).sum(),
         }
     }
 
@@ -63,14 +63,14 @@ impl Encoding {
         let column = column as usize;
         match self {
             _ if line.is_ascii() => column.min(line.len()),
-            Encoding::Utf8 => {
+            ColumnEncoding::Utf8 => {
                 let mut byte = column.min(line.len());
                 while !line.is_char_boundary(byte) {
                     byte -= 1;
                 }
                 byte
             }
-            Encoding::Utf16 => {
+            ColumnEncoding::Utf16 => {
                 let mut units = 0;
                 for (byte, c) in line.char_indices() {
                     units += c.len_utf16();
@@ -86,13 +86,13 @@ impl Encoding {
 
 #[cfg(test)]
 mod tests {
-    use super::Encoding;
+    use super::ColumnEncoding;
 
     #[test]
     fn columns_count_units_of_the_encoding() {
         let line = "a\u{e4}\u{1f600}b";
-        assert_eq!((Encoding::Utf8.width(line), Encoding::Utf16.width(line)), (8, 5));
-        assert_eq!([0, 1, 2, 3, 4, 5, 9].map(|c| Encoding::Utf16.byte(line, c)), [0, 1, 3, 3, 7, 8, 8]);
-        assert_eq!([0, 1, 2, 3, 4, 7, 9].map(|c| Encoding::Utf8.byte(line, c)), [0, 1, 1, 3, 3, 7, 8]);
+        assert_eq!((ColumnEncoding::Utf8.width(line), ColumnEncoding::Utf16.width(line)), (8, 5));
+        assert_eq!([0, 1, 2, 3, 4, 5, 9].map(|c| ColumnEncoding::Utf16.byte(line, c)), [0, 1, 3, 3, 7, 8, 8]);
+        assert_eq!([0, 1, 2, 3, 4, 7, 9].map(|c| ColumnEncoding::Utf8.byte(line, c)), [0, 1, 1, 3, 3, 7, 8]);
     }
 }

@@ -108,6 +108,14 @@ impl Diagnostic {
         if let Some(meant) = texts[0].strip_prefix("write ").filter(|text| text.parse::<i64>().is_ok()) {
             return Some(Correction { span: label.span, text: meant.to_owned() });
         }
+        let is_longer = |text: &&str| text.get(..written.len()).is_some_and(|head| head.eq_ignore_ascii_case(written));
+        if let Some(meant) = texts[0]
+            .strip_prefix("write ")
+            .filter(|_| written.starts_with('*') && self.code != "D007")
+            .filter(is_longer)
+        {
+            return Some(Correction { span: label.span, text: meant.to_owned() });
+        }
         match self.code {
             "D108" => Some(Correction { span: label.span, text: format!("{}\"", written.trim_end()) }),
             "D109" => Some(Correction {

@@ -38,7 +38,9 @@ pub use codes::{CODES, find_code};
 pub use diagnostic::{Correction, Diagnostic, Diagnostics, Severity};
 pub use finding::Finding;
 pub use findings::tier_findings;
-pub use parameters::{CURVE_SETTING, MESH_SETTINGS, ParameterDefinition, is_unresolved};
+pub use parameters::{
+    CURVE_SETTING, MESH_SETTINGS, ParameterDefinition, is_name as is_parameter_name, is_unresolved, next_reference,
+};
 pub use printable::printable;
 pub use source::{Sources, Span};
 pub use syntax::{Card, DataLine, Deck, MeshScaling, Parameter, ParseGaps, Word};

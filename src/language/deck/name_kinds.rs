@@ -42,6 +42,8 @@ pub enum NameKind {
     ContactInitialization,
     /// Property of an incident wave.
     WaveProperty,
+    /// Parameter of `*PARAMETER`, used as `<name>`.
+    Parameter,
 }
 
 /// How a parameter or field refers to a name.
@@ -74,6 +76,7 @@ impl NameKind {
             NameKind::Clearance => "contact clearance",
             NameKind::ContactInitialization => "contact initialization data",
             NameKind::WaveProperty => "incident wave property",
+            NameKind::Parameter => "parameter",
         }
     }
 
