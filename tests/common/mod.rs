@@ -2,6 +2,7 @@
 #![allow(dead_code)] // Each binary uses a part.
 
 pub mod bodies;
+pub mod faulty_decks;
 pub mod mesh;
 pub mod random;
 pub mod routines;

@@ -208,6 +208,7 @@ fn commands_have_the_shared_options() {
         "chart",
         "view",
         "new",
+        "lsp",
         "completions",
         "man",
     ];

@@ -7,8 +7,8 @@ use clap::{Parser, Subcommand};
 
 use super::words::print_err;
 use super::{
-    CommandStatus, HALTED, REFUSED, chart, check, explain, identify, limit, material, mesh, new, print_error, report,
-    resistance, run, scatter, shell, study, sweep, view,
+    CommandStatus, HALTED, REFUSED, chart, check, explain, identify, limit, lsp, material, mesh, new, print_error,
+    report, resistance, run, scatter, shell, study, sweep, view,
 };
 
 /// Axisymmetric explicit finite-element code for ABAQUS-style decks with user subroutines.
@@ -41,6 +41,7 @@ enum ProgramCommand {
     View(view::ViewCommand),
     New(new::NewCommand),
     Mesh(mesh::MeshCommand),
+    Lsp(lsp::LspCommand),
     Completions(shell::CompletionsCommand),
     Man(shell::ManCommand),
 }
@@ -82,6 +83,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandSta
         ProgramCommand::View(view) => view.execute(),
         ProgramCommand::New(new) => new.execute(),
         ProgramCommand::Mesh(mesh) => mesh.execute(),
+        ProgramCommand::Lsp(lsp) => lsp.execute(),
         ProgramCommand::Completions(completions) => completions.execute::<ProgramArguments>(),
         ProgramCommand::Man(man) => man.execute::<ProgramArguments>(),
     };

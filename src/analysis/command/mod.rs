@@ -8,6 +8,7 @@ pub mod explain;
 pub mod identify;
 pub mod limit;
 pub mod line;
+pub mod lsp;
 pub mod material;
 pub mod mesh;
 mod mesh_refine;

@@ -80,6 +80,71 @@ impl Diagnostic {
     }
 }
 
+/// A correction that an editor can apply: text in place of a span.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Correction {
+    /// Replaced range.
+    pub span: Span,
+    /// The text in its place.
+    pub text: String,
+}
+
+impl Diagnostic {
+    /// Returns the correction that the help or the label of the diagnostic names, as `did you mean X?` or as a number to
+    /// write; `None` if it describes one in words.
+    pub fn correction(&self, sources: &Sources) -> Option<Correction> {
+        let label = self.labels.first()?;
+        let texts = [self.help.as_deref().unwrap_or_default(), label.text.as_str()];
+        if let Some(meant) = texts.iter().find_map(|text| meant_word(text)) {
+            return Some(Correction { span: label.span, text: meant.to_owned() });
+        }
+        let written = sources.text(label.span);
+        if let Some(meant) = texts[0].strip_prefix("if this is a decimal comma, write ") {
+            // The span is that of the decimals, and the number before the comma is as long as in the text.
+            let more = meant.len().checked_sub(written.len())? as u32;
+            let span = Span { start: label.span.start.checked_sub(more)?, ..label.span };
+            return Some(Correction { span, text: meant.to_owned() });
+        }
+        if let Some(meant) = texts[0].strip_prefix("write ").filter(|text| text.parse::<i64>().is_ok()) {
+            return Some(Correction { span: label.span, text: meant.to_owned() });
+        }
+        let is_longer = |text: &&str| text.get(..written.len()).is_some_and(|head| head.eq_ignore_ascii_case(written));
+        if let Some(meant) = texts[0]
+            .strip_prefix("write ")
+            .filter(|_| written.starts_with('*') && self.code != "D007")
+            .filter(is_longer)
+        {
+            return Some(Correction { span: label.span, text: meant.to_owned() });
+        }
+        match self.code {
+            "D108" => Some(Correction { span: label.span, text: format!("{}\"", written.trim_end()) }),
+            "D109" => Some(Correction {
+                span: label.span,
+                text: format!("** {}", written.trim_start_matches('$').trim_start_matches('#').trim_start()),
+            }),
+            "D101" if texts[0].contains("if this is a comment") => {
+                Some(Correction { span: label.span, text: format!("*{written}") })
+            }
+            "D301" => missing_comma(written).map(|text| Correction { span: label.span, text }),
+            _ => None,
+        }
+    }
+}
+
+/// Returns the word of `did you mean WORD?`.
+fn meant_word(text: &str) -> Option<&str> {
+    let (_, rest) = text.split_once("did you mean ")?;
+    let (word, _) = rest.split_once('?')?;
+    Some(word.trim_matches('`'))
+}
+
+/// Returns numbers that are separated by blanks with commas between them; `None` for other texts.
+fn missing_comma(text: &str) -> Option<String> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let numbers = words.len() > 1 && words.iter().all(|word| super::number::parse_number(word).is_ok());
+    numbers.then(|| words.join(", "))
+}
+
 /// Diagnostics of a deck. Checks continue after an error, so that all errors are reported together.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {

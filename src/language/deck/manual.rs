@@ -206,6 +206,17 @@ pub fn explain_keyword(name: &str) -> Option<String> {
     }
 }
 
+/// Describes a parameter or field in one line: its meaning, allowed values and default.
+pub fn explain_rule(rule: &InputRule) -> String {
+    format!("{}{}", rule.name, about(rule))
+}
+
+/// Describes a keyword in two lines: its meaning and support, and where it is allowed.
+pub fn explain_keyword_briefly(keyword: &Keyword) -> String {
+    let (place, support) = (standing_place(keyword), standing(keyword.tier));
+    format!("*{}{}: {}.\n{support}.{place}", keyword.name, mark(keyword.extension), keyword.summary)
+}
+
 /// Iterates over the names of all keywords.
 pub fn keyword_names() -> impl Iterator<Item = &'static str> {
     keywords().map(|keyword| keyword.name)
@@ -219,8 +230,7 @@ pub fn is_keyword(name: &str) -> bool {
 
 fn explain(keyword: &'static Keyword) -> String {
     let width = keyword.parameters.iter().map(|r| r.name.len()).max().unwrap_or(0);
-    let (place, standing) = (standing_place(keyword), standing(keyword.tier));
-    let mut text = format!("*{}{}: {}.\n{standing}.{place}\n", keyword.name, mark(keyword.extension), keyword.summary);
+    let mut text = explain_keyword_briefly(keyword) + "\n";
     for rule in keyword.parameters {
         text += &format!("  {:width$} {}\n", rule.name, about(rule).trim_start_matches(':'));
     }

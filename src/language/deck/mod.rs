@@ -10,10 +10,11 @@ pub mod finding;
 mod findings;
 mod fractions;
 pub mod keywords;
-mod lexer;
+pub mod lexer;
 pub mod lines;
 pub mod lists;
 pub mod manual;
+pub mod name_kinds;
 pub use revolve_numerics::names;
 pub mod number;
 mod parameters;
@@ -34,10 +35,12 @@ pub mod ways;
 use std::path::Path;
 
 pub use codes::{CODES, find_code};
-pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use diagnostic::{Correction, Diagnostic, Diagnostics, Severity};
 pub use finding::Finding;
 pub use findings::tier_findings;
-pub use parameters::{CURVE_SETTING, MESH_SETTINGS, ParameterDefinition, is_unresolved};
+pub use parameters::{
+    CURVE_SETTING, MESH_SETTINGS, ParameterDefinition, is_name as is_parameter_name, is_unresolved, next_reference,
+};
 pub use printable::printable;
 pub use source::{Sources, Span};
 pub use syntax::{Card, DataLine, Deck, MeshScaling, Parameter, ParseGaps, Word};
@@ -58,14 +61,25 @@ pub struct DiagnosticCode {
 /// definition of that name. Without such a definition, `mesh` divides each edge of the mesh into that number of parts,
 /// and `mesh=1/N` merges N edges.
 pub fn read(path: &Path, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
-    let mut parser = parser::Parser::new(overrides);
+    let mut parser = parser::Parser::new(overrides, &|_| None);
     parser.main_file(path);
     parser.finish()
 }
 
 /// Reads a deck from `text`. `name` is the file name in messages; `*INCLUDE` paths are relative to its folder.
 pub fn read_text(name: &str, text: &str, overrides: &[(String, String)]) -> (Deck, Diagnostics) {
-    let mut parser = parser::Parser::new(overrides);
+    let mut parser = parser::Parser::new(overrides, &|_| None);
     parser.text(Path::new(name), source::normalise(text.to_owned()), None);
+    parser.finish()
+}
+
+/// Returns the text of a file that is open in an editor; `None` for a file that is read from disk.
+pub type OpenTexts<'a> = dyn Fn(&Path) -> Option<String> + 'a;
+
+/// Reads a deck whose files are open in an editor. `text` is that of the deck, `path` its file; the text of an included
+/// file is that of `open_texts`, if there is one, in place of the file on disk.
+pub fn read_open(path: &Path, text: String, open_texts: &OpenTexts<'_>) -> (Deck, Diagnostics) {
+    let mut parser = parser::Parser::new(&[], open_texts);
+    parser.text(path, source::normalise(text), None);
     parser.finish()
 }

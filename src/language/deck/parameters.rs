@@ -281,7 +281,7 @@ pub fn is_unresolved(text: &str) -> bool {
 }
 
 /// Returns the text before the next `<name>`, the name, and the text after it.
-pub(super) fn next_reference(text: &str) -> Option<(&str, &str, &str)> {
+pub fn next_reference(text: &str) -> Option<(&str, &str, &str)> {
     let mut from = 0;
     while let Some(open) = text[from..].find('<').map(|i| i + from) {
         let close = text[open..].find('>')? + open;
@@ -294,7 +294,8 @@ pub(super) fn next_reference(text: &str) -> Option<(&str, &str, &str)> {
     None
 }
 
-fn is_name(text: &str) -> bool {
+/// Returns whether a text is a valid name of a parameter: letters, digits and `_`, without a digit at its start.
+pub fn is_name(text: &str) -> bool {
     let letter = |c: char| c.is_alphabetic() || c == '_';
     text.starts_with(letter) && text.chars().all(|c| letter(c) || c.is_numeric())
 }

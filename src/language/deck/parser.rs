@@ -11,7 +11,7 @@ use super::parameters::Parameters;
 use super::rows::is_listing;
 use super::source::{self, SourceFile, Span};
 use super::syntax::{Card, DataLine, Deck, ListingRow, Parameter, Word};
-use super::{files, untrusted};
+use super::{OpenTexts, files, untrusted};
 
 /// Maximum depth of nested includes.
 const DEEPEST: usize = 32;
@@ -34,7 +34,9 @@ enum DataDestination {
 }
 
 /// State of the parser for one deck.
-pub struct Parser {
+pub struct Parser<'a> {
+    /// Texts that replace the contents of files on disk.
+    open_texts: &'a OpenTexts<'a>,
     deck: Deck,
     diagnostics: Diagnostics,
     parameters: Parameters,
@@ -54,10 +56,12 @@ fn other_program(text: &str) -> Option<&'static str> {
     if is_dyna { Some("LS-DYNA") } else { is_radioss.then_some("OpenRadioss") }
 }
 
-impl Parser {
-    /// Creates a parser with overrides (name, expression) of parameters.
-    pub fn new(overrides: &[(String, String)]) -> Self {
+impl<'a> Parser<'a> {
+    /// Creates a parser with overrides (name, expression) of parameters, and texts that replace the contents of
+    /// included files.
+    pub fn new(overrides: &[(String, String)], open_texts: &'a OpenTexts<'a>) -> Self {
         Parser {
+            open_texts,
             deck: Deck::default(),
             diagnostics: Diagnostics::default(),
             parameters: Parameters::new(overrides),
@@ -384,13 +388,21 @@ impl Parser {
         let path = self.include_path(file);
         let finding = match self.refusal(&path, file) {
             Some(finding) => finding,
-            None => match files::read(&path) {
-                Ok(bytes) => return self.text(&path, source::decode(bytes), Some(file.span)),
+            None => match self.included_text(&path) {
+                Ok(text) => return self.text(&path, text, Some(file.span)),
                 Err(e) => unreadable(&path, file, &e),
             },
         };
         self.deck.unread.files = true;
         self.diagnostics.push(finding);
+    }
+
+    /// Returns the text of an included file: that of the caller, or that on disk.
+    fn included_text(&self, path: &Path) -> std::io::Result<String> {
+        match (self.open_texts)(path) {
+            Some(text) => Ok(source::normalise(text)),
+            None => files::read(path).map(source::decode),
+        }
     }
 
     /// Returns the path of an included file. If the path as written does not exist, for example because the deck comes

@@ -163,6 +163,15 @@ impl DataShape {
         }
     }
 
+    /// Returns the argument `before` of [`DataShape::field`] for the line after one with `count` values, before which it
+    /// was `before`.
+    pub fn values_after(&self, before: usize, count: usize) -> usize {
+        match self {
+            DataShape::Wrapped(record, _) if before + count >= *record => 0,
+            _ => before + count,
+        }
+    }
+
     /// Returns the rules of all fields.
     pub fn rules(&self) -> Vec<&InputRule> {
         match self {

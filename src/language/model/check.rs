@@ -243,13 +243,9 @@ impl CardChecker<'_> {
         let error_count = self.diagnostics.error_count();
         let mut faults = DataFaults::default();
         let mut before = 0;
-        let advance = |before: usize, fields: usize| match shape {
-            DataShape::Wrapped(count, _) if before + fields >= *count => 0,
-            _ => before + fields,
-        };
         for (i, line) in card.lines.iter().enumerate() {
             self.line(card, shape, (i, line, before), &mut faults);
-            before = advance(before, line.fields.len());
+            before = shape.values_after(before, line.fields.len());
         }
         for (i, row) in card.rows.iter().enumerate() {
             let count = row.field_count(self.sources);
@@ -257,7 +253,7 @@ impl CardChecker<'_> {
             if !(0..count).all(read) {
                 self.line(card, shape, (i, &row.line(self.sources), before), &mut faults);
             }
-            before = advance(before, count);
+            before = shape.values_after(before, count);
         }
         faults.report(card, self.diagnostics);
         let of_values = std::mem::take(&mut self.of_values);

@@ -136,6 +136,11 @@ pub fn prepare_edited(read: (Deck, Diagnostics), edit: &mut dyn FnMut(&mut Model
     prepared_model(read, edit, routines).0
 }
 
+/// Validates and plans a deck that has been read, and also returns its model.
+pub fn prepare_with_model(read: (Deck, Diagnostics), routines: &Routines) -> (PreparedJob, Model) {
+    prepared_model(read, &mut |_| {}, routines)
+}
+
 /// Prepares a job like [`prepare_edited`], and also returns the model.
 fn prepared_model(
     (mut deck, mut diagnostics): (Deck, Diagnostics),

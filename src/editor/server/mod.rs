@@ -1,0 +1,109 @@
+//! The server: a loop over the messages of the client, with a thread that reads them and one that checks decks.
+
+mod answers;
+mod capabilities;
+mod checks;
+mod documents;
+mod publish;
+mod requests;
+mod roots;
+mod state;
+
+use std::io::{self, BufRead, Write};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
+
+use thiserror::Error;
+
+use crate::protocol::{ProtocolMessage, read_message, write_message};
+use checks::{CheckResult, DeckChecker};
+use state::{ServerState, SessionPhase};
+
+/// Error that ends the server.
+#[derive(Debug, Error)]
+pub enum EditorError {
+    /// A stream has failed, or the client has sent something that is no message.
+    #[error("the connection to the editor failed: {0}")]
+    Stream(#[from] io::Error),
+    /// The client has ended the connection without the request `shutdown`.
+    #[error("the editor ended the connection without shutting the server down")]
+    NotShutDown,
+}
+
+/// What the loop of the server waits for.
+enum ServerEvent {
+    /// A message of the client.
+    Received(ProtocolMessage),
+    /// The end of the messages, with its reason if it is an error.
+    Closed(Option<io::Error>),
+    /// The result of a check.
+    Checked(Box<CheckResult>),
+}
+
+/// Serves a client until it sends `exit` or ends the stream. `explain` returns the documentation of a keyword, output
+/// variable or code, as `revolve explain` prints it.
+///
+/// # Errors
+/// If a stream fails, or ends before the client has shut the server down.
+pub fn serve(
+    input: impl BufRead + Send + 'static,
+    output: impl Write,
+    explain: fn(&str) -> Option<String>,
+) -> Result<(), EditorError> {
+    let (sender, events) = channel();
+    let reader = sender.clone();
+    std::thread::spawn(move || read_messages(input, &reader));
+    let checker = DeckChecker::start(move |result| sender.send(ServerEvent::Checked(Box::new(result))).is_ok());
+    let mut state = ServerState::new(Box::new(checker), explain);
+    let mut output = output;
+    run_loop(&mut state, &events, &mut output)
+}
+
+fn read_messages(mut input: impl BufRead, events: &Sender<ServerEvent>) {
+    loop {
+        let (event, ends) = match read_message(&mut input) {
+            Ok(Some(message)) => (ServerEvent::Received(message), false),
+            Ok(None) => (ServerEvent::Closed(None), true),
+            Err(error) => (ServerEvent::Closed(Some(error)), true),
+        };
+        if events.send(event).is_err() || ends {
+            return;
+        }
+    }
+}
+
+fn run_loop(
+    state: &mut ServerState,
+    events: &Receiver<ServerEvent>,
+    output: &mut dyn Write,
+) -> Result<(), EditorError> {
+    loop {
+        // Diagnostics are updated once for all edits that have arrived.
+        let event = match events.try_recv() {
+            Ok(event) => Some(event),
+            Err(TryRecvError::Empty) => {
+                state.update_diagnostics();
+                send_all(state, output)?;
+                events.recv().ok()
+            }
+            Err(TryRecvError::Disconnected) => None,
+        };
+        match event {
+            Some(ServerEvent::Received(message)) => state.receive(message),
+            Some(ServerEvent::Checked(result)) => state.take_result(*result),
+            Some(ServerEvent::Closed(Some(error))) => return Err(error.into()),
+            Some(ServerEvent::Closed(None)) | None => {
+                return if state.phase == SessionPhase::Running { Err(EditorError::NotShutDown) } else { Ok(()) };
+            }
+        }
+        send_all(state, output)?;
+        match state.phase {
+            SessionPhase::Exited { after_shutdown: true } => return Ok(()),
+            SessionPhase::Exited { after_shutdown: false } => return Err(EditorError::NotShutDown),
+            _ => {}
+        }
+    }
+}
+
+fn send_all(state: &mut ServerState, output: &mut dyn Write) -> io::Result<()> {
+    state.outbox.drain(..).try_for_each(|message| write_message(output, &message))
+}

@@ -1,0 +1,100 @@
+//! Dispatch of the messages of a client: the phases of a session and notifications. Requests about files are answered in
+//! `answers.rs`.
+
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+
+use super::capabilities::{chosen_encoding, initialize_result};
+use super::state::{ServerState, SessionPhase};
+use crate::protocol::{ErrorCode, InitializeParams, ProtocolMessage, RequestId, ResponseError};
+
+/// Files of decks: decks, included files and mesh files.
+const WATCHED_FILES: &str = "**/*.{inp,inc,dat,txt,csv,msh,vtk,vtu}";
+
+/// Result of a request.
+pub type RequestResult = Result<Value, ResponseError>;
+
+impl ServerState {
+    /// Handles a message.
+    pub fn receive(&mut self, message: ProtocolMessage) {
+        match message {
+            ProtocolMessage::Request { id, method, params } => {
+                let result = self.answer(&method, params);
+                self.respond(id, result);
+            }
+            ProtocolMessage::Notification { method, params } => self.take_notification(&method, params),
+            // The server sends no requests whose response matters.
+            ProtocolMessage::Response { .. } => {}
+        }
+    }
+
+    fn respond(&mut self, id: RequestId, result: RequestResult) {
+        self.outbox.push(ProtocolMessage::Response { id, result });
+    }
+
+    fn answer(&mut self, method: &str, params: Value) -> RequestResult {
+        match (self.phase, method) {
+            (SessionPhase::Starting, "initialize") => self.initialize(params),
+            (SessionPhase::Starting, _) => {
+                Err(ResponseError::new(ErrorCode::ServerNotInitialized, "send `initialize` first"))
+            }
+            (SessionPhase::Running, "shutdown") => {
+                self.phase = SessionPhase::ShutDown;
+                Ok(Value::Null)
+            }
+            (SessionPhase::Running, _) => {
+                self.update_outlines();
+                self.answer_about_document(method, params)
+            }
+            _ => Err(ResponseError::new(ErrorCode::InvalidRequest, "the server has been shut down")),
+        }
+    }
+
+    fn initialize(&mut self, params: Value) -> RequestResult {
+        let params: InitializeParams = parameters(params)?;
+        self.encoding = chosen_encoding(&params.capabilities);
+        self.options = params.initialization_options.unwrap_or_default();
+        self.client = params.capabilities;
+        self.phase = SessionPhase::Running;
+        Ok(initialize_result(self.encoding))
+    }
+
+    /// Asks the client to report changes of files on disk, if it can.
+    fn watch_files(&mut self) {
+        if self.client.pointer("/workspace/didChangeWatchedFiles/dynamicRegistration") != Some(&Value::Bool(true)) {
+            return;
+        }
+        let method = "workspace/didChangeWatchedFiles";
+        let options = json!({ "watchers": [{ "globPattern": WATCHED_FILES }] });
+        let registration = json!({ "id": "files", "method": method, "registerOptions": options });
+        self.outbox.push(ProtocolMessage::Request {
+            id: "register-files".into(),
+            method: "client/registerCapability".into(),
+            params: json!({ "registrations": [registration] }),
+        });
+    }
+
+    fn take_notification(&mut self, method: &str, params: Value) {
+        if method == "exit" {
+            self.phase = SessionPhase::Exited { after_shutdown: self.phase == SessionPhase::ShutDown };
+            return;
+        }
+        if self.phase != SessionPhase::Running {
+            return;
+        }
+        // Notifications have no response: those with invalid arguments are ignored.
+        match method {
+            "initialized" => self.watch_files(),
+            "textDocument/didOpen" => drop(parameters(params).map(|params| self.open(params))),
+            "textDocument/didChange" => drop(parameters(params).map(|params| self.change(params))),
+            "textDocument/didClose" => drop(parameters(params).map(|params| self.close(&params))),
+            "textDocument/didSave" | "workspace/didChangeWatchedFiles" => self.files_changed(),
+            _ => {}
+        }
+    }
+}
+
+/// Converts the arguments of a message.
+pub fn parameters<T: DeserializeOwned>(params: Value) -> Result<T, ResponseError> {
+    serde_json::from_value(params).map_err(|e| ResponseError::new(ErrorCode::InvalidParams, e.to_string()))
+}

@@ -1,0 +1,198 @@
+//! Which parameters and fields of the keyword table hold names, and of what: for editors, which follow a name from its
+//! definition to its uses. The kinds follow from the names of the parameters and fields, so that a card is described
+//! once, in `table/`.
+
+use super::keywords::{InputRule, InputUsage, Keyword};
+use super::value::ValueKind;
+
+/// What a name stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum NameKind {
+    /// Node set.
+    NodeSet,
+    /// Element set.
+    ElementSet,
+    /// Surface.
+    Surface,
+    /// Material.
+    Material,
+    /// Amplitude.
+    Amplitude,
+    /// Surface interaction.
+    Interaction,
+    /// Section controls.
+    SectionControls,
+    /// Part.
+    Part,
+    /// Instance of a part.
+    Instance,
+    /// Step.
+    Step,
+    /// Target without a mesh.
+    Target,
+    /// Set of contact pairs.
+    ContactPairSet,
+    /// Times of output.
+    TimePoints,
+    /// Section of integrated output.
+    OutputSection,
+    /// Clearance of contact.
+    Clearance,
+    /// Initial gaps of contact.
+    ContactInitialization,
+    /// Property of an incident wave.
+    WaveProperty,
+    /// Parameter of `*PARAMETER`, used as `<name>`.
+    Parameter,
+}
+
+/// How a parameter or field refers to a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NameUsage {
+    /// What the name stands for.
+    pub kind: NameKind,
+    /// Whether the card defines the name.
+    pub defines: bool,
+}
+
+impl NameKind {
+    /// Returns the kind in words, for example `node set`.
+    pub fn words(self) -> &'static str {
+        match self {
+            NameKind::NodeSet => "node set",
+            NameKind::ElementSet => "element set",
+            NameKind::Surface => "surface",
+            NameKind::Material => "material",
+            NameKind::Amplitude => "amplitude",
+            NameKind::Interaction => "surface interaction",
+            NameKind::SectionControls => "section controls",
+            NameKind::Part => "part",
+            NameKind::Instance => "instance",
+            NameKind::Step => "step",
+            NameKind::Target => "target",
+            NameKind::ContactPairSet => "set of contact pairs",
+            NameKind::TimePoints => "time points",
+            NameKind::OutputSection => "section of integrated output",
+            NameKind::Clearance => "contact clearance",
+            NameKind::ContactInitialization => "contact initialization data",
+            NameKind::WaveProperty => "incident wave property",
+            NameKind::Parameter => "parameter",
+        }
+    }
+
+    /// Returns whether each part has names of this kind that do not collide with those of other parts.
+    pub fn is_scoped(self) -> bool {
+        matches!(self, NameKind::NodeSet | NameKind::ElementSet | NameKind::Surface)
+    }
+}
+
+/// Returns how a parameter of a card refers to a name; `None` if its value is not a name of the deck.
+pub fn parameter_name_usage(keyword: &Keyword, rule: &InputRule) -> Option<NameUsage> {
+    let supported = matches!(rule.usage, InputUsage::Read | InputUsage::Inert(_));
+    if !supported || rule.value.kind != ValueKind::Text {
+        return None;
+    }
+    let adds_members = |kind, cards: &[&str]| Some(NameUsage { kind, defines: cards.contains(&keyword.name) });
+    let reference = |kind| Some(NameUsage { kind, defines: false });
+    match rule.name {
+        "NAME" | "CONSTRAINT NAME" => defined_by(keyword.name).map(|kind| NameUsage { kind, defines: true }),
+        "NSET" => adds_members(NameKind::NodeSet, &["NSET", "NODE", "NGEN", "NFILL", "NCOPY", "MESH"]),
+        "ELSET" if keyword.name == "RIGID SURFACE" => Some(NameUsage { kind: NameKind::Surface, defines: true }),
+        "ELSET" => adds_members(NameKind::ElementSet, &["ELSET", "ELEMENT", "ELGEN", "ELCOPY", "MESH"]),
+        "NEW SET" | "OLD SET" => {
+            let kind = if keyword.name == "ELCOPY" { NameKind::ElementSet } else { NameKind::NodeSet };
+            Some(NameUsage { kind, defines: rule.name == "NEW SET" })
+        }
+        "REF NODE" | "PIN NSET" | "TIE NSET" | "TIED NSET" => reference(NameKind::NodeSet),
+        "SURFACE" | "SECOND SURFACE" | "MASTER" | "SLAVE" | "ANALYTICAL SURFACE" => reference(NameKind::Surface),
+        "MATERIAL" => reference(NameKind::Material),
+        "AMPLITUDE" | "FILM AMPLITUDE" => reference(NameKind::Amplitude),
+        "INTERACTION" | "CONTACT PAIR" => reference(NameKind::Interaction),
+        "CONTROLS" => reference(NameKind::SectionControls),
+        "PART" => reference(NameKind::Part),
+        "INSTANCE" => reference(NameKind::Instance),
+        "TARGET" => reference(NameKind::Target),
+        "CPSET" => adds_members(NameKind::ContactPairSet, &["CONTACT PAIR"]),
+        "TIME POINTS" => reference(NameKind::TimePoints),
+        "SECTION" => reference(NameKind::OutputSection),
+        "PROPERTY" if keyword.name == "INCIDENT WAVE INTERACTION" => reference(NameKind::WaveProperty),
+        _ => None,
+    }
+}
+
+/// Returns what the parameter `NAME` of a card defines.
+fn defined_by(keyword: &str) -> Option<NameKind> {
+    Some(match keyword {
+        "SURFACE" | "RIGID SURFACE" => NameKind::Surface,
+        "MATERIAL" => NameKind::Material,
+        "AMPLITUDE" => NameKind::Amplitude,
+        "SURFACE INTERACTION" => NameKind::Interaction,
+        "SECTION CONTROLS" => NameKind::SectionControls,
+        "PART" => NameKind::Part,
+        "INSTANCE" => NameKind::Instance,
+        "STEP" => NameKind::Step,
+        "TARGET" => NameKind::Target,
+        "TIME POINTS" => NameKind::TimePoints,
+        "INTEGRATED OUTPUT SECTION" => NameKind::OutputSection,
+        "CONTACT CLEARANCE" => NameKind::Clearance,
+        "CONTACT INITIALIZATION DATA" => NameKind::ContactInitialization,
+        "INCIDENT WAVE INTERACTION PROPERTY" => NameKind::WaveProperty,
+        _ => return None,
+    })
+}
+
+/// Returns what a field of a data line refers to, unless it holds a number; `None` if it holds no name.
+pub fn field_name_kind(rule: &InputRule) -> Option<NameKind> {
+    match rule.name {
+        "node or set" | "reference node or set" | "first set" | "second set" => Some(NameKind::NodeSet),
+        "element or set" => Some(NameKind::ElementSet),
+        "surface" | "first surface" | "second surface" | "master surface" | "slave surface" => Some(NameKind::Surface),
+        "material" => Some(NameKind::Material),
+        "interaction" => Some(NameKind::Interaction),
+        "clearance name" => Some(NameKind::Clearance),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::deck::keywords::{KeywordTier, keywords};
+
+    #[test]
+    fn every_kind_of_name_is_defined_by_a_card() {
+        let mut used = BTreeSet::new();
+        let mut defined = BTreeSet::new();
+        for keyword in keywords() {
+            for usage in keyword.parameters.iter().filter_map(|rule| parameter_name_usage(keyword, rule)) {
+                used.insert(usage.kind);
+                defined.extend(usage.defines.then_some(usage.kind));
+            }
+            used.extend(keyword.data.iter().flat_map(|d| d.shape.rules()).filter_map(field_name_kind));
+        }
+        assert_eq!(used, defined);
+    }
+
+    /// Parameters of text that are not names of a deck, or names that no card refers to.
+    const FREE: &[&str] = &["INPUT", "NAME", "CONSTRAINT NAME"];
+
+    #[test]
+    fn every_text_parameter_is_a_name_or_free_text() {
+        for keyword in keywords().filter(|k| k.tier == KeywordTier::Used) {
+            for rule in keyword.parameters.iter().filter(|r| r.usage == InputUsage::Read) {
+                let text = rule.value.kind == ValueKind::Text && !FREE.contains(&rule.name);
+                assert!(!text || parameter_name_usage(keyword, rule).is_some(), "*{}, {}", keyword.name, rule.name);
+            }
+        }
+    }
+
+    #[test]
+    fn every_field_that_names_a_set_or_surface_has_a_kind() {
+        let is_name = |name: &str| name.ends_with("or set") || name.ends_with("surface") && !name.contains(' ');
+        for rule in keywords().flat_map(|k| k.data.iter().flat_map(|d| d.shape.rules())) {
+            assert!(!is_name(rule.name) || field_name_kind(rule).is_some(), "{}", rule.name);
+        }
+    }
+}
