@@ -192,7 +192,7 @@ impl GapIntegrator {
             |j: u32| normals.is_none_or(|all| all.iter().any(|n| cosine(n, &other.shapes[j as usize]) < FACING));
         let facing = candidates.iter().filter(|j| faces(**j));
         self.facing.extend(facing.map(|&j| FacingFacet::new(j, &own, &other.shapes[j as usize])));
-        let nearest = self.nearest(&own, 0.0, other)?;
+        let nearest = self.nearest(&own, 0.0, other, |_| false)?;
         if normals.is_some() && nearest.corner.is_some() {
             return None;
         }
@@ -295,7 +295,10 @@ impl GapIntegrator {
     ) -> Option<FacingFacet> {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let shape = own.shapes[k];
-        let nearest = self.nearest(&shape, middle, other)?;
+        // In self-contact, a facet next to the own one is not opposite: the point is within the corner between both.
+        let is_self = std::ptr::eq(own, other);
+        let joins = |next: u32| is_self && own.facets[k].iter().any(|p| other.facets[next as usize].contains(p));
+        let nearest = self.nearest(&shape, middle, other, joins)?;
         let j = nearest.facing.facet as usize;
         let opposite = &other.shapes[j];
         let mut shares = [[[0.0; 2]; 2]; 4];
@@ -330,8 +333,14 @@ impl GapIntegrator {
     }
 
     /// Returns the nearest part of the opposite surface. Returns `None` beyond the free end of a surface, and around a
-    /// corner if the point is in front of the next facet, which is not opposite.
-    fn nearest(&self, shape: &FacetShape, s: f64, other: &FacetCurve) -> Option<NearestFacet> {
+    /// corner if the next facet is not opposite: the point is in front of that facet, or the facet `joins` the own one.
+    fn nearest(
+        &self,
+        shape: &FacetShape,
+        s: f64,
+        other: &FacetCurve,
+        joins: impl Fn(u32) -> bool,
+    ) -> Option<NearestFacet> {
         let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
         let mut best: Option<(f64, FacingFacet, f64)> = None;
         for f in &self.facing {
@@ -349,7 +358,9 @@ impl GapIntegrator {
         let passes = corner.is_some()
             && match other.neighbors[facing.facet as usize][end] {
                 FacetNeighbor::Nothing => true,
-                FacetNeighbor::Facet(next) => facing.apart(s) < 0.0 && other.shapes[next as usize].in_front(place),
+                FacetNeighbor::Facet(next) => {
+                    facing.apart(s) < 0.0 && (joins(next) || other.shapes[next as usize].in_front(place))
+                }
                 FacetNeighbor::Axis => false,
             };
         (!passes).then_some(NearestFacet { facing, corner })
@@ -457,5 +468,16 @@ mod tests {
         let within = curve(&[[1.0, -0.1], [1.5, -0.1]], 0);
         let seen = gaps.facet_gap((&within, 0), &around, &[1], 10.0, false);
         assert!(seen.gap.iter().zip(seen.area).all(|(gap, area)| area > 0.0 && *gap < 0.0), "{seen:?}");
+    }
+
+    /// At an acute corner, a facet is behind the plane of the facet after the next one. In self-contact this is no
+    /// overlap; a facet of another surface in the same place overlaps.
+    #[test]
+    fn facet_after_the_next_one_is_not_opposite_in_self_contact() {
+        let body = curve(&[[1.0, 1.0], [1.0, 0.5], [1.0, 0.0], [2.0, 0.25]], 0);
+        let mut gaps = GapIntegrator::new(4);
+        assert_eq!(gaps.facet_gap((&body, 2), &body, &[0], 10.0, false).area, [0.0; 2]);
+        let seen = gaps.facet_gap((&body.clone(), 2), &body, &[0], 10.0, false);
+        assert!(seen.area[0] > 0.0 && seen.gap[0] < 0.0, "{seen:?}");
     }
 }
