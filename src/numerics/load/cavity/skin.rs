@@ -72,7 +72,7 @@ impl SkinResistance {
         for ((&nodes, &carries), [now, before]) in faces.zip(&mut self.forces) {
             *before = *now;
             let touches = carries && self.tunnel.as_ref().is_none_or(|tunnel| touches_wall(tunnel, nodes, view));
-            *now = if touches { on_face(stack, friction, view, nodes)? } else { FaceForces::default() };
+            *now = if touches { on_face(stack, friction, view, nodes, forces)? } else { FaceForces::default() };
             for (n, force) in now.iter().flat_map(|part| nodes.into_iter().zip(part)) {
                 forces[n] = [forces[n][0] + force[0], forces[n][1] + force[1]];
             }
@@ -136,8 +136,15 @@ fn touches_wall(tunnel: &TunnelWall, nodes: [usize; 2], view: &SceneView<'_>) ->
 }
 
 /// Returns the nodal forces of a face: the pressure at the normal velocity of its midpoint, weighted by area over the
-/// layers, and friction against the tangential velocity.
-fn on_face(stack: &LayerStack, friction: f64, view: &SceneView<'_>, nodes: [usize; 2]) -> Result<FaceForces, f64> {
+/// layers, and friction against the tangential velocity. Both are limited to what stops the face; `loads` are the forces
+/// of other loads on the nodes.
+fn on_face(
+    stack: &LayerStack,
+    friction: f64,
+    view: &SceneView<'_>,
+    nodes: [usize; 2],
+    loads: &[[f64; 2]],
+) -> Result<FaceForces, f64> {
     let mut pair = FaceForces::default();
     let face = CurrentFace::new(nodes, &view.dofs.nodes);
     let (velocity, normal) = (face.mean(|n| view.velocity(n)), face.normal);
@@ -151,15 +158,47 @@ fn on_face(stack: &LayerStack, friction: f64, view: &SceneView<'_>, nodes: [usiz
         return Err(into);
     }
     pair[0] = solid_face_forces(&face, pressure, view.rings);
+    let share = share_to_rest(view, &face, normal, &pair[0], loads);
+    pair[0] = pair[0].inline_map(|force| force.inline_map(|f| share * f));
     let along = velocity[1] * normal[0] - velocity[0] * normal[1];
     if friction > 0.0 && along != 0.0 {
         // Half of the friction on each node, against the motion along the tangent (-n_z, n_r).
-        let traction = friction * pressure * -along.signum();
+        let traction = friction * share * pressure * -along.signum();
         let area = |node: usize| view.rings.map_or(facet.area, |rings| rings[node] * facet.length());
         let force = nodes.inline_map(|node| 0.5 * traction * area(node));
         pair[1] = force.inline_map(|f| [-f * normal[1], f * normal[0]]);
+        let motion = [-normal[1], normal[0]].inline_map(|tangent| along.signum() * tangent);
+        let share = share_to_rest(view, &face, motion, &pair[1], loads);
+        pair[1] = pair[1].inline_map(|force| force.inline_map(|f| share * f));
     }
     Ok(pair)
+}
+
+/// Returns the share of nodal forces against the motion of a face along `direction` that stops this motion within the
+/// next increment; 1 if all forces do not stop it. More would reverse the motion and do work on the body: the force of
+/// an increment acts with the mean of the velocities in the middle of the increments before and after it.
+fn share_to_rest(
+    view: &SceneView<'_>,
+    face: &CurrentFace,
+    direction: [f64; 2],
+    resistance: &[[f64; 2]; 2],
+    loads: &[[f64; 2]],
+) -> f64 {
+    let nodes = &view.dofs.nodes;
+    let (mut before, mut after, mut lost) = (0.0, 0.0, 0.0);
+    for (&n, resistance) in face.nodes.iter().zip(resistance) {
+        let ([v_r, v_z], [f_r, f_z]) = (nodes.velocity_after(n, 0.0), view.element_force.map_or([0.0; 2], |f| f(n)));
+        let per_force = nodes.previous_dt * nodes.inverse_mass[n];
+        // A node on the axis does not move along r.
+        let along = [if nodes[n].r == 0.0 { 0.0 } else { direction[0] }, direction[1]];
+        let part = |vector: [f64; 2]| along[0] * vector[0] + along[1] * vector[1];
+        let velocity = part([v_r, v_z]);
+        before += velocity;
+        after += velocity + per_force * part([f_r + loads[n][0], f_z + loads[n][1]]);
+        lost -= per_force * part(*resistance);
+    }
+    let most = after.min(after + before).max(0.0);
+    if lost > most { most / lost } else { 1.0 }
 }
 
 fn face_limit(stack: &LayerStack, face: &CurrentFace, nodes: &Nodes) -> IncrementLimit {
