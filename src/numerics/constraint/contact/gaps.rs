@@ -175,12 +175,12 @@ impl GapIntegrator {
     }
 
     /// Computes the gap of a single point without facets, with a unit area. A corner has the `normals` of its facets,
-    /// and only opposite facets that face one of the normals are considered. Returns the gap and the facet; `None` if no
-    /// facet is near.
+    /// and only opposite facets that face one of the normals are considered; `half` is half the thickness of its body.
+    /// Returns the gap and the facet; `None` if no facet is near.
     pub fn point_gap(
         &mut self,
         (point, place): (u32, [f64; 2]),
-        normals: Option<[[f64; 2]; 2]>,
+        (normals, half): (Option<[[f64; 2]; 2]>, f64),
         other: &FacetCurve,
         candidates: &[u32],
         reach: f64,
@@ -199,7 +199,8 @@ impl GapIntegrator {
         let j = nearest.facing.facet as usize;
         let (gap, normal, part) = nearest.distance(place, 0.0, &other.shapes[j], other.shapes[j].length);
         let gap = gap - other.lift[j];
-        if gap >= reach || gap <= -other.depth_at(j, part) {
+        let half = if other.is_side_of_line { half } else { f64::INFINITY };
+        if gap >= reach || gap <= -other.depth_at(j, part).min(half) {
             return None;
         }
         let ends = other.facets[j];
@@ -301,13 +302,14 @@ impl GapIntegrator {
         let nearest = self.nearest(&shape, middle, other, joins)?;
         let j = nearest.facing.facet as usize;
         let opposite = &other.shapes[j];
+        let most = deepest_overlap((own, k), (other, j));
         let mut shares = [[[0.0; 2]; 2]; 4];
         let mut any = false;
         for s in [middle - half * GAUSS, middle + half * GAUSS] {
             let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
             let (gap, normal, part) = nearest.distance(place, s, opposite, shape.length);
             let gap = gap - own.lift[k] - other.lift[j];
-            if gap >= reach || gap <= -other.depth_at(j, part) {
+            if gap >= reach || gap <= -other.depth_at(j, part).min(most) {
                 continue;
             }
             any = true;
@@ -387,6 +389,18 @@ impl GapIntegrator {
             + MemoryUse::of(&self.edges)
             + MemoryUse::of(&self.facing)
             + MemoryUse::of(&self.cuts)
+    }
+}
+
+/// Returns the largest overlap of two facets if one is a side of a line without thickness: half the thickness of the
+/// other body. A larger overlap is that of a body on the other side of the line.
+fn deepest_overlap((own, k): (&FacetCurve, usize), (other, j): (&FacetCurve, usize)) -> f64 {
+    if other.is_side_of_line {
+        own.half_thickness(k)
+    } else if own.is_side_of_line {
+        other.half_thickness(j)
+    } else {
+        f64::INFINITY
     }
 }
 
