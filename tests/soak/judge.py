@@ -140,6 +140,9 @@ def violations(rows, scene):
     for name, warnings in NEVER_NEGATIVE.items():
         if scene.stores and name in RELEASED:
             continue
+        # An exponential pressure-overclosure relationship stores energy at zero clearance, which contact may release.
+        if name == "ALLCW+ALLPW" and any("exponential" in feature for feature in scene.features):
+            continue
         values = column(rows, name)
         below = sum(value < -bound for value in values)
         if below:
