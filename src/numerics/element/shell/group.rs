@@ -129,7 +129,7 @@ impl ShellGroup {
             let (at, height) = (element * count + i, 0.5 * place * thickness);
             let strain = [strains[0] + height * strains[2], strains[1] + height * strains[3]];
             let step = advance(&self.section, &mut self.stress[at], self.flow.get_mut(at), strain, dt);
-            plastic += weight * thickness * step.returned.mises * step.returned.flow;
+            plastic += weight * thickness * step.work;
             thinning += weight * step.thinning;
             if let Some(record) = &mut self.record {
                 let strain = [strain[0], strain[1], step.thinning];

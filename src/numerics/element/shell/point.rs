@@ -15,6 +15,8 @@ pub(super) struct ShellPointState {
 /// Result of the update of a section point: return to the yield surface and thickness strain.
 pub(super) struct ShellPointResult {
     pub returned: PlaneReturn,
+    /// Plastic work per volume: that of the mean of previous and new stress.
+    pub work: f64,
     /// Strain through the thickness.
     pub thinning: f64,
 }
@@ -29,11 +31,14 @@ pub(super) fn advance(
 ) -> ShellPointResult {
     let elastic = &section.elastic;
     let trial = elastic.trial(*stress, strain);
+    let mut work = 0.0;
     let returned = match (&section.flowing, flow) {
         (Some(flowing), Some(flow)) => {
             let returned = elastic.returned(&flowing.law, trial, [flow.strain, flow.temperature], dt);
             flow.strain += returned.flow;
-            flow.temperature += flowing.heating.rise(flow.temperature, [returned.mises, returned.flow]);
+            let half = |i: usize| 0.5 * (stress[i] + returned.stress[i]) * returned.plastic[i];
+            work = half(0) + half(1);
+            flow.temperature += flowing.heating.rise(flow.temperature, [work]);
             returned
         }
         _ => PlaneReturn { stress: trial, ..PlaneReturn::default() },
@@ -41,7 +46,7 @@ pub(super) fn advance(
     let change = [returned.stress[0] - stress[0], returned.stress[1] - stress[1]];
     let thinning = elastic.thinning(change) - (returned.plastic[0] + returned.plastic[1]);
     *stress = returned.stress;
-    ShellPointResult { returned, thinning }
+    ShellPointResult { returned, work, thinning }
 }
 
 persist_struct!(ShellPointState { strain, temperature });
