@@ -40,8 +40,8 @@ NEVER_DECREASING = {
     "ALLFD": ("R303", "R304"),
     "ALLCAV": ("R303",),
 }
-# Energies that a material with stored energy may release.
-RELEASED = ("ALLIE", "ALLSE")
+# Energies that a material with stored energy may release; the work of its hourglass control comes from its own energy.
+RELEASED = ("ALLIE", "ALLSE", "ALLAE")
 
 
 @dataclass
