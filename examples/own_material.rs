@@ -28,11 +28,11 @@ impl MaterialLaw for Voce {
     fn update(&self, point: &mut MaterialPoint<'_>) {
         let ElasticModuli { bulk, shear } = ElasticModuli::from_young(point.constants[0], point.constants[1]);
         let dilation = point.strain[0] + point.strain[1] + point.strain[2];
-        let mean = (point.stress[0] + point.stress[1] + point.stress[2]) / 3.0;
+        let old = point.stress;
+        let mean = (old[0] + old[1] + old[2]) / 3.0;
         let volumetric = |i: usize, value: f64| if i < 3 { value } else { 0.0 };
-        let trial = [0, 1, 2, 3].map(|i| {
-            point.stress[i] - volumetric(i, mean) + 2.0 * shear * (point.strain[i] - volumetric(i, dilation / 3.0))
-        });
+        let trial = [0, 1, 2, 3]
+            .map(|i| old[i] - volumetric(i, mean) + 2.0 * shear * (point.strain[i] - volumetric(i, dilation / 3.0)));
         let [rr, zz, hoop, rz] = trial.map(|s| s * s);
         let mises = (1.5 * (rr + zz + hoop) + 3.0 * rz).sqrt();
         let (p, mut dp) = (point.state[0], 0.0);
@@ -44,7 +44,11 @@ impl MaterialLaw for Voce {
         let factor = if dp > 0.0 { 1.0 - 3.0 * shear * dp / mises } else { 1.0 };
         point.stress = [0, 1, 2, 3].map(|i| factor * trial[i] + volumetric(i, mean + bulk * dilation));
         point.state[0] = p + dp;
-        point.dissipated = factor * mises * dp;
+        if dp > 0.0 {
+            // The work of the mean of previous and new stress; the plastic strain increment is 3/2 dp trial/mises.
+            let part = |i: usize| (old[i] + point.stress[i]) * trial[i];
+            point.dissipated = 0.75 * dp / mises * (part(0) + part(1) + part(2) + 2.0 * part(3));
+        }
     }
 }
 

@@ -47,15 +47,19 @@ subroutine vumat(nblock, ndir, nshr, nstatev, nfieldv, nprops, lanneal, &
     end if
     pressure = pressure + bulk*trace
     work = 0.d0
+    along = 0.d0
     do i = 1, ndir + nshr
       stressNew(k,i) = factor*s(i)
       if (i .le. ndir) stressNew(k,i) = stressNew(k,i) + pressure
-      part = 0.5d0*(stressOld(k,i) + stressNew(k,i))*strainInc(k,i)
+      part = 0.5d0*(stressOld(k,i) + stressNew(k,i))
       if (i .gt. ndir) part = 2.d0*part
-      work = work + part
+      work = work + part*strainInc(k,i)
+      along = along + part*s(i)
     end do
     stateNew(k,1) = stateOld(k,1) + flow
     enerInternNew(k) = enerInternOld(k) + work/density(k)
-    enerInelasNew(k) = enerInelasOld(k) + factor*trial*flow/density(k)
+    ! The plastic strain increment is 3/2 flow s/trial.
+    enerInelasNew(k) = enerInelasOld(k)
+    if (flow .gt. 0.d0) enerInelasNew(k) = enerInelasOld(k) + 1.5d0*flow*along/(trial*density(k))
   end do
 end subroutine vumat

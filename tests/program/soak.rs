@@ -59,11 +59,12 @@ impl History {
         all.iter().flatten().fold(0.0, |most, energy| most.max(energy.abs()))
     }
 
-    /// Returns the energies with a wrong sign. A material with stored energy releases strain energy.
+    /// Returns the energies with a wrong sign. A material with stored energy releases strain energy, and pays for its
+    /// hourglass control.
     fn wrong_signs(&self, stores_energy: bool) -> Vec<String> {
         let bound = BOUND * self.largest_energy();
         let mut found = Vec::new();
-        for columns in NEVER_NEGATIVE.iter().filter(|c| !(stores_energy && c[0] == "ALLSE")) {
+        for columns in NEVER_NEGATIVE.iter().filter(|c| !(stores_energy && matches!(c[0], "ALLSE" | "ALLAE"))) {
             let lowest = self.sum(columns).into_iter().fold(0.0, f64::min);
             if lowest < -bound {
                 found.push(format!("{} is {lowest:e}", columns.join(" + ")));

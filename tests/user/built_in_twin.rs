@@ -41,11 +41,15 @@ fn radial_return(call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>, i: us
     let excess = mises - (yields + slope * call.state[i]);
     let flow = if call.now.total_time > 0.0 && excess > 0.0 { excess / (1.5 * shear2 + slope) } else { 0.0 };
     let factor = if flow > 0.0 { 1.0 - 1.5 * shear2 * flow / mises } else { 1.0 };
+    let mut along = 0.0;
     for (k, trial) in trial.into_iter().enumerate() {
-        answer.stress[k * call.count + i] = factor * trial + volumetric(k, mean);
+        let new = factor * trial + volumetric(k, mean);
+        answer.stress[k * call.count + i] = new;
+        along += if k < 3 { 1.0 } else { 2.0 } * (old[k] + new) * trial;
     }
     answer.state[i] = call.state[i] + flow;
-    answer.inelastic[i] = call.inelastic[i] + factor * mises * flow / call.density[i];
+    let work = if flow > 0.0 { 0.75 * flow * along / mises } else { 0.0 };
+    answer.inelastic[i] = call.inelastic[i] + work / call.density[i];
 }
 
 const BUILT_IN: &str = "*Elastic\n 117.e9, 0.35\n*Plastic\n 400.e6, 0.\n 900.e6, 5.\n";

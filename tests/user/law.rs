@@ -44,7 +44,11 @@ impl MaterialLaw for LinearHardeningLaw {
         let factor = if flow > 0.0 { 1.0 - 3.0 * shear * flow / mises } else { 1.0 };
         point.stress = [0, 1, 2, 3].map(|i| factor * trial[i] + volumetric(i, mean));
         point.state[0] += flow;
-        point.dissipated = factor * mises * flow;
+        if flow > 0.0 {
+            // The work of the mean of previous and new stress; the plastic strain increment is 3/2 flow trial/mises.
+            let part = |i: usize| (old[i] + point.stress[i]) * trial[i];
+            point.dissipated = 0.75 * flow / mises * (part(0) + part(1) + part(2) + 2.0 * part(3));
+        }
         if point.state[0] > self.limit {
             point.state[1] = 0.0;
         }

@@ -53,8 +53,9 @@ fn yielding_rod_stops_earlier_and_shortens() {
     }
 }
 
-/// The resistance law of the shank has little influence at 569 m/s: no resistance, an elastic wall and the full law
-/// give depths within 2 % of each other, and bulges in this order.
+/// The resistance law of the shank has little influence at 569 m/s. An elastic wall and no resistance give depths within
+/// 0.5 %. The full law, which a vibrating shank meets at any velocity, gives 3 % less (2.7 %; 3.0 % with a tenth of the
+/// increment). A free shank bulges most.
 #[test]
 fn shank_resistance_has_little_influence_on_depth() {
     let laws = [["0.", "0."], ["0.", "19.35"], ["5.0394", "0.9830"]];
@@ -63,8 +64,8 @@ fn shank_resistance_has_little_influence_on_depth() {
         println!("{a} {b}: {:?} {:?}", history.0["U2@TIP"].min, history.0["U1@SHOULDER"].max);
         [-history.0["U2@TIP"].min, history.0["U1@SHOULDER"].max]
     });
-    for other in [unloaded, whole] {
-        assert!((other[0] / wall[0] - 1.0).abs() < 0.02, "{other:?} {wall:?}");
-    }
-    assert!(unloaded[1] > wall[1] && wall[1] > 0.99 * whole[1], "{unloaded:?} {wall:?} {whole:?}");
+    assert!((unloaded[0] / wall[0] - 1.0).abs() < 0.005, "{unloaded:?} {wall:?}");
+    let ratio = whole[0] / wall[0];
+    assert!(ratio > 0.965 && ratio < 0.98, "{whole:?} {wall:?}");
+    assert!(unloaded[1] > wall[1] && unloaded[1] > whole[1], "{unloaded:?} {wall:?} {whole:?}");
 }

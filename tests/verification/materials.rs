@@ -37,6 +37,76 @@ fn strains(deck: &str, memory: &RecordedOutput) -> Vec<f64> {
     memory.rows.iter().map(|row| (1.0 + row.1[at] / 1e-3).ln()).collect()
 }
 
+/// An element that yields within two large increments of prescribed motion: ALLIE less ALLPD is the elastic energy of
+/// the stress, and the temperature of an adiabatic element rises with ALLPD. Tolerance 1e-3: strains are 1e-4, and work
+/// is summed over volumes in the middle of increments.
+#[test]
+fn strain_energy_is_that_of_the_stress_after_yield_in_large_increments() {
+    let [young, ratio, heat] = [200e9, 0.3, 500.0];
+    let heated =
+        "*Rate Dependent, type=JOHNSON COOK\n 0.02, 1.\n*Specific Heat\n 500.\n*Inelastic Heat Fraction\n 0.9\n";
+    let laws = [
+        ("*Plastic\n 4.e6, 0.\n", "CAX4R"),
+        ("*Plastic\n 4.e6, 0.\n 8.e6, 1.e-4\n", "CAX4R"),
+        ("*Plastic\n 4.e6, 0.\n", "CAX3"),
+        ("*Plastic, hardening=KINEMATIC\n 4.e6, 0.\n 8.e6, 1.e-4\n", "CAX4R"),
+        (&format!("*Plastic, hardening=JOHNSON COOK\n 4.e6, 1.e8, 0.5, 1., 1300., 293.\n{heated}"), "CAX4R"),
+        ("*Plastic\n 4.e6, 0.\n", "SAX1"),
+    ];
+    for (law, kind) in laws {
+        let elements = match kind {
+            "SAX1" => "*Element, type=SAX1, elset=SOLID\n 1, 1, 3\n*Shell Section, elset=SOLID, material=M\n 0.01, 5\n",
+            "CAX3" => "*Element, type=CAX3, elset=SOLID\n 1, 1, 2, 4\n*Solid Section, elset=SOLID, material=M\n",
+            _ => "*Element, type=CAX4R, elset=SOLID\n 1, 1, 2, 4, 3\n*Solid Section, elset=SOLID, material=M\n",
+        };
+        let fixed = if kind == "SAX1" { " ALL, 6\n" } else { "" };
+        let adiabatic = if law.contains("Heat") { ", adiabatic" } else { "" };
+        let temperature = if law.contains("Heat") { "*Initial Conditions, type=TEMPERATURE\n ALL, 293.\n" } else { "" };
+        let deck = format!(
+            "*Node, nset=ALL\n 1, 1., 0.\n 2, 1.01, 0.\n 3, 1., 0.01\n 4, 1.01, 0.01\n{elements}*Material, name=M\n\
+             *Density\n 7800.,\n*Elastic\n {young:e}, {ratio}\n{law}{temperature}*Step\n*Dynamic, Explicit, direct user \
+             control{adiabatic}\n 1.e-6, 2.e-6\n*Boundary, type=VELOCITY\n ALL, 1, 1, 0.\n ALL, 2, 2, 0.\n 3, 2, 2, 0.6\n \
+             4, 2, 2, 0.6\n{fixed}*Output, history, frequency=1\n*Element Output, elset=SOLID\n S{}\n*Energy Output\n \
+             ALLIE, ALLSE, ALLPD\n*End Step\n",
+            if adiabatic.is_empty() { "" } else { ", TEMP" }
+        );
+        let deck = if kind == "SAX1" {
+            deck.replace(" 2, 1.01, 0.\n", "").replace(" 4, 1.01, 0.01\n", "").replace(" 4, 2, 2, 0.6\n", "")
+        } else {
+            deck
+        };
+        let (outcome, memory) = run(&deck);
+        assert_eq!(outcome.halt, None);
+        let value = |name: &str| last(&deck, &memory, name);
+        let volume = std::f64::consts::PI
+            * match kind {
+                "SAX1" => 2.0 * 0.01 * 0.01,
+                "CAX3" => 0.5 * 0.01 * 0.01 * 2.0 * (1.0 + 1.01 + 1.01) / 3.0,
+                _ => (1.01 * 1.01 - 1.0) * 0.01,
+            };
+        let normal: Vec<f64> = ["S11", "S22", "S33"]
+            .iter()
+            .filter(|n| kind != "SAX1" || **n != "S33")
+            .map(|n| value(&format!("{n}@SOLID")))
+            .collect();
+        let shear = if kind == "SAX1" { 0.0 } else { value("S12@SOLID") };
+        let (squares, sum) =
+            (normal.iter().map(|s| s * s).sum::<f64>() + 2.0 * shear * shear, normal.iter().sum::<f64>());
+        let elastic = volume * ((1.0 + ratio) * squares - ratio * sum * sum) / (2.0 * young);
+        let (stored, plastic) = (value("ALLSE"), value("ALLPD"));
+        println!("{kind} {:?}: ALLSE {stored:e}, elastic energy {elastic:e}, ALLPD {plastic:e}", law.lines().next());
+        assert!(
+            (stored / elastic - 1.0).abs() < 1e-3 && plastic > 0.05 * elastic,
+            "{law}: {stored} {elastic} {plastic}"
+        );
+        if !adiabatic.is_empty() {
+            let rise = value("TEMP@SOLID") - 293.0;
+            let expected = 0.9 * plastic / (volume * 7800.0 * heat);
+            assert!((rise / expected - 1.0).abs() < 1e-3, "{rise} {expected}");
+        }
+    }
+}
+
 /// Tension, compression and tension with linear kinematic hardening; the stress of each row by hand. Hooke's law is
 /// integrated from rates, so the axial stress follows the logarithmic strain.
 #[test]

@@ -131,7 +131,7 @@ pub struct TaskWorkspace {
     pub(super) stress: StressUpdate,
     pub(super) sums: LaneSums,
     /// Sums of [`Self::energy_sums`] at the start of the block; only with records.
-    recorded: [Lanes; 3],
+    recorded: [Lanes; 4],
     pub(super) block: f64,
     /// Index of the block in the task.
     pub(super) at: usize,
@@ -462,20 +462,13 @@ impl TaskWorkspace {
 
     /// Updates the record of the block `index` of the task.
     #[inline(never)]
-    pub(super) fn update_record(
-        &mut self,
-        arch: Arch,
-        index: usize,
-        stress: &[Lanes; 4],
-        flow: PlasticFlow,
-        (spins, dt): (Lanes, f64),
-    ) {
+    pub(super) fn update_record(&mut self, arch: Arch, index: usize, flow: PlasticFlow, (spins, dt): (Lanes, f64)) {
         let sums = self.energy_sums();
         let grown = |i: usize| inline_from_fn(|l| sums[i][l] - self.recorded[i][l]);
-        let energies = [0, 1, 2].inline_map(grown);
+        let energies = [0, 1, 2, 3].inline_map(grown);
         let (increment, update, record) = (&self.strain, &self.stress, &mut self.task.records[index]);
-        record.add_energies(&energies);
-        arch.dispatch(RecordUpdate { record, stress, flow, spins, dt, increment, update });
+        record.add_energies(&energies, flow);
+        arch.dispatch(RecordUpdate { record, flow, spins, dt, increment, update });
     }
 
     /// Adds work of the stress, and loss by damage, to the record of a lane in the block `index`, if records exist.
@@ -485,9 +478,10 @@ impl TaskWorkspace {
         }
     }
 
-    /// Returns the sums of the pass that records take: work of the stress, of hourglass control, and loss by damage.
-    fn energy_sums(&self) -> [Lanes; 3] {
-        [self.stress.internal, self.sums.artificial, self.stress.damaged]
+    /// Returns the sums of the pass that records take: work of the stress, of hourglass control, loss by damage, and
+    /// dissipation by plastic flow and damage.
+    fn energy_sums(&self) -> [Lanes; 4] {
+        [self.stress.internal, self.sums.artificial, self.stress.damaged, self.stress.dissipated]
     }
 
     /// Updates the largest strain increment and volume change of the pass.

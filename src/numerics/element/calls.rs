@@ -127,7 +127,7 @@ impl<M: Material> PassInput<'_, M> {
             block.finish::<M, AREA>(self.material, increment, eroded, nodes, work, corners);
             if !work.task.records.is_empty() {
                 let increment = (work.strain.spin, self.dt);
-                work.update_record(self.arch, i, &block.stress, M::FLOW, increment);
+                work.update_record(self.arch, i, M::FLOW, increment);
             }
             std::mem::swap(&mut work.task, &mut task.task);
             task.add_sums(work);

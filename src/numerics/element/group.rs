@@ -866,7 +866,7 @@ impl<M: Material, const AREA: bool> NullaryFnOnce for QuadTask<'_, M, AREA> {
             block.update::<M, AREA>(pass.material, pass.constants, increment, &mut places, scratch, corners);
             if !scratch.task.records.is_empty() {
                 let increment = (scratch.strain.spin, pass.dt);
-                scratch.update_record(self.arch, i, &block.stress, M::FLOW, increment);
+                scratch.update_record(self.arch, i, M::FLOW, increment);
             }
         }
     }

@@ -7,7 +7,6 @@ use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::column;
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::rotation::{rotate, rotation_of_spin};
-use crate::kernel::stress::mises;
 use crate::material::PlasticFlow;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::state::archive::persist_struct;
@@ -62,7 +61,6 @@ impl ElementRecord {
 /// instruction set and not for each material.
 pub(super) struct RecordUpdate<'a> {
     pub record: &'a mut BlockRecord,
-    pub stress: &'a [Lanes; 4],
     pub flow: PlasticFlow,
     pub spins: Lanes,
     pub dt: f64,
@@ -106,7 +104,6 @@ impl RecordUpdate<'_> {
     #[inline(always)]
     fn add_material_flow(&self, record: &mut BlockRecord) {
         for l in 0..LANES {
-            record.work[1][l] += self.increment.volume[l] * self.update.flow[l];
             for i in 0..4 {
                 record.plastic[i][l] += self.update.plastic[i][l];
             }
@@ -119,9 +116,6 @@ impl RecordUpdate<'_> {
         for l in 0..LANES {
             let (flow, trial) = (self.update.flow[l], self.update.trial[l]);
             let (flows, per) = (flow > 0.0, 1.5 * flow / trial);
-            let work = self.increment.volume[l] * mises(column(self.stress, l)) * flow;
-            let before = record.work[1][l];
-            record.work[1][l] = if flows { before + work } else { before };
             for i in 0..4 {
                 let (before, along) = (record.plastic[i][l], self.update.deviator[i][l]);
                 record.plastic[i][l] = if flows { before + per * along } else { before };
@@ -131,9 +125,12 @@ impl RecordUpdate<'_> {
 }
 
 impl BlockRecord {
-    /// Adds the work of the stress, of hourglass control, and the loss by damage in an increment.
-    pub(super) fn add_energies(&mut self, [stress, artificial, damage]: &[Lanes; 3]) {
+    /// Adds the work of the stress, of hourglass control, the loss by damage, and the dissipation by plastic flow and
+    /// damage in an increment. User materials record their plastic work themselves.
+    pub(super) fn add_energies(&mut self, [stress, artificial, damage, dissipated]: &[Lanes; 4], flow: PlasticFlow) {
+        let is_recorded = !matches!(flow, PlasticFlow::Unknown);
         for l in 0..LANES {
+            self.work[1][l] += if is_recorded { dissipated[l] - damage[l] } else { 0.0 };
             self.work[0][l] += stress[l];
             self.work[2][l] += artificial[l];
             self.work[3][l] += damage[l];

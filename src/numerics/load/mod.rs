@@ -136,6 +136,8 @@ pub struct SceneView<'a> {
     pub velocity_extrapolation: f64,
     /// Factor per node from a force on the plane section to the force on the node's ring; only with area weighting.
     pub rings: Option<&'a [f64]>,
+    /// Returns the sum of the element forces on a node, `[r, z]`; `None` for loads on rigid bodies.
+    pub element_force: Option<&'a dyn Fn(usize) -> [f64; 2]>,
 }
 
 impl SceneView<'_> {

@@ -196,15 +196,17 @@ impl Material for FoamMaterial {
                 update.plastic[i][l] = flow * (1.5 * update.deviator[i][l] + along);
             }
             update.mean[l] = -pressure;
-            update.flow[l] = flow * (q * q + beta2 * pressure * pressure);
+            update.flow[l] = flow;
             state.strain[l] += hardening;
             update.bulk[l] = self.moduli[0];
             update.shear[l] = self.moduli[1];
         }
-        for l in 0..LANES {
-            update.dissipated[l] += strain.volume[l] * update.flow[l];
-        }
         update.set_stress::<false, false>(stress, strain);
+        for l in 0..LANES {
+            let work = |i: usize| (strain.carried[i][l] + stress[i][l]) * update.plastic[i][l];
+            let both = (work(0) + work(1)) + (work(2) + 2.0 * work(3));
+            update.dissipated[l] += 0.5 * strain.volume[l] * both;
+        }
     }
 
     fn value(&self, state: &FoamState, lane: usize, part: VariableComponent) -> Option<f64> {

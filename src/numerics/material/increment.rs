@@ -1,7 +1,7 @@
 //! Inputs and outputs of a material in one increment.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::kernel::moduli::ElasticModuli;
 
 /// Kinematics of a block of elements over an increment.
@@ -44,8 +44,8 @@ pub struct StressUpdate {
     pub deviator: [Lanes; 4],
     /// Von Mises stress of the deviator, for laws of [`super::PlasticFlow::Deviatoric`].
     pub trial: Lanes,
-    /// Result: equivalent plastic strain increments; for [`super::PlasticFlow::Coupled`] the dissipated energy per
-    /// volume.
+    /// Result: equivalent plastic strain increments; for [`super::PlasticFlow::Coupled`] a number that is positive
+    /// during plastic flow.
     pub flow: Lanes,
     /// Result of [`super::PlasticFlow::Coupled`]: plastic strain increments. Other laws store the rotated back stress
     /// here.
@@ -94,27 +94,39 @@ impl StressUpdate {
         self.returned = [1.0; LANES];
     }
 
-    /// Scales the deviator back to the yield surface by [`StressUpdate::flow`], and adds the plastic dissipation.
+    /// Computes the factor that returns the deviator to the yield surface from [`StressUpdate::flow`].
     #[inline(always)]
     pub(super) fn return_to_yield_surface(&mut self, strain: &StrainIncrement) {
         let shear3 = 3.0 * strain.moduli.shear;
         for l in 0..LANES {
             let (trial, flow) = (self.trial[l], self.flow[l]);
-            let returned = trial - shear3 * flow;
-            let factor = if flow > 0.0 { returned / trial } else { 1.0 };
-            self.returned[l] = factor;
-            self.dissipated[l] += strain.volume[l] * returned * flow;
+            self.returned[l] = if flow > 0.0 { (trial - shear3 * flow) / trial } else { 1.0 };
         }
     }
 
+    /// Returns the part of the previous stress along the plastic flow, whose product with the equivalent plastic strain
+    /// increment is its plastic work: 3/2 times stress and trial deviator over the von Mises stress of the trial.
+    #[inline(always)]
+    pub(super) fn previous_along_flow(&self, strain: &StrainIncrement) -> Lanes {
+        let mut along = [0.0; LANES];
+        for l in 0..LANES {
+            let part = |i: usize| strain.carried[i][l] * self.deviator[i][l];
+            along[l] = 1.5 * ((part(0) + part(1)) + (part(2) + 2.0 * part(3))) / self.trial[l];
+        }
+        along
+    }
+
     /// Sets the stress to mean stress plus deviator, the latter returned to the yield surface (`PLASTIC`) and shifted
-    /// by the back stress (`BACK`), and adds the work of the stress.
+    /// by the back stress (`BACK`), and adds the work of the stress and its plastic part. Both are that of the mean of
+    /// previous and new stress, so that their difference is the change of elastic energy.
     #[inline(always)]
     pub(super) fn set_stress<const PLASTIC: bool, const BACK: bool>(
         &mut self,
         stress: &mut [Lanes; 4],
         strain: &StrainIncrement,
     ) {
+        // The plastic strain increment is 3/2 of this times the deviator.
+        let per_shear3 = if strain.moduli.shear > 0.0 { 1.0 / (3.0 * strain.moduli.shear) } else { 0.0 };
         for l in 0..LANES {
             let (factor, mean) = (if PLASTIC { self.returned[l] } else { 1.0 }, self.mean[l]);
             let mut s = [
@@ -124,25 +136,21 @@ impl StressUpdate {
                 factor * self.deviator[3][l],
             ];
             if BACK {
-                self.dissipated[l] += self.work_against_back_stress(strain, l);
                 for i in 0..4 {
                     s[i] += self.plastic[i][l];
                 }
             }
-            let double = |i: usize| strain.strain[i][l] * (strain.carried[i][l] + s[i]);
+            let both = [0, 1, 2, 3].inline_map(|i| strain.carried[i][l] + s[i]);
+            let double = |i: usize| strain.strain[i][l] * both[i];
             self.internal[l] += 0.5 * strain.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
+            if PLASTIC {
+                let along = |i: usize| self.deviator[i][l] * both[i];
+                let work = (along(0) + along(1)) + (along(2) + 2.0 * along(3));
+                self.dissipated[l] += 0.75 * strain.volume[l] * ((1.0 - factor) * per_shear3) * work;
+            }
             for i in 0..4 {
                 stress[i][l] = s[i];
             }
         }
-    }
-
-    /// Returns the plastic work against the back stress of a lane: 3/2 dp times the back stress along the relative
-    /// stress.
-    #[inline(always)]
-    fn work_against_back_stress(&self, strain: &StrainIncrement, l: usize) -> f64 {
-        let part = |i: usize| self.plastic[i][l] * self.deviator[i][l];
-        let along = (part(0) + part(1)) + (part(2) + 2.0 * part(3));
-        if self.flow[l] > 0.0 { 1.5 * strain.volume[l] * self.flow[l] * along / self.trial[l] } else { 0.0 }
     }
 }

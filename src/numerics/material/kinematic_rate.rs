@@ -35,6 +35,7 @@ impl HardeningLaw for RateKinematicHardening {
     type State = RateBackStress;
     const PLASTIC: bool = true;
     const BACKSTRESS: bool = true;
+    const HEATS: bool = true;
 
     fn fresh(&self) -> RateBackStress {
         let zero = [0.0; LANES];
@@ -52,7 +53,10 @@ impl HardeningLaw for RateKinematicHardening {
             flow.increment[l] = dp;
             state.strain[l] += dp;
             state.slope[l] = slope;
-            state.temperature[l] += self.heating.rise(temperature, [trial - flow.shear3 * dp, dp]);
+            if dp > 0.0 {
+                let mean = 0.5 * (flow.previous[l] + (trial - flow.shear3 * dp));
+                state.temperature[l] += self.heating.rise(temperature, [mean, dp]);
+            }
         }
     }
 
@@ -61,7 +65,8 @@ impl HardeningLaw for RateKinematicHardening {
     }
 
     /// Adds the increment of the back stress, along the plastic strain increment. The plastic strain increment is 3/2
-    /// dp times the direction of the relative stress. The work against the back stress also heats the material.
+    /// dp times the direction of the relative stress. The work against the back stress also heats the material: this is
+    /// the part of the new stress; the previous stress includes its back stress.
     fn update_back_stress(
         &self,
         state: &mut RateBackStress,
@@ -74,7 +79,7 @@ impl HardeningLaw for RateKinematicHardening {
             let per = if flow[l] > 0.0 { flow[l] / trial[l] } else { 0.0 };
             let part = |i: usize| carried[i][l] * relative[i][l];
             let along = (part(0) + part(1)) + (part(2) + 2.0 * part(3));
-            state.temperature[l] += self.heating.rise(state.temperature[l], [1.5, per, along]);
+            state.temperature[l] += self.heating.rise(state.temperature[l], [0.75, per, along]);
             let before = state.slope[l];
             let now = if !self.heating.is_none() { self.slope.value(state.temperature[l]) } else { before };
             let ratio = if before > 0.0 { now / before } else { 1.0 };

@@ -18,6 +18,9 @@ pub trait HardeningLaw: Send + Sync + 'static {
     /// Whether the law has a back stress.
     const BACKSTRESS: bool = false;
 
+    /// Whether plastic work can heat the material.
+    const HEATS: bool = false;
+
     /// Returns the state of a block that has never yielded.
     fn fresh(&self) -> Self::State;
 
@@ -62,6 +65,8 @@ pub trait HardeningLaw: Send + Sync + 'static {
 pub struct FlowUpdate<'a> {
     /// Von Mises stress of the elastic trial.
     pub trial: &'a Lanes,
+    /// Part of the previous stress along the plastic flow; only for laws with [`HardeningLaw::HEATS`].
+    pub previous: &'a Lanes,
     /// Three shear moduli.
     pub shear3: f64,
     /// Length of the increment; 0 at the start.
@@ -179,6 +184,7 @@ pub struct PlasticState {
 impl HardeningLaw for RateDependentHardening {
     type State = PlasticState;
     const PLASTIC: bool = true;
+    const HEATS: bool = true;
 
     fn fresh(&self) -> PlasticState {
         PlasticState { strain: [0.0; LANES], temperature: [0.0; LANES], rate: [0.0; LANES] }
@@ -196,8 +202,11 @@ impl HardeningLaw for RateDependentHardening {
         }
         if !self.heating.is_none() {
             for l in 0..flow.count {
-                let left = flow.trial[l] - flow.shear3 * increment[l];
-                temperature[l] += self.heating.rise(temperature[l], [left, increment[l]]);
+                if increment[l] > 0.0 {
+                    let returned = flow.trial[l] - flow.shear3 * increment[l];
+                    let mean = 0.5 * (flow.previous[l] + returned);
+                    temperature[l] += self.heating.rise(temperature[l], [mean, increment[l]]);
+                }
             }
         }
         *flow.increment = increment;
@@ -239,6 +248,7 @@ mod tests {
             let mut increment = [0.0; LANES];
             let flow = &mut FlowUpdate {
                 trial: &[trial; LANES],
+                previous: &[0.0; LANES],
                 shear3: 3.0 * shear,
                 dt: 1.0,
                 count: LANES,

@@ -76,8 +76,9 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
             update.shift(&strain.spin);
         }
         if H::PLASTIC {
+            let previous = &if H::HEATS { update.previous_along_flow(strain) } else { [0.0; LANES] };
             let StressUpdate { trial, flow: increment, .. } = &mut *update;
-            let flow = &mut FlowUpdate { trial, shear3, dt: strain.dt, count: strain.count, increment };
+            let flow = &mut FlowUpdate { trial, previous, shear3, dt: strain.dt, count: strain.count, increment };
             self.hardening.flow(&mut state.hardening, flow);
             if H::BACKSTRESS {
                 self.hardening.update_back_stress(
@@ -251,6 +252,9 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             let (left, limited) = (left.stress[l], left.mean[l]);
             let shift = [limited - mean, limited - mean, limited - mean, 0.0];
             let (mut work, mut unloaded, volume) = (0.0, 0.0, strain.volume[l]);
+            // Plastic work of the previous and the new stress without damage.
+            let (mut flowed_before, mut flowed) = (0.0, 0.0);
+            let flow = if input.plastic[l] > 0.0 { 1.5 * input.plastic[l] / update.trial[l] } else { 0.0 };
             for i in 0..4 {
                 let degraded = left * (full[i] + shift[i]);
                 let (increment, carried) = (strain.strain[i][l], strain.carried[i][l]);
@@ -258,6 +262,9 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
                 let twice = if i == 3 { 2.0 } else { 1.0 };
                 work += twice * increment * (before[l] * carried + degraded - added);
                 unloaded += twice * increment * (before[l] * full[i] - degraded);
+                let plastic = twice * flow * update.deviator[i][l];
+                flowed_before += plastic * carried;
+                flowed += plastic * full[i];
                 stress[i][l] = degraded;
             }
             update.internal[l] += 0.5 * volume * work;
@@ -266,9 +273,10 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             let [energy_before, energy_after] = [(before[l], mean), (left, limited)]
                 .inline_map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
             // The work of the increment is that of the degraded stress (trapezoidal rule), without this elastic part.
-            let missing = 0.5 * (unloaded - (before[l] - left) * mises * input.plastic[l]);
+            let missing = 0.5 * (unloaded - (before[l] - left) * flowed);
             let lost = (energy_before - energy_after) - missing;
-            update.dissipated[l] += volume * (lost - (1.0 - left) * mises * input.plastic[l]);
+            let not_flowed = 0.5 * ((1.0 - before[l]) * flowed_before + (1.0 - left) * flowed);
+            update.dissipated[l] += volume * (lost - not_flowed);
             update.damaged[l] += volume * lost;
             update.deleted += usize::from(left == 0.0);
         }
@@ -321,7 +329,8 @@ fn yield_stress<H: HardeningLaw>(hardening: &H, state: &H::State, shear: f64, co
     let shear3 = 3.0 * shear;
     let flows = |trial: &Lanes| {
         let (mut state, mut increment) = (state.clone(), [0.0; LANES]);
-        let flow = &mut FlowUpdate { trial, shear3, dt: f64::MAX, count, increment: &mut increment };
+        let previous = &[0.0; LANES];
+        let flow = &mut FlowUpdate { trial, previous, shear3, dt: f64::MAX, count, increment: &mut increment };
         hardening.flow(&mut state, flow);
         increment.inline_map(|dp| dp > 0.0)
     };

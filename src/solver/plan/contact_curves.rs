@@ -98,6 +98,17 @@ fn is_off_axis(edge: &MeridianEdge) -> bool {
     edge.iter().any(|p| p[0] != 0.0)
 }
 
+/// Returns whether a surface is one side of line elements, and other pairs of general contact have the other side.
+fn has_both_sides(sides: &SideSelection, pairs: &[SurfaceContact]) -> bool {
+    let other = |face: &(usize, ElementSide)| match face.1 {
+        ElementSide::Positive => Some((face.0, ElementSide::Negative)),
+        ElementSide::Negative => Some((face.0, ElementSide::Positive)),
+        ElementSide::Face(_) => None,
+    };
+    let Some(other) = sides.faces.first().and_then(other) else { return false };
+    pairs.iter().filter(|p| p.general).any(|p| p.sides.iter().any(|s| s.faces.contains(&other)))
+}
+
 impl Compiler<'_> {
     /// Returns the index of the curve of one surface of a pair. Unsupported surfaces are reported as errors.
     pub(super) fn curve(
@@ -150,6 +161,8 @@ impl Compiler<'_> {
         let lift =
             facets.iter().map(|f| if contact.no_thickness { 0.0 } else { 0.5 * self.thickness_of(f.1) }).collect();
         let curve = found.add_curve(&facets, lift, exposed_count, (around.skin, &self.shells_of(sides)));
+        found.curves[curve].is_side_of_line =
+            contact.general && self.thickness_of(facets[0].1) == 0.0 && has_both_sides(sides, around.pairs);
         found.facet_elements.push(facet_elements);
         found.by_name.insert(key, curve);
         Some(curve)

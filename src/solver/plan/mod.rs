@@ -109,6 +109,8 @@ pub struct Plan {
     /// Whether elements may release energy that was not supplied by loads: gases, explosives, initial stress, thermal
     /// expansion, variable moduli, user materials.
     pub stores_energy: bool,
+    /// Whether a material has an equation of state. The work of its hourglass control comes from its own energy.
+    pub has_equation_of_state: bool,
     /// Whether viscous dissipation is expected: shocks in materials with an equation of state, requested damping.
     pub expects_dissipation: bool,
 }
@@ -296,6 +298,7 @@ fn compile_with(
     }
     let (mesh, routines) = (model.mesh.clone(), routines.clone());
     let (stores_energy, expects_dissipation) = (stores_energy(model), expects_dissipation(model));
+    let has_equation_of_state = model.materials.iter().any(|m| m.eos.is_some());
     let mut plan = Plan {
         ledger,
         mesh,
@@ -311,6 +314,7 @@ fn compile_with(
         rows,
         labels,
         stores_energy,
+        has_equation_of_state,
         expects_dissipation,
     };
     bytes::record_bytes(&mut plan, &state);

@@ -188,7 +188,8 @@ impl EnergyBalance {
         if self.largest > 0.0 { self.departure_now / self.largest } else { 0.0 }
     }
 
-    /// Returns the largest energy so far: kinetic, internal, or work of loads and motions.
+    /// Returns the largest energy so far: kinetic, internal, of the overlaps with which soft contact began, or work of
+    /// loads and motions.
     pub fn largest(&self) -> f64 {
         self.largest
     }
@@ -297,7 +298,8 @@ impl EnergyBalance {
         self.solid = *energies;
         let sum = energies.sum() + self.tied - energies.external;
         let initial = *self.solid_initial.get_or_insert(if deforms { sum } else { 0.0 });
-        self.largest = self.largest.max(energies.kinetic).max(energies.internal).max(energies.external.abs());
+        let stored = energies.internal.max(energies.initial_overlap);
+        self.largest = self.largest.max(energies.kinetic).max(stored).max(energies.external.abs());
         sum - initial
     }
 
@@ -369,4 +371,22 @@ fn kinetic(dofs: &Dofs) -> f64 {
 /// Returns the larger value, or NaN if one is NaN.
 fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Dofs, EnergyBalance};
+
+    /// Soft contact begins with energy in its overlaps. The drift is relative to it, although no body moves yet.
+    #[test]
+    fn drift_is_relative_to_the_energy_of_initial_overlaps() {
+        let mut dofs = Dofs::default();
+        let mut balance = EnergyBalance::start(&dofs);
+        dofs.energies.initial_overlap = 10.0;
+        balance.add_increment(&dofs, &[], false, true);
+        (dofs.energies.contact, dofs.energies.kinetic) = (-0.9, 1.0);
+        balance.add_increment(&dofs, &[], false, true);
+        assert_eq!(balance.largest(), 10.0);
+        assert!((balance.drift() - 0.01).abs() < 1e-15, "{}", balance.drift());
+    }
 }

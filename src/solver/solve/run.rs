@@ -15,6 +15,7 @@ use crate::element::elements::CollapsedElement;
 use crate::element::mass_scaling::StepMassScaling;
 use crate::element::volume_guard::STARTING;
 use crate::heat::field::TemperatureField;
+use crate::kernel::lanes::InlineMap;
 use crate::load::{LoadForces, SceneChange, SceneView, TargetDissipation};
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, State, StepChanges, StepPlan};
@@ -137,6 +138,7 @@ impl<'a> SolverRun<'a> {
                 dofs: &self.state.dofs,
                 velocity_extrapolation: self.velocity_extrapolation,
                 rings: self.state.elements.ring_factors(),
+                element_force: None,
             },
             elements: &self.state.elements,
             heat: self.heat(),
@@ -293,7 +295,8 @@ impl<'a> SolverRun<'a> {
     fn apply_body_loads(&mut self, first: usize, end: usize) -> Result<(), HaltReason> {
         let State { dofs, loads, user_amplitudes, .. } = &mut self.state;
         let clock = AmplitudeClock { now: self.now, user_amplitudes };
-        let view = SceneView { clock, dofs, velocity_extrapolation: self.velocity_extrapolation, rings: None };
+        let velocity_extrapolation = self.velocity_extrapolation;
+        let view = SceneView { clock, dofs, velocity_extrapolation, rings: None, element_force: None };
         let mut start = self.body_forces.start_of(first);
         for (load, &end) in loads[first..end].iter_mut().zip(&self.body_forces.load_ends[first..end]) {
             let started = self.timing.start(load.effect());
@@ -413,11 +416,14 @@ impl<'a> SolverRun<'a> {
         // Taken out of the state, because loads read the state.
         let mut forces = std::mem::take(&mut self.state.dofs.nodes.forces[0]);
         let mut dissipated = TargetDissipation::default();
+        let (elements, rings) = (&self.state.elements, self.state.elements.ring_factors());
+        let element_force = |n: usize| elements.nodal_force(n).inline_map(|f| rings.map_or(f, |rings| rings[n] * f));
         let view = SceneView {
             clock: AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes },
             dofs: &self.state.dofs,
             velocity_extrapolation: self.velocity_extrapolation,
-            rings: self.state.elements.ring_factors(),
+            rings,
+            element_force: Some(&element_force),
         };
         let mut result = Ok(());
         for load in &mut self.state.loads {

@@ -221,12 +221,14 @@ impl SolverRun<'_> {
             }
         }
         let strain = if self.plan.stores_energy { 0.0 } else { self.watch.lowest_strain };
+        // A material with an equation of state pays for its hourglass control, and may release energy by it.
+        let artificial = if self.plan.has_equation_of_state { 0.0 } else { energy.artificial };
         let lost = energy.damage.unwrap_or(0.0);
         for (name, now) in [
             ("ALLSE", strain),
             ("ALLPD", energy.plastic),
             ("ALLDMD", lost),
-            ("ALLAE", energy.artificial),
+            ("ALLAE", artificial),
             ("ALLDC", energy.distortion),
         ] {
             if now < -BELOW_ZERO * largest {

@@ -48,6 +48,8 @@ pub struct FacetCurve {
     /// Largest overlap at which a point is in contact with the facet, at its first point, middle and second point: half
     /// the thickness of the body there.
     pub depth: Vec<[f64; 3]>,
+    /// Whether the curve is one side of a line without thickness whose other side is in contact, too.
+    pub is_side_of_line: bool,
     /// Whether each facet is exposed. If elements can be deleted, faces between two elements are facets from the start,
     /// one for each side. They become exposed when the element in front of them is deleted.
     pub is_exposed: Vec<bool>,
@@ -135,6 +137,7 @@ impl FacetCurve {
             neighbors: vec![[FacetNeighbor::Nothing; 2]; count],
             lift: vec![0.0; count],
             depth,
+            is_side_of_line: false,
             is_exposed: (0..count).map(|k| k < bare).collect(),
             has_element: vec![true; count],
             exposed: Vec::with_capacity(count),
@@ -227,6 +230,19 @@ impl FacetCurve {
     pub fn lifted(mut self, lift: Vec<f64>) -> FacetCurve {
         self.lift = lift;
         self
+    }
+
+    /// Returns half the thickness of the body at a facet.
+    pub fn half_thickness(&self, facet: usize) -> f64 {
+        let (lift, [_, middle, _]) = (self.lift[facet], self.depth[facet]);
+        if lift > 0.0 { lift } else { middle }
+    }
+
+    /// Returns the smallest half thickness of the body at the exposed facets around an own point; infinite without such
+    /// facets.
+    pub fn half_thickness_around(&self, index: usize) -> f64 {
+        let exposed = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
+        exposed.fold(f64::INFINITY, |least, f| least.min(self.half_thickness(f.0 as usize)))
     }
 
     /// Returns the largest distance of the surface from its facets.
@@ -458,7 +474,7 @@ impl Persist for FacetNeighbor {
 }
 
 persist_struct!(FacetCurve { is_exposed: fixed, has_element: fixed, neighbors: fixed } derived {
-    facets, lift, depth, own, around, exposed, exposed_points, orphans, drops_orphans, tips, corners, shapes, ordered
+    facets, lift, depth, is_side_of_line, own, around, exposed, exposed_points, orphans, drops_orphans, tips, corners, shapes, ordered
 } then FacetCurve::list_again);
 
 impl FacetCurve {

@@ -175,12 +175,12 @@ impl GapIntegrator {
     }
 
     /// Computes the gap of a single point without facets, with a unit area. A corner has the `normals` of its facets,
-    /// and only opposite facets that face one of the normals are considered. Returns the gap and the facet; `None` if no
-    /// facet is near.
+    /// and only opposite facets that face one of the normals are considered; `half` is half the thickness of its body.
+    /// Returns the gap and the facet; `None` if no facet is near.
     pub fn point_gap(
         &mut self,
         (point, place): (u32, [f64; 2]),
-        normals: Option<[[f64; 2]; 2]>,
+        (normals, half): (Option<[[f64; 2]; 2]>, f64),
         other: &FacetCurve,
         candidates: &[u32],
         reach: f64,
@@ -192,14 +192,15 @@ impl GapIntegrator {
             |j: u32| normals.is_none_or(|all| all.iter().any(|n| cosine(n, &other.shapes[j as usize]) < FACING));
         let facing = candidates.iter().filter(|j| faces(**j));
         self.facing.extend(facing.map(|&j| FacingFacet::new(j, &own, &other.shapes[j as usize])));
-        let nearest = self.nearest(&own, 0.0, other)?;
+        let nearest = self.nearest(&own, 0.0, other, |_| false)?;
         if normals.is_some() && nearest.corner.is_some() {
             return None;
         }
         let j = nearest.facing.facet as usize;
         let (gap, normal, part) = nearest.distance(place, 0.0, &other.shapes[j], other.shapes[j].length);
         let gap = gap - other.lift[j];
-        if gap >= reach || gap <= -other.depth_at(j, part) {
+        let half = if other.is_side_of_line { half } else { f64::INFINITY };
+        if gap >= reach || gap <= -other.depth_at(j, part).min(half) {
             return None;
         }
         let ends = other.facets[j];
@@ -295,16 +296,20 @@ impl GapIntegrator {
     ) -> Option<FacingFacet> {
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
         let shape = own.shapes[k];
-        let nearest = self.nearest(&shape, middle, other)?;
+        // In self-contact, a facet next to the own one is not opposite: the point is within the corner between both.
+        let is_self = std::ptr::eq(own, other);
+        let joins = |next: u32| is_self && own.facets[k].iter().any(|p| other.facets[next as usize].contains(p));
+        let nearest = self.nearest(&shape, middle, other, joins)?;
         let j = nearest.facing.facet as usize;
         let opposite = &other.shapes[j];
+        let most = deepest_overlap((own, k), (other, j));
         let mut shares = [[[0.0; 2]; 2]; 4];
         let mut any = false;
         for s in [middle - half * GAUSS, middle + half * GAUSS] {
             let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
             let (gap, normal, part) = nearest.distance(place, s, opposite, shape.length);
             let gap = gap - own.lift[k] - other.lift[j];
-            if gap >= reach || gap <= -other.depth_at(j, part) {
+            if gap >= reach || gap <= -other.depth_at(j, part).min(most) {
                 continue;
             }
             any = true;
@@ -330,8 +335,14 @@ impl GapIntegrator {
     }
 
     /// Returns the nearest part of the opposite surface. Returns `None` beyond the free end of a surface, and around a
-    /// corner if the point is in front of the next facet, which is not opposite.
-    fn nearest(&self, shape: &FacetShape, s: f64, other: &FacetCurve) -> Option<NearestFacet> {
+    /// corner if the next facet is not opposite: the point is in front of that facet, or the facet `joins` the own one.
+    fn nearest(
+        &self,
+        shape: &FacetShape,
+        s: f64,
+        other: &FacetCurve,
+        joins: impl Fn(u32) -> bool,
+    ) -> Option<NearestFacet> {
         let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
         let mut best: Option<(f64, FacingFacet, f64)> = None;
         for f in &self.facing {
@@ -349,7 +360,9 @@ impl GapIntegrator {
         let passes = corner.is_some()
             && match other.neighbors[facing.facet as usize][end] {
                 FacetNeighbor::Nothing => true,
-                FacetNeighbor::Facet(next) => facing.apart(s) < 0.0 && other.shapes[next as usize].in_front(place),
+                FacetNeighbor::Facet(next) => {
+                    facing.apart(s) < 0.0 && (joins(next) || other.shapes[next as usize].in_front(place))
+                }
                 FacetNeighbor::Axis => false,
             };
         (!passes).then_some(NearestFacet { facing, corner })
@@ -376,6 +389,18 @@ impl GapIntegrator {
             + MemoryUse::of(&self.edges)
             + MemoryUse::of(&self.facing)
             + MemoryUse::of(&self.cuts)
+    }
+}
+
+/// Returns the largest overlap of two facets if one is a side of a line without thickness: half the thickness of the
+/// other body. A larger overlap is that of a body on the other side of the line.
+fn deepest_overlap((own, k): (&FacetCurve, usize), (other, j): (&FacetCurve, usize)) -> f64 {
+    if other.is_side_of_line {
+        own.half_thickness(k)
+    } else if own.is_side_of_line {
+        other.half_thickness(j)
+    } else {
+        f64::INFINITY
     }
 }
 
@@ -457,5 +482,16 @@ mod tests {
         let within = curve(&[[1.0, -0.1], [1.5, -0.1]], 0);
         let seen = gaps.facet_gap((&within, 0), &around, &[1], 10.0, false);
         assert!(seen.gap.iter().zip(seen.area).all(|(gap, area)| area > 0.0 && *gap < 0.0), "{seen:?}");
+    }
+
+    /// At an acute corner, a facet is behind the plane of the facet after the next one. In self-contact this is no
+    /// overlap; a facet of another surface in the same place overlaps.
+    #[test]
+    fn facet_after_the_next_one_is_not_opposite_in_self_contact() {
+        let body = curve(&[[1.0, 1.0], [1.0, 0.5], [1.0, 0.0], [2.0, 0.25]], 0);
+        let mut gaps = GapIntegrator::new(4);
+        assert_eq!(gaps.facet_gap((&body, 2), &body, &[0], 10.0, false).area, [0.0; 2]);
+        let seen = gaps.facet_gap((&body.clone(), 2), &body, &[0], 10.0, false);
+        assert!(seen.area[0] > 0.0 && seen.gap[0] < 0.0, "{seen:?}");
     }
 }

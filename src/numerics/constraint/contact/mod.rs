@@ -756,7 +756,8 @@ fn add_point_row(
         return;
     }
     let place = (point, places[point as usize]);
-    let seen = gaps.point_gap(place, normals, against, candidates, pair.search.reach());
+    let half = if against.is_side_of_line { of.half_thickness_around(index as usize) } else { f64::INFINITY };
+    let seen = gaps.point_gap(place, (normals, half), against, candidates, pair.search.reach());
     let Some((mut seen, facet)) = seen else { return };
     let is_corner = corner.is_some();
     if let Some(corner) = corner {

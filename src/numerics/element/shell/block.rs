@@ -159,14 +159,14 @@ impl ShellBlockUpdate<'_> {
                 strain[axis][l] = lanes.strains[axis][l] + height * lanes.strains[2 + axis][l];
             }
         }
-        let returned = self.return_point(section, (&before, &strain), index);
+        let (returned, work) = self.return_point(section, (&before, &strain), index);
         let mut thinning = ZERO;
         let ratio = section.elastic.ratio / section.elastic.young;
         for l in 0..LANES {
             let change = [0, 1].inline_map(|axis: usize| returned.stress[axis][l] - before[axis][l]);
             thinning[l] = -ratio * (change[0] + change[1]) - (returned.plastic[0][l] + returned.plastic[1][l]);
             lanes.thinning[l] += weight * thinning[l];
-            lanes.plastic[l] += weight * returned.mises[l] * returned.flow[l];
+            lanes.plastic[l] += weight * work[l];
         }
         for l in 0..self.count() {
             let at = index(self.element(l));
@@ -182,14 +182,15 @@ impl ShellBlockUpdate<'_> {
         returned.stress
     }
 
-    /// Returns the stress of a section point after a strain increment, and updates its plastic state.
+    /// Returns the stress of a section point after a strain increment and the plastic work per volume, that of the mean of
+    /// previous and new stress; updates the plastic state.
     #[inline(always)]
     fn return_point(
         &mut self,
         section: &ShellProperties,
         (before, strain): (&[Lanes; 2], &[Lanes; 2]),
         index: impl Fn(usize) -> usize,
-    ) -> PlaneReturns {
+    ) -> (PlaneReturns, Lanes) {
         let (modulus, ratio) = (section.elastic.modulus(), section.elastic.ratio);
         let mut trial = *before;
         for l in 0..LANES {
@@ -197,7 +198,7 @@ impl ShellBlockUpdate<'_> {
             trial[1][l] += modulus * (strain[1][l] + ratio * strain[0][l]);
         }
         let Some(flowing) = &section.flowing else {
-            return PlaneReturns { stress: trial, mises: ZERO, flow: ZERO, plastic: [ZERO; 2] };
+            return (PlaneReturns { stress: trial, flow: ZERO, plastic: [ZERO; 2] }, ZERO);
         };
         let (mut plastic, mut temperature) = (ZERO, ZERO);
         for l in 0..LANES {
@@ -206,13 +207,18 @@ impl ShellBlockUpdate<'_> {
         }
         let given = PlaneTrial { stress: &trial, strain: &plastic, temperature: &temperature, dt: self.dt };
         let returned = section.elastic.returned_lanes(&flowing.law, given, self.count());
+        let mut work = ZERO;
+        for l in 0..LANES {
+            let half = |axis: usize| 0.5 * (before[axis][l] + returned.stress[axis][l]) * returned.plastic[axis][l];
+            work[l] = half(0) + half(1);
+        }
         for l in (0..self.count()).filter(|l| returned.flow[*l] != 0.0) {
             let at = index(self.element(l));
             let state = &mut self.group.flow[at];
             state.strain += returned.flow[l];
-            state.temperature += flowing.heating.rise(state.temperature, [returned.mises[l], returned.flow[l]]);
+            state.temperature += flowing.heating.rise(state.temperature, [work[l]]);
         }
-        returned
+        (returned, work)
     }
 
     /// Stores the state of the elements, and their recorded strains and work.

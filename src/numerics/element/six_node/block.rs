@@ -151,7 +151,7 @@ impl<S: Clone> TriangleBlock<S> {
             point.stress.iter_mut().for_each(|s| s[l] = 0.0);
         }
         if !scratch.task.records.is_empty() {
-            scratch.update_record(increment.arch, at, &point.stress, M::FLOW, (scratch.strain.spin, dt));
+            scratch.update_record(increment.arch, at, M::FLOW, (scratch.strain.spin, dt));
         }
         let done = &mut work.points[p];
         (done.strain, done.volume) = (scratch.strain.strain, scratch.strain.volume);

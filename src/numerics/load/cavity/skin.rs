@@ -20,18 +20,31 @@ use crate::state::nodes::Nodes;
 /// Forces on the two nodes of a face, first of pressure, then of friction.
 type FaceForces = [[[f64; 2]; 2]; 2];
 
+/// Motion of a node at the previous instant, from which the effect of constraints follows.
+#[derive(Clone, Copy, Debug, Default)]
+struct PreviousMotion {
+    /// Velocity in the middle of the increment before that instant.
+    velocity: [f64; 2],
+    /// Sum of the forces of elements and loads.
+    force: [f64; 2],
+}
+
 /// Faces with their current and previous forces.
 #[derive(Clone, Debug)]
 pub(super) struct SkinResistance {
     skin: DeformableFaces,
     forces: Vec<[FaceForces; 2]>,
+    /// Previous motion of the nodes of each face.
+    previous: Vec<[PreviousMotion; 2]>,
     /// The tunnel wall, if faces that separate from it are ignored.
     tunnel: Option<TunnelWall>,
 }
 
 impl SkinResistance {
     pub(super) fn new(skin: DeformableFaces) -> Self {
-        SkinResistance { forces: vec![[FaceForces::default(); 2]; skin.max_faces()], skin, tunnel: None }
+        let count = skin.max_faces();
+        let (forces, previous) = (vec![[FaceForces::default(); 2]; count], vec![Default::default(); count]);
+        SkinResistance { forces, previous, skin, tunnel: None }
     }
 
     /// Ignores faces inside the tunnel from now on.
@@ -69,13 +82,23 @@ impl SkinResistance {
         forces: &mut [[f64; 2]],
     ) -> Result<(), f64> {
         let faces = self.skin.faces.iter().zip(&self.skin.is_active);
-        for ((&nodes, &carries), [now, before]) in faces.zip(&mut self.forces) {
+        for (((&nodes, &carries), [now, before]), previous) in faces.zip(&mut self.forces).zip(&self.previous) {
             *before = *now;
             let touches = carries && self.tunnel.as_ref().is_none_or(|tunnel| touches_wall(tunnel, nodes, view));
-            *now = if touches { on_face(stack, friction, view, nodes)? } else { FaceForces::default() };
+            *now = if touches {
+                on_face(stack, friction, view, nodes, (previous, forces))?
+            } else {
+                FaceForces::default()
+            };
             for (n, force) in now.iter().flat_map(|part| nodes.into_iter().zip(part)) {
                 forces[n] = [forces[n][0] + force[0], forces[n][1] + force[1]];
             }
+        }
+        for (face, previous) in self.skin.faces.iter().zip(&mut self.previous) {
+            *previous = face.inline_map(|n| PreviousMotion {
+                velocity: view.dofs.nodes.velocity_after(n, 0.0),
+                force: known_force(view, forces, n),
+            });
         }
         if let Some(tunnel) = &mut self.tunnel {
             self.skin.active_faces().for_each(|face| tunnel.widen(&CurrentFace::new(face, &view.dofs.nodes)));
@@ -126,7 +149,7 @@ impl SkinResistance {
 
     pub(super) fn bytes(&self) -> usize {
         let tunnel = self.tunnel.as_ref().map_or(0, TunnelWall::bytes);
-        self.skin.bytes() + heap_bytes(&self.forces) + tunnel
+        self.skin.bytes() + heap_bytes(&self.forces) + heap_bytes(&self.previous) + tunnel
     }
 }
 
@@ -136,8 +159,15 @@ fn touches_wall(tunnel: &TunnelWall, nodes: [usize; 2], view: &SceneView<'_>) ->
 }
 
 /// Returns the nodal forces of a face: the pressure at the normal velocity of its midpoint, weighted by area over the
-/// layers, and friction against the tangential velocity.
-fn on_face(stack: &LayerStack, friction: f64, view: &SceneView<'_>, nodes: [usize; 2]) -> Result<FaceForces, f64> {
+/// layers, and friction against the tangential velocity. Both are limited to what stops the face, given the previous
+/// motion of its nodes and the forces of other loads.
+fn on_face(
+    stack: &LayerStack,
+    friction: f64,
+    view: &SceneView<'_>,
+    nodes: [usize; 2],
+    others: (&[PreviousMotion; 2], &[[f64; 2]]),
+) -> Result<FaceForces, f64> {
     let mut pair = FaceForces::default();
     let face = CurrentFace::new(nodes, &view.dofs.nodes);
     let (velocity, normal) = (face.mean(|n| view.velocity(n)), face.normal);
@@ -151,15 +181,54 @@ fn on_face(stack: &LayerStack, friction: f64, view: &SceneView<'_>, nodes: [usiz
         return Err(into);
     }
     pair[0] = solid_face_forces(&face, pressure, view.rings);
+    let share = share_to_rest(view, &face, normal, &pair[0], others);
+    pair[0] = pair[0].inline_map(|force| force.inline_map(|f| share * f));
     let along = velocity[1] * normal[0] - velocity[0] * normal[1];
     if friction > 0.0 && along != 0.0 {
         // Half of the friction on each node, against the motion along the tangent (-n_z, n_r).
-        let traction = friction * pressure * -along.signum();
+        let traction = friction * share * pressure * -along.signum();
         let area = |node: usize| view.rings.map_or(facet.area, |rings| rings[node] * facet.length());
         let force = nodes.inline_map(|node| 0.5 * traction * area(node));
         pair[1] = force.inline_map(|f| [-f * normal[1], f * normal[0]]);
+        let motion = [-normal[1], normal[0]].inline_map(|tangent| along.signum() * tangent);
+        let share = share_to_rest(view, &face, motion, &pair[1], others);
+        pair[1] = pair[1].inline_map(|force| force.inline_map(|f| share * f));
     }
     Ok(pair)
+}
+
+/// Returns the sum of the forces of elements and loads on a node.
+fn known_force(view: &SceneView<'_>, loads: &[[f64; 2]], node: usize) -> [f64; 2] {
+    let ([r, z], [more_r, more_z]) = (view.element_force.map_or([0.0; 2], |force| force(node)), loads[node]);
+    [r + more_r, z + more_z]
+}
+
+/// Returns the share of nodal forces against the motion of a face along `direction` that stops this motion within the
+/// next increment; 1 if all forces do not stop it. More would reverse the motion and do work on the body: the force of
+/// an increment acts with the mean of the velocities in the middle of the increments before and after it. Constraints
+/// are taken to change the velocity of a node as over the previous increment.
+fn share_to_rest(
+    view: &SceneView<'_>,
+    face: &CurrentFace,
+    direction: [f64; 2],
+    resistance: &[[f64; 2]; 2],
+    (previous, loads): (&[PreviousMotion; 2], &[[f64; 2]]),
+) -> f64 {
+    let nodes = &view.dofs.nodes;
+    let (mut before, mut after, mut lost) = (0.0, 0.0, 0.0);
+    for ((&n, resistance), previous) in face.nodes.iter().zip(resistance).zip(previous) {
+        let (velocity, force) = (nodes.velocity_after(n, 0.0), known_force(view, loads, n));
+        let [dt, half] = [nodes.previous_dt, nodes.half].inline_map(|time| time * nodes.inverse_mass[n]);
+        let change = |i: usize| dt * force[i] + (velocity[i] - previous.velocity[i] - half * previous.force[i]);
+        // A node on the axis does not move along r.
+        let along = [if nodes[n].r == 0.0 { 0.0 } else { direction[0] }, direction[1]];
+        let part = |vector: [f64; 2]| along[0] * vector[0] + along[1] * vector[1];
+        before += part(velocity);
+        after += part(velocity) + part([change(0), change(1)]);
+        lost -= dt * part(*resistance);
+    }
+    let most = after.min(after + before).max(0.0);
+    if lost > most { most / lost } else { 1.0 }
 }
 
 fn face_limit(stack: &LayerStack, face: &CurrentFace, nodes: &Nodes) -> IncrementLimit {
@@ -178,4 +247,6 @@ fn face_limit(stack: &LayerStack, face: &CurrentFace, nodes: &Nodes) -> Incremen
     IncrementLimit { time: distance / velocity.abs(), jump }
 }
 
-persist_struct!(SkinResistance { skin, forces: fixed, tunnel: present });
+persist_struct!(PreviousMotion { velocity, force });
+
+persist_struct!(SkinResistance { skin, forces: fixed, previous: fixed, tunnel: present });

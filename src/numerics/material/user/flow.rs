@@ -361,7 +361,8 @@ impl PointArguments {
         LoadFailure { point: failure.point.and_then(|at| open.get(at).copied()), ..failure }
     }
 
-    /// Applies the plastic strain increments: stress on the yield surface, plastic strain, work and heat.
+    /// Applies the plastic strain increments: stress on the yield surface, plastic strain, work of the mean of previous
+    /// and new stress, and its heat.
     fn apply_plastic_increments(&mut self, context: PointContext<'_>, returning: &ReturnScratch) {
         let n = self.count;
         for i in 0..n {
@@ -373,15 +374,19 @@ impl PointArguments {
             let returned = trial - shear3 * dp;
             let factor = returned / trial;
             let mean = (0..3).map(|k| self.stress[1][k * n + i]).sum::<f64>() * (1.0 / 3.0);
+            let mut along = 0.0;
             for k in 0..4 {
-                let base = if k < 3 { mean } else { 0.0 };
-                let stress = &mut self.stress[1][k * n + i];
-                *stress = base + factor * (*stress - base);
+                let (base, twice) = if k < 3 { (mean, 1.0) } else { (0.0, 2.0) };
+                let (old, stress) = (self.stress[0][k * n + i], &mut self.stress[1][k * n + i]);
+                let deviator = *stress - base;
+                *stress = base + factor * deviator;
+                along += twice * (old + *stress) * deviator;
             }
+            let work = 0.75 * along * dp / trial;
             self.plastic[1][i] = self.plastic[0][i] + dp;
-            self.inelastic[1][i] = self.inelastic[0][i] + returned * dp / self.density[i];
+            self.inelastic[1][i] = self.inelastic[0][i] + work / self.density[i];
             let without = self.temperature[1][i];
-            self.temperature[1][i] = without + context.heating.rise(without, [returned, dp]);
+            self.temperature[1][i] = without + context.heating.rise(without, [work]);
         }
     }
 }
