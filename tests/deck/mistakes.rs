@@ -6,7 +6,7 @@
 use revolve::job::{self, PreparedJob};
 use revolve::user::Routines;
 
-use crate::common::faulty_decks::{BAR, DOUBTFUL, TRIFLES, WRONG, changed};
+use crate::common::faulty_decks::{DOUBTFUL, TRIFLES, WRONG, changed};
 
 fn prepared(text: &str) -> PreparedJob {
     job::prepare_text("bar.inp", text, &[], &Routines::none())

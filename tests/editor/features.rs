@@ -88,6 +88,8 @@ fn completion_offers_keywords_parameters_values_and_names() {
     };
     let has = |list: Vec<String>, name: &str| assert!(list.iter().any(|label| label == name), "{name}: {list:?}");
     has(complete("*El\n", 3), "*ELASTIC");
+    has(complete("11, 0., <length>", 9), "length");
+    has(complete("type=CAX4R", 5), "CAX3");
     has(complete("*Solid Section, elset=BAR, \n", 27), "MATERIAL");
     assert!(!complete("*Solid Section, elset=BAR, \n", 27).contains(&"ELSET".to_owned()));
     has(complete("*Solid Section, elset=, material=", 22), "BAR");
@@ -95,6 +97,10 @@ fn completion_offers_keywords_parameters_values_and_names() {
     has(complete("*Node Output\n ,", 14), "V");
     has(complete("*Boundary\n ,\n", 11), "FOOT");
     has(complete("*Amplitude, name=A, time=", 25), "TOTAL TIME");
+    let answer = client.ask("completion", DECK, after(place_of(&text, "*El\n"), 3));
+    let item = answer["items"].as_array().and_then(|items| items.iter().find(|item| item["label"] == "*ELASTIC"));
+    let resolved = client.request("completionItem/resolve", item.expect("an item").clone()).expect("resolved");
+    assert!(resolved["documentation"].as_str().is_some_and(|text| text.contains("Supported")), "{resolved}");
     assert!(client.finish().is_ok());
 }
 

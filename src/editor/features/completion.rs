@@ -97,10 +97,19 @@ fn keyword_items(context: &FeatureContext<'_>, position: TextPosition, range: Te
         let name = format!("*{}", keyword.name);
         let written = if lower { title_case(&name) } else { name.clone() };
         let mut item = item(&name, ItemKind::Keyword, range, &written, keyword.summary, rank(keyword));
-        item["documentation"] = explain_keyword_briefly(keyword).into();
+        item["data"] = keyword.name.into();
         item
     };
     keywords().map(of).collect()
+}
+
+/// Adds the documentation to the completion of a keyword, which is the only one that the client shows.
+pub fn resolved_item(mut item: Value) -> Value {
+    let name = item["data"].as_str().unwrap_or_default();
+    if let Some(keyword) = keywords().find(|keyword| keyword.name == name) {
+        item["documentation"] = explain_keyword_briefly(keyword).into();
+    }
+    item
 }
 
 fn parameter_items(card: &CardContext, range: TextRange, lower: bool) -> Vec<Value> {
@@ -129,7 +138,14 @@ fn value_items(context: &FeatureContext<'_>, card: &CardContext, index: usize, r
         InputUsage::Only(values, _) => values,
         _ => &[],
     };
-    let words = words.chain(only.iter().copied());
+    // Values that select the layout of the data lines, such as element types.
+    let layouts = keyword
+        .data
+        .iter()
+        .filter_map(|data| data.when)
+        .filter(|(name, value)| *name == rule.name && !value.is_empty());
+    let layouts = layouts.map(|(_, value)| value).filter(|_| rule.value.words().is_none());
+    let words = words.chain(only.iter().copied()).chain(layouts);
     words.map(|word| item(word, ItemKind::EnumMember, range, word, rule.help, 0)).chain(names).collect()
 }
 

@@ -23,7 +23,7 @@ pub fn initialize_result(encoding: ColumnEncoding) -> Value {
             "positionEncoding": encoding,
             "textDocumentSync": { "openClose": true, "change": 2, "save": true },
             "hoverProvider": true,
-            "completionProvider": { "triggerCharacters": ["*", ",", "=", " "] },
+            "completionProvider": { "triggerCharacters": ["*", ",", "=", " ", "<"], "resolveProvider": true },
             "definitionProvider": true,
             "referencesProvider": true,
             "documentHighlightProvider": true,

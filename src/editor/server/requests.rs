@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::capabilities::{chosen_encoding, initialize_result};
 use super::state::{ServerState, SessionPhase};
+use crate::features::completion::resolved_item;
 use crate::protocol::{ErrorCode, InitializeParams, ProtocolMessage, RequestId, ResponseError};
 
 /// Files of decks: decks, included files and mesh files.
@@ -42,6 +43,7 @@ impl ServerState {
                 self.phase = SessionPhase::ShutDown;
                 Ok(Value::Null)
             }
+            (SessionPhase::Running, "completionItem/resolve") if params.is_object() => Ok(resolved_item(params)),
             (SessionPhase::Running, _) => {
                 self.update_outlines();
                 self.answer_about_document(method, params)

@@ -93,7 +93,7 @@ impl TextBuffer {
         let tail = self.blocks.get(end.0).map_or("", |block| &block.text()[end.1..]);
         let mut joined = [head, text, tail].concat();
         // A line, and a line break of two characters, must not be divided.
-        if joined.starts_with('\n') && first > 0 || joined.is_empty() && first > 0 {
+        if (joined.is_empty() || joined.starts_with('\n')) && first > 0 {
             first -= 1;
             joined.insert_str(0, self.blocks[first].text());
         }
