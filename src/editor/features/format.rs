@@ -101,7 +101,9 @@ mod tests {
         let buffer = TextBuffer::new(deck);
         let edits = formatting_edits(&buffer, 0, buffer.line_count(), ColumnEncoding::Utf16);
         let mut formatted = buffer.clone();
-        edits.iter().for_each(|edit| drop(formatted.replace(edit.range, &edit.new_text, ColumnEncoding::Utf16)));
+        for edit in &edits {
+            formatted.replace(edit.range, &edit.new_text, ColumnEncoding::Utf16);
+        }
         assert_eq!(
             formatted.text(),
             "*Heading\n a,b\n*Node\n  1,  0.,    0.\n 20, 1.5, -0.25\n** c\n*Nset, nset=\"A, b\"\n  1,\n 20,\n*Boundary\n \"A, b\", 1\n"

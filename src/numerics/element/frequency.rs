@@ -35,7 +35,7 @@ pub struct HighestFrequency {
     /// Rows and columns of the operator M^-1/2 K M^-1/2.
     pairs: NodePairs,
     /// Values of the operator: a block `[rr, rz, zr, zz]` for each pair of nodes. Empty before the first step, as are
-    /// the vectors, so that a model that is only checked needs no memory for them.
+    /// the vectors, so that a copy of the initial state needs no memory for them.
     values: Vec<[f64; 4]>,
     /// Inverse square root of the mass of each degree of freedom; 0 for prescribed motion.
     roots: Vec<[f64; 2]>,
@@ -92,8 +92,7 @@ impl HighestFrequency {
         // to their stability limit.
         let holds = groups.iter().any(|g| !g.is_empty() && !g.properties().damped);
         self.state = EstimateState { count: self.state.count, holds, ..EstimateState::default() };
-        self.values.resize(self.pairs.nnz(), [0.0; 4]);
-        self.vectors.iter_mut().for_each(|vector| vector.resize(nodes.len(), [0.0; 2]));
+        self.allocate();
         for (roots, mass) in self.roots.iter_mut().zip(&nodes.mass) {
             *roots = [1.0 / mass.sqrt(); 2];
         }
@@ -107,6 +106,12 @@ impl HighestFrequency {
             self.roots[node][axis] = 0.0;
         }
         self.roots.as_flattened_mut().iter_mut().filter(|r| !r.is_finite()).for_each(|r| *r = 0.0);
+    }
+
+    /// Allocates values and vectors, unless that has been done.
+    fn allocate(&mut self) {
+        self.values.resize(self.pairs.nnz(), [0.0; 4]);
+        self.vectors.iter_mut().for_each(|vector| vector.resize(self.roots.len(), [0.0; 2]));
     }
 
     /// Assembles the stiffness of all elements into the operator.
@@ -339,6 +344,8 @@ pub struct ConstrainedNodes<'a> {
 impl HighestFrequency {
     /// Computes a new estimate for the current positions.
     pub(super) fn update_estimate(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes) {
+        // A run that continues from a checkpoint has not begun a step.
+        self.allocate();
         self.assemble(groups, nodes);
         let found = self.find();
         let standing = &mut self.state;

@@ -1,4 +1,5 @@
 //! Update of a block of shells over an increment: strains, section points, thickness, nodal forces and stable rate.
+#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
 use pulp::{Simd, WithSimd};
 
@@ -70,6 +71,7 @@ impl WithSimd for ShellBlockUpdate<'_> {
             lanes.update_forces(at, (&self.group.section, self.dt), self.corners, &mut totals);
         }
         self.store(&lanes, &totals);
+        self.clear_unused();
         totals
     }
 }
@@ -219,6 +221,15 @@ impl ShellBlockUpdate<'_> {
             state.temperature += flowing.heating.rise(state.temperature, [work[l]]);
         }
         (returned, work)
+    }
+
+    /// Sets the forces of deleted elements, and of lanes without an element, to zero.
+    #[inline(always)]
+    fn clear_unused(&mut self) {
+        let count = self.count();
+        for l in (0..LANES).filter(|l| *l >= count || self.group.is_deleted(self.index * LANES + l)) {
+            self.corners.as_flattened_mut().iter_mut().for_each(|list| list[l] = 0.0);
+        }
     }
 
     /// Stores the state of the elements, and their recorded strains and work.
