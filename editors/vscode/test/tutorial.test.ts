@@ -100,14 +100,20 @@ test("the misspelled keyword is an error with code D101, and the quick fix corre
 
 test("the pointer shows the card of line 84 and the names of line 69", async () => {
   send(lines.join("\n"));
-  const hover = async (number: number, word: string) => {
+  /** Asserts the text at a word. Numbers of the model are there as soon as the deck has been checked. */
+  const shows = async (number: number, word: string, expected: RegExp) => {
     const position = { line: number - 1, character: lines[number - 1].indexOf(word) };
-    const shown = (await connection.sendRequest("textDocument/hover", { textDocument: { uri }, position })) as { contents: { value: string } };
-    return shown.contents.value;
+    let shown = "";
+    for (let i = 0; i < 600 && !expected.test(shown); i += 1) {
+      await new Promise((resolve) => setTimeout(resolve, i === 0 ? 0 : 50));
+      const answer = await connection.sendRequest("textDocument/hover", { textDocument: { uri }, position });
+      shown = (answer as { contents: { value: string } } | null)?.contents.value ?? "";
+    }
+    assert.match(shown, expected);
   };
-  assert.match(await hover(84, "*Plastic"), /\*PLASTIC: Metal plasticity\.[^]*HARDENING/);
-  assert.match(await hover(69, "STEEL"), /Young's modulus 207000/);
-  assert.match(await hover(69, "ROD"), /80 elements/);
+  await shows(84, "*Plastic", /\*PLASTIC: Metal plasticity\.[^]*HARDENING/);
+  await shows(69, "STEEL", /Young's modulus 207000/);
+  await shows(69, "ROD", /80 elements/);
 });
 
 test("completion offers the words that the page names", async () => {
