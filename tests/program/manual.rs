@@ -119,6 +119,7 @@ fn links_and_anchors_resolve() {
 const QUESTIONS: &[(&str, &str, &str, &str)] = &[
     ("How do I install it?", "docs/installing.md", "Ways to install", "cargo install"),
     ("How do I run a first model?", "docs/tutorials/first-shot.md", "Write and check the deck", "revolve new"),
+    ("How do I correct a deck in an editor?", "docs/tutorials/editor.md", "Apply the quick fix", "Ctrl+."),
     ("Does my ABAQUS file run?", "docs/tutorials/abaqus-cae.md", "Which models can run", "CAX4R"),
     ("Can I use my VDLOAD or VUMAT?", "docs/user-subroutines.md", "From an ABAQUS/Explicit job", "--user"),
     ("Which units are used?", "docs/running.md", "Units", "*UNITS"),

@@ -27,7 +27,7 @@ try {
   });
   const files = names.map((name) => path.join(outdir, name.replace(/\.ts$/, ".js")));
   const env = { ...process.env, EXTENSION_ROOT: root, NODE_PATH: path.join(root, "node_modules") };
-  const words = ["--enable-source-maps", "--test", "--test-reporter=spec", ...files];
+  const words = ["--enable-source-maps", "--test", "--test-timeout=120000", "--test-reporter=spec", ...files];
   process.exitCode = spawnSync(process.execPath, words, { stdio: "inherit", env }).status ?? 1;
 } finally {
   rmSync(outdir, { recursive: true });

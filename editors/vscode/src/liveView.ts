@@ -1,4 +1,4 @@
-// Live view: starts `revolve view` for a deck and shows the page at the address that it prints.
+// Live view: starts `revolve view` for a deck, which opens no browser, and shows the page at the address that it prints.
 
 import { ChildProcess, spawn } from "node:child_process";
 import * as path from "node:path";
@@ -57,7 +57,7 @@ export class LiveViews implements vscode.Disposable {
     if (!known) {
       return reportUnknownCommand(program, "view", "there is no live view");
     }
-    const { words, cwd } = deckCommandLine("view", deck);
+    const { words, cwd } = deckCommandLine("view", deck, ["--no-browser"]);
     const process = spawn(program.path, words, { cwd, env: environment(program), stdio: ["ignore", "pipe", "pipe"] });
     this.processes.add(process);
     process.on("close", () => this.processes.delete(process));

@@ -165,10 +165,14 @@ test("results of runs in a workspace folder are found", async () => {
   rmSync(path.join(folder, "out"), { recursive: true });
 });
 
-/** Returns whether the process of the last live view runs; the fake program writes its number. */
+/** Returns number and arguments of the process of the last live view, which the fake program writes. */
+const viewProcess = (): { id: number; words: string[] } =>
+  JSON.parse(readFileSync(path.join(path.dirname(deck), "view process"), "utf8"));
+
+/** Returns whether the process of the last live view runs. */
 function runs(): boolean {
   try {
-    return process.kill(Number(readFileSync(path.join(path.dirname(deck), "view process"), "utf8")), 0);
+    return process.kill(viewProcess().id, 0);
   } catch {
     return false;
   }
@@ -182,6 +186,8 @@ test("a live view shows the printed address and ends with its panel", async () =
   assert.doesNotMatch(panel.webview.html, /script-src|<script/);
   assert.deepEqual(recorded.messages, []);
   assert.equal(runs(), true);
+  // The page is in the panel, so no browser opens.
+  assert.deepEqual(viewProcess().words, ["view", "--no-browser", path.basename(deck)]);
   panel.dispose();
   await until(() => !runs());
 });

@@ -32,7 +32,7 @@ if (command === "view") {
     console.error("error[D101]: unknown keyword *FAULTY");
     process.exit(2);
   }
-  writeFileSync("view process", `${process.pid}`);
+  writeFileSync("view process", JSON.stringify({ id: process.pid, words }));
   console.log("live view at http://127.0.0.1:4711/?key=a%20b&n=1");
   setInterval(() => {}, 1000);
 }
