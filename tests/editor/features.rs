@@ -95,6 +95,7 @@ fn completion_offers_keywords_parameters_values_and_names() {
     has(complete("*Solid Section, elset=, material=", 22), "BAR");
     has(complete("*Solid Section, elset=, material=", 33), "METAL");
     has(complete("*Node Output\n ,", 14), "V");
+    has(complete("*Node Output\n ,", 14), "U2");
     has(complete("*Boundary\n ,\n", 11), "FOOT");
     has(complete("*Amplitude, name=A, time=", 25), "TOTAL TIME");
     let answer = client.ask("completion", DECK, after(place_of(&text, "*El\n"), 3));

@@ -194,7 +194,7 @@ pub fn head(status: u16, content_type: &str, more: &str) -> String {
         _ => "Internal Server Error",
     };
     format!(
-        "HTTP/1.1 {status} {meaning}\r\nContent-Type: {content_type}\r\n{more}Connection: close\r\nCache-Control: no-store\r\n\
+        "HTTP/1.1 {status} {meaning}\r\nContent-Type: {content_type}\r\n{more}Connection: close\r\nCache-Control: no-store, no-transform\r\n\
          X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
          Content-Security-Policy: frame-ancestors 'self' http://127.0.0.1:* http://localhost:*\r\n\r\n"
     )

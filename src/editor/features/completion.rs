@@ -10,7 +10,7 @@ use crate::deck::manual::{explain_keyword_briefly, explain_rule};
 use crate::deck::name_kinds::{NameKind, field_name_kind, parameter_name_usage};
 use crate::outline::NameUse;
 use crate::text::{TextPosition, TextRange};
-use crate::variables::{Variable, VariablePlace, manual::explain_variable};
+use crate::variables::{Variable, VariableComponent, VariablePlace, manual::explain_variable};
 
 /// Kinds of completions, as the protocol numbers them.
 #[derive(Clone, Copy)]
@@ -160,9 +160,17 @@ fn field_items(
     let words = words.map(|word| item(word, ItemKind::EnumMember, range, word, rule.help, 0));
     let variables = variable_places(card.keyword.map_or("", |k| k.name), rule).iter().flat_map(|place| {
         let all = Variable::ALL.iter().filter(move |variable| variable.place() == *place);
-        all.map(|variable| variable_item(variable.name(), range))
+        all.flat_map(move |variable| variable_words(*variable).into_iter().map(move |word| variable_item(&word, range)))
     });
     names.into_iter().chain(words).chain(variables).collect()
+}
+
+/// Returns the name of a variable and those of its components, as far as they can be requested.
+fn variable_words(variable: Variable) -> Vec<String> {
+    let mut words = vec![variable.name().to_owned()];
+    let labels = variable.parts().map(|part| part.label());
+    words.extend(labels.filter(|label| label != variable.name() && VariableComponent::parse(label).is_some()));
+    words
 }
 
 fn variable_item(name: &str, range: TextRange) -> Value {
