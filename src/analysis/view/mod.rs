@@ -1,6 +1,6 @@
 //! `revolve view`: a page in the browser that shows a job while it runs.
 //!
-//! A thread looks at the result files and posts what has changed ([`watch`], [`board`]); a server on 127.0.0.1 sends it to
+//! A thread looks at the result files and posts changes ([`watch`], [`board`]); a server on 127.0.0.1 sends it to
 //! the pages as events, and frames on request ([`server`], [`answers`], [`store`]). The solver does not take part.
 
 mod access;

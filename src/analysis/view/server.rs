@@ -91,7 +91,7 @@ impl ViewServer {
     }
 
     /// Counts a connection and returns its number. If there are too many, the oldest one without a complete request is
-    /// closed, so that slow senders do not keep others out; if all are being answered, one of them must end first. `None`
+    /// closed, so that slow senders do not keep others out; if all are being answered, one connection must end first. `None`
     /// if none does.
     fn admit(&self, stream: &TcpStream) -> Option<u64> {
         let copy = stream.try_clone().ok()?;

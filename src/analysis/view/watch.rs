@@ -1,4 +1,4 @@
-//! Looks for changes of the result files of a job, reads what has changed, and posts it for the pages.
+//! Looks for changes of the result files of a job, reads changed files, and posts the changes for the pages.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

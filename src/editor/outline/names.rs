@@ -9,7 +9,7 @@ use crate::deck::{Card, Deck, Span, Word, next_reference};
 /// A place at which a deck defines or uses a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NameUse {
-    /// What the name stands for.
+    /// Kind of object that has the name.
     pub kind: NameKind,
     /// Part in which the name is valid; empty for the assembly and for names of the whole deck.
     pub scope: String,
@@ -45,7 +45,7 @@ impl NameTable {
         self.uses.iter()
     }
 
-    /// Iterates over all places of the name of one of them.
+    /// Iterates over all places of the name that a place has.
     pub fn same_as<'n>(&'n self, one: &'n NameUse) -> impl Iterator<Item = &'n NameUse> {
         self.uses.iter().filter(|u| u.kind == one.kind && u.scope == one.scope && u.name == one.name)
     }

@@ -5,7 +5,7 @@
 use super::keywords::{InputRule, InputUsage, Keyword};
 use super::value::ValueKind;
 
-/// What a name stands for.
+/// Kind of object that a name identifies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum NameKind {
     /// Node set.
@@ -49,7 +49,7 @@ pub enum NameKind {
 /// How a parameter or field refers to a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NameUsage {
-    /// What the name stands for.
+    /// Kind of object that has the name.
     pub kind: NameKind,
     /// Whether the card defines the name.
     pub defines: bool,

@@ -484,7 +484,7 @@ mod tests {
         assert!(seen.gap.iter().zip(seen.area).all(|(gap, area)| area > 0.0 && *gap < 0.0), "{seen:?}");
     }
 
-    /// At an acute corner, a facet is behind the plane of the facet after the next one. In self-contact this is no
+    /// At an acute corner, a facet is on the inner side of the plane of the facet after the next one. In self-contact this is no
     /// overlap; a facet of another surface in the same place overlaps.
     #[test]
     fn facet_after_the_next_one_is_not_opposite_in_self_contact() {

@@ -18,7 +18,7 @@ use crate::state::nodes::Node;
 const ZERO: Lanes = [0.0; LANES];
 
 /// Kinematics and sums of the elements of a block.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct ShellLanes {
     /// Coordinates of both ends at the end of the increment.
     places: [[Lanes; 2]; 2],
@@ -38,7 +38,7 @@ struct ShellLanes {
 }
 
 /// Results of the elements of a block.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ShellBlockTotals {
     /// Work of the stress, plastic work, work of the viscosity.
     pub work: [Lanes; 3],
@@ -66,7 +66,7 @@ impl WithSimd for ShellBlockUpdate<'_> {
         }
         self.update_points(&mut lanes);
         lanes.update_thickness(&self.group.section, self.dt);
-        let mut totals = ShellBlockTotals { work: [ZERO; 3], rate: ZERO };
+        let mut totals = ShellBlockTotals::default();
         for at in (0..PackPosition::<S>::COUNT).map(|index| PackPosition::new(simd, index)) {
             lanes.update_forces(at, (&self.group.section, self.dt), self.corners, &mut totals);
         }
@@ -89,19 +89,7 @@ impl ShellBlockUpdate<'_> {
 
     #[inline(always)]
     fn read(&self) -> ShellLanes {
-        let mut lanes = ShellLanes {
-            places: [[ZERO; 2]; 2],
-            steps: [[ZERO; 3]; 2],
-            masses: [ZERO; 4],
-            thickness: ZERO,
-            shear: ZERO,
-            slow_rates: [ZERO; 2],
-            viscous: [ZERO; 2],
-            strains: [ZERO; 5],
-            integrals: [ZERO; 4],
-            plastic: ZERO,
-            thinning: ZERO,
-        };
+        let mut lanes = ShellLanes::default();
         for l in 0..LANES {
             let element = self.element(l);
             let ends = self.group.ends[element].inline_map(|n| &self.nodes[n as usize]);
