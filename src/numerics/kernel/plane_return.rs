@@ -3,7 +3,7 @@
 //!
 //! Newton's method in the unknown x. If the yield stress increases more steeply than the trial stress decreases, Newton's
 //! method in the logarithm of x, as in [`super::return_mapping`]. Each lane iterates independently of the other lanes. A
-//! lane that has not converged after some iterations uses the bracketed secants of [`PlaneElastic::returned`].
+//! lane that has not converged after some iterations uses bracketed secants ([`PlaneElastic`]).
 #![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
 use super::hardening::FlowStress;
@@ -96,7 +96,7 @@ impl PlaneYield<'_> {
 
 impl PlaneElastic {
     /// Returns the trial stresses of the first `count` lanes to the yield stress at the resulting plastic strains and
-    /// rates, as [`PlaneElastic::returned`] does for one.
+    /// rates.
     #[inline(always)]
     pub fn returned_lanes(&self, law: &FlowStress, trial: PlaneTrial<'_>, count: usize) -> PlaneReturns {
         let [s, h] = trial.stress;
@@ -112,14 +112,13 @@ impl PlaneElastic {
         let x = self.unknowns(&yields, count);
         let mut found = PlaneReturns { stress: *trial.stress, flow: ZERO, plastic: [ZERO; 2] };
         for l in 0..LANES {
-            let [a, b] = self.scaled([s[l], h[l]], x[l]);
+            let flowed = self.flowed([s[l], h[l]], x[l]);
             let flows = x[l] > 0.0 || x[l].is_nan();
-            let mises = (a * a - a * b + b * b).sqrt();
-            found.stress[0][l] = if flows { a } else { s[l] };
-            found.stress[1][l] = if flows { b } else { h[l] };
-            found.flow[l] = if flows { 2.0 / 3.0 * x[l] * mises } else { 0.0 };
-            found.plastic[0][l] = if flows { x[l] / 3.0 * (2.0 * a - b) } else { 0.0 };
-            found.plastic[1][l] = if flows { x[l] / 3.0 * (2.0 * b - a) } else { 0.0 };
+            for axis in 0..2 {
+                found.stress[axis][l] = if flows { flowed.stress[axis] } else { trial.stress[axis][l] };
+                found.plastic[axis][l] = if flows { flowed.plastic[axis] } else { 0.0 };
+            }
+            found.flow[l] = if flows { flowed.flow } else { 0.0 };
         }
         found
     }

@@ -31,6 +31,7 @@ pub struct PlaneReturn {
 
 impl PlaneElastic {
     /// Returns the modulus of one strain with the other fixed, E/(1 - ν²).
+    #[inline(always)]
     pub fn modulus(&self) -> f64 {
         self.young / (1.0 - self.ratio * self.ratio)
     }
@@ -41,6 +42,7 @@ impl PlaneElastic {
     }
 
     /// Returns the elastic trial stress for a strain increment, both along meridian and hoop.
+    #[inline(always)]
     pub fn trial(&self, stress: [f64; 2], strain: [f64; 2]) -> [f64; 2] {
         let modulus = self.modulus();
         [
@@ -50,23 +52,30 @@ impl PlaneElastic {
     }
 
     /// Returns the elastic strain through the thickness for a change of stress.
+    #[inline(always)]
     pub fn thinning(&self, change: [f64; 2]) -> f64 {
         -self.ratio / self.young * (change[0] + change[1])
     }
 
-    /// Returns a trial stress to the yield stress at the resulting plastic strain and rate.
-    pub fn returned(
+    /// Returns a trial stress to the yield stress at the resulting plastic strain and rate: reference for the lanes.
+    #[cfg(test)]
+    pub(super) fn returned(
         &self,
         law: &dyn YieldStress,
         trial: [f64; 2],
         [strain, temperature]: [f64; 2],
         dt: f64,
     ) -> PlaneReturn {
-        let Some(x) = self.unknown(law, trial, [strain, temperature], dt) else {
-            return PlaneReturn { stress: trial, ..PlaneReturn::default() };
-        };
+        match self.unknown(law, trial, [strain, temperature], dt) {
+            Some(x) => self.flowed(trial, x),
+            None => PlaneReturn { stress: trial, ..PlaneReturn::default() },
+        }
+    }
+
+    /// Returns the result of a return to the yield surface with the unknown x. Associated flow: dp_i = x (2 s_i - s_j)/3.
+    #[inline(always)]
+    pub(super) fn flowed(&self, trial: [f64; 2], x: f64) -> PlaneReturn {
         let stress = self.scaled(trial, x);
-        // Associated flow: dp_i = x (2 s_i - s_j)/3.
         let plastic = [x / 3.0 * (2.0 * stress[0] - stress[1]), x / 3.0 * (2.0 * stress[1] - stress[0])];
         let mises = mises(stress);
         PlaneReturn { stress, mises, flow: 2.0 / 3.0 * x * mises, plastic }
@@ -125,6 +134,7 @@ impl PlaneElastic {
 }
 
 /// Returns the von Mises stress of two principal stresses.
+#[inline(always)]
 pub fn mises([a, b]: [f64; 2]) -> f64 {
     (a * a - a * b + b * b).sqrt()
 }

@@ -151,10 +151,9 @@ impl ShellBlockUpdate<'_> {
         }
         let (returned, work) = self.return_point(section, (&before, &strain), index);
         let mut thinning = ZERO;
-        let ratio = section.elastic.ratio / section.elastic.young;
         for l in 0..LANES {
             let change = [0, 1].inline_map(|axis: usize| returned.stress[axis][l] - before[axis][l]);
-            thinning[l] = -ratio * (change[0] + change[1]) - (returned.plastic[0][l] + returned.plastic[1][l]);
+            thinning[l] = section.elastic.thinning(change) - (returned.plastic[0][l] + returned.plastic[1][l]);
             lanes.thinning[l] += weight * thinning[l];
             lanes.plastic[l] += weight * work[l];
         }
@@ -181,11 +180,10 @@ impl ShellBlockUpdate<'_> {
         (before, strain): (&[Lanes; 2], &[Lanes; 2]),
         index: impl Fn(usize) -> usize,
     ) -> (PlaneReturns, Lanes) {
-        let (modulus, ratio) = (section.elastic.modulus(), section.elastic.ratio);
-        let mut trial = *before;
+        let mut trial = [ZERO; 2];
         for l in 0..LANES {
-            trial[0][l] += modulus * (strain[0][l] + ratio * strain[1][l]);
-            trial[1][l] += modulus * (strain[1][l] + ratio * strain[0][l]);
+            let after = section.elastic.trial([before[0][l], before[1][l]], [strain[0][l], strain[1][l]]);
+            (trial[0][l], trial[1][l]) = (after[0], after[1]);
         }
         let Some(flowing) = &section.flowing else {
             return (PlaneReturns { stress: trial, flow: ZERO, plastic: [ZERO; 2] }, ZERO);
