@@ -1,9 +1,12 @@
-//! Numerics of Revolve: arithmetic, degrees of freedom, surfaces, material laws, elements, loads, constraints, heat, and
+//! Numerics of Revolve: arithmetic, degrees of freedom, surfaces, material laws, elements, adaptive meshes, loads, constraints, heat, and
 //! the interface of user subroutines. The layers above it, and the public interface, are in the crate `revolve`.
 #![warn(missing_docs)]
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
 
+#[allow(missing_docs)]
+#[cfg_attr(not(test), warn(clippy::disallowed_methods))]
+pub mod adaptive;
 #[allow(missing_docs)]
 #[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 pub mod constraint;

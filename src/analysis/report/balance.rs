@@ -10,7 +10,7 @@ pub const TITLE: &str = "Energy balance";
 /// Energies from the bottom to the top of the stack: column and name. ALLIE is the sum of recoverable, plastic and
 /// artificial strain energy, and that lost by damage.
 const STORED: [(&str, &str); 2] = [("ALLKE", "kinetic"), ("ALLSE", "elastic")];
-const DISSIPATED: [(&str, &str); 9] = [
+const DISSIPATED: [(&str, &str); 10] = [
     ("ALLPD", "plastic"),
     ("ALLDMD", "damage"),
     ("ALLAE", "hourglass control"),
@@ -19,6 +19,7 @@ const DISSIPATED: [(&str, &str); 9] = [
     ("ALLCW", "contact"),
     ("ALLPW", "penalty springs"),
     ("ALLDC", "distortion control"),
+    ("ALLADV", "transport through adaptive meshes"),
     ("ALLCAV", "opening the cavity"),
 ];
 /// Energies that are part of ALLIE.

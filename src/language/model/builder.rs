@@ -26,7 +26,7 @@ use super::refinement::pass::ReadPass;
 use super::relisting::edits::DeckEdits;
 use super::steps::StepState;
 use super::types::{
-    BlastProperty, IgnoredCard, MaterialDefinition, MaterialId, Model, ModelOrigin, SectionControls, SurfaceId,
+    AdaptiveControls, BlastProperty, IgnoredCard, MaterialDefinition, MaterialId, Model, ModelOrigin, SectionControls, SurfaceId,
 };
 
 /// Largest number of nodes, elements or set members that one card may generate.
@@ -89,6 +89,8 @@ pub(super) struct ModelBuilder<'a> {
     pub unsorted: HashMap<String, Vec<usize>>,
     /// Source position of the section, mass, spring or dashpot of each element, by kind of property.
     pub property_of: HashMap<&'static str, Vec<Option<Span>>>,
+    /// Controls of adaptive meshes by name.
+    pub adaptive_controls: IndexMap<String, AdaptiveControls>,
     /// Section controls by name.
     pub controls: IndexMap<String, SectionControls>,
     /// Sections that refer to section controls, which may be defined later.
@@ -168,6 +170,7 @@ impl<'a> ModelBuilder<'a> {
             unsorted: HashMap::new(),
             property_of: HashMap::new(),
             controls: IndexMap::new(),
+            adaptive_controls: IndexMap::new(),
             controls_used: Vec::new(),
             coupling: None,
             blasts: Vec::new(),
@@ -293,6 +296,9 @@ impl<'a> ModelBuilder<'a> {
             "BULK VISCOSITY" => self.bulk_viscosity(card),
             "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => self.mass_scaling(card),
             "ENERGY LIMIT" => self.energy_limit(card),
+            "ADAPTIVE MESH" => self.adaptive_mesh(card),
+            "ADAPTIVE MESH CONTROLS" => self.adaptive_controls(card),
+            "ADAPTIVE MESH CONSTRAINT" => self.adaptive_constraint(card),
             "BOUNDARY" => self.boundary(card),
             "CLOAD" | "DLOAD" | "DSLOAD" => self.load_card(card),
             "INCIDENT WAVE INTERACTION PROPERTY" => self.blast_property(card),

@@ -178,6 +178,8 @@ impl Step {
             surface_contacts: Vec::new(),
             general_contact: None,
             mass_scalings: Vec::new(),
+            adaptive: Vec::new(),
+            adaptive_fixed: Vec::new(),
             energy_limit: None,
             outputs: Vec::new(),
             restart: None,

@@ -1,5 +1,6 @@
 //! The model: a deck with resolved names, flattened parts and instances, and checked values.
 
+mod adaptive;
 mod amplitudes;
 mod blast;
 mod bodies;

@@ -3,7 +3,7 @@
 use super::builder::ModelBuilder;
 use super::history::{StepHistory, StepTiming};
 use super::types::{
-    BoundaryCondition, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind,
+    AdaptiveMesh, BoundaryCondition, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind,
     OutputRequest, PrescribedClearance, PrescribedField, RestartRequest, Step, SurfaceContact,
 };
 use crate::deck::table::steps as cards;
@@ -42,6 +42,11 @@ pub(super) struct StepState {
     pub pair_clearances: Vec<(Word, PrescribedClearance)>,
     pub penalty_factors: Vec<(Word, f64)>,
     pub mass_scalings: Vec<MassScaling>,
+    /// Adaptive meshes, and nodes that they do not move.
+    pub adaptive: Vec<AdaptiveMesh>,
+    pub adaptive_fixed: Vec<(Span, Vec<usize>)>,
+    /// Domains of this step with named controls.
+    pub adaptive_controls_used: Vec<(usize, Word)>,
     pub energy_limit: Option<EnergyLimit>,
     pub outputs: Vec<OutputRequest>,
     pub restart: Option<RestartRequest>,
@@ -90,6 +95,7 @@ impl ModelBuilder<'_> {
 
     pub(super) fn close_step(&mut self) {
         self.check_general_contact();
+        self.apply_adaptive_controls();
         if self.step.is_some() {
             self.apply_to_sets();
         }
@@ -124,6 +130,8 @@ impl ModelBuilder<'_> {
             surface_contacts: state.surface_contacts,
             general_contact: state.general_contact,
             mass_scalings: state.mass_scalings,
+            adaptive: state.adaptive,
+            adaptive_fixed: state.adaptive_fixed,
             energy_limit: state.energy_limit,
             outputs: state.outputs,
             restart: state.restart,

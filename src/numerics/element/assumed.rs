@@ -1,6 +1,7 @@
 //! Stored state of the stresses of assumed strains of a block.
 
 use crate::kernel::lanes::Lanes;
+use crate::material::carried::carried_state;
 use crate::state::archive::persist_struct;
 
 /// Stresses of assumed strains of a block.
@@ -19,5 +20,7 @@ impl AssumedStresses {
         self.stress.as_flattened_mut().iter_mut().for_each(|s| s[lane] = 0.0);
     }
 }
+
+carried_state!(AssumedStresses { stress, limit });
 
 persist_struct!(AssumedStresses { stress, limit });

@@ -15,6 +15,7 @@ use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, d
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::quad::{QuadOperators, UNIT, at_corners, sums};
+use crate::material::carried::carried_state;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{Material, PlasticFlow};
 use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
@@ -574,6 +575,8 @@ pub fn across(list: &Lanes) -> f64 {
 persist_struct!(ElementBlock<S> [S: Persist] { stress, mass, inverse_mass, state } derived { nodes });
 
 persist_struct!(LaneSums { internal, plastic, damaged, viscous, artificial, rate, limiting });
+
+carried_state!(ControlStresses { hourglass, viscous, slow_dilation });
 
 persist_struct!(ControlStresses { hourglass, viscous, slow_dilation });
 

@@ -159,6 +159,11 @@ impl Elements {
         self.reserve_deletions();
     }
 
+    /// Makes all nodes active for the rest of the run.
+    pub fn wake(&mut self) {
+        self.active_nodes.wake();
+    }
+
     /// Returns whether connectors, damping or distortion control add forces to nodes.
     pub fn has_links(&self) -> bool {
         self.connectors.is_some() || self.damping.is_some() || self.distortion.is_some()

@@ -12,6 +12,7 @@ use crate::element::constants::{ElementConstants, damped};
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::{BlockRecord, ElementRecord};
 use crate::element::subzonal::SubzonalPressures;
+use crate::element::transfer::ElementTransfer;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap};
@@ -182,6 +183,10 @@ pub trait GroupExtensions {
     }
     /// Returns the interface for field variables.
     fn fields(&mut self) -> Option<&mut dyn ElementFields> {
+        None
+    }
+    /// Returns the interface to the variables that move through an adaptive mesh.
+    fn transfer(&mut self) -> Option<&mut dyn ElementTransfer> {
         None
     }
     /// Returns the interface for user subroutines.
@@ -445,6 +450,11 @@ impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
         GroupTotals { rate: self.constants.with_assumed(totals.rate, self.cap), ..totals }
     }
 
+    /// Makes a task active.
+    pub(super) fn wake(&mut self, task: usize) {
+        self.quiescence[task].quiescent = false;
+    }
+
     /// Returns whether an element was deleted by `*EROSION`.
     fn is_eroded(&self, element: usize) -> bool {
         let block = element / LANES;
@@ -666,6 +676,13 @@ impl<M: Material, const AREA: bool> GroupExtensions for QuadGroup<M, AREA> {
 
     fn fields(&mut self) -> Option<&mut dyn ElementFields> {
         if M::CALLS { Some(self) } else { None }
+    }
+
+    /// Materials with user subroutines depend on the initial places of their nodes, and subzonal pressures on the initial
+    /// masses of the subzones.
+    fn transfer(&mut self) -> Option<&mut dyn ElementTransfer> {
+        let subzones = self.tasks.first().is_some_and(|task| !task.task.subzones.is_empty());
+        if M::CALLS || AREA || subzones { None } else { Some(self) }
     }
 
     fn user(&mut self) -> Option<&mut dyn UserCalls> {

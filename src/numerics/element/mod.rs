@@ -41,5 +41,6 @@ pub mod six_node;
 pub mod solid_groups;
 mod strain;
 mod subzonal;
+pub mod transfer;
 pub mod values;
 pub mod volume_guard;

@@ -125,6 +125,12 @@ impl RecordUpdate<'_> {
 }
 
 impl BlockRecord {
+    /// Returns the values per mass that move with the material, and the energies of the elements.
+    pub(super) fn carried(&mut self) -> ([&mut Lanes; 12], &mut [Lanes; 4]) {
+        let BlockRecord { strain: [a, b, c, d], plastic: [e, f, g, h], rate: [i, j, k, l], work } = self;
+        ([a, b, c, d, e, f, g, h, i, j, k, l], work)
+    }
+
     /// Adds the work of the stress, of hourglass control, the loss by damage, and the dissipation by plastic flow and
     /// damage in an increment. User materials record their plastic work themselves.
     pub(super) fn add_energies(&mut self, [stress, artificial, damage, dissipated]: &[Lanes; 4], flow: PlasticFlow) {

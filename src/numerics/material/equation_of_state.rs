@@ -7,6 +7,7 @@ use super::eos::{IdealGas, Tabulated, UsUp, advance_block};
 use super::explosive::{BurnState, HighExplosive};
 use super::volumetric::{PressureUpdate, VolumetricLaw};
 use crate::kernel::lanes::{LANES, Lanes};
+use crate::material::carried::carried_state;
 use crate::state::archive::persist_struct;
 
 /// An equation of state with the energy of each element. One enum for all laws, matched once per block: with one type
@@ -105,5 +106,7 @@ impl VolumetricLaw for EquationOfState {
         state.burn.as_deref().map_or(0, size_of_val)
     }
 }
+
+carried_state!(EosState { energy, burn });
 
 persist_struct!(EosState { energy, burn: present });

@@ -6,6 +6,7 @@ use super::eos::{EosLaw, EosLine, advance};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::material::BlockStart;
 use crate::material::volumetric::PressureUpdate;
+use crate::material::carried::carried_state;
 use crate::state::archive::persist_struct;
 
 /// Width of the burn front in elements (ABAQUS Analysis User's Guide, "Equation of state", JWL).
@@ -133,7 +134,9 @@ impl HighExplosive {
     }
 }
 
-persist_struct!(BurnState { burnt } derived { lit, pace });
+carried_state!(BurnState { burnt, lit, pace });
+
+persist_struct!(BurnState { burnt, lit, pace });
 
 #[cfg(test)]
 mod tests {

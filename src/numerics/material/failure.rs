@@ -4,12 +4,13 @@
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::kernel::levels::NestedTable;
 use crate::kernel::transcendental::{exp, ln};
+use crate::material::carried::{CarriedState, carried_state};
 use crate::state::archive::{Persist, persist_struct};
 
 /// A failure model. Materials without failure use [`NoDamage`], which has no state and no cost.
 pub trait FailureLaw: Send + Sync + 'static {
     /// State variables of a block of elements.
-    type State: Clone + Send + Sync + Persist;
+    type State: Clone + Send + Sync + Persist + CarriedState;
     const FAILS: bool;
     /// Returns the initial state of a block, from the section areas, whose square roots are the characteristic lengths,
     /// and the volumes of its elements.
@@ -380,4 +381,7 @@ impl StrainCriterion {
 }
 
 // Lengths are saved: a user subroutine may have set them, and is not called again after a restart.
+// The characteristic length and the volume are those of the element at the start.
+carried_state!(DamageState { begun, damage, at_failure, share } stay { alive, length, volume });
+
 persist_struct!(DamageState { alive, begun, damage, at_failure, length, share } derived { volume });

@@ -7,6 +7,7 @@ use crate::kernel::hardening::{LinearTable, RateFactor};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{BlockStart, Material, PlasticFlow};
+use crate::material::carried::carried_state;
 use crate::state::archive::persist_struct;
 use crate::variables::{Variable, VariableComponent};
 
@@ -213,6 +214,8 @@ impl Material for FoamMaterial {
         (part.variable == Variable::PlasticStrain).then(|| state.strain[lane])
     }
 }
+
+carried_state!(FoamState { strain });
 
 persist_struct!(FoamState { strain });
 

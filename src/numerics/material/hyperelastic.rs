@@ -7,6 +7,7 @@ use crate::kernel::transcendental::{exp, ln};
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::strain_energy::{PrincipalResponse, StrainEnergy, VolumetricEnergy};
 use crate::material::{BlockStart, Material};
+use crate::material::carried::carried_state;
 use crate::state::archive::persist_struct;
 
 /// Neo-Hooke: U = C10 (J^(-2/3) tr B - 3) + (J - 1)²/D1. The Cauchy stress is 2 C10 J^(-5/3) dev B + 2 (J - 1)/D1
@@ -227,5 +228,7 @@ fn to_the_minus_two_thirds(volume: &Lanes) -> Lanes {
 
 /// Smallest wave modulus over the initial one: a softening rubber keeps a finite stable time increment.
 const LEAST: f64 = 1e-2;
+
+carried_state!(DeformationState { gradient });
 
 persist_struct!(DeformationState { gradient });

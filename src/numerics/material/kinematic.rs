@@ -4,6 +4,7 @@
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::material::plasticity::{FlowUpdate, HardeningLaw};
+use crate::material::carried::carried_state;
 use crate::state::archive::persist_struct;
 
 /// Linear kinematic hardening of Prager and Ziegler (ABAQUS Analysis User's Guide, "Models for metals subjected to
@@ -75,5 +76,7 @@ impl HardeningLaw for KinematicHardening {
         state.strain[lane]
     }
 }
+
+carried_state!(BackStress { strain, back });
 
 persist_struct!(BackStress { strain, back });

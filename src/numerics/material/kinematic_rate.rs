@@ -6,6 +6,7 @@ use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::material::plasticity::{FlowUpdate, HardeningLaw};
+use crate::material::carried::carried_state;
 use crate::state::archive::persist_struct;
 
 /// Linear kinematic hardening with rate and temperature dependence (ABAQUS Analysis User's Guide, "Models for metals
@@ -101,5 +102,7 @@ impl HardeningLaw for RateKinematicHardening {
         state.temperature[lane] = temperature;
     }
 }
+
+carried_state!(RateBackStress { strain, temperature, slope, back });
 
 persist_struct!(RateBackStress { strain, temperature, slope, back });

@@ -1,5 +1,6 @@
 //! Material laws: one trait for all laws, one file per law. Laws know neither elements nor meshes.
 
+pub mod carried;
 pub mod eos;
 pub mod equation_of_state;
 pub mod explosive;
@@ -19,6 +20,7 @@ pub mod von_mises;
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::state::archive::Persist;
 use crate::variables::VariableComponent;
+use carried::CarriedState;
 use increment::{StrainIncrement, StressUpdate};
 use user::PointCalls;
 
@@ -79,7 +81,7 @@ pub enum PointValue {
 /// compiled for its elements; unused features have no cost.
 pub trait Material: Send + Sync + 'static {
     /// State variables of a block of elements.
-    type State: Clone + Send + Sync + Persist;
+    type State: Clone + Send + Sync + Persist + CarriedState;
 
     /// Direction of plastic flow. [`PlasticFlow::Deviatoric`] and [`PlasticFlow::Unknown`] laws are given the von Mises
     /// stress of the trial.

@@ -5,12 +5,13 @@ use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::return_mapping::{TrialState, plastic_increments};
+use crate::material::carried::{CarriedState, carried_state};
 use crate::state::archive::{Persist, persist_struct};
 
 /// Hardening law of von Mises plasticity. Materials without yield use [`ElasticOnly`], which has no state.
 pub trait HardeningLaw: Send + Sync + 'static {
     /// State variables of a block of elements.
-    type State: Clone + Send + Sync + Persist;
+    type State: Clone + Send + Sync + Persist + CarriedState;
 
     /// Whether the material can yield.
     const PLASTIC: bool;
@@ -229,6 +230,8 @@ impl HardeningLaw for RateDependentHardening {
         state.temperature[lane] = temperature;
     }
 }
+
+carried_state!(PlasticState { strain, temperature, rate });
 
 persist_struct!(PlasticState { strain, temperature, rate });
 

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use super::increment::{StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
-use crate::kernel::lanes::{LANES, Lanes, column};
+use crate::kernel::lanes::{LANES, Lanes, column, inline_from_fn};
 use crate::kernel::stress::mises;
 use crate::routines::law::{MaterialLaw, MaterialPoint};
+use crate::material::carried::CarriedState;
 use crate::state::archive::persist_struct;
 use crate::variables::{Variable, VariableComponent};
 
@@ -125,6 +126,21 @@ impl Material for PointLaw {
                 true
             }
             _ => false,
+        }
+    }
+}
+
+impl CarriedState for PointState {
+    /// Moves the state variables, which are stored point by point.
+    fn carry(&mut self, visit: &mut dyn FnMut(&mut Lanes)) {
+        let PointState { variables, deleted: _, volume: _, total_time: _ } = self;
+        let count = variables.len() / LANES;
+        for variable in 0..count {
+            let mut lanes: Lanes = inline_from_fn(|l| variables[l * count + variable]);
+            visit(&mut lanes);
+            for (l, value) in lanes.into_iter().enumerate() {
+                variables[l * count + variable] = value;
+            }
         }
     }
 }

@@ -2,12 +2,13 @@
 
 use super::BlockStart;
 use crate::kernel::lanes::Lanes;
+use crate::material::carried::CarriedState;
 use crate::state::archive::Persist;
 
 /// Volumetric part of a material. A constant bulk modulus is a type without state or cost.
 pub trait VolumetricLaw: Send + Sync + 'static {
     /// State variables of a block of elements.
-    type State: Clone + Send + Sync + Persist;
+    type State: Clone + Send + Sync + Persist + CarriedState;
 
     /// Whether the law is an equation of state, i.e. not a constant bulk modulus times the volumetric strain.
     const EOS: bool;

@@ -11,6 +11,7 @@ use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress;
+use crate::material::carried::carried_state;
 use crate::state::archive::{Persist, persist_struct};
 use crate::variables::{Variable, VariableComponent};
 
@@ -351,6 +352,8 @@ fn yield_stress<H: HardeningLaw>(hardening: &H, state: &H::State, shear: f64, co
     }
     high
 }
+
+carried_state!(VonMisesState<S, Q, X> { hardening, volumetric, failure });
 
 persist_struct!(VonMisesState<S, Q, X> [S: Persist, Q: Persist, X: Persist] { hardening, volumetric, failure });
 

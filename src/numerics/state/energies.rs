@@ -20,6 +20,8 @@ pub struct EnergyTotals {
     pub artificial: f64,
     /// Work of distortion control.
     pub distortion: f64,
+    /// Kinetic energy lost in the transport of momentum through adaptive meshes.
+    pub advection: f64,
     /// Work of external forces and prescribed motions.
     pub external: f64,
     /// Energy lost in contact impulses.
@@ -37,7 +39,8 @@ pub struct EnergyTotals {
 impl EnergyTotals {
     /// Returns the sum of stored and dissipated energies, without external work.
     pub fn sum(&self) -> f64 {
-        let dissipated = self.viscous + self.contact + self.friction + self.cavity + self.distortion;
+        let dissipated =
+            self.viscous + self.contact + self.friction + self.cavity + self.distortion + self.advection;
         self.kinetic + self.internal + self.artificial + dissipated + self.penalty
     }
 }
@@ -54,6 +57,7 @@ persist_struct!(EnergyTotals {
     friction,
     cavity,
     distortion,
+    advection,
     penalty,
     initial_overlap
 });

@@ -27,6 +27,9 @@ pub(super) fn record_bytes(plan: &mut Plan, state: &State) {
         let row = ledger.effects.iter().position(|row| row.effect == "mass scaling");
         row.into_iter().for_each(|row| add(ledger, row, "requests", scaling.bytes()));
     }
+    for domain in changes().flat_map(|c| &c.adaptive).chain([&state.adaptive]).flatten() {
+        add(ledger, domain.id, "domain", domain.bytes());
+    }
     for amplitude in &state.amplitude_routines {
         add(ledger, amplitude.id, "routine", amplitude.bytes());
     }

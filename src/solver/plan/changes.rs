@@ -1,5 +1,6 @@
 //! Changes to the active effects at the start of a step: effects that are kept, added or removed.
 
+use crate::adaptive::AdaptiveDomain;
 use crate::constraint::Constraint;
 use crate::constraint::user_motion::UserMotion;
 use crate::element::mass_scaling::StepMassScaling;
@@ -89,12 +90,14 @@ pub struct StepChanges {
     pub user_motions: Option<ListChange<UserMotion>>,
     /// New mass scaling; `Some(None)` ends it.
     pub scaling: Option<Option<StepMassScaling>>,
+    /// New domains of adaptive meshes.
+    pub adaptive: Option<Vec<AdaptiveDomain>>,
 }
 
 impl StepChanges {
     /// Returns whether nothing changes.
     pub fn is_empty(&self) -> bool {
-        self.loads.is_none() && self.constraints.is_none() && self.user_motions.is_none() && self.scaling.is_none()
+        self.loads.is_none() && self.constraints.is_none() && self.user_motions.is_none() && self.scaling.is_none() && self.adaptive.is_none()
     }
 
     /// Returns the size of the lists in bytes, without loads, constraints and mass scaling.

@@ -38,6 +38,7 @@ pub const CODES: &[DiagnosticCode] = codes! {
     "P061" "untied nodes of a slave surface" "*TIE ties nodes within POSITION TOLERANCE of the master surface, by default 5 % of the mean length of its facets. The message lists the untied nodes and their distances."
     "P062" "force on a node without mass" "The reference node has no mass, and no node with mass is coupled to it along this degree of freedom, so that the force has nothing to accelerate."
     "P070" "invalid erosion criterion" "*EROSION deletes elements that reach its limits. PLASTIC STRAIN needs a plastic material, DISTORTION needs solid elements, and no element may exceed a limit at the start."
+    "P071" "unsupported adaptive mesh" "A domain of *ADAPTIVE MESH consists of CAX4R elements of one *SOLID SECTION. Mass scaling, heat conduction, DISTORTION CONTROL, WEIGHTING=AREA, subzonal pressures and user materials are not supported in such a domain."
     "P075" "history expression" "An *OUTPUT EXPRESSION may contain history columns that the deck requests, `time`, and expressions defined before it. The message names the invalid name or sign."
     "P076" "history column twice" "The name of an *OUTPUT EXPRESSION is already used by another history column, or is reserved in expressions."
     "P101" "already fixed by axial symmetry" "A rigid body of revolution moves along z only; a boundary condition on r or on the rotation has no effect."

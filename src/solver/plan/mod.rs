@@ -1,6 +1,7 @@
 //! Compilation of a model to a plan: decides which effects the run contains, creates them, and lists them in the
 //! ledger. Time integration is in `solve`.
 
+mod adaptive;
 mod analytical;
 mod averaging;
 mod bodies;

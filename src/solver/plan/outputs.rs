@@ -534,6 +534,7 @@ impl Compiler<'_> {
         let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
         let damages = self.materials_present().any(fails);
         let scales = self.scales_masses();
+        let adapts = self.model.steps.iter().any(|step| !step.adaptive.is_empty());
         let added = scales.then_some(Variable::AddedMass);
         let springs = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
         let walls = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| self.spatial_side(pair).is_some());
@@ -544,6 +545,7 @@ impl Compiler<'_> {
                 PreselectRule::ElementDeletion => deletes,
                 PreselectRule::Damage => damages,
                 PreselectRule::MassScaling => scales,
+                PreselectRule::AdaptiveMesh => adapts,
                 _ => true,
             };
             let lost = walls && *v == Variable::ConstraintWork;
@@ -598,6 +600,7 @@ impl Compiler<'_> {
             | PreselectRule::SurfaceContact
             | PreselectRule::PenaltyContact
             | PreselectRule::MassScaling
+            | PreselectRule::AdaptiveMesh
             | PreselectRule::Damage => true,
             PreselectRule::SixDofBody => false,
         }

@@ -214,6 +214,14 @@ impl Compiler<'_> {
             );
             return;
         }
+        if self.model.steps.iter().any(|s| !s.adaptive.is_empty()) {
+            self.add_unused_card(
+                step.span,
+                "global estimate of the stable increment",
+                "with adaptive meshes the estimate is element by element",
+            );
+            return;
+        }
         let Some(mut frequency) = HighestFrequency::new(&state.elements.groups, &state.dofs.nodes) else {
             let why = if self.places.rotations.is_empty() {
                 "a material is not linear elastic at small strains; the estimate is element by element"

@@ -2,6 +2,7 @@
 //! increment control are in `solve`.
 
 use super::changes::{ListChange, StepChanges};
+use crate::adaptive::AdaptiveDomain;
 use crate::constraint::Constraint;
 use crate::constraint::user_motion::UserMotion;
 use crate::element::elements::Elements;
@@ -28,6 +29,8 @@ pub struct State {
     pub constraints: Vec<Box<dyn Constraint>>,
     /// Active mass scaling; `None` before a step requests it.
     pub scaling: Option<StepMassScaling>,
+    /// Domains of adaptive meshes in force.
+    pub adaptive: Vec<AdaptiveDomain>,
     /// Active user motions (VDISP), called once per increment.
     #[allow(clippy::vec_box)] // The list is changed in the same way as the boxed loads and constraints.
     pub user_motions: Vec<Box<UserMotion>>,
@@ -42,11 +45,12 @@ pub struct State {
 impl State {
     /// Activates the effects of the first step.
     pub(super) fn begin_with(&mut self, first: StepChanges) {
-        let StepChanges { loads, constraints, user_motions, scaling } = first;
+        let StepChanges { loads, constraints, user_motions, scaling, adaptive } = first;
         self.loads = loads.map_or_else(Vec::new, ListChange::into_first);
         self.constraints = constraints.map_or_else(Vec::new, ListChange::into_first);
         self.user_motions = user_motions.map_or_else(Vec::new, ListChange::into_first);
         self.scaling = scaling.flatten();
+        self.adaptive = adaptive.unwrap_or_default();
     }
 }
 
@@ -55,6 +59,7 @@ persist_struct!(State {
     loads: each,
     constraints: each,
     scaling: present,
+    adaptive: fixed,
     user_amplitudes: fixed,
     amplitude_routines: fixed,
     user_motions: each,

@@ -197,7 +197,8 @@ impl<'a> Compiler<'a> {
         let loads = self.load_changes(index, state);
         let (constraints, user_motions) = self.constraint_changes(index, state);
         let scaling = self.scaling_change(index, loads.is_some(), state);
-        StepChanges { loads, constraints, user_motions, scaling }
+        let adaptive = self.adaptive_change(index, state);
+        StepChanges { loads, constraints, user_motions, scaling, adaptive }
     }
 
     /// Returns the step before the one at `index`; `None` for the first step.

@@ -10,8 +10,8 @@ use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::energies::EnergyTotals;
 
-/// Energies at an instant, with ABAQUS names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLCAV
-/// - ALLWK - ALLMW` is constant.
+/// Energies at an instant, with ABAQUS names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLADV +
+/// ALLCAV - ALLWK - ALLMW` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Kinetic energy ALLKE of nodes and rigid bodies.
@@ -59,6 +59,9 @@ pub struct Energy {
     /// Energy dissipated by distortion control.
     #[serde(rename = "ALLDC")]
     pub distortion: f64,
+    /// Kinetic energy lost in the transport through adaptive meshes; `None` without such meshes.
+    #[serde(rename = "ALLADV", skip_serializing_if = "Option::is_none")]
+    pub advection: Option<f64>,
     /// Heat from outside; `None` if no temperatures are solved for.
     #[serde(rename = "ALLHF", skip_serializing_if = "Option::is_none")]
     pub heat: Option<f64>,
@@ -329,7 +332,8 @@ impl EnergyBalance {
         energy.cavity += solid.cavity;
         energy.contact = solid.contact;
         energy.penalty = (solid.penalty != 0.0).then_some(solid.penalty);
-        let dissipated = energy.friction + energy.cavity + energy.viscous + energy.contact + energy.distortion;
+        energy.advection = (solid.advection != 0.0).then_some(solid.advection);
+        let dissipated = energy.friction + energy.cavity + energy.viscous + energy.contact + energy.distortion + solid.advection;
         energy.total = energy.kinetic + energy.internal + dissipated + solid.penalty - energy.work - self.mass_scaling;
         energy.initial += self.solid_initial.unwrap_or(0.0);
         energy.drift = self.drift();
@@ -340,7 +344,7 @@ impl EnergyBalance {
 // Heat, penalty, damage and deletion are filled in by their owners.
 persist_struct!(Energy {
     kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact, artificial, distortion, total, initial, drift
-} derived { penalty, mass_scaling, added_mass, damage, heat, internal_heat, removed });
+} derived { penalty, mass_scaling, added_mass, advection, damage, heat, internal_heat, removed });
 
 persist_struct!(ForceWork { force, last, work } derived { body, coordinate, account, external, tied });
 

@@ -55,6 +55,7 @@ fn model_value(energy: &Energy, increment: f64, variable: Variable) -> f64 {
         Variable::AddedMass => energy.added_mass.unwrap_or(0.0),
         Variable::PenaltyWork => energy.penalty.unwrap_or(0.0),
         Variable::DistortionEnergy => energy.distortion,
+        Variable::AdvectionEnergy => energy.advection.unwrap_or(0.0),
         Variable::ExternalHeat => energy.heat.unwrap_or(f64::NAN),
         Variable::InternalHeat => energy.internal_heat.unwrap_or(f64::NAN),
         Variable::RemovedMass => removed.mass,

@@ -1,5 +1,6 @@
 //! Time loop: steps and their increments.
 
+mod adaptive_meshes;
 mod body_forces;
 mod body_surfaces;
 mod central_difference;

@@ -223,6 +223,9 @@ impl<'a> SolverRun<'a> {
             Some(scaling) => self.state.scaling.clone_from(scaling),
             None => self.state.scaling.iter_mut().for_each(StepMassScaling::begin_step),
         }
+        if let Some(domains) = &changes.adaptive {
+            self.change_domains(domains);
+        }
     }
 
     /// Evaluates the forces at the start of a later step. If the forces on bodies have the same bits as before, bodies
@@ -257,6 +260,7 @@ impl<'a> SolverRun<'a> {
         let pushed = self.state.elements.has_links() || self.state.loads.iter().any(|l| l.targets().nodes);
         self.state.dofs.nodes.resize_forces(pushed);
         self.state.constraints.iter_mut().for_each(|c| c.begin(&mut self.state.dofs));
+        self.begin_domains();
     }
 
     /// Initialises user materials, and estimates the highest frequency from the elastic moduli and the prescribed
@@ -554,6 +558,7 @@ impl<'a> SolverRun<'a> {
         let dt = next.length;
         self.state.dofs.bodies.iter_mut().for_each(|body| body.advance(dt));
         if !self.state.elements.is_empty() {
+            self.adapt_meshes(dt);
             central_difference::advance_nodes(&self.state.elements, &mut self.state.dofs, dt, self.threads);
             self.state.elements.mark_moved();
         }

@@ -164,7 +164,7 @@ pub const CARDS: &[Keyword] = &[
         "FILLET RADIUS" read "Rounds the corners between segments",
         "NO OFFSET" inert "applies only to shells",
         "NO THICK" inert "applies only to shells",
-        "REGION TYPE" refused "adaptive meshing is unsupported",
+        "REGION TYPE" only ["LAGRANGIAN"] "sliding and Eulerian regions of adaptive meshes are not supported",
         "TRIM" refused "surfaces are not trimmed: give the faces",
         "DISCRETIZATION" inert "written by some preprocessors; has no effect",
         "COMBINE" only ["UNION"] "give the faces of the surface",

@@ -1,5 +1,6 @@
 //! Rows of the keyword table, one file per family of cards, and the macros that build them.
 
+pub mod adaptive;
 pub mod constraints;
 mod loads;
 pub mod materials;
@@ -16,6 +17,7 @@ pub static ALL: &[&[Keyword]] = &[
     materials::CARDS,
     constraints::CARDS,
     steps::CARDS,
+    adaptive::CARDS,
     loads::CARDS,
     output::CARDS,
     unsupported::OUTPUT_ONLY,

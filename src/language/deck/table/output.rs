@@ -28,7 +28,7 @@ pub const CARDS: &[Keyword] = &[
         "VARIABLE" (word(&["PRESELECT", "ALL"])) "Names of variables are given on the data lines",
         "STATISTICS" extension "For histories: MIN, MAX, MEAN or SUM over the set in place of a column per node; several as in \"MIN, MAX\". MEAN is not weighted; RF of a rigid body is counted once",
         "EXTERIOR" refused "give NSET",
-        "TRACER SET" refused "adaptive meshing is unsupported",
+        "TRACER SET" refused "tracer particles are unsupported",
         "FILTER" inert "output is not filtered; it contains the computed values",
     }, [(list "nodal variable")]),
     row!("ELEMENT OUTPUT", "Element variables of an *OUTPUT request; numbers on the first data line are section points of shells: 1 on side SNEG, the last on side SPOS, or the middle one", (), {
@@ -39,7 +39,7 @@ pub const CARDS: &[Keyword] = &[
         "POSITION" (word(&["INTEGRATION POINTS", "CENTROIDAL", "NODES", "AVERAGED AT NODES"]).or(0.0)) "INTEGRATION POINTS and CENTROIDAL are the same; NODES and AVERAGED AT NODES: frames show, at each node, the mean over its elements",
         "EXTERIOR" refused "give ELSET",
         "REBAR" refused "applies only to reinforcement",
-        "TRACER SET" refused "adaptive meshing is unsupported",
+        "TRACER SET" refused "tracer particles are unsupported",
         "MICROMECHANICS" refused "applies only to composites",
         "FILTER" inert "output is not filtered; it contains the computed values",
         "ELASTIC DEFORMATION" refused "applies only to implicit analyses",

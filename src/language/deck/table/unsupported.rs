@@ -36,9 +36,6 @@ pub const OUTPUT_ONLY: &[Keyword] = unread!(OutputOnly:
 pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Heat of phase change": "LATENT HEAT";
     "Acoustic material": "ACOUSTIC MEDIUM";
-    "Adaptive meshing": "ADAPTIVE MESH";
-    "Controls of adaptive meshing": "ADAPTIVE MESH CONTROLS";
-    "Motion prescribed to an adaptive mesh": "ADAPTIVE MESH CONSTRAINT";
     "Annealing procedure": "ANNEAL";
     "Loss of hardening above a temperature": "ANNEAL TEMPERATURE";
     "Motion of the base in modal analyses": "BASE MOTION";

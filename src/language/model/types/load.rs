@@ -118,6 +118,26 @@ pub enum LoadKind {
     },
 }
 
+impl LoadKind {
+    /// Returns the faces on which the load acts; `None` if it acts on nodes or volumes.
+    pub fn sides(&self) -> Option<&SideSelection> {
+        match self {
+            LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) => Some(sides),
+            LoadKind::Traction { sides, .. }
+            | LoadKind::Blast { sides, .. }
+            | LoadKind::User { sides, .. }
+            | LoadKind::Cavity { sides, .. }
+            | LoadKind::Film { sides, .. } => Some(sides),
+            LoadKind::Concentrated { .. }
+            | LoadKind::Gravity { .. }
+            | LoadKind::Body { .. }
+            | LoadKind::UserBody { .. }
+            | LoadKind::NodalHeat { .. }
+            | LoadKind::BodyHeat { .. } => None,
+        }
+    }
+}
+
 /// A blast wave by its name (`*INCIDENT WAVE INTERACTION PROPERTY`).
 #[derive(Clone, Debug)]
 pub(in crate::model) struct BlastProperty {

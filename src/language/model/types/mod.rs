@@ -1,6 +1,7 @@
 //! Data types of the validated model: the deck with all references resolved. Most items keep the source position of the
 //! card that defines them. Solver arrays and the choice of effects are made by `plan`.
 
+mod adaptive;
 mod body;
 mod condition;
 mod constraint;
@@ -23,6 +24,7 @@ use crate::deck::{Sources, Span};
 pub use crate::kernel::bulk_viscosity::BulkViscosity;
 pub use crate::kernel::interaction::{ContactDamping, CoulombFriction, GapHeat, InteractionLaw, PressureOverclosure};
 pub use crate::kernel::profile::{ProfileSegment, SurfaceProfile};
+pub use adaptive::*;
 pub use body::*;
 pub use condition::*;
 pub use constraint::*;

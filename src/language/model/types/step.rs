@@ -1,6 +1,6 @@
 //! Analysis steps: procedure, increment control, and the conditions in force.
 
-use super::{BoundaryCondition, GeneralContact, Load, OutputInterval, OutputRequest, PrescribedField, SurfaceContact};
+use super::{AdaptiveMesh, BoundaryCondition, GeneralContact, Load, OutputInterval, OutputRequest, PrescribedField, SurfaceContact};
 use crate::deck::Span;
 use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::interaction::CoulombFriction;
@@ -38,6 +38,10 @@ pub struct Step {
     pub general_contact: Option<GeneralContact>,
     /// Mass scaling in force, in deck order.
     pub mass_scalings: Vec<MassScaling>,
+    /// Adaptive meshes in force.
+    pub adaptive: Vec<AdaptiveMesh>,
+    /// Nodes that adaptive meshes do not move, by card.
+    pub adaptive_fixed: Vec<(Span, Vec<usize>)>,
     /// Energy limits in force.
     pub energy_limit: Option<EnergyLimit>,
     /// Output requests in force.

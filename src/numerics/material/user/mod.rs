@@ -15,6 +15,7 @@ use crate::kernel::rotation::{rotate, rotation_of_spin};
 use crate::kernel::stress::mises;
 use crate::routines::{LoadFailure, MAX_MATERIAL_BLOCK, PointRoutines};
 use crate::state::Instant;
+use crate::material::carried::CarriedState;
 use crate::state::archive::persist_struct;
 use crate::variables::{Variable, VariableComponent};
 use description::UserMaterialData;
@@ -491,6 +492,12 @@ impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
     fn bytes(&self) -> usize {
         self.names.iter().map(|name| size_of_val(name) + name.capacity()).sum()
     }
+}
+
+impl CarriedState for UserState {
+    /// Carries nothing: the deformation gradient follows from the initial places of the nodes, so that these materials
+    /// stay with their elements.
+    fn carry(&mut self, _visit: &mut dyn FnMut(&mut Lanes)) {}
 }
 
 persist_struct!(UserState {

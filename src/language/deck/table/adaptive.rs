@@ -1,0 +1,38 @@
+//! Cards of adaptive meshes.
+
+use super::card;
+use crate::deck::keywords::Keyword;
+use crate::deck::value::{COUNT, INTEGER, NOT_NEGATIVE, NUMBER, TEXT, variant, word};
+
+card!(AdaptiveMesh: "ADAPTIVE MESH", "Moves the nodes of a set of elements to better places during the step, and transports material through the mesh", (step), {
+    "ELSET" (TEXT.required()) "Elements of the domain: CAX4R of one section",
+    "CONTROLS" read "Name of *ADAPTIVE MESH CONTROLS",
+    frequency: usize = "FREQUENCY" (COUNT.or(10.0)) "Increments between two changes of the mesh",
+    sweeps: usize = "MESH SWEEPS" (COUNT.or(1.0)) "Sweeps in each change",
+    initial_sweeps: usize = "INITIAL MESH SWEEPS" (INTEGER.from(0.0).or(5.0)) "Sweeps at the start of the first step in which the domain is active",
+    new: bool = "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW ends all domains of earlier steps",
+}, []);
+
+card!(AdaptiveMeshControls: "ADAPTIVE MESH CONTROLS", "Smoothing and transport of adaptive meshes", (unique "NAME"), {
+    name: String = "NAME" (TEXT.required()) "Name of the controls",
+    second_order: bool = "ADVECTION" (variant(&["FIRST ORDER", "SECOND ORDER"]).or(1.0)) "Order of the transport",
+    transition_angle: f64 = "TRANSITION FEATURE ANGLE" (NUMBER.from(0.0).to(180.0).or(30.0)) "Angle in degrees between the edges of the boundary from which on a node is at a corner, and does not move along the boundary",
+    "INITIAL FEATURE ANGLE" only ["30"] "corners are found by TRANSITION FEATURE ANGLE during the whole step",
+    "SMOOTHING OBJECTIVE" only ["UNIFORM"] "meshes are smoothed towards equal elements",
+    "CURVATURE REFINEMENT" only ["1", "0"] "meshes are smoothed towards equal elements, also at curved boundaries",
+    "MESHING PREDICTOR" only ["CURRENT"] "sweeps start from the places that the material has reached",
+    "GEOMETRIC ENHANCEMENT" inert "a sweep never flattens the corner of an element, with YES and with NO",
+    "MOMENTUM ADVECTION" inert "momentum moves with the masses that pass between nodes, in all methods",
+}, weights: [f64; 3] = [
+    (lines ["weight of volume smoothing" (NOT_NEGATIVE.or(1.0)), "weight of Laplacian smoothing" (NOT_NEGATIVE.or(0.0)), "weight of equipotential smoothing" (NOT_NEGATIVE.or(0.0))]),
+]);
+
+card!(AdaptiveMeshConstraint: "ADAPTIVE MESH CONSTRAINT", "Nodes that an adaptive mesh does not move", (step), {
+    "CONSTRAINT TYPE" only ["LAGRANGIAN"] "motions of the mesh that are prescribed in space are not supported",
+    new: bool = "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW ends all constraints of earlier steps",
+} refused {
+    "motions of the mesh that are prescribed in space are not supported": "AMPLITUDE", "TYPE", "USER", "UNCOUPLED";
+}, [(rows ["node or node set" read "Nodes that move with the material"])]);
+
+/// Keywords of adaptive meshes.
+pub const CARDS: &[Keyword] = &[AdaptiveMesh::ROW, AdaptiveMeshControls::ROW, AdaptiveMeshConstraint::ROW];

@@ -1,0 +1,80 @@
+//! Reads adaptive meshes: `*ADAPTIVE MESH`, `*ADAPTIVE MESH CONTROLS` and `*ADAPTIVE MESH CONSTRAINT`.
+
+use super::builder::ModelBuilder;
+use super::names::upper;
+use super::types::{AdaptiveControls, AdaptiveMesh};
+use crate::deck::Card;
+use crate::deck::table::adaptive as cards;
+
+impl ModelBuilder<'_> {
+    /// Reads the controls of adaptive meshes. Weights are normalised to the sum 1.
+    pub(super) fn adaptive_controls(&mut self, card: &Card) {
+        let values: cards::AdaptiveMeshControls = self.values(card);
+        let sum: f64 = values.weights.iter().sum();
+        if sum <= 0.0 {
+            return self.out_of_range(card.span, "at least one smoothing method requires a weight above 0");
+        }
+        let controls = AdaptiveControls {
+            weights: values.weights.map(|weight| weight / sum),
+            corner_angle: values.transition_angle.to_radians(),
+            second_order: values.second_order,
+        };
+        self.adaptive_controls.entry(upper(&values.name)).or_insert(controls);
+    }
+
+    /// Reads a domain. It replaces a domain of an earlier step with the same set.
+    pub(super) fn adaptive_mesh(&mut self, card: &Card) {
+        let Some(word) = card.value("ELSET") else { return };
+        let Some(elements) = self.element_members(word) else { return };
+        let cards::AdaptiveMesh { frequency, sweeps, initial_sweeps, new } = self.values(card);
+        let named = card.value("CONTROLS").cloned();
+        let state = self.state();
+        if new && !state.cleared.contains(&"ADAPTIVE MESH") {
+            state.cleared.push("ADAPTIVE MESH");
+            state.adaptive.clear();
+        }
+        let set = upper(&word.text);
+        state.adaptive.retain(|domain| domain.set != set);
+        let (span, controls) = (card.span, AdaptiveControls::default());
+        let mesh =
+            AdaptiveMesh { span, set, elements, frequency: frequency as u64, sweeps, initial_sweeps, controls };
+        state.adaptive.push(mesh);
+        if let Some(word) = named {
+            state.adaptive_controls_used.push((state.adaptive.len() - 1, word));
+        }
+    }
+
+    /// Reads nodes that move with the material.
+    pub(super) fn adaptive_constraint(&mut self, card: &Card) {
+        let cards::AdaptiveMeshConstraint { new } = self.values(card);
+        let mut nodes = Vec::new();
+        for line in &card.lines {
+            if let Some(word) = line.fields.first() {
+                nodes.extend(self.node_members(word).into_iter().flatten());
+            }
+        }
+        let state = self.state();
+        if new && !state.cleared.contains(&"ADAPTIVE MESH CONSTRAINT") {
+            state.cleared.push("ADAPTIVE MESH CONSTRAINT");
+            state.adaptive_fixed.clear();
+        }
+        state.adaptive_fixed.push((card.span, nodes));
+    }
+
+    /// Assigns controls to the domains of the step.
+    pub(super) fn apply_adaptive_controls(&mut self) {
+        let Some(state) = &mut self.step else { return };
+        for (domain, word) in std::mem::take(&mut state.adaptive_controls_used) {
+            match self.adaptive_controls.get(&upper(&word.text)) {
+                Some(controls) => {
+                    if let Some(state) = &mut self.step {
+                        state.adaptive[domain].controls = *controls;
+                    }
+                }
+                None => {
+                    self.unknown("M116", "adaptive mesh controls", &word, |b| b.adaptive_controls.keys().cloned().collect());
+                }
+            }
+        }
+    }
+}

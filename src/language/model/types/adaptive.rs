@@ -1,0 +1,41 @@
+//! Adaptive meshes.
+
+use crate::deck::Span;
+
+/// Domain of an adaptive mesh (`*ADAPTIVE MESH`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct AdaptiveMesh {
+    /// Source position of the keyword line.
+    pub span: Span,
+    /// Name of the element set, in capitals.
+    pub set: String,
+    /// Element indices.
+    pub elements: Vec<usize>,
+    /// Number of increments between two changes of the mesh.
+    pub frequency: u64,
+    /// Number of sweeps in each change.
+    pub sweeps: usize,
+    /// Number of sweeps at the start of the first step of the domain.
+    pub initial_sweeps: usize,
+    /// Smoothing and transport.
+    pub controls: AdaptiveControls,
+}
+
+/// Smoothing and transport of an adaptive mesh (`*ADAPTIVE MESH CONTROLS`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdaptiveControls {
+    /// Weights of volume, Laplacian and equipotential smoothing; they sum to 1.
+    pub weights: [f64; 3],
+    /// Angle between the edges of the boundary from which on a node is at a corner, radians.
+    pub corner_angle: f64,
+    /// Whether the transport is of second order.
+    pub second_order: bool,
+}
+
+impl Default for AdaptiveControls {
+    /// Returns the values without a card (ABAQUS Analysis User's Guide, "ALE adaptive meshing and remapping in
+    /// Abaqus/Explicit").
+    fn default() -> Self {
+        AdaptiveControls { weights: [1.0, 0.0, 0.0], corner_angle: 30f64.to_radians(), second_order: true }
+    }
+}

@@ -1,0 +1,292 @@
+//! Motion of the nodes of an adaptive mesh domain: smoothing inside, and sliding along its boundary.
+
+use super::topology::{BoundaryNode, DomainTopology};
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::quad;
+
+/// Weights of the smoothing methods; they sum to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmoothingWeights {
+    /// Mean of the centres of the elements around a node, weighted by their areas.
+    pub volumetric: f64,
+    /// Mean of the adjacent nodes.
+    pub laplacian: f64,
+    /// Solution of the equations of an equipotential mesh (Winslow 1966), for nodes with four elements; mean of the
+    /// adjacent nodes elsewhere.
+    pub equipotential: f64,
+}
+
+/// Possible motions of a node of the domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NodeMobility {
+    /// The node moves with the material.
+    #[default]
+    Fixed,
+    /// It moves along the boundary, unless the boundary has a corner there.
+    Boundary,
+    /// It moves freely inside the domain.
+    Inside,
+}
+
+/// Smoothing of a domain.
+#[derive(Clone, Debug)]
+pub(super) struct MeshSmoothing {
+    pub weights: SmoothingWeights,
+    /// Cosine of the angle between the edges of the boundary from which on a node is at a corner.
+    pub corner_cosine: f64,
+    /// Motions that the domain allows.
+    mobility: Vec<NodeMobility>,
+    /// Motions in the current change of the mesh.
+    now: Vec<NodeMobility>,
+    /// New positions of a sweep.
+    target: Vec<[f64; 2]>,
+    /// Nodes whose motion is taken back.
+    halted: Vec<bool>,
+}
+
+/// Smallest area of a corner triangle over the mean of the element, below which a sweep may not reduce it.
+const FLAT: f64 = 0.3;
+/// Number of times that the motions at bad elements are taken back in a sweep; then the whole sweep is.
+const RETRIES: usize = 4;
+
+impl MeshSmoothing {
+    pub fn new(weights: SmoothingWeights, corner_cosine: f64, mobility: Vec<NodeMobility>) -> MeshSmoothing {
+        let count = mobility.len();
+        MeshSmoothing {
+            weights,
+            corner_cosine,
+            now: mobility.clone(),
+            mobility,
+            target: vec![[0.0; 2]; count],
+            halted: vec![false; count],
+        }
+    }
+
+    pub fn bytes(&self) -> usize {
+        2 * self.mobility.capacity() + 16 * self.target.capacity() + self.halted.capacity()
+    }
+
+    /// Fixes nodes of deleted elements, and nodes at the ends of regions with prescribed motions along r or z.
+    pub fn restrict(
+        &mut self,
+        domain: &DomainTopology,
+        prescribed: &[[bool; 2]],
+        deleted: impl Fn(u32) -> bool,
+    ) {
+        self.now.copy_from_slice(&self.mobility);
+        for (now, _) in self.now.iter_mut().zip(prescribed).filter(|n| *n.1 == [true; 2]) {
+            *now = NodeMobility::Fixed;
+        }
+        let own = |n: u32| prescribed[n as usize];
+        for BoundaryNode { node, before, after } in &domain.boundary {
+            let alike = own(*node) == [false; 2] || (own(*node) == own(*before) && own(*node) == own(*after));
+            if !alike {
+                self.now[*node as usize] = NodeMobility::Fixed;
+            }
+        }
+        for (element, corners) in domain.elements.iter().zip(&domain.corners) {
+            if deleted(*element) {
+                corners.iter().for_each(|n| self.now[*n as usize] = NodeMobility::Fixed);
+            }
+        }
+    }
+
+    /// Moves the nodes once; motions that are prescribed along r or z keep this coordinate.
+    pub fn sweep(&mut self, domain: &DomainTopology, prescribed: &[[bool; 2]], places: &mut [[f64; 2]]) {
+        self.target.copy_from_slice(places);
+        for (n, mobility) in self.now.iter().enumerate() {
+            if *mobility == NodeMobility::Inside {
+                self.target[n] = self.smoothed(domain, places, n);
+            }
+        }
+        for node in &domain.boundary {
+            let n = node.node as usize;
+            if self.now[n] == NodeMobility::Boundary {
+                let ends = [node.before, node.node, node.after].inline_map(|n: u32| self.target[n as usize]);
+                self.target[n] = keep(prescribed[n], ends, slide(ends, self.corner_cosine));
+            }
+        }
+        self.take_back(domain, places);
+        places.copy_from_slice(&self.target);
+    }
+
+    fn smoothed(&self, domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
+        let SmoothingWeights { volumetric, laplacian, equipotential } = self.weights;
+        let mut place = [0.0; 2];
+        let mut add = |weight: f64, part: [f64; 2]| {
+            for (sum, x) in place.iter_mut().zip(part) {
+                *sum += weight * x;
+            }
+        };
+        if volumetric != 0.0 {
+            add(volumetric, mean_of_elements(domain, places, node));
+        }
+        if laplacian != 0.0 {
+            add(laplacian, mean_of_adjacent(domain, places, node));
+        }
+        if equipotential != 0.0 {
+            add(equipotential, equipotential_place(domain, places, node));
+        }
+        place
+    }
+
+    /// Takes back motions that flatten the corner of an element.
+    fn take_back(&mut self, domain: &DomainTopology, places: &[[f64; 2]]) {
+        for _ in 0..RETRIES {
+            self.halted.fill(false);
+            let mut any = false;
+            for corners in &domain.corners {
+                let [new, old] = [&self.target[..], places].inline_map(|list| corner_shape(corners, list));
+                if new < FLAT && new < old {
+                    any = true;
+                    corners.iter().for_each(|n| self.halted[*n as usize] = true);
+                }
+            }
+            if !any {
+                return;
+            }
+            for ((target, place), _) in self.target.iter_mut().zip(places).zip(&self.halted).filter(|n| *n.1) {
+                *target = *place;
+            }
+        }
+        self.target.copy_from_slice(places);
+    }
+}
+
+/// Returns the area of the smallest corner triangle over half the area of the element; 1 for a parallelogram.
+fn corner_shape(corners: &[u32; 4], places: &[[f64; 2]]) -> f64 {
+    let at = corners.inline_map(|n| places[n as usize]);
+    let area = quad::section(at.inline_map(|c| c[0]), at.inline_map(|c| c[1]));
+    let twice = |i: usize| {
+        let [a, b, c] = [at[(i + 3) % 4], at[i], at[(i + 1) % 4]];
+        (c[0] - b[0]) * (a[1] - b[1]) - (c[1] - b[1]) * (a[0] - b[0])
+    };
+    let least = (0..4).map(twice).fold(f64::INFINITY, f64::min);
+    if area > 0.0 { least / area } else { -1.0 }
+}
+
+fn mean_of_elements(domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
+    let (mut sum, mut areas) = ([0.0; 2], 0.0);
+    for e in domain.around.list(node) {
+        let at = domain.corners[*e as usize].inline_map(|n| places[n as usize]);
+        let area = quad::section(at.inline_map(|c| c[0]), at.inline_map(|c| c[1])).max(0.0);
+        areas += area;
+        for (i, sum) in sum.iter_mut().enumerate() {
+            *sum += 0.25 * area * ((at[0][i] + at[1][i]) + (at[2][i] + at[3][i]));
+        }
+    }
+    if areas > 0.0 { sum.inline_map(|x| x / areas) } else { places[node] }
+}
+
+fn mean_of_adjacent(domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
+    let list = domain.adjacent.list(node);
+    let sum = list.iter().fold([0.0; 2], |[r, z], n| [r + places[*n as usize][0], z + places[*n as usize][1]]);
+    sum.inline_map(|x| x / list.len() as f64)
+}
+
+/// Returns the place of a node with four elements in an equipotential mesh: alpha x_ξξ - 2 beta x_ξη + gamma x_ηη = 0
+/// with differences of the eight nodes around it.
+fn equipotential_place(domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
+    let Some(ring) = ring(domain, node) else { return mean_of_adjacent(domain, places, node) };
+    let at = ring.inline_map(|n| places[n as usize]);
+    let half = |a: [f64; 2], b: [f64; 2]| [0, 1].inline_map(|i: usize| 0.5 * (a[i] - b[i]));
+    let (xi, eta) = (half(at[0], at[4]), half(at[2], at[6]));
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    let (alpha, beta, gamma) = (dot(eta, eta), dot(xi, eta), dot(xi, xi));
+    let sum = 2.0 * (alpha + gamma);
+    if sum <= 0.0 {
+        return places[node];
+    }
+    [0, 1].inline_map(|i: usize| {
+        let mixed = 0.25 * (at[1][i] - at[3][i] + at[5][i] - at[7][i]);
+        (alpha * (at[0][i] + at[4][i]) - 2.0 * beta * mixed + gamma * (at[2][i] + at[6][i])) / sum
+    })
+}
+
+/// Returns the eight nodes around a node with four elements, counter-clockwise from an adjacent one.
+fn ring(domain: &DomainTopology, node: usize) -> Option<[u32; 8]> {
+    let elements: [u32; 4] = domain.around.list(node).try_into().ok()?;
+    let corner = |e: u32| {
+        let corners = domain.corners[e as usize];
+        let own = corners.iter().position(|n| *n as usize == node)?;
+        Some([1, 2, 3].inline_map(|i: usize| corners[(own + i) % 4]))
+    };
+    let mut ring = [0; 8];
+    let mut next = corner(elements[0])?[0];
+    for side in 0..4 {
+        let [first, opposite, last] = elements.iter().filter_map(|e| corner(*e)).find(|c| c[0] == next)?;
+        (ring[2 * side], ring[2 * side + 1], next) = (first, opposite, last);
+    }
+    (next == ring[0]).then_some(ring)
+}
+
+/// Returns the new place of a node between two others on the boundary. It moves to the middle along the chord of
+/// its neighbours, then across the chord until the volume of the ring between the three is the same as before.
+fn slide([before, own, after]: [[f64; 2]; 3], corner_cosine: f64) -> [f64; 2] {
+    let vector = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
+    let length = |v: [f64; 2]| libm::hypot(v[0], v[1]);
+    let (first, second, chord) = (vector(before, own), vector(own, after), vector(before, after));
+    let (l1, l2, l) = (length(first), length(second), length(chord));
+    let cosine = (first[0] * second[0] + first[1] * second[1]) / (l1 * l2);
+    if !(cosine > corner_cosine && l > 0.0) {
+        return own;
+    }
+    let along = chord.inline_map(|x| x / l);
+    let step = 0.5 * (l2 - l1);
+    let place = [own[0] + step * along[0], own[1] + step * along[1]];
+    let ring = |own: [f64; 2]| 0.5 * cross(before, own, after) * (before[0] + own[0] + after[0]);
+    let across = [along[1], -along[0]];
+    let (kept, now) = (ring(own), ring(place));
+    // dV/dx of the ring: half the chord times the sum of radii, plus the area times the radial part of x.
+    let slope = 0.5 * l * (before[0] + place[0] + after[0]) + 0.5 * cross(before, place, after) * across[0];
+    if slope.abs() <= 1e-3 * l * l {
+        return place;
+    }
+    let lift = (kept - now) / slope;
+    [place[0] + lift * across[0], place[1] + lift * across[1]]
+}
+
+/// Returns the new place of a node whose motion is prescribed along r or z: it moves only if its neighbours have the
+/// same coordinate there.
+fn keep(prescribed: [bool; 2], [before, own, after]: [[f64; 2]; 3], place: [f64; 2]) -> [f64; 2] {
+    let reach = libm::hypot(after[0] - before[0], after[1] - before[1]);
+    let mut kept = place;
+    for i in 0..2 {
+        if prescribed[i] {
+            let apart = (before[i] - own[i]).abs().max((after[i] - own[i]).abs());
+            if apart > 1e-6 * reach {
+                return own;
+            }
+            kept[i] = own[i];
+        }
+    }
+    kept
+}
+
+/// Returns twice the area of a triangle, positive for a point on the right of the chord from `a` to `c`.
+fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::slide;
+
+    /// The ring volume of the polygon is kept to second order of the small correction, and straight boundaries stay
+    /// straight to rounding.
+    #[test]
+    fn sliding_keeps_lines_and_volumes() {
+        let line = slide([[1.0, 2.0], [1.2, 2.0], [2.0, 2.0]], 0.8);
+        assert!((line[0] - 1.5).abs() < 1e-14 && line[1] == 2.0, "{line:?}");
+        let axis = slide([[0.0, 2.0], [0.0, 2.2], [0.0, 4.0]], 0.8);
+        assert!(axis[0] == 0.0 && (axis[1] - 3.0).abs() < 1e-14, "{axis:?}");
+        let [a, b, c] = [[1.0, 0.0], [1.3, 0.05], [2.0, 0.0]];
+        let volume = |b: [f64; 2]| {
+            let cross = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            cross * (a[0] + b[0] + c[0])
+        };
+        let moved = slide([a, b, c], 0.8);
+        assert!((volume(moved) / volume(b) - 1.0).abs() < 1e-3, "{moved:?}");
+        assert_eq!(slide([a, [1.3, 0.9], c], 0.8), [1.3, 0.9]);
+    }
+}

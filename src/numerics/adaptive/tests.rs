@@ -1,0 +1,191 @@
+//! Conservation, accuracy and bounds of the transport, on meshes that move through material at rest.
+
+use super::limiter::WeightFlux;
+use super::momentum::MomentumTransport;
+use super::topology::DomainTopology;
+use super::transport::{ElementTransport, TransportOrder};
+use super::{centre_of, corner_masses};
+use crate::element::constants::{ElementConstants, HourglassControl};
+use crate::element::group::QuadGroup;
+use crate::kernel::bulk_viscosity::BulkViscosity;
+use crate::kernel::quad;
+use crate::material::plasticity::ElasticOnly;
+use crate::material::volumetric::ConstantBulkModulus;
+use crate::material::von_mises::VonMises;
+use crate::state::nodes::Node;
+
+/// A square section of n by n elements of a thick ring, or of a cylinder with the axis.
+struct Section {
+    topology: DomainTopology,
+    places: Vec<[f64; 2]>,
+}
+
+impl Section {
+    fn new(n: usize, inner: f64) -> Section {
+        let side = n + 1;
+        let place = |i: usize| [inner + (i % side) as f64 / n as f64, (i / side) as f64 / n as f64];
+        let places: Vec<[f64; 2]> = (0..side * side).map(place).collect();
+        let nodes: Vec<Node> = places.iter().map(|[r, z]| Node { r: *r, z: *z, ..Node::default() }).collect();
+        let corner = |e: usize| {
+            let first = (e / n * side + e % n) as u32;
+            [first, first + 1, first + side as u32 + 1, first + side as u32]
+        };
+        let elements: Vec<[u32; 4]> = (0..n * n).map(corner).collect();
+        let constants = ElementConstants {
+            bulk: 3.0,
+            shear: 1.0,
+            hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
+            bulk_viscosity: BulkViscosity::NONE,
+            shear_viscosity: 0.0,
+        };
+        let group =
+            QuadGroup::new(VonMises::new(ElasticOnly, ConstantBulkModulus), constants, 1.0, &elements, &nodes);
+        let topology = DomainTopology::new(&group, (0..elements.len() as u32).collect());
+        Section { topology, places }
+    }
+
+    /// Returns the places of nodes in a vortex of the section; `phase` 0 and 1 are the initial places.
+    fn in_vortex(&self, inner: f64, phase: f64) -> Vec<[f64; 2]> {
+        let (pi, turn) = (std::f64::consts::PI, 0.12 * (std::f64::consts::PI * phase).sin());
+        let moved = |[r, z]: &[f64; 2]| {
+            let x = r - inner;
+            let (s, t) = ((pi * x).sin(), (pi * z).sin());
+            [r + turn * s * s * (2.0 * pi * z).sin(), z - turn * t * t * (2.0 * pi * x).sin()]
+        };
+        self.places.iter().map(moved).collect()
+    }
+
+    fn corners(&self, e: usize, places: &[[f64; 2]]) -> [[f64; 2]; 4] {
+        self.topology.corners[e].map(|n| places[n as usize])
+    }
+
+    /// Returns masses and means of a value over elements, for a density.
+    fn means(
+        &self,
+        places: &[[f64; 2]],
+        density: impl Fn([f64; 2]) -> f64,
+        value: impl Fn([f64; 2]) -> f64,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let of = |e: usize| {
+            let corners = self.corners(e, places);
+            let at = centre_of(corners);
+            (density(at) * quad::volume(corners), value(at))
+        };
+        (0..self.topology.corners.len()).map(of).unzip()
+    }
+}
+
+fn density([r, z]: [f64; 2]) -> f64 {
+    2.0 + (3.0 * r).sin() * (2.0 * z).cos()
+}
+
+fn smooth([r, z]: [f64; 2]) -> f64 {
+    1.0 + (4.0 * r + 1.0).sin() * (3.0 * z).cos()
+}
+
+/// Moves a mesh through a vortex and back, and returns mass, values, and the means at the last places.
+fn turn(section: &Section, inner: f64, order: TransportOrder, last: f64, value: fn([f64; 2]) -> f64) -> [Vec<f64>; 4] {
+    let steps = 4 * (section.topology.corners.len() as f64).sqrt() as usize;
+    let (mut mass, mut values) = section.means(&section.places, density, value);
+    let mut transport = ElementTransport::new(&section.topology, order);
+    for i in 0..steps {
+        let at = |i: usize| section.in_vortex(inner, last * i as f64 / steps as f64);
+        let share = transport.measure(&section.topology, &at(i), &at(i + 1));
+        assert!(share < 0.5, "{share}");
+        transport.move_masses(&section.topology, &mass);
+        transport.move_variable(&section.topology, &mut values);
+        mass.copy_from_slice(&transport.mass);
+    }
+    let (exact_mass, exact) = section.means(&section.in_vortex(inner, last), density, value);
+    [mass, values, exact_mass, exact]
+}
+
+/// Order by the L1 norm; reference: the fields at rest.
+#[test]
+fn transport_of_smooth_fields_is_of_second_order() {
+    for (inner, last) in [(0.0, 1.0), (1.0, 1.0), (0.0, 0.5)] {
+        let errors = [20, 40, 80].map(|n| {
+            let section = Section::new(n, inner);
+            let [mass, values, exact_mass, exact] = turn(&section, inner, TransportOrder::Second, last, smooth);
+            let whole: f64 = exact_mass.iter().sum();
+            let density: f64 = mass.iter().zip(&exact_mass).map(|(m, e)| (m - e).abs()).sum();
+            let value: f64 = values.iter().zip(&exact).zip(&exact_mass).map(|((v, e), m)| m * (v - e).abs()).sum();
+            [density / whole, value / whole]
+        });
+        for i in 0..2 {
+            let order = (errors[1][i] / errors[2][i]).log2();
+            assert!(order > 1.8, "inner radius {inner}, field {i}: order {order}, errors {errors:?}");
+            assert!(errors[2][i] < 2e-3, "inner radius {inner}, field {i}: {errors:?}");
+        }
+    }
+}
+
+/// A jump stays between its two values, and mass and its product with the value are conserved to rounding.
+#[test]
+fn transport_of_a_jump_conserves_and_keeps_bounds() {
+    fn jump([r, z]: [f64; 2]) -> f64 {
+        if (r - 1.4).abs() < 0.2 && (z - 0.5).abs() < 0.3 { 5.0 } else { 1.0 }
+    }
+    for order in [TransportOrder::First, TransportOrder::Second] {
+        let section = Section::new(30, 1.0);
+        let (mass_before, before) = section.means(&section.places, density, jump);
+        let [mass, values, ..] = turn(&section, 1.0, order, 1.0, jump);
+        let sum = |mass: &[f64], values: &[f64]| mass.iter().zip(values).map(|(m, v)| m * v).sum::<f64>();
+        let ones = vec![1.0; mass.len()];
+        let apart = |a: f64, b: f64| (a / b - 1.0).abs();
+        assert!(apart(sum(&mass, &ones), sum(&mass_before, &ones)) < 1e-13);
+        assert!(apart(sum(&mass, &values), sum(&mass_before, &before)) < 1e-13);
+        assert!(values.iter().all(|v| (1.0..=5.0).contains(v)), "{order:?}");
+        let densities = (0..mass.len()).map(|e| mass[e] / quad::volume(section.corners(e, &section.places)));
+        assert!(densities.into_iter().all(|d| (1.0..=3.0).contains(&d)));
+    }
+}
+
+/// Momentum is conserved to rounding, a uniform velocity stays uniform, no velocity leaves the range of the others, and
+/// the kinetic energy does not grow.
+#[test]
+fn momentum_is_conserved() {
+    let section = Section::new(20, 0.0);
+    let topology = &section.topology;
+    let (mut mass, _) = section.means(&section.places, density, smooth);
+    let corner = |mass: &[f64], places: &[[f64; 2]]| -> Vec<[f64; 4]> {
+        (0..mass.len()).map(|e| corner_masses(section.corners(e, places), mass[e])).collect()
+    };
+    let nodal = |corners: &[[f64; 4]]| {
+        let mut nodes = vec![0.0; topology.nodes.len()];
+        for (of, masses) in topology.corners.iter().zip(corners) {
+            of.iter().zip(masses).for_each(|(n, m)| nodes[*n as usize] += m);
+        }
+        nodes
+    };
+    let mut transport = ElementTransport::new(topology, TransportOrder::Second);
+    let mut momentum = MomentumTransport::new(topology, TransportOrder::Second);
+    let mut velocity: Vec<f64> = section.places.iter().map(|p| smooth(*p) - 1.5).collect();
+    let mut uniform = vec![-0.7; velocity.len()];
+    let mut corners = corner(&mass, &section.places);
+    let of = |masses: &[f64], v: &[f64], power: i32| masses.iter().zip(v).map(|(m, v)| m * v.powi(power)).sum::<f64>();
+    let before = nodal(&corners);
+    let [start, energy] = [1, 2].map(|power| of(&before, &velocity, power));
+    let range = |v: &[f64]| v.iter().fold([f64::INFINITY, -f64::INFINITY], |[a, b], x| [a.min(*x), b.max(*x)]);
+    let [low, high] = range(&velocity);
+    for i in 0..80 {
+        let [from, to] = [i, i + 1].map(|i| section.in_vortex(0.0, f64::from(i) / 80.0));
+        transport.measure(topology, &from, &to);
+        transport.move_masses(topology, &mass);
+        mass.copy_from_slice(&transport.mass);
+        let after = corner(&mass, &to);
+        let fluxes: &[WeightFlux] = transport.mass_fluxes();
+        momentum.measure(topology, &from, fluxes, [&corners, &after]);
+        let nodes = nodal(&after);
+        momentum.move_velocity(&mut velocity, &nodes);
+        momentum.move_velocity(&mut uniform, &nodes);
+        corners = after;
+    }
+    let after = nodal(&corners);
+    assert!((of(&after, &velocity, 1) / start - 1.0).abs() < 1e-13);
+    let lost = 1.0 - of(&after, &velocity, 2) / energy;
+    assert!((0.0..2e-3).contains(&lost), "{lost}");
+    assert!(uniform.iter().all(|v| (v + 0.7).abs() < 1e-14));
+    let [least, most] = range(&velocity);
+    assert!(least >= low && most <= high);
+}

@@ -1,0 +1,96 @@
+//! Variables of elements that move through a mesh that does not follow the material: read from all elements of an
+//! adaptive mesh domain, and written back after the transport.
+
+use super::block::ElementBlock;
+use super::group::{QuadGroup, TASK};
+use crate::kernel::lanes::{LANES, Lanes};
+use crate::material::Material;
+use crate::material::carried::CarriedState;
+
+/// Interface to the variables of a group that move with the material.
+pub trait ElementTransfer {
+    /// Returns the number of variables of an element.
+    fn variables(&mut self) -> usize;
+    /// Reads the variables of elements, per mass, into one list for each variable. Elements are in ascending order.
+    fn read(&mut self, elements: &[u32], table: &mut [Vec<f64>]);
+    /// Writes the variables, and the masses of the elements at their corners.
+    fn write(&mut self, elements: &[u32], table: &[Vec<f64>], masses: &[[f64; 4]]);
+}
+
+/// Whether a variable is a value per mass, or a sum over the element.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Extent {
+    PerMass,
+    Total,
+}
+
+impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
+    /// Passes all carried variables of a block to `visit`.
+    fn carry(&mut self, block: usize, visit: &mut dyn FnMut(&mut Lanes, Extent)) {
+        let ElementBlock { nodes: _, stress, mass: _, inverse_mass: _, state } = &mut self.blocks[block];
+        let each = &mut |list: &mut Lanes| visit(list, Extent::PerMass);
+        stress.carry(each);
+        state.carry(each);
+        let (task, at) = (&mut self.tasks[block / TASK].task, block % TASK);
+        if let Some(controls) = task.controls.get_mut(at) {
+            controls.carry(each);
+        }
+        if let Some(enhanced) = task.enhanced.get_mut(at) {
+            enhanced.carry(each);
+        }
+        if let Some(record) = task.records.get_mut(at) {
+            let (values, energies) = record.carried();
+            values.into_iter().for_each(|list| visit(list, Extent::PerMass));
+            energies.iter_mut().for_each(|list| visit(list, Extent::Total));
+        }
+    }
+}
+
+/// Calls `each` with every block of the elements, and the range of them that it holds.
+fn by_block(elements: &[u32], mut each: impl FnMut(usize, std::ops::Range<usize>)) {
+    let mut first = 0;
+    for part in elements.chunk_by(|a, b| *a as usize / LANES == *b as usize / LANES) {
+        each(part[0] as usize / LANES, first..first + part.len());
+        first += part.len();
+    }
+}
+
+impl<M: Material, const AREA: bool> ElementTransfer for QuadGroup<M, AREA> {
+    fn variables(&mut self) -> usize {
+        let mut count = 0;
+        self.carry(0, &mut |_, _| count += 1);
+        count
+    }
+
+    fn read(&mut self, elements: &[u32], table: &mut [Vec<f64>]) {
+        by_block(elements, |block, range| {
+            let (mass, mut variable) = (self.blocks[block].mass, 0);
+            self.carry(block, &mut |list, extent| {
+                for i in range.clone() {
+                    let lane = elements[i] as usize % LANES;
+                    let per = if extent == Extent::Total { 1.0 / mass[lane] } else { 1.0 };
+                    table[variable][i] = per * list[lane];
+                }
+                variable += 1;
+            });
+        });
+    }
+
+    fn write(&mut self, elements: &[u32], table: &[Vec<f64>], masses: &[[f64; 4]]) {
+        by_block(elements, |block, range| {
+            self.wake(block / TASK);
+            for i in range.clone() {
+                self.blocks[block].set_corner_masses(elements[i] as usize % LANES, masses[i]);
+            }
+            let (mass, mut variable) = (self.blocks[block].mass, 0);
+            self.carry(block, &mut |list, extent| {
+                for i in range.clone() {
+                    let lane = elements[i] as usize % LANES;
+                    let factor = if extent == Extent::Total { mass[lane] } else { 1.0 };
+                    list[lane] = factor * table[variable][i];
+                }
+                variable += 1;
+            });
+        });
+    }
+}

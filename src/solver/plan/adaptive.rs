@@ -1,0 +1,175 @@
+//! Adaptive meshes of the plan: domains, the nodes that they do not move, and combinations that are not supported.
+
+use std::collections::HashSet;
+
+use super::{Compiler, State};
+use crate::adaptive::smoothing::SmoothingWeights;
+use crate::adaptive::transport::TransportOrder;
+use crate::adaptive::{AdaptiveDomain, AdaptiveSettings};
+use crate::deck::{Diagnostic, Span};
+use crate::kernel::topology::ElementTopology;
+use crate::model::{AdaptiveMesh, LoadKind, Step};
+
+impl Compiler<'_> {
+    /// Creates the domains of a step; `None` if those of the previous step continue.
+    pub(super) fn adaptive_change(&mut self, index: usize, state: &State) -> Option<Vec<AdaptiveDomain>> {
+        let step = &self.model.steps[index];
+        let before = index.checked_sub(1).map(|i| &self.model.steps[i]);
+        let same = |other: &&Step| other.adaptive == step.adaptive && other.adaptive_fixed == step.adaptive_fixed;
+        if before.is_some_and(|before| same(&before)) || (before.is_none() && step.adaptive.is_empty()) {
+            return None;
+        }
+        let mut taken = HashSet::new();
+        Some(step.adaptive.iter().filter_map(|mesh| self.adaptive_domain(mesh, step, state, &mut taken)).collect())
+    }
+
+    fn adaptive_domain(
+        &mut self,
+        mesh: &AdaptiveMesh,
+        step: &Step,
+        state: &State,
+        taken: &mut HashSet<usize>,
+    ) -> Option<AdaptiveDomain> {
+        let places: Vec<(usize, usize)> =
+            mesh.elements.iter().filter_map(|e| self.places.elements.get(e).copied()).collect();
+        let Some(&(group, _)) = places.first() else {
+            self.add_unused_card(mesh.span, "adaptive mesh", "none of its elements is deformable");
+            return None;
+        };
+        if let Some((message, help)) = self.unsupported_domain(mesh, &places, state, taken) {
+            self.refuse_domain(mesh.span, message, help);
+            return None;
+        }
+        let mut elements: Vec<u32> = places.iter().map(|(_, e)| *e as u32).collect();
+        elements.sort_unstable();
+        elements.dedup();
+        let fixed = self.nodes_fixed_in(group, &elements, step, state);
+        let detail = self.adaptive_detail(mesh);
+        let id = self.ledger_row(mesh.span, "adaptive mesh", elements.len(), "elements", detail);
+        let mut groups = state.elements.groups[group].copy();
+        let domain = AdaptiveDomain::new(id, settings(mesh), (group, &mut *groups), elements, &fixed);
+        if domain.is_none() {
+            let message = "user subroutines, WEIGHTING=AREA and SUBZONAL=YES are not supported in adaptive meshes";
+            self.refuse_domain(mesh.span, message.into(), "use another material or other section controls, or no adaptive mesh");
+        }
+        domain
+    }
+
+    /// Returns why a domain is not supported, and what would be.
+    fn unsupported_domain(
+        &self,
+        mesh: &AdaptiveMesh,
+        places: &[(usize, usize)],
+        state: &State,
+        taken: &mut HashSet<usize>,
+    ) -> Option<(String, &'static str)> {
+        let group = places[0].0;
+        if places.iter().any(|(g, _)| *g != group) {
+            let message = format!("the elements of `{}` belong to several sections", mesh.set);
+            return Some((message, "give one *ADAPTIVE MESH for the elements of each section"));
+        }
+        let quadrilateral = |&(g, e): &(usize, usize)| {
+            let nodes = state.elements.groups[g].nodes(e);
+            state.elements.groups[g].topology() == ElementTopology::Quadrilateral && nodes[2] != nodes[3]
+        };
+        if !places.iter().all(quadrilateral) {
+            let message = format!("`{}` contains elements other than CAX4R", mesh.set);
+            return Some((message, "give a set of CAX4R elements"));
+        }
+        if mesh.elements.iter().any(|e| !taken.insert(*e)) {
+            let message = format!("elements of `{}` belong to two adaptive meshes", mesh.set);
+            return Some((message, "give each element to one domain"));
+        }
+        if self.model.steps.iter().any(|step| !step.mass_scalings.is_empty()) {
+            let message = "adaptive meshes cannot be combined with mass scaling".into();
+            return Some((message, "remove one of the two"));
+        }
+        if state.elements.distortion.is_some() {
+            let message = "adaptive meshes cannot be combined with DISTORTION CONTROL".into();
+            return Some((message, "remove DISTORTION CONTROL from *SECTION CONTROLS; the mesh stays undistorted"));
+        }
+        let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
+        if heats {
+            let message = "adaptive meshes cannot be combined with heat conduction".into();
+            return Some((message, "use *DYNAMIC, EXPLICIT, ADIABATIC for the heat of plastic work"));
+        }
+        None
+    }
+
+    fn refuse_domain(&mut self, span: Span, message: String, help: &str) {
+        self.diagnostics.push(Diagnostic::error("P071", message).at(span, "this domain").help(help));
+    }
+
+    /// Returns whether each node moves with the material: nodes of other elements, linked and loaded nodes, those of
+    /// `*ADAPTIVE MESH CONSTRAINT`, and nodes of elements at linked nodes, whose masses must not change.
+    fn nodes_fixed_in(&self, group: usize, elements: &[u32], step: &Step, state: &State) -> Vec<bool> {
+        let count = state.dofs.nodes.len();
+        let mut fixed = vec![false; count];
+        let own: HashSet<u32> = elements.iter().copied().collect();
+        let groups = &state.elements.groups;
+        for (g, other) in groups.iter().enumerate() {
+            for e in (0..other.len()).filter(|e| g != group || !own.contains(&(*e as u32))) {
+                other.nodes(e).into_iter().for_each(|n| fixed[n as usize] = true);
+            }
+        }
+        let linked = self.unscaled_nodes(count);
+        for e in elements {
+            let nodes = groups[group].nodes(*e as usize);
+            if nodes.into_iter().any(|n| linked.get(n as usize) == Some(&true)) {
+                nodes.into_iter().for_each(|n| fixed[n as usize] = true);
+            }
+        }
+        for node in self.nodes_with_loads(step) {
+            if let Some(place) = self.places.nodes.get(&node) {
+                fixed[*place] = true;
+            }
+        }
+        fixed
+    }
+
+    /// Returns the nodes of the model with concentrated loads and masses, those at the ends of loaded surfaces, and those of
+    /// `*ADAPTIVE MESH CONSTRAINT`.
+    fn nodes_with_loads(&self, step: &Step) -> Vec<usize> {
+        let mut nodes: Vec<usize> = step.adaptive_fixed.iter().flat_map(|(_, nodes)| nodes).copied().collect();
+        for load in &step.loads {
+            if let LoadKind::Concentrated { nodes: loaded, .. } = &load.kind {
+                nodes.extend(loaded);
+            }
+            let faces = load.kind.sides().into_iter().flat_map(|sides| &sides.faces);
+            let mut ends: HashSet<usize> = HashSet::new();
+            for node in faces.filter_map(|(e, side)| self.model.mesh.side_nodes(*e, *side)).flatten() {
+                if !ends.remove(&node) {
+                    ends.insert(node);
+                }
+            }
+            nodes.extend(ends);
+        }
+        nodes.extend(self.model.discrete.masses.iter().map(|mass| mass.node));
+        nodes
+    }
+
+    fn adaptive_detail(&self, mesh: &AdaptiveMesh) -> String {
+        let [volumetric, laplacian, equipotential] = mesh.controls.weights;
+        let methods = [("volume", volumetric), ("Laplacian", laplacian), ("equipotential", equipotential)];
+        let used: Vec<&str> = methods.iter().filter(|m| m.1 > 0.0).map(|m| m.0).collect();
+        let order = if mesh.controls.second_order { "second" } else { "first" };
+        format!(
+            "every {} increments, {} sweeps of {} smoothing, transport of {order} order",
+            mesh.frequency,
+            mesh.sweeps,
+            used.join(" and ")
+        )
+    }
+}
+
+fn settings(mesh: &AdaptiveMesh) -> AdaptiveSettings {
+    let [volumetric, laplacian, equipotential] = mesh.controls.weights;
+    AdaptiveSettings {
+        frequency: mesh.frequency,
+        sweeps: mesh.sweeps,
+        initial_sweeps: mesh.initial_sweeps,
+        weights: SmoothingWeights { volumetric, laplacian, equipotential },
+        corner_angle: mesh.controls.corner_angle,
+        order: if mesh.controls.second_order { TransportOrder::Second } else { TransportOrder::First },
+    }
+}
