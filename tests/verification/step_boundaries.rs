@@ -266,6 +266,7 @@ fn deformable_examples_do_not_depend_on_steps() {
         "sphere_on_plate",
         "taylor_copper",
         "tube_crush",
+        "upsetting",
     ] {
         check_example(&format!("input/{name}.inp"), &[]);
     }

@@ -22,6 +22,8 @@ pub enum NameKind {
     Interaction,
     /// Section controls.
     SectionControls,
+    /// Controls of adaptive meshes.
+    AdaptiveControls,
     /// Part.
     Part,
     /// Instance of a part.
@@ -66,6 +68,7 @@ impl NameKind {
             NameKind::Amplitude => "amplitude",
             NameKind::Interaction => "surface interaction",
             NameKind::SectionControls => "section controls",
+            NameKind::AdaptiveControls => "adaptive mesh controls",
             NameKind::Part => "part",
             NameKind::Instance => "instance",
             NameKind::Step => "step",
@@ -108,6 +111,7 @@ pub fn parameter_name_usage(keyword: &Keyword, rule: &InputRule) -> Option<NameU
         "MATERIAL" => reference(NameKind::Material),
         "AMPLITUDE" | "FILM AMPLITUDE" => reference(NameKind::Amplitude),
         "INTERACTION" | "CONTACT PAIR" => reference(NameKind::Interaction),
+        "CONTROLS" if keyword.name == "ADAPTIVE MESH" => reference(NameKind::AdaptiveControls),
         "CONTROLS" => reference(NameKind::SectionControls),
         "PART" => reference(NameKind::Part),
         "INSTANCE" => reference(NameKind::Instance),
@@ -128,6 +132,7 @@ fn defined_by(keyword: &str) -> Option<NameKind> {
         "AMPLITUDE" => NameKind::Amplitude,
         "SURFACE INTERACTION" => NameKind::Interaction,
         "SECTION CONTROLS" => NameKind::SectionControls,
+        "ADAPTIVE MESH CONTROLS" => NameKind::AdaptiveControls,
         "PART" => NameKind::Part,
         "INSTANCE" => NameKind::Instance,
         "STEP" => NameKind::Step,

@@ -16,6 +16,7 @@ impl ModelBuilder<'_> {
         }
         let controls = AdaptiveControls {
             weights: values.weights.map(|weight| weight / sum),
+            graded: values.graded,
             corner_angle: values.transition_angle.to_radians(),
             second_order: values.second_order,
         };
@@ -35,13 +36,11 @@ impl ModelBuilder<'_> {
         }
         let set = upper(&word.text);
         state.adaptive.retain(|domain| domain.set != set);
-        let (span, controls) = (card.span, AdaptiveControls::default());
-        let mesh =
-            AdaptiveMesh { span, set, elements, frequency: frequency as u64, sweeps, initial_sweeps, controls };
-        state.adaptive.push(mesh);
         if let Some(word) = named {
-            state.adaptive_controls_used.push((state.adaptive.len() - 1, word));
+            state.adaptive_controls_used.push((set.clone(), word));
         }
+        let (span, controls, frequency) = (card.span, AdaptiveControls::default(), frequency as u64);
+        state.adaptive.push(AdaptiveMesh { span, set, elements, frequency, sweeps, initial_sweeps, controls });
     }
 
     /// Reads nodes that move with the material.
@@ -63,18 +62,16 @@ impl ModelBuilder<'_> {
 
     /// Assigns controls to the domains of the step.
     pub(super) fn apply_adaptive_controls(&mut self) {
-        let Some(state) = &mut self.step else { return };
-        for (domain, word) in std::mem::take(&mut state.adaptive_controls_used) {
-            match self.adaptive_controls.get(&upper(&word.text)) {
-                Some(controls) => {
-                    if let Some(state) = &mut self.step {
-                        state.adaptive[domain].controls = *controls;
-                    }
-                }
-                None => {
-                    self.unknown("M116", "adaptive mesh controls", &word, |b| b.adaptive_controls.keys().cloned().collect());
-                }
-            }
+        let used = self.step.iter_mut().flat_map(|state| std::mem::take(&mut state.adaptive_controls_used));
+        for (set, word) in used.collect::<Vec<_>>() {
+            let Some(controls) = self.adaptive_controls.get(&upper(&word.text)).copied() else {
+                self.unknown("M116", "adaptive mesh controls", &word, |b| {
+                    b.adaptive_controls.keys().cloned().collect()
+                });
+                continue;
+            };
+            let domains = self.step.iter_mut().flat_map(|state| &mut state.adaptive);
+            domains.filter(|domain| domain.set == set).for_each(|domain| domain.controls = controls);
         }
     }
 }

@@ -26,7 +26,8 @@ use super::refinement::pass::ReadPass;
 use super::relisting::edits::DeckEdits;
 use super::steps::StepState;
 use super::types::{
-    AdaptiveControls, BlastProperty, IgnoredCard, MaterialDefinition, MaterialId, Model, ModelOrigin, SectionControls, SurfaceId,
+    AdaptiveControls, BlastProperty, IgnoredCard, MaterialDefinition, MaterialId, Model, ModelOrigin, SectionControls,
+    SurfaceId,
 };
 
 /// Largest number of nodes, elements or set members that one card may generate.

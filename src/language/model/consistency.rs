@@ -2,13 +2,14 @@
 
 use super::fields::MOST_FIELDS;
 use super::types::{
-    AmplitudeDefinition, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorLaw, ConnectorProperty,
-    CoulombFriction, ElementKind, ElementSide, ErosionCriteria, IncrementControl, InitialKind, InteractionId, LinkKind,
-    Load, LoadKind, Model, MotionKind, OutputInterval, OutputRegion, OutputRequest, PrescribedClearance, ShellSection,
-    ShellThinning, SideSelection, Step, SurfaceContact, SurfaceTraction, TargetStack,
+    AdaptiveControls, AmplitudeDefinition, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorLaw,
+    ConnectorProperty, CoulombFriction, ElementKind, ElementSide, ErosionCriteria, IncrementControl, InitialKind,
+    InteractionId, LinkKind, Load, LoadKind, Model, MotionKind, OutputInterval, OutputRegion, OutputRequest,
+    PrescribedClearance, ShellSection, ShellThinning, SideSelection, Step, SurfaceContact, SurfaceTraction,
+    TargetStack,
 };
 use crate::deck::keywords::Keyword;
-use crate::deck::table::{constraints, materials, steps};
+use crate::deck::table::{adaptive, constraints, materials, steps};
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::platform::PortableMath as _;
 use crate::variables::request::VariableRequest;
@@ -426,6 +427,18 @@ impl ConsistencyCheck<'_> {
             self.in_range(scaling.span, "", row, "FACTOR", Some(scaling.factor));
             self.in_range(scaling.span, "", row, "DT", scaling.target.map(|t| t.1));
         }
+        for mesh in &step.adaptive {
+            self.elements(mesh.span, &mesh.elements);
+            let row = &adaptive::AdaptiveMesh::ROW;
+            self.in_range(mesh.span, "", row, "FREQUENCY", Some(mesh.frequency as f64));
+            self.in_range(mesh.span, "", row, "MESH SWEEPS", Some(mesh.sweeps as f64));
+            let AdaptiveControls { weights, corner_angle, .. } = mesh.controls;
+            let good = weights.iter().all(|w| *w >= 0.0) && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-9;
+            self.value(good, mesh.span, || "weights of smoothing must not be negative, and their sum must be 1".into());
+            let row = &adaptive::AdaptiveMeshControls::ROW;
+            self.in_range(mesh.span, "", row, "TRANSITION FEATURE ANGLE", Some(corner_angle.to_degrees()));
+        }
+        step.adaptive_fixed.iter().for_each(|(span, nodes)| self.nodes(*span, nodes));
     }
 
     fn analytical_side(&mut self, contact: &SurfaceContact, analytical: &AnalyticalSide) {

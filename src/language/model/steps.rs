@@ -3,8 +3,8 @@
 use super::builder::ModelBuilder;
 use super::history::{StepHistory, StepTiming};
 use super::types::{
-    AdaptiveMesh, BoundaryCondition, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling, OutputKind,
-    OutputRequest, PrescribedClearance, PrescribedField, RestartRequest, Step, SurfaceContact,
+    AdaptiveMesh, BoundaryCondition, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling,
+    OutputKind, OutputRequest, PrescribedClearance, PrescribedField, RestartRequest, Step, SurfaceContact,
 };
 use crate::deck::table::steps as cards;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
@@ -45,8 +45,8 @@ pub(super) struct StepState {
     /// Adaptive meshes, and nodes that they do not move.
     pub adaptive: Vec<AdaptiveMesh>,
     pub adaptive_fixed: Vec<(Span, Vec<usize>)>,
-    /// Domains of this step with named controls.
-    pub adaptive_controls_used: Vec<(usize, Word)>,
+    /// Sets of the domains of this step with named controls.
+    pub adaptive_controls_used: Vec<(String, Word)>,
     pub energy_limit: Option<EnergyLimit>,
     pub outputs: Vec<OutputRequest>,
     pub restart: Option<RestartRequest>,

@@ -85,13 +85,7 @@ impl TransportWork {
         }
     }
 
-    fn correct(
-        &mut self,
-        values: &[f64],
-        fluxes: &[WeightFlux],
-        after: &[f64],
-        reconstructed: impl Fn(usize) -> f64,
-    ) {
+    fn correct(&mut self, values: &[f64], fluxes: &[WeightFlux], after: &[f64], reconstructed: impl Fn(usize) -> f64) {
         self.raise.fill(0.0);
         self.lower.fill(0.0);
         for (i, (flux, correction)) in fluxes.iter().zip(&mut self.correction).enumerate() {

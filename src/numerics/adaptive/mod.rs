@@ -23,7 +23,7 @@ use crate::state::nodes::Nodes;
 #[cfg(test)]
 use geometry::centre as centre_of;
 use momentum::MomentumTransport;
-use smoothing::{MeshSmoothing, NodeMobility, SmoothingWeights};
+use smoothing::{MeshGrading, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
 use topology::DomainTopology;
 use transport::{ElementTransport, TransportOrder};
 
@@ -42,6 +42,8 @@ pub struct AdaptiveSettings {
     /// Number of sweeps at the start of the first step in which the domain is active.
     pub initial_sweeps: usize,
     pub weights: SmoothingWeights,
+    /// Whether the grading of the mesh at the start is kept; then the weights have no effect.
+    pub graded: bool,
     /// Angle between the edges of the boundary from which on a node is at a corner, radians.
     pub corner_angle: f64,
     pub order: TransportOrder,
@@ -81,25 +83,27 @@ pub struct AdaptiveDomain {
 
 impl AdaptiveDomain {
     /// Creates a domain from elements of a group, in ascending order; `None` if the group cannot be transported.
-    /// `fixed` tells for each node of the solver whether it moves with the material.
+    /// `fixed` tells for each of the `nodes` at the start whether it moves with the material.
     pub fn new(
         id: EffectId,
         settings: AdaptiveSettings,
         (index, group): (usize, &mut dyn ElementGroup),
         elements: Vec<u32>,
-        fixed: &[bool],
+        (nodes, fixed): (&Nodes, &[bool]),
     ) -> Option<AdaptiveDomain> {
         let topology = DomainTopology::new(group, elements);
         let variables = group.extensions().transfer()?.variables();
         let (cells, count) = (topology.corners.len(), topology.nodes.len());
         let mobility = mobility(&topology, fixed);
+        let starts: Vec<[f64; 2]> = topology.nodes.iter().map(|n| nodes[*n as usize].place()).collect();
+        let grading = settings.graded.then(|| MeshGrading::new(&topology, &starts));
         let numbers = |count: usize| vec![0.0; count];
         let places = || vec![[0.0; 2]; count];
         Some(AdaptiveDomain {
             id,
             group: index,
             settings,
-            smoothing: MeshSmoothing::new(settings.weights, settings.corner_angle.cos(), mobility),
+            smoothing: MeshSmoothing::new(settings.weights, grading, settings.corner_angle.cos(), mobility),
             transport: ElementTransport::new(&topology, settings.order),
             momentum: MomentumTransport::new(&topology, settings.order),
             places: [places(), places(), places(), places()],
@@ -148,7 +152,7 @@ impl AdaptiveDomain {
     }
 
     /// Returns the number of sweeps that are due at an increment.
-    fn due(&mut self, increment: u64) -> usize {
+    fn sweeps_at(&mut self, increment: u64) -> usize {
         let first = *self.first.get_or_insert(increment);
         if increment == first {
             return self.settings.initial_sweeps;
@@ -156,21 +160,28 @@ impl AdaptiveDomain {
         if (increment - first).is_multiple_of(self.settings.frequency) { self.settings.sweeps } else { 0 }
     }
 
-    /// Changes the mesh if due. `half` is the time over which accelerations change the velocities to those of the next
-    /// increment. Calls `changed` for each node whose mass has changed, with the change of its kinetic energy along r and
-    /// z at the same velocity. Returns whether the mesh has changed.
-    pub fn adapt(
+    /// Finds new places of the nodes if the mesh is due to change at an increment. Returns whether a node moves.
+    pub fn begin_change(
         &mut self,
         increment: u64,
+        elements: &Elements,
+        nodes: &Nodes,
+        surroundings: &dyn Surroundings,
+    ) -> bool {
+        let sweeps = self.sweeps_at(increment);
+        sweeps > 0 && self.find_places(sweeps, elements, nodes, surroundings)
+    }
+
+    /// Changes the mesh. `half` is the time over which accelerations change the velocities to those of the next increment.
+    /// Calls `changed` for each node whose mass has changed, with the change of its kinetic energy along r and z at the same
+    /// velocity.
+    pub fn change(
+        &mut self,
         half: f64,
         elements: &mut Elements,
         dofs: &mut Dofs,
         changed: &mut dyn FnMut(usize, [f64; 2]),
-    ) -> bool {
-        let sweeps = self.due(increment);
-        if sweeps == 0 || !self.find_places(sweeps, elements, &dofs.nodes) {
-            return false;
-        }
+    ) {
         self.read(half, elements, &dofs.nodes);
         let before = self.kinetic();
         let [v_r, v_z] = &mut self.given_velocity;
@@ -184,11 +195,16 @@ impl AdaptiveDomain {
         dofs.energies.advection += before - self.kinetic();
         self.write(half, elements, &mut dofs.nodes, changed);
         self.changes += 1;
-        true
     }
 
     /// Finds new places by smoothing. Returns whether a node moves.
-    fn find_places(&mut self, sweeps: usize, elements: &Elements, nodes: &Nodes) -> bool {
+    fn find_places(
+        &mut self,
+        sweeps: usize,
+        elements: &Elements,
+        nodes: &Nodes,
+        surroundings: &dyn Surroundings,
+    ) -> bool {
         let group = &*elements.groups[self.group];
         let deletable = group.properties().deletable;
         let deleted = |e: u32| deletable && group.is_deleted(e as usize);
@@ -198,8 +214,9 @@ impl AdaptiveDomain {
             *place = nodes[*n as usize].place();
         }
         end.copy_from_slice(start);
+        self.smoothing.read_contact(&self.topology, surroundings);
         for _ in 0..sweeps {
-            self.smoothing.sweep(&self.topology, &self.prescribed, end);
+            self.smoothing.sweep(&self.topology, &self.prescribed, surroundings, end);
         }
         start != end
     }
@@ -257,7 +274,11 @@ impl AdaptiveDomain {
         for (place, part) in [(from, part), (to, part + 1)] {
             let share = part as f64 / parts as f64;
             for ((place, start), end) in place.iter_mut().zip(&*start).zip(&*end) {
-                *place = if part == parts { *end } else { [0, 1].inline_map(|i: usize| start[i] + share * (end[i] - start[i])) };
+                *place = if part == parts {
+                    *end
+                } else {
+                    [0, 1].inline_map(|i: usize| start[i] + share * (end[i] - start[i]))
+                };
             }
         }
         let [_, _, from, to] = &self.places;

@@ -16,6 +16,56 @@ pub struct SmoothingWeights {
     pub equipotential: f64,
 }
 
+/// Weights by which each place follows from its neighbours in the mesh at the start (SMOOTHING OBJECTIVE=GRADED).
+#[derive(Clone, Debug)]
+pub struct MeshGrading {
+    /// Weights of the adjacent nodes of each node, one list after another.
+    adjacent: Vec<f64>,
+    /// Share of the length before each node in the length of the two edges of the boundary at it.
+    before: Vec<f64>,
+}
+
+impl MeshGrading {
+    /// Finds the weights nearest to equal ones that reproduce the places at the start.
+    pub fn new(domain: &DomainTopology, places: &[[f64; 2]]) -> MeshGrading {
+        let mut adjacent = Vec::new();
+        for (node, place) in places.iter().enumerate() {
+            let mean = mean_of_adjacent(domain, places, node);
+            let list = domain.adjacent.list(node);
+            let apart = |n: &u32| [0, 1].inline_map(|i: usize| places[*n as usize][i] - mean[i]);
+            let (mut rr, mut zz, mut rz) = (0.0, 0.0, 0.0);
+            for [r, z] in list.iter().map(apart) {
+                (rr, zz, rz) = (rr + r * r, zz + z * z, rz + r * z);
+            }
+            let determinant = rr * zz - rz * rz;
+            let off = [place[0] - mean[0], place[1] - mean[1]];
+            let slope = if determinant > 0.0 {
+                [zz * off[0] - rz * off[1], rr * off[1] - rz * off[0]].inline_map(|x| x / determinant)
+            } else {
+                [0.0; 2]
+            };
+            let equal = 1.0 / list.len() as f64;
+            adjacent.extend(list.iter().map(apart).map(|[r, z]| equal + slope[0] * r + slope[1] * z));
+        }
+        let mut before = vec![0.5; places.len()];
+        for BoundaryNode { node, before: a, after: b } in &domain.boundary {
+            let length = |n: u32| {
+                let ([r, z], [s, w]) = (places[n as usize], places[*node as usize]);
+                libm::hypot(r - s, z - w)
+            };
+            let (first, second) = (length(*a), length(*b));
+            before[*node as usize] = first / (first + second);
+        }
+        MeshGrading { adjacent, before }
+    }
+
+    fn place(&self, domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
+        let weights = &self.adjacent[domain.adjacent.range(node)];
+        let parts = domain.adjacent.list(node).iter().zip(weights);
+        parts.fold([0.0; 2], |[r, z], (n, w)| [r + w * places[*n as usize][0], z + w * places[*n as usize][1]])
+    }
+}
+
 /// Possible motions of a node of the domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NodeMobility {
@@ -28,10 +78,29 @@ pub enum NodeMobility {
     Inside,
 }
 
+/// Contact of a node of the boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BoundaryContact {
+    /// Contact presses on the node.
+    Pressed,
+    /// Distance from the opposite surface; infinite if unknown.
+    Apart(f64),
+}
+
+/// Surfaces of other bodies around a domain; nodes are given by their index in the solver.
+pub trait Surroundings {
+    /// Returns the contact of a node of the boundary.
+    fn contact(&self, node: usize) -> BoundaryContact;
+    /// Returns the closest place on the curved surface that presses on a node; `None` if the surface deforms.
+    fn place_on_surface(&self, node: usize, place: [f64; 2]) -> Option<[f64; 2]>;
+}
+
 /// Smoothing of a domain.
 #[derive(Clone, Debug)]
 pub(super) struct MeshSmoothing {
     pub weights: SmoothingWeights,
+    /// Grading of the mesh; `None` if elements become equal.
+    grading: Option<MeshGrading>,
     /// Cosine of the angle between the edges of the boundary from which on a node is at a corner.
     pub corner_cosine: f64,
     /// Motions that the domain allows.
@@ -40,6 +109,8 @@ pub(super) struct MeshSmoothing {
     now: Vec<NodeMobility>,
     /// New positions of a sweep.
     target: Vec<[f64; 2]>,
+    /// Contact of each node; used on the boundary only.
+    contact: Vec<BoundaryContact>,
     /// Nodes whose motion is taken back.
     halted: Vec<bool>,
 }
@@ -50,29 +121,43 @@ const FLAT: f64 = 0.3;
 const RETRIES: usize = 4;
 
 impl MeshSmoothing {
-    pub fn new(weights: SmoothingWeights, corner_cosine: f64, mobility: Vec<NodeMobility>) -> MeshSmoothing {
+    pub fn new(
+        weights: SmoothingWeights,
+        grading: Option<MeshGrading>,
+        corner_cosine: f64,
+        mobility: Vec<NodeMobility>,
+    ) -> MeshSmoothing {
         let count = mobility.len();
         MeshSmoothing {
             weights,
+            grading,
             corner_cosine,
             now: mobility.clone(),
             mobility,
             target: vec![[0.0; 2]; count],
             halted: vec![false; count],
+            contact: vec![BoundaryContact::Apart(f64::INFINITY); count],
         }
     }
 
     pub fn bytes(&self) -> usize {
-        2 * self.mobility.capacity() + 16 * self.target.capacity() + self.halted.capacity()
+        let grading = self.grading.as_ref().map_or(0, |g| 8 * (g.adjacent.capacity() + g.before.capacity()));
+        grading
+            + 2 * self.mobility.capacity()
+            + 16 * self.target.capacity()
+            + self.halted.capacity()
+            + size_of::<BoundaryContact>() * self.contact.capacity()
+    }
+
+    /// Reads the contact of the nodes of the boundary.
+    pub fn read_contact(&mut self, domain: &DomainTopology, surroundings: &dyn Surroundings) {
+        for BoundaryNode { node, .. } in &domain.boundary {
+            self.contact[*node as usize] = surroundings.contact(domain.nodes[*node as usize] as usize);
+        }
     }
 
     /// Fixes nodes of deleted elements, and nodes at the ends of regions with prescribed motions along r or z.
-    pub fn restrict(
-        &mut self,
-        domain: &DomainTopology,
-        prescribed: &[[bool; 2]],
-        deleted: impl Fn(u32) -> bool,
-    ) {
+    pub fn restrict(&mut self, domain: &DomainTopology, prescribed: &[[bool; 2]], deleted: impl Fn(u32) -> bool) {
         self.now.copy_from_slice(&self.mobility);
         for (now, _) in self.now.iter_mut().zip(prescribed).filter(|n| *n.1 == [true; 2]) {
             *now = NodeMobility::Fixed;
@@ -92,7 +177,13 @@ impl MeshSmoothing {
     }
 
     /// Moves the nodes once; motions that are prescribed along r or z keep this coordinate.
-    pub fn sweep(&mut self, domain: &DomainTopology, prescribed: &[[bool; 2]], places: &mut [[f64; 2]]) {
+    pub fn sweep(
+        &mut self,
+        domain: &DomainTopology,
+        prescribed: &[[bool; 2]],
+        surroundings: &dyn Surroundings,
+        places: &mut [[f64; 2]],
+    ) {
         self.target.copy_from_slice(places);
         for (n, mobility) in self.now.iter().enumerate() {
             if *mobility == NodeMobility::Inside {
@@ -103,14 +194,41 @@ impl MeshSmoothing {
             let n = node.node as usize;
             if self.now[n] == NodeMobility::Boundary {
                 let ends = [node.before, node.node, node.after].inline_map(|n: u32| self.target[n as usize]);
-                self.target[n] = keep(prescribed[n], ends, slide(ends, self.corner_cosine));
+                let share = self.grading.as_ref().map_or(0.5, |grading| grading.before[n]);
+                let place = keep(prescribed[n], ends, slide(ends, share, self.corner_cosine));
+                let on_surface = |place| surroundings.place_on_surface(domain.nodes[n] as usize, place);
+                self.target[n] = self.keep_contact(node, ends, place, &on_surface).unwrap_or(ends[1]);
             }
         }
         self.take_back(domain, places);
         places.copy_from_slice(&self.target);
     }
 
+    /// Returns the new place of a node that slides along the boundary and keeps its contact: along a surface under pressure,
+    /// or away from surfaces that press and from those that the node could reach; otherwise `None`.
+    fn keep_contact(
+        &self,
+        node: &BoundaryNode,
+        ends: [[f64; 2]; 3],
+        place: [f64; 2],
+        on_surface: &dyn Fn([f64; 2]) -> Option<[f64; 2]>,
+    ) -> Option<[f64; 2]> {
+        let contact = [node.before, node.node, node.after].inline_map(|n: u32| self.contact[n as usize]);
+        let pressed = contact.inline_map(|of| of == BoundaryContact::Pressed);
+        match (pressed, contact[1]) {
+            ([true, true, true], _) if is_straight(ends) => Some(place),
+            ([true, true, true], _) if place != ends[1] => on_surface(place),
+            ([false, false, false], BoundaryContact::Apart(gap)) => {
+                (gap > libm::hypot(place[0] - ends[1][0], place[1] - ends[1][1])).then_some(place)
+            }
+            _ => None,
+        }
+    }
+
     fn smoothed(&self, domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
+        if let Some(grading) = &self.grading {
+            return grading.place(domain, places, node);
+        }
         let SmoothingWeights { volumetric, laplacian, equipotential } = self.weights;
         let mut place = [0.0; 2];
         let mut add = |weight: f64, part: [f64; 2]| {
@@ -220,9 +338,10 @@ fn ring(domain: &DomainTopology, node: usize) -> Option<[u32; 8]> {
     (next == ring[0]).then_some(ring)
 }
 
-/// Returns the new place of a node between two others on the boundary. It moves to the middle along the chord of
+/// Returns the new place of a node between two others on the boundary, where `share` of the length is before it. It moves
+/// along the chord of
 /// its neighbours, then across the chord until the volume of the ring between the three is the same as before.
-fn slide([before, own, after]: [[f64; 2]; 3], corner_cosine: f64) -> [f64; 2] {
+fn slide([before, own, after]: [[f64; 2]; 3], share: f64, corner_cosine: f64) -> [f64; 2] {
     let vector = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
     let length = |v: [f64; 2]| libm::hypot(v[0], v[1]);
     let (first, second, chord) = (vector(before, own), vector(own, after), vector(before, after));
@@ -232,7 +351,7 @@ fn slide([before, own, after]: [[f64; 2]; 3], corner_cosine: f64) -> [f64; 2] {
         return own;
     }
     let along = chord.inline_map(|x| x / l);
-    let step = 0.5 * (l2 - l1);
+    let step = share * l2 - (1.0 - share) * l1;
     let place = [own[0] + step * along[0], own[1] + step * along[1]];
     let ring = |own: [f64; 2]| 0.5 * cross(before, own, after) * (before[0] + own[0] + after[0]);
     let across = [along[1], -along[0]];
@@ -244,6 +363,12 @@ fn slide([before, own, after]: [[f64; 2]; 3], corner_cosine: f64) -> [f64; 2] {
     }
     let lift = (kept - now) / slope;
     [place[0] + lift * across[0], place[1] + lift * across[1]]
+}
+
+/// Returns whether three nodes of the boundary are on a line, but for rounding.
+fn is_straight([before, own, after]: [[f64; 2]; 3]) -> bool {
+    let chord = [after[0] - before[0], after[1] - before[1]];
+    cross(before, own, after).abs() <= 1e-9 * (chord[0] * chord[0] + chord[1] * chord[1])
 }
 
 /// Returns the new place of a node whose motion is prescribed along r or z: it moves only if its neighbours have the
@@ -276,17 +401,17 @@ mod tests {
     /// straight to rounding.
     #[test]
     fn sliding_keeps_lines_and_volumes() {
-        let line = slide([[1.0, 2.0], [1.2, 2.0], [2.0, 2.0]], 0.8);
+        let line = slide([[1.0, 2.0], [1.2, 2.0], [2.0, 2.0]], 0.5, 0.8);
         assert!((line[0] - 1.5).abs() < 1e-14 && line[1] == 2.0, "{line:?}");
-        let axis = slide([[0.0, 2.0], [0.0, 2.2], [0.0, 4.0]], 0.8);
+        let axis = slide([[0.0, 2.0], [0.0, 2.2], [0.0, 4.0]], 0.5, 0.8);
         assert!(axis[0] == 0.0 && (axis[1] - 3.0).abs() < 1e-14, "{axis:?}");
         let [a, b, c] = [[1.0, 0.0], [1.3, 0.05], [2.0, 0.0]];
         let volume = |b: [f64; 2]| {
             let cross = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
             cross * (a[0] + b[0] + c[0])
         };
-        let moved = slide([a, b, c], 0.8);
+        let moved = slide([a, b, c], 0.5, 0.8);
         assert!((volume(moved) / volume(b) - 1.0).abs() < 1e-3, "{moved:?}");
-        assert_eq!(slide([a, [1.3, 0.9], c], 0.8), [1.3, 0.9]);
+        assert_eq!(slide([a, [1.3, 0.9], c], 0.5, 0.8), [1.3, 0.9]);
     }
 }

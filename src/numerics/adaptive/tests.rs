@@ -38,8 +38,7 @@ impl Section {
             bulk_viscosity: BulkViscosity::NONE,
             shear_viscosity: 0.0,
         };
-        let group =
-            QuadGroup::new(VonMises::new(ElasticOnly, ConstantBulkModulus), constants, 1.0, &elements, &nodes);
+        let group = QuadGroup::new(VonMises::new(ElasticOnly, ConstantBulkModulus), constants, 1.0, &elements, &nodes);
         let topology = DomainTopology::new(&group, (0..elements.len() as u32).collect());
         Section { topology, places }
     }

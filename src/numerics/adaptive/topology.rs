@@ -1,6 +1,7 @@
 //! Connectivity of an adaptive mesh domain: its elements, the edges between them, and its boundary.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use crate::element::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
@@ -46,8 +47,13 @@ impl PackedLists {
 
     /// Returns a list.
     pub fn list(&self, at: usize) -> &[u32] {
+        &self.items[self.range(at)]
+    }
+
+    /// Returns the range of a list among all items.
+    pub fn range(&self, at: usize) -> Range<usize> {
         let start = if at == 0 { 0 } else { self.ends[at - 1] as usize };
-        &self.items[start..self.ends[at] as usize]
+        start..self.ends[at] as usize
     }
 
     fn bytes(&self) -> usize {

@@ -162,7 +162,8 @@ fn find_gradients(
         return;
     }
     for edge in &domain.edges {
-        let ([r, z], (left, right)) = (distance(centres, edge.left, edge.right), (edge.left as usize, edge.right as usize));
+        let ([r, z], (left, right)) =
+            (distance(centres, edge.left, edge.right), (edge.left as usize, edge.right as usize));
         let step = values[right] - values[left];
         for e in [left, right] {
             gradients[e][0] += step * r;

@@ -156,6 +156,18 @@ pub trait ContactResults {
     /// Returns the value at a point of a surface; `None` if the point belongs to no contact surface.
     fn value_at_point(&self, carrier: PointCarrier, part: VariableComponent) -> Option<f64>;
 
+    /// Returns whether contact pressed on a point of a surface in the previous increment; `None` if the point belongs to no
+    /// contact surface.
+    fn is_pressed(&self, _carrier: PointCarrier) -> Option<bool> {
+        None
+    }
+
+    /// Returns the closest place to `place` on the analytical surface that a point is in contact with, at the start of the
+    /// current increment; `None` if it has no such surface, or several.
+    fn place_on_surface(&self, _carrier: PointCarrier, _place: [f64; 2], _dofs: &Dofs) -> Option<[f64; 2]> {
+        None
+    }
+
     /// Returns the forces of a contact pair over the previous increment; `None` if the pair is not in force.
     fn forces_of_pair(&self, pair: usize) -> Option<PairForces>;
 

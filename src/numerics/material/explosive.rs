@@ -5,8 +5,8 @@
 use super::eos::{EosLaw, EosLine, advance};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::material::BlockStart;
-use crate::material::volumetric::PressureUpdate;
 use crate::material::carried::carried_state;
+use crate::material::volumetric::PressureUpdate;
 use crate::state::archive::persist_struct;
 
 /// Width of the burn front in elements (ABAQUS Analysis User's Guide, "Equation of state", JWL).

@@ -5,9 +5,9 @@
 
 use crate::kernel::hardening::{LinearTable, RateFactor};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
+use crate::material::carried::carried_state;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{BlockStart, Material, PlasticFlow};
-use crate::material::carried::carried_state;
 use crate::state::archive::persist_struct;
 use crate::variables::{Variable, VariableComponent};
 

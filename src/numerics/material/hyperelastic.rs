@@ -4,10 +4,10 @@
 use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::transcendental::{exp, ln};
+use crate::material::carried::carried_state;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::strain_energy::{PrincipalResponse, StrainEnergy, VolumetricEnergy};
 use crate::material::{BlockStart, Material};
-use crate::material::carried::carried_state;
 use crate::state::archive::persist_struct;
 
 /// Neo-Hooke: U = C10 (J^(-2/3) tr B - 3) + (J - 1)²/D1. The Cauchy stress is 2 C10 J^(-5/3) dev B + 2 (J - 1)/D1

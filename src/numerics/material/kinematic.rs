@@ -3,8 +3,8 @@
 
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
-use crate::material::plasticity::{FlowUpdate, HardeningLaw};
 use crate::material::carried::carried_state;
+use crate::material::plasticity::{FlowUpdate, HardeningLaw};
 use crate::state::archive::persist_struct;
 
 /// Linear kinematic hardening of Prager and Ziegler (ABAQUS Analysis User's Guide, "Models for metals subjected to

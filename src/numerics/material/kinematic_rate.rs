@@ -5,8 +5,8 @@ use crate::kernel::hardening::{FlowStress, LinearTable, plastic_increment};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
-use crate::material::plasticity::{FlowUpdate, HardeningLaw};
 use crate::material::carried::carried_state;
+use crate::material::plasticity::{FlowUpdate, HardeningLaw};
 use crate::state::archive::persist_struct;
 
 /// Linear kinematic hardening with rate and temperature dependence (ABAQUS Analysis User's Guide, "Models for metals

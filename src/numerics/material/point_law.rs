@@ -6,8 +6,8 @@ use super::increment::{StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::kernel::lanes::{LANES, Lanes, column, inline_from_fn};
 use crate::kernel::stress::mises;
-use crate::routines::law::{MaterialLaw, MaterialPoint};
 use crate::material::carried::CarriedState;
+use crate::routines::law::{MaterialLaw, MaterialPoint};
 use crate::state::archive::persist_struct;
 use crate::variables::{Variable, VariableComponent};
 

@@ -39,8 +39,7 @@ pub struct EnergyTotals {
 impl EnergyTotals {
     /// Returns the sum of stored and dissipated energies, without external work.
     pub fn sum(&self) -> f64 {
-        let dissipated =
-            self.viscous + self.contact + self.friction + self.cavity + self.distortion + self.advection;
+        let dissipated = self.viscous + self.contact + self.friction + self.cavity + self.distortion + self.advection;
         self.kinetic + self.internal + self.artificial + dissipated + self.penalty
     }
 }

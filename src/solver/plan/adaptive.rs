@@ -47,10 +47,15 @@ impl Compiler<'_> {
         let detail = self.adaptive_detail(mesh);
         let id = self.ledger_row(mesh.span, "adaptive mesh", elements.len(), "elements", detail);
         let mut groups = state.elements.groups[group].copy();
-        let domain = AdaptiveDomain::new(id, settings(mesh), (group, &mut *groups), elements, &fixed);
+        let domain =
+            AdaptiveDomain::new(id, settings(mesh), (group, &mut *groups), elements, (&state.dofs.nodes, &fixed));
         if domain.is_none() {
             let message = "user subroutines, WEIGHTING=AREA and SUBZONAL=YES are not supported in adaptive meshes";
-            self.refuse_domain(mesh.span, message.into(), "use another material or other section controls, or no adaptive mesh");
+            self.refuse_domain(
+                mesh.span,
+                message.into(),
+                "use another material or other section controls, or no adaptive mesh",
+            );
         }
         domain
     }
@@ -157,7 +162,7 @@ impl Compiler<'_> {
             "every {} increments, {} sweeps of {} smoothing, transport of {order} order",
             mesh.frequency,
             mesh.sweeps,
-            used.join(" and ")
+            if mesh.controls.graded { "graded".into() } else { used.join(" and ") }
         )
     }
 }
@@ -169,6 +174,7 @@ fn settings(mesh: &AdaptiveMesh) -> AdaptiveSettings {
         sweeps: mesh.sweeps,
         initial_sweeps: mesh.initial_sweeps,
         weights: SmoothingWeights { volumetric, laplacian, equipotential },
+        graded: mesh.controls.graded,
         corner_angle: mesh.controls.corner_angle,
         order: if mesh.controls.second_order { TransportOrder::Second } else { TransportOrder::First },
     }

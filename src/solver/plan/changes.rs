@@ -97,7 +97,11 @@ pub struct StepChanges {
 impl StepChanges {
     /// Returns whether nothing changes.
     pub fn is_empty(&self) -> bool {
-        self.loads.is_none() && self.constraints.is_none() && self.user_motions.is_none() && self.scaling.is_none() && self.adaptive.is_none()
+        self.loads.is_none()
+            && self.constraints.is_none()
+            && self.user_motions.is_none()
+            && self.scaling.is_none()
+            && self.adaptive.is_none()
     }
 
     /// Returns the size of the lists in bytes, without loads, constraints and mass scaling.

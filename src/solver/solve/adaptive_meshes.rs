@@ -3,8 +3,45 @@
 
 use super::run::SolverRun;
 use crate::adaptive::AdaptiveDomain;
+use crate::adaptive::smoothing::{BoundaryContact, Surroundings};
+use crate::constraint::contact::curve::PointCarrier;
+use crate::constraint::{Constraint, ContactResults};
 use crate::load::SceneChange;
 use crate::plan::State;
+use crate::state::dofs::Dofs;
+use crate::variables::{Variable, VariableComponent};
+
+/// Contact of the nodes of a domain, at the start of an increment of which only the motion of bodies has been made.
+struct ContactSurroundings<'a> {
+    constraints: &'a [Box<dyn Constraint>],
+    dofs: &'a Dofs,
+}
+
+impl ContactSurroundings<'_> {
+    fn contacts(&self) -> impl Iterator<Item = &dyn ContactResults> {
+        self.constraints.iter().filter_map(|c| c.view().contact)
+    }
+}
+
+impl Surroundings for ContactSurroundings<'_> {
+    fn contact(&self, node: usize) -> BoundaryContact {
+        let (carrier, opening) = (PointCarrier::Node(node), VariableComponent::from(Variable::ContactOpening));
+        let mut nearest = f64::INFINITY;
+        for contact in self.contacts() {
+            if contact.is_pressed(carrier) == Some(true) {
+                return BoundaryContact::Pressed;
+            }
+            // The opening is NaN where no surface is near.
+            nearest = nearest.min(contact.value_at_point(carrier, opening).unwrap_or(f64::INFINITY));
+        }
+        BoundaryContact::Apart(nearest)
+    }
+
+    fn place_on_surface(&self, node: usize, place: [f64; 2]) -> Option<[f64; 2]> {
+        let mut places = self.contacts().map(|c| c.place_on_surface(PointCarrier::Node(node), place, self.dofs));
+        places.next().flatten()
+    }
+}
 
 impl SolverRun<'_> {
     /// Replaces the domains in force. A domain of the same card keeps its history.
@@ -37,10 +74,14 @@ impl SolverRun<'_> {
         let mut has_changed = false;
         for domain in adaptive {
             let clock = self.timing.start(domain.id);
-            let changed = &mut |n, gained: [f64; 2]| {
-                constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
-            };
-            has_changed |= domain.adapt(self.now.increment, half, elements, dofs, changed);
+            let surroundings = ContactSurroundings { constraints, dofs };
+            if domain.begin_change(self.now.increment, elements, &dofs.nodes, &surroundings) {
+                let changed = &mut |n, gained: [f64; 2]| {
+                    constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
+                };
+                domain.change(half, elements, dofs, changed);
+                has_changed = true;
+            }
             self.timing.stop(clock, domain.id);
         }
         if has_changed {

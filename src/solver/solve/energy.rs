@@ -333,7 +333,8 @@ impl EnergyBalance {
         energy.contact = solid.contact;
         energy.penalty = (solid.penalty != 0.0).then_some(solid.penalty);
         energy.advection = (solid.advection != 0.0).then_some(solid.advection);
-        let dissipated = energy.friction + energy.cavity + energy.viscous + energy.contact + energy.distortion + solid.advection;
+        let dissipated =
+            energy.friction + energy.cavity + energy.viscous + energy.contact + energy.distortion + solid.advection;
         energy.total = energy.kinetic + energy.internal + dissipated + solid.penalty - energy.work - self.mass_scaling;
         energy.initial += self.solid_initial.unwrap_or(0.0);
         energy.drift = self.drift();

@@ -18,7 +18,7 @@ card!(AdaptiveMeshControls: "ADAPTIVE MESH CONTROLS", "Smoothing and transport o
     second_order: bool = "ADVECTION" (variant(&["FIRST ORDER", "SECOND ORDER"]).or(1.0)) "Order of the transport",
     transition_angle: f64 = "TRANSITION FEATURE ANGLE" (NUMBER.from(0.0).to(180.0).or(30.0)) "Angle in degrees between the edges of the boundary from which on a node is at a corner, and does not move along the boundary",
     "INITIAL FEATURE ANGLE" only ["30"] "corners are found by TRANSITION FEATURE ANGLE during the whole step",
-    "SMOOTHING OBJECTIVE" only ["UNIFORM"] "meshes are smoothed towards equal elements",
+    graded: bool = "SMOOTHING OBJECTIVE" (word(&["UNIFORM", "GRADED"]).or(0.0)) "UNIFORM: elements become equal; GRADED: the mesh keeps its grading at the start, and the weights have no effect",
     "CURVATURE REFINEMENT" only ["1", "0"] "meshes are smoothed towards equal elements, also at curved boundaries",
     "MESHING PREDICTOR" only ["CURRENT"] "sweeps start from the places that the material has reached",
     "GEOMETRIC ENHANCEMENT" inert "a sweep never flattens the corner of an element, with YES and with NO",
@@ -32,7 +32,7 @@ card!(AdaptiveMeshConstraint: "ADAPTIVE MESH CONSTRAINT", "Nodes that an adaptiv
     new: bool = "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW ends all constraints of earlier steps",
 } refused {
     "motions of the mesh that are prescribed in space are not supported": "AMPLITUDE", "TYPE", "USER", "UNCOUPLED";
-}, [(rows ["node or node set" read "Nodes that move with the material"])]);
+}, [(rows ["node or set" read "Nodes that move with the material"])]);
 
 /// Keywords of adaptive meshes.
 pub const CARDS: &[Keyword] = &[AdaptiveMesh::ROW, AdaptiveMeshControls::ROW, AdaptiveMeshConstraint::ROW];

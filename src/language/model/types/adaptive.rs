@@ -26,6 +26,8 @@ pub struct AdaptiveMesh {
 pub struct AdaptiveControls {
     /// Weights of volume, Laplacian and equipotential smoothing; they sum to 1.
     pub weights: [f64; 3],
+    /// Whether the grading of the mesh at the start is kept; then the weights have no effect.
+    pub graded: bool,
     /// Angle between the edges of the boundary from which on a node is at a corner, radians.
     pub corner_angle: f64,
     /// Whether the transport is of second order.
@@ -36,6 +38,11 @@ impl Default for AdaptiveControls {
     /// Returns the values without a card (ABAQUS Analysis User's Guide, "ALE adaptive meshing and remapping in
     /// Abaqus/Explicit").
     fn default() -> Self {
-        AdaptiveControls { weights: [1.0, 0.0, 0.0], corner_angle: 30f64.to_radians(), second_order: true }
+        AdaptiveControls {
+            weights: [1.0, 0.0, 0.0],
+            graded: false,
+            corner_angle: 30f64.to_radians(),
+            second_order: true,
+        }
     }
 }

@@ -1,6 +1,9 @@
 //! Analysis steps: procedure, increment control, and the conditions in force.
 
-use super::{AdaptiveMesh, BoundaryCondition, GeneralContact, Load, OutputInterval, OutputRequest, PrescribedField, SurfaceContact};
+use super::{
+    AdaptiveMesh, BoundaryCondition, GeneralContact, Load, OutputInterval, OutputRequest, PrescribedField,
+    SurfaceContact,
+};
 use crate::deck::Span;
 use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::interaction::CoulombFriction;

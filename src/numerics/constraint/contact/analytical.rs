@@ -5,12 +5,13 @@
 //! therefore keeps its speed and its distance. The gap is linearised about the position x* without contact, gap(x*) -
 //! dt n.v*, and updated on arcs after the impulses have been applied.
 
-use super::curve::FacetCurve;
+use super::curve::{FacetCurve, PointCarrier};
 use super::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
 use super::{ContactConstraint, ContactPair};
 use crate::kernel::interaction::PressureOverclosure;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::profile::{ProfileSegment, SurfaceProfile};
+use crate::state::dofs::Dofs;
 
 /// An analytical surface on a rigid body, in contact with the own curve of a pair.
 #[derive(Clone, Debug)]
@@ -53,6 +54,8 @@ struct PointPath {
 /// Smallest squared part of a normal in unconstrained directions. Below it a node would have to be pushed along the
 /// surface, and its row is left out.
 const LEAST_SHARE: f64 = 1e-3;
+/// Number of projections onto a profile; one is exact within a segment.
+const PROJECTIONS: usize = 2;
 /// Largest number of gap updates on arcs.
 const ROUNDS: usize = 12;
 
@@ -245,6 +248,31 @@ impl ContactConstraint {
             }
         }
         sum
+    }
+
+    /// Returns the closest place on the only analytical surface of a point at the start of an increment, of which only the
+    /// motion of bodies has been made.
+    pub(super) fn place_on_analytical(&self, point: u32, place: [f64; 2], dofs: &Dofs) -> Option<[f64; 2]> {
+        let of_point = |pair: &ContactPair| {
+            let index = self.curves[pair.own].own.binary_search(&point).ok()?;
+            Some((&self.analyticals[pair.analytical?], index, pair.first_key as usize + index))
+        };
+        let mut surfaces = self.pairs.iter().filter_map(of_point);
+        let (Some((analytical, index, key)), None) = (surfaces.next(), surfaces.next()) else { return None };
+        let PointCarrier::Body(body, [_, start]) = self.points[analytical.point as usize].carrier else { return None };
+        let lift = start + dofs.bodies[body].before.displacement;
+        let zero = analytical.lift[index] + self.gap_offsets.get(key).copied().unwrap_or(0.0);
+        let mut place = place;
+        for _ in 0..PROJECTIONS {
+            let nearest = analytical.profile.nearest(place, lift);
+            if nearest.beyond {
+                return None;
+            }
+            let normal = analytical.profile.segments[nearest.segment].normal(place, lift);
+            let off = nearest.gap - zero;
+            place = [0, 1].inline_map(|i| place[i] - off * normal[i]);
+        }
+        Some(place)
     }
 
     pub(super) fn keys_of(&self, pair: &ContactPair) -> u32 {

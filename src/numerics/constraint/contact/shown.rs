@@ -7,7 +7,7 @@ use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::persist_struct;
-use crate::state::dofs::Dof;
+use crate::state::dofs::{Dof, Dofs};
 use crate::variables::{Variable, VariableComponent};
 
 /// Values kept for output only.
@@ -165,6 +165,15 @@ impl ContactResults for ContactConstraint {
             found = Some(value);
         }
         found
+    }
+
+    fn is_pressed(&self, carrier: PointCarrier) -> Option<bool> {
+        let dofs = self.dofs_of[self.shown.point(carrier)? as usize];
+        Some(dofs.iter().any(|dof| self.impulses.get(*dof as usize).is_some_and(|impulse| impulse[0] != 0.0)))
+    }
+
+    fn place_on_surface(&self, carrier: PointCarrier, place: [f64; 2], dofs: &Dofs) -> Option<[f64; 2]> {
+        self.place_on_analytical(self.shown.point(carrier)?, place, dofs)
     }
 
     fn lowest_energy(&self) -> Option<(&str, f64, [f64; 2])> {

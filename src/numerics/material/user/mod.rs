@@ -13,9 +13,9 @@ use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, dot, inline_from_fn}
 use crate::kernel::quad::{CornerGradient, gradient};
 use crate::kernel::rotation::{rotate, rotation_of_spin};
 use crate::kernel::stress::mises;
+use crate::material::carried::CarriedState;
 use crate::routines::{LoadFailure, MAX_MATERIAL_BLOCK, PointRoutines};
 use crate::state::Instant;
-use crate::material::carried::CarriedState;
 use crate::state::archive::persist_struct;
 use crate::variables::{Variable, VariableComponent};
 use description::UserMaterialData;
