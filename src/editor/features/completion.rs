@@ -5,8 +5,9 @@ use serde_json::{Value, json};
 use super::FeatureContext;
 use super::context::{CardContext, CardPart, card_context};
 use super::facts::short;
+use super::letter_case::{prefers_lower, title_case};
 use crate::deck::keywords::{InputRule, InputUsage, Keyword, KeywordTier, keywords};
-use crate::deck::manual::{explain_keyword_briefly, explain_rule};
+use crate::deck::manual::{explain_rule, explain_support};
 use crate::deck::name_kinds::{NameKind, field_name_kind, parameter_name_usage};
 use crate::outline::NameUse;
 use crate::text::{TextPosition, TextRange};
@@ -61,23 +62,6 @@ fn item(label: &str, kind: ItemKind, range: TextRange, new_text: &str, detail: &
     })
 }
 
-/// Returns whether a line has more lower-case than upper-case letters.
-fn prefers_lower(line: &str) -> bool {
-    let count = |is: fn(&char) -> bool| line.chars().filter(is).count();
-    count(|c| c.is_ascii_lowercase()) > count(|c| c.is_ascii_uppercase())
-}
-
-/// Writes the first letter of each word in upper case and the others in lower case.
-fn title_case(text: &str) -> String {
-    let mut begins = true;
-    let letter = |c: char| {
-        let written = if begins { c.to_ascii_uppercase() } else { c.to_ascii_lowercase() };
-        begins = !c.is_alphanumeric();
-        written
-    };
-    text.chars().map(letter).collect()
-}
-
 fn keyword_items(context: &FeatureContext<'_>, position: TextPosition, range: TextRange) -> Vec<Value> {
     // The style of the line, or of the keyword before it.
     let line = context.text.line(position.line);
@@ -103,11 +87,11 @@ fn keyword_items(context: &FeatureContext<'_>, position: TextPosition, range: Te
     keywords().map(of).collect()
 }
 
-/// Adds the documentation to the completion of a keyword, which is the only one that the client shows.
+/// Adds the documentation to the completion of a keyword, of which the client shows the summary already.
 pub fn resolved_item(mut item: Value) -> Value {
     let name = item["data"].as_str().unwrap_or_default();
     if let Some(keyword) = keywords().find(|keyword| keyword.name == name) {
-        item["documentation"] = explain_keyword_briefly(keyword).into();
+        item["documentation"] = explain_support(keyword).into();
     }
     item
 }

@@ -1,6 +1,7 @@
 //! The pipeline from a deck to results: text to deck, deck to model, model to plan, plan to results.
 
 mod memory;
+mod setup;
 mod status;
 
 use std::io;
@@ -23,7 +24,7 @@ use crate::output::lock::{FolderLock, LockError};
 use crate::output::pvd::{FrameWriter, WrittenFrame, missing_frames};
 use crate::output::sums::{Checksums, SUMS, sum};
 use crate::output::{
-    FramePoints, HISTORY, HistorySummary, JobFiles, OutputFrame, RunHistory, write_summary, write_whole,
+    FramePoints, HISTORY, HistorySummary, JobFiles, OutputFrame, RunHistory, SETUP, write_summary, write_whole,
     write_with_sums,
 };
 use crate::overview::DeckOverview;
@@ -284,6 +285,17 @@ pub struct DeckSummary {
     pub files: Vec<String>,
     /// Values of the `*PARAMETER`s, overrides applied.
     pub parameters: IndexMap<String, f64>,
+}
+
+impl DeckSummary {
+    fn of(prepared: &PreparedJob) -> DeckSummary {
+        let deck = &prepared.deck;
+        DeckSummary {
+            title: prepared.title.clone(),
+            files: deck.sources.files().iter().map(|f| f.name.clone()).collect(),
+            parameters: deck.parameters.iter().cloned().collect(),
+        }
+    }
 }
 
 /// Sink of sweeps and studies: histories in memory, no frames.
@@ -575,6 +587,7 @@ pub fn run_with<'a>(
         }
     };
     let frames = frames.map_err(JobError::Folder)?;
+    setup::write_setup(prepared, job).map_err(JobError::Folder)?;
     let status = StatusFile::open(job, goes_on).map_err(JobError::Folder)?;
     let history_written = Stopwatch::now();
     let warn = options.warn.unwrap_or(&|_| {});
@@ -619,8 +632,10 @@ fn finish_files(job: &JobFiles, summary: &mut RunSummary, mut sums: Checksums) {
         sums.add_sum(job, ".json", sum);
         sums.write(job, SUMS)
     });
-    if let Err(e) = written {
-        summary.mark_unwritten(e.to_string());
+    match written {
+        // Its contents are in the summary.
+        Ok(()) => drop(std::fs::remove_file(job.path(SETUP))),
+        Err(e) => summary.mark_unwritten(e.to_string()),
     }
     if summary.reason.is_none() {
         // A failure is harmless: a restart from the checkpoint gives the same results.
@@ -692,11 +707,7 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
             resumed_at: None,
             checkpoint_seconds: None,
         },
-        deck: DeckSummary {
-            title: prepared.title.clone(),
-            files: deck.sources.files().iter().map(|f| f.name.clone()).collect(),
-            parameters: deck.parameters.iter().cloned().collect(),
-        },
+        deck: DeckSummary::of(prepared),
         version: env!("CARGO_PKG_VERSION"),
     }
 }
