@@ -6,6 +6,7 @@ mod status;
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::time::{Duration, Instant as Stopwatch};
 
@@ -137,25 +138,52 @@ pub fn prepare_edited(read: (Deck, Diagnostics), edit: &mut dyn FnMut(&mut Model
     prepared_model(read, edit, routines).0
 }
 
-/// Validates and plans a deck that has been read, and also returns its model.
-pub fn prepare_with_model(read: (Deck, Diagnostics), routines: &Routines) -> (PreparedJob, Model) {
-    prepared_model(read, &mut |_| {}, routines)
+/// A deck that has been read and validated.
+pub struct ValidatedDeck {
+    /// Without its cards.
+    deck: Deck,
+    /// Incomplete if there are errors.
+    model: Model,
+    diagnostics: Diagnostics,
+}
+
+impl ValidatedDeck {
+    /// Validates a deck that has been read.
+    pub fn new((mut deck, mut diagnostics): (Deck, Diagnostics)) -> ValidatedDeck {
+        let (model, found) = model::build(&deck);
+        // The cards are not needed any more, and with a large mesh they take most of the memory.
+        deck.cards = Vec::new();
+        diagnostics.append(found);
+        deck.name_fractions(&mut diagnostics);
+        ValidatedDeck { deck, model, diagnostics }
+    }
+
+    /// Frees the texts of files that can be read again: the plan needs only places. [`deck::Sources::restore_texts`] sets
+    /// them again.
+    pub fn release_texts(&mut self, is_open: impl Fn(&Path) -> bool) {
+        // The model shares the sources of the deck.
+        self.model.origin.sources = Arc::default();
+        Arc::make_mut(&mut self.deck.sources).release_texts(is_open);
+        self.model.origin.sources = Arc::clone(&self.deck.sources);
+    }
+
+    /// Plans the analysis.
+    pub fn plan(self, routines: &Routines) -> (PreparedJob, Model) {
+        (planned(self.deck, &self.model, self.diagnostics, routines), self.model)
+    }
 }
 
 /// Prepares a job like [`prepare_edited`], and also returns the model.
 fn prepared_model(
-    (mut deck, mut diagnostics): (Deck, Diagnostics),
+    read: (Deck, Diagnostics),
     edit: &mut dyn FnMut(&mut Model),
     routines: &Routines,
 ) -> (PreparedJob, Model) {
-    let (mut model, found) = model::build(&deck);
-    // The cards are not needed any more, and with a large mesh they take most of the memory.
-    deck.cards = Vec::new();
-    diagnostics.append(found);
-    if !diagnostics.has_errors() {
-        edit(&mut model);
+    let mut validated = ValidatedDeck::new(read);
+    if !validated.diagnostics.has_errors() {
+        edit(&mut validated.model);
     }
-    (planned(deck, &model, diagnostics, routines), model)
+    validated.plan(routines)
 }
 
 /// Plans a model that is composed in Rust.
@@ -172,7 +200,6 @@ fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &R
         found.retain(|d| model.origin.bodies_read && d.severity == Severity::Error && OF_BODIES.contains(&d.code));
     }
     diagnostics.append(found);
-    deck.name_fractions(&mut diagnostics);
     diagnostics.merge_repeats();
     let (title, scene, has_routines) = (model.settings.title.clone(), SceneOutline::of(model), routines.any());
     let units = model.settings.units.clone();
