@@ -30,9 +30,30 @@ fn hint(context: &FeatureContext<'_>, line: u32, label: &str) -> Value {
     hint
 }
 
-fn section_label(part: &PartOverview) -> String {
-    let stable = part.stable_increment.map(|length| format!(", stable increment about {}", short(length)));
+fn section_label(part: &PartOverview, has_estimate: bool) -> String {
+    let relation = if has_estimate { "at least" } else { "about" };
+    let stable = part.stable_increment.map(|length| format!(", stable increment {relation} {}", short(length)));
     format!("mass {}{}", short(part.mass), stable.unwrap_or_default())
+}
+
+/// Returns the part of a section. Sections of the same material have one name, and are in the order of the deck; a part
+/// with several instances has several of them.
+fn part_of_section<'a>(
+    context: &FeatureContext<'_>,
+    card: &Card,
+    parts: &'a [PartOverview],
+) -> Option<&'a PartOverview> {
+    let material = |card: &Card| card.value("MATERIAL").map(|word| word.text.trim().to_uppercase());
+    let name = material(card)?;
+    let alike = |other: &&Card| other.keyword.name == card.keyword.name && material(other).as_ref() == Some(&name);
+    let cards: Vec<&Card> = context.root.outline.deck.cards.iter().filter(alike).collect();
+    let is_shell = card.keyword.name == "SHELL SECTION";
+    let belongs = |part: &&PartOverview| {
+        !part.rigid && part.name.eq_ignore_ascii_case(&name) && part.elements.contains_key("SAX1") == is_shell
+    };
+    let parts: Vec<&PartOverview> = parts.iter().filter(belongs).collect();
+    let index = cards.iter().position(|other| other.span == card.span)?;
+    parts.get(index).copied().filter(|_| parts.len() == cards.len())
 }
 
 fn label(context: &FeatureContext<'_>, card: &Card) -> Option<String> {
@@ -40,11 +61,7 @@ fn label(context: &FeatureContext<'_>, card: &Card) -> Option<String> {
     let upper = |name: &str| card.value(name).map(|word| word.text.trim().to_uppercase());
     match card.keyword.name {
         "SOLID SECTION" | "SHELL SECTION" => {
-            let material = upper("MATERIAL")?;
-            // Sections of the same material have one name.
-            let mut parts = facts.parts.iter().filter(|part| !part.rigid && part.name.eq_ignore_ascii_case(&material));
-            let (first, second) = (parts.next()?, parts.next());
-            second.is_none().then(|| section_label(first))
+            part_of_section(context, card, &facts.parts).map(|part| section_label(part, facts.has_estimate))
         }
         "AMPLITUDE" => facts.description(NameKind::Amplitude, &upper("NAME")?).map(str::to_owned),
         "NSET" => facts.description(NameKind::NodeSet, &upper("NSET")?).map(str::to_owned),
