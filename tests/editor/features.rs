@@ -156,11 +156,29 @@ fn completion_offers_keywords_parameters_values_and_names() {
     has(complete("*Boundary\n ,\n", 11), "FOOT");
     has(complete("*Amplitude, name=A, time=", 25), "TOTAL TIME");
     let answer = client.ask("completion", DECK, after(place_of(&text, "*El\n"), 3));
+    assert_same_without_ranges(&text, &answer);
     let item = answer["items"].as_array().and_then(|items| items.iter().find(|item| item["label"] == "*ELASTIC"));
     let resolved = client.request("completionItem/resolve", item.expect("an item").clone()).expect("resolved");
     let (detail, about) = (&resolved["detail"], resolved["documentation"].as_str().expect("a text"));
     assert!(about.contains("Supported"), "{resolved}");
     assert!(detail.as_str().is_some_and(|text| !text.is_empty() && !about.contains(text)), "{resolved}");
+    assert!(client.finish().is_ok());
+}
+
+/// A client that takes the replaced range once for all items receives the same texts.
+fn assert_same_without_ranges(text: &str, answer: &Value) {
+    let mut client = EditorClient::connect();
+    let list = json!({ "completion": { "completionList": { "itemDefaults": ["editRange"] } } });
+    client.request("initialize", json!({ "capabilities": { "textDocument": list } })).expect("initialised");
+    client.open(DECK, text);
+    let short = client.ask("completion", DECK, after(place_of(text, "*El\n"), 3));
+    let items = |list: &Value| list["items"].as_array().expect("items").clone();
+    assert_eq!(short["itemDefaults"]["editRange"], items(answer)[0]["textEdit"]["range"]);
+    for (short, long) in items(&short).iter().zip(&items(answer)) {
+        let written = if short["textEditText"].is_null() { &short["label"] } else { &short["textEditText"] };
+        assert!(short["textEdit"].is_null() && *written == long["textEdit"]["newText"], "{short} {long}");
+    }
+    assert_eq!(items(&short).len(), items(answer).len());
     assert!(client.finish().is_ok());
 }
 

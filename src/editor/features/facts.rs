@@ -8,7 +8,7 @@ use crate::model::{AmplitudeDefinition, MaterialDefinition, Model};
 use crate::overview::{DeckOverview, PartOverview};
 
 /// Properties of a model.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct DeckFacts {
     /// Descriptions of names by kind and upper-case name, `INSTANCE.NAME` for names of instances.
     descriptions: HashMap<(NameKind, String), String>,

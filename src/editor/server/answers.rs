@@ -79,8 +79,10 @@ fn hover_answer(question: &DocumentQuestion<'_>) -> RequestResult {
 }
 
 fn completion_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let items = completion::completions(&question.context, question.params.position);
-    Ok(json!({ "isIncomplete": false, "items": items }))
+    let defaults = question.state.client.pointer("/textDocument/completion/completionList/itemDefaults");
+    let has_range =
+        defaults.and_then(Value::as_array).is_some_and(|names| names.iter().any(|name| name == "editRange"));
+    Ok(completion::completion_list(&question.context, question.params.position, has_range))
 }
 
 fn places(question: &DocumentQuestion<'_>) -> Vec<NamePlace> {

@@ -162,8 +162,6 @@ impl DeckChecker {
         let facts = accepted.then(|| DeckFacts::of(&model, &prepared));
         let PreparedJob { mut deck, diagnostics, plan, state, .. } = prepared;
         drop((plan, state, model));
-        // The copy is made where the model was: small allocations after a large one keep the memory of both.
-        let facts = facts.map(|facts| facts.clone());
         if self.is_superseded(request) {
             return None;
         }
