@@ -31,8 +31,9 @@ fn hint(context: &FeatureContext<'_>, line: u32, label: &str) -> Value {
 }
 
 fn section_label(part: &PartOverview, has_estimate: bool) -> String {
-    let relation = if has_estimate { "at least" } else { "about" };
-    let stable = part.stable_increment.map(|length| format!(", stable increment {relation} {}", short(length)));
+    let relation = if has_estimate { "\u{2265}" } else { "about" };
+    // VS Code shows 43 characters of a line.
+    let stable = part.stable_increment.map(|length| format!(", stable dt {relation} {}", short(length)));
     format!("mass {}{}", short(part.mass), stable.unwrap_or_default())
 }
 
