@@ -38,7 +38,7 @@ fn section_label(part: &PartOverview, has_estimate: bool) -> String {
 }
 
 /// Returns the part of a section. Sections of the same material have one name, and are in the order of the deck; a part
-/// with several instances has several of them.
+/// with several instances has one for each.
 fn part_of_section<'a>(
     context: &FeatureContext<'_>,
     card: &Card,
