@@ -8,7 +8,6 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use revolve::explain::explain;
 use revolve_editor::{EditorError, serve};
 use serde_json::{Value, json};
 
@@ -32,7 +31,7 @@ impl EditorClient {
     pub fn connect() -> EditorClient {
         let (read_input, input) = io::pipe().expect("a pipe");
         let (output, write_output) = io::pipe().expect("a pipe");
-        let server = std::thread::spawn(move || serve(BufReader::new(read_input), write_output, explain));
+        let server = std::thread::spawn(move || serve(BufReader::new(read_input), write_output));
         let (sender, messages) = channel();
         std::thread::spawn(move || {
             let mut output = BufReader::new(output);

@@ -147,6 +147,39 @@ fn with_edit(text: &str, edit: &Value) -> String {
     format!("{}{}{}", &text[..start], edit["newText"].as_str().expect("a text"), &text[end..])
 }
 
+/// Returns the first quick fix of the first diagnostic of a deck, and the code of the diagnostic.
+fn first_fix(client: &mut EditorClient, text: &str) -> (Value, Value) {
+    client.open("untitled:deck", text);
+    let found = client.wait_for("untitled:deck", |found| !found.is_empty());
+    let params = json!({
+        "textDocument": { "uri": "untitled:deck" },
+        "range": found[0]["range"],
+        "context": { "diagnostics": [] },
+    });
+    let actions = client.request("textDocument/codeAction", params).expect("actions");
+    (actions[0]["edit"]["changes"]["untitled:deck"][0].clone(), found[0]["code"].clone())
+}
+
+#[test]
+fn quick_fixes_follow_the_case_of_their_line() {
+    let cases = [
+        ("*Elastic => *Elastc", "*Elastic"),
+        ("*Elastic => *ELASTC", "*ELASTIC"),
+        ("BAR, material=METAL => BAR, materail=METAL", "material"),
+        ("*Solid Section, elset=BAR, material=METAL => *SOLID SECTION, ELSET=BAR, MATERAIL=METAL", "MATERIAL"),
+        ("*Dynamic, Explicit => *Dynamic", "*Dynamic, Explicit"),
+        ("name=METAL => name=Metal;; material=METAL => material=Metall", "Metal"),
+        ("type=CAX4R => type=cax4s", "cax4r"),
+        ("type=CAX4R => type=CAX4S", "CAX4R"),
+    ];
+    for (change, written) in cases {
+        let mut client = EditorClient::start(&["utf-16"], json!({ "mode": "revolve" }));
+        let (edit, _) = first_fix(&mut client, &changed(change));
+        assert_eq!(edit["newText"], written, "{change}");
+        assert!(client.finish().is_ok());
+    }
+}
+
 #[test]
 fn quick_fixes_remove_their_diagnostics() {
     let changes = [
@@ -165,18 +198,9 @@ fn quick_fixes_remove_their_diagnostics() {
     for change in changes {
         let text = changed(change);
         let mut client = EditorClient::start(&["utf-16"], json!({ "mode": "revolve" }));
-        client.open("untitled:deck", &text);
-        let found = client.wait_for("untitled:deck", |found| !found.is_empty());
-        let code = found[0]["code"].clone();
-        let params = json!({
-            "textDocument": { "uri": "untitled:deck" },
-            "range": found[0]["range"],
-            "context": { "diagnostics": [] },
-        });
-        let actions = client.request("textDocument/codeAction", params).expect("actions");
-        let edit = &actions[0]["edit"]["changes"]["untitled:deck"][0];
-        assert!(edit.is_object(), "{change}: {actions}");
-        client.change("untitled:deck", 2, json!([{ "text": with_edit(&text, edit) }]));
+        let (edit, code) = first_fix(&mut client, &text);
+        assert!(edit.is_object(), "{change}: {code}");
+        client.change("untitled:deck", 2, json!([{ "text": with_edit(&text, &edit) }]));
         client.wait_for("untitled:deck", |found| found.iter().all(|d| d["code"] != code));
         assert!(client.finish().is_ok());
     }

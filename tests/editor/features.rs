@@ -7,7 +7,7 @@ use revolve::user::Routines;
 use serde_json::{Value, json};
 
 use crate::client::{EditorClient, uri};
-use crate::common::faulty_decks::BAR;
+use crate::common::faulty_decks::{BAR, changed};
 use crate::common::project;
 
 const DECK: &str = "untitled:deck";
@@ -42,12 +42,16 @@ fn hovers_explain_keywords_parameters_fields_and_names() {
         let answer = client.ask("hover", DECK, after(place_of(BAR, piece), columns));
         answer["contents"]["value"].as_str().unwrap_or_default().to_owned()
     };
-    assert!(hover("*Plastic", 3).contains("*PLASTIC"));
+    let keyword = hover("*Plastic", 3);
+    assert!(keyword.contains("*PLASTIC") && keyword.contains("\n- `HARDENING`: "), "{keyword}");
+    assert!(keyword.lines().all(|line| !line.starts_with(' ') || line.trim_start().starts_with("- ")), "{keyword}");
     assert!(hover("material=METAL", 2).contains("MATERIAL"));
     assert!(hover(" 100., 0.3", 2).contains("Young"), "{}", hover(" 100., 0.3", 2));
     assert!(hover(" FOOT, 2, 2", 2).contains("node set"), "{}", hover(" FOOT, 2, 2", 2));
     assert!(hover("\n U2\n", 0).is_empty() || !hover("PEEQ", 1).is_empty());
     assert!(hover("PEEQ", 1).contains("plastic strain"), "{}", hover("PEEQ", 1));
+    assert!(!hover(" 100., 0.3", 10).is_empty() && hover(" 100., 0.3", 11).is_empty(), "after the end of the line");
+    assert!(hover("*Plastic", 9).is_empty());
     assert!(client.finish().is_ok());
 }
 
@@ -69,6 +73,59 @@ fn hovers_describe_names_after_the_check() {
     // The volume of the cylinder is 2 pi.
     assert!(hints.contains("mass 6.283"), "{hints}");
     assert!(client.finish().is_ok());
+}
+
+/// Two sections of one material have separate hints.
+#[test]
+fn hints_of_sections_of_one_material_are_separate() {
+    let text = changed(
+        "*Solid Section, elset=BAR, material=METAL => *Elset, elset=LOWER\\n 1,\\n*Solid Section, elset=LOWER, material=METAL\\n*Solid Section, elset=UPPER, material=METAL",
+    );
+    let mut client = session(&text);
+    let range = json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 99, "character": 0 } });
+    loop {
+        let params = json!({ "textDocument": { "uri": DECK }, "range": range });
+        let hints = client.request("textDocument/inlayHint", params).expect("hints").to_string();
+        if hints.contains("mass") {
+            // Half of the cylinder each.
+            assert_eq!(hints.matches("mass 3.142").count(), 2, "{hints}");
+            break;
+        }
+        std::thread::yield_now();
+    }
+    assert!(client.finish().is_ok());
+}
+
+/// Returns the stable time increment that the hint of a section shows after a word.
+fn hinted_increment(text: &str, relation: &str) -> f64 {
+    let begin = format!("stable dt {relation} ");
+    let mut client = session(text);
+    let range = json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 99, "character": 0 } });
+    loop {
+        let params = json!({ "textDocument": { "uri": DECK }, "range": range });
+        let hints = client.request("textDocument/inlayHint", params).expect("hints");
+        let labels = hints.as_array().expect("hints").iter().filter_map(|hint| hint["label"].as_str());
+        if let Some(length) = labels.filter_map(|label| label.split_once(&begin)).next() {
+            assert!(client.finish().is_ok());
+            return length.1.parse().expect("a number");
+        }
+        std::thread::yield_now();
+    }
+}
+
+/// Element by element the first increment is that of the hint; the estimate of the whole model makes it longer.
+#[test]
+fn hint_of_a_section_is_the_first_increment_of_the_run() {
+    let by_elements = changed("*Dynamic, Explicit => *Dynamic, Explicit, element by element");
+    let first = |text: &str| {
+        let prepared = job::prepare_text("bar.inp", text, &[], &Routines::none());
+        let (outcome, _) = job::run_in_memory(&prepared);
+        outcome.steps[0].limits.named(&prepared.plan).increment[0]
+    };
+    let hinted = hinted_increment(&by_elements, "about");
+    assert!((hinted / first(&by_elements) - 1.0).abs() < 1e-3, "{hinted} {}", first(&by_elements));
+    assert_eq!(hinted_increment(BAR, "\u{2265}"), hinted);
+    assert!(first(BAR) >= 0.999 * hinted);
 }
 
 #[test]
@@ -99,9 +156,29 @@ fn completion_offers_keywords_parameters_values_and_names() {
     has(complete("*Boundary\n ,\n", 11), "FOOT");
     has(complete("*Amplitude, name=A, time=", 25), "TOTAL TIME");
     let answer = client.ask("completion", DECK, after(place_of(&text, "*El\n"), 3));
+    assert_same_without_ranges(&text, &answer);
     let item = answer["items"].as_array().and_then(|items| items.iter().find(|item| item["label"] == "*ELASTIC"));
     let resolved = client.request("completionItem/resolve", item.expect("an item").clone()).expect("resolved");
-    assert!(resolved["documentation"].as_str().is_some_and(|text| text.contains("Supported")), "{resolved}");
+    let (detail, about) = (&resolved["detail"], resolved["documentation"].as_str().expect("a text"));
+    assert!(about.contains("Supported"), "{resolved}");
+    assert!(detail.as_str().is_some_and(|text| !text.is_empty() && !about.contains(text)), "{resolved}");
+    assert!(client.finish().is_ok());
+}
+
+/// A client that takes the replaced range once for all items receives the same texts.
+fn assert_same_without_ranges(text: &str, answer: &Value) {
+    let mut client = EditorClient::connect();
+    let list = json!({ "completion": { "completionList": { "itemDefaults": ["editRange"] } } });
+    client.request("initialize", json!({ "capabilities": { "textDocument": list } })).expect("initialised");
+    client.open(DECK, text);
+    let short = client.ask("completion", DECK, after(place_of(text, "*El\n"), 3));
+    let items = |list: &Value| list["items"].as_array().expect("items").clone();
+    assert_eq!(short["itemDefaults"]["editRange"], items(answer)[0]["textEdit"]["range"]);
+    for (short, long) in items(&short).iter().zip(&items(answer)) {
+        let written = if short["textEditText"].is_null() { &short["label"] } else { &short["textEditText"] };
+        assert!(short["textEdit"].is_null() && *written == long["textEdit"]["newText"], "{short} {long}");
+    }
+    assert_eq!(items(&short).len(), items(answer).len());
     assert!(client.finish().is_ok());
 }
 

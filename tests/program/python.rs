@@ -71,8 +71,12 @@ fn package_passes_its_tests() {
 #[test]
 fn notebook_runs_completely() {
     let Some(python) = environment() else { return };
-    let script = "import sys, nbformat, nbclient\n\
+    let script = "import json, pathlib, sys, nbformat, nbclient\n\
                   book = nbformat.read('examples/python.ipynb', 4)\n\
+                  stored = [c.outputs for c in book.cells if c.cell_type == 'code']\n\
+                  assert all(stored), 'the notebook is stored with the outputs of its cells'\n\
+                  text = json.dumps(stored)\n\
+                  assert len(text) < 100_000 and str(pathlib.Path.cwd()) not in text, len(text)\n\
                   kernel = nbclient.NotebookClient(book, timeout=600).create_kernel_manager()\n\
                   kernel.kernel_cmd = [sys.executable, '-m', 'ipykernel_launcher', '-f', '{connection_file}']\n\
                   nbclient.NotebookClient(book, km=kernel, timeout=600).execute()\n\

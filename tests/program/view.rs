@@ -235,6 +235,36 @@ fn events_arrive_while_a_run_writes() {
     assert!(view.child.wait().expect("an end").success() && rest.contains("results in"), "{rest}");
 }
 
+/// A running job of another process shows its ledger and materials; a deck that has changed since is named.
+#[test]
+fn job_of_another_process_shows_its_setup_and_a_changed_deck() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (deck, out) = (folder.path().join("taylor.inp"), folder.path().join("out"));
+    let text = std::fs::read_to_string(project("input/taylor_copper.inp")).expect("a deck");
+    std::fs::write(&deck, &text).expect("a deck");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_revolve"))
+        .args(["run", name(&deck), "-q", "-o", name(&out), "-s", "nr=40", "-s", "nz=200"])
+        .spawn()
+        .expect("the program starts");
+    while !out.join("taylor_0000.vtu").is_file() {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let view = ViewProcess::start(&["view", name(&out)]);
+    let mut events = view.events();
+    let setup = events.find(|(event, _)| event == "setup").expect("a setup").1;
+    assert!(setup["ledger"]["effects"].is_array() && setup["materials"][0] == "COPPER", "{setup}");
+    assert!(!out.join("taylor.json").is_file(), "the run has not ended");
+    run.kill().expect("killed");
+    run.wait().expect("an end");
+    std::fs::write(&deck, text + "** changed\n").expect("a deck");
+    let changed = events.find(|(event, data)| event == "changed" && data[0].is_string()).expect("a change").1;
+    assert_eq!(changed[0], name(&deck));
+    drop(view);
+    // A run to its end leaves the summary only.
+    assert!(revolve(&["run", name(&deck), "-q", "-o", name(&out), "-s", "nr=2", "-s", "nz=4"]).status.success());
+    assert!(out.join("taylor.json").is_file() && !out.join("taylor.setup").exists());
+}
+
 /// A deck without results is run, one with results is shown.
 #[test]
 fn a_deck_is_run_once_and_then_shown() {

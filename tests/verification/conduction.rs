@@ -474,6 +474,8 @@ fn heat_on_elements_without_temperatures_is_an_error() {
         ("CAX4RT", "CAX4R", "P065"),
         ("*Conductivity\n 0.1,\n", "", "P066"),
         ("*Specific Heat\n 0.5,\n", "", "P066"),
+        // A section without its user subroutine is not planned; nothing is said about its elements.
+        ("*Elastic\n 0.01, 0.3\n", "*User Material, constants=1\n 1.,\n", "P004"),
         ("SOLID, BF, 1.", "SOLID, BX, 1.", "M132"),
     ] {
         assert_eq!(codes(&deck.replace(from, to)), [code], "{from}");

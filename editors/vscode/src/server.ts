@@ -4,9 +4,13 @@ import * as vscode from "vscode";
 import { LanguageClient, LanguageClientOptions, ServerOptions } from "vscode-languageclient/node";
 import { configuredProgram, hasCommand, reportMissing, reportUnknownCommand, RevolveProgram, environment } from "./program";
 
+/** The C library of Linux returns the memory of arrays above this size to the system. By default the limit grows to 32 MB,
+ * and the server would keep much of the memory that the check of a large deck needs for a moment. */
+const MEMORY = { MALLOC_MMAP_THRESHOLD_: "1048576" };
+
 /** Returns how the server is started: standard input and output, no further argument. */
 export function serverOptions(program: RevolveProgram): ServerOptions {
-  return { command: program.path, args: ["lsp"], options: { env: environment(program) } };
+  return { command: program.path, args: ["lsp"], options: { env: { ...MEMORY, ...environment(program) } } };
 }
 
 /** Returns the options of the client: the settings go to the server when it starts. */

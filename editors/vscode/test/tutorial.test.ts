@@ -93,9 +93,9 @@ test("the misspelled keyword is an error with code D101, and the quick fix corre
     title: string;
     edit: { changes: Record<string, { newText: string }[]> };
   }[];
-  assert.equal(action.title, "Write `*RATE DEPENDENT`");
-  assert.deepEqual(Object.values(action.edit.changes)[0].map((edit) => edit.newText), ["*RATE DEPENDENT"]);
-  assert.deepEqual(await diagnostics(withLine(86, lines[85].replace("Rate Dependent", "RATE DEPENDENT"))), []);
+  assert.equal(action.title, "Write `*Rate Dependent`");
+  assert.deepEqual(Object.values(action.edit.changes)[0].map((edit) => edit.newText), ["*Rate Dependent"]);
+  assert.deepEqual(await diagnostics(withLine(86, lines[85].replace("Rate Dependent", "rate dependent"))), []);
 });
 
 test("the pointer shows the card of line 84 and the names of line 69", async () => {
@@ -111,7 +111,7 @@ test("the pointer shows the card of line 84 and the names of line 69", async () 
     }
     assert.match(shown, expected);
   };
-  await shows(84, "*Plastic", /\*PLASTIC: Metal plasticity\.[^]*HARDENING/);
+  await shows(84, "*Plastic", /\*PLASTIC\*\*: Metal plasticity\.[^]*- `HARDENING`/);
   await shows(69, "STEEL", /Young's modulus 207000/);
   await shows(69, "ROD", /80 elements/);
 });

@@ -6,7 +6,6 @@ use std::io::{self, BufReader};
 use clap::Args;
 
 use super::CommandStatus;
-use crate::explain::explain;
 
 /// Serve an editor: diagnostics, completion, documentation and navigation of decks by the language server protocol, on
 /// standard input and output. Editors start the command; docs/editor.md says how.
@@ -19,7 +18,7 @@ pub struct LspCommand {
 
 impl LspCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
-        revolve_editor::serve(BufReader::new(io::stdin()), io::stdout().lock(), explain)?;
+        revolve_editor::serve(BufReader::new(io::stdin()), io::stdout().lock())?;
         Ok(CommandStatus::SUCCESS)
     }
 }

@@ -148,7 +148,7 @@ impl RunCommand {
             print_out!("{}", prepared.plan.ledger.render(false));
         }
         self.announce_output(&mut prepared, &job, from.is_some())?;
-        let mut view = self.view.open(&job, &prepared, self.is_silent())?;
+        let mut view = self.view.open(&job, self.is_silent())?;
         let signal = watch_signals()?;
         // The run takes the state itself, without a copy, which could be large.
         let state = Some(std::mem::take(&mut prepared.state));

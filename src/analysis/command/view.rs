@@ -8,12 +8,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use clap::{Args, Parser};
-use serde_json::Value;
 
 use super::CommandStatus;
 use super::run::RunCommand;
 use super::words::{print_err, print_out};
-use crate::job::{self, PreparedJob};
+use crate::job;
 use crate::output::{JobFiles, STATUS};
 use crate::platform::browser_command;
 use crate::platform::signals::watch_signals;
@@ -57,11 +56,11 @@ pub struct ViewOption {
 
 impl ViewOption {
     /// Opens the view if it is requested.
-    pub fn open(&self, job: &JobFiles, prepared: &PreparedJob, quiet: bool) -> Result<Option<JobView>, Box<dyn Error>> {
+    pub fn open(&self, job: &JobFiles, quiet: bool) -> Result<Option<JobView>, Box<dyn Error>> {
         if !self.view {
             return Ok(None);
         }
-        let view = JobView::open(job, self.port.unwrap_or(0), view::setup(prepared)?)?;
+        let view = JobView::open(job, self.port.unwrap_or(0))?;
         announce(&view, self.no_browser, quiet);
         Ok(Some(view))
     }
@@ -87,7 +86,7 @@ impl ViewCommand {
             job
         };
         let signal = watch_signals()?;
-        let view = JobView::open(&job, self.port.unwrap_or(0), Value::Null)?;
+        let view = JobView::open(&job, self.port.unwrap_or(0))?;
         announce(&view, self.no_browser, false);
         print_out!("Ctrl+C ends the view");
         while signal.load(Ordering::Relaxed) == 0 {
@@ -107,8 +106,7 @@ impl ViewCommand {
 
 /// Notes that a deck has changed since its results were written.
 fn note_older_results(deck: &Path, job: &JobFiles) {
-    let changed = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
-    if changed(deck) > changed(&job.path(STATUS)) {
+    if !view::changed_files([deck], job).is_empty() {
         print_err!(
             "note: the results in {} are older than the deck; `revolve run {} --view` runs it again",
             job.folder.display(),

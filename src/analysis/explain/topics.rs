@@ -128,6 +128,7 @@ pub(super) const TOPICS: &[HelpTopic] = &[
                \x20 <job>.pvd, <job>_0000.vtu …  frames for ParaView: open the .pvd\n\
                \x20 <job>_history.csv            histories, one per column\n\
                \x20 <job>.sta                    progress: increments, energies, frames\n\
+               \x20 <job>.setup                  ledger and materials until the end of the run\n\
                \x20 <job>.json                   summary: status, warnings, energies, ledger, run time\n\
                \x20 <job>.checkpoint             state for a restart with --resume\n\
                `revolve report DIR` writes them as one HTML page, `revolve chart DIR --column NAME` draws a picture.\n",

@@ -16,9 +16,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::job::PreparedJob;
 use crate::output::{JobFiles, STATUS};
 use crate::report::only_run;
 use crate::solve::Progress;
@@ -39,17 +38,16 @@ pub struct JobView {
 }
 
 impl JobView {
-    /// Opens a view of the results of a job; `setup` is that of a run in this process, or null. Port 0 is one that the
-    /// system chooses.
+    /// Opens a view of the results of a job. Port 0 is one that the system chooses.
     ///
     /// # Errors
     /// If the port is in use, or no thread can be started.
-    pub fn open(job: &JobFiles, port: u16, setup: Value) -> Result<JobView, String> {
+    pub fn open(job: &JobFiles, port: u16) -> Result<JobView, String> {
         let (board, store) = (Arc::new(StateBoard::default()), Arc::new(FrameStore::default()));
         let answers = RunAnswers::new(job.clone(), board.clone(), store.clone());
         let server = Arc::new(ViewServer::open(port, answers)?);
         let address = server.address().map_err(|e| e.to_string())?;
-        let watch = FolderWatch::new(job.clone(), board.clone(), store, setup);
+        let watch = FolderWatch::new(job.clone(), board.clone(), store);
         let start = |name: &str, work: Box<dyn FnOnce() + Send>| {
             let started = std::thread::Builder::new().name(name.into()).spawn(work);
             started.map_err(|e| format!("cannot start a thread: {e}"))
@@ -84,18 +82,11 @@ impl JobView {
     }
 }
 
-/// Returns what the page shows of a run before there is a summary: ledger, scene, units and materials.
-///
-/// # Errors
-/// If a number cannot be written as JSON.
-pub fn setup(prepared: &PreparedJob) -> serde_json::Result<Value> {
-    Ok(json!({
-        "ledger": serde_json::to_value(&prepared.plan.ledger)?,
-        "scene": serde_json::to_value(&prepared.scene)?,
-        "units": serde_json::to_value(&prepared.units)?,
-        "materials": prepared.plan.labels.material_names(),
-        "diagnostics": serde_json::to_value(prepared.diagnostics.findings(&prepared.deck.sources))?,
-    }))
+/// Returns the files of a deck that have changed since a run of the deck began.
+pub fn changed_files<'a>(files: impl IntoIterator<Item = &'a Path>, job: &JobFiles) -> Vec<&'a Path> {
+    let changed = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
+    let begin = ["_0000.vtu", STATUS].iter().find_map(|ending| changed(&job.path(ending)));
+    files.into_iter().filter(|file| begin.is_some() && changed(file) > begin).collect()
 }
 
 /// Returns the only job in a folder. A job that has just started has only a status file.

@@ -3,7 +3,7 @@ const data = JSON.parse(document.getElementById('data').textContent);
 // Bytes of frames that the page keeps; the time of reading a frame times PAUSE passes before the next one of a running job.
 const MEMORY = 512 * 1048576, PAUSE = 50;
 const MARGIN = { left: 58, right: 14, top: 10, bottom: 40 };
-const parts = { setup: null, frames: { generation: 0, times: [], fields: [], units: ['', ''] }, status: {}, progress: null, run: null, warnings: [], faults: [] };
+const parts = { setup: null, frames: { generation: 0, times: [], fields: [], units: ['', ''] }, status: {}, progress: null, run: null, warnings: [], faults: [], changed: [] };
 
 // ---- frames ----
 /** Frames of the server, kept by number, and the range of each field in the frames that have been loaded. */
@@ -410,13 +410,13 @@ const view = (() => {
     const s = summary(), warnings = s && s.warnings ? s.warnings : parts.warnings, list = (title, kind, texts) => texts.length ? card(title, make('ul', { class: kind }, ...texts.map(w => make('li', {}, w)))) : '';
     messages_.replaceChildren(
       lost ? card('The server of this view has ended', make('p', {}, 'Frames that have been loaded can still be shown. To see the results again: ', make('code', {}, `revolve view ${data.folder}`))) : '',
+      parts.changed.length ? card('The deck has changed', make('p', {}, `These results are older than ${parts.changed.join(', ')}. Run the deck again for new ones.`)) : '',
       s && s.reason ? make('div', { class: 'card reason' }, make('h3', {}, 'Halted'), s.reason) : '',
       list('Warnings', 'warning', warnings), list('Files that cannot be read', 'error', [...parts.faults, ...(local ? [local] : [])]));
   };
   const drawFacts = () => {
     const s = facts(), book = ledger(s);
-    const later = book || ended() ? null : card('Ledger', make('p', { class: 'soft' }, 'The ledger of this job is written at its end; a run with --view shows it at once.'));
-    more.replaceChildren(...[book, later, energies(s), steps(s), findings(s), messages(s), parts.run ? columns(parts.run) : null].filter(Boolean));
+    more.replaceChildren(...[book, energies(s), steps(s), findings(s), messages(s), parts.run ? columns(parts.run) : null].filter(Boolean));
   };
   // ---- the chosen element ----
   let chosen = { cell: -1, field: -1, values: [], generation: 0, busy: false };
@@ -497,6 +497,7 @@ const view = (() => {
     status(value) { parts.status = value; drawHead(); drawCharts(); },
     progress(value) { parts.progress = value; drawHead(); },
     warnings(value) { parts.warnings = value; drawMessages(); },
+    changed(value) { parts.changed = value; drawMessages(); },
     faults(value) { parts.faults = value; drawMessages(); },
     run(value) { parts.run = value; drawHead(); drawMessages(); drawCharts(); drawFacts(); mesh.draw(); mesh.prefetch(); },
   };

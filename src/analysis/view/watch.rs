@@ -7,11 +7,12 @@ use std::time::{Duration, Instant, SystemTime};
 use serde_json::{Value, json};
 
 use super::board::StateBoard;
+use super::changed_files;
 use super::status::JobStatus;
 use super::store::{FrameStore, ViewMesh};
 use crate::deck::files;
 use crate::output::sums::{Checksums, SUMS};
-use crate::output::{HISTORY, JobFiles, STATUS};
+use crate::output::{HISTORY, JobFiles, SETUP, STATUS};
 use crate::report::units::UnitNames;
 use crate::report::{frames, limits, run_without_frames};
 
@@ -64,8 +65,8 @@ pub struct FolderWatch {
     job: JobFiles,
     board: Arc<StateBoard>,
     store: Arc<FrameStore>,
-    /// Ledger, scene, units and materials of a run in this process; null otherwise.
-    setup: Value,
+    /// Names of the files of the deck, from the setup or the summary.
+    deck: Vec<PathBuf>,
     sums: Arc<Checksums>,
     /// Times of the frames, and the state of the first file.
     series: (Vec<f64>, FileStamp),
@@ -74,28 +75,48 @@ pub struct FolderWatch {
 }
 
 impl FolderWatch {
-    pub fn new(job: JobFiles, board: Arc<StateBoard>, store: Arc<FrameStore>, setup: Value) -> FolderWatch {
-        let units = UnitNames::of(&setup);
-        let (sums, series) = (Arc::default(), Default::default());
-        FolderWatch { job, board, store, setup, sums, series, units, ended: false }
+    pub fn new(job: JobFiles, board: Arc<StateBoard>, store: Arc<FrameStore>) -> FolderWatch {
+        let (deck, sums, series, units) = Default::default();
+        FolderWatch { job, board, store, deck, sums, series, units, ended: false }
     }
 
     /// Looks at the files until the process ends.
     pub fn run(mut self) {
-        self.board.post("setup", self.setup.to_string());
-        let mut watched: [WatchedFiles; 3] = Default::default();
-        let [status, list, summary] = [STATUS, ".pvd", ".json"].map(|ending| self.job.path(ending));
+        let mut watched: [WatchedFiles; 4] = Default::default();
+        let [setup, status, list, summary] = [SETUP, STATUS, ".pvd", ".json"].map(|ending| self.job.path(ending));
         let [history, sums] = [HISTORY, SUMS].map(|ending| self.job.path(ending));
         loop {
             let faults = [
+                watched[3].look(std::slice::from_ref(&setup), || self.read_setup(&setup)),
                 watched[0].look(std::slice::from_ref(&status), || self.read_status()),
                 watched[1].look(&[summary.clone(), history.clone(), sums.clone()], || self.read_run()),
                 watched[2].look(&[list.clone(), summary.clone(), sums.clone()], || self.read_frames()),
             ];
             let faults: Vec<String> = faults.into_iter().filter_map(Result::err).collect();
             self.board.post("faults", json!(faults).to_string());
+            let changed = changed_files(self.deck.iter().map(PathBuf::as_path), &self.job);
+            self.board.post("changed", json!(changed).to_string());
             std::thread::sleep(LOOK);
         }
+    }
+
+    /// Reads the setup of a run that has not ended.
+    fn read_setup(&mut self, path: &Path) -> Result<(), String> {
+        if !path.is_file() {
+            return Ok(());
+        }
+        let text = files::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
+        let setup: Value = serde_json::from_slice(&text).map_err(|e| format!("{}: {e}", path.display()))?;
+        self.take_facts(&setup);
+        self.board.post("setup", setup.to_string());
+        Ok(())
+    }
+
+    /// Takes units and files of the deck from a setup or summary.
+    fn take_facts(&mut self, facts: &Value) {
+        self.units = UnitNames::of(facts);
+        let names = facts["deck"]["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        self.deck = names.map(PathBuf::from).collect();
     }
 
     fn read_status(&mut self) -> Result<(), String> {
@@ -118,7 +139,7 @@ impl FolderWatch {
         self.sums = Arc::new(self.checksums()?);
         let run = run_without_frames(&self.job.folder, &self.job.name, &self.sums)?;
         if run.summary.is_object() {
-            self.units = UnitNames::of(&run.summary);
+            self.take_facts(&run.summary);
         }
         self.board.post("run", serde_json::to_string(&run).map_err(|e| e.to_string())?);
         Ok(())

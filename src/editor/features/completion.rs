@@ -5,8 +5,9 @@ use serde_json::{Value, json};
 use super::FeatureContext;
 use super::context::{CardContext, CardPart, card_context};
 use super::facts::short;
+use super::letter_case::{prefers_lower, title_case};
 use crate::deck::keywords::{InputRule, InputUsage, Keyword, KeywordTier, keywords};
-use crate::deck::manual::{explain_keyword_briefly, explain_rule};
+use crate::deck::manual::{explain_rule, explain_support};
 use crate::deck::name_kinds::{NameKind, field_name_kind, parameter_name_usage};
 use crate::outline::NameUse;
 use crate::text::{TextPosition, TextRange};
@@ -22,8 +23,24 @@ enum ItemKind {
     Variable = 6,
 }
 
-/// Returns the completions at a position.
-pub fn completions(context: &FeatureContext<'_>, position: TextPosition) -> Vec<Value> {
+/// Returns the list of completions at a position. A client with `has_range_default` receives the replaced range once.
+pub fn completion_list(context: &FeatureContext<'_>, position: TextPosition, has_range_default: bool) -> Value {
+    let mut items = completions(context, position);
+    let mut list = json!({ "isIncomplete": false });
+    if has_range_default && let Some(range) = items.first().map(|item| item["textEdit"]["range"].clone()) {
+        list["itemDefaults"] = json!({ "editRange": range });
+        for item in items.iter_mut().filter_map(Value::as_object_mut) {
+            let text = item.shift_remove("textEdit").map(|mut edit| edit["newText"].take());
+            if let Some(text) = text.filter(|text| Some(text) != item.get("label")) {
+                item.insert("textEditText".into(), text);
+            }
+        }
+    }
+    list["items"] = items.into();
+    list
+}
+
+fn completions(context: &FeatureContext<'_>, position: TextPosition) -> Vec<Value> {
     let line = context.text.line(position.line);
     let byte = context.encoding.byte(line, position.character);
     if line[..byte].trim() == "*" || line.trim() == "*" {
@@ -51,31 +68,18 @@ fn to_cursor(line: &str, byte: usize, position: TextPosition, context: &FeatureC
 }
 
 fn item(label: &str, kind: ItemKind, range: TextRange, new_text: &str, detail: &str, rank: u8) -> Value {
-    json!({
+    let mut item = json!({
         "label": label,
         "kind": kind as u8,
         "detail": detail,
-        "filterText": new_text,
         "sortText": format!("{rank}{label}"),
         "textEdit": { "range": range, "newText": new_text },
-    })
-}
-
-/// Returns whether a line has more lower-case than upper-case letters.
-fn prefers_lower(line: &str) -> bool {
-    let count = |is: fn(&char) -> bool| line.chars().filter(is).count();
-    count(|c| c.is_ascii_lowercase()) > count(|c| c.is_ascii_uppercase())
-}
-
-/// Writes the first letter of each word in upper case and the others in lower case.
-fn title_case(text: &str) -> String {
-    let mut begins = true;
-    let letter = |c: char| {
-        let written = if begins { c.to_ascii_uppercase() } else { c.to_ascii_lowercase() };
-        begins = !c.is_alphanumeric();
-        written
-    };
-    text.chars().map(letter).collect()
+    });
+    // Clients filter by the label without regard to case.
+    if !label.eq_ignore_ascii_case(new_text) {
+        item["filterText"] = new_text.into();
+    }
+    item
 }
 
 fn keyword_items(context: &FeatureContext<'_>, position: TextPosition, range: TextRange) -> Vec<Value> {
@@ -96,18 +100,16 @@ fn keyword_items(context: &FeatureContext<'_>, position: TextPosition, range: Te
     let of = |keyword: &'static Keyword| {
         let name = format!("*{}", keyword.name);
         let written = if lower { title_case(&name) } else { name.clone() };
-        let mut item = item(&name, ItemKind::Keyword, range, &written, keyword.summary, rank(keyword));
-        item["data"] = keyword.name.into();
-        item
+        item(&name, ItemKind::Keyword, range, &written, keyword.summary, rank(keyword))
     };
     keywords().map(of).collect()
 }
 
-/// Adds the documentation to the completion of a keyword, which is the only one that the client shows.
+/// Adds the documentation to the completion of a keyword, of which the client shows the summary already.
 pub fn resolved_item(mut item: Value) -> Value {
-    let name = item["data"].as_str().unwrap_or_default();
+    let name = item["label"].as_str().and_then(|label| label.strip_prefix('*')).unwrap_or_default();
     if let Some(keyword) = keywords().find(|keyword| keyword.name == name) {
-        item["documentation"] = explain_keyword_briefly(keyword).into();
+        item["documentation"] = explain_support(keyword).into();
     }
     item
 }

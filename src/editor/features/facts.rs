@@ -14,13 +14,16 @@ pub struct DeckFacts {
     descriptions: HashMap<(NameKind, String), String>,
     /// Sections and rigid bodies.
     pub parts: Vec<PartOverview>,
+    /// Whether the highest frequency of the whole model is estimated, which makes increments longer.
+    pub has_estimate: bool,
 }
 
 impl DeckFacts {
     /// Collects the properties of a model.
     pub fn of(model: &Model, prepared: &PreparedJob) -> DeckFacts {
-        let mut facts =
-            DeckFacts { parts: DeckOverview::of(model, &prepared.plan, &prepared.state).parts, ..DeckFacts::default() };
+        let PreparedJob { plan, state, .. } = prepared;
+        let (parts, has_estimate) = (DeckOverview::of(model, plan, state).parts, state.elements.estimates().is_some());
+        let mut facts = DeckFacts { parts, has_estimate, ..DeckFacts::default() };
         facts.describe_sets(model);
         for material in &model.materials {
             facts.add(NameKind::Material, &material.name, material_text(material));

@@ -4,21 +4,20 @@ use super::FeatureContext;
 use super::context::{CardPart, card_context};
 use super::facts::short;
 use crate::deck::keywords::InputRule;
-use crate::deck::manual::{explain_keyword_briefly, explain_rule};
+use crate::deck::manual::{explain_keyword_as_markdown, explain_rule};
 use crate::outline::NameUse;
 use crate::text::{TextPosition, TextRange};
+use crate::variables::manual::explain_variable;
 
-/// Returns the documentation of a position as Markdown, and the range of its word.
+/// Returns the documentation of a position as Markdown, and the range of its word; `None` after the end of a line.
 pub fn hover(context: &FeatureContext<'_>, position: TextPosition) -> Option<(String, TextRange)> {
+    if position.character > context.encoding.width(context.text.line(position.line).trim_end()) {
+        return None;
+    }
     let card = card_context(context.text, position, context.encoding);
     let keyword = card.keyword;
     let (text, range) = match card.part {
-        CardPart::Keyword(range) => {
-            let keyword = keyword?;
-            let full =
-                (context.explain)(&format!("*{}", keyword.name)).unwrap_or_else(|| explain_keyword_briefly(keyword));
-            (as_block(&full), range)
-        }
+        CardPart::Keyword(range) => (explain_keyword_as_markdown(keyword?), range),
         CardPart::ParameterName(range) => {
             let parameter = card.parameters.iter().find(|p| p.name_range == range)?;
             (rule_text(keyword?.name, parameter.rule?), range)
@@ -31,8 +30,8 @@ pub fn hover(context: &FeatureContext<'_>, position: TextPosition) -> Option<(St
             let rule = rule?;
             let text = with_name(context, position, rule_text(keyword?.name, rule));
             let word = word_at(context, range);
-            let variable = rule.name.ends_with("variable").then(|| (context.explain)(&word)).flatten();
-            (variable.map_or(text.clone(), |about| format!("{text}\n\n{}", as_block(&about))), range)
+            let variable = rule.name.ends_with("variable").then(|| explain_variable(&word)).flatten();
+            (variable.map_or(text.clone(), |about| format!("{text}\n\n{}", as_markdown(&about))), range)
         }
         CardPart::Comment => return None,
     };
@@ -45,13 +44,19 @@ fn word_at(context: &FeatureContext<'_>, range: TextRange) -> String {
     line[bytes(range.start.character)..bytes(range.end.character)].trim_matches('"').to_owned()
 }
 
-fn as_block(text: &str) -> String {
-    format!("```text\n{}\n```", text.trim_end())
+/// Writes paragraphs, and lines that are indented as a list.
+fn as_markdown(text: &str) -> String {
+    let line = |line: &str| line.strip_prefix("  ").map_or(format!("\n{line}\n"), |item| format!("- {item}\n"));
+    escaped(&text.lines().map(line).collect::<String>())
+}
+
+/// Marks characters that Markdown would read as HTML or emphasis.
+fn escaped(text: &str) -> String {
+    text.replace('<', "\\<").replace('*', "\\*")
 }
 
 fn rule_text(keyword: &str, rule: &InputRule) -> String {
-    // Text in angle brackets must not be read as HTML.
-    format!("**\\*{keyword}**: {}", explain_rule(rule).replace('<', "\\<").replace('*', "\\*"))
+    format!("**\\*{keyword}**, `{}`: {}", rule.name, escaped(&explain_rule(rule)))
 }
 
 /// Adds the description of the name at a position.

@@ -7,6 +7,7 @@ pub mod folding;
 pub mod format;
 pub mod hints;
 pub mod hover;
+pub mod letter_case;
 pub mod navigation;
 pub mod symbols;
 pub mod tokens;
@@ -38,8 +39,6 @@ pub struct FeatureContext<'a> {
     pub root: DeckView<'a>,
     /// Unit of columns.
     pub encoding: ColumnEncoding,
-    /// Documentation of a word.
-    pub explain: fn(&str) -> Option<String>,
 }
 
 impl FeatureContext<'_> {

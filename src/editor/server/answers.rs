@@ -9,6 +9,7 @@ use super::documents::{path_key, path_of_document};
 use super::publish::FileDiagnostic;
 use super::requests::{RequestResult, parameters};
 use super::state::ServerState;
+use crate::features::letter_case::correction_as_in_line;
 use crate::features::navigation::{NamePlace, invalid_name, places_of_name, renamed_word};
 use crate::features::{DeckView, FeatureContext, completion, folding, format, hints, hover, symbols, tokens};
 use crate::protocol::{DocumentParams, ErrorCode, FileLocation, ResponseError, TextEdit};
@@ -45,7 +46,6 @@ impl ServerState {
             file: root.outline.paths().position(|of| path_key(of) == key).unwrap_or(0) as u32,
             root: DeckView { outline: &root.outline, facts: root.facts.as_ref() },
             encoding: self.encoding,
-            explain: self.explain,
         };
         answer(&DocumentQuestion { state: self, context, params, key })
     }
@@ -79,8 +79,10 @@ fn hover_answer(question: &DocumentQuestion<'_>) -> RequestResult {
 }
 
 fn completion_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let items = completion::completions(&question.context, question.params.position);
-    Ok(json!({ "isIncomplete": false, "items": items }))
+    let defaults = question.state.client.pointer("/textDocument/completion/completionList/itemDefaults");
+    let has_range =
+        defaults.and_then(Value::as_array).is_some_and(|names| names.iter().any(|name| name == "editRange"));
+    Ok(completion::completion_list(&question.context, question.params.position, has_range))
 }
 
 fn places(question: &DocumentQuestion<'_>) -> Vec<NamePlace> {
@@ -170,6 +172,7 @@ fn code_action_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let uri = |path: &Path| question.state.documents.uri(path);
     let action = |(diagnostic, is_foreign): (&FileDiagnostic, bool)| {
         let edit = diagnostic.correction.as_ref().filter(|_| diagnostic.range.meets(&wanted))?;
+        let edit = correction_as_in_line(&question.context, diagnostic.code, edit);
         let shown = diagnostic.document(diagnostic.level(question.state.options.mode, is_foreign), &uri);
         let title = if edit.new_text.contains('\n') {
             "Add the missing line".into()

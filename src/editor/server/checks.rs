@@ -11,7 +11,7 @@ use super::documents::path_key;
 use super::publish::{FileDiagnostic, file_diagnostics};
 use crate::deck;
 use crate::features::DeckFacts;
-use crate::job;
+use crate::job::{PreparedJob, ValidatedDeck};
 use crate::text::{ColumnEncoding, TextBuffer};
 use crate::user::Routines;
 
@@ -145,14 +145,28 @@ impl DeckChecker {
 
     fn check_unguarded(&self, request: &CheckRequest) -> Option<(Vec<FileDiagnostic>, Option<DeckFacts>)> {
         let open = |path: &Path| request.open.get(&path_key(path)).map(TextBuffer::text);
+        let text_of = |path: &Path| if path == request.root { Some(request.text.text()) } else { open(path) };
         let read = deck::read_open(&request.root, request.text.text(), &open);
         if self.is_superseded(request) {
             return None;
         }
-        let (prepared, model) = job::prepare_with_model(read, &Routines::none());
+        let mut validated = ValidatedDeck::new(read);
+        if self.is_superseded(request) {
+            return None;
+        }
+        // The plan of a large mesh takes most of the memory. Open files have their texts already.
+        let is_open = |path: &Path| path == request.root || request.open.contains_key(&path_key(path));
+        validated.release_texts(is_open);
+        let (prepared, model) = validated.plan(&Routines::none());
         let accepted = !prepared.diagnostics.has_errors();
         let facts = accepted.then(|| DeckFacts::of(&model, &prepared));
-        (!self.is_superseded(request)).then(|| (file_diagnostics(&prepared, request.encoding), facts))
+        let PreparedJob { mut deck, diagnostics, plan, state, .. } = prepared;
+        drop((plan, state, model));
+        if self.is_superseded(request) {
+            return None;
+        }
+        Arc::make_mut(&mut deck.sources).restore_texts(&text_of);
+        Some((file_diagnostics(&deck, &diagnostics, request.encoding), facts))
     }
 }
 

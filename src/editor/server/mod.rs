@@ -39,21 +39,16 @@ enum ServerEvent {
     Checked(Box<CheckResult>),
 }
 
-/// Serves a client until it sends `exit` or ends the stream. `explain` returns the documentation of a keyword, output
-/// variable or code, as `revolve explain` prints it.
+/// Serves a client until it sends `exit` or ends the stream.
 ///
 /// # Errors
 /// If a stream fails, or ends before the client has shut the server down.
-pub fn serve(
-    input: impl BufRead + Send + 'static,
-    output: impl Write,
-    explain: fn(&str) -> Option<String>,
-) -> Result<(), EditorError> {
+pub fn serve(input: impl BufRead + Send + 'static, output: impl Write) -> Result<(), EditorError> {
     let (sender, events) = channel();
     let reader = sender.clone();
     std::thread::spawn(move || read_messages(input, &reader));
     let checker = DeckChecker::start(move |result| sender.send(ServerEvent::Checked(Box::new(result))).is_ok());
-    let mut state = ServerState::new(Box::new(checker), explain);
+    let mut state = ServerState::new(Box::new(checker));
     let mut output = output;
     run_loop(&mut state, &events, &mut output)
 }

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use crate::deck::{Deck, Diagnostic, Diagnostics, Severity, Sources};
-use crate::job::PreparedJob;
 use crate::outline::{DeckOutline, range_of_span};
 use crate::protocol::{DiagnosticLevel, DocumentDiagnostic, FileLocation, RelatedPlace, ServerMode, TextEdit};
 use crate::text::{ColumnEncoding, TextRange};
@@ -100,13 +99,13 @@ pub fn is_foreign(mode: ServerMode, diagnostics: &[FileDiagnostic]) -> bool {
 }
 
 /// Converts the diagnostics of a check.
-pub fn file_diagnostics(prepared: &PreparedJob, encoding: ColumnEncoding) -> Vec<FileDiagnostic> {
-    let sources = &prepared.deck.sources;
+pub fn file_diagnostics(deck: &Deck, diagnostics: &Diagnostics, encoding: ColumnEncoding) -> Vec<FileDiagnostic> {
+    let sources = &deck.sources;
     let locate = |span| {
         let range = range_of_span(sources, span, encoding)?;
         Some((sources.file(span)?.path.clone(), range))
     };
-    converted(&prepared.deck, &prepared.diagnostics, &locate)
+    converted(deck, diagnostics, &locate)
 }
 
 /// Converts the diagnostics of the syntax of an outline.

@@ -51,8 +51,6 @@ pub struct ServerState {
     pub options: InitializationOptions,
     /// What the client can do.
     pub client: Value,
-    /// Documentation of a word.
-    pub explain: fn(&str) -> Option<String>,
     /// Checked decks by path.
     pub roots: BTreeMap<PathBuf, RootDeck>,
     /// Decks on disk that include an open file.
@@ -65,7 +63,7 @@ pub struct ServerState {
 
 impl ServerState {
     /// Creates the state at the start of a session.
-    pub fn new(checker: Box<DeckChecker>, explain: fn(&str) -> Option<String>) -> ServerState {
+    pub fn new(checker: Box<DeckChecker>) -> ServerState {
         ServerState {
             phase: SessionPhase::Starting,
             outbox: Vec::new(),
@@ -73,7 +71,6 @@ impl ServerState {
             encoding: ColumnEncoding::default(),
             options: InitializationOptions::default(),
             client: Value::Null,
-            explain,
             roots: BTreeMap::new(),
             disk_roots: BTreeSet::new(),
             published: HashMap::new(),

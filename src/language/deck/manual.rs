@@ -43,7 +43,13 @@ fn chapter(title: &str, about: &str, belongs: fn(&Keyword) -> bool) -> String {
 }
 
 fn entry(keyword: &'static Keyword) -> String {
-    let mut text = format!("\n### *{}\n\n{}.{}\n", keyword.name, keyword.summary, standing_place(keyword));
+    let head = format!("\n### *{}\n\n{}.{}\n", keyword.name, keyword.summary, standing_place(keyword));
+    head + &parameters_and_data(keyword)
+}
+
+/// Lists the parameters and data lines of a keyword as Markdown.
+fn parameters_and_data(keyword: &'static Keyword) -> String {
+    let mut text = String::new();
     if !keyword.parameters.is_empty() {
         text += "\n";
     }
@@ -206,15 +212,22 @@ pub fn explain_keyword(name: &str) -> Option<String> {
     }
 }
 
-/// Describes a parameter or field in one line: its meaning, allowed values and default.
+/// Describes a parameter or field in one line, without its name: its meaning, allowed values and default.
 pub fn explain_rule(rule: &InputRule) -> String {
-    format!("{}{}", rule.name, about(rule))
+    about(rule).trim_start_matches([':', ' ']).to_owned()
 }
 
-/// Describes a keyword in two lines: its meaning and support, and where it is allowed.
-pub fn explain_keyword_briefly(keyword: &Keyword) -> String {
-    let (place, support) = (standing_place(keyword), standing(keyword.tier));
-    format!("*{}{}: {}.\n{support}.{place}", keyword.name, mark(keyword.extension), keyword.summary)
+/// Describes the support of a keyword, and where it is allowed.
+pub fn explain_support(keyword: &Keyword) -> String {
+    format!("{}.{}", standing(keyword.tier), standing_place(keyword))
+}
+
+/// Returns the text of `revolve explain KEYWORD` as Markdown with lists of parameters and data lines.
+pub fn explain_keyword_as_markdown(keyword: &'static Keyword) -> String {
+    let (name, mark, summary) = (keyword.name, mark(keyword.extension), keyword.summary);
+    let head = format!("**\\*{name}**{mark}: {summary}.\n\n{}\n", explain_support(keyword));
+    // Text in angle brackets must not be read as HTML.
+    (head + &parameters_and_data(keyword)).replace('<', "\\<")
 }
 
 /// Iterates over the names of all keywords.
@@ -230,7 +243,8 @@ pub fn is_keyword(name: &str) -> bool {
 
 fn explain(keyword: &'static Keyword) -> String {
     let width = keyword.parameters.iter().map(|r| r.name.len()).max().unwrap_or(0);
-    let mut text = explain_keyword_briefly(keyword) + "\n";
+    let head = format!("*{}{}: {}.", keyword.name, mark(keyword.extension), keyword.summary);
+    let mut text = format!("{head}\n{}\n", explain_support(keyword));
     for rule in keyword.parameters {
         text += &format!("  {:width$} {}\n", rule.name, about(rule).trim_start_matches(':'));
     }

@@ -84,6 +84,18 @@ impl Sources {
         }
     }
 
+    /// Frees the texts of files that can be read again. Places remain valid, words cannot be looked up meanwhile.
+    pub fn release_texts(&mut self, is_open: impl Fn(&Path) -> bool) {
+        self.files.iter_mut().filter(|file| is_open(&file.path)).for_each(|file| file.text = String::new());
+    }
+
+    /// Sets the texts that have been released.
+    pub fn restore_texts(&mut self, open_texts: &super::OpenTexts<'_>) {
+        for file in self.files.iter_mut().filter(|file| file.text.is_empty()) {
+            file.text = open_texts(&file.path).map(normalise).unwrap_or_default();
+        }
+    }
+
     /// Returns the files in the order in which they were opened.
     pub fn files(&self) -> &[SourceFile] {
         &self.files

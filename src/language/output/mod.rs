@@ -30,6 +30,8 @@ pub use whole::{AtomicFile, write_durable, write_whole};
 pub const HISTORY: &str = "_history.csv";
 /// Suffix of the status file.
 pub const STATUS: &str = ".sta";
+/// Suffix of the file with the setup of a run, which exists until the summary is written.
+pub const SETUP: &str = ".setup";
 
 /// An array over points or cells.
 #[derive(Clone, Debug)]

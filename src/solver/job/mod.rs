@@ -1,10 +1,12 @@
 //! The pipeline from a deck to results: text to deck, deck to model, model to plan, plan to results.
 
 mod memory;
+mod setup;
 mod status;
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::time::{Duration, Instant as Stopwatch};
 
@@ -23,7 +25,7 @@ use crate::output::lock::{FolderLock, LockError};
 use crate::output::pvd::{FrameWriter, WrittenFrame, missing_frames};
 use crate::output::sums::{Checksums, SUMS, sum};
 use crate::output::{
-    FramePoints, HISTORY, HistorySummary, JobFiles, OutputFrame, RunHistory, write_summary, write_whole,
+    FramePoints, HISTORY, HistorySummary, JobFiles, OutputFrame, RunHistory, SETUP, write_summary, write_whole,
     write_with_sums,
 };
 use crate::overview::DeckOverview;
@@ -136,25 +138,52 @@ pub fn prepare_edited(read: (Deck, Diagnostics), edit: &mut dyn FnMut(&mut Model
     prepared_model(read, edit, routines).0
 }
 
-/// Validates and plans a deck that has been read, and also returns its model.
-pub fn prepare_with_model(read: (Deck, Diagnostics), routines: &Routines) -> (PreparedJob, Model) {
-    prepared_model(read, &mut |_| {}, routines)
+/// A deck that has been read and validated.
+pub struct ValidatedDeck {
+    /// Without its cards.
+    deck: Deck,
+    /// Incomplete if there are errors.
+    model: Model,
+    diagnostics: Diagnostics,
+}
+
+impl ValidatedDeck {
+    /// Validates a deck that has been read.
+    pub fn new((mut deck, mut diagnostics): (Deck, Diagnostics)) -> ValidatedDeck {
+        let (model, found) = model::build(&deck);
+        // The cards are not needed any more, and with a large mesh they take most of the memory.
+        deck.cards = Vec::new();
+        diagnostics.append(found);
+        deck.name_fractions(&mut diagnostics);
+        ValidatedDeck { deck, model, diagnostics }
+    }
+
+    /// Frees the texts of files that can be read again: the plan needs only places. [`deck::Sources::restore_texts`] sets
+    /// them again.
+    pub fn release_texts(&mut self, is_open: impl Fn(&Path) -> bool) {
+        // The model shares the sources of the deck.
+        self.model.origin.sources = Arc::default();
+        Arc::make_mut(&mut self.deck.sources).release_texts(is_open);
+        self.model.origin.sources = Arc::clone(&self.deck.sources);
+    }
+
+    /// Plans the analysis.
+    pub fn plan(self, routines: &Routines) -> (PreparedJob, Model) {
+        (planned(self.deck, &self.model, self.diagnostics, routines), self.model)
+    }
 }
 
 /// Prepares a job like [`prepare_edited`], and also returns the model.
 fn prepared_model(
-    (mut deck, mut diagnostics): (Deck, Diagnostics),
+    read: (Deck, Diagnostics),
     edit: &mut dyn FnMut(&mut Model),
     routines: &Routines,
 ) -> (PreparedJob, Model) {
-    let (mut model, found) = model::build(&deck);
-    // The cards are not needed any more, and with a large mesh they take most of the memory.
-    deck.cards = Vec::new();
-    diagnostics.append(found);
-    if !diagnostics.has_errors() {
-        edit(&mut model);
+    let mut validated = ValidatedDeck::new(read);
+    if !validated.diagnostics.has_errors() {
+        edit(&mut validated.model);
     }
-    (planned(deck, &model, diagnostics, routines), model)
+    validated.plan(routines)
 }
 
 /// Plans a model that is composed in Rust.
@@ -171,7 +200,6 @@ fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &R
         found.retain(|d| model.origin.bodies_read && d.severity == Severity::Error && OF_BODIES.contains(&d.code));
     }
     diagnostics.append(found);
-    deck.name_fractions(&mut diagnostics);
     diagnostics.merge_repeats();
     let (title, scene, has_routines) = (model.settings.title.clone(), SceneOutline::of(model), routines.any());
     let units = model.settings.units.clone();
@@ -284,6 +312,17 @@ pub struct DeckSummary {
     pub files: Vec<String>,
     /// Values of the `*PARAMETER`s, overrides applied.
     pub parameters: IndexMap<String, f64>,
+}
+
+impl DeckSummary {
+    fn of(prepared: &PreparedJob) -> DeckSummary {
+        let deck = &prepared.deck;
+        DeckSummary {
+            title: prepared.title.clone(),
+            files: deck.sources.files().iter().map(|f| f.name.clone()).collect(),
+            parameters: deck.parameters.iter().cloned().collect(),
+        }
+    }
 }
 
 /// Sink of sweeps and studies: histories in memory, no frames.
@@ -575,6 +614,7 @@ pub fn run_with<'a>(
         }
     };
     let frames = frames.map_err(JobError::Folder)?;
+    setup::write_setup(prepared, job).map_err(JobError::Folder)?;
     let status = StatusFile::open(job, goes_on).map_err(JobError::Folder)?;
     let history_written = Stopwatch::now();
     let warn = options.warn.unwrap_or(&|_| {});
@@ -619,8 +659,10 @@ fn finish_files(job: &JobFiles, summary: &mut RunSummary, mut sums: Checksums) {
         sums.add_sum(job, ".json", sum);
         sums.write(job, SUMS)
     });
-    if let Err(e) = written {
-        summary.mark_unwritten(e.to_string());
+    match written {
+        // Its contents are in the summary.
+        Ok(()) => drop(std::fs::remove_file(job.path(SETUP))),
+        Err(e) => summary.mark_unwritten(e.to_string()),
     }
     if summary.reason.is_none() {
         // A failure is harmless: a restart from the checkpoint gives the same results.
@@ -692,11 +734,7 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
             resumed_at: None,
             checkpoint_seconds: None,
         },
-        deck: DeckSummary {
-            title: prepared.title.clone(),
-            files: deck.sources.files().iter().map(|f| f.name.clone()).collect(),
-            parameters: deck.parameters.iter().cloned().collect(),
-        },
+        deck: DeckSummary::of(prepared),
         version: env!("CARGO_PKG_VERSION"),
     }
 }

@@ -26,6 +26,10 @@ pub struct PartOverview {
     pub centre: Option<f64>,
     /// Mass-weighted mean velocity along z, and the largest nodal speed.
     pub velocity: [f64; 2],
+    /// Smallest stable time increment of single elements at the start, without scale factor and without the estimate of
+    /// the whole model; absent for rigid bodies, and for materials whose stiffness is known only during a run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stable_increment: Option<f64>,
 }
 
 /// Returns all parts in the order of the deck.
@@ -73,6 +77,7 @@ impl PartSums {
             extent: self.extent,
             centre,
             velocity: [mean, self.fastest],
+            stable_increment: None,
         }
     }
 }
@@ -90,15 +95,21 @@ fn deformable(name: String, elements: &[usize], model: &Model, plan: &Plan, stat
     let free: Vec<usize> = elements.iter().copied().filter(|e| plan.places.elements.contains_key(e)).collect();
     let mut sums = PartSums::new();
     let nodes = state.dofs.nodes.as_slice();
+    let mut rates = [f64::INFINITY, 0.0_f64];
     for element in &free {
         let (group, index) = plan.places.elements[element];
         let group = &state.elements.groups[group];
+        let rate = group.stable_rate(index, None, nodes).unwrap_or(0.0);
+        rates = [rates[0].min(rate), rates[1].max(rate)];
         for (corner, mass) in group.boundary(index).iter().zip(group.masses(index)) {
             let node = &nodes[*corner as usize];
             sums.add(mass, node.place(), [node.v_r, node.v_z]);
         }
     }
-    (!free.is_empty()).then(|| sums.part(name, false, types(free.iter(), model)))
+    let [lowest, highest] = rates;
+    let stable_increment = (lowest > 0.0 && highest.is_finite()).then(|| 1.0 / highest);
+    let part = |sums: PartSums| PartOverview { stable_increment, ..sums.part(name, false, types(free.iter(), model)) };
+    (!free.is_empty()).then(|| part(sums))
 }
 
 fn rigid(body: &crate::plan::PlannedRigidBody, model: &Model) -> PartOverview {

@@ -83,12 +83,15 @@ impl<'m> Compiler<'m> {
         let mut found = None;
         for section in &self.model.sections {
             let Some(sound) = self.sound(section) else { continue };
+            let mut fast = self.velocities().filter(|(_, dof, v)| *dof <= 2 && v.abs() > TOO_FAST * sound).peekable();
+            if fast.peek().is_none() {
+                continue;
+            }
             let mut nodes: Vec<usize> = self.nodes_of(&section.elements);
             nodes.sort_unstable();
             nodes.dedup();
             let meets = |c: &InitialCondition| c.members.iter().any(|n| nodes.binary_search(n).is_ok());
-            let fast = self.velocities().find(|(c, dof, v)| *dof <= 2 && v.abs() > TOO_FAST * sound && meets(c));
-            if let Some((condition, _, velocity)) = fast {
+            if let Some((condition, _, velocity)) = fast.find(|(condition, ..)| meets(condition)) {
                 found = Some((condition.span, velocity, sound, &self.model.materials[section.material]));
                 break;
             }

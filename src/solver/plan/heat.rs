@@ -167,6 +167,10 @@ impl Compiler<'_> {
             parts.push(ConductorGroup { group, first, end: list.len(), properties });
         }
         let Some(id) = id else {
+            // A section that could not be planned has been reported.
+            if self.diagnostics.has_errors() && model.sections.iter().any(|section| self.conducts(section)) {
+                return None;
+            }
             let message = "the step solves for temperatures, but no element has temperatures";
             let finding = Diagnostic::error("P065", message).at(step.span, "this step");
             return self.diagnostics.refuse(finding.help("use CAX4RT or CAX3T elements, or *DYNAMIC, EXPLICIT"));

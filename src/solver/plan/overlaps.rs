@@ -169,9 +169,8 @@ impl Compiler<'_> {
         let solids: Vec<usize> =
             (0..mesh.elements.len()).filter(|&e| is(mesh.elements[e].kind) && !self.is_spatial(e)).collect();
         let piece = |elements: Vec<usize>| {
-            let places: Vec<[f64; 2]> =
-                elements.iter().flat_map(|&e| &mesh.elements[e].nodes).map(|&n| mesh.points[n]).collect();
-            let most = |f: fn(f64, f64) -> f64| [0, 1].map(|i| places.iter().map(|p| p[i]).reduce(f).unwrap_or(0.0));
+            let places = || elements.iter().flat_map(|&e| &mesh.elements[e].nodes).map(|&n| mesh.points[n]);
+            let most = |f: fn(f64, f64) -> f64| [0, 1].map(|i| places().map(|p| p[i]).reduce(f).unwrap_or(0.0));
             ConnectedPart { low: most(f64::min), high: most(f64::max), elements }
         };
         pieces(mesh, &solids).into_iter().map(piece).collect()

@@ -23,6 +23,11 @@ impl<V> Default for MeshIndexMap<V> {
 }
 
 impl<V> MeshIndexMap<V> {
+    /// Creates an empty map with memory for entries of the indices below a number.
+    pub fn with_capacity(count: usize) -> MeshIndexMap<V> {
+        MeshIndexMap { at: Vec::with_capacity(count), entries: Vec::with_capacity(count) }
+    }
+
     fn find(&self, number: usize) -> Option<usize> {
         self.at.get(number).filter(|at| **at != NONE).map(|at| *at as usize)
     }

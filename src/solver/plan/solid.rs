@@ -66,6 +66,8 @@ impl Compiler<'_> {
         }
         let mut nodes = self.place_nodes(sections.iter().map(|s| &s.1).chain(shells.iter().map(|s| &s.1)));
         self.place_rotations(&shells, &mut nodes);
+        let count = sections.iter().map(|s| s.1.len()).chain(shells.iter().map(|s| s.1.len())).sum();
+        self.places.elements = MeshIndexMap::with_capacity(count);
         let mut mass = vec![0.0; nodes.len()];
         let (mut groups, mut ids): (Vec<Box<dyn ElementGroup>>, Vec<_>) = Default::default();
         let (mut controlled, mut damped, mut averagings, mut lengths) = <(Vec<_>, Vec<_>, Vec<_>, Vec<_>)>::default();
