@@ -226,11 +226,6 @@ fn on_face(
     let (velocity, normal) = (face.mean(|n| view.velocity(n)), face.normal);
     let into = velocity[0] * normal[0] + velocity[1] * normal[1];
     let Some(facet) = Facet::new(face.ends[0], face.ends[1], false) else { return Ok(result) };
-    let motion = FaceMotion::new(view, &face, normal, others);
-    let loaded = into > 0.0;
-    if !loaded && motion.is_constrained {
-        return Ok(result);
-    }
     let law = stack.mean_stress(&facet, into.max(0.0));
     if law == 0.0 {
         return Ok(result);
@@ -239,9 +234,19 @@ fn on_face(
         return Err(into);
     }
     let forces = solid_face_forces(&face, law, view.rings);
-    let (most, lost) = (motion.velocity_to_rest(), velocity_lost(view, &face, normal, &forces));
+    let (loaded, lost) = (into > 0.0, velocity_lost(view, &face, normal, &forces));
+    // The law cannot stop a face that moves away this fast, if other forces turn its motion.
+    if !loaded && (into.is_nan() || into <= -lost) {
+        return Ok(result);
+    }
+    let motion = FaceMotion::new(view, &face, normal, others);
+    if !loaded && motion.is_constrained {
+        return Ok(result);
+    }
+    let most = motion.velocity_to_rest();
     result.near_rest = most > -lost && most < 2.0 * lost;
-    result.share = if lost > most { most.max(0.0) / lost } else { f64::from(u8::from(loaded)) };
+    let taken = most.max(0.0);
+    result.share = if lost > taken { taken / lost } else { 1.0 };
     let share = result.share;
     if share == 0.0 {
         return Ok(result);
