@@ -225,7 +225,9 @@ fn on_face(
     let face = CurrentFace::new(nodes, &view.dofs.nodes);
     let (velocity, normal) = (face.mean(|n| view.velocity(n)), face.normal);
     let into = velocity[0] * normal[0] + velocity[1] * normal[1];
-    let Some(facet) = Facet::new(face.ends[0], face.ends[1], false) else { return Ok(result) };
+    // A face on the axis has no area.
+    let facet = Facet::new(face.ends[0], face.ends[1], false).filter(|facet| facet.area > 0.0);
+    let Some(facet) = facet else { return Ok(result) };
     let law = stack.mean_stress(&facet, into.max(0.0));
     if law == 0.0 {
         return Ok(result);
