@@ -54,6 +54,7 @@ mod shells;
 mod shock;
 mod shock_meshes;
 mod six_node_triangles;
+mod sliding_faces;
 mod smooth_boundaries;
 mod soft;
 mod solid;

@@ -3,6 +3,7 @@
 //! are loaded. Finite targets are in `finite`, tunnels opened by the body in `shadow` and `tunnel`, the law itself in
 //! `kernel::cavity`.
 
+mod face_motion;
 mod finite;
 mod nose;
 mod oblique;

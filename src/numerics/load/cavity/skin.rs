@@ -1,5 +1,6 @@
 //! Resistance on the faces of deformable bodies; each face has its own velocity.
 
+use super::face_motion::{FaceMotion, PreviousMotion, velocity_lost};
 use super::stack::{LayerStack, is_level};
 use super::tunnel::TunnelWall;
 use crate::kernel::facet::Facet;
@@ -20,20 +21,29 @@ use crate::state::nodes::Nodes;
 /// Forces on the two nodes of a face, first of pressure, then of friction.
 type FaceForces = [[[f64; 2]; 2]; 2];
 
-/// Motion of a node at the previous instant, from which the effect of constraints follows.
+/// Largest number of sweeps over faces that the resistance can stop within an increment.
+const SWEEPS: usize = 8;
+/// Change of all pressures in a sweep, as a fraction of those of the law, below which sweeps end.
+const SETTLED: f64 = 1e-4;
+
+/// Resistance of a face, and whether it can stop the face.
 #[derive(Clone, Copy, Debug, Default)]
-struct PreviousMotion {
-    /// Velocity in the middle of the increment before that instant.
-    velocity: [f64; 2],
-    /// Sum of the forces of elements and loads.
-    force: [f64; 2],
+struct FaceResistance {
+    forces: FaceForces,
+    /// Pressure as a fraction of that of the law.
+    share: f64,
+    /// Whether the face is at rest along its normal, or can be with other forces of its neighbours.
+    near_rest: bool,
 }
 
 /// Faces with their current and previous forces.
 #[derive(Clone, Debug)]
 pub(super) struct SkinResistance {
     skin: DeformableFaces,
-    forces: Vec<[FaceForces; 2]>,
+    /// Resistance at the current instant.
+    current: Vec<FaceResistance>,
+    /// Forces at the previous instant.
+    before: Vec<FaceForces>,
     /// Previous motion of the nodes of each face.
     previous: Vec<[PreviousMotion; 2]>,
     /// The tunnel wall, if faces that separate from it are ignored.
@@ -43,8 +53,8 @@ pub(super) struct SkinResistance {
 impl SkinResistance {
     pub(super) fn new(skin: DeformableFaces) -> Self {
         let count = skin.max_faces();
-        let (forces, previous) = (vec![[FaceForces::default(); 2]; count], vec![Default::default(); count]);
-        SkinResistance { forces, previous, skin, tunnel: None }
+        let (current, before) = (vec![FaceResistance::default(); count], vec![FaceForces::default(); count]);
+        SkinResistance { current, before, previous: vec![Default::default(); count], skin, tunnel: None }
     }
 
     /// Ignores faces inside the tunnel from now on.
@@ -70,7 +80,8 @@ impl SkinResistance {
         self.skin.max_faces() == 0
     }
 
-    /// Adds the nodal forces.
+    /// Adds the nodal forces. Pressures of faces at rest along their normals are reactions that depend on each other:
+    /// sweeps over these faces begin with the forces of the previous instant and end when the pressures do not change.
     ///
     /// # Errors
     /// The normal velocity of the face, if its resistance is not finite.
@@ -81,24 +92,14 @@ impl SkinResistance {
         view: &SceneView<'_>,
         forces: &mut [[f64; 2]],
     ) -> Result<(), f64> {
-        let faces = self.skin.faces.iter().zip(&self.skin.is_active);
-        for (((&nodes, &carries), [now, before]), previous) in faces.zip(&mut self.forces).zip(&self.previous) {
-            *before = *now;
-            let touches = carries && self.tunnel.as_ref().is_none_or(|tunnel| touches_wall(tunnel, nodes, view));
-            *now = if touches {
-                on_face(stack, friction, view, nodes, (previous, forces))?
-            } else {
-                FaceForces::default()
-            };
-            for (n, force) in now.iter().flat_map(|part| nodes.into_iter().zip(part)) {
-                forces[n] = [forces[n][0] + force[0], forces[n][1] + force[1]];
+        self.begin(view, forces);
+        for _ in 0..SWEEPS {
+            if self.sweep(stack, friction, view, forces)? <= SETTLED {
+                break;
             }
         }
         for (face, previous) in self.skin.faces.iter().zip(&mut self.previous) {
-            *previous = face.inline_map(|n| PreviousMotion {
-                velocity: view.dofs.nodes.velocity_after(n, 0.0),
-                force: known_force(view, forces, n),
-            });
+            *previous = face.inline_map(|n| PreviousMotion::now(view, forces, n));
         }
         if let Some(tunnel) = &mut self.tunnel {
             self.skin.active_faces().for_each(|face| tunnel.widen(&CurrentFace::new(face, &view.dofs.nodes)));
@@ -106,12 +107,57 @@ impl SkinResistance {
         Ok(())
     }
 
+    /// Moves the forces to the previous instant, keeps those of faces at rest, and adds these to the nodal forces.
+    /// The share of other faces is NaN: the first sweep evaluates these.
+    fn begin(&mut self, view: &SceneView<'_>, forces: &mut [[f64; 2]]) {
+        let faces = self.skin.faces.iter().zip(&self.skin.is_active);
+        for (((&nodes, &carries), current), before) in faces.zip(&mut self.current).zip(&mut self.before) {
+            *before = current.forces;
+            let touches = carries && self.tunnel.as_ref().is_none_or(|tunnel| touches_wall(tunnel, nodes, view));
+            if !(touches && current.near_rest) {
+                *current = FaceResistance { share: if touches { f64::NAN } else { 0.0 }, ..FaceResistance::default() };
+                continue;
+            }
+            add_forces(nodes, &current.forces, 1.0, forces);
+        }
+    }
+
+    /// Evaluates the faces near rest and those not evaluated yet. Returns the largest change of a share.
+    ///
+    /// # Errors
+    /// The normal velocity of the face, if its resistance is not finite.
+    fn sweep(
+        &mut self,
+        stack: &LayerStack,
+        friction: f64,
+        view: &SceneView<'_>,
+        forces: &mut [[f64; 2]],
+    ) -> Result<f64, f64> {
+        let mut change: f64 = 0.0;
+        for ((&nodes, current), previous) in self.skin.faces.iter().zip(&mut self.current).zip(&self.previous) {
+            let is_new = current.share.is_nan();
+            if !(is_new || current.near_rest) {
+                continue;
+            }
+            if !is_new {
+                add_forces(nodes, &current.forces, -1.0, forces);
+            }
+            let share = current.share;
+            *current = on_face(stack, friction, view, nodes, (previous, forces))?;
+            add_forces(nodes, &current.forces, 1.0, forces);
+            if current.near_rest {
+                change = change.max(if is_new { 1.0 } else { (current.share - share).abs() });
+            }
+        }
+        Ok(change)
+    }
+
     /// Returns the work over the previous increment against pressure and friction.
     pub(super) fn dissipated(&self, dofs: &Dofs) -> TargetDissipation {
         let last = LastIncrement::new(dofs);
         let mut against = [0.0; 2];
-        for (nodes, [now, before]) in self.skin.faces.iter().zip(&self.forces) {
-            for (sum, (now, before)) in against.iter_mut().zip(now.iter().zip(before)) {
+        for (nodes, (now, before)) in self.skin.faces.iter().zip(self.current.iter().zip(&self.before)) {
+            for (sum, (now, before)) in against.iter_mut().zip(now.forces.iter().zip(before)) {
                 for (&n, (now, before)) in nodes.iter().zip(now.iter().zip(before)) {
                     *sum -= last.work(n, *now, *before);
                 }
@@ -149,7 +195,7 @@ impl SkinResistance {
 
     pub(super) fn bytes(&self) -> usize {
         let tunnel = self.tunnel.as_ref().map_or(0, TunnelWall::bytes);
-        self.skin.bytes() + heap_bytes(&self.forces) + heap_bytes(&self.previous) + tunnel
+        self.skin.bytes() + heap_bytes(&self.current) + heap_bytes(&self.before) + heap_bytes(&self.previous) + tunnel
     }
 }
 
@@ -158,77 +204,81 @@ fn touches_wall(tunnel: &TunnelWall, nodes: [usize; 2], view: &SceneView<'_>) ->
     tunnel.is_touched_by(&face, direction(face.mean(|n| view.velocity(n))[1]))
 }
 
-/// Returns the nodal forces of a face: the pressure at the normal velocity of its midpoint, weighted by area over the
+fn add_forces(nodes: [usize; 2], parts: &FaceForces, sign: f64, forces: &mut [[f64; 2]]) {
+    for (n, force) in parts.iter().flat_map(|part| nodes.into_iter().zip(part)) {
+        forces[n] = [forces[n][0] + sign * force[0], forces[n][1] + sign * force[1]];
+    }
+}
+
+/// Returns the resistance of a face: the pressure at the normal velocity of its midpoint, weighted by area over the
 /// layers, and friction against the tangential velocity. Both are limited to what stops the face, given the previous
-/// motion of its nodes and the forces of other loads.
+/// motion of its nodes and the forces of other loads and faces. A face at rest has the pressure that keeps it at rest,
+/// at most that of the law for vanishing velocity.
 fn on_face(
     stack: &LayerStack,
     friction: f64,
     view: &SceneView<'_>,
     nodes: [usize; 2],
     others: (&[PreviousMotion; 2], &[[f64; 2]]),
-) -> Result<FaceForces, f64> {
-    let mut pair = FaceForces::default();
+) -> Result<FaceResistance, f64> {
+    let mut result = FaceResistance::default();
     let face = CurrentFace::new(nodes, &view.dofs.nodes);
     let (velocity, normal) = (face.mean(|n| view.velocity(n)), face.normal);
     let into = velocity[0] * normal[0] + velocity[1] * normal[1];
-    let Some(facet) = Facet::new(face.ends[0], face.ends[1], false).filter(|_| into > 0.0) else { return Ok(pair) };
-    let pressure = stack.mean_stress(&facet, into);
-    if pressure == 0.0 {
-        return Ok(pair);
+    // A face on the axis has no area.
+    let facet = Facet::new(face.ends[0], face.ends[1], false).filter(|facet| facet.area > 0.0);
+    let Some(facet) = facet else { return Ok(result) };
+    let law = stack.mean_stress(&facet, into.max(0.0));
+    if law == 0.0 {
+        return Ok(result);
     }
-    if !pressure.is_finite() {
+    if !law.is_finite() {
         return Err(into);
     }
-    pair[0] = solid_face_forces(&face, pressure, view.rings);
-    let share = share_to_rest(view, &face, normal, &pair[0], others);
-    pair[0] = pair[0].inline_map(|force| force.inline_map(|f| share * f));
+    let forces = solid_face_forces(&face, law, view.rings);
+    let (loaded, lost) = (into > 0.0, velocity_lost(view, &face, normal, &forces));
+    // The law cannot stop a face that moves away this fast, if other forces turn its motion.
+    if !loaded && (into.is_nan() || into <= -lost) {
+        return Ok(result);
+    }
+    let motion = FaceMotion::new(view, &face, normal, others);
+    if !loaded && motion.is_constrained {
+        return Ok(result);
+    }
+    let most = motion.velocity_to_rest();
+    result.near_rest = most > -lost && most < 2.0 * lost;
+    let taken = most.max(0.0);
+    result.share = if lost > taken { taken / lost } else { 1.0 };
+    let share = result.share;
+    if share == 0.0 {
+        return Ok(result);
+    }
+    result.forces[0] = forces.inline_map(|force| force.inline_map(|f| share * f));
     let along = velocity[1] * normal[0] - velocity[0] * normal[1];
     if friction > 0.0 && along != 0.0 {
-        // Half of the friction on each node, against the motion along the tangent (-n_z, n_r).
-        let traction = friction * share * pressure * -along.signum();
-        let area = |node: usize| view.rings.map_or(facet.area, |rings| rings[node] * facet.length());
-        let force = nodes.inline_map(|node| 0.5 * traction * area(node));
-        pair[1] = force.inline_map(|f| [-f * normal[1], f * normal[0]]);
-        let motion = [-normal[1], normal[0]].inline_map(|tangent| along.signum() * tangent);
-        let share = share_to_rest(view, &face, motion, &pair[1], others);
-        pair[1] = pair[1].inline_map(|force| force.inline_map(|f| share * f));
+        result.forces[1] = friction_forces(view, &face, (&facet, friction * share * law), along, others);
     }
-    Ok(pair)
+    Ok(result)
 }
 
-/// Returns the sum of the forces of elements and loads on a node.
-fn known_force(view: &SceneView<'_>, loads: &[[f64; 2]], node: usize) -> [f64; 2] {
-    let ([r, z], [more_r, more_z]) = (view.element_force.map_or([0.0; 2], |force| force(node)), loads[node]);
-    [r + more_r, z + more_z]
-}
-
-/// Returns the share of nodal forces against the motion of a face along `direction` that stops this motion within the
-/// next increment; 1 if all forces do not stop it. More would reverse the motion and do work on the body: the force of
-/// an increment acts with the mean of the velocities in the middle of the increments before and after it. Constraints
-/// are taken to change the velocity of a node as over the previous increment.
-fn share_to_rest(
+/// Returns the nodal forces of a friction traction against the tangential velocity `along`, at most those that stop the
+/// face along its tangent (-n_z, n_r). Half of the friction acts on each node.
+fn friction_forces(
     view: &SceneView<'_>,
     face: &CurrentFace,
-    direction: [f64; 2],
-    resistance: &[[f64; 2]; 2],
-    (previous, loads): (&[PreviousMotion; 2], &[[f64; 2]]),
-) -> f64 {
-    let nodes = &view.dofs.nodes;
-    let (mut before, mut after, mut lost) = (0.0, 0.0, 0.0);
-    for ((&n, resistance), previous) in face.nodes.iter().zip(resistance).zip(previous) {
-        let (velocity, force) = (nodes.velocity_after(n, 0.0), known_force(view, loads, n));
-        let [dt, half] = [nodes.previous_dt, nodes.half].inline_map(|time| time * nodes.inverse_mass[n]);
-        let change = |i: usize| dt * force[i] + (velocity[i] - previous.velocity[i] - half * previous.force[i]);
-        // A node on the axis does not move along r.
-        let along = [if nodes[n].r == 0.0 { 0.0 } else { direction[0] }, direction[1]];
-        let part = |vector: [f64; 2]| along[0] * vector[0] + along[1] * vector[1];
-        before += part(velocity);
-        after += part(velocity) + part([change(0), change(1)]);
-        lost -= dt * part(*resistance);
-    }
-    let most = after.min(after + before).max(0.0);
-    if lost > most { most / lost } else { 1.0 }
+    (facet, traction): (&Facet, f64),
+    along: f64,
+    others: (&[PreviousMotion; 2], &[[f64; 2]]),
+) -> [[f64; 2]; 2] {
+    let normal = face.normal;
+    let area = |node: usize| view.rings.map_or(facet.area, |rings| rings[node] * facet.length());
+    let force = face.nodes.inline_map(|node| 0.5 * traction * -along.signum() * area(node));
+    let forces = force.inline_map(|f| [-f * normal[1], f * normal[0]]);
+    let direction = [-normal[1], normal[0]].inline_map(|tangent| along.signum() * tangent);
+    let most = FaceMotion::new(view, face, direction, others).velocity_to_rest().max(0.0);
+    let lost = velocity_lost(view, face, direction, &forces);
+    let share = if lost > most { most / lost } else { 1.0 };
+    forces.inline_map(|force| force.inline_map(|f| share * f))
 }
 
 fn face_limit(stack: &LayerStack, face: &CurrentFace, nodes: &Nodes) -> IncrementLimit {
@@ -247,6 +297,6 @@ fn face_limit(stack: &LayerStack, face: &CurrentFace, nodes: &Nodes) -> Incremen
     IncrementLimit { time: distance / velocity.abs(), jump }
 }
 
-persist_struct!(PreviousMotion { velocity, force });
+persist_struct!(FaceResistance { forces, share, near_rest });
 
-persist_struct!(SkinResistance { skin, forces: fixed, previous: fixed, tunnel: present });
+persist_struct!(SkinResistance { skin, current: fixed, before: fixed, previous: fixed, tunnel: present });
