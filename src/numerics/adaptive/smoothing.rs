@@ -109,25 +109,46 @@ pub(super) struct MeshSmoothing {
     now: Vec<NodeMobility>,
     /// New positions of a sweep.
     target: Vec<[f64; 2]>,
+    /// Nodes at corners of the boundary at the start, by their position in the list of the boundary.
+    corners: Vec<u32>,
+    /// Corners that a sweep has handed over, with the node that has made room; they move together.
+    handed: Vec<[u32; 2]>,
+    /// Position in the list of the boundary of each node; [`INSIDE`] for others.
+    boundary_of: Vec<u32>,
     /// Contact of each node; used on the boundary only.
     contact: Vec<BoundaryContact>,
     /// Nodes whose motion is taken back.
     halted: Vec<bool>,
 }
 
+/// Marks a node that is not in the list of the boundary.
+const INSIDE: u32 = u32::MAX;
 /// Smallest area of a corner triangle over the mean of the element, below which a sweep may not reduce it.
 const FLAT: f64 = 0.3;
+/// Reduction of this ratio that is accepted below [`FLAT`]: elements with a flat corner on a straight boundary improve
+/// otherwise.
+const WORSE: f64 = 1e-3;
 /// Number of times that the motions at bad elements are taken back in a sweep; then the whole sweep is.
 const RETRIES: usize = 4;
 
 impl MeshSmoothing {
     pub fn new(
+        (domain, places): (&DomainTopology, &[[f64; 2]]),
         weights: SmoothingWeights,
         grading: Option<MeshGrading>,
         corner_cosine: f64,
         mobility: Vec<NodeMobility>,
     ) -> MeshSmoothing {
         let count = mobility.len();
+        let mut boundary_of = vec![INSIDE; count];
+        let mut corners = Vec::new();
+        for (i, node) in domain.boundary.iter().enumerate() {
+            boundary_of[node.node as usize] = i as u32;
+            let ends = [node.before, node.node, node.after].inline_map(|n: u32| places[n as usize]);
+            if turn_cosine(ends) <= corner_cosine {
+                corners.push(i as u32);
+            }
+        }
         MeshSmoothing {
             weights,
             grading,
@@ -136,6 +157,9 @@ impl MeshSmoothing {
             mobility,
             target: vec![[0.0; 2]; count],
             halted: vec![false; count],
+            handed: Vec::with_capacity(corners.len()),
+            corners,
+            boundary_of,
             contact: vec![BoundaryContact::Apart(f64::INFINITY); count],
         }
     }
@@ -146,6 +170,7 @@ impl MeshSmoothing {
             + 2 * self.mobility.capacity()
             + 16 * self.target.capacity()
             + self.halted.capacity()
+            + 4 * (self.corners.capacity() + self.boundary_of.capacity())
             + size_of::<BoundaryContact>() * self.contact.capacity()
     }
 
@@ -190,6 +215,7 @@ impl MeshSmoothing {
                 self.target[n] = self.smoothed(domain, places, n);
             }
         }
+        self.hand_over_corners(domain);
         for node in &domain.boundary {
             let n = node.node as usize;
             if self.now[n] == NodeMobility::Boundary {
@@ -202,6 +228,32 @@ impl MeshSmoothing {
         }
         self.take_back(domain, places);
         places.copy_from_slice(&self.target);
+    }
+
+    /// Keeps corners at the edge of contact. Where a free side folds onto a straight surface, its first node becomes the edge
+    /// of contact: the node of the corner takes its place, and it moves to the middle of its other edge. The boundary does
+    /// not change.
+    fn hand_over_corners(&mut self, domain: &DomainTopology) {
+        self.handed.clear();
+        for at in 0..self.corners.len() {
+            let BoundaryNode { node, before, after } = domain.boundary[self.corners[at] as usize];
+            for (edge, opposite) in [(after, before), (before, after)] {
+                let Some(beside) = domain.boundary.get(self.boundary_of[edge as usize] as usize) else { continue };
+                let next = if beside.before == node { beside.after } else { beside.before };
+                let pressed = [opposite, node, edge, next]
+                    .inline_map(|n: u32| (self.contact[n as usize] == BoundaryContact::Pressed, self.now[n as usize]));
+                let [(first, _), (own, own_motion), (second, edge_motion), (last, _)] = pressed;
+                let slides = own_motion == NodeMobility::Boundary && edge_motion == NodeMobility::Boundary;
+                let [a, b, c, d] = [opposite, node, edge, next].inline_map(|n: u32| self.target[n as usize]);
+                if slides && first && own && second && !last && is_straight([a, b, c]) {
+                    self.target[node as usize] = c;
+                    self.target[edge as usize] = [0.5 * (c[0] + d[0]), 0.5 * (c[1] + d[1])];
+                    self.contact[edge as usize] = BoundaryContact::Apart(0.0);
+                    self.handed.push([node, edge]);
+                    break;
+                }
+            }
+        }
     }
 
     /// Returns the new place of a node that slides along the boundary and keeps its contact: along a surface under pressure,
@@ -255,13 +307,17 @@ impl MeshSmoothing {
             let mut any = false;
             for corners in &domain.corners {
                 let [new, old] = [&self.target[..], places].inline_map(|list| corner_shape(corners, list));
-                if new < FLAT && new < old {
+                if new < FLAT && new < old - WORSE {
                     any = true;
                     corners.iter().for_each(|n| self.halted[*n as usize] = true);
                 }
             }
             if !any {
                 return;
+            }
+            for pair in &self.handed {
+                let halted = pair.iter().any(|n| self.halted[*n as usize]);
+                pair.iter().for_each(|n| self.halted[*n as usize] |= halted);
             }
             for ((target, place), _) in self.target.iter_mut().zip(places).zip(&self.halted).filter(|n| *n.1) {
                 *target = *place;
@@ -342,12 +398,9 @@ fn ring(domain: &DomainTopology, node: usize) -> Option<[u32; 8]> {
 /// along the chord of
 /// its neighbours, then across the chord until the volume of the ring between the three is the same as before.
 fn slide([before, own, after]: [[f64; 2]; 3], share: f64, corner_cosine: f64) -> [f64; 2] {
-    let vector = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
-    let length = |v: [f64; 2]| libm::hypot(v[0], v[1]);
-    let (first, second, chord) = (vector(before, own), vector(own, after), vector(before, after));
-    let (l1, l2, l) = (length(first), length(second), length(chord));
-    let cosine = (first[0] * second[0] + first[1] * second[1]) / (l1 * l2);
-    if !(cosine > corner_cosine && l > 0.0) {
+    let chord = vector(before, after);
+    let [l1, l2, l] = [vector(before, own), vector(own, after), chord].inline_map(length);
+    if !(turn_cosine([before, own, after]) > corner_cosine && l > 0.0) {
         return own;
     }
     let along = chord.inline_map(|x| x / l);
@@ -363,6 +416,20 @@ fn slide([before, own, after]: [[f64; 2]; 3], share: f64, corner_cosine: f64) ->
     }
     let lift = (kept - now) / slope;
     [place[0] + lift * across[0], place[1] + lift * across[1]]
+}
+
+fn vector(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [b[0] - a[0], b[1] - a[1]]
+}
+
+fn length(v: [f64; 2]) -> f64 {
+    libm::hypot(v[0], v[1])
+}
+
+/// Returns the cosine of the angle by which the boundary turns at a node.
+fn turn_cosine([before, own, after]: [[f64; 2]; 3]) -> f64 {
+    let (first, second) = (vector(before, own), vector(own, after));
+    (first[0] * second[0] + first[1] * second[1]) / (length(first) * length(second))
 }
 
 /// Returns whether three nodes of the boundary are on a line, but for rounding.
