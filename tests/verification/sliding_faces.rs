@@ -53,7 +53,7 @@ fn friction_energy(scale: f64) -> f64 {
 fn friction_of_a_sliding_tube_converges_with_the_increment() {
     let converged = friction_energy(1.0 / 32.0);
     let errors = [1.0, 0.5, 0.25].map(|scale| (friction_energy(scale) / converged - 1.0).abs());
-    println!("friction energy {converged:.2} J, errors {errors:.2e?}");
+    println!("friction energy {converged:.2} J, errors {errors:?}");
     assert!(errors[0] < 0.03, "{errors:?}");
     let order = 0.5 * (errors[0] / errors[2]).log2();
     assert!(order >= 1.0 && errors[1] < errors[0], "order {order}, {errors:?}");
