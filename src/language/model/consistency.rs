@@ -161,7 +161,21 @@ impl ConsistencyCheck<'_> {
     /// Checks that the selected sides and elements exist.
     fn sides(&mut self, span: Span, sides: &SideSelection) {
         self.faces(span, &sides.faces);
+        self.refuse_cohesive_faces(span, sides);
         self.elements(span, &sides.free_face_elements);
+    }
+
+    /// Reports loads and contact on faces of cohesive elements, which are inside of bodies.
+    fn refuse_cohesive_faces(&mut self, span: Span, sides: &SideSelection) {
+        let elements = &self.model.mesh.elements;
+        let is_cohesive =
+            |face: &&(usize, ElementSide)| elements.get(face.0).is_some_and(|e| e.kind == ElementKind::Cohax4);
+        if let Some((element, _)) = sides.faces.iter().find(is_cohesive) {
+            let name = &elements[*element].name;
+            let message = format!("surface `{}` has a face of the cohesive element {name}", sides.name);
+            let help = "faces of cohesive elements can only be tied (*TIE): give the faces of the solid elements";
+            self.found.push(Diagnostic::error("M131", message).at(span, "here").help(help));
+        }
     }
 
     fn faces(&mut self, span: Span, faces: &[(usize, ElementSide)]) {
@@ -175,7 +189,8 @@ impl ConsistencyCheck<'_> {
                 ElementSide::Positive | ElementSide::Negative => {
                     matches!(element.kind, ElementKind::Rax2 | ElementKind::Sax1)
                 }
-                ElementSide::Face(n) => element.nodes.len() > 2 && (1..=element.nodes.len()).contains(&usize::from(n)),
+                ElementSide::Face(n) if element.kind == ElementKind::Cohax4 => n == 1 || n == 3,
+                ElementSide::Face(n) => element.kind.is_solid() && (1..=element.nodes.len()).contains(&usize::from(n)),
             };
             if !has {
                 let message = format!("element {} of {} has no side {side:?}", element.name, element.kind.name());
@@ -195,6 +210,11 @@ impl ConsistencyCheck<'_> {
             self.elements(section.span, &section.elements);
             self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
             self.shell_section(section);
+        }
+        for section in &model.cohesive_sections {
+            self.elements(section.span, &section.elements);
+            self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
+            self.in_range(section.span, "", &materials::CohesiveSection::ROW, "thickness", section.thickness);
         }
         for body in &model.rigid_bodies {
             self.nodes(body.span, &[body.reference]);
@@ -399,6 +419,7 @@ impl ConsistencyCheck<'_> {
     fn contacts_and_masses(&mut self, step: &Step) {
         for contact in &step.surface_contacts {
             for sides in &contact.sides {
+                self.refuse_cohesive_faces(contact.span, sides);
                 let elements: Vec<usize> = sides.faces.iter().map(|f| f.0).collect();
                 self.elements(contact.span, &elements);
             }

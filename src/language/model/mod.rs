@@ -11,6 +11,7 @@ mod check_values;
 mod clearance;
 mod coarsening;
 pub mod codes;
+mod cohesive;
 mod completion;
 mod compose;
 mod connectors;

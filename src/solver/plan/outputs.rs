@@ -532,7 +532,7 @@ impl Compiler<'_> {
     fn find_model_variables(&self) -> Vec<Variable> {
         let deforms = self.deforms();
         let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
-        let damages = self.materials_present().any(fails);
+        let damages = self.materials_present().any(fails) || self.damaged_interfaces().next().is_some();
         let scales = self.scales_masses();
         let added = scales.then_some(Variable::AddedMass);
         let springs = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());

@@ -1,0 +1,304 @@
+//! Cohesive elements of the plan: traction-separation laws, element groups, and bounds of the time increment.
+
+use super::connectors::inverse;
+use super::{Compiler, State};
+use crate::constraint::bonds::MergedDofs;
+use crate::deck::Diagnostic;
+use crate::element::cohesive::bounds::{InertiaShare, InterfaceBounds, InterfaceSpring};
+use crate::element::cohesive::{CohesiveElement, CohesiveGroup};
+use crate::element::group::ElementGroup;
+use crate::kernel::cohesive::{PAIRS, geometric_thickness};
+use crate::kernel::lists::sorted_unique;
+use crate::kernel::traction_separation::{DamageInitiationLaw, InterfaceSoftening, TractionSeparationLaw};
+use crate::model::{
+    CohesiveSection, ElementKind, InterfaceInitiation, MaterialDefinition, ModeDependence, ModeMixRatio,
+};
+use crate::state::nodes::Node;
+use crate::variables::Variable;
+
+/// Depth to which equations of linked nodes are followed.
+const DEPTH: usize = 4;
+
+impl<'a> Compiler<'a> {
+    /// Returns the cohesive sections with their elements.
+    pub(super) fn cohesive_sections(&self) -> Vec<(&'a CohesiveSection, Vec<usize>)> {
+        let model: &'a crate::model::Model = self.model;
+        let sections = model.cohesive_sections.iter().map(|s| (s, s.elements.clone()));
+        sections.filter(|(_, elements): &(_, Vec<usize>)| !elements.is_empty()).collect()
+    }
+
+    /// Returns the materials of cohesive elements that can be damaged.
+    pub(super) fn damaged_interfaces(&self) -> impl Iterator<Item = &'a CohesiveSection> {
+        let model: &'a crate::model::Model = self.model;
+        let grows = |s: &&CohesiveSection| model.materials[s.material].interface.evolution.is_some();
+        model.cohesive_sections.iter().filter(grows)
+    }
+
+    /// Creates the element group of a section and adds its masses.
+    pub(super) fn cohesive_group(
+        &mut self,
+        section: &CohesiveSection,
+        elements: &[usize],
+        nodes: &[Node],
+        mass: &mut [f64],
+    ) -> Option<Box<dyn ElementGroup>> {
+        let model = self.model;
+        let material = &model.materials[section.material];
+        self.check_section(section, material)?;
+        let (mut thicknesses, mut list): (Vec<f64>, Vec<CohesiveElement>) = Default::default();
+        for &e in elements {
+            let element = &model.mesh.elements[e];
+            let corners = PAIRS.map(|[bottom, top]| [element.nodes[bottom], element.nodes[top]]);
+            let [[a, d], [b, c]] = corners.map(|pair| pair.map(|n| self.places.nodes[&n] as u32));
+            let nodes = [a, b, c, d].map(|n| nodes[n as usize].place());
+            let thickness = section.thickness.unwrap_or_else(|| geometric_thickness(nodes));
+            if !(thickness > 0.0) {
+                let message = format!("element {} has no geometric thickness: its faces coincide", element.name);
+                let finding = Diagnostic::error("P026", message).at(element.span, "this element");
+                let help = "give THICKNESS=SPECIFIED on *COHESIVE SECTION, with the thickness on its data line";
+                return self.diagnostics.refuse(finding.at(section.span, "THICKNESS=GEOMETRY").help(help));
+            }
+            let law = thicknesses.iter().position(|t| *t == thickness).unwrap_or_else(|| {
+                thicknesses.push(thickness);
+                thicknesses.len() - 1
+            });
+            list.push(CohesiveElement { nodes: [a, b, c, d], thickness, law });
+        }
+        let most = section.controls.max_degradation;
+        let laws: Vec<TractionSeparationLaw> =
+            thicknesses.iter().filter_map(|&thickness| law(material, thickness, most)).collect();
+        laws.iter().try_for_each(|law| self.check_energies(material, law))?;
+        self.cohesive_row(section, material, &thicknesses, list.len());
+        let deletes = material.interface.evolution.is_some() && section.controls.keep_failed_elements.is_none();
+        let shown = (deletes, material.interface.initiation.as_ref().map(variable));
+        let group = CohesiveGroup::new(laws, list, material.density.unwrap_or(0.0), shown, nodes);
+        for element in 0..group.len() {
+            for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
+                mass[n as usize] += m;
+            }
+        }
+        Some(Box::new(group))
+    }
+
+    /// Checks that a material has a traction-separation law and no other.
+    fn check_section(&mut self, section: &CohesiveSection, material: &MaterialDefinition) -> Option<()> {
+        let refusal = refusal(material);
+        if let Some((message, help)) = refusal {
+            let message = format!("material `{}` {message}", material.name);
+            let finding = Diagnostic::error("P026", message).at(section.span, "these elements are cohesive");
+            return self.diagnostics.refuse(finding.help(help));
+        }
+        if section.controls.by_area {
+            let message = "WEIGHTING=AREA together with cohesive elements is not supported";
+            return self.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
+        }
+        let (interface, most) = (&material.interface, section.controls.max_degradation);
+        if let (Some(initiation), None) = (interface.initiation, &interface.evolution) {
+            let message = format!("cohesive elements of material `{}` are never damaged", material.name);
+            let finding = Diagnostic::warning("P147", message).at(initiation.span, "no *DAMAGE EVOLUTION after it");
+            self.diagnostics.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
+        }
+        if interface.evolution.is_none() && most < 1.0 {
+            let why = format!("material {} has no damage evolution", material.name);
+            self.add_unused_card(section.span, "MAX DEGRADATION", why);
+        }
+        Some(())
+    }
+
+    /// Reports a fracture energy that is less than the elastic energy at damage initiation: the traction would have to
+    /// return to smaller separations.
+    fn check_energies(&mut self, material: &MaterialDefinition, law: &TractionSeparationLaw) -> Option<()> {
+        let evolution = material.interface.evolution.as_ref();
+        let Some((evolution, initiation)) = evolution.zip(material.interface.initiation) else { return Some(()) };
+        for (mode, name) in ["normal", "shear"].into_iter().enumerate() {
+            let Some([elastic, fracture]) = law.energies_of_mode(mode) else { continue };
+            if fracture < elastic {
+                let message = format!(
+                    "the fracture energy {fracture:e} of the {name} mode is less than the elastic energy {elastic:e} at \
+                     damage initiation (material `{}`)",
+                    material.name
+                );
+                let finding = Diagnostic::error("P026", message).at(evolution.span, "this energy");
+                let help = "increase the fracture energy or the stiffness (*ELASTIC, TYPE=TRACTION), or decrease the \
+                            strength: strength squared over twice the stiffness must be less than the fracture energy";
+                return self.diagnostics.refuse(finding.at(initiation.span, "this strength").help(help));
+            }
+        }
+        Some(())
+    }
+
+    fn cohesive_row(
+        &mut self,
+        section: &CohesiveSection,
+        material: &MaterialDefinition,
+        thicknesses: &[f64],
+        count: usize,
+    ) {
+        let least = thicknesses.iter().copied().fold(f64::INFINITY, f64::min);
+        let largest = thicknesses.iter().copied().fold(0.0, f64::max);
+        let thickness =
+            if least == largest { format!("thickness {least}") } else { format!("thickness {least} to {largest}") };
+        let mut parts = vec![format!("material {}", material.name), thickness];
+        let interface = &material.interface;
+        parts.extend(interface.initiation.as_ref().map(|i| format!("damage by {}", criterion(i))));
+        parts.extend(interface.evolution.as_ref().map(|e| softening(&e.softening)));
+        if interface.evolution.is_some() {
+            let most = section.controls.max_degradation;
+            let kept = section.controls.keep_failed_elements.is_some();
+            parts.push(format!("{} at damage {most}", if kept { "kept" } else { "deleted" }));
+        }
+        self.ledger_row(section.span, "cohesive elements", count, "COHAX4", parts.join(", "));
+    }
+
+    /// Bounds the time increment by the cohesive elements. A node without inertia is an error.
+    pub(super) fn bound_cohesive_elements(&mut self, state: &mut State) {
+        let mass = &state.dofs.nodes.mass;
+        let (mut springs, mut bare): (Vec<InterfaceSpring>, Vec<usize>) = Default::default();
+        for &(group, element) in self.places.elements.values() {
+            let Some(stiffness) = state.elements.groups[group].interface_stiffness(element) else { continue };
+            let nodes = state.elements.groups[group].nodes(element);
+            for (stiffness, pair) in stiffness.into_iter().zip(PAIRS) {
+                for axis in 0..2 {
+                    let ends = pair.map(|i| nodes[i] as usize);
+                    let moves = |n: &usize| !self.is_always_prescribed(*n, axis);
+                    let shares = ends.iter().filter(|n| moves(n)).flat_map(|&n| self.inertia((n, axis), mass, DEPTH));
+                    let shares: Vec<InertiaShare> = shares.collect();
+                    bare.extend(ends.iter().filter(|n| self.unresisted_dofs.contains(&(**n, axis)) && moves(n)));
+                    springs.push(InterfaceSpring { element: (group, element), axis, stiffness, shares });
+                }
+            }
+        }
+        if let Some(&place) = sorted_unique::<usize>(bare.into_iter()).first() {
+            return self.refuse_bare_node(place);
+        }
+        if !springs.is_empty() {
+            state.elements.interfaces = Some(Box::new(InterfaceBounds::new(springs, state.dofs.nodes.len())));
+            state.elements.bound_interfaces(&state.dofs.nodes);
+        }
+    }
+
+    /// Returns the degrees of freedom whose inertia resists a node along an axis: the node, the rigid body or the set of
+    /// linked nodes to which it belongs, or the other terms of the equation that it depends on.
+    fn inertia(&self, (node, axis): (usize, usize), mass: &[f64], depth: usize) -> Vec<InertiaShare> {
+        if let Some(tie) = self.ties.iter().find(|tie| tie.nodes.contains(&node)) {
+            let inverse_mass = Some(inverse(self.bodies[tie.body].mass()));
+            return vec![InertiaShare { node: tie.nodes[0], weight: 1.0, inverse_mass }];
+        }
+        let holds = |m: &&MergedDofs| m.axis == axis && m.nodes.contains(&node);
+        if let Some(set) = self.links.merged.iter().find(holds) {
+            let inverse_mass = Some(inverse(set.nodes.iter().map(|&n| mass[n]).sum()));
+            return vec![InertiaShare { node: set.nodes[0], weight: 1.0, inverse_mass }];
+        }
+        let dependent = |terms: &&Vec<(usize, usize, f64)>| {
+            terms.first().is_some_and(|first| (first.0, first.1) == (node, axis)) && depth > 0
+        };
+        let Some(terms) = self.links.equations.iter().map(|e| &e.terms).find(dependent) else {
+            return vec![InertiaShare { node, weight: 1.0, inverse_mass: None }];
+        };
+        let others = terms[1..].iter().flat_map(|&(other, along, c)| {
+            let weight = -c / terms[0].2;
+            let shares = self.inertia((other, along), mass, depth - 1).into_iter();
+            shares.map(move |share| InertiaShare { weight: weight * share.weight, ..share })
+        });
+        others.collect()
+    }
+
+    fn refuse_bare_node(&mut self, place: usize) {
+        let Some(node) = self.places.nodes.iter().find(|n| *n.1 == place).map(|n| *n.0) else { return };
+        let mesh = &self.model.mesh;
+        let message = format!("node {} of a cohesive element has no mass", mesh.node_names[node]);
+        let at = mesh.elements.iter().find(|e| e.kind == ElementKind::Cohax4 && e.nodes.contains(&node));
+        let finding = Diagnostic::error("P026", message).at(at.map(|e| e.span).unwrap_or_default(), "this element");
+        let help = "share the node with a solid element, tie it (*TIE), prescribe its motion in every step (*BOUNDARY), \
+                    or give the material a *DENSITY";
+        self.diagnostics.push(finding.help(help));
+    }
+}
+
+/// Returns the law of a material for a constitutive thickness and a largest damage; `None` without elasticity.
+fn law(material: &MaterialDefinition, thickness: f64, most: f64) -> Option<TractionSeparationLaw> {
+    let interface = &material.interface;
+    let stiffness = interface.elastic?.map(|modulus| modulus / thickness);
+    let initiation = interface.initiation.map(|InterfaceInitiation { strains, quadratic, limits, .. }| {
+        let separation = |i: usize| if strains { limits[i] * thickness } else { limits[i] / stiffness[i] };
+        DamageInitiationLaw { quadratic, limits: [0, 1].map(separation) }
+    });
+    let softening = interface.evolution.as_ref().map(|evolution| evolution.softening.clone());
+    Some(TractionSeparationLaw { stiffness, initiation, softening, largest_damage: most })
+}
+
+/// Returns what cohesive elements do not support of a material, or what it lacks, and a help text.
+fn refusal(material: &MaterialDefinition) -> Option<(&'static str, &'static str)> {
+    let other = material.elastic.is_some()
+        || material.shear_modulus.is_some()
+        || material.plastic.is_some()
+        || material.eos.is_some()
+        || material.hyperelastic.is_some()
+        || material.foam.shape.is_some()
+        || material.user.material.is_some();
+    if other {
+        return Some((
+            "has a law of solids, which cohesive elements with RESPONSE=TRACTION SEPARATION do not support",
+            "define a material with *ELASTIC, TYPE=TRACTION for the cohesive elements",
+        ));
+    }
+    if material.interface.elastic.is_none() {
+        return Some((
+            "has no *ELASTIC, TYPE=TRACTION",
+            "give the stiffness: normal and shear traction over the nominal strain",
+        ));
+    }
+    if !material.failures.is_empty() || material.tensile_failure.is_some() {
+        return Some((
+            "has a failure criterion of solids",
+            "cohesive elements support *DAMAGE INITIATION with CRITERION=MAXS, QUADS, MAXE or QUADE",
+        ));
+    }
+    if material.damping.is_some() {
+        return Some(("has *DAMPING, which cohesive elements do not support", "remove it"));
+    }
+    None
+}
+
+/// Returns the output variable of a criterion.
+fn variable(initiation: &InterfaceInitiation) -> Variable {
+    match (initiation.strains, initiation.quadratic) {
+        (false, false) => Variable::LargestStressInitiation,
+        (false, true) => Variable::QuadraticStressInitiation,
+        (true, false) => Variable::LargestStrainInitiation,
+        (true, true) => Variable::QuadraticStrainInitiation,
+    }
+}
+
+fn criterion(initiation: &InterfaceInitiation) -> &'static str {
+    match (initiation.strains, initiation.quadratic) {
+        (false, false) => "MAXS",
+        (false, true) => "QUADS",
+        (true, false) => "MAXE",
+        (true, true) => "QUADE",
+    }
+}
+
+fn softening(softening: &InterfaceSoftening) -> String {
+    match softening {
+        InterfaceSoftening::Displacement(mode) => format!("linear softening to displacement {}", dependence(mode)),
+        InterfaceSoftening::ExponentialDisplacement(mode, _) => {
+            format!("exponential softening to displacement {}", dependence(mode))
+        }
+        InterfaceSoftening::Energy(mode) => format!("linear softening with energy {}", dependence(mode)),
+        InterfaceSoftening::ExponentialEnergy(mode) => {
+            format!("exponential softening with energy {}", dependence(mode))
+        }
+        InterfaceSoftening::Tabular(rows) => format!("softening by a table of {} rows", rows.len()),
+    }
+}
+
+fn dependence(mode: &ModeDependence) -> String {
+    match mode {
+        ModeDependence::Independent(value) => format!("{value}"),
+        ModeDependence::Table(ModeMixRatio::Energy, _) => "by a table over the mode mix of energies".into(),
+        ModeDependence::Table(ModeMixRatio::Traction, _) => "by a table over the mode mix of tractions".into(),
+        ModeDependence::PowerLaw([a, b], power) => format!("{a} and {b}, power law {power}"),
+        ModeDependence::BenzeggaghKenane([a, b], power) => format!("{a} and {b}, BK {power}"),
+    }
+}
