@@ -178,6 +178,18 @@ impl ConsistencyCheck<'_> {
         }
     }
 
+    /// Checks the elements of a load per volume, which cohesive elements do not have.
+    fn loaded_elements(&mut self, span: Span, list: &[usize]) {
+        self.elements(span, list);
+        let elements = &self.model.mesh.elements;
+        let is_cohesive = |e: &&usize| elements.get(**e).is_some_and(|e| e.kind == ElementKind::Cohax4);
+        if let Some(element) = list.iter().find(is_cohesive) {
+            let message = format!("element {} is cohesive: loads per volume do not act on it", elements[*element].name);
+            let help = "give an ELSET without cohesive elements";
+            self.found.push(Diagnostic::error("M131", message).at(span, "this load").help(help));
+        }
+    }
+
     fn faces(&mut self, span: Span, faces: &[(usize, ElementSide)]) {
         let mesh = &self.model.mesh;
         for &(index, side) in faces {
@@ -496,9 +508,9 @@ impl ConsistencyCheck<'_> {
                 let good = charge.mass > 0.0 && charge.units.iter().all(|unit| *unit > 0.0);
                 self.value(good, load.span, || "mass and units of a charge must be positive".into());
             }
-            LoadKind::Body { elements, .. } => self.elements(load.span, elements),
+            LoadKind::Body { elements, .. } => self.loaded_elements(load.span, elements),
             LoadKind::NodalHeat { nodes, .. } => self.nodes(load.span, nodes),
-            LoadKind::BodyHeat { elements, .. } => self.elements(load.span, elements),
+            LoadKind::BodyHeat { elements, .. } => self.loaded_elements(load.span, elements),
             LoadKind::Film { sides, coefficient, amplitude } => {
                 self.sides(load.span, sides);
                 self.amplitude(load.span, *amplitude);
@@ -511,7 +523,7 @@ impl ConsistencyCheck<'_> {
                 self.load_type(load.span, *load_type, matches!(load_type, 0 | 20..=24));
             }
             LoadKind::UserBody { elements, load_type, .. } => {
-                self.elements(load.span, elements);
+                self.loaded_elements(load.span, elements);
                 self.load_type(load.span, *load_type, matches!(load_type, 1 | 2));
             }
             LoadKind::Cavity { sides, target, friction } => {

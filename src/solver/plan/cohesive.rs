@@ -1,23 +1,40 @@
 //! Cohesive elements of the plan: traction-separation laws, element groups, and bounds of the time increment.
 
+use std::collections::{HashMap, HashSet};
+
+use indexmap::IndexMap;
+
 use super::connectors::inverse;
 use super::{Compiler, State};
-use crate::constraint::bonds::MergedDofs;
 use crate::deck::Diagnostic;
 use crate::element::cohesive::bounds::{InertiaShare, InterfaceBounds, InterfaceSpring};
 use crate::element::cohesive::{CohesiveElement, CohesiveGroup};
 use crate::element::group::ElementGroup;
-use crate::kernel::cohesive::{PAIRS, geometric_thickness};
-use crate::kernel::lists::sorted_unique;
+use crate::kernel::cohesive::{PAIRS, areas, geometric_thickness};
 use crate::kernel::traction_separation::{DamageInitiationLaw, InterfaceSoftening, TractionSeparationLaw};
 use crate::model::{
-    CohesiveSection, ElementKind, InterfaceInitiation, MaterialDefinition, ModeDependence, ModeMixRatio,
+    CohesiveSection, ElementKind, InterfaceInitiation, MaterialDefinition, Mesh, ModeDependence, ModeMixRatio, Step,
 };
 use crate::state::nodes::Node;
 use crate::variables::Variable;
 
 /// Depth to which equations of linked nodes are followed.
 const DEPTH: usize = 4;
+
+/// Prescribed motions, and equations by their dependent degrees of freedom.
+struct InertiaSearch {
+    /// Mesh nodes whose motion along r and z is prescribed in all steps.
+    held: [HashSet<usize>; 2],
+    /// Index of the equation of each dependent degree of freedom (solver node, axis).
+    dependent: HashMap<(usize, usize), usize>,
+}
+
+impl InertiaSearch {
+    /// Returns whether the motion of a mesh node along an axis is prescribed in all steps, or fixed on the axis.
+    fn is_held(&self, node: usize, axis: usize, mesh: &Mesh) -> bool {
+        self.held[axis].contains(&node) || axis == 0 && mesh.points[node][0] == 0.0
+    }
+}
 
 impl<'a> Compiler<'a> {
     /// Returns the cohesive sections with their elements.
@@ -152,24 +169,28 @@ impl<'a> Compiler<'a> {
 
     /// Bounds the time increment by the cohesive elements. A node without inertia is an error.
     pub(super) fn bound_cohesive_elements(&mut self, state: &mut State) {
-        let mass = &state.dofs.nodes.mass;
+        if self.model.cohesive_sections.is_empty() {
+            return;
+        }
+        let (mesh, mass) = (&self.model.mesh, &state.dofs.nodes.mass);
+        let search = self.inertia_search();
         let (mut springs, mut bare): (Vec<InterfaceSpring>, Vec<usize>) = Default::default();
-        for &(group, element) in self.places.elements.values() {
+        for (&e, &(group, element)) in self.places.elements.iter() {
             let Some(stiffness) = state.elements.groups[group].interface_stiffness(element) else { continue };
-            let nodes = state.elements.groups[group].nodes(element);
             for (stiffness, pair) in stiffness.into_iter().zip(PAIRS) {
+                let ends = pair.map(|i| mesh.elements[e].nodes[i]);
                 for axis in 0..2 {
-                    let ends = pair.map(|i| nodes[i] as usize);
-                    let moves = |n: &usize| !self.is_always_prescribed(*n, axis);
-                    let shares = ends.iter().filter(|n| moves(n)).flat_map(|&n| self.inertia((n, axis), mass, DEPTH));
-                    let shares: Vec<InertiaShare> = shares.collect();
-                    bare.extend(ends.iter().filter(|n| self.unresisted_dofs.contains(&(**n, axis)) && moves(n)));
+                    let moving = || ends.iter().filter(|n| !search.is_held(**n, axis, mesh));
+                    let place = |n: &usize| self.places.nodes[n];
+                    let shares =
+                        moving().flat_map(|n| self.inertia((place(n), axis), (&search, mass), DEPTH)).collect();
+                    bare.extend(moving().filter(|n| self.unresisted_dofs.contains(&(place(n), axis))));
                     springs.push(InterfaceSpring { element: (group, element), axis, stiffness, shares });
                 }
             }
         }
-        if let Some(&place) = sorted_unique::<usize>(bare.into_iter()).first() {
-            return self.refuse_bare_node(place);
+        if let Some(&node) = bare.first() {
+            return self.refuse_bare_node(node);
         }
         if !springs.is_empty() {
             state.elements.interfaces = Some(Box::new(InterfaceBounds::new(springs, state.dofs.nodes.len())));
@@ -177,34 +198,69 @@ impl<'a> Compiler<'a> {
         }
     }
 
+    /// Adds the nodal masses of cohesive elements.
+    pub(super) fn add_masses_of_cohesive_elements(&self, elements: &[usize], masses: &mut IndexMap<usize, f64>) {
+        let mesh = &self.model.mesh;
+        for section in &self.model.cohesive_sections {
+            let density = self.model.materials[section.material].density.unwrap_or(0.0);
+            let own: HashSet<usize> = section.elements.iter().copied().collect();
+            for &e in elements.iter().filter(|e| own.contains(*e) && self.places.elements.contains_key(e)) {
+                let nodes = [0, 1, 2, 3].map(|i| mesh.elements[e].nodes[i]);
+                let corners = nodes.map(|n| mesh.points[n]);
+                let thickness = section.thickness.unwrap_or_else(|| geometric_thickness(corners));
+                for (pair, area) in PAIRS.into_iter().zip(areas(corners)) {
+                    for node in pair.map(|i| nodes[i]) {
+                        *masses.entry(self.places.nodes[&node]).or_default() += 0.5 * density * thickness * area;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Collects the prescribed motions of all steps and the equations by their dependent degrees of freedom.
+    fn inertia_search(&self) -> InertiaSearch {
+        let of_step = |step: &Step, axis: usize| -> HashSet<usize> {
+            let boundaries = step.boundaries.iter().filter(|b| usize::from(b.dof) == axis + 1);
+            boundaries.flat_map(|b| b.nodes.iter().copied()).collect()
+        };
+        let held = [0, 1].map(|axis| {
+            let sets = self.model.steps.iter().map(|step| of_step(step, axis));
+            sets.reduce(|all, next| all.intersection(&next).copied().collect()).unwrap_or_default()
+        });
+        let firsts = self.links.equations.iter().enumerate();
+        let dependent = firsts.filter_map(|(i, e)| e.terms.first().map(|term| ((term.0, term.1), i))).collect();
+        InertiaSearch { held, dependent }
+    }
+
     /// Returns the degrees of freedom whose inertia resists a node along an axis: the node, the rigid body or the set of
     /// linked nodes to which it belongs, or the other terms of the equation that it depends on.
-    fn inertia(&self, (node, axis): (usize, usize), mass: &[f64], depth: usize) -> Vec<InertiaShare> {
-        if let Some(tie) = self.ties.iter().find(|tie| tie.nodes.contains(&node)) {
+    fn inertia(
+        &self,
+        (node, axis): (usize, usize),
+        (search, mass): (&InertiaSearch, &[f64]),
+        depth: usize,
+    ) -> Vec<InertiaShare> {
+        if let Some(tie) = self.ties.iter().find(|tie| tie.nodes.binary_search(&node).is_ok()) {
             let inverse_mass = Some(inverse(self.bodies[tie.body].mass()));
             return vec![InertiaShare { node: tie.nodes[0], weight: 1.0, inverse_mass }];
         }
-        let holds = |m: &&MergedDofs| m.axis == axis && m.nodes.contains(&node);
-        if let Some(set) = self.links.merged.iter().find(holds) {
+        if let Some(set) = self.links.merged_with(node, axis) {
             let inverse_mass = Some(inverse(set.nodes.iter().map(|&n| mass[n]).sum()));
             return vec![InertiaShare { node: set.nodes[0], weight: 1.0, inverse_mass }];
         }
-        let dependent = |terms: &&Vec<(usize, usize, f64)>| {
-            terms.first().is_some_and(|first| (first.0, first.1) == (node, axis)) && depth > 0
-        };
-        let Some(terms) = self.links.equations.iter().map(|e| &e.terms).find(dependent) else {
+        let Some(&equation) = search.dependent.get(&(node, axis)).filter(|_| depth > 0) else {
             return vec![InertiaShare { node, weight: 1.0, inverse_mass: None }];
         };
+        let terms = &self.links.equations[equation].terms;
         let others = terms[1..].iter().flat_map(|&(other, along, c)| {
             let weight = -c / terms[0].2;
-            let shares = self.inertia((other, along), mass, depth - 1).into_iter();
+            let shares = self.inertia((other, along), (search, mass), depth - 1).into_iter();
             shares.map(move |share| InertiaShare { weight: weight * share.weight, ..share })
         });
         others.collect()
     }
 
-    fn refuse_bare_node(&mut self, place: usize) {
-        let Some(node) = self.places.nodes.iter().find(|n| *n.1 == place).map(|n| *n.0) else { return };
+    fn refuse_bare_node(&mut self, node: usize) {
         let mesh = &self.model.mesh;
         let message = format!("node {} of a cohesive element has no mass", mesh.node_names[node]);
         let at = mesh.elements.iter().find(|e| e.kind == ElementKind::Cohax4 && e.nodes.contains(&node));

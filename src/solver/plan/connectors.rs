@@ -110,7 +110,7 @@ impl Compiler<'_> {
     }
 
     /// Returns whether the motion of a node without mass is prescribed in all steps.
-    pub(super) fn is_always_prescribed(&self, place: usize, axis: usize) -> bool {
+    fn is_always_prescribed(&self, place: usize, axis: usize) -> bool {
         let Some(node) = self.places.nodes.iter().find(|n| *n.1 == place).map(|n| *n.0) else { return false };
         let prescribes = |b: &BoundaryCondition| usize::from(b.dof) == axis + 1 && b.nodes.contains(&node);
         let on_axis = axis == 0 && self.model.mesh.points[node][0] == 0.0;

@@ -204,7 +204,7 @@ card!(DamageEvolution: "DAMAGE EVOLUTION", "Damage evolution", (below "MATERIAL"
     ]),
     (when "SOFTENING" = "EXPONENTIAL" rows [
         "displacement or energy at failure" (NOT_NEGATIVE.required()),
-        "exponent, or mode mix with TYPE=ENERGY" (NOT_NEGATIVE),
+        "exponent or mode mix" (NOT_NEGATIVE) "Exponent with TYPE=DISPLACEMENT, mode mix with TYPE=ENERGY",
         "mode mix" (NUMBER.from(0.0).to(1.0)),
     ]),
     (when "MODE MIX RATIO" = "ENERGY" rows [
