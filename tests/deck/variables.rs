@@ -51,8 +51,31 @@ fn pressed(deck: &str) -> String {
         .replace("*Boundary\n J0, 2, 2\n", "*Boundary\n J0, 2, 2\n*Contact Pair\n J1, LID\n")
 }
 
+/// Returns the criterion of damage initiation with which a variable of cohesive elements exists.
+fn criterion_with(variable: Variable) -> Option<&'static str> {
+    match variable {
+        Variable::NominalStrain | Variable::QuadraticStressInitiation => Some("QUADS"),
+        Variable::LargestStressInitiation => Some("MAXS"),
+        Variable::QuadraticStrainInitiation => Some("QUADE"),
+        Variable::LargestStrainInitiation => Some("MAXE"),
+        _ => None,
+    }
+}
+
+/// Returns a deck with a cohesive element, the set ONE.
+fn bonded(criterion: &str, requests: &str) -> String {
+    let text = std::fs::read_to_string(crate::common::project("tests/deck/words/cohesive.inp")).expect("a deck");
+    let strains = if criterion.ends_with('E') { "0.01, 0.015" } else { "5., 6." };
+    let text = text.replace("QUADS\n 5., 6.", &format!("{criterion}\n {strains}"));
+    let (model, _) = text.split_once("*Output, field").expect("a request");
+    model.replace("*Nset, nset=LOW", "*Elset, elset=ONE\n 3,\n*Nset, nset=LOW") + requests + "*End Step\n"
+}
+
 /// Returns a deck in which a variable exists: the block, or a ring of shells with the same motion.
 fn scene(variable: Variable, requests: &str) -> String {
+    if let Some(criterion) = criterion_with(variable) {
+        return bonded(criterion, requests);
+    }
     let solid = block_with(variable, requests);
     if variable.row().preselected == PreselectRule::MassScaling || variable == Variable::MassScalingFactor {
         return solid.replacen("*Boundary\n", "*Fixed Mass Scaling, factor=1.01\n*Boundary\n", 1);

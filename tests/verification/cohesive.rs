@@ -31,9 +31,9 @@ fn separated(law: &str, [radial, axial]: [f64; 2], increment: f64) -> String {
     format!(
         "*Node\n 1, 1., 0.\n 2, 2., 0.\n 3, 2., 0.\n 4, 1., 0.\n*Nset, nset=LOW\n 1, 2\n*Nset, nset=TOP\n 3, 4\n*Element, \
          type=COHAX4, elset=COH\n 1, 1, 2, 3, 4\n*Cohesive section, elset=COH, material=GLUE, response=TRACTION SEPARATION, \
-         controls=C\n 1.,\n*Section controls, name=C\n*Material, name=GLUE\n{law}*Step\n*Dynamic, explicit, direct user \
+         controls=C\n 1.,\n*Section controls, name=C\n*Material, name=GLUE\n*Density\n 1.,\n{law}*Step\n*Dynamic, explicit, direct user \
          control\n {increment:e}, 1.\n*Boundary\n LOW, 1, 2\n*Boundary, type=VELOCITY\n TOP, 1, 1, {radial:e}\n TOP, 2, 2, \
-         {axial:e}\n*Output, history, frequency=1\n*Energy output\n ALLDMD, ALLSE, ALLIE, ALLWK\n*Element output, \
+         {axial:e}\n*Output, history, frequency=1\n*Energy output\n ALLDMD, ALLSE, ALLIE, ALLWK, ALLKE\n*Element output, \
          elset=COH\n S, E, SDEG, DMICRT, STATUS, ELDMD\n*End step\n"
     )
 }
@@ -97,7 +97,7 @@ fn external_work_converges_to_the_dissipated_energy() {
         let (_, memory) = run(&text);
         let dissipated = last(&text, &memory, "ALLDMD");
         assert_close("energy", dissipated, 0.3 * RING, 1e-12);
-        (last(&text, &memory, "ALLWK") / dissipated - 1.0).abs()
+        ((last(&text, &memory, "ALLWK") - last(&text, &memory, "ALLKE")) / dissipated - 1.0).abs()
     };
     let errors = [1e-2, 2.5e-3, 6.25e-4].map(error);
     assert!(errors[0] < 1e-2 && errors[1] < 0.15 * errors[0] && errors[2] < 0.15 * errors[1], "{errors:?}");
@@ -235,7 +235,7 @@ fn uniform_traction_is_transmitted() {
         )
         .expect("text");
     }
-    tied += &layer(600, 700, 3, ELASTIC);
+    tied += &layer(600, 700, 3, &format!("*Density\n 1e-3,\n{ELASTIC}"));
     tied += "*Surface, name=BOTTOM\n COH, S1\n*Surface, name=CAP\n COH, S3\n*Tie, name=A\n BOTTOM, BELOW\n*Tie, name=B\n CAP, ABOVE\n";
     for (what, mesh) in [("shared", shared), ("tied", tied)] {
         for pressure in [-2.0, 5.0] {
@@ -267,7 +267,8 @@ fn rings_that_are_pulled_apart_dissipate_the_fracture_energy() {
     assert_eq!(outcome.halt, None);
     assert_close("energy", last(&text, &memory, "ALLDMD"), 0.3 * RING, 1e-6);
     let work = last(&text, &memory, "ALLWK");
-    assert!(last(&text, &memory, "ETOTAL").abs() < 1e-9 * work, "{}", last(&text, &memory, "ETOTAL"));
+    // The velocity is prescribed suddenly: the first increment has an error.
+    assert!(last(&text, &memory, "ETOTAL").abs() < 1e-5 * work, "{}", last(&text, &memory, "ETOTAL"));
     let rows = column(&text, &memory, "ALLSE");
     assert!(rows.iter().all(|row| row.1 > -1e-4 * work));
     for e in 500..503 {
@@ -337,7 +338,7 @@ const YOUNG: f64 = 12.0 * (1.0 - RATIO * RATIO);
 const SHEAR: f64 = 5.0 / 6.0 * YOUNG / (2.0 * (1.0 + RATIO));
 const ENERGY: f64 = 1e-10;
 /// Stiffness of the interface.
-const FOUNDATION: f64 = 64.0;
+const FOUNDATION: f64 = 4.0;
 
 /// Returns a plate of shells with nodes at these radii, bonded from the node `first` on to a fixed base. Elements that
 /// are shorter than `coarse` have a density that gives them the increment of this length; they hardly move.
@@ -372,8 +373,8 @@ fn bonded_plate(radii: &[f64], first: usize, coarse: f64, load: &str, time: f64,
     let strength = FOUNDATION * (1.8 * ENERGY / FOUNDATION).sqrt();
     write!(
         text,
-        "*Cohesive section, elset=COH, material=GLUE, response=TRACTION SEPARATION\n*Material, name=GLUE\n*Elastic, \
-         type=TRACTION\n {FOUNDATION}, {FOUNDATION}\n*Damage initiation, criterion=MAXS\n {strength:.17e}, {strength:.17e}\n*Damage \
+        "*Cohesive section, elset=COH, material=GLUE, response=TRACTION SEPARATION\n*Material, name=GLUE\n*Density\n \
+         1e-6,\n*Elastic, type=TRACTION\n {FOUNDATION}, {FOUNDATION}\n*Damage initiation, criterion=MAXS\n {strength:.17e}, {strength:.17e}\n*Damage \
          evolution, type=ENERGY\n {ENERGY:e},\n*Nset, nset=BASE, generate\n {}, {}\n*Nset, nset=CENTRE\n 1\n*Nset, nset=END\n \
          {count}\n*Elset, elset=TIP\n {}\n*Amplitude, name=SLOWLY, definition=SMOOTH STEP\n 0., 0., {time:e}, 1.\n",
         first + 10_001,
@@ -429,7 +430,7 @@ fn pressurised_blister_debonds_at_the_energy_release_rate_of_theory() {
         // The critical pressure is that of the middle of the ramp, where its acceleration vanishes.
         let load = format!(
             "*Step\n*Dynamic, explicit\n , {:e}\n*Dload, amplitude=SLOWLY\n FREE, P, {:e}\n",
-            0.55 * time,
+            0.6 * time,
             2.0 * expected
         );
         let outputs = "*Output, history, number interval=4000\n*Element output, elset=TIP\n SDEG\n*Energy output\n ETOTAL, \
@@ -442,7 +443,7 @@ fn pressurised_blister_debonds_at_the_energy_release_rate_of_theory() {
         let x = rows.iter().find(|row| row.1 > 0.4).expect("debonding").0 / time;
         2.0 * expected * x * x * x * (10.0 - 15.0 * x + 6.0 * x * x)
     };
-    let found = [0.4, 0.2, 0.1].map(of);
+    let found = [0.2, 0.1, 0.05].map(of);
     println!("blister: {found:?}, expected {expected}, thin {thin}");
     let [first, second] = [found[1] - found[0], found[2] - found[1]].map(f64::abs);
     assert!(second < first || second < 2e-3 * expected, "{found:?}");
@@ -453,7 +454,7 @@ fn pressurised_blister_debonds_at_the_energy_release_rate_of_theory() {
 /// This is the double cantilever beam of rings.
 #[test]
 fn force_on_a_debonding_disc_is_that_of_theory() {
-    let (from, to, size) = (50.0, 56.0, 0.1);
+    let (from, to, size) = (50.0, 56.0, 0.06);
     let (list, first) = radii(from, 40, size, to + 6.0);
     let height = |a: f64| a * a * (2.0 * ENERGY).sqrt() / 4.0;
     let time = 10.0 * 2.0 * PI * to * to / 10.2158;
@@ -510,8 +511,8 @@ fn invalid_cohesive_elements_are_reported() {
         ("1000., 800.\n", "-1000., 800.\n", "M103", "Enn"),
         (" 0.3,\n", " 1e-3,\n", "P026", "less than the elastic energy"),
         (" 0.3,\n", " 0.,\n", "M103", "fracture energy"),
-        ("type=ENERGY\n", "type=ENERGY, mixed mode behavior=BK\n", "M103", "require POWER"),
-        ("type=ENERGY\n", "type=DISPLACEMENT, mixed mode behavior=BK, power=2.\n", "M103", "TYPE=ENERGY"),
+        ("type=ENERGY\n 0.3,", "type=ENERGY, mixed mode behavior=BK\n 0.3, 0.5", "M103", "require POWER"),
+        ("type=ENERGY\n 0.3,", "type=DISPLACEMENT, mixed mode behavior=BK, power=2.\n 0.3, 0.5", "M103", "TYPE=ENERGY"),
         ("type=ENERGY\n", "type=ENERGY, power=2.\n", "M103", "POWER requires"),
         ("type=ENERGY\n 0.3,", "type=DISPLACEMENT, softening=EXPONENTIAL\n 0.3,", "M103", "exponent"),
         ("type=ENERGY\n 0.3,", "type=DISPLACEMENT, softening=TABULAR\n 0.1, 0.\n 1., 0.1", "M103", "softening table"),

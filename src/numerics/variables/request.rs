@@ -135,7 +135,6 @@ pub const NOT_SIMULATED: &[UnsimulatedVariable] = &[
     known("AT", VariablePlace::Node, "translational accelerations apart from rotations"),
     known("RT", VariablePlace::Node, "reaction forces apart from moments"),
     known("INV3", VariablePlace::Point, "third stress invariant"),
-    known("E", VariablePlace::Point, "total strain"),
     known("EP", VariablePlace::Point, "principal total strains"),
     known("EE", VariablePlace::Point, "elastic strain"),
     known("NE", VariablePlace::Point, "nominal strain"),

@@ -167,7 +167,7 @@ impl<'a> Compiler<'a> {
         self.ledger_row(section.span, "cohesive elements", count, "COHAX4", parts.join(", "));
     }
 
-    /// Bounds the time increment by the cohesive elements. A node without inertia is an error.
+    /// Bounds the time increment by the cohesive elements. A node without mass is an error: forces of elements act on masses.
     pub(super) fn bound_cohesive_elements(&mut self, state: &mut State) {
         if self.model.cohesive_sections.is_empty() {
             return;
@@ -184,7 +184,7 @@ impl<'a> Compiler<'a> {
                     let place = |n: &usize| self.places.nodes[n];
                     let shares =
                         moving().flat_map(|n| self.inertia((place(n), axis), (&search, mass), DEPTH)).collect();
-                    bare.extend(moving().filter(|n| self.unresisted_dofs.contains(&(place(n), axis))));
+                    bare.extend(ends.iter().filter(|n| mass[place(n)] == 0.0 && !self.places.tied.contains_key(n)));
                     springs.push(InterfaceSpring { element: (group, element), axis, stiffness, shares });
                 }
             }
@@ -265,8 +265,7 @@ impl<'a> Compiler<'a> {
         let message = format!("node {} of a cohesive element has no mass", mesh.node_names[node]);
         let at = mesh.elements.iter().find(|e| e.kind == ElementKind::Cohax4 && e.nodes.contains(&node));
         let finding = Diagnostic::error("P026", message).at(at.map(|e| e.span).unwrap_or_default(), "this element");
-        let help = "share the node with a solid element, tie it (*TIE), prescribe its motion in every step (*BOUNDARY), \
-                    or give the material a *DENSITY";
+        let help = "give the material of the cohesive elements a *DENSITY, or share the node with a solid element";
         self.diagnostics.push(finding.help(help));
     }
 }

@@ -667,6 +667,9 @@ fn why_absent(selection: VariableRequest, request: &OutputRequest) -> String {
         VariableRequest::One(part) if !history && part.variable.parts().count() > 1 => {
             return format!("frames show {} with all components", part.variable.name());
         }
+        _ if selection.variables().contains(&Variable::NominalStrain) => {
+            return format!("{name} is the nominal strain of cohesive elements; the strain of solids is LE");
+        }
         _ => selection.variables().first().map(|v| v.place()),
     };
     match (place, &request.region) {
