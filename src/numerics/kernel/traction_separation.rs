@@ -129,7 +129,7 @@ impl TractionSeparationLaw {
             let value = initiation.value(open);
             let most = if self.softening.is_some() { 1.0 } else { f64::INFINITY };
             history.criterion = history.criterion.max(initiation.shown(value).min(most));
-            if let Some(softening) = self.softening.as_ref().filter(|_| value > 0.0) {
+            if let Some(softening) = self.softening.as_ref().filter(|_| value > 1.0) {
                 let ray = self.ray(open);
                 let envelope = softening.envelope(&ray, ray.size / value);
                 dissipated = ray.stiffness * self.grow(history, &envelope, ray.size);
@@ -358,6 +358,17 @@ mod tests {
                 law.update(&mut history, [size * direction[0], size * direction[1]]);
                 assert_eq!(law.has_failed(&history), failed, "{direction:?} {size}");
             }
+        }
+    }
+
+    #[test]
+    fn tiny_separations_dissipate_nothing() {
+        let law = law(InterfaceSoftening::Energy(ModeDependence::PowerLaw(ENERGIES, 1.6)));
+        for size in [0.0, 5e-324, 1e-200, 1e-160, 1e-9] {
+            let mut history = InterfaceHistory::default();
+            let response = law.update(&mut history, [size, -size]);
+            assert_eq!((response.dissipated, history.damage), (0.0, 0.0));
+            assert!(response.traction.iter().all(|t| t.is_finite()));
         }
     }
 
