@@ -404,7 +404,7 @@ mod tests {
             let (mut history, mut sum, mut work, steps) = (InterfaceHistory::default(), 0.0, 0.0, 200_000);
             let path = |i: usize| {
                 let share = i as f64 / steps as f64;
-                [0.06 * share * (1.0 - 0.6 * share), 0.08 * share * share]
+                [0.036 * share * (1.0 - 0.6 * share), 0.048 * share * share]
             };
             let mut before = [0.0; 2];
             for i in 1..=steps {
