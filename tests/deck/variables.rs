@@ -51,8 +51,34 @@ fn pressed(deck: &str) -> String {
         .replace("*Boundary\n J0, 2, 2\n", "*Boundary\n J0, 2, 2\n*Contact Pair\n J1, LID\n")
 }
 
+/// Returns the criterion of damage initiation with which a variable of cohesive elements exists.
+fn criterion_with(variable: Variable) -> Option<&'static str> {
+    match variable {
+        Variable::NominalStrain | Variable::QuadraticStressInitiation => Some("QUADS"),
+        Variable::LargestStressInitiation => Some("MAXS"),
+        Variable::QuadraticStrainInitiation => Some("QUADE"),
+        Variable::LargestStrainInitiation => Some("MAXE"),
+        _ => None,
+    }
+}
+
+/// Returns a deck of one cohesive element whose faces move apart.
+fn separated(criterion: &str, requests: &str) -> String {
+    let strains = if criterion.ends_with('E') { "0.01, 0.015" } else { "5., 6." };
+    format!(
+        "*Node\n 1, 1., 0.\n 2, 2., 0.\n 3, 2., 0.\n 4, 1., 0.\n*Nset, nset=TOP\n 3, 4\n*Element, type=COHAX4, elset=ONE\n \
+         1, 1, 2, 3, 4\n*Cohesive Section, elset=ONE, material=M, response=TRACTION SEPARATION\n*Material, \
+         name=M\n*Density\n 1.,\n*Elastic, type=TRACTION\n 500., 400.\n*Damage Initiation, criterion={criterion}\n \
+         {strains}\n*Damage Evolution, type=ENERGY\n 0.2,\n*Step\n*Dynamic, Explicit\n , 0.05\n*Boundary, \
+         type=VELOCITY\n TOP, 2, 2, 0.1\n{requests}*End Step\n"
+    )
+}
+
 /// Returns a deck in which a variable exists: the block, or a ring of shells with the same motion.
 fn scene(variable: Variable, requests: &str) -> String {
+    if let Some(criterion) = criterion_with(variable) {
+        return separated(criterion, requests);
+    }
     let solid = block_with(variable, requests);
     if variable.row().preselected == PreselectRule::MassScaling || variable == Variable::MassScalingFactor {
         return solid.replacen("*Boundary\n", "*Fixed Mass Scaling, factor=1.01\n*Boundary\n", 1);

@@ -68,7 +68,8 @@ fn pairs() -> Vec<DeckPair> {
     let base = |name: &str| {
         std::fs::read_to_string(common::project(&format!("tests/deck/words/{name}.inp"))).expect("a deck of the pairs")
     };
-    let bases: HashMap<&str, String> = ["solid", "shell", "rigid", "parts"].map(|name| (name, base(name))).into();
+    let bases: HashMap<&str, String> =
+        ["solid", "shell", "cohesive", "rigid", "parts"].map(|name| (name, base(name))).into();
     let table = std::fs::read_to_string(common::project("tests/deck/words/pairs.txt")).expect("the table of pairs");
     let lines = table.lines().filter(|l| !l.is_empty() && !l.starts_with('#'));
     let (definitions, lines): (Vec<&str>, Vec<&str>) = lines.partition(|l| l.starts_with("def "));

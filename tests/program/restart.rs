@@ -480,6 +480,19 @@ fn shells_resume() {
     assert!(outcome.halt.is_none() && outcome.energy.plastic > 0.0, "{:?}", outcome.energy);
 }
 
+/// Damage, deletion and the energies of cohesive elements are part of the state.
+#[test]
+fn cohesive_elements_resume() {
+    let text = fs::read_to_string(project("tests/deck/words/cohesive.inp")).expect("a deck");
+    let text = text
+        .replace("number interval=2", "number interval=7")
+        .replace("frequency=1\n*Energy Output\n ALLKE, ALLDMD", "number interval=23\n*Energy Output\n ALL")
+        .replace(" 0.2,\n**material", " 0.06,\n**material")
+        .replace(" , 0.4\n", " , 1.5\n");
+    let outcome = assert_resumes("cohesive elements", &text, Routines::none);
+    assert!(outcome.halt.is_none() && outcome.deleted == 1, "{outcome:?}");
+}
+
 #[test]
 fn scaled_masses_resume() {
     let cards =

@@ -9,6 +9,7 @@ mod alike;
 mod area;
 mod bars;
 mod cavities;
+mod cohesive;
 mod conduction;
 mod contact;
 mod contact_analytical;

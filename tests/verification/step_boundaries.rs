@@ -257,6 +257,7 @@ fn rigid_examples_do_not_depend_on_steps() {
 fn deformable_examples_do_not_depend_on_steps() {
     for name in [
         "blast_disk",
+        "debonding_disc",
         "long_rod",
         "ogive_meshed",
         "ogive_rod_meshed",

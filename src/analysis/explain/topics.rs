@@ -40,6 +40,13 @@ pub(super) const TOPICS: &[HelpTopic] = &[
         text: "SAX1: two-node axisymmetric shell with *SHELL SECTION; degrees of freedom 1 (r), 2 (z), 6 (rotation).\n",
     },
     HelpTopic {
+        words: &["COHAX4"],
+        text: "COHAX4: four-node axisymmetric cohesive element with *COHESIVE SECTION. Nodes 1 and 2 are the bottom face, 4 and 3 the\n\
+               nodes of the top face opposite to them; the faces may coincide. Two integration points at the ends of the mid-surface.\n\
+               Material: *ELASTIC, TYPE=TRACTION; *DAMAGE INITIATION with MAXS, QUADS, MAXE or QUADE; *DAMAGE EVOLUTION. Output: S22\n\
+               and S12 (tractions), E22 and E12, SDEG, MAXSCRT, ..., STATUS. Faces S1 and S3 can be tied (docs/theory/cohesive.md).\n",
+    },
+    HelpTopic {
         words: &["MASS", "SPRINGA", "SPRING1", "DASHPOTA", "DASHPOT1"],
         text: "TYPE=MASS with *MASS adds a point mass to a node; SPRINGA and DASHPOTA connect two nodes, SPRING1 and DASHPOT1 a node\n\
                and the ground, with *SPRING and *DASHPOT.\n",
@@ -50,7 +57,7 @@ pub(super) const TOPICS: &[HelpTopic] = &[
             "B31", "T3D2", "R3D4",
         ],
         text: "This element type is unsupported: the code is axisymmetric and supports CAX4R, CAX4RT, CAX3, CAX3T, CAX6M,\n\
-               SAX1 and RAX2. Other element types are reported as errors with their line (docs/abaqus.md).\n",
+               SAX1, COHAX4 and RAX2. Other element types are reported as errors with their line (docs/abaqus.md).\n",
     },
     HelpTopic {
         words: &[

@@ -18,6 +18,7 @@ use super::coupling::PendingCoupling;
 use super::degrees::RotationalCondition;
 use super::derivation::DerivationRequest;
 use super::lost::{MissingDefinitions, is_skipped};
+use super::materials::SectionIndex;
 use super::names::{LabelTable, qualified, upper};
 use super::refinement::curves::EdgeCurves;
 use super::refinement::mesh::RefinedMesh;
@@ -95,7 +96,7 @@ pub(super) struct ModelBuilder<'a> {
     /// Section controls by name.
     pub controls: IndexMap<String, SectionControls>,
     /// Sections that refer to section controls, which may be defined later.
-    pub controls_used: Vec<(usize, Word)>,
+    pub controls_used: Vec<(SectionIndex, Word)>,
     /// The `*COUPLING` card whose `*KINEMATIC` or `*DISTRIBUTING` card follows.
     pub coupling: Option<PendingCoupling>,
     /// Blast waves.
@@ -257,6 +258,7 @@ impl<'a> ModelBuilder<'a> {
             "PHYSICAL CONSTANTS" => self.physical_constants(card),
             "SOLID SECTION" => self.solid_section(card),
             "SHELL SECTION" => self.shell_section(card),
+            "COHESIVE SECTION" => self.cohesive_section(card),
             "SECTION CONTROLS" => self.section_controls(card),
             "EROSION" => self.erosion(card),
             "RIGID BODY" => self.rigid_body(card),

@@ -3,11 +3,11 @@
 use super::name::EntityName;
 use super::steps::DEFAULT_ACCURACY;
 use super::types::{
-    Amplitude, AmplitudeDefinition, AmplitudeId, BoundaryCondition, Element, ElementKind, ElementSetId, ElementSide,
-    IncrementControl, InitialCondition, InitialKind, Load, LoadKind, LoadVelocity, MaterialDefinition, MaterialId,
-    MemberSet, Model, MotionKind, NodeSetId, OutputCard, OutputExpression, OutputInterval, OutputKind, OutputPosition,
-    OutputRegion, OutputRequest, PointMass, RigidBody, SectionControls, ShellSection, ShellThinning, SideSelection,
-    SolidSection, Step,
+    Amplitude, AmplitudeDefinition, AmplitudeId, BoundaryCondition, CohesiveSection, Element, ElementKind,
+    ElementSetId, ElementSide, IncrementControl, InitialCondition, InitialKind, Load, LoadKind, LoadVelocity,
+    MaterialDefinition, MaterialId, MemberSet, Model, MotionKind, NodeSetId, OutputCard, OutputExpression,
+    OutputInterval, OutputKind, OutputPosition, OutputRegion, OutputRequest, PointMass, RigidBody, SectionControls,
+    ShellSection, ShellThinning, SideSelection, SolidSection, Step,
 };
 use crate::deck::Span;
 use crate::kernel::bulk_viscosity::BulkViscosity;
@@ -16,10 +16,11 @@ use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
 
 impl Model {
-    /// Iterates over material and elements of all sections, solids before shells.
+    /// Iterates over material and elements of all sections: solids, shells, cohesive elements.
     pub fn material_regions(&self) -> impl Iterator<Item = (MaterialId, &[usize])> {
         let solids = self.sections.iter().map(|s| (s.material, &s.elements[..]));
-        solids.chain(self.shell_sections.iter().map(|s| (s.material, &s.elements[..])))
+        let cohesive = self.cohesive_sections.iter().map(|s| (s.material, &s.elements[..]));
+        solids.chain(self.shell_sections.iter().map(|s| (s.material, &s.elements[..]))).chain(cohesive)
     }
 
     /// Adds a node at `[r, z]` and returns its index. Its name is its number, counted from 1.
@@ -83,6 +84,20 @@ impl Model {
         });
         let last = self.shell_sections.len() - 1;
         &mut self.shell_sections[last]
+    }
+
+    /// Assigns a material to cohesive elements, with a constitutive thickness of 1: nominal strains are separations.
+    #[track_caller]
+    pub fn cohesive_section(&mut self, elements: &[usize], material: MaterialId) -> &mut CohesiveSection {
+        self.cohesive_sections.push(CohesiveSection {
+            elements: elements.to_vec(),
+            material,
+            thickness: Some(1.0),
+            controls: SectionControls::default(),
+            span: Span::composed(),
+        });
+        let last = self.cohesive_sections.len() - 1;
+        &mut self.cohesive_sections[last]
     }
 
     /// Defines a rigid body. Its mass is given by [`RigidBody::density`] and thickness, or by [`Model::mass`].

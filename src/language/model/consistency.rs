@@ -162,7 +162,33 @@ impl ConsistencyCheck<'_> {
     /// Checks that the selected sides and elements exist.
     fn sides(&mut self, span: Span, sides: &SideSelection) {
         self.faces(span, &sides.faces);
+        self.refuse_cohesive_faces(span, sides);
         self.elements(span, &sides.free_face_elements);
+    }
+
+    /// Reports loads and contact on faces of cohesive elements, which are inside of bodies.
+    fn refuse_cohesive_faces(&mut self, span: Span, sides: &SideSelection) {
+        let elements = &self.model.mesh.elements;
+        let is_cohesive =
+            |face: &&(usize, ElementSide)| elements.get(face.0).is_some_and(|e| e.kind == ElementKind::Cohax4);
+        if let Some((element, _)) = sides.faces.iter().find(is_cohesive) {
+            let name = &elements[*element].name;
+            let message = format!("surface `{}` has a face of the cohesive element {name}", sides.name);
+            let help = "faces of cohesive elements can only be tied (*TIE): give the faces of the solid elements";
+            self.found.push(Diagnostic::error("M131", message).at(span, "here").help(help));
+        }
+    }
+
+    /// Checks the elements of a load per volume, which cohesive elements do not have.
+    fn loaded_elements(&mut self, span: Span, list: &[usize]) {
+        self.elements(span, list);
+        let elements = &self.model.mesh.elements;
+        let is_cohesive = |e: &&usize| elements.get(**e).is_some_and(|e| e.kind == ElementKind::Cohax4);
+        if let Some(element) = list.iter().find(is_cohesive) {
+            let message = format!("element {} is cohesive: loads per volume do not act on it", elements[*element].name);
+            let help = "give an ELSET without cohesive elements";
+            self.found.push(Diagnostic::error("M131", message).at(span, "this load").help(help));
+        }
     }
 
     fn faces(&mut self, span: Span, faces: &[(usize, ElementSide)]) {
@@ -176,7 +202,8 @@ impl ConsistencyCheck<'_> {
                 ElementSide::Positive | ElementSide::Negative => {
                     matches!(element.kind, ElementKind::Rax2 | ElementKind::Sax1)
                 }
-                ElementSide::Face(n) => element.nodes.len() > 2 && (1..=element.nodes.len()).contains(&usize::from(n)),
+                ElementSide::Face(n) if element.kind == ElementKind::Cohax4 => n == 1 || n == 3,
+                ElementSide::Face(n) => element.kind.is_solid() && (1..=element.nodes.len()).contains(&usize::from(n)),
             };
             if !has {
                 let message = format!("element {} of {} has no side {side:?}", element.name, element.kind.name());
@@ -196,6 +223,11 @@ impl ConsistencyCheck<'_> {
             self.elements(section.span, &section.elements);
             self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
             self.shell_section(section);
+        }
+        for section in &model.cohesive_sections {
+            self.elements(section.span, &section.elements);
+            self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
+            self.in_range(section.span, "", &materials::CohesiveSection::ROW, "thickness", section.thickness);
         }
         for body in &model.rigid_bodies {
             self.nodes(body.span, &[body.reference]);
@@ -400,6 +432,7 @@ impl ConsistencyCheck<'_> {
     fn contacts_and_masses(&mut self, step: &Step) {
         for contact in &step.surface_contacts {
             for sides in &contact.sides {
+                self.refuse_cohesive_faces(contact.span, sides);
                 let elements: Vec<usize> = sides.faces.iter().map(|f| f.0).collect();
                 self.elements(contact.span, &elements);
             }
@@ -488,9 +521,9 @@ impl ConsistencyCheck<'_> {
                 let good = charge.mass > 0.0 && charge.units.iter().all(|unit| *unit > 0.0);
                 self.value(good, load.span, || "mass and units of a charge must be positive".into());
             }
-            LoadKind::Body { elements, .. } => self.elements(load.span, elements),
+            LoadKind::Body { elements, .. } => self.loaded_elements(load.span, elements),
             LoadKind::NodalHeat { nodes, .. } => self.nodes(load.span, nodes),
-            LoadKind::BodyHeat { elements, .. } => self.elements(load.span, elements),
+            LoadKind::BodyHeat { elements, .. } => self.loaded_elements(load.span, elements),
             LoadKind::Film { sides, coefficient, amplitude } => {
                 self.sides(load.span, sides);
                 self.amplitude(load.span, *amplitude);
@@ -503,7 +536,7 @@ impl ConsistencyCheck<'_> {
                 self.load_type(load.span, *load_type, matches!(load_type, 0 | 20..=24));
             }
             LoadKind::UserBody { elements, load_type, .. } => {
-                self.elements(load.span, elements);
+                self.loaded_elements(load.span, elements);
                 self.load_type(load.span, *load_type, matches!(load_type, 1 | 2));
             }
             LoadKind::Cavity { sides, target, friction } => {

@@ -5,7 +5,8 @@ use super::eos::stiffens;
 use super::rubber::ORDER;
 use super::types::{
     DamageEvolution, DeviatoricEnergy, EosKind, FailureCriterion, FoamYieldSurface, HyperelasticLaw,
-    MaterialDefinition, PlasticityModel, RateDependence, StateVariables, StrainAtFailure,
+    InterfaceSoftening, MaterialDefinition, ModeDependence, PlasticityModel, RateDependence, StateVariables,
+    StrainAtFailure,
 };
 use crate::deck::keywords::Keyword;
 use crate::deck::table::materials as cards;
@@ -26,6 +27,7 @@ impl ConsistencyCheck<'_> {
         self.heat(material);
         self.flow(material);
         self.failure(material);
+        self.interface(material);
         let (name, span, user) = (&material.name, material.span, &material.user);
         let of_fields = user.fields.iter().chain(&user.lengths).flat_map(|f| &f.0);
         let mut constants = user.material.iter().flatten().chain(of_fields);
@@ -126,12 +128,53 @@ impl ConsistencyCheck<'_> {
         self.card(material, row, &values.map(|(field, value)| (field, Some(value))));
     }
 
+    /// Checks the traction-separation law of cohesive elements.
+    fn interface(&mut self, material: &MaterialDefinition) {
+        let interface = &material.interface;
+        self.rows(material, &cards::Elastic::ROW, ["Enn", "Ess"], interface.elastic.as_slice());
+        let (name, span) = (&material.name, material.span);
+        let mut need = |good: bool, what: &str| self.value(good, span, || format!("material `{name}`: {what}"));
+        let begins = interface.initiation.is_none_or(|i| i.limits.iter().all(|limit| is_positive(*limit)));
+        need(begins, "values of damage initiation must be positive");
+        let good = interface.evolution.as_ref().is_none_or(|e| softens(&e.softening));
+        need(good, "damage evolution of cohesive elements out of range");
+        let based = interface.evolution.is_none() || interface.initiation.is_some();
+        need(based, "damage evolution of cohesive elements requires damage initiation");
+    }
+
     fn failure(&mut self, material: &MaterialDefinition) {
         let cutoff = material.tensile_failure.map(|t| t.cutoff);
         self.card(material, &cards::TensileFailure::ROW, &[("mean stress, tension", cutoff)]);
         let (name, span) = (&material.name, material.span);
         let good = material.failures.iter().all(fails);
         self.value(good, span, || format!("material `{name}`: failure strain or damage evolution out of range"));
+    }
+}
+
+/// Returns whether the values at failure of cohesive elements are in range.
+fn is_mode_dependence(mode: &ModeDependence) -> bool {
+    match mode {
+        ModeDependence::Independent(value) => is_non_negative(*value),
+        ModeDependence::Table(_, rows) => {
+            let good = |row: &[f64; 2]| is_non_negative(row[0]) && (0.0..=1.0).contains(&row[1]);
+            !rows.is_empty() && rows.iter().all(good) && rows.windows(2).all(|w| w[0][1] < w[1][1])
+        }
+        ModeDependence::PowerLaw(energies, power) | ModeDependence::BenzeggaghKenane(energies, power) => {
+            energies.iter().chain([power]).all(|value| is_positive(*value))
+        }
+    }
+}
+
+fn softens(softening: &InterfaceSoftening) -> bool {
+    match softening {
+        InterfaceSoftening::Displacement(mode)
+        | InterfaceSoftening::Energy(mode)
+        | InterfaceSoftening::ExponentialEnergy(mode) => is_mode_dependence(mode),
+        InterfaceSoftening::ExponentialDisplacement(mode, rate) => is_mode_dependence(mode) && is_positive(*rate),
+        InterfaceSoftening::Tabular(rows) => {
+            let ascends = |w: &[[f64; 2]]| w[0][1] < w[1][1] && w[0][0] <= w[1][0] && w[1][0] <= 1.0;
+            rows.len() > 1 && rows[0] == [0.0; 2] && rows.windows(2).all(ascends)
+        }
     }
 }
 

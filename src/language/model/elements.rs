@@ -24,6 +24,7 @@ const SUPPORTED: &[(&str, ElementKind)] = &[
     ("CAX3T", ElementKind::Cax3t),
     ("CAX4RT", ElementKind::Cax4rt),
     ("CAX6M", ElementKind::Cax6m),
+    ("COHAX4", ElementKind::Cohax4),
     ("MASS", ElementKind::Mass),
     ("ROTARYI", ElementKind::RotaryInertia),
     ("SPRINGA", ElementKind::SpringA),
@@ -49,7 +50,6 @@ const AXISYMMETRIC: &[(&str, &str)] = &[
     ("SAX2", "use SAX1; explicit dynamics requires linear elements"),
     ("MAX1", "membranes are not simulated"),
     ("SFMAX1", "surface elements on solids are not simulated"),
-    ("COHAX4", "cohesive elements are not simulated"),
     ("SPRING2", "use SPRINGA or SPRING1"),
     ("DASHPOT2", "use DASHPOTA or DASHPOT1"),
     ("CONN2D2", "connectors are not simulated"),
@@ -89,7 +89,7 @@ impl ElementKind {
             ElementKind::Mass | ElementKind::RotaryInertia | ElementKind::Spring1 | ElementKind::Dashpot1 => 1,
             ElementKind::Rax2 | ElementKind::Sax1 | ElementKind::SpringA | ElementKind::DashpotA => 2,
             ElementKind::Cax3 | ElementKind::Cax3t => 3,
-            ElementKind::Cax4r | ElementKind::Cax4rt => 4,
+            ElementKind::Cax4r | ElementKind::Cax4rt | ElementKind::Cohax4 => 4,
             ElementKind::Cax6m => 6,
         }
     }
@@ -103,6 +103,7 @@ impl ElementKind {
                 Some(ElementTopology::Quadrilateral)
             }
             ElementKind::Cax6m => Some(ElementTopology::SixNodeTriangle),
+            ElementKind::Cohax4 => Some(ElementTopology::Cohesive),
             _ => None,
         }
     }
@@ -120,9 +121,13 @@ impl ElementKind {
         }
     }
 
-    /// Returns the one-based boundary segments of an ABAQUS face; empty if the type has no such face.
+    /// Returns the one-based boundary segments of an ABAQUS face; empty if the type has no such face. A cohesive element
+    /// has the faces 1 (bottom) and 3 (top).
     pub fn face(self, number: u8) -> std::ops::Range<u8> {
         let parts = if self == ElementKind::Cax6m { 2 } else { 1 };
+        if self == ElementKind::Cohax4 && number.is_multiple_of(2) {
+            return 0..0;
+        }
         let count = self.node_count() as u8 / parts;
         if (1..=count).contains(&number) { parts * (number - 1) + 1..parts * number + 1 } else { 0..0 }
     }
@@ -189,7 +194,7 @@ impl ModelBuilder<'_> {
         if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
             return Some(found.1);
         }
-        let supported = "supported: RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, MASS, \
+        let supported = "supported: RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, COHAX4, MASS, \
                          ROTARYI, SPRINGA, SPRING1, DASHPOTA, DASHPOT1";
         let diagnostic = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
             Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
@@ -291,6 +296,7 @@ impl ModelBuilder<'_> {
             .sum();
         match kind {
             ElementKind::Rax2 | ElementKind::Sax1 if points[0] == points[1] => Some(ShapeFault::NoLength),
+            ElementKind::Cohax4 => cohesive_fault(points),
             kind if kind.is_solid() && area < 0.0 => Some(ShapeFault::Clockwise),
             kind if kind.is_solid() && area == 0.0 => Some(ShapeFault::NoArea),
             ElementKind::Cax4r | ElementKind::Cax4rt if has_inward_corner(points, area) => Some(ShapeFault::Concave),
@@ -331,6 +337,7 @@ impl ModelBuilder<'_> {
             self.diagnostics.push(diagnostic);
             self.missing.bodies = true;
         }
+        self.report_exchanged_faces();
     }
 
     fn shape_diagnostic(&self, fault: ShapeFault, elements: &[usize]) -> Diagnostic {
@@ -465,6 +472,9 @@ enum ShapeFault {
     NoArea,
     Concave,
     Folded,
+    NoMidSurface,
+    FacesCrossed,
+    FacesExchanged,
 }
 
 impl ShapeFault {
@@ -482,7 +492,41 @@ impl ShapeFault {
                 "is folded: one of the four triangles between corners and midside nodes has no area",
                 "the node order is: three corners, then the midside nodes of the sides 1-2, 2-3 and 3-1",
             ),
+            ShapeFault::NoMidSurface => (
+                "has a mid-surface without area: its ends coincide, or both are on the axis",
+                "the nodes 1 and 2 are the bottom face, 4 and 3 the nodes of the top face opposite to them",
+            ),
+            ShapeFault::FacesCrossed => (
+                "has faces of opposite directions",
+                "list the nodes around the boundary: node 4 is opposite to node 1, and node 3 to node 2",
+            ),
+            ShapeFault::FacesExchanged => (
+                "has its top face below its bottom face",
+                "list the nodes counter-clockwise in the (r, z) plane: the normal from the bottom to the top face is the \
+                 direction from node 1 to node 2, rotated by 90 degrees counter-clockwise",
+            ),
         }
+    }
+}
+
+/// Returns the fault of the nodes of a cohesive element: bottom face 1 and 2, top face 4 and 3.
+fn cohesive_fault(points: &[[f64; 2]]) -> Option<ShapeFault> {
+    let [a, b, c, d] = *points.first_chunk::<4>()?;
+    let along = |from: [f64; 2], to: [f64; 2]| [to[0] - from[0], to[1] - from[1]];
+    let dot = |u: [f64; 2], v: [f64; 2]| u[0] * v[0] + u[1] * v[1];
+    let (bottom, top) = (along(a, b), along(d, c));
+    let middle = [bottom[0] + top[0], bottom[1] + top[1]];
+    let lengths = dot(bottom, bottom) + dot(top, top);
+    let normal = [-middle[1], middle[0]];
+    let opening = dot(normal, along(a, d)) + dot(normal, along(b, c));
+    if dot(bottom, top) < 0.0 {
+        Some(ShapeFault::FacesCrossed)
+    } else if dot(middle, middle) <= 1e-18 * lengths || lengths == 0.0 || points.iter().all(|p| p[0] == 0.0) {
+        Some(ShapeFault::NoMidSurface)
+    } else if opening < -1e-6 * lengths {
+        Some(ShapeFault::FacesExchanged)
+    } else {
+        None
     }
 }
 

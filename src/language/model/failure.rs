@@ -6,6 +6,9 @@ use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 use crate::kernel::levels::NestedTable;
 
+/// Index of the value of `CRITERION` in the keyword table.
+const DUCTILE: usize = 1;
+
 impl ModelBuilder<'_> {
     pub(super) fn shear_failure(&mut self, card: &Card) {
         let cards::ShearFailure { johnson_cook } = self.values(card);
@@ -51,13 +54,33 @@ impl ModelBuilder<'_> {
     }
 
     pub(super) fn damage_initiation(&mut self, card: &Card) {
-        let cards::DamageInitiation { ductile } = self.values(card);
-        let strain = if ductile { self.strains(card).map(StrainAtFailure::Ductile) } else { self.johnson_cook(card) };
+        let cards::DamageInitiation { criterion } = self.values(card);
+        let cohesive = self.interface_initiation(card, criterion);
+        let material = self.last_material();
+        if material.interface.initiation.is_some() && (!cohesive || !material.failures.is_empty()) {
+            let message = "a material has criteria either of solids or of cohesive elements";
+            return self.unsupported(card.span, message, "define two materials");
+        }
+        if cohesive {
+            return;
+        }
+        let strain = if criterion == DUCTILE {
+            self.strains(card).map(StrainAtFailure::Ductile)
+        } else {
+            self.johnson_cook(card)
+        };
         self.criterion(card, strain, DamageEvolution::Absent);
     }
 
     pub(super) fn damage_evolution(&mut self, card: &Card) {
-        let cards::DamageEvolution { energy, value: [value] } = self.values(card);
+        if self.last_material().interface.initiation.is_some() {
+            return self.interface_evolution(card);
+        }
+        if !self.is_bulk_evolution(card) {
+            return;
+        }
+        let cards::DamageEvolution { energy, rows, .. } = self.values(card);
+        let value = rows.first().map_or(f64::NAN, |row| row[0]);
         let evolution = if energy { DamageEvolution::Energy(value) } else { DamageEvolution::Displacement(value) };
         let is_refused = self.missing.has_card("DAMAGE INITIATION");
         match self.last_material().failures.last_mut() {

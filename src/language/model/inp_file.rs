@@ -62,7 +62,7 @@ fn shape(name: &str) -> Option<(usize, usize)> {
         "B22" | "B32" | "SAX2" | "MAX2" => Some((3, 1)),
         "T2D2" | "T3D2" | "RAX2" | "R2D2" => Some((2, 1)),
         "T2D3" | "T3D3" => Some((3, 1)),
-        _ if line || name.starts_with("C3D") => None,
+        _ if line || name.starts_with("C3D") || name.starts_with("COH") => None,
         _ => Some((count, 2)),
     }
 }

@@ -123,6 +123,7 @@ pub(super) fn is_skipped(card: &Card) -> bool {
         "ROTARY INERTIA",
         "SOLID SECTION",
         "SHELL SECTION",
+        "COHESIVE SECTION",
     ];
     !READ.contains(&card.keyword.name)
 }

@@ -10,10 +10,19 @@ use crate::deck::table::materials as cards;
 use crate::deck::{Card, DataLine, Diagnostic};
 use crate::kernel::levels::NestedTable;
 
-/// Indices of the values of `HARDENING` in the keyword table.
+/// Index of the value of `TYPE` of `*ELASTIC` in the keyword table.
+const TRACTION: usize = 2;
+/// Indices of the values of `HARDENING`, the first one also of `TYPE` of `*ELASTIC`.
 const ISOTROPIC: usize = 0;
 const KINEMATIC: usize = 1;
 const USER: usize = 3;
+
+/// A section that has section controls.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum SectionIndex {
+    Solid(usize),
+    Cohesive(usize),
+}
 
 impl ModelBuilder<'_> {
     pub(super) fn begin_material(&mut self, card: &Card) {
@@ -92,11 +101,14 @@ impl ModelBuilder<'_> {
     }
 
     fn elastic(&mut self, card: &Card) {
-        let cards::Elastic { shear, fields } = self.values(card);
-        if shear {
-            let [modulus]: [f64; 1] = card.read_lines();
-            self.last_material().shear_modulus = Some(modulus);
-            return;
+        let cards::Elastic { kind, fields } = self.values(card);
+        match kind {
+            ISOTROPIC => {}
+            TRACTION => return self.last_material().interface.elastic = Some(card.read_lines()),
+            _ => {
+                let [modulus]: [f64; 1] = card.read_lines();
+                return self.last_material().shear_modulus = Some(modulus);
+            }
         }
         let rows: Vec<[f64; 2]> = card.read_lines();
         let stiffest = rows.into_iter().reduce(|stiffest, row| if row[0] > stiffest[0] { row } else { stiffest });
@@ -258,7 +270,7 @@ impl ModelBuilder<'_> {
     pub(super) fn solid_section(&mut self, card: &Card) {
         let Some((elements, material)) = self.section_of(card, ElementKind::is_solid) else { return };
         let named = card.value("CONTROLS").cloned();
-        self.controls_used.extend(named.map(|word| (self.model.sections.len(), word)));
+        self.controls_used.extend(named.map(|word| (SectionIndex::Solid(self.model.sections.len()), word)));
         let (controls, span) = (SectionControls::default(), card.span);
         self.model.sections.push(SolidSection { elements, material, controls, span });
     }
@@ -285,7 +297,8 @@ impl ModelBuilder<'_> {
             let Element { name, kind, .. } = &mesh.elements[other];
             let (kind, section) = (kind.name(), card.keyword.name);
             let message = format!("element {name} of type {kind} cannot have a *{section}");
-            let help = "*SOLID SECTION is for CAX3, CAX4R and CAX6M, *SHELL SECTION for SAX1";
+            let help =
+                "*SOLID SECTION is for CAX3, CAX4R and CAX6M, *SHELL SECTION for SAX1, *COHESIVE SECTION for COHAX4";
             return self
                 .diagnostics
                 .refuse(Diagnostic::error("M180", message).at(card.span, "this section").help(help));
@@ -297,7 +310,10 @@ impl ModelBuilder<'_> {
     pub(super) fn apply_controls(&mut self) {
         for (section, word) in std::mem::take(&mut self.controls_used) {
             match self.controls.get(&upper(&word.text)) {
-                Some(controls) => self.model.sections[section].controls = controls.clone(),
+                Some(controls) => match section {
+                    SectionIndex::Solid(at) => self.model.sections[at].controls = controls.clone(),
+                    SectionIndex::Cohesive(at) => self.model.cohesive_sections[at].controls = controls.clone(),
+                },
                 None => self.unknown("M116", "section controls", &word, |b| b.controls.keys().cloned().collect()),
             }
         }

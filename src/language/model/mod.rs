@@ -12,6 +12,7 @@ mod check_values;
 mod clearance;
 mod coarsening;
 pub mod codes;
+mod cohesive;
 mod completion;
 mod compose;
 mod connectors;

@@ -109,7 +109,7 @@ impl ModelBuilder<'_> {
                 let diagnostic = Diagnostic::error("M131", message).at(word.span, "no such side");
                 self.diagnostics.push(
                     diagnostic
-                        .help("use SPOS or SNEG for RAX2 and SAX1, S1 to S3 for CAX3 and CAX6M, S1 to S4 for CAX4R"),
+                        .help("use SPOS or SNEG for RAX2 and SAX1, S1 to S3 for CAX3 and CAX6M, S1 to S4 for CAX4R, S1 and S3 for COHAX4"),
                 );
                 return faces;
             }
@@ -201,6 +201,7 @@ pub(super) fn sides_of(name: &str, kind: ElementKind) -> impl Iterator<Item = El
         "SNEG" if shell => Some(ElementSide::Negative),
         _ => None,
     };
-    let number = name.strip_prefix('S').filter(|_| kind.is_solid()).and_then(|n| n.parse().ok());
+    let number = name.strip_prefix('S').filter(|_| kind.is_solid() || kind == ElementKind::Cohax4);
+    let number = number.and_then(|n| n.parse().ok());
     of_shell.into_iter().chain(number.map_or(0..0, |n| kind.face(n)).map(ElementSide::Face))
 }

@@ -8,7 +8,8 @@ use pulp::Arch;
 
 use super::averaging::DilationAveraging;
 use super::block::is_larger;
-use super::connector::Connectors;
+use super::cohesive::bounds::InterfaceBounds;
+use super::connector::{Connectors, damped_rate};
 use super::damping::RayleighDamping;
 use super::distortion::DistortionControl;
 use super::erosion::ErosionControl;
@@ -23,7 +24,7 @@ use super::removed::DeletionRecord;
 use super::rings::RingFactors;
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
-use crate::kernel::topology::ElementNodes;
+use crate::kernel::topology::{ElementNodes, ElementTopology};
 use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::NodalAssembly;
 use crate::routines::PointRoutines;
@@ -55,6 +56,8 @@ pub struct Elements {
     pub rings: Option<Box<RingFactors>>,
     /// Springs and dashpots; `None` without any.
     pub connectors: Option<Box<Connectors>>,
+    /// Bounds of the time increment by cohesive elements; `None` without any.
+    pub interfaces: Option<Box<InterfaceBounds>>,
     /// Rayleigh damping; `None` without any.
     pub damping: Option<Box<RayleighDamping>>,
     /// Elements whose characteristic length a user subroutine defines.
@@ -203,6 +206,7 @@ impl Elements {
         }
         let mut first = 0;
         self.limit = (GroupTotals::default(), 0);
+        let mut interface = (GroupTotals::default(), 0);
         self.deformed = 0.0;
         let GroupTiming { mut seconds, mark } = timing;
         for (i, group) in self.groups.iter_mut().enumerate() {
@@ -234,18 +238,40 @@ impl Elements {
             }
             self.deformed = self.deformed.max(totals.deformed);
             add(&totals, &mut dofs.energies);
-            if is_larger(totals.rate, self.limit.0.rate) {
-                self.limit = (totals, i);
+            let limit = if group.topology() == ElementTopology::Cohesive { &mut interface } else { &mut self.limit };
+            if is_larger(totals.rate, limit.0.rate) {
+                *limit = (totals, i);
             }
             if let (Some(clock), Some(seconds)) = (clock, &mut seconds) {
                 seconds[self.ids[i]] += clock.elapsed().as_secs_f64();
             }
         }
+        self.add_interface_limit(interface);
         self.count_removed();
         if let Some(rings) = &mut self.rings {
             rings.measure(&self.groups, &dofs.nodes);
         }
         self.bound_frequency(&dofs.nodes);
+    }
+
+    /// Adds the limit of cohesive elements to that of the bodies which they join: the squares of both frequencies add
+    /// (Rayleigh).
+    fn add_interface_limit(&mut self, interface: (GroupTotals, usize)) {
+        let (bodies, rate) = (self.limit.0.rate, interface.0.rate);
+        if rate == 0.0 {
+            return;
+        }
+        if is_larger(rate, bodies) {
+            self.limit = interface;
+        }
+        self.limit.0.rate = damped_rate(bodies, 4.0 * rate * rate, 0.0);
+    }
+
+    /// Sets the bounds of the time increment by cohesive elements for the current masses.
+    pub fn bound_interfaces(&mut self, nodes: &Nodes) {
+        if let Some(interfaces) = &self.interfaces {
+            interfaces.apply(&mut self.groups, nodes);
+        }
     }
 
     /// Runs a loop over nodes, compiled for the selected instruction set.
@@ -402,7 +428,7 @@ fn add(totals: &GroupTotals, energies: &mut EnergyTotals) {
 persist_struct!(Elements {
     limit, active_nodes, pending, deleted, uses_frequency, connectors: present, damping: present, distortion: present, erosion: present,
     removed: present, masses: present, frequency: present, rings: present, groups: each, corners
-} derived { ids, deformed, averagings, lengths, fields, arch, gather, failure } then Elements::check_deleted);
+} derived { ids, deformed, interfaces, averagings, lengths, fields, arch, gather, failure } then Elements::check_deleted);
 
 impl Elements {
     fn check_deleted(&mut self, archive: &mut StateArchive<'_>) {

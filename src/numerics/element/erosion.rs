@@ -43,6 +43,9 @@ impl DeletionCriteria {
                     group.cells(element).map(|cell| largest_strain(cell.inline_map(place), cell.inline_map(start)));
                 return strains.fold(f64::NEG_INFINITY, larger);
             }
+            if group.constitutive_thickness(element).is_some() {
+                return f64::NEG_INFINITY;
+            }
             let boundary = group.boundary(element);
             let ends = [boundary[0], boundary[1]];
             largest_shell_strain(ends.inline_map(place), ends.inline_map(start))
@@ -161,7 +164,9 @@ impl Elements {
         let group = &mut self.groups[group];
         let volume =
             group.cells(element).map(|cell| quad::volume(cell.inline_map(|n| dofs.nodes.start[n as usize]))).sum();
-        self.deleted.0.push(group.boundary(element));
+        // The faces at a cohesive element have been exposed before.
+        let listed = if group.constitutive_thickness(element).is_some() { 0 } else { group.topology().boundary() };
+        self.deleted.0.push(group.boundary(element).first(listed));
         group.extensions().deletion().erode(element, volume);
         if let Some(removed) = &mut self.removed {
             removed.add(work);

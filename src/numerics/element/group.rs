@@ -13,6 +13,7 @@ use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::{BlockRecord, ElementRecord};
 use crate::element::subzonal::SubzonalPressures;
 use crate::element::transfer::ElementTransfer;
+use crate::kernel::cohesive;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap};
@@ -93,6 +94,14 @@ pub trait ElementGroup: Persist + Send + Sync {
     /// Returns the elastic stiffness of an element at the current positions; `None` for an element that is not linear
     /// elastic at small strain, which has no highest frequency in this sense.
     fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<ElementStiffness>;
+    /// Returns the constitutive thickness of a cohesive element; `None` for other elements.
+    fn constitutive_thickness(&self, _element: usize) -> Option<f64> {
+        None
+    }
+    /// Returns the stiffness at both points of a cohesive element, force per separation; `None` for other elements.
+    fn interface_stiffness(&self, _element: usize) -> Option<[f64; 2]> {
+        None
+    }
     /// Returns whether a task of elements is skipped because all its elements are at rest and free of stress.
     fn is_quiescent(&self, _task: usize) -> bool {
         false
@@ -152,7 +161,12 @@ impl dyn ElementGroup + '_ {
         if self.is_solid() {
             return self.cells(element).map(|cell| quad::volume(cell.inline_map(&place))).sum();
         }
-        let (nodes, thickness) = (self.nodes(element), self.value(element, Variable::Thickness.into()));
+        let nodes = self.nodes(element);
+        if let Some(thickness) = self.constitutive_thickness(element) {
+            let [a, b] = cohesive::areas([0, 1, 2, 3].inline_map(|i: usize| place(nodes[i])));
+            return thickness * (a + b);
+        }
+        let thickness = self.value(element, Variable::Thickness.into());
         ShellFrame::new([0, 1].inline_map(|i| place(nodes[i]))).area() * thickness.unwrap_or(0.0)
     }
 }
@@ -199,6 +213,8 @@ pub trait GroupExtensions {
 pub trait GroupSettings {
     /// Sets the masses of an element at its nodes.
     fn set_masses(&mut self, element: usize, masses: &[f64]);
+    /// Sets one over the stable time increment of a cohesive element, which depends on the bodies that it joins.
+    fn set_rate(&mut self, _element: usize, _rate: f64) {}
     /// Allocates the stable time increments of elements, from which mass scaling finds the current stiffness of rubber.
     fn keep_rates(&mut self) {}
     /// Starts to record strains and energies for output.

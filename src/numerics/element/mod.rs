@@ -5,6 +5,7 @@ mod assumed;
 pub mod averaging;
 pub mod block;
 mod calls;
+pub mod cohesive;
 pub mod compatible;
 pub mod connector;
 pub mod constants;

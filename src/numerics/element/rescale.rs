@@ -162,6 +162,7 @@ impl Elements {
         if let Some(connectors) = &mut self.connectors {
             connectors.bound(&dofs.nodes);
         }
+        self.bound_interfaces(&dofs.nodes);
         if let Some(damping) = &mut self.damping {
             damping.update_masses(&self.groups);
         }

@@ -92,13 +92,15 @@ pub enum ElementTopology {
     /// Three corners and the middle nodes of the sides between them, around the boundary counter-clockwise from a
     /// corner.
     SixNodeTriangle,
+    /// Two nodes of the bottom face, then those of the top face, counter-clockwise; tractions act between the faces.
+    Cohesive,
 }
 
 impl ElementTopology {
     /// Returns the number of nodes of an element, including rotations.
     pub fn nodes(self) -> usize {
         match self {
-            ElementTopology::Shell | ElementTopology::Quadrilateral => 4,
+            ElementTopology::Shell | ElementTopology::Quadrilateral | ElementTopology::Cohesive => 4,
             ElementTopology::SixNodeTriangle => 6,
         }
     }
@@ -110,7 +112,7 @@ impl ElementTopology {
 
     /// Returns whether the boundary encloses the volume of an element.
     pub fn is_solid(self) -> bool {
-        self != ElementTopology::Shell
+        !matches!(self, ElementTopology::Shell | ElementTopology::Cohesive)
     }
 
     /// Returns the number of blocks of four corner forces per block of elements.
@@ -122,7 +124,7 @@ impl ElementTopology {
     /// triangle the last two corners coincide.
     pub fn cells(self) -> &'static [[usize; 4]] {
         match self {
-            ElementTopology::Shell => &[],
+            ElementTopology::Shell | ElementTopology::Cohesive => &[],
             ElementTopology::Quadrilateral => &[[0, 1, 2, 3]],
             ElementTopology::SixNodeTriangle => &[[0, 1, 5, 5], [2, 3, 1, 1], [4, 5, 3, 3], [1, 3, 5, 5]],
         }

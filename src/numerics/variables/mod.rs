@@ -146,7 +146,7 @@ variables! {
     OutwardRotationalAcceleration: node("AROUT", &["AR1", "AR2"], "Rotational acceleration about 1 and 2 of bodies with six degrees of freedom").with_six_dofs().dimension([0, 0, -2, 0]),
     Yaw: node("YAW", &[], "Angle between the axis of a body with six degrees of freedom and its velocity, degrees, 0 to 90").with_six_dofs(),
     Tilt: node("TILT", &[], "Angle between the axis of a body with six degrees of freedom and direction 2, degrees").with_six_dofs(),
-    Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear; of shells at the middle section point: meridian, hoop").preselected(PreselectRule::Deformable).dimension(STRESS),
+    Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear; of shells at the middle section point: meridian, hoop; of cohesive elements: S22 normal, S12 shear traction").preselected(PreselectRule::Deformable).dimension(STRESS),
     Mises: point("MISES", &[], "Mises equivalent stress").preselected(PreselectRule::Deformable)
         .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))).dimension(STRESS),
     Pressure: point("PRESS", &[], "Equivalent pressure stress, positive in compression")
@@ -217,6 +217,11 @@ variables! {
     DamageInitiation: point("DMICRT", &[], "Damage initiation criterion, the largest of all; damage begins at 1"),
     DuctileInitiation: point("DUCTCRT", &[], "Ductile damage initiation criterion"),
     JohnsonCookInitiation: point("JCCRT", &[], "Johnson-Cook damage initiation criterion"),
+    NominalStrain: point("E", &["E22", "E12"], "Nominal strain of cohesive elements: normal and shear separation over the constitutive thickness"),
+    LargestStressInitiation: point("MAXSCRT", &[], "Maximum nominal stress criterion of cohesive elements"),
+    QuadraticStressInitiation: point("QUADSCRT", &[], "Quadratic nominal stress criterion of cohesive elements"),
+    LargestStrainInitiation: point("MAXECRT", &[], "Maximum nominal strain criterion of cohesive elements"),
+    QuadraticStrainInitiation: point("QUADECRT", &[], "Quadratic nominal strain criterion of cohesive elements"),
     BurnFraction: point("BURNF", &[], "Burn fraction of an explosive"),
     State: point("SDV", &[], "Solution-dependent state variables of a user material; SDV1 is the first").numbered(),
     FacetPressure: facet("PRESSURE", "Pressure of the loads on a facet", |sum, next| sum + next).dimension(STRESS),

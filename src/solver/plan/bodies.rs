@@ -288,6 +288,8 @@ impl Compiler<'_> {
             ("RAX2 elements belong to no rigid body", "give their element set on *RIGID BODY, ELSET=")
         } else if element.kind == ElementKind::Sax1 {
             ("shells have no section", "give their element set on *SHELL SECTION or *RIGID BODY")
+        } else if element.kind == ElementKind::Cohax4 {
+            ("cohesive elements have no section", "give their element set on *COHESIVE SECTION")
         } else {
             ("solid elements have no section", "give their element set on *SOLID SECTION or *RIGID BODY")
         };

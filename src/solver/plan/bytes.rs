@@ -85,6 +85,7 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
         ("area weighting", "rings", elements.rings.as_ref().map_or(0, |r| r.bytes())),
         ("averaged pressure", "triangles", elements.averagings.iter().flatten().map(|a| a.bytes()).sum()),
         (connectors, "connectors", elements.connectors.as_ref().map_or(0, |c| c.bytes())),
+        ("cohesive elements", "bounds", elements.interfaces.as_ref().map_or(0, |i| i.bytes())),
         (damping, "coefficients and forces", elements.damping.as_ref().map_or(0, |d| d.bytes())),
         ("characteristic length", "elements", elements.lengths.iter().map(|l| l.bytes()).sum()),
         ("predefined fields", "values", elements.fields.as_ref().map_or(0, |f| f.bytes())),

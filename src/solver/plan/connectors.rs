@@ -90,7 +90,6 @@ impl Compiler<'_> {
     /// Returns the inertia of an end whose motion is that of a rigid body, of linked nodes, or a weighted mean; `None`
     /// if only its own mass resists. Mass scaling, which adds mass, is not included.
     fn carried_end(&self, node: usize, axes: &[usize], mass: &[f64]) -> Option<CarriedEnd> {
-        let inverse = |mass: f64| if mass > 0.0 { 1.0 / mass } else { 0.0 };
         if let Some(tie) = self.ties.iter().find(|tie| tie.nodes.contains(&node)) {
             return Some(CarriedEnd { with: tie.nodes[0], inverse_mass: inverse(self.bodies[tie.body].mass()) });
         }
@@ -129,4 +128,9 @@ impl Compiler<'_> {
             "add a *MASS, prescribe the motion of the node in every step (*BOUNDARY), or attach it to a node with mass";
         self.diagnostics.push(finding.help(help));
     }
+}
+
+/// Returns one over a mass; 0 without mass.
+pub(super) fn inverse(mass: f64) -> f64 {
+    if mass > 0.0 { 1.0 / mass } else { 0.0 }
 }

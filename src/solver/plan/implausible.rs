@@ -29,7 +29,8 @@ impl Compiler<'_> {
         let model = self.model;
         let solids = model.sections.iter().map(|s| s.material.index());
         let shells = model.shell_sections.iter().map(|s| s.material.index());
-        let mut used: Vec<usize> = solids.chain(shells).collect();
+        let cohesive = model.cohesive_sections.iter().map(|s| s.material.index());
+        let mut used: Vec<usize> = solids.chain(shells).chain(cohesive).collect();
         used.sort_unstable();
         used.dedup();
         for material in used.into_iter().filter_map(|m| model.materials.get(m)) {

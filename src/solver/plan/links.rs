@@ -57,6 +57,11 @@ impl LinkSet {
         true
     }
 
+    /// Returns the set of nodes with the same motion as a node along an axis.
+    pub fn merged_with(&self, node: usize, axis: usize) -> Option<&MergedDofs> {
+        self.merged.get(*self.group.get(&(node, axis))?)
+    }
+
     fn add(&mut self, group: usize, node: usize, axis: usize) {
         self.merged[group].nodes.push(node);
         self.group.insert((node, axis), group);

@@ -237,6 +237,7 @@ impl Compiler<'_> {
             }
         }
         self.add_masses_of_shells(elements, &mut masses);
+        self.add_masses_of_cohesive_elements(elements, &mut masses);
         masses.into_iter().collect()
     }
 

@@ -36,8 +36,11 @@ impl Compiler<'_> {
             None => places.values().copied().collect(),
             Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
         };
+        // The increment of cohesive elements follows from the masses of the bodies that they join.
+        let is_body = |at: &(usize, usize)| state.elements.groups[at.0].interface_stiffness(at.1).is_none();
+        let elements: Vec<(usize, usize)> = elements.into_iter().filter(is_body).collect();
         if elements.is_empty() {
-            self.add_unused_card(scaling.span, "mass scaling", "none of its elements is deformable");
+            self.add_unused_card(scaling.span, "mass scaling", "none of its elements is a deformable solid or shell");
             return None;
         }
         let mut refusal = None;

@@ -8,6 +8,7 @@ mod bodies;
 mod bytes;
 pub mod changes;
 pub mod codes;
+mod cohesive;
 mod connectors;
 mod contact;
 mod contact_curves;
@@ -268,6 +269,7 @@ fn compile_with(
     let mut state = compiler.solids();
     compiler.collect_links(&mut state);
     compiler.connect(&mut state);
+    compiler.bound_cohesive_elements(&mut state);
     compiler.start_and_check_bodies();
     state.thermal = compiler.thermal(&state);
     state.elements.fields = compiler.predefined_fields(&state);

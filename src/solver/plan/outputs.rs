@@ -532,7 +532,7 @@ impl Compiler<'_> {
     fn find_model_variables(&self) -> Vec<Variable> {
         let deforms = self.deforms();
         let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
-        let damages = self.materials_present().any(fails);
+        let damages = self.materials_present().any(fails) || self.damaged_interfaces().next().is_some();
         let scales = self.scales_masses();
         let adapts = self.model.steps.iter().any(|step| !step.adaptive.is_empty());
         let added = scales.then_some(Variable::AddedMass);
@@ -669,6 +669,9 @@ fn why_absent(selection: VariableRequest, request: &OutputRequest) -> String {
         }
         VariableRequest::One(part) if !history && part.variable.parts().count() > 1 => {
             return format!("frames show {} with all components", part.variable.name());
+        }
+        _ if selection.variables().contains(&Variable::NominalStrain) => {
+            return format!("{name} is the nominal strain of cohesive elements; the strain of solids is LE");
         }
         _ => selection.variables().first().map(|v| v.place()),
     };

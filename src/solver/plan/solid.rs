@@ -60,11 +60,12 @@ impl Compiler<'_> {
         let model = self.model;
         let of_section = |s| self.by_topology(self.ordered(s)).into_iter().map(move |elements| (s, elements));
         let sections: Vec<(&SolidSection, Vec<usize>)> = model.sections.iter().flat_map(of_section).collect();
-        let shells = self.free_shells();
-        if sections.is_empty() && shells.is_empty() {
+        let (shells, interfaces) = (self.free_shells(), self.cohesive_sections());
+        if sections.is_empty() && shells.is_empty() && interfaces.is_empty() {
             return State::default();
         }
-        let mut nodes = self.place_nodes(sections.iter().map(|s| &s.1).chain(shells.iter().map(|s| &s.1)));
+        let lists = sections.iter().map(|s| &s.1).chain(shells.iter().map(|s| &s.1));
+        let mut nodes = self.place_nodes(lists.chain(interfaces.iter().map(|s| &s.1)));
         self.place_rotations(&shells, &mut nodes);
         let count = sections.iter().map(|s| s.1.len()).chain(shells.iter().map(|s| s.1.len())).sum();
         self.places.elements = MeshIndexMap::with_capacity(count);
@@ -90,6 +91,14 @@ impl Compiler<'_> {
                 self.places.elements.insert(e, (groups.len(), i));
             }
             ids.push(self.ledger_rows.get(&(section.span, "shells")).copied().unwrap_or_default());
+            groups.push(group);
+        }
+        for (section, elements) in &interfaces {
+            let Some(group) = self.cohesive_group(section, elements, &nodes, &mut mass) else { continue };
+            for (i, &e) in elements.iter().enumerate() {
+                self.places.elements.insert(e, (groups.len(), i));
+            }
+            ids.push(self.ledger_rows.get(&(section.span, "cohesive elements")).copied().unwrap_or_default());
             groups.push(group);
         }
         self.check_steps_alike();
@@ -225,7 +234,9 @@ impl Compiler<'_> {
             return;
         }
         let Some(mut frequency) = HighestFrequency::new(&state.elements.groups, &state.dofs.nodes) else {
-            let why = if self.places.rotations.is_empty() {
+            let why = if !self.model.cohesive_sections.is_empty() {
+                "with cohesive elements the estimate is element by element"
+            } else if self.places.rotations.is_empty() {
                 "a material is not linear elastic at small strains; the estimate is element by element"
             } else {
                 "with shells the estimate is element by element"

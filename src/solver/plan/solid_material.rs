@@ -207,6 +207,9 @@ impl Compiler<'_> {
             MaterialDefinition { shear_modulus: Some(_), .. } => {
                 format!("material `{}` has only a shear modulus: *EOS is missing", material.name)
             }
+            MaterialDefinition { interface, .. } if interface.elastic.is_some() => {
+                format!("material `{}` has *ELASTIC, TYPE=TRACTION, which is for cohesive elements", material.name)
+            }
             _ => format!("material `{}` has no *ELASTIC", material.name),
         };
         self.diagnostics.refuse(Diagnostic::error("P013", refusal).at(span, "these elements are deformable"))
@@ -376,6 +379,8 @@ impl Compiler<'_> {
             Some("WEIGHTING=AREA in one section needs it in all")
         } else if !model.shell_sections.is_empty() {
             Some("WEIGHTING=AREA together with shells is not supported")
+        } else if !model.cohesive_sections.is_empty() {
+            Some("WEIGHTING=AREA together with cohesive elements is not supported")
         } else if !self.places.tied.is_empty() || model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
             Some("WEIGHTING=AREA with tied rigid bodies or scaled masses is not supported")
         } else {

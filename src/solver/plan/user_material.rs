@@ -315,7 +315,10 @@ impl Compiler<'_> {
     /// Returns whether elements of the model can be deleted.
     pub(super) fn deletes(&self) -> bool {
         let deletes = |m: &MaterialDefinition| m.user.state.delete.is_some() || fails(m);
-        !self.model.erosions.is_empty() || self.materials_present().any(deletes)
+        let fragile = |s: &crate::model::CohesiveSection| s.controls.keep_failed_elements.is_none();
+        !self.model.erosions.is_empty()
+            || self.materials_present().any(deletes)
+            || self.damaged_interfaces().any(fragile)
     }
 }
 

@@ -12,11 +12,17 @@ card!(Density: "DENSITY", "Mass per volume", (once below "MATERIAL"), {
 }, rows: Vec<[f64; 2]> = [(rows ["density" (POSITIVE.required()), "temperature" (TEMPERATURE)])]);
 
 card!(Elastic: "ELASTIC", "Linear elasticity", (once below "MATERIAL"), {
-    shear: bool = "TYPE" (variant(&["ISOTROPIC", "SHEAR"]).or(0.0)) "SHEAR: shear modulus for use with *EOS",
+    kind: usize = "TYPE" (variant(&["ISOTROPIC", "SHEAR", "TRACTION"]).or(0.0)) "SHEAR: shear modulus for use with *EOS; TRACTION: uncoupled tractions of cohesive elements",
     fields: usize = "DEPENDENCIES" (INTEGER.from(0.0).to(5.0)) "Number of field variables",
     "MODULI" inert "without viscoelasticity instantaneous and long-term moduli are equal",
     "COMPRESSION FACTOR" refused "elasticity is equal in tension and compression",
 }, [
+    (when "TYPE" = "TRACTION" lines [
+        "Enn" (POSITIVE.required()) "Normal traction per nominal strain, the separation over the constitutive thickness",
+        "Ess" (POSITIVE.required()) "Shear traction per nominal strain",
+        "Ett" inert "the faces do not move along the second shear direction, the hoop direction",
+        "temperature" inert "the stiffness does not depend on temperature",
+    ]),
     (when "TYPE" = "SHEAR" lines ["shear modulus" (POSITIVE.required()), "temperature" inert "the modulus does not depend on temperature"]),
     (when "DEPENDENCIES" = "" rows [
         "Young's modulus" (POSITIVE.required()),
@@ -129,7 +135,7 @@ card!(TensileFailure: "TENSILE FAILURE", "Tensile cutoff, spall", (once below "M
 }, cutoff: [f64; 1] = [(lines ["mean stress, tension" (POSITIVE.required()), "temperature" inert "the cutoff does not depend on temperature"])]);
 
 card!(DamageInitiation: "DAMAGE INITIATION", "Damage initiation criterion", (below "MATERIAL"), {
-    ductile: bool = "CRITERION" (variant(&["JOHNSON COOK", "DUCTILE"]).required()),
+    criterion: usize = "CRITERION" (variant(&["JOHNSON COOK", "DUCTILE", "MAXS", "QUADS", "MAXE", "QUADE"]).required()) "MAXS, QUADS, MAXE, QUADE: largest component or quadratic sum of nominal stress or nominal strain, for cohesive elements",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
     "ACCUMULATION POWER" refused "the sum of plastic strain increments over the failure strain is used",
     "ALPHA" refused "applies only to HASHIN",
@@ -145,6 +151,26 @@ card!(DamageInitiation: "DAMAGE INITIATION", "Damage initiation criterion", (bel
         "d1" (ZERO), "d2" (ZERO), "d3" (ZERO), "d4" (ZERO), "d5" (ZERO), "melting temperature" (ZERO),
         "transition temperature" (ZERO), "reference rate" (ZERO),
     ]),
+    (when "CRITERION" = "MAXS" lines [
+        "normal stress" (POSITIVE.required()), "shear stress" (POSITIVE.required()),
+        "second shear stress" inert "the faces do not move along the second shear direction",
+        "temperature" inert "the values do not depend on temperature",
+    ]),
+    (when "CRITERION" = "QUADS" lines [
+        "normal stress" (POSITIVE.required()), "shear stress" (POSITIVE.required()),
+        "second shear stress" inert "the faces do not move along the second shear direction",
+        "temperature" inert "the values do not depend on temperature",
+    ]),
+    (when "CRITERION" = "MAXE" lines [
+        "normal strain" (POSITIVE.required()), "shear strain" (POSITIVE.required()),
+        "second shear strain" inert "the faces do not move along the second shear direction",
+        "temperature" inert "the values do not depend on temperature",
+    ]),
+    (when "CRITERION" = "QUADE" lines [
+        "normal strain" (POSITIVE.required()), "shear strain" (POSITIVE.required()),
+        "second shear strain" inert "the faces do not move along the second shear direction",
+        "temperature" inert "the values do not depend on temperature",
+    ]),
     (rows [
         "plastic strain" (POSITIVE.required()), "triaxiality" (ZERO), "rate of the plastic strain" (ZERO),
         "temperature" (ZERO),
@@ -154,14 +180,45 @@ card!(DamageInitiation: "DAMAGE INITIATION", "Damage initiation criterion", (bel
 
 card!(DamageEvolution: "DAMAGE EVOLUTION", "Damage evolution", (below "MATERIAL"), {
     energy: bool = "TYPE" (variant(&["DISPLACEMENT", "ENERGY"]).required()),
-    "SOFTENING" only ["LINEAR"] "damage increases linearly",
+    softening: usize = "SOFTENING" (word(&["LINEAR", "EXPONENTIAL", "TABULAR"]).or(0.0)) "EXPONENTIAL and TABULAR: for cohesive elements only",
     "DEGRADATION" only ["MAXIMUM"] "the largest damage is used",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
-    "POWER" refused "applies only to mixed modes",
+    mixed_mode: usize = "MIXED MODE BEHAVIOR" (word(&["TABULAR", "MODE INDEPENDENT", "POWER LAW", "BK"]).or(0.0)) "For cohesive elements: TABULAR (default; without MODE MIX RATIO the values do not depend on the mode), POWER LAW or BK (Benzeggagh-Kenane) with TYPE=ENERGY",
+    ratio: Option<usize> = "MODE MIX RATIO" (word(&["ENERGY", "TRACTION"])) "For cohesive elements with TABULAR mixed modes: measure of the mode mix in the table",
+    power: Option<f64> = "POWER" (POSITIVE) "Exponent of POWER LAW or BK",
     "FAILURE INDEX" refused "applies only to user-defined criteria",
-} refused {
-    "applies only to cohesive elements": "MIXED MODE BEHAVIOR", "MODE MIX RATIO";
-}, value: [f64; 1] = [(lines ["displacement or energy at failure" (NOT_NEGATIVE.required()), "temperature" inert "the value does not depend on temperature"])]);
+}, rows: Vec<[f64; 3]> = [
+    (when "MIXED MODE BEHAVIOR" = "POWER LAW" lines [
+        "normal fracture energy" (POSITIVE.required()), "shear fracture energy" (POSITIVE.required()),
+        "second shear fracture energy" inert "the faces do not move along the second shear direction",
+        "temperature" inert "the values do not depend on temperature",
+    ]),
+    (when "MIXED MODE BEHAVIOR" = "BK" lines [
+        "normal fracture energy" (POSITIVE.required()), "shear fracture energy" (POSITIVE.required()),
+        "second shear fracture energy" inert "the faces do not move along the second shear direction",
+        "temperature" inert "the values do not depend on temperature",
+    ]),
+    (when "SOFTENING" = "TABULAR" rows [
+        "damage" (NUMBER.from(0.0).to(1.0).required()), "displacement after initiation" (NOT_NEGATIVE.required()),
+        "mode mix" refused "with SOFTENING=TABULAR the table does not depend on the mode mix",
+    ]),
+    (when "SOFTENING" = "EXPONENTIAL" rows [
+        "displacement or energy at failure" (NOT_NEGATIVE.required()),
+        "exponent or mode mix" (NOT_NEGATIVE) "Exponent with TYPE=DISPLACEMENT, mode mix with TYPE=ENERGY",
+        "mode mix" (NUMBER.from(0.0).to(1.0)),
+    ]),
+    (when "MODE MIX RATIO" = "ENERGY" rows [
+        "displacement or energy at failure" (NOT_NEGATIVE.required()), "mode mix" (NUMBER.from(0.0).to(1.0).required()),
+        "second mode mix" inert "the faces do not move along the second shear direction",
+        "temperature" inert "the values do not depend on temperature",
+    ]),
+    (when "MODE MIX RATIO" = "TRACTION" rows [
+        "displacement or energy at failure" (NOT_NEGATIVE.required()), "mode mix" (NUMBER.from(0.0).to(1.0).required()),
+        "second mode mix" inert "the faces do not move along the second shear direction",
+        "temperature" inert "the values do not depend on temperature",
+    ]),
+    (lines ["displacement or energy at failure" (NOT_NEGATIVE.required()), "temperature" inert "the value does not depend on temperature"]),
+]);
 
 card!(PhysicalConstants: "PHYSICAL CONSTANTS", "Absolute zero and other constants", (once), {
     absolute_zero: Option<f64> = "ABSOLUTE ZERO" (NUMBER) "Absolute zero on the temperature scale of the deck",
@@ -265,6 +322,22 @@ card!(ShellSection: "SHELL SECTION", "Thickness and material of shell elements",
     "applies only to continuum shells": "STACK DIRECTION", "THICKNESS MODULUS";
 }, thickness_points: [f64; 2] = [(lines ["thickness" (POSITIVE.required()), "points" (INTEGER.from(3.0).to(1001.0).or(5.0)) "Odd number of points of Simpson's rule through the thickness"])]);
 
+card!(CohesiveSection: "COHESIVE SECTION", "Material and constitutive thickness of cohesive elements", (), {
+    "ELSET" read "Elements",
+    "MATERIAL" read "Material",
+    "RESPONSE" only ["TRACTION SEPARATION"] "tractions follow from separations: give *ELASTIC, TYPE=TRACTION",
+    geometric: bool = "THICKNESS" (word(&["SPECIFIED", "GEOMETRY"]).or(0.0)) "Constitutive thickness: SPECIFIED (default) on the data line, GEOMETRY: initial distance of the faces",
+    "CONTROLS" read "Section controls: ELEMENT DELETION, MAX DEGRADATION",
+    "STACK DIRECTION" only ["2"] "the nodes 1 and 2 are the bottom face, 3 and 4 the top face",
+    "ORIENTATION" refused "the thickness direction is the normal of the mid-surface",
+    "SECTION NAME" inert "written by ABAQUS/CAE; has no effect",
+} refused {
+    "applies only to implicit analyses": "SYMMETRIC", "HALF";
+}, values: [f64; 1] = [(lines [
+    "thickness" (POSITIVE.or(1.0)) "Constitutive thickness; default 1: nominal strains are separations",
+    "out-of-plane thickness" inert "the elements are rings",
+])]);
+
 card!(Erosion: extension "EROSION", "Deletes elements that reach one of these limits, independent of their material", (), {
     "ELSET" read "Elements; default: all deformable elements",
     distortion: Option<f64> = "DISTORTION" (NUMBER.from(0.0).below(1.0).bare(0.01)) "Minimum scaled Jacobian: sine of the corner angles relative to a square or an equilateral triangle; 0 for a folded element; 0.01 if no value is given",
@@ -356,6 +429,7 @@ pub const CARDS: &[Keyword] = &[
         "a section has one material": "COMPOSITE", "LAYUP", "ORDER", "STACK DIRECTION", "SYMMETRIC";
     }, [(lines ["attribute" inert "axisymmetric solids have no thickness"])]),
     ShellSection::ROW,
+    CohesiveSection::ROW,
     Erosion::ROW,
     SectionControls::ROW,
 ];

@@ -97,10 +97,10 @@ pub const CARDS: &[Keyword] = &[
     }, [(lines
         ["r of a", "z of a", "third coordinate of a", "r of b", "z of b", "third coordinate of b"])]),
     row!("ELEMENT", "Defines elements", (), {
-        "TYPE" read "RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
+        "TYPE" read "RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, COHAX4, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
         "ELSET" read "Element set to which they are added",
         "INPUT" read "File with the data lines",
-        "OFFSET" refused "it numbers additional nodes of CAXA and SAXA elements",
+        "OFFSET" refused "give all nodes of each element",
         "FILE" refused "files of another job cannot be read",
         "INTERNAL" inert "written by ABAQUS/CAE; has no effect",
         "SOLID ELEMENT NUMBERING" refused "gasket elements are unsupported",
@@ -110,6 +110,7 @@ pub const CARDS: &[Keyword] = &[
         (when "TYPE" = "CAX6M" wrapped 7 ["element number", "node"]),
         (when "TYPE" = "CAX4RT" wrapped 5 ["element number", "node"]),
         (when "TYPE" = "CAX3T" wrapped 4 ["element number", "node"]),
+        (when "TYPE" = "COHAX4" wrapped 5 ["element number", "node"]),
         (when "TYPE" = "RAX2" wrapped 3 ["element number", "node"]),
         (when "TYPE" = "SAX1" wrapped 3 ["element number", "node"]),
         (when "TYPE" = "SPRINGA" wrapped 3 ["element number", "node"]),

@@ -48,7 +48,6 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Heat capacity of gases": "CAPACITY";
     "Friction changed in a step": "CHANGE FRICTION";
     "Clay model of soils": "CLAY PLASTICITY";
-    "Cohesive elements": "COHESIVE SECTION";
     "Cohesive surfaces": "COHESIVE BEHAVIOR";
     "Smeared cracking of concrete": "CONCRETE";
     "Damaged plasticity of concrete": "CONCRETE DAMAGED PLASTICITY", "CONCRETE COMPRESSION HARDENING",
@@ -61,7 +60,7 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Implicit thermomechanical procedure": "COUPLED TEMPERATURE-DISPLACEMENT";
     "Creep": "CREEP";
     "Cyclic hardening": "CYCLED PLASTIC", "CYCLIC HARDENING";
-    "Viscous regularisation of damage": "DAMAGE STABILIZATION";
+    "Viscous regularisation of damage, which is for implicit analyses": "DAMAGE STABILIZATION";
     "Deformation theory of plasticity": "DEFORMATION PLASTICITY";
     "Cyclic procedure": "DIRECT CYCLIC";
     "Particles": "DISCRETE SECTION";

@@ -12,7 +12,7 @@ use crate::kernel::lists::sorted_unique;
 use crate::model::builder::ModelBuilder;
 use crate::model::refinement::pass::ReadPass;
 use crate::model::relisting::edits::DeckEdits;
-use crate::model::types::{LoadKind, Mesh, Model, OutputKind, OutputRegion};
+use crate::model::types::{ElementKind, LoadKind, Mesh, Model, OutputKind, OutputRegion};
 
 /// Largest number of faults that are reported.
 const REPORTED: usize = 10;
@@ -86,6 +86,11 @@ fn merge(
         let message = format!("triangles cannot be merged: element {} is {}", element.name, element.kind.name());
         return vec![CoarseningFault::new(message, "this element", element.span)];
     }
+    if let Some(element) = fine.elements.iter().find(|e| e.kind == ElementKind::Cohax4) {
+        let message =
+            format!("cohesive elements cannot be merged: element {} is {}", element.name, element.kind.name());
+        return vec![CoarseningFault::new(message, "this element", element.span)];
+    }
     let (regions, fixed) = (regions(model), fixed_nodes(model));
     let quads = Quadrilaterals::new(fine);
     let blocks = find_blocks(&quads, &regions, &fixed);
@@ -116,6 +121,7 @@ fn removed(fine: &Mesh, coarse: &Mesh) -> Vec<bool> {
 pub fn regions(model: &Model) -> Regions {
     let mut regions = Regions::new();
     let sections = model.sections.iter().map(|s| &s.elements).chain(model.shell_sections.iter().map(|s| &s.elements));
+    let sections = sections.chain(model.cohesive_sections.iter().map(|s| &s.elements));
     let all = sections.chain(model.rigid_bodies.iter().map(|body| &body.elements));
     for (at, elements) in all.enumerate() {
         elements.iter().for_each(|&element| regions.entry(element).or_default().push(at));

@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use crate::kernel::lists::sorted_pair;
-use crate::model::types::Element;
+use crate::model::types::{Element, ElementKind};
 
 /// Edges of all solids, shells and rigid surface elements, in order of elements.
 #[derive(Debug, Default)]
@@ -26,15 +26,17 @@ pub struct Edge {
     pub is_line: bool,
 }
 
-/// Returns the edges of an element: pairs of consecutive nodes around its boundary.
+/// Returns the edges of an element: pairs of consecutive nodes around its boundary; of a cohesive element, both faces.
 pub fn edges_of(element: &Element) -> impl Iterator<Item = [usize; 2]> {
     let nodes = &element.nodes;
+    let cohesive = element.kind == ElementKind::Cohax4;
     let count = match nodes.len() {
         _ if element.kind.is_discrete() => 0,
         2 => 1,
         count => count,
     };
-    (0..count).map(move |i| [nodes[i], nodes[(i + 1) % nodes.len()]]).filter(|[a, b]| a != b)
+    let is_edge = move |i: &usize| !cohesive || i.is_multiple_of(2);
+    (0..count).filter(is_edge).map(move |i| [nodes[i], nodes[(i + 1) % nodes.len()]]).filter(|[a, b]| a != b)
 }
 
 impl EdgeTable {
@@ -47,7 +49,7 @@ impl EdgeTable {
                 let edge = entry.or_insert(Edge { elements: [at; 2], ..Edge::default() });
                 edge.elements[1] = at;
                 edge.solids += usize::from(element.kind.is_solid());
-                edge.is_line |= !element.kind.is_solid();
+                edge.is_line |= !element.kind.is_solid() && element.kind != ElementKind::Cohax4;
             }
         }
         EdgeTable { edges, inner: factor - 1, first }

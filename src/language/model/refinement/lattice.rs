@@ -175,6 +175,12 @@ impl RefinedMesh {
                 let at = |i| self.edges.node([nodes[0], nodes[1]], i);
                 children.extend((0..n).map(|i| (NodeIndices::from(&[at(i), at(i + 1)][..]), 0)));
             }
+            _ if kind == ElementKind::Cohax4 => {
+                let bottom = |i| self.edges.node([nodes[0], nodes[1]], i);
+                let top = |i| self.edges.node([nodes[3], nodes[2]], i);
+                let between = |i| [bottom(i), bottom(i + 1), top(i + 1), top(i)];
+                children.extend((0..n).map(|i| (NodeIndices::from(&between(i)[..]), 0)));
+            }
             4 => children.extend((0..n * n).map(|at| self.quadrilateral(parent, at % n, at / n))),
             _ => {
                 for j in 0..n {

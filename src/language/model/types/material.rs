@@ -1,6 +1,7 @@
 //! Materials as defined by their cards. The plan combines the material laws.
 
 use crate::deck::Span;
+pub use crate::kernel::traction_separation::{InterfaceSoftening, ModeDependence, ModeMixRatio};
 use crate::resistance::CavityShape;
 
 /// A material: the `*MATERIAL` card and the cards that follow it.
@@ -45,6 +46,8 @@ pub struct MaterialDefinition {
     pub failures: Vec<FailureCriterion>,
     /// Failure at a limit of the tensile hydrostatic stress (`*TENSILE FAILURE`).
     pub tensile_failure: Option<TensileFailure>,
+    /// Traction-separation law of cohesive elements.
+    pub interface: InterfaceDefinition,
     /// Resistance to cavity expansion (`*CAVITY EXPANSION`, extension).
     pub cavity: Option<CavityExpansion>,
     /// User subroutines of the material.
@@ -222,6 +225,40 @@ pub enum DamageEvolution {
     Displacement(f64),
     /// Linear softening; fracture energy per area.
     Energy(f64),
+}
+
+/// Traction-separation law of cohesive elements: `*ELASTIC, TYPE=TRACTION`, and `*DAMAGE INITIATION` and `*DAMAGE
+/// EVOLUTION` with the criteria of cohesive elements.
+#[derive(Clone, Debug, Default)]
+pub struct InterfaceDefinition {
+    /// Enn and Ess, traction per nominal strain.
+    pub elastic: Option<[f64; 2]>,
+    /// Damage initiation.
+    pub initiation: Option<InterfaceInitiation>,
+    /// Damage evolution.
+    pub evolution: Option<InterfaceEvolution>,
+}
+
+/// Damage initiation of cohesive elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InterfaceInitiation {
+    /// Whether the values are nominal strains (MAXE, QUADE) and not nominal stresses (MAXS, QUADS).
+    pub strains: bool,
+    /// Whether the components are combined by the sum of their squares (QUADS, QUADE) and not by the largest.
+    pub quadratic: bool,
+    /// Values of the normal and the shear mode at initiation.
+    pub limits: [f64; 2],
+    /// Source position of the keyword line.
+    pub span: Span,
+}
+
+/// Damage evolution of cohesive elements. Displacements are effective separations after initiation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InterfaceEvolution {
+    /// Form of the softening.
+    pub softening: InterfaceSoftening,
+    /// Source position of the keyword line.
+    pub span: Span,
 }
 
 /// Failure at a tensile hydrostatic stress, and its effect on the stress (`*TENSILE FAILURE`).

@@ -67,8 +67,8 @@ impl Mesh {
     /// Returns the exterior faces of solid elements, that is, the faces that belong to one element only.
     pub fn exterior_faces(&self) -> Vec<(usize, ElementSide)> {
         let faces = |e: usize| {
-            let nodes = &self.elements[e].nodes;
-            let count = if nodes.len() > 2 { nodes.len() } else { 0 };
+            let Element { kind, nodes, .. } = &self.elements[e];
+            let count = if kind.is_solid() { nodes.len() } else { 0 };
             (0..count).map(move |i| (i, [nodes[i], nodes[(i + 1) % count]])).filter(|(_, [a, b])| a != b)
         };
         let all = || (0..self.elements.len()).flat_map(move |e| faces(e).map(move |(i, edge)| (e, i, edge)));
@@ -98,6 +98,8 @@ pub enum ElementKind {
     Cax4rt,
     /// Six-node axisymmetric triangle, modified, three integration points.
     Cax6m,
+    /// Four-node axisymmetric cohesive element: nodes 1 and 2 are the bottom face, 3 and 4 the top face.
+    Cohax4,
     /// One-node point mass.
     Mass,
     /// One-node rotary inertia.

@@ -80,6 +80,8 @@ pub struct Model {
     pub sections: Vec<SolidSection>,
     /// Materials and thicknesses assigned to shells (`*SHELL SECTION`).
     pub shell_sections: Vec<ShellSection>,
+    /// Materials and constitutive thicknesses assigned to cohesive elements (`*COHESIVE SECTION`).
+    pub cohesive_sections: Vec<CohesiveSection>,
     /// Criteria for element deletion (`*EROSION`).
     pub erosions: Vec<ErosionCriteria>,
     /// Amplitudes in deck order.

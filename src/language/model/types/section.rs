@@ -35,6 +35,21 @@ pub struct ShellSection {
     pub span: Span,
 }
 
+/// Material, elements and constitutive thickness of a cohesive section (`*COHESIVE SECTION`).
+#[derive(Clone, Debug)]
+pub struct CohesiveSection {
+    /// Indices of the elements of the section.
+    pub elements: Vec<usize>,
+    /// Material of the section.
+    pub material: MaterialId,
+    /// Constitutive thickness, length; `None` if it is the initial distance of the faces (`THICKNESS=GEOMETRY`).
+    pub thickness: Option<f64>,
+    /// Section controls; the defaults if the deck gives none.
+    pub controls: SectionControls,
+    /// Source position of the keyword line.
+    pub span: Span,
+}
+
 /// Thickness change of shells due to in-plane strains (`POISSON` of `*SHELL SECTION`).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ShellThinning {

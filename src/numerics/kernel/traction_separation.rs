@@ -1,0 +1,455 @@
+//! Traction-separation law of an interface: elasticity, damage initiation, damage evolution (ABAQUS Analysis User's
+//! Guide, "Defining the constitutive response of cohesive elements using a traction-separation description").
+//!
+//! Separations and tractions have two components: normal (positive in tension) and shear. Damage D reduces both
+//! tractions, except the normal traction in compression. All laws are functions of the effective separation
+//! δ = √(⟨δn⟩² + δs²) along a ray of constant ratio of its components, where the stiffness of the ray is
+//! K = (Kn ⟨δn⟩² + Ks δs²)/δ².
+
+use super::damage_envelope::{DamageEnvelope, EnvelopeShape};
+use super::lanes::InlineMap;
+use crate::platform::PortableMath as _;
+
+/// Largest difference of the damage from that of the envelope at which the stored separation is on the envelope.
+const ON_ENVELOPE: f64 = 1e-12;
+
+/// Criterion of damage initiation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DamageInitiationLaw {
+    /// Whether the squares of both components are added (QUADS, QUADE) or the larger component counts (MAXS, MAXE).
+    pub quadratic: bool,
+    /// Separations at which damage begins in pure normal and pure shear mode, length.
+    pub limits: [f64; 2],
+}
+
+impl DamageInitiationLaw {
+    /// Returns the criterion for an opening (not negative) and a shear separation, homogeneous of degree one: damage
+    /// begins at 1.
+    fn value(&self, [open, shear]: [f64; 2]) -> f64 {
+        let parts = [open / self.limits[0], shear.abs() / self.limits[1]];
+        if self.quadratic { parts[0].portable_hypot(parts[1]) } else { parts[0].max(parts[1]) }
+    }
+
+    /// Returns the criterion as it is output: squared if it is quadratic.
+    fn shown(&self, value: f64) -> f64 {
+        if self.quadratic { value * value } else { value }
+    }
+}
+
+/// Measure of the mode mix in tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ModeMixRatio {
+    /// Energy of the shear mode over the sum of both.
+    Energy,
+    /// 2/π times the angle of the traction from the normal.
+    Traction,
+}
+
+/// Value at failure, an effective separation after initiation or a fracture energy per area, as a function of the mode
+/// mix.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ModeDependence {
+    Independent(f64),
+    /// Rows of value and mode mix, ascending; constant beyond the ends.
+    Table(ModeMixRatio, Vec<[f64; 2]>),
+    /// (Gn/Gnc)^α + (Gs/Gsc)^α = 1: fracture energies of both modes, and α.
+    PowerLaw([f64; 2], f64),
+    /// Gc = Gnc + (Gsc - Gnc) (Gs/G)^η (Benzeggagh and Kenane 1996): fracture energies of both modes, and η.
+    BenzeggaghKenane([f64; 2], f64),
+}
+
+/// Damage evolution after initiation.
+#[derive(Clone, Debug, PartialEq)]
+pub enum InterfaceSoftening {
+    /// Linear softening to a separation after initiation.
+    Displacement(ModeDependence),
+    /// Exponential softening to a separation after initiation, with the exponent.
+    ExponentialDisplacement(ModeDependence, f64),
+    /// Linear softening with a fracture energy.
+    Energy(ModeDependence),
+    /// Exponential softening with a fracture energy.
+    ExponentialEnergy(ModeDependence),
+    /// Rows of damage and separation after initiation, ascending from `[0, 0]`.
+    Tabular(Vec<[f64; 2]>),
+}
+
+/// Traction-separation law of an interface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TractionSeparationLaw {
+    /// Stiffness of both modes, traction per separation.
+    pub stiffness: [f64; 2],
+    /// Damage initiation; `None` for an elastic interface.
+    pub initiation: Option<DamageInitiationLaw>,
+    /// Damage evolution; without it damage does not begin.
+    pub softening: Option<InterfaceSoftening>,
+    /// Upper limit of the damage, at which a point has failed.
+    pub largest_damage: f64,
+}
+
+/// History of a point of an interface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InterfaceHistory {
+    /// Damage, 0 to 1.
+    pub damage: f64,
+    /// Largest effective separation with growing damage, length.
+    pub separation: f64,
+    /// Largest value of the initiation criterion; at most 1 if damage evolves.
+    pub criterion: f64,
+}
+
+/// Response of a point of an interface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InterfaceResponse {
+    /// Normal and shear traction.
+    pub traction: [f64; 2],
+    /// Energy dissipated by damage, per area.
+    pub dissipated: f64,
+}
+
+/// Ray from the origin in the plane of both separations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SeparationRay {
+    /// Effective separation.
+    size: f64,
+    /// Stiffness of the ray.
+    stiffness: f64,
+    /// Energies of both modes over their sum.
+    energies: [f64; 2],
+    /// 2/π times the angle of the traction from the normal.
+    angle: f64,
+}
+
+impl TractionSeparationLaw {
+    /// Updates the history of a point to a separation, and returns its response. The dissipated energy is the exact
+    /// integral of ½ K δ² dD along the ray of this separation.
+    pub fn update(&self, history: &mut InterfaceHistory, separation: [f64; 2]) -> InterfaceResponse {
+        let mut dissipated = 0.0;
+        let open = [separation[0].max(0.0), separation[1]];
+        if let Some(initiation) = &self.initiation {
+            let value = initiation.value(open);
+            let most = if self.softening.is_some() { 1.0 } else { f64::INFINITY };
+            history.criterion = history.criterion.max(initiation.shown(value).min(most));
+            if let Some(softening) = self.softening.as_ref().filter(|_| value > 1.0) {
+                let ray = self.ray(open);
+                let envelope = softening.envelope(&ray, ray.size / value);
+                dissipated = ray.stiffness * self.grow(history, &envelope, ray.size);
+            }
+        }
+        InterfaceResponse { traction: self.traction(history.damage, separation), dissipated }
+    }
+
+    /// Returns the tractions at a separation for a damage.
+    pub fn traction(&self, damage: f64, [normal, shear]: [f64; 2]) -> [f64; 2] {
+        let kept = 1.0 - damage;
+        let normal = if normal > 0.0 { kept * self.stiffness[0] * normal } else { self.stiffness[0] * normal };
+        [normal, kept * self.stiffness[1] * shear]
+    }
+
+    /// Returns the energy per area that is released if the tractions at a separation vanish.
+    pub fn stored(&self, damage: f64, separation: [f64; 2]) -> f64 {
+        let [normal, shear] = self.traction(damage, separation);
+        0.5 * (normal * separation[0] + shear * separation[1])
+    }
+
+    /// Returns whether the point of this history has failed.
+    pub fn has_failed(&self, history: &InterfaceHistory) -> bool {
+        self.softening.is_some() && history.damage >= self.largest_damage
+    }
+
+    /// Returns elastic energy at initiation and fracture energy of a pure mode (0 normal, 1 shear); `None` if the law
+    /// has no fracture energy.
+    pub fn energies_of_mode(&self, mode: usize) -> Option<[f64; 2]> {
+        let onset = self.initiation?.limits[mode];
+        let mut direction = [0.0; 2];
+        direction[mode] = 1.0;
+        let (InterfaceSoftening::Energy(energy) | InterfaceSoftening::ExponentialEnergy(energy)) =
+            self.softening.as_ref()?
+        else {
+            return None;
+        };
+        Some([0.5 * self.stiffness[mode] * onset * onset, energy.value(&self.ray(direction))])
+    }
+
+    fn ray(&self, open: [f64; 2]) -> SeparationRay {
+        let size = open[0].portable_hypot(open[1]);
+        let tractions = [0, 1].inline_map(|i: usize| self.stiffness[i] * open[i].abs());
+        let works = [0, 1].inline_map(|i: usize| tractions[i] * open[i].abs());
+        let sum = works[0] + works[1];
+        SeparationRay {
+            size,
+            stiffness: sum / (size * size),
+            energies: works.inline_map(|work| work / sum),
+            angle: libm::atan2(tractions[1], tractions[0]) * std::f64::consts::FRAC_2_PI,
+        }
+    }
+
+    /// Increases the damage to that of the envelope; returns the dissipated energy over the stiffness.
+    fn grow(&self, history: &mut InterfaceHistory, envelope: &DamageEnvelope<'_>, size: f64) -> f64 {
+        let reached = envelope.damage(size);
+        if reached <= history.damage {
+            return 0.0;
+        }
+        let before = history.damage;
+        let from = match before {
+            0.0 => envelope.onset,
+            // The ratio of the modes has changed: the same damage is at another separation.
+            _ if (envelope.damage(history.separation) - before).abs() > ON_ENVELOPE => envelope.separation_at(before),
+            _ => history.separation,
+        };
+        let (damage, to) = if reached > self.largest_damage {
+            (self.largest_damage, envelope.separation_at(self.largest_damage))
+        } else {
+            (reached, size)
+        };
+        history.damage = damage.max(before);
+        history.separation = to;
+        (envelope.dissipated(to) - envelope.dissipated(from)).max(0.0)
+    }
+}
+
+impl InterfaceSoftening {
+    /// Returns the damage as a function of the effective separation along a ray on which damage begins at `onset`.
+    fn envelope(&self, ray: &SeparationRay, onset: f64) -> DamageEnvelope<'_> {
+        let elastic = 0.5 * onset * onset;
+        let shape = match self {
+            InterfaceSoftening::Displacement(end) => EnvelopeShape::Linear(onset + end.value(ray)),
+            InterfaceSoftening::ExponentialDisplacement(end, rate) => {
+                EnvelopeShape::Exponential(onset + end.value(ray), *rate)
+            }
+            InterfaceSoftening::Energy(energy) => {
+                EnvelopeShape::Linear((2.0 * energy.value(ray) / (ray.stiffness * onset)).max(onset))
+            }
+            InterfaceSoftening::ExponentialEnergy(energy) => {
+                EnvelopeShape::EnergyExponential((energy.value(ray) / ray.stiffness - elastic).max(0.0))
+            }
+            InterfaceSoftening::Tabular(rows) => EnvelopeShape::Tabular(rows),
+        };
+        DamageEnvelope { onset, shape }
+    }
+}
+
+impl ModeDependence {
+    fn value(&self, ray: &SeparationRay) -> f64 {
+        let [normal, shear] = ray.energies;
+        match self {
+            ModeDependence::Independent(value) => *value,
+            ModeDependence::Table(ratio, rows) => {
+                interpolate(rows, if *ratio == ModeMixRatio::Energy { shear } else { ray.angle })
+            }
+            ModeDependence::PowerLaw(energies, power) => {
+                let term = |part: f64, energy: f64| libm::pow(part / energy, *power);
+                libm::pow(term(normal, energies[0]) + term(shear, energies[1]), -1.0 / power)
+            }
+            ModeDependence::BenzeggaghKenane(energies, power) => {
+                energies[0] + (energies[1] - energies[0]) * libm::pow(shear, *power)
+            }
+        }
+    }
+}
+
+/// Returns the value in rows of value and argument; constant beyond the ends.
+fn interpolate(rows: &[[f64; 2]], at: f64) -> f64 {
+    let next = rows.partition_point(|row| row[1] <= at);
+    match (rows.get(next.wrapping_sub(1)), rows.get(next)) {
+        (Some(a), Some(b)) => a[0] + (b[0] - a[0]) * (at - a[1]) / (b[1] - a[1]),
+        (Some(row), None) | (None, Some(row)) => row[0],
+        (None, None) => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        DamageInitiationLaw, InterfaceHistory, InterfaceSoftening, ModeDependence, ModeMixRatio, TractionSeparationLaw,
+    };
+
+    const ENERGIES: [f64; 2] = [0.3, 0.9];
+
+    fn law(softening: InterfaceSoftening) -> TractionSeparationLaw {
+        TractionSeparationLaw {
+            stiffness: [2000.0, 800.0],
+            initiation: Some(DamageInitiationLaw { quadratic: true, limits: [0.01, 0.03] }),
+            softening: Some(softening),
+            largest_damage: 1.0,
+        }
+    }
+
+    /// Returns the dissipated energy of a straight path, and the history at its end.
+    fn separate(law: &TractionSeparationLaw, end: [f64; 2], steps: usize) -> (f64, InterfaceHistory) {
+        let mut history = InterfaceHistory::default();
+        let mut sum = 0.0;
+        for i in 0..=steps {
+            let share = i as f64 / steps as f64;
+            sum += law.update(&mut history, [share * end[0], share * end[1]]).dissipated;
+        }
+        (sum, history)
+    }
+
+    fn laws_of_energy(mode: &ModeDependence) -> [InterfaceSoftening; 2] {
+        [InterfaceSoftening::Energy(mode.clone()), InterfaceSoftening::ExponentialEnergy(mode.clone())]
+    }
+
+    #[test]
+    fn dissipated_energy_is_the_fracture_energy_in_every_mode() {
+        let modes = [
+            ModeDependence::Independent(0.5),
+            ModeDependence::PowerLaw(ENERGIES, 1.6),
+            ModeDependence::BenzeggaghKenane(ENERGIES, 2.1),
+            ModeDependence::Table(ModeMixRatio::Energy, vec![[0.4, 0.0], [0.7, 0.5], [0.9, 1.0]]),
+        ];
+        for mode in &modes {
+            for softening in laws_of_energy(mode) {
+                let law = law(softening);
+                for [open, shear] in [[1.0, 0.0], [0.0, 1.0], [0.6, -0.8], [0.3, 1.0]] {
+                    let work = [2000.0 * open * open, 800.0 * shear * shear];
+                    let part = work[1] / (work[0] + work[1]);
+                    let expected = match mode {
+                        ModeDependence::Independent(value) => *value,
+                        ModeDependence::PowerLaw(g, a) => {
+                            (((1.0 - part) / g[0]).powf(*a) + (part / g[1]).powf(*a)).powf(-1.0 / a)
+                        }
+                        ModeDependence::BenzeggaghKenane(g, a) => g[0] + (g[1] - g[0]) * part.powf(*a),
+                        ModeDependence::Table(..) if part < 0.5 => 0.4 + 0.6 * part,
+                        ModeDependence::Table(..) => 0.7 + 0.4 * (part - 0.5),
+                    };
+                    for steps in [7, 100, 3001] {
+                        let (found, history) = separate(&law, [open, shear], steps);
+                        assert!((found / expected - 1.0).abs() < 1e-12, "{mode:?} {found} {expected}");
+                        assert!(history.damage > 1.0 - 1e-15 && history.criterion == 1.0);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn dissipated_energy_of_displacement_laws_is_the_area_below_the_curve() {
+        // ½ K δ0 δf for the triangle; the table is a triangle with a drop at its end.
+        let triangle = law(InterfaceSoftening::Displacement(ModeDependence::Independent(0.09)));
+        let (found, _) = separate(&triangle, [0.2, 0.0], 12);
+        assert!((found / (0.5 * 2000.0 * 0.01 * 0.1) - 1.0).abs() < 1e-13);
+        for softening in [
+            InterfaceSoftening::ExponentialDisplacement(ModeDependence::Independent(0.09), 3.0),
+            InterfaceSoftening::Tabular(vec![[0.0, 0.0], [0.6, 0.02], [0.9, 0.04], [1.0, 0.09]]),
+        ] {
+            let law = law(softening);
+            let (found, history) = separate(&law, [0.2, 0.0], 40);
+            assert_eq!(history.damage, 1.0);
+            let (mut state, mut area, steps) = (InterfaceHistory::default(), 0.0, 400_000);
+            let mut before = 0.0;
+            for i in 1..=steps {
+                let traction = law.update(&mut state, [0.2 * f64::from(i) / f64::from(steps), 0.0]).traction[0];
+                area += 0.5 * (before + traction) * 0.2 / f64::from(steps);
+                before = traction;
+            }
+            assert!((found / area - 1.0).abs() < 1e-8, "{found} {area}");
+        }
+    }
+
+    #[test]
+    fn traction_angle_selects_the_separation_at_failure() {
+        let rows = vec![[0.02, 0.0], [0.08, 1.0]];
+        let mut law = law(InterfaceSoftening::Displacement(ModeDependence::Table(ModeMixRatio::Traction, rows)));
+        law.stiffness = [1000.0; 2];
+        law.initiation = Some(DamageInitiationLaw { quadratic: true, limits: [0.01; 2] });
+        for (direction, end) in [([1.0, 0.0], 0.03), ([0.0, 1.0], 0.09), ([0.5_f64.sqrt(); 2], 0.06)] {
+            for (size, failed) in [(0.999 * end, false), (1.001 * end, true)] {
+                let mut history = InterfaceHistory::default();
+                law.update(&mut history, [size * direction[0], size * direction[1]]);
+                assert_eq!(law.has_failed(&history), failed, "{direction:?} {size}");
+            }
+        }
+    }
+
+    #[test]
+    fn tiny_separations_dissipate_nothing() {
+        let law = law(InterfaceSoftening::Energy(ModeDependence::PowerLaw(ENERGIES, 1.6)));
+        for size in [0.0, 5e-324, 1e-200, 1e-160, 1e-9] {
+            let mut history = InterfaceHistory::default();
+            let response = law.update(&mut history, [size, -size]);
+            assert_eq!((response.dissipated, history.damage), (0.0, 0.0));
+            assert!(response.traction.iter().all(|t| t.is_finite()));
+        }
+    }
+
+    #[test]
+    fn unloading_is_elastic_with_the_reduced_stiffness() {
+        let law = law(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)));
+        let mut history = InterfaceHistory::default();
+        let peak = law.update(&mut history, [0.02, 0.0]);
+        assert!(peak.dissipated > 0.0 && history.damage > 0.0 && history.damage < 1.0);
+        let half = law.update(&mut history, [0.01, 0.0]);
+        assert_eq!(half.dissipated, 0.0);
+        assert!((half.traction[0] / (0.5 * peak.traction[0]) - 1.0).abs() < 1e-15);
+        let again = law.update(&mut history, [0.02, 0.0]);
+        assert_eq!((again.traction, again.dissipated), (peak.traction, 0.0));
+    }
+
+    #[test]
+    fn compression_does_not_damage_and_keeps_the_stiffness() {
+        let law = law(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)));
+        let mut history = InterfaceHistory::default();
+        assert_eq!(law.update(&mut history, [-5.0, 0.0]).traction, [-10_000.0, 0.0]);
+        assert_eq!(history, InterfaceHistory::default());
+        let (_, mut failed) = separate(&law, [1.0, 0.0], 10);
+        assert_eq!(law.update(&mut failed, [-5.0, 1.0]).traction, [-10_000.0, 0.0]);
+    }
+
+    #[test]
+    fn dissipation_of_a_changing_mode_mix_is_work_minus_stored_energy() {
+        let laws = laws_of_energy(&ModeDependence::BenzeggaghKenane(ENERGIES, 2.1));
+        let exponential = InterfaceSoftening::ExponentialDisplacement(ModeDependence::Independent(0.09), 3.0);
+        for softening in laws.into_iter().chain([exponential]) {
+            let law = law(softening);
+            let (mut history, mut sum, mut work, steps) = (InterfaceHistory::default(), 0.0, 0.0, 200_000);
+            let path = |i: usize| {
+                let share = i as f64 / steps as f64;
+                [0.036 * share * (1.0 - 0.6 * share), 0.048 * share * share]
+            };
+            let mut before = [0.0; 2];
+            for i in 1..=steps {
+                let (from, to) = (path(i - 1), path(i));
+                let response = law.update(&mut history, to);
+                for axis in 0..2 {
+                    work += 0.5 * (before[axis] + response.traction[axis]) * (to[axis] - from[axis]);
+                }
+                before = response.traction;
+                sum += response.dissipated;
+            }
+            let stored = law.stored(history.damage, path(steps));
+            assert!(history.damage > 0.5 && stored > 0.0);
+            assert!((sum / (work - stored) - 1.0).abs() < 1e-4, "{sum} {work} {stored}");
+        }
+    }
+
+    #[test]
+    fn damage_stops_at_its_largest_value() {
+        let mut law = law(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)));
+        law.largest_damage = 0.9;
+        let (sum, history) = separate(&law, [1.0, 0.0], 100);
+        assert_eq!(history.damage, 0.9);
+        assert!(law.has_failed(&history));
+        assert!((law.update(&mut history.clone(), [1.0, 0.0]).traction[0] - 200.0).abs() < 1e-9);
+        let elastic = law.stored(0.9, [history.separation, 0.0]);
+        assert!(sum > 0.0 && sum < 0.5 && elastic > 0.0);
+    }
+
+    #[test]
+    fn criterion_grows_beyond_one_without_evolution() {
+        let mut law = law(InterfaceSoftening::Tabular(Vec::new()));
+        law.softening = None;
+        let mut history = InterfaceHistory::default();
+        let response = law.update(&mut history, [0.02, 0.0]);
+        assert_eq!((history.criterion, history.damage, response.traction[0]), (4.0, 0.0, 40.0));
+        assert!(!law.has_failed(&history));
+    }
+
+    #[test]
+    fn energy_below_the_elastic_energy_breaks_at_once() {
+        let law = law(InterfaceSoftening::Energy(ModeDependence::Independent(1e-3)));
+        assert_eq!(law.energies_of_mode(0), Some([0.1, 1e-3]));
+        let (sum, history) = separate(&law, [0.02, 0.0], 1000);
+        assert_eq!(history.damage, 1.0);
+        assert!((sum / 0.1 - 1.0).abs() < 1e-12);
+    }
+}
