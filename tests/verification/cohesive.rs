@@ -450,7 +450,7 @@ fn pressurised_blister_debonds_at_the_energy_release_rate_of_theory() {
     let found = [0.2, 0.1, 0.05].map(of);
     println!("blister: {found:?}, expected {expected}, thin {thin}");
     let errors = found.map(|p| (p / expected - 1.0).abs());
-    assert!(errors[0] < 4e-2 && errors[1] < 2e-2, "{errors:?}");
+    assert!(errors[1] < 0.4 * errors[0] && errors[2] < 0.4 * errors[1], "{errors:?}");
     assert_close("pressure", found[2], expected, 1e-2);
 }
 

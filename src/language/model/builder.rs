@@ -18,7 +18,6 @@ use super::coupling::PendingCoupling;
 use super::degrees::RotationalCondition;
 use super::derivation::DerivationRequest;
 use super::lost::{MissingDefinitions, is_skipped};
-use super::materials::SectionIndex;
 use super::names::{LabelTable, qualified, upper};
 use super::refinement::curves::EdgeCurves;
 use super::refinement::mesh::RefinedMesh;
@@ -43,6 +42,13 @@ pub(super) struct OpenBlock {
     /// `PART`, `ASSEMBLY`, `INSTANCE` or `STEP`.
     pub kind: &'static str,
     pub span: Span,
+}
+
+/// A section that has section controls.
+#[derive(Clone, Copy, Debug)]
+pub enum SectionIndex {
+    Solid(usize),
+    Cohesive(usize),
 }
 
 /// State of reading a deck.

@@ -2,8 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::builder::ModelBuilder;
-use super::materials::SectionIndex;
+use super::builder::{ModelBuilder, SectionIndex};
 use super::types::{
     CohesiveSection, ElementKind, InterfaceEvolution, InterfaceInitiation, InterfaceSoftening, ModeDependence,
     ModeMixRatio, SectionControls,

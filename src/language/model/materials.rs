@@ -1,6 +1,6 @@
 //! `*MATERIAL` with the cards that follow it, and `*SOLID SECTION`.
 
-use super::builder::ModelBuilder;
+use super::builder::{ModelBuilder, SectionIndex};
 use super::names::upper;
 use super::types::{
     CavityExpansion, Element, ElementKind, MaterialDefinition, MaterialId, PlasticityModel, RateDependence,
@@ -16,13 +16,6 @@ const TRACTION: usize = 2;
 const ISOTROPIC: usize = 0;
 const KINEMATIC: usize = 1;
 const USER: usize = 3;
-
-/// A section that has section controls.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum SectionIndex {
-    Solid(usize),
-    Cohesive(usize),
-}
 
 impl ModelBuilder<'_> {
     pub(super) fn begin_material(&mut self, card: &Card) {

@@ -69,7 +69,7 @@ impl<'a> Compiler<'a> {
             let [[a, d], [b, c]] = corners.map(|pair| pair.map(|n| self.places.nodes[&n] as u32));
             let nodes = [a, b, c, d].map(|n| nodes[n as usize].place());
             let thickness = section.thickness.unwrap_or_else(|| geometric_thickness(nodes));
-            if !(thickness > 0.0) {
+            if thickness.is_nan() || thickness <= 0.0 {
                 let message = format!("element {} has no geometric thickness: its faces coincide", element.name);
                 let finding = Diagnostic::error("P026", message).at(element.span, "this element");
                 let help = "give THICKNESS=SPECIFIED on *COHESIVE SECTION, with the thickness on its data line";
