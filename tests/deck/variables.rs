@@ -83,6 +83,9 @@ fn scene(variable: Variable, requests: &str) -> String {
     if variable.row().preselected == PreselectRule::MassScaling || variable == Variable::MassScalingFactor {
         return solid.replacen("*Boundary\n", "*Fixed Mass Scaling, factor=1.01\n*Boundary\n", 1);
     }
+    if variable.row().preselected == PreselectRule::AdaptiveMesh {
+        return solid.replacen("*Boundary\n", "*Adaptive Mesh, elset=SOLID\n*Boundary\n", 1);
+    }
     if variable.row().preselected == PreselectRule::PenaltyContact {
         return pressed(&solid).replace("*Contact Pair", "*Contact Pair, mechanical constraint=PENALTY");
     }

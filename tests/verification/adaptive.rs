@@ -48,7 +48,9 @@ fn smallest_angle(state: &revolve::plan::State) -> f64 {
     let place = |n: u32| state.dofs.nodes[n as usize].place();
     let angle = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
         let ([x, y], [u, v]) = ([a[0] - b[0], a[1] - b[1]], [c[0] - b[0], c[1] - b[1]]);
-        (u * y - v * x).atan2(x * u + y * v).to_degrees()
+        // A flat corner has 180 degrees, with either sign.
+        let angle = (u * y - v * x).atan2(x * u + y * v).to_degrees();
+        if angle < -90.0 { angle + 360.0 } else { angle }
     };
     let group = &state.elements.groups[0];
     let corners = (0..group.len()).flat_map(|e| {
