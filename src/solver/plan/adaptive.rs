@@ -10,13 +10,16 @@ use crate::deck::{Diagnostic, Span};
 use crate::kernel::topology::ElementTopology;
 use crate::model::{AdaptiveMesh, LoadKind, Step};
 
-impl Compiler<'_> {
+impl<'a> Compiler<'a> {
     /// Creates the domains of a step; `None` if those of the previous step continue.
     pub(super) fn adaptive_change(&mut self, index: usize, state: &State) -> Option<Vec<AdaptiveDomain>> {
         let step = &self.model.steps[index];
         let before = index.checked_sub(1).map(|i| &self.model.steps[i]);
-        let same = |other: &&Step| other.adaptive == step.adaptive && other.adaptive_fixed == step.adaptive_fixed;
-        if before.is_some_and(|before| same(&before)) || (before.is_none() && step.adaptive.is_empty()) {
+        // Loaded nodes follow the material.
+        let causes = |step: &'a Step| (&step.adaptive, &step.adaptive_fixed, &step.loads);
+        let unchanged = before.is_some_and(|before| causes(before) == causes(step));
+        let absent = step.adaptive.is_empty() && before.is_none_or(|before| before.adaptive.is_empty());
+        if unchanged || absent {
             return None;
         }
         let mut taken = HashSet::new();
