@@ -97,10 +97,11 @@ impl TransportWork {
             self.raise[second as usize] -= down;
             self.lower[second as usize] += up;
         }
-        for i in 0..values.len() {
-            let room = [self.high[i] - self.value[i], self.value[i] - self.low[i]];
-            let share = |room: f64, sum: f64| if sum > 0.0 { (after[i] * room / sum).min(1.0) } else { 0.0 };
-            (self.raise[i], self.lower[i]) = (share(room[0], self.raise[i]), share(room[1], self.lower[i]));
+        let share = |weight: f64, room: f64, sum: f64| if sum > 0.0 { (weight * room / sum).min(1.0) } else { 0.0 };
+        for (i, weight) in after.iter().enumerate() {
+            let value = self.value[i];
+            self.raise[i] = share(*weight, self.high[i] - value, self.raise[i]);
+            self.lower[i] = share(*weight, value - self.low[i], self.lower[i]);
         }
         for (flux, correction) in fluxes.iter().zip(&mut self.correction) {
             let (first, second) = (flux.cells[0] as usize, flux.cells[1] as usize);

@@ -20,6 +20,9 @@ pub struct InnerEdge {
     pub corners: [[u8; 2]; 2],
 }
 
+/// Edges between two nodes around an element: index, and whether the edge runs in the direction of the element.
+pub type ElementLinks = [(u32, bool); 4];
+
 /// Node of the boundary with its neighbours along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoundaryNode {
@@ -75,7 +78,7 @@ pub struct DomainTopology {
     /// Edges between two nodes, and those of each element from its corner i to the next one: index, and whether the
     /// edge runs in this direction.
     pub links: Vec<[u32; 2]>,
-    pub links_of: Vec<[(u32, bool); 4]>,
+    pub links_of: Vec<ElementLinks>,
     /// Elements at each node.
     pub around: PackedLists,
     /// Nodes that share an edge with each node.
@@ -128,7 +131,7 @@ fn around(corners: &[[u32; 4]], count: usize) -> Vec<Vec<u32>> {
 }
 
 /// Returns the edges between two nodes, and those of each element.
-fn links(corners: &[[u32; 4]]) -> (Vec<[u32; 2]>, Vec<[(u32, bool); 4]>) {
+fn links(corners: &[[u32; 4]]) -> (Vec<[u32; 2]>, Vec<ElementLinks>) {
     let mut known: HashMap<[u32; 2], u32> = HashMap::new();
     let mut links = Vec::new();
     let of = |corners: &[u32; 4]| {
