@@ -26,7 +26,7 @@ pub const LAYERS: &[(&str, &[&str])] = &[
     ("language", &["user", "generate", "model"]),
     ("language", &["output", "resistance"]),
     ("language", &["deck", "probability"]),
-    ("numerics", &["heat", "constraint", "load", "element", "material"]),
+    ("numerics", &["adaptive", "heat", "constraint", "load", "element", "material"]),
     ("numerics", &["mesh", "routines", "variables"]),
     ("numerics", &["state", "names"]),
     ("numerics", &["kernel"]),

@@ -12,7 +12,6 @@ use crate::element::constants::{ElementConstants, damped};
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::{BlockRecord, ElementRecord};
 use crate::element::subzonal::SubzonalPressures;
-use crate::element::transfer::ElementTransfer;
 use crate::kernel::cohesive;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
@@ -70,9 +69,21 @@ pub struct GroupProperties {
     pub fields: usize,
 }
 
+/// Properties of cohesive elements; groups of other elements have none.
+pub trait InterfaceElements {
+    /// Returns the constitutive thickness of a cohesive element; `None` for other elements.
+    fn constitutive_thickness(&self, _element: usize) -> Option<f64> {
+        None
+    }
+    /// Returns the stiffness at both points of a cohesive element, force per separation; `None` for other elements.
+    fn interface_stiffness(&self, _element: usize) -> Option<[f64; 2]> {
+        None
+    }
+}
+
 /// Elements of one topology and one material.
 #[allow(clippy::len_without_is_empty)] // `is_empty` is a method of `dyn ElementGroup`.
-pub trait ElementGroup: Persist + Send + Sync {
+pub trait ElementGroup: InterfaceElements + Persist + Send + Sync {
     /// Returns the number of elements.
     fn len(&self) -> usize;
     /// Returns the properties that all elements share.
@@ -94,14 +105,6 @@ pub trait ElementGroup: Persist + Send + Sync {
     /// Returns the elastic stiffness of an element at the current positions; `None` for an element that is not linear
     /// elastic at small strain, which has no highest frequency in this sense.
     fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<ElementStiffness>;
-    /// Returns the constitutive thickness of a cohesive element; `None` for other elements.
-    fn constitutive_thickness(&self, _element: usize) -> Option<f64> {
-        None
-    }
-    /// Returns the stiffness at both points of a cohesive element, force per separation; `None` for other elements.
-    fn interface_stiffness(&self, _element: usize) -> Option<[f64; 2]> {
-        None
-    }
     /// Returns whether a task of elements is skipped because all its elements are at rest and free of stress.
     fn is_quiescent(&self, _task: usize) -> bool {
         false
@@ -264,6 +267,16 @@ pub trait ElementTemperatures {
     /// Subtracts increments of the thermal strain from the strains of the next update, which covers the increment `dt`
     /// that ends at these nodes. Returns the stress work that the update will omit.
     fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64;
+}
+
+/// Interface to the variables of a group that move with the material.
+pub trait ElementTransfer {
+    /// Returns the number of variables of an element.
+    fn variables(&mut self) -> usize;
+    /// Reads the variables of elements, per mass, into one list for each variable. Elements are in ascending order.
+    fn read(&mut self, elements: &[u32], table: &mut [Vec<f64>]);
+    /// Writes the variables, and the masses of the elements at their corners.
+    fn write(&mut self, elements: &[u32], table: &[Vec<f64>], masses: &[[f64; 4]]);
 }
 
 /// Field variables of elements, counted from 0 and below [`GroupProperties::fields`].
@@ -531,6 +544,8 @@ pub(super) fn block_of_points<S>(state: S, mass: Lanes) -> ElementBlock<S> {
     let (nodes, zeros) = ([[0; LANES]; 4], [[0.0; LANES]; 4]);
     ElementBlock { nodes, stress: zeros, mass, inverse_mass: zeros, state }
 }
+
+impl<M: Material, const AREA: bool> InterfaceElements for QuadGroup<M, AREA> {}
 
 impl<M: Material, const AREA: bool> ElementGroup for QuadGroup<M, AREA> {
     fn len(&self) -> usize {

@@ -2,20 +2,10 @@
 //! adaptive mesh domain, and written back after the transport.
 
 use super::block::ElementBlock;
-use super::group::{QuadGroup, TASK};
+use super::group::{ElementTransfer, QuadGroup, TASK};
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::material::Material;
 use crate::material::carried::CarriedState;
-
-/// Interface to the variables of a group that move with the material.
-pub trait ElementTransfer {
-    /// Returns the number of variables of an element.
-    fn variables(&mut self) -> usize;
-    /// Reads the variables of elements, per mass, into one list for each variable. Elements are in ascending order.
-    fn read(&mut self, elements: &[u32], table: &mut [Vec<f64>]);
-    /// Writes the variables, and the masses of the elements at their corners.
-    fn write(&mut self, elements: &[u32], table: &[Vec<f64>], masses: &[[f64; 4]]);
-}
 
 /// Whether a variable is a value per mass, or a sum over the element.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use crate::element::block::is_larger;
 use crate::element::group::{
     ElementGroup, ElementPass, ElementStiffness, GroupDeletion, GroupExtensions, GroupProperties, GroupSettings,
-    GroupTotals, InitialState,
+    GroupTotals, InitialState, InterfaceElements,
 };
 use crate::kernel::cohesive::{self, MidSurface};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
@@ -193,6 +193,17 @@ impl CohesiveGroup {
     }
 }
 
+impl InterfaceElements for CohesiveGroup {
+    fn constitutive_thickness(&self, element: usize) -> Option<f64> {
+        Some(self.elements[element].thickness)
+    }
+
+    fn interface_stiffness(&self, element: usize) -> Option<[f64; 2]> {
+        let [normal, shear] = self.law(element).stiffness;
+        Some(self.areas[element].inline_map(|area| normal.max(shear) * area))
+    }
+}
+
 impl ElementGroup for CohesiveGroup {
     fn len(&self) -> usize {
         self.elements.len()
@@ -264,15 +275,6 @@ impl ElementGroup for CohesiveGroup {
 
     fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<ElementStiffness> {
         None
-    }
-
-    fn constitutive_thickness(&self, element: usize) -> Option<f64> {
-        Some(self.elements[element].thickness)
-    }
-
-    fn interface_stiffness(&self, element: usize) -> Option<[f64; 2]> {
-        let [normal, shear] = self.law(element).stiffness;
-        Some(self.areas[element].inline_map(|area| normal.max(shear) * area))
     }
 
     fn bytes(&self) -> usize {

@@ -14,7 +14,7 @@ use super::section::ShellProperties;
 use crate::element::block::is_larger;
 use crate::element::group::{
     ElementGroup, ElementPass, ElementStiffness, GroupDeletion, GroupExtensions, GroupProperties, GroupSettings,
-    GroupTotals, InitialState,
+    GroupTotals, InitialState, InterfaceElements,
 };
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::shell::{SectionComponents, ShellFrame};
@@ -153,6 +153,8 @@ impl ShellGroup {
 fn frame(ends: &[u32; 4], nodes: &[Node]) -> ShellFrame {
     ShellFrame::new([ends[0], ends[1]].inline_map(|n| nodes[n as usize].place()))
 }
+
+impl InterfaceElements for ShellGroup {}
 
 impl ElementGroup for ShellGroup {
     fn len(&self) -> usize {

@@ -11,7 +11,7 @@ use crate::element::block::TaskWorkspace;
 use crate::element::constants::{ElementConstants, damped};
 use crate::element::group::{
     ElementGroup, ElementPass, ElementStiffness, ElementTemperatures, GroupDeletion, GroupExtensions, GroupProperties,
-    GroupSettings, GroupTotals, InitialState, PARALLEL, TASK, list_deleted, totals,
+    GroupSettings, GroupTotals, InitialState, InterfaceElements, PARALLEL, TASK, list_deleted, totals,
 };
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::BlockRecord;
@@ -171,6 +171,8 @@ impl<M: Material> NullaryFnOnce for TaskPass<'_, M> {
         }
     }
 }
+
+impl<M: Material> InterfaceElements for SixNodeTriangles<M> {}
 
 impl<M: Material> ElementGroup for SixNodeTriangles<M> {
     fn len(&self) -> usize {
