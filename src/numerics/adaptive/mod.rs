@@ -77,13 +77,11 @@ pub struct AdaptiveDomain {
     prescribed: Vec<[bool; 2]>,
     /// Increment in which the domain became active.
     first: Option<u64>,
-    /// Number of changes of the mesh so far.
-    pub changes: u64,
 }
 
 impl AdaptiveDomain {
     /// Creates a domain from elements of a group, in ascending order; `None` if the group cannot be transported.
-    /// `fixed` tells for each of the `nodes` at the start whether it moves with the material.
+    /// `fixed` is whether each of the `nodes`, at their places at the start, moves with the material.
     pub fn new(
         id: EffectId,
         settings: AdaptiveSettings,
@@ -107,7 +105,7 @@ impl AdaptiveDomain {
                 (&topology, &starts),
                 settings.weights,
                 grading,
-                settings.corner_angle.cos(),
+                libm::cos(settings.corner_angle),
                 mobility,
             ),
             transport: ElementTransport::new(&topology, settings.order),
@@ -122,18 +120,12 @@ impl AdaptiveDomain {
             prescribed: vec![[false; 2]; count],
             topology,
             first: None,
-            changes: 0,
         })
     }
 
     /// Takes the history of the domain of a previous step with the same ledger row.
     pub fn continue_from(&mut self, previous: &AdaptiveDomain) {
-        (self.first, self.changes) = (previous.first, previous.changes);
-    }
-
-    /// Returns the number of elements.
-    pub fn count(&self) -> usize {
-        self.topology.elements.len()
+        self.first = previous.first;
     }
 
     /// Returns the size of all lists in bytes.
@@ -200,7 +192,6 @@ impl AdaptiveDomain {
         self.restore_prescribed();
         dofs.energies.advection += before - self.kinetic();
         self.write(half, elements, &mut dofs.nodes, changed);
-        self.changes += 1;
     }
 
     /// Finds new places by smoothing. Returns whether a node moves.
@@ -353,7 +344,7 @@ fn mobility(topology: &DomainTopology, fixed: &[bool]) -> Vec<NodeMobility> {
     mobility
 }
 
-persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed } derived {
+persist_struct!(AdaptiveDomain { first, prescribed: fixed } derived {
     id, group, settings, topology, smoothing, transport, momentum, places, velocity, given_velocity, node_mass, mass,
     corner_mass, table
 });
