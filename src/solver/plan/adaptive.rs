@@ -22,6 +22,13 @@ impl<'a> Compiler<'a> {
         if unchanged || absent {
             return None;
         }
+        // A domain of the same set continues that of the previous step.
+        for mesh in &step.adaptive {
+            let continued = before.and_then(|before| before.adaptive.iter().find(|domain| domain.set == mesh.set));
+            if let Some(domain) = continued {
+                self.share_ledger_rows(domain.span, mesh.span);
+            }
+        }
         let mut taken = HashSet::new();
         Some(step.adaptive.iter().filter_map(|mesh| self.adaptive_domain(mesh, step, state, &mut taken)).collect())
     }

@@ -44,7 +44,7 @@ impl Surroundings for ContactSurroundings<'_> {
 }
 
 impl SolverRun<'_> {
-    /// Replaces the domains in force. A domain of the same card keeps its history.
+    /// Replaces the domains in force. A domain of the same set keeps its history.
     pub(super) fn change_domains(&mut self, domains: &[AdaptiveDomain]) {
         let before = std::mem::replace(&mut self.state.adaptive, domains.to_vec());
         for domain in &mut self.state.adaptive {
