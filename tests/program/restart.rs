@@ -488,6 +488,7 @@ fn cohesive_elements_resume() {
         .replace("number interval=2", "number interval=7")
         .replace("frequency=1\n*Energy Output\n ALLKE, ALLDMD", "number interval=23\n*Energy Output\n ALL")
         .replace(" 0.2,\n**material", " 0.06,\n**material")
+        .replace(" TOP, 1, 1, 0.2\n", " TOP, 1, 1, 0.\n")
         .replace(" , 0.4\n", " , 1.5\n");
     let outcome = assert_resumes("cohesive elements", &text, Routines::none);
     assert!(outcome.halt.is_none() && outcome.deleted == 1, "{outcome:?}");

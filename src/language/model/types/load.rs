@@ -128,12 +128,7 @@ impl LoadKind {
             | LoadKind::User { sides, .. }
             | LoadKind::Cavity { sides, .. }
             | LoadKind::Film { sides, .. } => Some(sides),
-            LoadKind::Concentrated { .. }
-            | LoadKind::Gravity { .. }
-            | LoadKind::Body { .. }
-            | LoadKind::UserBody { .. }
-            | LoadKind::NodalHeat { .. }
-            | LoadKind::BodyHeat { .. } => None,
+            _ => None,
         }
     }
 }
