@@ -83,7 +83,7 @@ impl FaultCase {
             let bytes = read(name);
             let whole = match name.rsplit_once('.').expect("an ending").1 {
                 "vtu" | "pvd" => bytes.ends_with(b"</VTKFile>\n"),
-                "json" => serde_json::from_slice::<serde_json::Value>(&bytes).is_ok(),
+                "json" | "setup" => serde_json::from_slice::<serde_json::Value>(&bytes).is_ok(),
                 // The status file is written line by line.
                 "sta" => bytes.is_empty() || bytes.starts_with(b"Revolve "),
                 "sfv" => bytes.ends_with(b"\n"),

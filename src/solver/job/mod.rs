@@ -614,7 +614,8 @@ pub fn run_with<'a>(
         }
     };
     let frames = frames.map_err(JobError::Folder)?;
-    setup::write_setup(prepared, job).map_err(JobError::Folder)?;
+    // Only the live view reads it. Where it cannot be written, the first result file that cannot halts the run.
+    setup::write_setup(prepared, job).ok();
     let status = StatusFile::open(job, goes_on).map_err(JobError::Folder)?;
     let history_written = Stopwatch::now();
     let warn = options.warn.unwrap_or(&|_| {});
