@@ -282,7 +282,7 @@ fn rings_that_are_pulled_apart_dissipate_the_fracture_energy() {
 }
 
 /// The faces of the bodies are in contact after the interface has failed: pulled apart by 0.1, then pressed together by
-/// 0.05, half of it in each ring.
+/// 0.05, by 0.025 in each ring.
 #[test]
 fn debonded_faces_are_in_contact() {
     let law = format!("{ELASTIC}{QUADS}*Damage evolution, type=ENERGY\n 0.3,\n");

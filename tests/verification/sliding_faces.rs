@@ -1,8 +1,7 @@
 //! A deformable body that slides along the wall of a target: pressure and friction of faces at rest along their normals.
 //!
-//! Goal: the friction of a tube that internal pressure presses against the wall converges with the increment, is
-//! accurate at the default increment. The tolerance and its reason are stated at each
-//! test.
+//! Goal: the friction of a tube that internal pressure presses against the wall converges with the increment, and is
+//! accurate at the default increment. The tolerance and its reason are stated at each test.
 
 use crate::common::solid::{column, grid, last, material, run};
 

@@ -46,8 +46,8 @@ mod tests {
     fn swept_rings_sum_to_the_change_of_volume() {
         let moved = [[1.3, 0.0], [3.0, 0.2], [3.1, 1.5], [0.9, 2.2]];
         let rings: f64 = (0..4)
-            .map(|i| ([i, (i + 1) % 4], i))
-            .map(|([i, j], _)| swept([CORNERS[i], CORNERS[j]], [moved[i], moved[j]]).0)
+            .map(|i| [i, (i + 1) % 4])
+            .map(|[i, j]| swept([CORNERS[i], CORNERS[j]], [moved[i], moved[j]]).0)
             .sum();
         assert!((volume(moved) - volume(CORNERS) - rings).abs() < 1e-13 * volume(CORNERS));
     }

@@ -24,7 +24,7 @@ pub(super) struct TransportWork {
     pub value: Vec<f64>,
     low: Vec<f64>,
     high: Vec<f64>,
-    /// Sums of corrections that raise and lower each cell, then the shares of them that are allowed.
+    /// Sums of corrections that raise and lower each cell, then the allowed shares of these corrections.
     raise: Vec<f64>,
     lower: Vec<f64>,
     /// Corrections of the fluxes into the first cell.

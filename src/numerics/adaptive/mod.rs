@@ -20,8 +20,6 @@ use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
-#[cfg(test)]
-use geometry::centre as centre_of;
 use momentum::MomentumTransport;
 use smoothing::{MeshGrading, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
 use topology::DomainTopology;

@@ -111,7 +111,7 @@ pub(super) struct MeshSmoothing {
     target: Vec<[f64; 2]>,
     /// Nodes at corners of the boundary at the start, by their position in the list of the boundary.
     corners: Vec<u32>,
-    /// Corners that a sweep has handed over, with the node that has made room; they move together.
+    /// Nodes of corners that a sweep has moved to the edge of contact, with the node that was there before; both move together.
     handed: Vec<[u32; 2]>,
     /// Position in the list of the boundary of each node; [`INSIDE`] for others.
     boundary_of: Vec<u32>,

@@ -1,10 +1,11 @@
 //! Conservation, accuracy and bounds of the transport, on meshes that move through material at rest.
 
+use super::corner_masses;
+use super::geometry::centre;
 use super::limiter::WeightFlux;
 use super::momentum::MomentumTransport;
 use super::topology::DomainTopology;
 use super::transport::{ElementTransport, TransportOrder};
-use super::{centre_of, corner_masses};
 use crate::element::constants::{ElementConstants, HourglassControl};
 use crate::element::group::QuadGroup;
 use crate::kernel::bulk_viscosity::BulkViscosity;
@@ -67,7 +68,7 @@ impl Section {
     ) -> (Vec<f64>, Vec<f64>) {
         let of = |e: usize| {
             let corners = self.corners(e, places);
-            let at = centre_of(corners);
+            let at = centre(corners);
             (density(at) * quad::volume(corners), value(at))
         };
         (0..self.topology.corners.len()).map(of).unzip()

@@ -36,7 +36,7 @@ impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
     }
 }
 
-/// Calls `each` with every block of the elements, and the range of them that it holds.
+/// Calls `each` with every block of the elements, and the range of elements in this block.
 fn by_block(elements: &[u32], mut each: impl FnMut(usize, std::ops::Range<usize>)) {
     let mut first = 0;
     for part in elements.chunk_by(|a, b| *a as usize / LANES == *b as usize / LANES) {

@@ -12,7 +12,7 @@ use crate::model::{AdaptiveMesh, LoadKind, Step};
 
 impl<'a> Compiler<'a> {
     /// Creates the domains of a step; `None` if those of the previous step continue.
-    pub(super) fn adaptive_change(&mut self, index: usize, state: &State) -> Option<Vec<AdaptiveDomain>> {
+    pub(super) fn adaptive_change(&mut self, index: usize, state: &mut State) -> Option<Vec<AdaptiveDomain>> {
         let step = &self.model.steps[index];
         let before = index.checked_sub(1).map(|i| &self.model.steps[i]);
         // Loaded nodes follow the material.
@@ -37,7 +37,7 @@ impl<'a> Compiler<'a> {
         &mut self,
         mesh: &AdaptiveMesh,
         step: &Step,
-        state: &State,
+        state: &mut State,
         taken: &mut HashSet<usize>,
     ) -> Option<AdaptiveDomain> {
         let places: Vec<(usize, usize)> =
@@ -56,9 +56,8 @@ impl<'a> Compiler<'a> {
         let fixed = self.nodes_fixed_in(group, &elements, step, state);
         let detail = self.adaptive_detail(mesh);
         let id = self.ledger_row(mesh.span, "adaptive mesh", elements.len(), "elements", detail);
-        let mut groups = state.elements.groups[group].copy();
-        let domain =
-            AdaptiveDomain::new(id, settings(mesh), (group, &mut *groups), elements, (&state.dofs.nodes, &fixed));
+        let of_group = &mut *state.elements.groups[group];
+        let domain = AdaptiveDomain::new(id, settings(mesh), (group, of_group), elements, (&state.dofs.nodes, &fixed));
         if domain.is_none() {
             let message = "user subroutines, WEIGHTING=AREA and SUBZONAL=YES are not supported in adaptive meshes";
             self.refuse_domain(

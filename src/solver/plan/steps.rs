@@ -193,7 +193,7 @@ impl<'a> Compiler<'a> {
         self.increment_rows(&self.model.steps[index]);
     }
 
-    fn changes(&mut self, index: usize, state: &State) -> StepChanges {
+    fn changes(&mut self, index: usize, state: &mut State) -> StepChanges {
         let loads = self.load_changes(index, state);
         let (constraints, user_motions) = self.constraint_changes(index, state);
         let scaling = self.scaling_change(index, loads.is_some(), state);

@@ -23,7 +23,7 @@ type FaceForces = [[[f64; 2]; 2]; 2];
 
 /// Largest number of sweeps over faces that the resistance can stop within an increment.
 const SWEEPS: usize = 8;
-/// Change of all pressures in a sweep, as a fraction of those of the law, below which sweeps end.
+/// Change of all pressures in a sweep, as a fraction of the pressures of the law, below which sweeps end.
 const SETTLED: f64 = 1e-4;
 
 /// Resistance of a face, and whether it can stop the face.
