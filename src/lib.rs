@@ -73,7 +73,7 @@ pub use revolve_analysis::report;
 
 #[cfg(feature = "cli")]
 #[doc(inline)]
-pub use revolve_analysis::command::{CommandStatus, line::command_line, threads::default as default_threads};
+pub use revolve_analysis::{CommandStatus, command_line, default_threads};
 
 /// Internal modules for the tests and benchmarks of the project; not part of the public API.
 #[doc(hidden)]

@@ -11,10 +11,10 @@ use revolve_numerics::{element, kernel, load, platform, state, variables};
 use revolve_solver::overview;
 use revolve_solver::{job, plan, solve};
 
+// Private, so that nothing of the commands is compiled but what the program runs.
 #[cfg(feature = "cli")]
-#[doc(hidden)]
 #[allow(missing_docs)]
-pub mod command;
+mod command;
 pub mod explain;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
@@ -22,6 +22,9 @@ pub mod explain;
 pub mod report;
 pub mod study;
 #[cfg(feature = "cli")]
-#[doc(hidden)]
 #[allow(missing_docs)]
-pub mod view;
+mod view;
+
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub use command::{CommandStatus, line::command_line, threads::default as default_threads};

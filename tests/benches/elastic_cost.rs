@@ -59,6 +59,7 @@ pub fn run() {
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: BulkViscosity::default(),
         shear_viscosity: 0.0,
+        by_area: false,
     };
     let mut without_plasticity =
         QuadGroup::new(VonMises::new(NoPlasticity, ConstantBulkModulus), constants, 7.85e-9, &elements, nodes);

@@ -215,6 +215,7 @@ fn elastic_deck_allocates_nothing_for_plasticity() {
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: BulkViscosity::default(),
         shear_viscosity: 0.0,
+        by_area: false,
     };
     let bare = QuadGroup::new(
         VonMises::new(NoPlasticity, ConstantBulkModulus),

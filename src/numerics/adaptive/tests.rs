@@ -38,6 +38,7 @@ impl Section {
             hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
             bulk_viscosity: BulkViscosity::NONE,
             shear_viscosity: 0.0,
+            by_area: false,
         };
         let group = QuadGroup::new(VonMises::new(ElasticOnly, ConstantBulkModulus), constants, 1.0, &elements, &nodes);
         let topology = DomainTopology::new(&group, (0..elements.len() as u32).collect());

@@ -2,7 +2,7 @@
 //! branch-free loop of plain arithmetic over lanes, so that every instruction set gives the same bits.
 #![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
-use pulp::Arch;
+use pulp::{Arch, NullaryFnOnce};
 
 use super::assumed::AssumedStresses;
 use super::constants::ElementConstants;
@@ -186,7 +186,7 @@ impl<S> ElementBlock<S> {
 impl<S: Clone> ElementBlock<S> {
     /// Updates the block over one increment: stresses and corner forces at its end, and the sums.
     #[inline(always)]
-    pub fn update<M: Material<State = S>, const AREA: bool>(
+    pub fn update<M: Material<State = S>>(
         &mut self,
         material: &M,
         constants: &ElementConstants,
@@ -198,11 +198,11 @@ impl<S: Clone> ElementBlock<S> {
         let eroded = self.mask(material, nodes, scratch);
         let owed =
             M::EQUATION_OF_STATE.then(|| scratch.begin_energy_correction(corners, &self.nodes, (nodes, dt), before));
-        self.measure_strain::<M, AREA>(constants, dt, nodes, scratch);
+        self.measure_strain::<M>(constants, dt, nodes, scratch);
         if M::EQUATION_OF_STATE {
-            self.measure_volume::<AREA>(scratch);
+            self.measure_volume(scratch);
         }
-        self.finish::<M, AREA>(material, (constants, dt), eroded, nodes, scratch, corners);
+        self.finish(material, (constants, dt), eroded, nodes, scratch, corners);
         if let Some(owed) = owed {
             scratch.apply_energy_correction(&owed, corners, nodes, dt);
             material.add_heat(&mut self.state, &scratch.stress.heat, &self.mass);
@@ -211,7 +211,7 @@ impl<S: Clone> ElementBlock<S> {
 
     /// Updates stresses and corner forces; the second part of an increment, when strains are known.
     #[inline(always)]
-    pub(super) fn finish<M: Material<State = S>, const AREA: bool>(
+    pub(super) fn finish<M: Material<State = S>>(
         &mut self,
         material: &M,
         (constants, dt): (&ElementConstants, f64),
@@ -227,10 +227,10 @@ impl<S: Clone> ElementBlock<S> {
         self.update_stress(material, constants, scratch);
         if enhanced {
             let mut seen = EnhancedInput::default();
-            self.forces::<M, _, AREA>((constants, dt), kept, scratch, corners, &mut seen);
-            self.enhance::<M, AREA>((material, shares), (constants, dt), (&seen, nodes), scratch, corners);
+            self.forces::<M, _>((constants, dt), kept, scratch, corners, &mut seen);
+            self.enhance::<M>((material, shares), (constants, dt), (&seen, nodes), scratch, corners);
         } else {
-            self.forces::<M, _, AREA>((constants, dt), kept, scratch, corners, &mut PatternSpring);
+            self.forces::<M, _>((constants, dt), kept, scratch, corners, &mut PatternSpring);
         }
         scratch.task.controls = controls;
         if M::EQUATION_OF_STATE {
@@ -244,13 +244,31 @@ impl<S: Clone> ElementBlock<S> {
 
     /// Computes the current volumes, masses and viscous stresses for an equation of state.
     #[inline(always)]
-    fn measure_volume<const AREA: bool>(&self, scratch: &mut TaskWorkspace) {
+    fn measure_volume(&self, scratch: &mut TaskWorkspace) {
         for l in 0..LANES {
-            let volume = QuadOperators::of::<AREA>(column(&scratch.r, l), column(&scratch.z, l)).volume;
+            let volume = QuadOperators::of::<false>(column(&scratch.r, l), column(&scratch.z, l)).volume;
             scratch.strain.current_volume[l] = UNIT * volume;
         }
         scratch.strain.mass = self.mass;
         scratch.strain.viscous = scratch.task.controls[scratch.at].viscous;
+    }
+}
+
+/// Operation that updates the stresses of a block. Elements of all shapes share the compiled code of a material.
+struct MaterialUpdate<'a, M: Material> {
+    material: &'a M,
+    state: &'a mut M::State,
+    stress: &'a mut [Lanes; 4],
+    strain: &'a StrainIncrement,
+    update: &'a mut StressUpdate,
+}
+
+impl<M: Material> NullaryFnOnce for MaterialUpdate<'_, M> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.material.update(self.state, self.stress, self.strain, self.update);
     }
 }
 
@@ -292,14 +310,14 @@ impl<S: Clone> ElementBlock<S> {
 
     /// Computes strain increments and the elastic trial stress, with averaged dilation where it is used.
     #[inline(always)]
-    pub(super) fn measure_strain<M: Material<State = S>, const AREA: bool>(
+    pub(super) fn measure_strain<M: Material<State = S>>(
         &mut self,
         constants: &ElementConstants,
         dt: f64,
         nodes: &CornerNodes,
         scratch: &mut TaskWorkspace,
     ) {
-        self.strain::<M, AREA>(constants, dt, nodes, scratch);
+        self.strain::<M>(constants, dt, nodes, scratch);
         if let Some(averaging) = &scratch.strain.averaging
             && !M::MODULI_VARY
         {
@@ -316,7 +334,7 @@ impl<S: Clone> ElementBlock<S> {
 
     /// Computes the corner forces of stress, bulk viscosity and hourglass control, and the stable time increment.
     #[inline(always)]
-    pub(super) fn forces<M: Material, C: HourglassScheme, const AREA: bool>(
+    pub(super) fn forces<M: Material, C: HourglassScheme>(
         &self,
         increment: (&ElementConstants, f64),
         kept: &mut ControlStresses,
@@ -324,13 +342,17 @@ impl<S: Clone> ElementBlock<S> {
         corners: &mut BlockCornerForces,
         control: &mut C,
     ) {
-        // The conditions are constants of the material: only one branch is compiled.
+        // Conditions on the material are constants: one branch is compiled. Area weighting needs constant moduli.
         if !M::MODULI_VARY {
-            self.forces_by::<C, AREA, false, false>(increment, kept, scratch, corners, control);
+            if increment.0.by_area {
+                self.forces_by::<C, true, false, false>(increment, kept, scratch, corners, control);
+            } else {
+                self.forces_by::<C, false, false, false>(increment, kept, scratch, corners, control);
+            }
         } else if !M::EQUATION_OF_STATE {
-            self.forces_by::<C, AREA, true, false>(increment, kept, scratch, corners, control);
+            self.forces_by::<C, false, true, false>(increment, kept, scratch, corners, control);
         } else {
-            self.forces_by::<C, AREA, true, true>(increment, kept, scratch, corners, control);
+            self.forces_by::<C, false, true, true>(increment, kept, scratch, corners, control);
         }
     }
 
@@ -368,7 +390,9 @@ impl<S: Clone> ElementBlock<S> {
         constants: &ElementConstants,
         scratch: &mut TaskWorkspace,
     ) {
-        material.update(&mut self.state, &mut self.stress, &scratch.strain, &mut scratch.stress);
+        let TaskWorkspace { strain, stress: update, arch, .. } = scratch;
+        let ElementBlock { state, stress, .. } = self;
+        dispatch_outlined(*arch, MaterialUpdate { material, state, stress, strain, update });
         if !matches!(M::FLOW, PlasticFlow::None) && !constants.hourglass.relaxes {
             scratch.stress.returned = [1.0; LANES];
         }

@@ -95,7 +95,7 @@ struct PassInput<'a, M: Material> {
 
 impl<M: Material> PassInput<'_, M> {
     /// Computes the kinematics of a task, and stores the arguments of its calls.
-    fn measure<const AREA: bool>(&self, index: usize, phase: TaskPhase<'_, M::State>) {
+    fn measure(&self, index: usize, phase: TaskPhase<'_, M::State>) {
         let TaskPhase { blocks, task, scratch, points, .. } = phase;
         task.begin(self.arch, self.cap, self.dt, self.constants);
         for (i, (block, BlockScratch { work, nodes })) in blocks.iter_mut().zip(scratch).enumerate() {
@@ -106,7 +106,7 @@ impl<M: Material> PassInput<'_, M> {
             nodes.collect(self.nodes, &block.nodes);
             self.material.begin(&mut block.state, self.now.total_time);
             block.mask(self.material, nodes, work);
-            block.measure_strain::<M, AREA>(self.constants, self.dt, nodes, work);
+            block.measure_strain::<M>(self.constants, self.dt, nodes, work);
             std::mem::swap(&mut work.task, &mut task.task);
             let corners = |l: usize| nodes.places(l);
             let StrainIncrement { strain, spin, volume, .. } = work.strain;
@@ -116,7 +116,7 @@ impl<M: Material> PassInput<'_, M> {
     }
 
     /// Reads the results of the calls, and computes the corner forces.
-    fn respond<const AREA: bool>(&self, phase: TaskPhase<'_, M::State>) {
+    fn respond(&self, phase: TaskPhase<'_, M::State>) {
         let TaskPhase { blocks, task, scratch, points, corners } = phase;
         let each = blocks.iter_mut().zip(scratch).zip(corners).enumerate();
         for (i, ((block, BlockScratch { work, nodes }), corners)) in each {
@@ -124,7 +124,7 @@ impl<M: Material> PassInput<'_, M> {
             self.calls.scatter(&points[i / CALL_BLOCKS], i % CALL_BLOCKS, &mut block.state);
             let eroded = work.task.eroded.get(i).is_some_and(ErodedLanes::any);
             let increment = (self.constants, self.dt);
-            block.finish::<M, AREA>(self.material, increment, eroded, nodes, work, corners);
+            block.finish(self.material, increment, eroded, nodes, work, corners);
             if !work.task.records.is_empty() {
                 let increment = (work.strain.spin, self.dt);
                 work.update_record(self.arch, i, M::FLOW, increment);
@@ -181,7 +181,7 @@ fn spread<S: Send>(
     }
 }
 
-impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
+impl<M: Material> QuadGroup<M> {
     /// Implements [`super::group::ElementGroup::update`] for a material that calls user subroutines.
     pub(super) fn update_with_calls(&mut self, pass: ElementPass<'_>) -> GroupTotals {
         let now = *pass.now;
@@ -216,13 +216,11 @@ impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
             let first = turn * batch * TASK * LANES;
             calls.exchange_last(first, *count, batch * CALLS);
             spread(threads, &mut *blocks, &mut *tasks, &mut *corners, calls, |i, phase| {
-                input.measure::<AREA>(turn * batch + i, phase);
+                input.measure(turn * batch + i, phase);
             });
             let called = input.call(first, &*blocks, &*tasks, calls, &mut user);
             if called.is_ok() {
-                spread(threads, &mut *blocks, &mut *tasks, &mut *corners, calls, |_, phase| {
-                    input.respond::<AREA>(phase)
-                });
+                spread(threads, &mut *blocks, &mut *tasks, &mut *corners, calls, |_, phase| input.respond(phase));
             }
             calls.exchange_last(first, *count, batch * CALLS);
             called?;
@@ -257,7 +255,7 @@ impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
             // All tasks use the first slot.
             calls.exchange_last(first, count, CALLS);
             let UserCallBuffers { points, blocks: scratch, .. } = &mut *calls;
-            input.measure::<AREA>(index, TaskPhase { blocks, task, scratch, points, corners: &mut [] });
+            input.measure(index, TaskPhase { blocks, task, scratch, points, corners: &mut [] });
             for (i, points) in points.iter_mut().take(count_of_calls).enumerate() {
                 let found = of_material.probe(points, user.lend(), now);
                 let found = found.map_err(|failure| (index * CALLS + i, failure))?;
@@ -306,7 +304,7 @@ impl UserCallBuffers {
     }
 }
 
-impl<M: Material, const AREA: bool> UserCalls for QuadGroup<M, AREA> {
+impl<M: Material> UserCalls for QuadGroup<M> {
     fn probe(&mut self, nodes: &[Node], now: &Instant, mut user: PointRoutines<'_>) -> Result<(), HaltReason> {
         let moduli = self.probe_moduli(nodes, now, &mut user).map_err(|failed| self.halt(&failed, now))?;
         if let Some([bulk, shear]) = moduli {

@@ -28,6 +28,9 @@ pub struct ElementConstants {
     pub bulk_viscosity: BulkViscosity,
     /// Dynamic shear viscosity of a fluid with an equation of state, stress times time; 0 for other materials.
     pub shear_viscosity: f64,
+    /// Whether the equations of motion are weighted by area (`WEIGHTING=AREA`); only for quadrilaterals of materials with
+    /// constant moduli.
+    pub by_area: bool,
 }
 
 /// Hourglass control of elements with one integration point.
@@ -139,8 +142,14 @@ mod tests {
         let mut largest: f64 = 0.0;
         for (bulk, shear) in [(1.0, 1.5), (2.0, 0.9), (100.0, 1.0)] {
             let hourglass = HourglassControl { stiffness: 0.0, viscosity: 0.0, relaxes: true, enhanced: 1.0 };
-            let constants =
-                ElementConstants { bulk, shear, hourglass, bulk_viscosity: BulkViscosity::NONE, shear_viscosity: 0.0 };
+            let constants = ElementConstants {
+                bulk,
+                shear,
+                hourglass,
+                bulk_viscosity: BulkViscosity::NONE,
+                shear_viscosity: 0.0,
+                by_area: false,
+            };
             for shape in 0..20_000_usize {
                 let noise = |i: usize| ((shape * 7919 + i * 104_729) % 9973) as f64 / 9973.0 - 0.5;
                 let inner = [0.0, 0.3, 2.0, 50.0][shape % 4];

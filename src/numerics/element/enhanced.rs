@@ -30,7 +30,7 @@ impl<S: Clone> ElementBlock<S> {
     /// Adds the stresses and forces of assumed strains for an increment; `before` is the stress fraction left by damage
     /// at its start.
     #[inline(always)]
-    pub(super) fn enhance<M: Material<State = S>, const AREA: bool>(
+    pub(super) fn enhance<M: Material<State = S>>(
         &self,
         (material, before): (&M, Lanes),
         (constants, dt): (&ElementConstants, f64),
@@ -54,17 +54,18 @@ impl<S: Clone> ElementBlock<S> {
         {
             scratch.task.enhanced[at].limit = limit;
         }
-        let (factor, arch) = (constants.hourglass.enhanced, scratch.arch);
-        let patterns = AssumedForces { factor, dt, inverse_mass: &self.inverse_mass, seen, middle: &middle, nodes };
+        let (factor, by_area, arch) = (constants.hourglass.enhanced, constants.by_area, scratch.arch);
+        let inverse_mass = &self.inverse_mass;
+        let patterns = AssumedForces { factor, by_area, dt, inverse_mass, seen, middle: &middle, nodes };
         // The conditions are constants of the material: only one branch is compiled.
         if M::FAILS && matches!(M::FLOW, PlasticFlow::None) {
-            dispatch_outlined(arch, AddForces::<AREA, true, false> { patterns, scratch, corners });
+            dispatch_outlined(arch, AddForces::<true, false> { patterns, scratch, corners });
         } else if M::FAILS {
-            dispatch_outlined(arch, AddForces::<AREA, true, true> { patterns, scratch, corners });
+            dispatch_outlined(arch, AddForces::<true, true> { patterns, scratch, corners });
         } else if matches!(M::FLOW, PlasticFlow::None) {
-            dispatch_outlined(arch, AddForces::<AREA, false, false> { patterns, scratch, corners });
+            dispatch_outlined(arch, AddForces::<false, false> { patterns, scratch, corners });
         } else {
-            dispatch_outlined(arch, AddForces::<AREA, false, true> { patterns, scratch, corners });
+            dispatch_outlined(arch, AddForces::<false, true> { patterns, scratch, corners });
         }
     }
 }
@@ -72,6 +73,7 @@ impl<S: Clone> ElementBlock<S> {
 /// Input of the forces of assumed strains. Materials with the same failure and flow properties share the compiled code.
 struct AssumedForces<'a> {
     factor: f64,
+    by_area: bool,
     dt: f64,
     inverse_mass: &'a [Lanes; 4],
     seen: &'a EnhancedInput,
@@ -80,18 +82,18 @@ struct AssumedForces<'a> {
 }
 
 /// Operation that adds the forces of assumed strains to the corner forces.
-struct AddForces<'a, const AREA: bool, const FAILS: bool, const FLOWS: bool> {
+struct AddForces<'a, const FAILS: bool, const FLOWS: bool> {
     patterns: AssumedForces<'a>,
     scratch: &'a mut TaskWorkspace,
     corners: &'a mut BlockCornerForces,
 }
 
-impl<const AREA: bool, const FAILS: bool, const FLOWS: bool> NullaryFnOnce for AddForces<'_, AREA, FAILS, FLOWS> {
+impl<const FAILS: bool, const FLOWS: bool> NullaryFnOnce for AddForces<'_, FAILS, FLOWS> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        self.patterns.add::<AREA, FAILS, FLOWS>(self.scratch, self.corners);
+        self.patterns.add::<FAILS, FLOWS>(self.scratch, self.corners);
     }
 }
 
@@ -99,12 +101,8 @@ impl AssumedForces<'_> {
     /// Updates the stresses of the patterns to the end of the increment, and adds their corner forces. The loop has no
     /// branches and shares divisions.
     #[inline(always)]
-    fn add<const AREA: bool, const FAILS: bool, const FLOWS: bool>(
-        &self,
-        scratch: &mut TaskWorkspace,
-        corners: &mut BlockCornerForces,
-    ) {
-        let AssumedForces { factor, dt, inverse_mass, seen, middle, nodes } = *self;
+    fn add<const FAILS: bool, const FLOWS: bool>(&self, scratch: &mut TaskWorkspace, corners: &mut BlockCornerForces) {
+        let AssumedForces { factor, by_area, dt, inverse_mass, seen, middle, nodes } = *self;
         // A local copy: possible aliasing within the scratch memory would prevent vectorization.
         let mut assumed = scratch.task.enhanced[scratch.at];
         for l in 0..LANES {
@@ -167,7 +165,7 @@ impl AssumedForces<'_> {
             }
             let third = UNIT / 3.0 * seen.volume[l];
             scratch.sums.artificial[l] += 0.5 * dt * scratch.weight[l] * (third * power);
-            let acts = if AREA { third / (4.0 * UNIT * r[0]) } else { third };
+            let acts = if by_area { third / (4.0 * UNIT * r[0]) } else { third };
             let [first, second] = stress;
             let [bent, turned] =
                 directions.forces([acts * first[0], acts * second[0]], [acts * first[1], acts * second[1]]);

@@ -384,6 +384,7 @@ mod tests {
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
         bulk_viscosity: BulkViscosity::NONE,
         shear_viscosity: 0.0,
+        by_area: false,
     };
 
     /// Returns a ring of squares whose nodes are displaced by a fraction of the side.

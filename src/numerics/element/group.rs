@@ -13,9 +13,7 @@ use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::{BlockRecord, ElementRecord};
 use crate::element::subzonal::SubzonalPressures;
 use crate::kernel::cohesive;
-use crate::kernel::lanes::LANES;
-use crate::kernel::lanes::Lanes;
-use crate::kernel::lanes::{BlockCornerForces, InlineMap};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, dispatch_outlined};
 use crate::kernel::quad;
 use crate::kernel::shell::ShellFrame;
 use crate::kernel::topology::{ElementNodes, ElementTopology, MOST_NODES, PerNode};
@@ -329,7 +327,7 @@ impl Clone for Box<dyn ElementGroup> {
 pub(super) const PARALLEL: usize = 1000;
 
 /// Quadrilaterals of one material, with volume or area weighting.
-pub struct QuadGroup<M: Material, const AREA: bool = false> {
+pub struct QuadGroup<M: Material> {
     pub(super) material: Arc<M>,
     pub(super) constants: ElementConstants,
     pub(super) count: usize,
@@ -346,13 +344,6 @@ pub struct QuadGroup<M: Material, const AREA: bool = false> {
 }
 
 impl<M: Material> QuadGroup<M> {
-    /// Creates a group from the corner nodes of its elements in the initial configuration.
-    pub fn new(material: M, constants: ElementConstants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
-        QuadGroup::weighted(material, constants, density, elements, nodes)
-    }
-}
-
-impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
     /// Selects another instruction set; results have the same bits.
     #[must_use]
     pub fn on(mut self, arch: Arch) -> Self {
@@ -369,18 +360,12 @@ impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
         self
     }
 
-    /// Creates a group with the weighting (by volume or area) of its type.
-    pub fn weighted(
-        material: M,
-        constants: ElementConstants,
-        density: f64,
-        elements: &[[u32; 4]],
-        nodes: &[Node],
-    ) -> Self {
+    /// Creates a group from the corner nodes of its elements in the initial configuration.
+    pub fn new(material: M, constants: ElementConstants, density: f64, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
         let fresh = |(index, part): (usize, &[_])| {
             let state = material.initial_state(&block_start(index * LANES, part, nodes));
             let mut block = block(state, density, part, nodes);
-            if AREA {
+            if constants.by_area {
                 block.inverse_mass =
                     [block.mass.inline_map(|mass| 16.0 / mass), [0.0; LANES], [0.0; LANES], [0.0; LANES]];
             }
@@ -402,7 +387,7 @@ impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
     }
 }
 
-impl<M: Material, const AREA: bool> Clone for QuadGroup<M, AREA> {
+impl<M: Material> Clone for QuadGroup<M> {
     fn clone(&self) -> Self {
         QuadGroup {
             material: Arc::clone(&self.material),
@@ -419,7 +404,7 @@ impl<M: Material, const AREA: bool> Clone for QuadGroup<M, AREA> {
     }
 }
 
-impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
+impl<M: Material> QuadGroup<M> {
     /// Returns the recorded values of an element; `None` without a record.
     fn followed(&self, element: usize) -> Option<ElementRecord> {
         let block = element / LANES;
@@ -491,7 +476,7 @@ impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
     }
 }
 
-impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
+impl<M: Material> QuadGroup<M> {
     /// Keeps all tasks active, by adding a moving node to each; for tests of single increments.
     pub fn keep_awake(&mut self, node: u32) {
         self.quiescence.iter_mut().for_each(|resting| resting.nodes.push(node));
@@ -545,9 +530,9 @@ pub(super) fn block_of_points<S>(state: S, mass: Lanes) -> ElementBlock<S> {
     ElementBlock { nodes, stress: zeros, mass, inverse_mass: zeros, state }
 }
 
-impl<M: Material, const AREA: bool> InterfaceElements for QuadGroup<M, AREA> {}
+impl<M: Material> InterfaceElements for QuadGroup<M> {}
 
-impl<M: Material, const AREA: bool> ElementGroup for QuadGroup<M, AREA> {
+impl<M: Material> ElementGroup for QuadGroup<M> {
     fn len(&self) -> usize {
         self.count
     }
@@ -596,9 +581,8 @@ impl<M: Material, const AREA: bool> ElementGroup for QuadGroup<M, AREA> {
             if resting.quiescent && dilation_correction.is_none() && resting.is_still(nodes) {
                 return;
             }
-            let task =
-                QuadTask::<M, AREA> { pass: &pass, arch, index, blocks: &mut *blocks, corners: &mut *corners, scratch };
-            arch.dispatch(task);
+            let task = QuadTask { pass: &pass, arch, index, blocks: &mut *blocks, corners: &mut *corners, scratch };
+            dispatch_outlined(arch, task);
             // With dt = 0 nothing has been added to the sums, so they stay valid while the task is quiescent. The
             // pressure of an equation of state is not part of the stress that is checked here.
             resting.quiescent = dt == 0.0
@@ -645,7 +629,7 @@ impl<M: Material, const AREA: bool> ElementGroup for QuadGroup<M, AREA> {
     fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
         let masses = match masses {
             // If the pressure follows from density and specific energy, the mass is part of the material state.
-            Some(_) if M::EQUATION_OF_STATE || AREA => return None,
+            Some(_) if M::EQUATION_OF_STATE || self.constants.by_area => return None,
             None if Self::HOLDS_PRESSURE => return Some(self.last_rate(element)),
             Some(masses) => *masses.first_chunk()?,
             None => self.corner_masses(element),
@@ -658,7 +642,7 @@ impl<M: Material, const AREA: bool> ElementGroup for QuadGroup<M, AREA> {
     }
 
     fn stiffness(&self, element: usize, nodes: &[Node]) -> Option<ElementStiffness> {
-        if Self::HOLDS_PRESSURE || AREA {
+        if Self::HOLDS_PRESSURE || self.constants.by_area {
             return None;
         }
         let corners = self.corners(element).inline_map(|n| nodes[n as usize].place());
@@ -688,7 +672,7 @@ impl<M: Material, const AREA: bool> ElementGroup for QuadGroup<M, AREA> {
     }
 }
 
-impl<M: Material, const AREA: bool> GroupExtensions for QuadGroup<M, AREA> {
+impl<M: Material> GroupExtensions for QuadGroup<M> {
     fn settings(&mut self) -> &mut dyn GroupSettings {
         self
     }
@@ -713,7 +697,7 @@ impl<M: Material, const AREA: bool> GroupExtensions for QuadGroup<M, AREA> {
     /// masses of the subzones.
     fn transfer(&mut self) -> Option<&mut dyn ElementTransfer> {
         let subzones = self.tasks.first().is_some_and(|task| !task.task.subzones.is_empty());
-        if M::CALLS || AREA || subzones { None } else { Some(self) }
+        if M::CALLS || self.constants.by_area || subzones { None } else { Some(self) }
     }
 
     fn user(&mut self) -> Option<&mut dyn UserCalls> {
@@ -721,7 +705,7 @@ impl<M: Material, const AREA: bool> GroupExtensions for QuadGroup<M, AREA> {
     }
 }
 
-impl<M: Material, const AREA: bool> ElementFields for QuadGroup<M, AREA> {
+impl<M: Material> ElementFields for QuadGroup<M> {
     fn set_field(&mut self, element: usize, variable: usize, value: f64) {
         self.set_value(element, PointValue::Field(variable, value));
     }
@@ -733,7 +717,7 @@ impl<M: Material, const AREA: bool> ElementFields for QuadGroup<M, AREA> {
     }
 }
 
-impl<M: Material, const AREA: bool> GroupSettings for QuadGroup<M, AREA> {
+impl<M: Material> GroupSettings for QuadGroup<M> {
     fn set_masses(&mut self, element: usize, masses: &[f64]) {
         let Some(masses) = masses.first_chunk::<4>() else { return };
         // The stable time increment of a quiescent task has changed.
@@ -771,7 +755,7 @@ impl<M: Material, const AREA: bool> GroupSettings for QuadGroup<M, AREA> {
     }
 }
 
-impl<M: Material, const AREA: bool> GroupDeletion for QuadGroup<M, AREA> {
+impl<M: Material> GroupDeletion for QuadGroup<M> {
     fn make_erodible(&mut self) {
         for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
             scratch.make_erodible(blocks.len());
@@ -802,7 +786,7 @@ impl<M: Material, const AREA: bool> GroupDeletion for QuadGroup<M, AREA> {
     }
 }
 
-impl<M: Material, const AREA: bool> InitialState for QuadGroup<M, AREA> {
+impl<M: Material> InitialState for QuadGroup<M> {
     fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
         let (block, lane) = (&mut self.blocks[element / LANES], element % LANES);
         for (list, value) in block.stress.iter_mut().zip(stress.into_iter().flatten()) {
@@ -833,7 +817,7 @@ impl<M: Material, const AREA: bool> InitialState for QuadGroup<M, AREA> {
     }
 }
 
-impl<M: Material, const AREA: bool> ElementTemperatures for QuadGroup<M, AREA> {
+impl<M: Material> ElementTemperatures for QuadGroup<M> {
     fn set_temperatures(&mut self, temperatures: &[f64]) {
         for (e, temperature) in temperatures.iter().enumerate() {
             self.set_value(e, PointValue::NodalTemperature(*temperature));
@@ -862,7 +846,8 @@ impl<M: Material, const AREA: bool> ElementTemperatures for QuadGroup<M, AREA> {
             let pressure = share * 3.0 * self.constants.bulk * strain;
             block.stress[..3].iter_mut().for_each(|list| list[lane] -= pressure);
             let corners = [0, 1, 2, 3].inline_map(|c| nodes[block.nodes[c][lane] as usize]);
-            let done = 0.5 * pressure * quad::volume_change::<AREA>(corners.inline_map(|n| n.as_array()), dt);
+            let corners = corners.inline_map(|n| n.as_array());
+            let done = 0.5 * pressure * quad::volume_change(corners, dt, self.constants.by_area);
             work += done;
             self.tasks[e / (TASK * LANES)].add_to_record(e / LANES % TASK, lane, [done, 0.0]);
         }
@@ -885,7 +870,7 @@ struct PassContext<'a, M> {
 }
 
 /// Update of the blocks of one task.
-struct QuadTask<'a, M: Material, const AREA: bool> {
+struct QuadTask<'a, M: Material> {
     pass: &'a PassContext<'a, M>,
     arch: Arch,
     index: usize,
@@ -894,7 +879,7 @@ struct QuadTask<'a, M: Material, const AREA: bool> {
     scratch: &'a mut TaskWorkspace,
 }
 
-impl<M: Material, const AREA: bool> NullaryFnOnce for QuadTask<'_, M, AREA> {
+impl<M: Material> NullaryFnOnce for QuadTask<'_, M> {
     type Output = ();
 
     /// Updates the blocks of the task. It is inlined into a function compiled for the selected instruction set.
@@ -911,7 +896,7 @@ impl<M: Material, const AREA: bool> NullaryFnOnce for QuadTask<'_, M, AREA> {
             scratch.strain.averaging = pass.dilation_correction.map(|list| list[index]);
             pass.material.begin(&mut block.state, pass.time);
             let (increment, corners) = ((pass.dt, pass.before), &mut self.corners[i]);
-            block.update::<M, AREA>(pass.material, pass.constants, increment, &mut places, scratch, corners);
+            block.update(pass.material, pass.constants, increment, &mut places, scratch, corners);
             if !scratch.task.records.is_empty() {
                 let increment = (scratch.strain.spin, pass.dt);
                 scratch.update_record(self.arch, i, M::FLOW, increment);
@@ -955,17 +940,14 @@ pub(super) fn totals(tasks: impl Iterator<Item = (LaneSums, [Lanes; 2])>, most: 
     totals
 }
 
-persist_struct!(QuadGroup<M, AREA> [M: Material, const AREA: bool] {
+persist_struct!(QuadGroup<M> [M: Material] {
     cap, blocks: fixed, tasks: fixed, listed: fixed, quiescence: fixed
 } derived {
     material, constants, calls, count, arch
 } then persist_called_moduli);
 
 /// Saves the moduli of a user material, which are determined only at time zero.
-fn persist_called_moduli<M: Material, const AREA: bool>(
-    quads: &mut QuadGroup<M, AREA>,
-    archive: &mut StateArchive<'_>,
-) {
+fn persist_called_moduli<M: Material>(quads: &mut QuadGroup<M>, archive: &mut StateArchive<'_>) {
     if M::CALLS {
         persist_fields!(archive; &mut quads.constants.bulk, &mut quads.constants.shear);
     }
@@ -1009,6 +991,7 @@ mod tests {
             hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced: 0.0 },
             bulk_viscosity: BulkViscosity::default(),
             shear_viscosity: 0.0,
+            by_area: false,
         };
         let run = |arch: Arch| {
             let lines = PiecewiseLinearHardening::new(&[[0.02, 0.0], [0.03, 0.1]], 1.0).expect("slopes fall");

@@ -74,6 +74,7 @@ fn constants(enhanced: f64) -> ElementConstants {
         hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.01, relaxes: true, enhanced },
         bulk_viscosity: BulkViscosity::default(),
         shear_viscosity: 0.0,
+        by_area: false,
     }
 }
 

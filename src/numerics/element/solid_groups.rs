@@ -114,17 +114,14 @@ pub struct GroupOptions {
     pub constants: ElementConstants,
     /// Mass per volume.
     pub density: f64,
-    /// Whether the equations of motion are weighted by area (`WEIGHTING=AREA`); supported by [`SolidMaterial::VonMises`]
-    /// without equation of state.
-    pub by_area: bool,
     /// Whether elements have subzonal pressures.
     pub subzonal: bool,
 }
 
 impl GroupOptions {
-    /// Returns options with volume weighting and without subzonal pressures.
+    /// Returns options without subzonal pressures.
     pub fn new(constants: ElementConstants, density: f64) -> GroupOptions {
-        GroupOptions { constants, density, by_area: false, subzonal: false }
+        GroupOptions { constants, density, subzonal: false }
     }
 }
 
@@ -145,50 +142,49 @@ pub fn create_group(
 ) -> Box<dyn ElementGroup> {
     let shape = GroupShape { options, connectivity, nodes };
     match material {
-        SolidMaterial::VonMises(law, Some(equation)) => shape.von_mises::<_, false>(law, equation),
-        SolidMaterial::VonMises(law, None) if options.by_area => shape.von_mises::<_, true>(law, ConstantBulkModulus),
-        SolidMaterial::VonMises(law, None) => shape.von_mises::<_, false>(law, ConstantBulkModulus),
-        SolidMaterial::NeoHooke(law) => shape.group::<false>(law),
-        SolidMaterial::Polynomial(law) => shape.group::<false>(law),
-        SolidMaterial::Ogden(law) => shape.group::<false>(law),
-        SolidMaterial::Foam(law) => shape.group::<false>(law),
-        SolidMaterial::Point(law) => shape.group::<false>(law),
-        SolidMaterial::UserStress(law) => shape.quadrilaterals::<_, false>(law),
-        SolidMaterial::UserFlow(law) => shape.quadrilaterals::<_, false>(law),
+        SolidMaterial::VonMises(law, Some(equation)) => shape.von_mises(law, equation),
+        SolidMaterial::VonMises(law, None) => shape.von_mises(law, ConstantBulkModulus),
+        SolidMaterial::NeoHooke(law) => shape.group(law),
+        SolidMaterial::Polynomial(law) => shape.group(law),
+        SolidMaterial::Ogden(law) => shape.group(law),
+        SolidMaterial::Foam(law) => shape.group(law),
+        SolidMaterial::Point(law) => shape.group(law),
+        SolidMaterial::UserStress(law) => shape.quadrilaterals(law),
+        SolidMaterial::UserFlow(law) => shape.quadrilaterals(law),
     }
 }
 
 impl GroupShape<'_> {
-    fn von_mises<V: VolumetricLaw, const AREA: bool>(self, law: HardeningLaw, volumetric: V) -> Box<dyn ElementGroup> {
+    fn von_mises(self, law: HardeningLaw, volumetric: impl VolumetricLaw) -> Box<dyn ElementGroup> {
         match law {
-            HardeningLaw::Elastic(None) => self.group::<AREA>(VonMises::new(ElasticOnly, volumetric)),
+            HardeningLaw::Elastic(None) => self.group(VonMises::new(ElasticOnly, volumetric)),
             HardeningLaw::Elastic(Some(failure)) => {
-                self.group::<AREA>(VonMises { hardening: ElasticOnly, volumetric, failure })
+                self.group(VonMises { hardening: ElasticOnly, volumetric, failure })
             }
-            HardeningLaw::PiecewiseLinear(law) => self.group::<AREA>(VonMises::new(law, volumetric)),
-            HardeningLaw::RateDependent(law, None) => self.group::<AREA>(VonMises::new(law, volumetric)),
+            HardeningLaw::PiecewiseLinear(law) => self.group(VonMises::new(law, volumetric)),
+            HardeningLaw::RateDependent(law, None) => self.group(VonMises::new(law, volumetric)),
             HardeningLaw::RateDependent(hardening, Some(failure)) => {
-                self.group::<AREA>(VonMises { hardening, volumetric, failure })
+                self.group(VonMises { hardening, volumetric, failure })
             }
-            HardeningLaw::Kinematic(law) => self.group::<AREA>(VonMises::new(law, volumetric)),
-            HardeningLaw::RateKinematic(law) => self.group::<AREA>(VonMises::new(law, volumetric)),
+            HardeningLaw::Kinematic(law) => self.group(VonMises::new(law, volumetric)),
+            HardeningLaw::RateKinematic(law) => self.group(VonMises::new(law, volumetric)),
         }
     }
 
-    fn group<const AREA: bool>(self, material: impl Material) -> Box<dyn ElementGroup> {
+    fn group(self, material: impl Material) -> Box<dyn ElementGroup> {
         let GroupOptions { constants, density, .. } = self.options;
         match self.connectivity {
             Connectivity::SixNodeTriangles(list) => {
                 Box::new(SixNodeTriangles::new(material, constants, density, list, self.nodes))
             }
-            Connectivity::Quadrilaterals(_) => self.quadrilaterals::<_, AREA>(material),
+            Connectivity::Quadrilaterals(_) => self.quadrilaterals(material),
         }
     }
 
-    fn quadrilaterals<M: Material, const AREA: bool>(self, material: M) -> Box<dyn ElementGroup> {
+    fn quadrilaterals(self, material: impl Material) -> Box<dyn ElementGroup> {
         let GroupOptions { constants, density, subzonal, .. } = self.options;
         let corners = self.connectivity.quadrilaterals();
-        let group = QuadGroup::<M, AREA>::weighted(material, constants, density, corners, self.nodes);
+        let group = QuadGroup::new(material, constants, density, corners, self.nodes);
         Box::new(if subzonal { group.with_subzones(corners, self.nodes) } else { group })
     }
 }

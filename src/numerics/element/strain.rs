@@ -1,7 +1,7 @@
 //! Strain increments at mid-increment, the stress rotated with the material, and the elastic trial stress of a block of
 //! elements.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use super::block::{CornerNodes, ElementBlock, TaskWorkspace};
 use super::constants::ElementConstants;
@@ -44,11 +44,6 @@ impl<'a, const AREA: bool> StrainMeasurement<'a, AREA> {
         let spin = M::USES_SPIN || !scratch.task.records.is_empty();
         let mises = matches!(M::FLOW, PlasticFlow::Deviatoric | PlasticFlow::Unknown);
         StrainMeasurement { stress, constants, dt, nodes, spin, mises, scratch }
-    }
-
-    /// Returns the instruction set.
-    pub fn arch(&self) -> Arch {
-        self.scratch.arch
     }
 
     /// Returns the velocity gradient of a pack of quadrilaterals.
@@ -115,24 +110,29 @@ impl<'a, const AREA: bool> StrainMeasurement<'a, AREA> {
 impl<S: Clone> ElementBlock<S> {
     /// Computes strain increments at mid-increment, rotates the stress, and computes the elastic trial stress.
     #[inline(always)]
-    pub(super) fn strain<M: Material, const AREA: bool>(
+    pub(super) fn strain<M: Material>(
         &mut self,
         constants: &ElementConstants,
         dt: f64,
         nodes: &CornerNodes,
         scratch: &mut TaskWorkspace,
     ) {
-        let increment = (constants, dt);
-        let measurement = StrainMeasurement::<AREA>::new::<M>(&self.stress, increment, Some(nodes), scratch);
-        dispatch_outlined(measurement.arch(), measurement);
+        let (arch, increment) = (scratch.arch, (constants, dt));
+        if constants.by_area && !M::MODULI_VARY {
+            let measurement = StrainMeasurement::<true>::new::<M>(&self.stress, increment, Some(nodes), scratch);
+            dispatch_outlined(arch, measurement);
+        } else {
+            let measurement = StrainMeasurement::<false>::new::<M>(&self.stress, increment, Some(nodes), scratch);
+            dispatch_outlined(arch, measurement);
+        }
     }
 
     /// Rotates the stress with the material, and computes the mean and the deviator of the elastic trial stress, for
     /// the gradients of [`TaskWorkspace::set_gradients`].
     #[inline(always)]
     pub(super) fn trial<M: Material>(&mut self, constants: &ElementConstants, dt: f64, scratch: &mut TaskWorkspace) {
-        let measurement = StrainMeasurement::<false>::new::<M>(&self.stress, (constants, dt), None, scratch);
-        dispatch_outlined(measurement.arch(), measurement);
+        let arch = scratch.arch;
+        dispatch_outlined(arch, StrainMeasurement::<false>::new::<M>(&self.stress, (constants, dt), None, scratch));
     }
 }
 

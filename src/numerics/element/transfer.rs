@@ -14,7 +14,7 @@ enum Extent {
     Total,
 }
 
-impl<M: Material, const AREA: bool> QuadGroup<M, AREA> {
+impl<M: Material> QuadGroup<M> {
     /// Passes all carried variables of a block to `visit`.
     fn carry(&mut self, block: usize, visit: &mut dyn FnMut(&mut Lanes, Extent)) {
         let ElementBlock { nodes: _, stress, mass: _, inverse_mass: _, state } = &mut self.blocks[block];
@@ -45,7 +45,7 @@ fn by_block(elements: &[u32], mut each: impl FnMut(usize, std::ops::Range<usize>
     }
 }
 
-impl<M: Material, const AREA: bool> ElementTransfer for QuadGroup<M, AREA> {
+impl<M: Material> ElementTransfer for QuadGroup<M> {
     fn variables(&mut self) -> usize {
         let mut count = 0;
         self.carry(0, &mut |_, _| count += 1);

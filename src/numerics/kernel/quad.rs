@@ -210,9 +210,9 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2], hourglass: f64
 }
 
 /// Returns the volume change of an element with these corners `[r, z, v_r, v_z]` over the previous increment, from the
-/// strain at mid-increment.
-pub fn volume_change<const AREA: bool>(corners: [[f64; 4]; 4], dt: f64) -> f64 {
-    dilation::<AREA>(corners, dt)[1]
+/// strain at mid-increment, with volume weighting or area weighting.
+pub fn volume_change(corners: [[f64; 4]; 4], dt: f64, by_area: bool) -> f64 {
+    if by_area { dilation::<true>(corners, dt)[1] } else { dilation::<false>(corners, dt)[1] }
 }
 
 /// Returns the volume at mid-increment, and the volume change of [`volume_change`].

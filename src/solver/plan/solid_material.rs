@@ -102,23 +102,22 @@ impl Compiler<'_> {
         let density = material.density.unwrap_or(0.0);
         connectivity.add_masses(nodes, density, mass);
         let hourglass = self.control(section, material, moduli, connectivity)?;
-        let bulk_viscosity = self.bulk_viscosity(material.eos.is_some() || section.controls.by_area);
+        let by_area = section.controls.by_area;
+        let bulk_viscosity = self.bulk_viscosity(material.eos.is_some() || by_area);
         let ElasticModuli { bulk, shear } = moduli;
-        let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity };
+        let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity, by_area };
         let heats = self.adiabatic() || self.conducts(section);
         self.solid_rows(section, (elements.len(), connectivity.element_type()), &constants, (material, heats));
         let (spared, kept) = self.damage_limits(section, material);
         let subzonal = self.subzonal(section, material, elements.len())?;
         let solid = SolidProperties { constants, density, heats, spared, kept };
-        let mut options = GroupOptions { subzonal, ..GroupOptions::new(constants, density) };
-        options.by_area = section.controls.by_area;
-        let law = if options.by_area {
+        let law = if by_area {
             self.check_by_area(section, material, connectivity)?;
             self.von_mises(material, section.span, None, &solid)?
         } else {
             self.solid_law(material, section.span, &solid)?
         };
-        Some(create_group(law, options, connectivity, nodes))
+        Some(create_group(law, GroupOptions { constants, density, subzonal }, connectivity, nodes))
     }
 
     /// Selects the law of a material.

@@ -62,7 +62,8 @@ impl Compiler<'_> {
         // The moduli of a user material are computed from its first call.
         let user_stress = matches!(law, UserLaw::Stress(..));
         let [bulk, shear] = if user_stress { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
-        let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity: 0.0 };
+        let constants =
+            ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity: 0.0, by_area: false };
         let heating =
             if self.adiabatic() || self.conducts(section) { heating(material, density) } else { PlasticHeating::None };
         self.user_rows(section, material, &law, (elements.len(), "CAX4R", &constants), &heating);
@@ -134,6 +135,7 @@ impl Compiler<'_> {
                     hourglass,
                     bulk_viscosity,
                     shear_viscosity: 0.0,
+                    by_area: false,
                 };
                 let stress = UserLaw::Stress(constants, "in Rust");
                 self.user_rows(section, material, &stress, (count, kind, &group), &PlasticHeating::None);

@@ -175,6 +175,7 @@ mod tests {
                 hourglass: HourglassControl { stiffness: 0.005, viscosity: 0.0, relaxes: true, enhanced: 0.0 },
                 bulk_viscosity,
                 shear_viscosity: 0.0,
+                by_area: false,
             };
             let count = self.nodes.len();
             let mut mass = vec![0.0; count];

@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use super::triangles::{TriangleIncrement, TriangleLanes, WorkArrays, places};
+use super::triangles::{TriangleIncrement, TriangleLanes, WorkArrays, operators_at, places};
 use crate::element::block::{ElementBlock, TaskWorkspace};
 use crate::element::constants::ElementConstants;
 use crate::element::group::block_of_points;
@@ -34,8 +34,7 @@ impl<S: Clone> TriangleBlock<S> {
         // Lanes after the last element repeat it; their results are not used.
         let element = |l: usize| elements[l.min(elements.len() - 1)];
         let at = |l: usize| places(element(l), nodes);
-        let operators: [TriangleOperators; LANES] =
-            inline_from_fn(|l| TriangleOperators::of(at(l).inline_map(|p| p[0]), at(l).inline_map(|p| p[1])));
+        let operators: [TriangleOperators; LANES] = inline_from_fn(|l| operators_at(at(l)));
         let area: Lanes = inline_from_fn(|l| section(&at(l)));
         let point = |p: usize| {
             let volume = operators.inline_map(|g| 2.0 * PI * g.volume[p]);

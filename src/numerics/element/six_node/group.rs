@@ -6,7 +6,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::block::TriangleBlock;
-use super::triangles::{FORCE_BLOCKS, TriangleIncrement, WorkArrays, places};
+use super::triangles::{FORCE_BLOCKS, TriangleIncrement, WorkArrays, operators_at, places};
 use crate::element::block::TaskWorkspace;
 use crate::element::constants::{ElementConstants, damped};
 use crate::element::group::{
@@ -16,7 +16,7 @@ use crate::element::group::{
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::BlockRecord;
 use crate::kernel::bulk_viscosity::BulkViscosity;
-use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, dispatch_outlined};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators, frequency_squared, stiffness};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::material::{Material, PlasticFlow, PointValue};
@@ -111,8 +111,7 @@ impl<M: Material> SixNodeTriangles<M> {
     /// Returns the operators of an element at the current positions.
     fn operators(&self, element: usize, nodes: &[Node]) -> TriangleOperators {
         let (block, lane) = self.block(element);
-        let places = places(block.triangles.element(lane), nodes);
-        TriangleOperators::of(places.inline_map(|p| p[0]), places.inline_map(|p| p[1]))
+        operators_at(places(block.triangles.element(lane), nodes))
     }
 
     /// Sets a value of all points of an element. Returns whether its material uses it.
@@ -140,6 +139,12 @@ impl<M: Material> Clone for SixNodeTriangles<M> {
             cap: self.cap,
         }
     }
+}
+
+/// Returns one over the stable time increment of an element with these moduli, inverse masses and linear bulk viscosity.
+#[inline(never)]
+fn elastic_rate(operators: &TriangleOperators, moduli: [f64; 2], inverse: &[f64; NODES], linear: f64) -> f64 {
+    0.5 * frequency_squared(operators, moduli, inverse).sqrt() * damped(linear)
 }
 
 /// Update of the blocks of one task.
@@ -208,7 +213,8 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
             if task.quiescence.quiescent && task.quiescence.is_still(nodes) {
                 return;
             }
-            arch.dispatch(TaskPass { material, constants, increment, cap, index, blocks, corners, task });
+            let pass = TaskPass { material, constants, increment, cap, index, blocks, corners, task };
+            dispatch_outlined(arch, pass);
             let idle = |list: &[f64]| list.iter().all(|x| *x == 0.0);
             task.quiescence.quiescent = dt == 0.0
                 && !M::MODULI_VARY
@@ -268,8 +274,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
         };
         let ElementConstants { bulk, shear, bulk_viscosity: BulkViscosity { linear, .. }, .. } = self.constants;
         let (moduli, operators) = ([bulk + self.material.initial_bulk(), shear], self.operators(element, nodes));
-        let initial =
-            |inverse: &[f64; NODES]| 0.5 * frequency_squared(&operators, moduli, inverse).sqrt() * damped(linear);
+        let initial = |inverse: &[f64; NODES]| elastic_rate(&operators, moduli, inverse, linear);
         // The last update found the current stiffness of rubber.
         let current = 0.5 * block.triangles.rate[lane];
         if Self::HOLDS_PRESSURE && current > 0.0 {
@@ -447,10 +452,7 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
             let (bulk, material) = (self.constants.bulk, Arc::clone(&self.material));
             let (block, lane) = self.block_mut(e);
             let own = block.triangles.element(lane).inline_map(|n| nodes[n as usize]);
-            let g = TriangleOperators::of(
-                own.inline_map(|n| n.r - 0.5 * dt * n.v_r),
-                own.inline_map(|n| n.z - 0.5 * dt * n.v_z),
-            );
+            let g = operators_at(own.inline_map(|n| [n.r - 0.5 * dt * n.v_r, n.z - 0.5 * dt * n.v_z]));
             let (v_r, v_z) = (own.inline_map(|n| n.v_r), own.inline_map(|n| n.v_z));
             let mut done = [0.0; POINTS];
             for (p, point) in block.points.iter_mut().enumerate() {

@@ -92,6 +92,12 @@ pub fn places(element: [u32; NODES], nodes: &[Node]) -> [[f64; 2]; NODES] {
     element.inline_map(|n| nodes[n as usize].place())
 }
 
+/// Returns the operators of an element with nodes at these places. Compiled once for all materials.
+#[inline(never)]
+pub fn operators_at(places: [[f64; 2]; NODES]) -> TriangleOperators {
+    TriangleOperators::of(places.inline_map(|p| p[0]), places.inline_map(|p| p[1]))
+}
+
 impl TriangleLanes {
     /// Creates a block from the nodes of its elements in the initial configuration.
     pub fn new(elements: [[u32; NODES]; LANES], density: f64, nodes: &[Node]) -> Self {
@@ -100,9 +106,7 @@ impl TriangleLanes {
         TriangleLanes {
             nodes: inline_from_fn(|n| elements.inline_map(|element| element[n])),
             inverse_mass: inline_from_fn(|n| masses.inline_map(|masses| 1.0 / masses[n])),
-            volume: at.inline_map(|at| {
-                2.0 * PI * TriangleOperators::of(at.inline_map(|p| p[0]), at.inline_map(|p| p[1])).total()
-            }),
+            volume: at.inline_map(|at| 2.0 * PI * operators_at(at).total()),
             deleted: [false; LANES],
             rate: [0.0; LANES],
         }
