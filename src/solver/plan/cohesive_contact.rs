@@ -126,36 +126,85 @@ impl<'a> Compiler<'a> {
     }
 
     /// Creates the ledger rows of cohesive pairs, with the number of points that are bonded at the start, and warns of pairs
-    /// without any and of damage that cannot begin.
+    /// without any and of damage that cannot begin. The pairs of general contact with one interaction share a row.
     pub(super) fn report_cohesion(&mut self, list: &CohesionList<'_>, contact: &ContactConstraint, step: usize) {
+        let mut groups: Vec<CohesiveGroup<'_>> = Vec::new();
         for (cohesive, (origin, cohesion)) in list.pairs.iter().zip(&list.origins) {
             let Some([bonded, all]) = contact.bonded_points(cohesive.pair) else { continue };
-            let [a, b] = [0, 1].map(|i| &origin.sides[i].name);
-            let mut parts = vec![match cohesion.stiffness {
-                Some([normal, shear]) => format!("{a} and {b}, stiffness {normal:e} and {shear:e}"),
-                None => format!("{a} and {b}, penalty stiffness of the elements"),
-            }];
-            if step == 0 {
-                parts.push(format!("{bonded} of {all} points bonded at the start"));
+            let is_of = |group: &&mut CohesiveGroup<'_>| {
+                (group.origin.span, group.cohesion.span) == (origin.span, cohesion.span)
+            };
+            match groups.iter_mut().find(is_of) {
+                Some(group) => group.add(origin, [bonded, all]),
+                None => groups.push(CohesiveGroup::new(origin, cohesion, [bonded, all])),
             }
+        }
+        for group in &groups {
+            let CohesiveGroup { origin, cohesion, names, points: [bonded, all] } = group;
+            let mut parts = vec![names.join(", "), stiffness_text(cohesion)];
+            parts.extend((step == 0).then(|| format!("{bonded} of {all} points bonded at the start")));
             parts.extend((!cohesion.original_only).then(|| "bonds on later contact".into()));
             parts.extend(cohesion.repeated.then(|| "bonds again after failure".into()));
             parts.extend(cohesion.initiation.as_ref().map(|i| format!("damage by {}", criterion(i))));
             parts.extend(cohesion.evolution.as_ref().map(|e| softening(&e.softening)));
-            self.ledger_row(origin.span, "cohesive contact", all, "points", parts.join(", "));
-            if let (Some(initiation), None) = (cohesion.initiation, &cohesion.evolution) {
-                let message = format!("the cohesive surfaces {a} and {b} are never damaged");
-                let finding = Diagnostic::warning("P147", message).at(initiation.span, "no *DAMAGE EVOLUTION after it");
-                self.diagnostics.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
-            }
-            if step == 0 && bonded == 0 && cohesion.original_only {
-                let message = format!("no point of {a} and {b} is bonded: the surfaces are apart at the start");
-                let finding = Diagnostic::warning("P148", message).at(origin.span, "this pair");
-                let help = "close the gap with ADJUST on *CONTACT PAIR or *CONTACT CLEARANCE, or give \
-                            ELIGIBILITY=CURRENT CONTACTS on *COHESIVE BEHAVIOR";
-                self.diagnostics.push(finding.at(cohesion.span, "ELIGIBILITY=ORIGINAL CONTACTS").help(help));
-            }
+            self.ledger_row(origin.span, "cohesive contact", *all, "points", parts.join(", "));
+            self.warn_of_cohesion(group, step);
         }
+    }
+
+    fn warn_of_cohesion(&mut self, group: &CohesiveGroup<'_>, step: usize) {
+        let CohesiveGroup { origin, cohesion, names, points: [bonded, _] } = group;
+        let pairs = names.join(", ");
+        if let (Some(initiation), None) = (cohesion.initiation, &cohesion.evolution) {
+            let message = format!("the cohesive surfaces of {pairs} are never damaged");
+            let finding = Diagnostic::warning("P147", message).at(initiation.span, "no *DAMAGE EVOLUTION after it");
+            self.diagnostics.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
+        }
+        if step == 0 && *bonded == 0 && cohesion.original_only {
+            let message = format!("no point of {pairs} is bonded: the surfaces are apart at the start");
+            let finding = Diagnostic::warning("P148", message).at(origin.span, "this contact");
+            let help = "close the gap with ADJUST on *CONTACT PAIR or *CONTACT CLEARANCE, or give \
+                        ELIGIBILITY=CURRENT CONTACTS on *COHESIVE BEHAVIOR";
+            self.diagnostics.push(finding.at(cohesion.span, "ELIGIBILITY=ORIGINAL CONTACTS").help(help));
+        }
+    }
+}
+
+/// Cohesive pairs of one card with one interaction.
+struct CohesiveGroup<'a> {
+    origin: &'a SurfaceContact,
+    cohesion: &'a CohesiveBehavior,
+    /// Names of the pairs with bonded points; of the first pair if none has any.
+    names: Vec<String>,
+    /// Numbers of bonded points and of all points.
+    points: [usize; 2],
+}
+
+impl<'a> CohesiveGroup<'a> {
+    fn new(origin: &'a SurfaceContact, cohesion: &'a CohesiveBehavior, points: [usize; 2]) -> CohesiveGroup<'a> {
+        CohesiveGroup { origin, cohesion, names: vec![pair_text(origin)], points }
+    }
+
+    fn add(&mut self, origin: &SurfaceContact, [bonded, all]: [usize; 2]) {
+        if bonded > 0 {
+            if self.points[0] == 0 {
+                self.names.clear();
+            }
+            self.names.push(pair_text(origin));
+        }
+        self.points = [self.points[0] + bonded, self.points[1] + all];
+    }
+}
+
+fn pair_text(contact: &SurfaceContact) -> String {
+    let [a, b] = [0, 1].map(|i| &contact.sides[i].name);
+    if contact.is_self_contact() { format!("{a} with itself") } else { format!("{a} and {b}") }
+}
+
+fn stiffness_text(cohesion: &CohesiveBehavior) -> String {
+    match cohesion.stiffness {
+        Some([normal, shear]) => format!("stiffness {normal:e} and {shear:e}"),
+        None => "penalty stiffness of the elements".into(),
     }
 }
 
