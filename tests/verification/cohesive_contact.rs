@@ -87,7 +87,8 @@ fn rings_that_are_pulled_apart_dissipate_the_fracture_energy() {
                 let tolerance = if softening == "LINEAR" { 1e-6 } else { 1e-2 };
                 assert_close("energy", last(&text, &memory, "ALLDMD"), 0.3 * RING, tolerance);
                 let work = last(&text, &memory, "ALLWK");
-                assert!(last(&text, &memory, "ETOTAL").abs() < 1e-5 * work, "{}", last(&text, &memory, "ETOTAL"));
+                // The velocity is prescribed suddenly: the first increment has an error.
+                assert!(last(&text, &memory, "ETOTAL").abs() < 1e-4 * work, "{}", last(&text, &memory, "ETOTAL"));
                 let rows = column(&text, &memory, "ALLSE");
                 assert!(rows.iter().all(|row| row.1 > -1e-4 * work));
             }
@@ -302,11 +303,11 @@ fn rigid_body_debonds() {
         let most = 0.5 * RING * 1.5 * 1.5;
         assert!(last(&text, &memory, "ALLSE") + last(&text, &memory, "ALLKE") < most - 0.29 * RING);
         let totals = column(&text, &memory, "ETOTAL");
-        assert!(totals.iter().all(|row| (row.1 - totals[0].1).abs() < 1e-6 * most), "{:?}", totals.last());
-        // The work on the body is the change of its kinetic energy: mass times acceleration is the force of the bonds.
+        assert!(totals.iter().all(|row| (row.1 - totals[0].1).abs() < 1e-4 * most), "{:?}", totals.last());
+        // Mass times acceleration of the body is the force of the bonds, which is a mean over the output interval.
         let [a, f] = ["A2@REF", "CFN2@ABOVE_BELOW"].map(|name| column(&text, &memory, name));
-        let pulled = a.iter().zip(&f).find(|(a, _)| a.0 > 0.005).expect("a row");
-        assert_close("acceleration", pulled.0.1 * RING, -pulled.1.1, 0.2);
+        let (a, f) = a.iter().zip(&f).find(|(a, _)| a.0 > 0.02).expect("a row");
+        assert_close("acceleration", a.1 * RING, -f.1, 2e-2);
     }
 }
 

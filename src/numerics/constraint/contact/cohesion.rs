@@ -1,5 +1,5 @@
-//! Cohesive behaviour of contact surfaces: points of the own curve of a pair that are bonded to the other surface by a
-//! traction-separation law.
+//! Bonds of contact surfaces: points of the own curve of a pair that are bonded to the other surface by a
+//! traction-separation law. [`super::bonding`] applies them.
 //!
 //! A bonded point is connected to its foot: the material point of the other surface that was closest to it when it was
 //! bonded. The separations are the components of the vector from the foot to the point along the normal and the tangent of
@@ -8,19 +8,12 @@
 //! of contact, so that contact also prevents overlaps of bonded surfaces; compression is left to contact. Unlike contact,
 //! bonds limit the time increment.
 
-use super::curve::{FacetCurve, FacetShape};
-use super::sweeps::NONE;
-use super::{ContactConstraint, ContactPair, MergedContactDof};
+use super::curve::FacetShape;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::traction_separation::{InterfaceHistory, TractionSeparationLaw};
 use crate::state::archive::{Persist, StateArchive, persist_struct};
-use crate::state::dofs::{Dof, Dofs};
 use crate::variables::Variable;
-
-/// Largest gap of a point that is bonded when its pair comes into force, as a fraction of the facet length of the pair.
-/// Meshes of matching curved surfaces have such gaps.
-const TOUCHING: f64 = 0.05;
 
 /// Cohesive behaviour of a contact pair.
 #[derive(Clone, Debug)]
@@ -31,7 +24,7 @@ pub struct CohesivePair {
     pub law: usize,
     /// Whether each point has a law.
     pub has_law_of_points: bool,
-    /// Contact law of points without damage, which have no friction: an index as [`ContactPair::law`].
+    /// Contact law of points without damage, which have no friction: an index as [`super::ContactPair::law`].
     pub intact_law: usize,
     /// Whether points are bonded that come into contact later.
     pub bonds_later: bool,
@@ -40,9 +33,9 @@ pub struct CohesivePair {
     /// Output variable of the initiation criterion; `None` without damage initiation.
     pub criterion: Option<Variable>,
     /// Index of the first point of the own curve among the points of all pairs.
-    first: usize,
+    pub(super) first: usize,
     /// Whether the points that are in contact at the start of the pair are not known yet.
-    is_new: bool,
+    pub(super) is_new: bool,
 }
 
 impl CohesivePair {
@@ -62,14 +55,15 @@ impl CohesivePair {
         }
     }
 
-    fn law_of(&self, index: usize) -> usize {
+    /// Returns the index of the law of an own point.
+    pub(super) fn law_of(&self, index: usize) -> usize {
         if self.has_law_of_points { self.law + index } else { self.law }
     }
 }
 
 /// Whether a point is bonded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum BondStatus {
+pub(super) enum BondStatus {
     /// It has not been bonded yet.
     #[default]
     Free,
@@ -82,34 +76,34 @@ enum BondStatus {
 
 /// State of a point of a cohesive pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct BondedPoint {
-    status: BondStatus,
+pub(super) struct BondedPoint {
+    pub(super) status: BondStatus,
     /// Facet of the foot, and its coordinate on the facet from 0 to 1.
-    facet: u32,
-    part: f64,
+    pub(super) facet: u32,
+    pub(super) part: f64,
     /// Area of the hat function.
-    area: f64,
+    pub(super) area: f64,
     /// Components along normal and tangent of the vector from the foot when the point was bonded.
-    reference: [f64; 2],
-    history: InterfaceHistory,
+    pub(super) reference: [f64; 2],
+    pub(super) history: InterfaceHistory,
     /// Normal and shear separation.
-    separation: [f64; 2],
-    traction: [f64; 2],
+    pub(super) separation: [f64; 2],
+    pub(super) traction: [f64; 2],
 }
 
 /// The vector from a foot to its point, in the frame of the foot's facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct FootVector {
+pub(super) struct FootVector {
     normal: [f64; 2],
     tangent: [f64; 2],
     /// Length of the facet.
     length: f64,
     /// Components along normal and tangent.
-    components: [f64; 2],
+    pub(super) components: [f64; 2],
 }
 
 impl FootVector {
-    fn new(shape: &FacetShape, part: f64, place: [f64; 2]) -> FootVector {
+    pub(super) fn new(shape: &FacetShape, part: f64, place: [f64; 2]) -> FootVector {
         let FacetShape { from, along, normal, length } = *shape;
         let tangent = along.inline_map(|x| x / length);
         let d = [0, 1].inline_map(|i: usize| place[i] - from[i] - part * along[i]);
@@ -120,7 +114,7 @@ impl FootVector {
     /// Returns the forces on the point and on both ends of the facet, for normal and shear tractions times area. They are
     /// minus the gradient of the energy: as the frame turns with the facet, a couple on its ends balances the moment of
     /// tractions between distant surfaces.
-    fn forces(&self, part: f64, [normal, shear]: [f64; 2]) -> [[f64; 2]; 3] {
+    pub(super) fn forces(&self, part: f64, [normal, shear]: [f64; 2]) -> [[f64; 2]; 3] {
         let FootVector { normal: n, tangent: t, length, components: [apart, aside] } = *self;
         let couple = (shear * apart - normal * aside) / length;
         let force = [0, 1].inline_map(|i: usize| normal * n[i] + shear * t[i]);
@@ -135,159 +129,30 @@ impl FootVector {
 /// Bonds of all pairs of a contact constraint.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CohesiveSurfaces {
-    laws: Vec<TractionSeparationLaw>,
-    pairs: Vec<CohesivePair>,
-    points: Vec<BondedPoint>,
+    pub(super) laws: Vec<TractionSeparationLaw>,
+    pub(super) pairs: Vec<CohesivePair>,
+    pub(super) points: Vec<BondedPoint>,
     /// Impulses of the bonds on degrees of freedom in the previous increment.
-    impulses: Vec<f64>,
+    pub(super) impulses: Vec<f64>,
     /// Work array: stiffness of the bonds at degrees of freedom.
-    sums: Vec<f64>,
+    pub(super) sums: Vec<f64>,
     /// Bound of the square of the highest frequency of the bonds.
-    squared_frequency: f64,
+    pub(super) squared_frequency: f64,
 }
 
 impl CohesiveSurfaces {
-    fn memory(&self) -> MemoryUse {
+    pub(super) fn memory(&self) -> MemoryUse {
         MemoryUse::of(&self.laws)
             + MemoryUse::of(&self.pairs)
             + MemoryUse::of(&self.points)
             + MemoryUse::of(&self.impulses)
             + MemoryUse::of(&self.sums)
     }
-
-    /// Returns the indices of the cohesive pair and of the point that a key of the contact belongs to.
-    fn place_of(&self, contact: &ContactConstraint, key: u32) -> Option<(usize, usize)> {
-        self.pairs.iter().enumerate().find_map(|(at, cohesive)| {
-            let pair = &contact.pairs[cohesive.pair];
-            let index = key.checked_sub(pair.first_key)? as usize;
-            (index < contact.curves[pair.own].own.len()).then_some((at, cohesive.first + index))
-        })
-    }
-
-    /// Bonds the points of new pairs that are in contact according to the current rows.
-    fn bond_new_pairs(&mut self, contact: &ContactConstraint) {
-        for at in 0..self.pairs.len() {
-            if self.pairs[at].is_new {
-                let count = contact.curves[contact.pairs[self.pairs[at].pair].own].own.len();
-                let first = self.pairs[at].first;
-                self.points[first..first + count].fill(BondedPoint::default());
-            }
-        }
-        for row in &contact.rows.rows {
-            let Some((at, point)) = self.place_of(contact, row.key).filter(|found| self.pairs[found.0].is_new) else {
-                continue;
-            };
-            let pair = &contact.pairs[self.pairs[at].pair];
-            if row.gap <= TOUCHING * pair.search.length * row.area {
-                self.points[point] = contact.bond(pair, point - self.pairs[at].first, row.area).unwrap_or_default();
-            }
-        }
-    }
-
-    /// Bonds points that have come into contact in the previous increment.
-    fn bond_pressed_points(&mut self, contact: &ContactConstraint) {
-        if !self.pairs.iter().any(|cohesive| cohesive.bonds_later || cohesive.bonds_again) {
-            return;
-        }
-        for row in &contact.rows.rows {
-            let Some((at, point)) = self.place_of(contact, row.key) else { continue };
-            let cohesive = &self.pairs[at];
-            let bonds = match self.points[point].status {
-                BondStatus::Free => cohesive.bonds_later,
-                BondStatus::Separated => cohesive.bonds_again,
-                BondStatus::Bonded | BondStatus::Failed => false,
-            };
-            if bonds && contact.pressures[row.key as usize][0] > 0.0 {
-                let bonded = contact.bond(&contact.pairs[cohesive.pair], point - cohesive.first, row.area);
-                self.points[point] = bonded.unwrap_or(self.points[point]);
-            }
-        }
-    }
-
-    /// Updates separations and tractions at the start of an increment, and the impulses over the time `half`. Returns the
-    /// energy that damage and the deletion of elements dissipate.
-    fn update(&mut self, contact: &ContactConstraint, half: f64) -> f64 {
-        let CohesiveSurfaces { laws, pairs, points, impulses, .. } = self;
-        impulses.fill(0.0);
-        let mut dissipated = 0.0;
-        for cohesive in pairs.iter() {
-            let pair = &contact.pairs[cohesive.pair];
-            let (own, other) = contact.sides(pair);
-            for (index, &place) in own.own.iter().enumerate() {
-                let point = &mut points[cohesive.first + index];
-                if point.status == BondStatus::Failed && contact.pressures[pair.first_key as usize + index][0] == 0.0 {
-                    point.status = BondStatus::Separated;
-                }
-                if point.status != BondStatus::Bonded {
-                    continue;
-                }
-                let law = &laws[cohesive.law_of(index)];
-                if !has_surfaces(own, index, other, point.facet) {
-                    dissipated += point.area * law.stored(point.history.damage, opened(point.separation));
-                    (point.status, point.traction, point.history.damage) = (BondStatus::Failed, [0.0; 2], 1.0);
-                    continue;
-                }
-                let shape = &other.shapes[point.facet as usize];
-                let foot = FootVector::new(shape, point.part, contact.places[place as usize]);
-                dissipated += point.separate(law, &foot);
-                let between = point.traction.inline_map(|traction| point.area * traction * half);
-                let [a, b] = other.facets[point.facet as usize];
-                for (at, impulse) in [place, a, b].into_iter().zip(foot.forces(point.part, between)) {
-                    contact.add_impulse(impulses, at, impulse);
-                }
-            }
-        }
-        dissipated
-    }
-
-    /// Computes the bound of the frequency from the stiffness of the bonds and the masses that they join, by the theorem of
-    /// Gershgorin as [`crate::element::cohesive::bounds`].
-    fn bound_frequency(&mut self, contact: &ContactConstraint) {
-        let mut sums = std::mem::take(&mut self.sums);
-        sums.fill(0.0);
-        self.for_each_bond(contact, |stiffness, ends| {
-            for (dof, weight) in ends {
-                if dof != NONE {
-                    sums[dof as usize] += weight.abs() * stiffness;
-                }
-            }
-        });
-        let mut squared: f64 = 0.0;
-        self.for_each_bond(contact, |_, ends| {
-            let row = |(dof, weight): (u32, f64)| match sums.get(dof as usize) {
-                Some(sum) => weight.abs() * sum * contact.motion.inverse_mass[dof as usize],
-                None => 0.0,
-            };
-            squared = squared.max(ends.inline_map(row).iter().sum());
-        });
-        (self.sums, self.squared_frequency) = (sums, squared);
-    }
-
-    /// Passes to `visit` the stiffness of each bond along r and z, and the degrees of freedom of the point and both ends of
-    /// the facet with their weights.
-    fn for_each_bond(&self, contact: &ContactConstraint, mut visit: impl FnMut(f64, [(u32, f64); 3])) {
-        for cohesive in &self.pairs {
-            let (own, other) = contact.sides(&contact.pairs[cohesive.pair]);
-            for (index, &place) in own.own.iter().enumerate() {
-                let point = &self.points[cohesive.first + index];
-                if point.status != BondStatus::Bonded {
-                    continue;
-                }
-                let [normal, shear] = self.laws[cohesive.law_of(index)].stiffness;
-                let [a, b] = other.facets[point.facet as usize];
-                for axis in 0..2 {
-                    let dof = |at: u32| contact.dofs_of[at as usize][axis];
-                    let ends = [(dof(place), 1.0), (dof(a), 1.0 - point.part), (dof(b), point.part)];
-                    visit(point.area * normal.max(shear), ends);
-                }
-            }
-        }
-    }
 }
 
 impl BondedPoint {
     /// Updates separations and tractions; returns the dissipated energy.
-    fn separate(&mut self, law: &TractionSeparationLaw, foot: &FootVector) -> f64 {
+    pub(super) fn separate(&mut self, law: &TractionSeparationLaw, foot: &FootVector) -> f64 {
         self.separation = [0, 1].inline_map(|i: usize| foot.components[i] - self.reference[i]);
         let response = law.update(&mut self.history, opened(self.separation));
         self.traction = response.traction;
@@ -299,262 +164,8 @@ impl BondedPoint {
 }
 
 /// Returns the separations without compression, which contact resists.
-fn opened([normal, shear]: [f64; 2]) -> [f64; 2] {
+pub(super) fn opened([normal, shear]: [f64; 2]) -> [f64; 2] {
     [normal.max(0.0), shear]
-}
-
-/// Returns whether neither the surface around a point nor the facet of its foot has lost its element.
-fn has_surfaces(own: &FacetCurve, index: usize, other: &FacetCurve, facet: u32) -> bool {
-    other.is_exposed[facet as usize] && own.around_own(index).iter().any(|f| own.is_exposed[f.0 as usize])
-}
-
-impl ContactConstraint {
-    /// Returns the contact with cohesive behaviour of these pairs.
-    pub fn with_cohesion(
-        mut self,
-        laws: Vec<TractionSeparationLaw>,
-        mut pairs: Vec<CohesivePair>,
-    ) -> ContactConstraint {
-        let mut count = 0;
-        for cohesive in &mut pairs {
-            cohesive.first = count;
-            count += self.curves[self.pairs[cohesive.pair].own].own.len();
-        }
-        self.cohesion = Some(Box::new(CohesiveSurfaces {
-            laws,
-            pairs,
-            points: vec![BondedPoint::default(); count],
-            impulses: vec![0.0; self.dofs.len()],
-            sums: vec![0.0; self.dofs.len()],
-            squared_frequency: 0.0,
-        }));
-        self
-    }
-
-    /// Returns the number of bonded points of a pair, and of all points of its own curve; `None` if it has no cohesive
-    /// behaviour.
-    pub fn bonded_points(&self, pair: usize) -> Option<[usize; 2]> {
-        let cohesion = self.cohesion.as_ref()?;
-        let cohesive = cohesion.pairs.iter().find(|cohesive| cohesive.pair == pair)?;
-        let count = self.curves[self.pairs[pair].own].own.len();
-        let points = &cohesion.points[cohesive.first..cohesive.first + count];
-        Some([points.iter().filter(|point| point.status == BondStatus::Bonded).count(), count])
-    }
-
-    fn sides(&self, pair: &ContactPair) -> (&FacetCurve, &FacetCurve) {
-        let own = &self.curves[pair.own];
-        (own, pair.other.map_or(own, |other| &self.curves[other]))
-    }
-
-    fn add_impulse(&self, impulses: &mut [f64], point: u32, impulse: [f64; 2]) {
-        for (dof, part) in self.dofs_of[point as usize].into_iter().zip(impulse) {
-            if dof != NONE {
-                impulses[dof as usize] += part;
-            }
-        }
-    }
-
-    /// Returns a point of the own curve of a pair as bonded to the closest opposite facet; `None` if there is none.
-    fn bond(&self, pair: &ContactPair, index: usize, area: f64) -> Option<BondedPoint> {
-        let (own, other) = self.sides(pair);
-        let point = own.own[index];
-        let place = self.places[point as usize];
-        let mut best: Option<(f64, u32, f64)> = None;
-        for &(k, _) in own.around_own(index).iter().filter(|f| own.is_exposed[f.0 as usize]) {
-            let shares = self.gaps.shares_of(&pair.facet_gaps[k as usize]);
-            for (facet, _) in shares.iter().flat_map(|share| other.around(share.point)) {
-                let (normal, shape) = (own.shapes[k as usize].normal, &other.shapes[facet as usize]);
-                let faces = normal[0] * shape.normal[0] + normal[1] * shape.normal[1] < 0.0;
-                if !other.is_exposed[facet as usize] || !faces || other.facets[facet as usize].contains(&point) {
-                    continue;
-                }
-                let d = [place[0] - shape.from[0], place[1] - shape.from[1]];
-                let along = d[0] * shape.along[0] + d[1] * shape.along[1];
-                let part = (along / (shape.length * shape.length)).clamp(0.0, 1.0);
-                let apart = [0, 1].inline_map(|i: usize| d[i] - part * shape.along[i]);
-                let square = apart[0] * apart[0] + apart[1] * apart[1];
-                if best.is_none_or(|(least, known, _)| square < least || square == least && facet < known) {
-                    best = Some((square, facet, part));
-                }
-            }
-        }
-        let (_, facet, part) = best?;
-        let reference = FootVector::new(&other.shapes[facet as usize], part, place).components;
-        Some(BondedPoint { status: BondStatus::Bonded, facet, part, area, reference, ..BondedPoint::default() })
-    }
-
-    /// Bonds the points of new pairs that are in contact according to the current rows.
-    pub(super) fn bond_new_pairs(&mut self) {
-        if let Some(mut cohesion) = self.cohesion.take() {
-            cohesion.bond_new_pairs(self);
-            self.cohesion = Some(cohesion);
-        }
-    }
-
-    /// Bonds the points of pairs that come into force at the current coordinates, and bounds the frequency.
-    pub(super) fn begin_cohesion(&mut self, dofs: &Dofs) {
-        let Some(cohesion) = &self.cohesion else { return };
-        let any_new = cohesion.pairs.iter().any(|cohesive| cohesive.is_new);
-        if self.uncovered {
-            self.list_points();
-        }
-        self.read_motion(dofs, 0.0);
-        if any_new {
-            self.measure_current(dofs);
-            self.bond_new_pairs();
-        }
-        if let Some(mut cohesion) = self.cohesion.take() {
-            cohesion.pairs.iter_mut().for_each(|cohesive| cohesive.is_new = false);
-            cohesion.bound_frequency(self);
-            self.cohesion = Some(cohesion);
-        }
-    }
-
-    /// Measures the gaps between the increments.
-    fn measure_current(&mut self, dofs: &Dofs) {
-        for at in 0..self.points.len() {
-            if let super::curve::PointCarrier::Body(body, [r, z]) = self.points[at].carrier {
-                self.places[at] = [r, z + dofs.bodies[body].displacement];
-            }
-        }
-        if self.uncovered {
-            self.curves.iter_mut().for_each(|curve| curve.find_neighbors(&self.places));
-        }
-        self.curves.iter_mut().for_each(|curve| curve.shape(&self.places));
-        self.update_candidates();
-        self.measure(0.0);
-        self.show_openings();
-    }
-
-    /// Updates the bonds at the start of an increment of length `dt` and applies their impulses to the motion over it.
-    /// Friction does not act on points whose bond has no damage.
-    pub(super) fn act_cohesion(&mut self, dofs: &mut Dofs, dt: f64) {
-        let Some(mut cohesion) = self.cohesion.take() else { return };
-        cohesion.bond_pressed_points(self);
-        let dissipated = cohesion.update(self, self.half);
-        dofs.energies.plastic += dissipated;
-        dofs.energies.damaged += dissipated;
-        cohesion.bound_frequency(self);
-        for at in 0..self.rows.rows.len() {
-            let Some((pair, point)) = cohesion.place_of(self, self.rows.rows[at].key) else { continue };
-            let (cohesive, bonded) = (&cohesion.pairs[pair], &cohesion.points[point]);
-            if bonded.status == BondStatus::Bonded && bonded.history.damage == 0.0 {
-                let index = if self.pairs[cohesive.pair].springs { point - cohesive.first } else { 0 };
-                self.rows.rows[at].law = (cohesive.intact_law + index) as u32;
-            }
-        }
-        for i in 0..self.dofs.len() {
-            let change = self.motion.inverse_mass[i] * cohesion.impulses[i];
-            if change != 0.0 {
-                self.motion.velocity[i] += change;
-                self.change_velocity(i, change, dofs, dt);
-            }
-        }
-        self.cohesion = Some(cohesion);
-    }
-
-    /// Changes the velocity of a degree of freedom over an increment of length `dt`, and of all nodes with the same motion.
-    fn change_velocity(&self, index: usize, change: f64, dofs: &mut Dofs, dt: f64) {
-        let mut change_node = |node: usize, axis: usize| {
-            *dofs.nodes[node].velocity(axis) += change;
-            *dofs.nodes[node].coordinate(axis) += dt * change;
-            dofs.nodes.acceleration[node][axis] += change / self.half;
-        };
-        match self.dofs[index].0 {
-            Dof::Node(node, axis) => change_node(node, axis),
-            Dof::Body(body) => {
-                dofs.bodies[body].velocity_half += change;
-                dofs.bodies[body].displacement += dt * change;
-            }
-        }
-        for MergedContactDof { nodes, .. } in self.merged.iter().filter(|merged| merged.dof == index) {
-            nodes.nodes[1..].iter().for_each(|&node| change_node(node, nodes.axis));
-        }
-    }
-
-    /// Adds the work of the bonds after the impulses of contact: the impulse times the mean of the velocities before and
-    /// after all impulses. The work on a prescribed motion is external work.
-    pub(super) fn add_cohesive_work(&self, dofs: &mut Dofs, dt: f64) {
-        let Some(cohesion) = &self.cohesion else { return };
-        let Dofs { bodies, nodes, energies, .. } = dofs;
-        let mut work = 0.0;
-        for (i, &(dof, prescribed)) in self.dofs.iter().enumerate().filter(|(i, _)| cohesion.impulses[*i] != 0.0) {
-            let impulse = cohesion.impulses[i];
-            let mean = match dof {
-                Dof::Node(n, axis) => {
-                    let after = *nodes[n].velocity(axis);
-                    after - 0.5 * self.half * nodes.acceleration[n][axis]
-                }
-                Dof::Body(b) => {
-                    let body = &bodies[b];
-                    let before = body.before.velocity - (self.half - 0.5 * dt) * body.acceleration;
-                    if !prescribed {
-                        // The impulses of contact have taken this work for that of another contact.
-                        let change = self.motion.inverse_mass[i] * impulse;
-                        energies.contact += 0.5 * change * (self.impulses[i][0] + self.impulses[i][1]);
-                    }
-                    0.5 * (before + body.velocity_half)
-                }
-            };
-            if prescribed {
-                energies.external -= impulse * mean;
-            }
-            work += impulse * mean;
-        }
-        energies.internal -= work;
-    }
-
-    /// Returns the sum of all impulses on a degree of freedom in the previous increment.
-    pub(super) fn whole_impulse(&self, index: usize) -> f64 {
-        let [normal, slip] = self.impulses[index];
-        normal + slip + self.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.impulses[index])
-    }
-
-    /// Returns the bound of the square of the highest frequency of the bonds.
-    pub(super) fn squared_frequency(&self) -> f64 {
-        self.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.squared_frequency)
-    }
-
-    pub(super) fn memory_of_cohesion(&self) -> MemoryUse {
-        self.cohesion.iter().map(|cohesion| cohesion.memory()).sum()
-    }
-
-    /// Returns pressure and shear stress of the bond of a key.
-    pub(super) fn bond_stresses(&self, key: usize) -> [f64; 2] {
-        let Some(cohesion) = &self.cohesion else { return [0.0; 2] };
-        let place = cohesion.place_of(self, key as u32);
-        place.map_or([0.0; 2], |(_, point)| cohesion.points[point].traction.inline_map(|traction| -traction))
-    }
-
-    /// Returns an output variable of a bond; `None` for other variables, and for a key without cohesive behaviour.
-    pub(super) fn bond_value(&self, key: usize, variable: Variable) -> Option<f64> {
-        let cohesion = self.cohesion.as_ref()?;
-        let (at, point) = cohesion.place_of(self, key as u32)?;
-        let history = &cohesion.points[point].history;
-        match variable {
-            Variable::SurfaceDamage => Some(history.damage),
-            _ => (cohesion.pairs[at].criterion == Some(variable)).then_some(history.criterion),
-        }
-    }
-
-    /// Adds the forces of bonds on the own surface of a pair: normal and shear forces, each along r and z.
-    pub(super) fn add_forces_of_bonds(&self, pair: &ContactPair, sum: &mut [f64; 4]) {
-        let Some(cohesion) = &self.cohesion else { return };
-        let is_of = |cohesive: &&CohesivePair| self.pairs[cohesive.pair].first_key == pair.first_key;
-        let Some(cohesive) = cohesion.pairs.iter().find(is_of) else { return };
-        let (own, other) = self.sides(pair);
-        for index in 0..own.own.len() {
-            let BondedPoint { status, facet, area, traction, .. } = cohesion.points[cohesive.first + index];
-            if status != BondStatus::Bonded {
-                continue;
-            }
-            let shape = &other.shapes[facet as usize];
-            for i in 0..2 {
-                sum[i] -= self.output_share * area * traction[0] * shape.normal[i];
-                sum[2 + i] -= self.output_share * area * traction[1] * shape.along[i] / shape.length;
-            }
-        }
-    }
 }
 
 impl Persist for BondStatus {
@@ -576,3 +187,47 @@ persist_struct!(CohesivePair { is_new } derived {
 });
 
 persist_struct!(CohesiveSurfaces { pairs: fixed, points: fixed, impulses: fixed, squared_frequency } derived { laws, sums });
+
+#[cfg(test)]
+mod tests {
+    use super::{FacetShape, FootVector};
+
+    /// Coordinates of the point and of both ends of the facet; place of the foot.
+    const PLACES: [[f64; 2]; 3] = [[1.4, 0.9], [2.0, 0.5], [1.0, 0.2]];
+    const PART: f64 = 0.3;
+
+    fn foot([place, a, b]: [[f64; 2]; 3]) -> FootVector {
+        FootVector::new(&FacetShape::new(a, b), PART, place)
+    }
+
+    /// Energy of springs of both modes.
+    fn energy(places: [[f64; 2]; 3]) -> f64 {
+        let [apart, aside] = foot(places).components;
+        1.5 * (apart - 0.1).powi(2) + 0.5 * (aside - 0.2).powi(2)
+    }
+
+    #[test]
+    fn forces_are_minus_the_gradient_of_the_energy() {
+        let [apart, aside] = foot(PLACES).components;
+        let forces = foot(PLACES).forces(PART, [3.0 * (apart - 0.1), aside - 0.2]);
+        for point in 0..3 {
+            for axis in 0..2 {
+                let moved = |by: f64| {
+                    let mut places = PLACES;
+                    places[point][axis] += by;
+                    energy(places)
+                };
+                let slope = (moved(1e-6) - moved(-1e-6)) / 2e-6;
+                assert!((forces[point][axis] + slope).abs() < 1e-9, "{point} {axis}");
+            }
+        }
+    }
+
+    #[test]
+    fn forces_and_moments_balance() {
+        let forces = foot(PLACES).forces(PART, [3.0, -1.7]);
+        let [r, z] = [0, 1].map(|axis| forces.iter().map(|force| force[axis]).sum::<f64>());
+        let moment: f64 = PLACES.iter().zip(forces).map(|(at, force)| at[0] * force[1] - at[1] * force[0]).sum();
+        assert!(r.abs() < 1e-14 && z.abs() < 1e-14 && moment.abs() < 1e-14, "{r} {z} {moment}");
+    }
+}

@@ -9,6 +9,7 @@
 
 pub mod analytical;
 mod area;
+mod bonding;
 pub mod cohesion;
 mod continuation;
 pub mod curve;
