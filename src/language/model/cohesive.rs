@@ -211,11 +211,14 @@ impl ModelBuilder<'_> {
 /// Returns a criterion of interfaces; `None` for the criteria of solids. `criterion` is the index of the value in the
 /// keyword table.
 pub(super) fn initiation_of(card: &Card, criterion: usize) -> Option<InterfaceInitiation> {
-    let measure = match criterion {
-        ..TRACTIONS => return None,
-        ..STRAINS => InitiationMeasure::Stress,
-        ..SEPARATIONS => InitiationMeasure::Strain,
-        _ => InitiationMeasure::Separation,
+    let measure = if criterion < TRACTIONS {
+        return None;
+    } else if criterion < STRAINS {
+        InitiationMeasure::Stress
+    } else if criterion < SEPARATIONS {
+        InitiationMeasure::Strain
+    } else {
+        InitiationMeasure::Separation
     };
     Some(InterfaceInitiation { measure, quadratic: criterion % 2 == 1, limits: card.read_lines(), span: card.span })
 }

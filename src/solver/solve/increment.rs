@@ -128,9 +128,8 @@ impl IncrementContext<'_> {
     /// Returns what limits the stable time increment: the elements, or a constraint whose springs have a higher frequency.
     fn stability_limiter(&self) -> IncrementLimiter {
         let elements = self.elements.stable_increment();
-        let is_stiffer =
-            |constraint: &&Box<dyn Constraint>| constraint.view().squared_frequency * elements * elements > 4.0;
-        let stiffer = self.constraints.iter().find(is_stiffer);
+        let stiffer =
+            self.constraints.iter().find(|constraint| constraint.view().squared_frequency * elements * elements > 4.0);
         stiffer.map_or(IncrementLimiter::Elements, |constraint| IncrementLimiter::Effect(constraint.effect()))
     }
 
