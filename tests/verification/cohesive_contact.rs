@@ -14,7 +14,7 @@ use super::cohesive::{
     ELASTIC, ENERGY, FOUNDATION, QUADS, RATIO, RING, YOUNG, assert_close, edge_separation, layer, mean, radii, rings,
 };
 use crate::common::solid::{column, last, run};
-use crate::common::{self, prepared};
+use crate::common::prepared;
 use revolve::job;
 use revolve::user::Routines;
 
@@ -481,7 +481,7 @@ fn ledger_lists_cohesive_contact() {
     assert_eq!((row.count, row.unit), (6, "points"));
     assert!(row.detail.contains("6 of 6 points bonded at the start"), "{}", row.detail);
     let plain = pulled(&(rings(3, 5) + &pair("")), "\n ");
-    let plain = common::prepared(&plain, &[], &Routines::none());
+    let plain = prepared(&plain, &[], &Routines::none());
     assert!(plain.plan.ledger.effects.iter().all(|row| row.effect != "cohesive contact"));
 }
 
