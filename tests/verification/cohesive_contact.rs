@@ -13,8 +13,8 @@ use std::fmt::Write as _;
 use super::cohesive::{
     ELASTIC, ENERGY, FOUNDATION, QUADS, RATIO, RING, YOUNG, assert_close, edge_separation, layer, mean, radii, rings,
 };
-use crate::common::solid::{column, last, run};
 use crate::common::prepared;
+use crate::common::solid::{column, last, run};
 use revolve::job;
 use revolve::user::Routines;
 
@@ -52,7 +52,7 @@ fn bonded_rings_transmit_uniform_tractions() {
         let mut separation = 0.0;
         for i in 0..=count {
             assert_close("traction", value(format!("CPRESS@{}", first + i)), -5.0, tolerance);
-            assert!(value(format!("CSHEAR@{}", first + i)).abs() < 5.0 * tolerance);
+            assert!(value(format!("CSHEAR1@{}", first + i)).abs() < 5.0 * tolerance);
             assert_eq!(last(&text, &memory, &format!("CSDMG@{}", first + i)), 0.0);
         }
         for (node, sign) in [(200, 1.0), (100, -1.0)] {
@@ -84,7 +84,12 @@ fn rings_that_are_pulled_apart_dissipate_the_fracture_energy() {
                 let text = pulled(&mesh, "\n ");
                 let (outcome, memory) = run(&text);
                 assert_eq!(outcome.halt, None);
-                let tolerance = if softening == "LINEAR" { 1e-6 } else { 1e-2 };
+                // Exponential softening ends at infinity. With unequal meshes the ratio of the modes changes a little.
+                let tolerance = match softening {
+                    "LINEAR" if n == m => 1e-6,
+                    "LINEAR" => 1e-5,
+                    _ => 1e-2,
+                };
                 assert_close("energy", last(&text, &memory, "ALLDMD"), 0.3 * RING, tolerance);
                 let work = last(&text, &memory, "ALLWK");
                 // The velocity is prescribed suddenly: the first increment has an error.
@@ -102,8 +107,11 @@ fn equal_meshes_are_cohesive_elements() {
     let law = format!("{ELASTIC}{QUADS}*Damage evolution, type=ENERGY, mixed mode behavior=BK, power=1.8\n 0.3, 0.5\n");
     let of_surfaces =
         format!("{BOND}{QUADS}*Damage evolution, type=ENERGY, mixed mode behavior=BK, power=1.8\n 0.3, 0.5\n");
-    let shear = "*Boundary, type=VELOCITY\n TOP, 1, 1, 0.03\n";
-    let deck = |mesh: &str| pulled(mesh, ", direct user control\n 1e-3").replace("*Output", &format!("{shear}*Output"));
+    // Shear begins under tension: the contact of the surfaces has no pressure.
+    let later = "*Amplitude, name=LATER\n 0., 0., 0.1, 0., 0.2, 1.\n*Step\n";
+    let shear = "*Boundary, type=VELOCITY, amplitude=LATER\n TOP, 1, 1, 0.03\n*Output";
+    let deck =
+        |mesh: &str| pulled(mesh, ", direct user control\n 1e-3").replace("*Step\n", later).replace("*Output", shear);
     let elements = deck(&(rings(3, 3) + &layer(100, 200, 3, &law)));
     let surfaces = deck(&(rings(3, 3) + &pair(&of_surfaces)));
     let [(_, one), (_, other)] = [&elements, &surfaces].map(|text| run(text));
@@ -167,10 +175,11 @@ fn sleeve_debonds_in_shear() {
     let text = sleeve(&format!("{BOND}{QUADS}{EVOLUTION}"), 0.0, 0.02, 10.0);
     let (outcome, memory) = run(&text);
     assert_eq!(outcome.halt, None);
-    assert_close("energy", last(&text, &memory, "ALLDMD"), 0.3 * JOINT, 1e-6);
+    // The sleeve bends, so that the shear mode has a small part of the normal mode.
+    assert_close("energy", last(&text, &memory, "ALLDMD"), 0.3 * JOINT, 1e-4);
     assert!(last(&text, &memory, "ETOTAL").abs() < 1e-4 * last(&text, &memory, "ALLWK"));
     // The largest shear stress is the strength 12 of the shear mode.
-    let largest = (0..=7).flat_map(|j| column(&text, &memory, &format!("CSHEAR@{}", 101 + 2 * j)));
+    let largest = (0..=7).flat_map(|j| column(&text, &memory, &format!("CSHEAR1@{}", 101 + 2 * j)));
     let largest = largest.map(|row| row.1.abs()).fold(0.0, f64::max);
     assert_close("strength", largest, 12.0, 2e-2);
     let forces = column(&text, &memory, "CFS2@INSIDE_OUTSIDE");
@@ -178,7 +187,7 @@ fn sleeve_debonds_in_shear() {
     assert_close("force", largest, 12.0 * JOINT, 3e-2);
     for j in 0..=7 {
         assert_eq!(last(&text, &memory, &format!("CSDMG@{}", 101 + 2 * j)), 1.0);
-        assert_eq!(last(&text, &memory, &format!("CSHEAR@{}", 101 + 2 * j)), 0.0);
+        assert_eq!(last(&text, &memory, &format!("CSHEAR1@{}", 101 + 2 * j)), 0.0);
     }
 }
 
@@ -188,7 +197,7 @@ fn friction_acts_after_failure() {
     let text = sleeve(&format!("*Friction\n 0.2,\n{BOND}{QUADS}{EVOLUTION}"), 20.0, 0.02, 10.0);
     let (outcome, memory) = run(&text);
     assert_eq!(outcome.halt, None);
-    assert_close("energy", last(&text, &memory, "ALLDMD"), 0.3 * JOINT, 1e-6);
+    assert_close("energy", last(&text, &memory, "ALLDMD"), 0.3 * JOINT, 1e-4);
     let [normal, shear] = ["CFN1@INSIDE_OUTSIDE", "CFS2@INSIDE_OUTSIDE"].map(|name| column(&text, &memory, name));
     let intact = column(&text, &memory, "CSDMG@107").iter().take_while(|row| row.1 == 0.0).count();
     let energies = column(&text, &memory, "ALLFD");
@@ -311,7 +320,7 @@ fn rigid_body_debonds() {
     }
 }
 
-/// The increment is that of the stiffness of the bonds and the masses of the nodes, as that of cohesive elements.
+/// The increment follows from the stiffness of the bonds and the masses of the nodes, as that of cohesive elements.
 #[test]
 fn increment_follows_from_the_masses_of_the_nodes() {
     let of = |mesh: String| {
@@ -327,7 +336,8 @@ fn increment_follows_from_the_masses_of_the_nodes() {
     };
     let elements = of(rings(3, 3) + &layer(100, 200, 3, "*Elastic, type=TRACTION\n 1e7, 1e7\n"));
     let surfaces = of(rings(3, 3) + &pair("*Cohesive behavior\n 1e7, 1e7\n"));
-    assert_close("increments", surfaces, elements, 1e-2);
+    // The normal stiffness acts in tension only and counts twice.
+    assert_close("increments", surfaces, 2.0_f64.sqrt() * elements, 2e-2);
     // Without a stiffness it is that of the adjacent elements.
     let default = of(rings(3, 3) + &pair("*Cohesive behavior\n"));
     let none = of(rings(3, 3) + &pair(""));
@@ -506,7 +516,7 @@ fn invalid_cohesive_surfaces_are_reported() {
             "one *DAMAGE INITIATION",
         ),
         (" 0.3,\n", " 1e-3,\n", "P027", "less than the elastic energy"),
-        ("*Damage evolution", "*Damage stabilization\n 1e-3,\n*Damage evolution", "M110", "DAMAGE STABILIZATION"),
+        ("*Damage evolution", "*Damage stabilization\n 1e-3,\n*Damage evolution", "D201", "DAMAGE STABILIZATION"),
         ("*Step", &elements, "M104", "apply only to cohesive surfaces"),
     ];
     for (from, to, code, words) in cases {
