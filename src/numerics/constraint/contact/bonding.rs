@@ -11,6 +11,7 @@ use super::{ContactConstraint, ContactPair, MergedContactDof};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::traction_separation::TractionSeparationLaw;
+use crate::state::archive::StateArchive;
 use crate::state::dofs::{Dof, Dofs};
 use crate::variables::Variable;
 
@@ -409,6 +410,20 @@ impl ContactConstraint {
     /// Returns the bound of the square of the highest frequency of the bonds.
     pub(super) fn squared_frequency(&self) -> f64 {
         self.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.squared_frequency)
+    }
+
+    /// Rejects bonds to facets that do not exist.
+    pub(super) fn check_bonds(&self, archive: &mut StateArchive<'_>) {
+        let Some(cohesion) = &self.cohesion else { return };
+        for cohesive in &cohesion.pairs {
+            let (own, other) = self.sides(&self.pairs[cohesive.pair]);
+            let points = &cohesion.points[cohesive.first..cohesive.first + own.own.len()];
+            let exists =
+                |point: &BondedPoint| point.status != BondStatus::Bonded || (point.facet as usize) < other.facets.len();
+            if !points.iter().all(exists) {
+                archive.reject(|| "a contact point is bonded to a facet that does not exist".to_owned());
+            }
+        }
     }
 
     pub(super) fn memory_of_cohesion(&self) -> MemoryUse {

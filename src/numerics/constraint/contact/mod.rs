@@ -964,6 +964,7 @@ impl ContactConstraint {
     fn list_again(&mut self, archive: &mut StateArchive<'_>) {
         if archive.reads() {
             self.list_points();
+            self.check_bonds(archive);
         }
     }
 }
