@@ -39,7 +39,7 @@ fn steel() -> String {
 
 /// Returns whether a variable exists only in contact.
 fn is_of_contact(variable: Variable) -> bool {
-    variable.row().preselected == PreselectRule::SurfaceContact || variable.place() == VariablePlace::Pair
+    variable.is_of_contact_nodes() || variable.place() == VariablePlace::Pair
 }
 
 /// Adds a rigid lid that falls on the block.
@@ -74,6 +74,17 @@ fn separated(criterion: &str, requests: &str) -> String {
     )
 }
 
+/// Returns the criterion of damage initiation with which a variable of cohesive surfaces exists.
+fn surface_criterion_with(variable: Variable) -> Option<&'static str> {
+    match variable {
+        Variable::SurfaceDamage | Variable::QuadraticTractionInitiation => Some("QUADS\n 5., 6."),
+        Variable::LargestTractionInitiation => Some("MAXS\n 5., 6."),
+        Variable::QuadraticSeparationInitiation => Some("QUADU\n 0.01, 0.015"),
+        Variable::LargestSeparationInitiation => Some("MAXU\n 0.01, 0.015"),
+        _ => None,
+    }
+}
+
 /// Returns a deck in which a variable exists: the block, or a ring of shells with the same motion.
 fn scene(variable: Variable, requests: &str) -> String {
     if let Some(criterion) = criterion_with(variable) {
@@ -88,6 +99,14 @@ fn scene(variable: Variable, requests: &str) -> String {
     }
     if variable.row().preselected == PreselectRule::PenaltyContact {
         return pressed(&solid).replace("*Contact Pair", "*Contact Pair, mechanical constraint=PENALTY");
+    }
+    if let Some(criterion) = surface_criterion_with(variable) {
+        let bond = format!(
+            "*Surface Interaction, name=BOND\n*Cohesive Behavior\n 500., 400.\n*Damage Initiation, criterion={criterion}\n\
+             *Damage Evolution, type=ENERGY\n 0.2,\n*Step\n"
+        );
+        let solid = pressed(&solid).replacen("*Step\n", &bond, 1);
+        return solid.replace("*Contact Pair", "*Contact Pair, interaction=BOND");
     }
     if is_of_contact(variable) {
         return pressed(&solid);

@@ -171,9 +171,15 @@ fn nothing_allocates_inside_an_increment_of_contact() {
             .replace("interaction=DRY\n", "interaction=DRY, mechanical constraint=PENALTY\n")
             .replace("*Friction\n 0.1,\n", "*Friction\n 0.1,\n*Gap Conductance\n 0.5, 0.\n 0.1, 0.05\n")
     };
+    // With bonds that form and fail again and again.
+    let sticky = |time: &str| {
+        let bond = "*Friction\n 0.1,\n*Cohesive Behavior, repeated contacts\n 10., 10.\n*Damage Initiation, \
+                    criterion=QUADS\n 0.003, 0.003\n*Damage Evolution, type=ENERGY\n 1e-5,\n";
+        deck(time).replace("*Friction\n 0.1,\n", bond)
+    };
     // Allocations made once per process.
     allocations(&deck("0.1"));
-    for scene in [&deck as &dyn Fn(&str) -> String, &warm] {
+    for scene in [&deck as &dyn Fn(&str) -> String, &warm, &sticky] {
         let (short, long) = (allocations(&scene("1.")), allocations(&scene("40.")));
         println!("contact: {} allocations over {} increments, {} over {}", short.1, short.0, long.1, long.0);
         assert!(short.0 > 20 && long.0 > 5 * short.0);

@@ -494,6 +494,35 @@ fn cohesive_elements_resume() {
     assert!(outcome.halt.is_none() && outcome.deleted == 1, "{outcome:?}");
 }
 
+/// Bonds, damage and failure of cohesive surfaces are part of the state.
+#[test]
+fn cohesive_surfaces_resume() {
+    let text = fs::read_to_string(project("tests/deck/words/cohesive.inp")).expect("a deck");
+    let pair = "*Surface Interaction, name=BOND\n*Friction\n 0.2,\n*Cohesive Behavior, repeated contacts\n 500., 400.\n*Damage \
+                Initiation, criterion=QUADS\n 5., 6.\n*Damage Evolution, type=ENERGY\n 0.06,\n*Contact Pair, \
+                interaction=BOND, adjust=0.2\n ROOF, BED\n*Amplitude, name=V\n 0., 1., 0.2, 1., 0.21, -2., 0.5, -2., 0.51, 2., \
+                1., 2.\n";
+    let surfaces =
+        "*Elset, elset=A\n 1\n*Elset, elset=B\n 2\n*Surface, name=BED\n A, S3\n*Surface, name=ROOF\n B, S1\n";
+    let text = text
+        .replace("*Element, type=COHAX4, elset=COH\n 3, 3, 4, 6, 5\n", surfaces)
+        .replace("*Cohesive Section, elset=COH, material=GLUE, response=TRACTION SEPARATION\n 1.,\n", pair)
+        .replace("number interval=2", "number interval=7")
+        .replace(
+            "frequency=1\n*Energy Output\n ALLKE, ALLDMD",
+            "number interval=23\n*Energy Output\n ALL\n*Contact Output\n CFN",
+        )
+        .replace("type=VELOCITY\n TOP", "type=VELOCITY, amplitude=V\n TOP")
+        .replace(" TOP, 1, 1, 0.2\n", " TOP, 1, 1, 0.05\n")
+        .replace(" U\n*Element Output\n S, E, SDEG", " U, CPRESS, CSDMG, CSQUADSCRT\n*Element Output\n S")
+        .replace(" , 0.4\n", " , 1.\n");
+    let outcome = assert_resumes("cohesive surfaces", &text, Routines::none);
+    assert!(outcome.halt.is_none(), "{outcome:?}");
+    // The ring is bonded and torn off twice: the area is 3 π, and that of the deformed ring.
+    let twice = 2.0 * 0.06 * 3.0 * std::f64::consts::PI;
+    assert!((outcome.energy.damage.expect("damage") / twice - 1.0).abs() < 1e-2, "{:?}", outcome.energy);
+}
+
 #[test]
 fn scaled_masses_resume() {
     let cards =

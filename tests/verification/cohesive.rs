@@ -17,11 +17,11 @@ use crate::common::{self, RecordedOutput, prepared};
 use revolve::job;
 use revolve::user::Routines;
 
-const ELASTIC: &str = "*Elastic, type=TRACTION\n 1000., 800.\n";
-const QUADS: &str = "*Damage initiation, criterion=QUADS\n 10., 12.\n";
+pub(super) const ELASTIC: &str = "*Elastic, type=TRACTION\n 1000., 800.\n";
+pub(super) const QUADS: &str = "*Damage initiation, criterion=QUADS\n 10., 12.\n";
 
 #[track_caller]
-fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
+pub(super) fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
     assert!((found / expected - 1.0).abs() < tolerance, "{what}: {found}, expected {expected}");
 }
 
@@ -39,7 +39,7 @@ fn separated(law: &str, [radial, axial]: [f64; 2], increment: f64) -> String {
 }
 
 /// Area of the ring of [`separated`].
-const RING: f64 = 3.0 * PI;
+pub(super) const RING: f64 = 3.0 * PI;
 
 #[test]
 fn complete_separation_dissipates_the_fracture_energy() {
@@ -169,7 +169,7 @@ fn section_controls_limit_the_damage() {
 /// Returns two rings of quadrilaterals from r = 1 to 2 and z = 0 to 1 and 1 to 2 with their own nodes, `n` and `m`
 /// elements over r. Node sets and surfaces LOW and TOP are the outer faces, BELOW and ABOVE the inner ones; the elements
 /// are in the sets LOWER and UPPER. Nodes of the inner faces are 100 + i and 200 + i.
-fn rings(n: usize, m: usize) -> String {
+pub(super) fn rings(n: usize, m: usize) -> String {
     let mut text = String::from("*Node, nset=ALL\n");
     let radius = |i: usize, n: usize| 1.0 + i as f64 / n as f64;
     for (first, count, z) in [(1, n, 0.0), (100, n, 1.0), (200, m, 1.0), (300, m, 2.0)] {
@@ -197,7 +197,7 @@ fn rings(n: usize, m: usize) -> String {
 }
 
 /// Returns cohesive elements between the nodes `low + i` and `high + i`.
-fn layer(low: usize, high: usize, count: usize, law: &str) -> String {
+pub(super) fn layer(low: usize, high: usize, count: usize, law: &str) -> String {
     let mut text = String::from("*Element, type=COHAX4, elset=COH\n");
     for i in 0..count {
         let (a, d) = (low + i, high + i);
@@ -216,7 +216,7 @@ fn pressed(mesh: &str, pressure: f64) -> String {
     )
 }
 
-fn mean(text: &str, memory: &RecordedOutput, name: &str) -> f64 {
+pub(super) fn mean(text: &str, memory: &RecordedOutput, name: &str) -> f64 {
     let rows = column(text, memory, name);
     let tail = &rows[rows.len() * 3 / 4..];
     tail.iter().map(|row| row.1).sum::<f64>() / tail.len() as f64
@@ -335,13 +335,13 @@ fn mass_scaling_of_the_bodies_raises_the_bound() {
 }
 
 /// Unit plate: thickness, density and bending stiffness are 1.
-const RATIO: f64 = 0.3;
-const YOUNG: f64 = 12.0 * (1.0 - RATIO * RATIO);
+pub(super) const RATIO: f64 = 0.3;
+pub(super) const YOUNG: f64 = 12.0 * (1.0 - RATIO * RATIO);
 /// Shear stiffness 5/6 G h.
 const SHEAR: f64 = 5.0 / 6.0 * YOUNG / (2.0 * (1.0 + RATIO));
-const ENERGY: f64 = 1e-10;
+pub(super) const ENERGY: f64 = 1e-10;
 /// Stiffness of the interface.
-const FOUNDATION: f64 = 4.0;
+pub(super) const FOUNDATION: f64 = 4.0;
 
 /// Returns a plate of shells with nodes at these radii, bonded from the node `first` on to a fixed base. Elements that
 /// are shorter than `coarse` have a density that gives them the increment of this length; they hardly move.
@@ -392,7 +392,7 @@ fn bonded_plate(radii: &[f64], first: usize, coarse: f64, load: &str, time: f64,
 /// part beyond it is a Timoshenko beam on a Winkler foundation, w'''' - k/S w'' + k/D w = 0, whose edge turns by
 /// q/k (Q + s M), with q = sqrt(k/D) and s^2 = k/S + 2 q, and the plate of radius a takes the moment (1 + ν) D/a of this
 /// rotation. The edge separates by (q M + s Q)/k.
-fn edge_separation(clamped: f64, shear: f64, a: f64) -> f64 {
+pub(super) fn edge_separation(clamped: f64, shear: f64, a: f64) -> f64 {
     let q = FOUNDATION.sqrt();
     let s = (FOUNDATION / SHEAR + 2.0 * q).sqrt();
     let release = (1.0 + RATIO) / a * q / FOUNDATION;
@@ -401,7 +401,7 @@ fn edge_separation(clamped: f64, shear: f64, a: f64) -> f64 {
 }
 
 /// Returns radii from 0 to `a` in `n` growing steps towards the axis, then in steps of `size` up to `end`.
-fn radii(a: f64, n: usize, size: f64, end: f64) -> (Vec<f64>, usize) {
+pub(super) fn radii(a: f64, n: usize, size: f64, end: f64) -> (Vec<f64>, usize) {
     let (mut list, mut step, mut r) = (vec![a], size, a);
     let longest = 2.0 * a / n as f64;
     while r - step > 0.6 * longest {

@@ -10,6 +10,7 @@ mod area;
 mod bars;
 mod cavities;
 mod cohesive;
+mod cohesive_contact;
 mod conduction;
 mod contact;
 mod contact_analytical;

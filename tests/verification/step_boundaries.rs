@@ -263,6 +263,7 @@ fn deformable_examples_do_not_depend_on_steps() {
         "ogive_rod_meshed",
         "press_fit",
         "punch_rubber",
+        "push_out",
         "rod_plate",
         "sphere_on_plate",
         "taylor_copper",

@@ -4,7 +4,6 @@ use serde_json::{Value, json};
 
 use super::FeatureContext;
 use crate::deck::Card;
-use crate::deck::keywords::CardPlace;
 use crate::deck::name_kinds::parameter_name_usage;
 use crate::text::{TextPosition, TextRange};
 
@@ -72,7 +71,7 @@ pub fn document_symbols(context: &FeatureContext<'_>) -> Vec<Value> {
 }
 
 fn is_below(card: &Card, symbol: &CardSymbol) -> bool {
-    card.keyword.place == CardPlace::Below(symbol.keyword)
+    card.keyword.place.is_below(symbol.keyword)
 }
 
 /// Moves the last open symbol to its parent.

@@ -3,7 +3,7 @@
 
 use super::names;
 pub use super::rule::{
-    CardMultiplicity, CardPlace, ConditionalShape, DataShape, InputRule, InputUsage, Keyword, KeywordTier,
+    CardMultiplicity, CardPlace, ConditionalShape, DataShape, InputRule, InputUsage, Keyword, KeywordTier, parent_names,
 };
 use super::table;
 

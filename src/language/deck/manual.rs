@@ -2,7 +2,7 @@
 
 use super::keywords::{
     CardMultiplicity, CardPlace, ConditionalShape, DataShape, InputRule, InputUsage, Keyword, KeywordTier, NameLookup,
-    find_keyword, keywords,
+    find_keyword, keywords, parent_names,
 };
 use super::names::fold;
 use super::ways;
@@ -73,7 +73,7 @@ fn standing_place(keyword: &Keyword) -> String {
         CardPlace::Anywhere => String::new(),
         CardPlace::Step => " within a step".into(),
         CardPlace::EachStep => " within a step, or before the first step".into(),
-        CardPlace::Below(parent) => format!(" after its *{parent}"),
+        CardPlace::Below(parents) => format!(" after its {}", parent_names(parents)),
     };
     match (keyword.times, place.as_str()) {
         (CardMultiplicity::Any, "") => String::new(),

@@ -93,8 +93,20 @@ pub enum CardPlace {
     Step,
     /// Within a step, or before the first step, where it applies to all steps.
     EachStep,
-    /// After this parent card; only cards with the same parent may be between them.
-    Below(&'static str),
+    /// After one of these parent cards; only cards with the same parent may be between them.
+    Below(&'static [&'static str]),
+}
+
+impl CardPlace {
+    /// Returns whether the card is allowed after a parent card with this name.
+    pub fn is_below(&self, parent: &str) -> bool {
+        matches!(self, CardPlace::Below(parents) if parents.contains(&parent))
+    }
+}
+
+/// Returns the names of parent cards for texts: `*MATERIAL or *SURFACE INTERACTION`.
+pub fn parent_names(parents: &[&str]) -> String {
+    parents.iter().map(|parent| format!("*{parent}")).collect::<Vec<_>>().join(" or ")
 }
 
 /// A row of the keyword table.

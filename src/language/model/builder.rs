@@ -4,7 +4,7 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use crate::deck::keywords::{CardPlace, KeywordTier};
+use crate::deck::keywords::KeywordTier;
 use crate::deck::names::nearest;
 use crate::deck::read::ReadCard;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
@@ -107,6 +107,8 @@ pub(super) struct ModelBuilder<'a> {
     pub coupling: Option<PendingCoupling>,
     /// Blast waves.
     pub blasts: Vec<BlastProperty>,
+    /// Whether the last `*MATERIAL` or `*SURFACE INTERACTION` was a surface interaction.
+    pub in_interaction: bool,
     /// Names of surface interactions used by contact, which may be defined later.
     pub interactions_used: Vec<Word>,
     /// Initial clearances of general contact, by name.
@@ -182,6 +184,7 @@ impl<'a> ModelBuilder<'a> {
             controls_used: Vec::new(),
             coupling: None,
             blasts: Vec::new(),
+            in_interaction: false,
             interactions_used: Vec::new(),
             clearances: super::named_clearances::named_clearances(deck),
             rotational: Vec::new(),
@@ -260,7 +263,9 @@ impl<'a> ModelBuilder<'a> {
             "MESH" => self.mesh_file(card),
             "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => self.block(card),
             "MATERIAL" => self.begin_material(card),
-            _ if card.keyword.place == CardPlace::Below("MATERIAL") => self.material_card(card),
+            "DAMAGE INITIATION" if self.in_interaction => self.cohesive_initiation(card),
+            "DAMAGE EVOLUTION" if self.in_interaction => self.cohesive_evolution(card),
+            _ if card.keyword.place.is_below("MATERIAL") => self.material_card(card),
             "PHYSICAL CONSTANTS" => self.physical_constants(card),
             "SOLID SECTION" => self.solid_section(card),
             "SHELL SECTION" => self.shell_section(card),
@@ -287,6 +292,7 @@ impl<'a> ModelBuilder<'a> {
             "SURFACE INTERACTION" => self.surface_interaction(card),
             "SURFACE BEHAVIOR" => self.surface_behavior(card),
             "CONTACT DAMPING" => self.contact_damping(card),
+            "COHESIVE BEHAVIOR" => self.cohesive_behavior(card),
             "FRICTION" => self.friction(card),
             "GAP CONDUCTANCE" => self.gap_conductance(card),
             "GAP HEAT GENERATION" => self.gap_heat_generation(card),

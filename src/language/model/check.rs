@@ -6,7 +6,7 @@ use super::check_values::{check_lines, check_parameter, check_required_parameter
 use super::mates::check_mates;
 use super::names::upper;
 use super::types::IgnoredCard;
-use crate::deck::keywords::{CardMultiplicity, CardPlace, DataShape, InputRule, InputUsage, KeywordTier};
+use crate::deck::keywords::{CardMultiplicity, CardPlace, DataShape, InputRule, InputUsage, KeywordTier, parent_names};
 use crate::deck::names::fold;
 use crate::deck::number::parse_number;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Sources, Span, Word};
@@ -90,7 +90,7 @@ struct OpenBlocks {
 impl OpenBlocks {
     fn pass(&mut self, card: &Card) {
         let name = card.keyword.name;
-        let kin = |(parent, _)| card.keyword.place == CardPlace::Below(parent);
+        let kin = |(parent, _)| card.keyword.place.is_below(parent);
         if matches!(name, "MATERIAL" | "SURFACE INTERACTION" | "INCIDENT WAVE INTERACTION PROPERTY") {
             self.parents += 1;
             self.parent = Some((name, self.parents));
@@ -134,10 +134,11 @@ impl CardChecker<'_> {
     fn place(&mut self, card: &Card) -> bool {
         let name = card.keyword.name;
         match card.keyword.place {
-            CardPlace::Below(parent) if self.blocks.parent.is_none() => {
-                let message = format!("*{name} must follow a *{parent}");
-                let diagnostic = Diagnostic::error("M105", message).at(card.span, format!("no *{parent} is open here"));
-                let help = format!("move it below its *{parent}, before any other kind of card");
+            CardPlace::Below(parents) if self.blocks.parent.is_none() => {
+                let parents = parent_names(parents);
+                let message = format!("*{name} must follow a {parents}");
+                let diagnostic = Diagnostic::error("M105", message).at(card.span, format!("no {parents} is open here"));
+                let help = format!("move it below its {parents}, before any other kind of card");
                 self.diagnostics.push(diagnostic.help(help));
             }
             CardPlace::Step if !self.blocks.in_step => {
@@ -182,7 +183,9 @@ impl CardChecker<'_> {
             (_, CardPlace::Step | CardPlace::EachStep) => {
                 format!("*{} is defined twice in the step", card.keyword.name)
             }
-            (_, CardPlace::Below(parent)) => format!("*{} is defined twice for one *{parent}", card.keyword.name),
+            (_, CardPlace::Below(parents)) => {
+                format!("*{} is defined twice for one {}", card.keyword.name, parent_names(parents))
+            }
             _ => format!("*{} is defined twice", card.keyword.name),
         };
         let diagnostic =

@@ -4,16 +4,17 @@ use std::collections::HashSet;
 
 use super::builder::{ModelBuilder, SectionIndex};
 use super::types::{
-    CohesiveSection, ElementKind, InterfaceEvolution, InterfaceInitiation, InterfaceSoftening, ModeDependence,
-    ModeMixRatio, SectionControls,
+    CohesiveSection, ElementKind, InitiationMeasure, InterfaceEvolution, InterfaceInitiation, InterfaceSoftening,
+    ModeDependence, ModeMixRatio, SectionControls,
 };
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic, Span};
 
-/// Indices of the values of `CRITERION` in the keyword table from which on a criterion is for cohesive elements, and is
-/// in strains.
+/// Indices of the values of `CRITERION` in the keyword table from which on a criterion is for interfaces, is in strains,
+/// and is in separations.
 const TRACTIONS: usize = 2;
 const STRAINS: usize = 4;
+const SEPARATIONS: usize = 6;
 /// Indices of the values of `SOFTENING`.
 const LINEAR: usize = 0;
 const TABULAR: usize = 2;
@@ -43,16 +44,11 @@ impl ModelBuilder<'_> {
 
     /// Reads `*DAMAGE INITIATION` with a criterion of cohesive elements. Returns whether it has one.
     pub(super) fn interface_initiation(&mut self, card: &Card, criterion: usize) -> bool {
-        if criterion < TRACTIONS {
-            return false;
-        }
-        let initiation = InterfaceInitiation {
-            strains: criterion >= STRAINS,
-            quadratic: criterion % 2 == 1,
-            limits: card.read_lines(),
-            span: card.span,
-        };
-        if self.last_material().interface.initiation.is_some() {
+        let Some(initiation) = initiation_of(card, criterion) else { return false };
+        if initiation.measure == InitiationMeasure::Separation {
+            let message = "MAXU and QUADU apply only to cohesive surfaces";
+            self.unsupported(card.span, message, "give MAXE or QUADE: the separation over the constitutive thickness");
+        } else if self.last_material().interface.initiation.is_some() {
             let message = "a material of cohesive elements has one *DAMAGE INITIATION";
             self.unsupported(card.span, message, "remove one of the criteria");
         } else {
@@ -85,7 +81,8 @@ impl ModelBuilder<'_> {
         false
     }
 
-    fn softening(&mut self, card: &Card, values: &cards::DamageEvolution) -> Option<InterfaceSoftening> {
+    /// Returns the softening of `*DAMAGE EVOLUTION`. Unsupported combinations are reported.
+    pub(super) fn softening(&mut self, card: &Card, values: &cards::DamageEvolution) -> Option<InterfaceSoftening> {
         self.check_mode_parameters(card, values)?;
         if values.softening == TABULAR {
             return self.softening_table(card, values);
@@ -141,7 +138,7 @@ impl ModelBuilder<'_> {
     ) -> Option<ModeDependence> {
         let first = values.rows.first().copied()?;
         if values.energy && !values.rows.iter().all(|row| row[0] > 0.0) {
-            return self.refuse_value(line_span(card), "the fracture energy of cohesive elements must be positive");
+            return self.refuse_value(line_span(card), "the fracture energy of an interface must be positive");
         }
         if is_closed(values) {
             let power = values.power.unwrap_or(f64::NAN);
@@ -209,6 +206,21 @@ impl ModelBuilder<'_> {
         ));
         self.missing.bodies = true;
     }
+}
+
+/// Returns a criterion of interfaces; `None` for the criteria of solids. `criterion` is the index of the value in the
+/// keyword table.
+pub(super) fn initiation_of(card: &Card, criterion: usize) -> Option<InterfaceInitiation> {
+    let measure = if criterion < TRACTIONS {
+        return None;
+    } else if criterion < STRAINS {
+        InitiationMeasure::Stress
+    } else if criterion < SEPARATIONS {
+        InitiationMeasure::Strain
+    } else {
+        InitiationMeasure::Separation
+    };
+    Some(InterfaceInitiation { measure, quadratic: criterion % 2 == 1, limits: card.read_lines(), span: card.span })
 }
 
 /// Returns whether the mode dependence is the power law or that of Benzeggagh and Kenane.

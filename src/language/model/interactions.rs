@@ -14,12 +14,14 @@ const EXPONENTIAL: usize = 2;
 
 impl ModelBuilder<'_> {
     pub(super) fn surface_interaction(&mut self, card: &Card) {
+        self.in_interaction = true;
         let Some(name) = self.required(card, "NAME") else { return };
         let name = upper(&name.text);
         self.model.interactions.push(SurfaceInteraction {
             name,
             law: InteractionLaw::default(),
             heat_cards: Vec::new(),
+            cohesion: None,
         });
         self.contact_note(card);
     }

@@ -19,6 +19,7 @@ const USER: usize = 3;
 
 impl ModelBuilder<'_> {
     pub(super) fn begin_material(&mut self, card: &Card) {
+        self.in_interaction = false;
         if let Some(name) = self.required(card, "NAME") {
             let material =
                 MaterialDefinition { name: upper(&name.text), span: card.span, ..MaterialDefinition::default() };

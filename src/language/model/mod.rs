@@ -13,6 +13,7 @@ mod clearance;
 mod coarsening;
 pub mod codes;
 mod cohesive;
+mod cohesive_contact;
 mod completion;
 mod compose;
 mod connectors;

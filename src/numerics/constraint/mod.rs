@@ -96,6 +96,8 @@ pub struct ConstraintView<'a> {
     pub contact: Option<&'a dyn ContactResults>,
     /// Heat exchange across contact surfaces.
     pub heat: Option<&'a dyn HeatExchange>,
+    /// Bound of the square of the highest frequency of springs between bodies, which adds to that of the elements.
+    pub squared_frequency: f64,
 }
 
 /// Nodes that a rigid body carries. The body takes the sum of their forces along z; forces along r balance around the

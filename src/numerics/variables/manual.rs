@@ -95,6 +95,7 @@ fn by_default(variable: Variable) -> &'static str {
         (_, PreselectRule::ElementDeletion, _) => "if elements can be deleted",
         (_, PreselectRule::Never, _) => "",
         (_, PreselectRule::SurfaceContact, _) => "with contact",
+        (_, PreselectRule::CohesiveContact, _) => "with cohesive surfaces",
         (_, PreselectRule::SixDofBody, _) => "histories of bodies with six degrees of freedom",
         (_, PreselectRule::HeatConduction, _) => "preselected if temperatures are solved for",
     }

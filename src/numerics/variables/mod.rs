@@ -49,6 +49,8 @@ pub enum PreselectRule {
     HeatConduction,
     /// With contact of element surfaces; the variable exists only then.
     SurfaceContact,
+    /// With cohesive behaviour of contact surfaces; the variable exists only then.
+    CohesiveContact,
     /// With penalty contact; the variable exists only then.
     PenaltyContact,
     /// With a material that can be damaged or fail; the variable exists only then.
@@ -138,6 +140,11 @@ variables! {
     ContactShear: node("CSHEAR", &["CSHEAR1"], "Frictional shear stress at these nodes, positive to the left of the outward normal").with_contact().dimension(STRESS),
     ContactOpening: node("COPEN", &[], "Contact opening at these nodes, negative for an overlap, if a surface is near").with_contact().dimension(LENGTH),
     ContactSlip: node("CSLIP", &["CSLIP1"], "Accumulated slip at these nodes while in contact").with_contact().dimension(LENGTH),
+    SurfaceDamage: node("CSDMG", &[], "Damage of cohesive surfaces at these nodes, 0 to 1").with_cohesion(),
+    LargestTractionInitiation: node("CSMAXSCRT", &[], "Maximum nominal stress criterion of cohesive surfaces").with_cohesion(),
+    QuadraticTractionInitiation: node("CSQUADSCRT", &[], "Quadratic nominal stress criterion of cohesive surfaces").with_cohesion(),
+    LargestSeparationInitiation: node("CSMAXUCRT", &[], "Maximum separation criterion of cohesive surfaces").with_cohesion(),
+    QuadraticSeparationInitiation: node("CSQUADUCRT", &[], "Quadratic separation criterion of cohesive surfaces").with_cohesion(),
     ThirdDisplacement: node("U3", &[], "Displacement along 3 of bodies with six degrees of freedom").with_six_dofs().dimension(LENGTH),
     ThirdVelocity: node("V3", &[], "Velocity along 3 of bodies with six degrees of freedom").with_six_dofs().dimension(VELOCITY),
     ThirdAcceleration: node("A3", &[], "Acceleration along 3 of bodies with six degrees of freedom").with_six_dofs().dimension(ACCELERATION),
@@ -376,6 +383,11 @@ impl VariableRow {
         VariableRow { preselected: PreselectRule::SurfaceContact, deforming: true, ..self }
     }
 
+    /// Marks a variable of cohesive surfaces.
+    const fn with_cohesion(self) -> VariableRow {
+        VariableRow { preselected: PreselectRule::CohesiveContact, deforming: true, ..self }
+    }
+
     const fn deformable_only(self) -> VariableRow {
         VariableRow { deforming: true, ..self }
     }
@@ -432,6 +444,11 @@ impl Variable {
     pub fn is_of_shells(self) -> bool {
         let first = Variable::BottomStress as usize;
         self.is_of_rotations() || (first..=Variable::SectionCurvature as usize).contains(&(self as usize))
+    }
+
+    /// Returns whether it is a variable at the nodes of contact surfaces.
+    pub fn is_of_contact_nodes(self) -> bool {
+        matches!(self.row().preselected, PreselectRule::SurfaceContact | PreselectRule::CohesiveContact)
     }
 
     /// Returns whether it is an element variable.

@@ -53,7 +53,8 @@ impl<'a> Compiler<'a> {
         let mut elements: Vec<u32> = places.iter().map(|(_, e)| *e as u32).collect();
         elements.sort_unstable();
         elements.dedup();
-        let fixed = self.nodes_fixed_in(group, &elements, step, state);
+        let mut fixed = self.nodes_fixed_in(group, &elements, step, state);
+        self.fix_cohesive_nodes(step, &mut fixed);
         let detail = self.adaptive_detail(mesh);
         let id = self.ledger_row(mesh.span, "adaptive mesh", elements.len(), "elements", detail);
         let of_group = &mut *state.elements.groups[group];
@@ -139,6 +140,16 @@ impl<'a> Compiler<'a> {
             }
         }
         fixed
+    }
+
+    /// Adds the nodes of cohesive surfaces, which are bonded to material points.
+    fn fix_cohesive_nodes(&self, step: &Step, fixed: &mut [bool]) {
+        let index = self.model.steps.iter().position(|other| std::ptr::eq(other, step));
+        for node in index.into_iter().flat_map(|index| self.cohesive_nodes(index)) {
+            if let Some(place) = self.places.nodes.get(&node) {
+                fixed[*place] = true;
+            }
+        }
     }
 
     /// Returns the nodes of the model with concentrated loads and masses, those at the ends of loaded surfaces, and those of

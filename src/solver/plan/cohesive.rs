@@ -13,7 +13,8 @@ use crate::element::group::ElementGroup;
 use crate::kernel::cohesive::{PAIRS, areas, geometric_thickness};
 use crate::kernel::traction_separation::{DamageInitiationLaw, InterfaceSoftening, TractionSeparationLaw};
 use crate::model::{
-    CohesiveSection, ElementKind, InterfaceInitiation, MaterialDefinition, Mesh, ModeDependence, ModeMixRatio, Step,
+    CohesiveSection, ElementKind, InitiationMeasure, InterfaceEvolution, InterfaceInitiation, MaterialDefinition, Mesh,
+    ModeDependence, ModeMixRatio, Step,
 };
 use crate::state::nodes::Node;
 use crate::variables::Variable;
@@ -84,7 +85,10 @@ impl<'a> Compiler<'a> {
         let most = section.controls.max_degradation;
         let laws: Vec<TractionSeparationLaw> =
             thicknesses.iter().filter_map(|&thickness| law(material, thickness, most)).collect();
-        laws.iter().try_for_each(|law| self.check_energies(material, law))?;
+        let (interface, name) = (&material.interface, format!("material `{}`", material.name));
+        let origin = interface.initiation.as_ref().zip(interface.evolution.as_ref());
+        let what = ("P026", name.as_str(), "*ELASTIC, TYPE=TRACTION");
+        laws.iter().try_for_each(|law| self.check_energies(origin, law, what))?;
         self.cohesive_row(section, material, &thicknesses, list.len());
         let deletes = material.interface.evolution.is_some() && section.controls.keep_failed_elements.is_none();
         let shown = (deletes, material.interface.initiation.as_ref().map(variable));
@@ -123,21 +127,27 @@ impl<'a> Compiler<'a> {
     }
 
     /// Reports a fracture energy that is less than the elastic energy at damage initiation: the traction would have to
-    /// return to smaller separations.
-    fn check_energies(&mut self, material: &MaterialDefinition, law: &TractionSeparationLaw) -> Option<()> {
-        let evolution = material.interface.evolution.as_ref();
-        let Some((evolution, initiation)) = evolution.zip(material.interface.initiation) else { return Some(()) };
-        for (mode, name) in ["normal", "shear"].into_iter().enumerate() {
+    /// return to smaller separations. `what` is the code of the error, the name of the interface and the card of its
+    /// stiffness.
+    pub(super) fn check_energies(
+        &mut self,
+        origin: Option<(&InterfaceInitiation, &InterfaceEvolution)>,
+        law: &TractionSeparationLaw,
+        (code, name, card): (&'static str, &str, &str),
+    ) -> Option<()> {
+        let Some((initiation, evolution)) = origin else { return Some(()) };
+        for (mode, of) in ["normal", "shear"].into_iter().enumerate() {
             let Some([elastic, fracture]) = law.energies_of_mode(mode) else { continue };
             if fracture < elastic {
                 let message = format!(
-                    "the fracture energy {fracture:e} of the {name} mode is less than the elastic energy {elastic:e} at \
-                     damage initiation (material `{}`)",
-                    material.name
+                    "the fracture energy {fracture:e} of the {of} mode is less than the elastic energy {elastic:e} at \
+                     damage initiation ({name})"
                 );
-                let finding = Diagnostic::error("P026", message).at(evolution.span, "this energy");
-                let help = "increase the fracture energy or the stiffness (*ELASTIC, TYPE=TRACTION), or decrease the \
-                            strength: strength squared over twice the stiffness must be less than the fracture energy";
+                let finding = Diagnostic::error(code, message).at(evolution.span, "this energy");
+                let help = format!(
+                    "increase the fracture energy or the stiffness ({card}), or decrease the strength: strength squared \
+                     over twice the stiffness must be less than the fracture energy"
+                );
                 return self.diagnostics.refuse(finding.at(initiation.span, "this strength").help(help));
             }
         }
@@ -274,12 +284,23 @@ impl<'a> Compiler<'a> {
 fn law(material: &MaterialDefinition, thickness: f64, most: f64) -> Option<TractionSeparationLaw> {
     let interface = &material.interface;
     let stiffness = interface.elastic?.map(|modulus| modulus / thickness);
-    let initiation = interface.initiation.map(|InterfaceInitiation { strains, quadratic, limits, .. }| {
-        let separation = |i: usize| if strains { limits[i] * thickness } else { limits[i] / stiffness[i] };
-        DamageInitiationLaw { quadratic, limits: [0, 1].map(separation) }
-    });
+    let initiation = interface.initiation.map(|initiation| initiation_law(&initiation, stiffness, thickness));
     let softening = interface.evolution.as_ref().map(|evolution| evolution.softening.clone());
     Some(TractionSeparationLaw { stiffness, initiation, softening, largest_damage: most })
+}
+
+/// Returns the criterion of damage initiation in separations, for a stiffness and a constitutive thickness.
+pub(super) fn initiation_law(
+    initiation: &InterfaceInitiation,
+    stiffness: [f64; 2],
+    thickness: f64,
+) -> DamageInitiationLaw {
+    let separation = |i: usize| match initiation.measure {
+        InitiationMeasure::Stress => initiation.limits[i] / stiffness[i],
+        InitiationMeasure::Strain => initiation.limits[i] * thickness,
+        InitiationMeasure::Separation => initiation.limits[i],
+    };
+    DamageInitiationLaw { quadratic: initiation.quadratic, limits: [0, 1].map(separation) }
 }
 
 /// Returns what cohesive elements do not support of a material, or what it lacks, and a help text.
@@ -315,26 +336,28 @@ fn refusal(material: &MaterialDefinition) -> Option<(&'static str, &'static str)
     None
 }
 
-/// Returns the output variable of a criterion.
+/// Returns the output variable of a criterion of cohesive elements.
 fn variable(initiation: &InterfaceInitiation) -> Variable {
-    match (initiation.strains, initiation.quadratic) {
-        (false, false) => Variable::LargestStressInitiation,
-        (false, true) => Variable::QuadraticStressInitiation,
-        (true, false) => Variable::LargestStrainInitiation,
-        (true, true) => Variable::QuadraticStrainInitiation,
+    match (initiation.measure == InitiationMeasure::Stress, initiation.quadratic) {
+        (true, false) => Variable::LargestStressInitiation,
+        (true, true) => Variable::QuadraticStressInitiation,
+        (false, false) => Variable::LargestStrainInitiation,
+        (false, true) => Variable::QuadraticStrainInitiation,
     }
 }
 
-fn criterion(initiation: &InterfaceInitiation) -> &'static str {
-    match (initiation.strains, initiation.quadratic) {
-        (false, false) => "MAXS",
-        (false, true) => "QUADS",
-        (true, false) => "MAXE",
-        (true, true) => "QUADE",
-    }
+/// Returns the value of `CRITERION`.
+pub(super) fn criterion(initiation: &InterfaceInitiation) -> &'static str {
+    let [largest, quadratic] = match initiation.measure {
+        InitiationMeasure::Stress => ["MAXS", "QUADS"],
+        InitiationMeasure::Strain => ["MAXE", "QUADE"],
+        InitiationMeasure::Separation => ["MAXU", "QUADU"],
+    };
+    if initiation.quadratic { quadratic } else { largest }
 }
 
-fn softening(softening: &InterfaceSoftening) -> String {
+/// Describes a softening for the ledger.
+pub(super) fn softening(softening: &InterfaceSoftening) -> String {
     match softening {
         InterfaceSoftening::Displacement(mode) => format!("linear softening to displacement {}", dependence(mode)),
         InterfaceSoftening::ExponentialDisplacement(mode, _) => {

@@ -4,6 +4,7 @@
 use std::collections::HashSet;
 
 use super::analytical::friction_of;
+use super::cohesive_contact::CohesionList;
 use super::contact_curves::{ContactGeometry, CurveContext};
 use super::contact_doubts::ContactingCurves;
 use super::general_contact::pair_name;
@@ -31,7 +32,7 @@ impl Compiler<'_> {
     ) -> Option<Box<dyn Constraint>> {
         let (mut found, mut pairs, mut laws) = (ContactGeometry::default(), Vec::new(), Vec::<InteractionLaw>::new());
         let mut springs: Vec<InteractionLaw> = Vec::new();
-        let mut spans = Vec::new();
+        let (mut spans, mut cohesion) = (Vec::new(), CohesionList::default());
         let all = self.pairs[step].clone();
         let wanted: Vec<&SurfaceContact> = all.iter().filter(|pair| self.spatial_side(pair).is_none()).collect();
         if wanted.is_empty() {
@@ -56,6 +57,11 @@ impl Compiler<'_> {
             let law = self.law(contact, (pair.own, other), (&mut laws, &mut springs), &found, state);
             let Some([law, of_points]) = law else { continue };
             (pair.law, pair.of_points, pair.springs) = (law, of_points, has_springs(contact));
+            let origin = (contact, pairs.len(), &pair);
+            let added = self.add_cohesion(origin, (&mut laws, &mut springs), (&found, state), &mut cohesion);
+            if added.is_none() {
+                continue;
+            }
             pair.initial_clearance = initial_clearance(contact, length);
             pair.name = pair_name(contact);
             if state.thermal.as_ref().is_some_and(|t| t.heat.is_some()) {
@@ -71,7 +77,7 @@ impl Compiler<'_> {
         let ContactGeometry { points, places, curves, analyticals, .. } = found;
         let first = laws.len();
         pairs.iter_mut().filter(|p| p.springs).for_each(|p| p.law += first);
-        let any = !springs.is_empty();
+        let (any, with_springs) = (!springs.is_empty(), pairs.iter().map(|p| p.springs).collect::<Vec<bool>>());
         laws.extend(springs);
         let mut contact =
             ContactConstraint::new(points, curves, analyticals, pairs, laws).with_equal_motions(equal_motions);
@@ -92,7 +98,9 @@ impl Compiler<'_> {
             };
             contact = contact.with_heat(|node| heat.temperature(node).is_finite(), of_body);
         }
+        contact = cohesion.add_to(contact, first, &with_springs);
         let overlaps = contact.start(&places);
+        self.report_cohesion(&cohesion, &contact, step);
         // Pairs with analytical surfaces have been checked when they were created.
         for ((contact, length), overlap) in spans.into_iter().zip(overlaps).filter(|s| s.0.0.analytical.is_none()) {
             self.warn_of_overlap(contact, length, overlap);
@@ -241,7 +249,7 @@ impl Compiler<'_> {
 
     /// Returns the laws of the penalty springs of each point of a curve. The stiffness is 2 / (sum of the compliances
     /// of both surfaces): for two equal bodies the stiffness of one layer of elements.
-    fn springs(
+    pub(super) fn springs(
         &mut self,
         contact: &SurfaceContact,
         factor: f64,
@@ -345,7 +353,7 @@ fn initial_clearance(contact: &SurfaceContact, length: f64) -> Option<InitialCle
 }
 
 /// Returns the index of a law in the list, to which it is added if it is new.
-fn place_of(laws: &mut Vec<InteractionLaw>, law: InteractionLaw) -> usize {
+pub(super) fn place_of(laws: &mut Vec<InteractionLaw>, law: InteractionLaw) -> usize {
     laws.iter().position(|l| *l == law).unwrap_or_else(|| {
         laws.push(law);
         laws.len() - 1

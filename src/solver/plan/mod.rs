@@ -9,6 +9,7 @@ mod bytes;
 pub mod changes;
 pub mod codes;
 mod cohesive;
+mod cohesive_contact;
 mod connectors;
 mod contact;
 mod contact_curves;

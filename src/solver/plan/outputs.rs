@@ -407,6 +407,7 @@ impl Compiler<'_> {
         match variable.row().preselected {
             PreselectRule::HeatConduction => self.solves_for_temperatures(),
             PreselectRule::SurfaceContact => !self.pair_names.is_empty(),
+            PreselectRule::CohesiveContact => self.has_cohesive_variable(variable),
             PreselectRule::SixDofBody => self.bodies.iter().any(|b| b.spatial),
             _ => true,
         }
@@ -532,7 +533,9 @@ impl Compiler<'_> {
     fn find_model_variables(&self) -> Vec<Variable> {
         let deforms = self.deforms();
         let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
-        let damages = self.materials_present().any(fails) || self.damaged_interfaces().next().is_some();
+        let damages = self.materials_present().any(fails)
+            || self.damaged_interfaces().next().is_some()
+            || self.cohesive_behaviors().any(|cohesion| cohesion.evolution.is_some());
         let scales = self.scales_masses();
         let adapts = self.model.steps.iter().any(|step| !step.adaptive.is_empty());
         let added = scales.then_some(Variable::AddedMass);
@@ -598,6 +601,7 @@ impl Compiler<'_> {
             PreselectRule::ElementDeletion => self.deletes(),
             PreselectRule::HeatConduction
             | PreselectRule::SurfaceContact
+            | PreselectRule::CohesiveContact
             | PreselectRule::PenaltyContact
             | PreselectRule::MassScaling
             | PreselectRule::AdaptiveMesh

@@ -266,6 +266,7 @@ impl<'a> Compiler<'a> {
         {
             list.add(origin, contact);
         }
+        self.refuse_cohesive_walls(index);
         let wall = |i: usize| ConstraintOrigin::Wall(self.pairs[index].clone(), given.all.clone(), i);
         let walls = self.pairs[index].iter().filter(|pair| self.spatial_side(pair).is_some()).count();
         let kept = (0..walls).take_while(|&i| list.keep(wall(i)).is_ok()).count();

@@ -15,7 +15,7 @@ use crate::output::{FieldArray, OutputFrame};
 use crate::plan::{ColumnSource, FrameField, HistoryColumn, IntegratedSection};
 use crate::state::dofs::{Dof, Dofs};
 use crate::variables::statistic::Statistic;
-use crate::variables::{PreselectRule, Variable, VariableComponent, VariablePlace};
+use crate::variables::{Variable, VariableComponent, VariablePlace};
 
 /// Returns a value at a node of a deformable body; NaN if nodes do not have the variable.
 pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize, part: VariableComponent) -> f64 {
@@ -179,9 +179,7 @@ impl SolverRun<'_> {
         match (part.variable, self.heat()) {
             (Variable::NodalTemperature, Some(heat)) => heat.temperature(node),
             (Variable::ReactionFlux, Some(heat)) => heat.reaction(node),
-            (v, _) if v.row().preselected == PreselectRule::SurfaceContact => {
-                self.contact_value(PointCarrier::Node(node), part)
-            }
+            (v, _) if v.is_of_contact_nodes() => self.contact_value(PointCarrier::Node(node), part),
             _ => node_value(&self.state.dofs, &self.state.constraints, node, part),
         }
     }
@@ -225,7 +223,7 @@ impl SolverRun<'_> {
             (Variable::Coordinate, 0) => self.plan.mesh.points[node][0],
             (Variable::Coordinate, _) => self.plan.mesh.points[node][1] + state.displacement,
             (Variable::NodalTemperature | Variable::ReactionFlux, _) => f64::NAN,
-            (v, _) if v.row().preselected == PreselectRule::SurfaceContact => {
+            (v, _) if v.is_of_contact_nodes() => {
                 self.contact_value(PointCarrier::Body(body, self.plan.mesh.points[node]), part)
             }
             (_, 0) => 0.0,

@@ -120,10 +120,25 @@ impl IncrementContext<'_> {
         &self.view.dofs.bodies
     }
 
-    /// Returns the stable time increment of elements together with viscous loads and loads that were found to be stiff. The square of the
+    /// Returns the sum of the bounds of the squares of frequencies by springs between bodies.
+    fn squared_frequency(&self) -> f64 {
+        self.constraints.iter().map(|constraint| constraint.view().squared_frequency).sum()
+    }
+
+    /// Returns what limits the stable time increment: the elements, or a constraint whose springs have a higher frequency.
+    fn stability_limiter(&self) -> IncrementLimiter {
+        let elements = self.elements.stable_increment();
+        let stiffer =
+            self.constraints.iter().find(|constraint| constraint.view().squared_frequency * elements * elements > 4.0);
+        stiffer.map_or(IncrementLimiter::Elements, |constraint| IncrementLimiter::Effect(constraint.effect()))
+    }
+
+    /// Returns the stable time increment of elements together with springs of constraints, viscous loads and loads that were found to be stiff. The square of the
     /// highest frequency is at most the sum of the squares of both.
     fn stable_increment(&self) -> f64 {
-        let alone = self.elements.stable_increment();
+        let elements = self.elements.stable_increment();
+        let springs = self.squared_frequency();
+        let alone = if springs > 0.0 { 1.0 / damped_rate(1.0 / elements, springs, 0.0) } else { elements };
         let added: f64 = self.loads.iter().filter_map(|load| load.stiffness()).map(|s| s.squared).sum();
         let undamped = if added > 0.0 { alone / shortened(added, alone) } else { alone };
         let damping: f64 = self.loads.iter().map(|load| load.damping()).sum();
@@ -187,7 +202,7 @@ impl IncrementController {
                     next.bound(self.automatic(scene) * self.factor, IncrementLimiter::Accuracy);
                 }
                 if !scene.elements.is_empty() {
-                    next.bound(scene.stable_increment() * self.factor, IncrementLimiter::Elements);
+                    next.bound(scene.stable_increment() * self.factor, scene.stability_limiter());
                 }
                 if let Some(heat) = scene.heat {
                     next.bound(heat.stable_increment() * self.factor, IncrementLimiter::Conduction);

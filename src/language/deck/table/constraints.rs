@@ -62,6 +62,19 @@ card!(ContactDamping: "CONTACT DAMPING", "Damping of the normal motion in soft c
     "TANGENT FRACTION" inert "there is no elastic slip that could be damped; SLIP DAMPING on *FRICTION damps oscillations of the slip rate",
 }, values: [f64; 1] = [(lines ["coefficient or fraction" (NOT_NEGATIVE.required())])]);
 
+card!(CohesiveBehavior: "COHESIVE BEHAVIOR", "Bond of contact surfaces, which transmits tension and shear; *DAMAGE INITIATION and *DAMAGE EVOLUTION after it let it fail", (once below "SURFACE INTERACTION"), {
+    original: bool = "ELIGIBILITY" (word(&["CURRENT CONTACTS", "ORIGINAL CONTACTS"]).or(0.0)) "ORIGINAL CONTACTS: only points that are in contact when the pair comes into force are bonded; CURRENT CONTACTS (default): also points that come into contact later",
+    repeated: bool = "REPEATED CONTACTS" (FLAG) "Points are bonded again when they come into contact after complete damage and separation",
+    "TYPE" only ["UNCOUPLED"] "normal and shear tractions are uncoupled",
+    "COHERE" refused "give ELIGIBILITY and REPEATED CONTACTS",
+    "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+}, stiffness: [f64; 2] = [(lines [
+    "normal stiffness" (POSITIVE) "Traction per separation; without a data line the stiffness of the underlying elements, as for penalty contact",
+    "shear stiffness" (POSITIVE) "Required with the normal stiffness",
+    "second shear stiffness" inert "the surfaces do not move along the second shear direction",
+    "temperature" inert "the stiffnesses do not depend on temperature",
+])]);
+
 card!(Friction: "FRICTION", "Friction between surfaces", (once below "SURFACE INTERACTION"), {
     largest: Option<f64> = "TAUMAX" (POSITIVE) "Limit of the shear stress",
     rough: bool = "ROUGH" (FLAG) "No slip",
@@ -327,6 +340,7 @@ pub const CARDS: &[Keyword] = &[
     }, [(lines ["out-of-plane thickness" inert "applies only to plane models"])]),
     SurfaceBehavior::ROW,
     ContactDamping::ROW,
+    CohesiveBehavior::ROW,
     Friction::ROW,
     GapConductance::ROW,
     GapHeatGeneration::ROW,

@@ -134,8 +134,8 @@ card!(TensileFailure: "TENSILE FAILURE", "Tensile cutoff, spall", (once below "M
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 }, cutoff: [f64; 1] = [(lines ["mean stress, tension" (POSITIVE.required()), "temperature" inert "the cutoff does not depend on temperature"])]);
 
-card!(DamageInitiation: "DAMAGE INITIATION", "Damage initiation criterion", (below "MATERIAL"), {
-    criterion: usize = "CRITERION" (variant(&["JOHNSON COOK", "DUCTILE", "MAXS", "QUADS", "MAXE", "QUADE"]).required()) "MAXS, QUADS, MAXE, QUADE: largest component or quadratic sum of nominal stress or nominal strain, for cohesive elements",
+card!(DamageInitiation: "DAMAGE INITIATION", "Damage initiation criterion", (below "MATERIAL" | "SURFACE INTERACTION"), {
+    criterion: usize = "CRITERION" (variant(&["JOHNSON COOK", "DUCTILE", "MAXS", "QUADS", "MAXE", "QUADE", "MAXU", "QUADU"]).required()) "MAXS, QUADS: largest component or quadratic sum of the nominal stress, for cohesive elements and surfaces; MAXE, QUADE: of the nominal strain, for cohesive elements; MAXU, QUADU: of the separation, for cohesive surfaces",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
     "ACCUMULATION POWER" refused "the sum of plastic strain increments over the failure strain is used",
     "ALPHA" refused "applies only to HASHIN",
@@ -171,6 +171,16 @@ card!(DamageInitiation: "DAMAGE INITIATION", "Damage initiation criterion", (bel
         "second shear strain" inert "the faces do not move along the second shear direction",
         "temperature" inert "the values do not depend on temperature",
     ]),
+    (when "CRITERION" = "MAXU" lines [
+        "normal separation" (POSITIVE.required()), "shear separation" (POSITIVE.required()),
+        "second shear separation" inert "the surfaces do not move along the second shear direction",
+        "temperature" inert "the values do not depend on temperature",
+    ]),
+    (when "CRITERION" = "QUADU" lines [
+        "normal separation" (POSITIVE.required()), "shear separation" (POSITIVE.required()),
+        "second shear separation" inert "the surfaces do not move along the second shear direction",
+        "temperature" inert "the values do not depend on temperature",
+    ]),
     (rows [
         "plastic strain" (POSITIVE.required()), "triaxiality" (ZERO), "rate of the plastic strain" (ZERO),
         "temperature" (ZERO),
@@ -178,13 +188,13 @@ card!(DamageInitiation: "DAMAGE INITIATION", "Damage initiation criterion", (bel
     ]),
 ]);
 
-card!(DamageEvolution: "DAMAGE EVOLUTION", "Damage evolution", (below "MATERIAL"), {
+card!(DamageEvolution: "DAMAGE EVOLUTION", "Damage evolution", (below "MATERIAL" | "SURFACE INTERACTION"), {
     energy: bool = "TYPE" (variant(&["DISPLACEMENT", "ENERGY"]).required()),
-    softening: usize = "SOFTENING" (word(&["LINEAR", "EXPONENTIAL", "TABULAR"]).or(0.0)) "EXPONENTIAL and TABULAR: for cohesive elements only",
+    softening: usize = "SOFTENING" (word(&["LINEAR", "EXPONENTIAL", "TABULAR"]).or(0.0)) "EXPONENTIAL and TABULAR: for cohesive elements and surfaces only",
     "DEGRADATION" only ["MAXIMUM"] "the largest damage is used",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
-    mixed_mode: usize = "MIXED MODE BEHAVIOR" (word(&["TABULAR", "MODE INDEPENDENT", "POWER LAW", "BK"]).or(0.0)) "For cohesive elements: TABULAR (default; without MODE MIX RATIO the values do not depend on the mode), POWER LAW or BK (Benzeggagh-Kenane) with TYPE=ENERGY",
-    ratio: Option<usize> = "MODE MIX RATIO" (word(&["ENERGY", "TRACTION"])) "For cohesive elements with TABULAR mixed modes: measure of the mode mix in the table",
+    mixed_mode: usize = "MIXED MODE BEHAVIOR" (word(&["TABULAR", "MODE INDEPENDENT", "POWER LAW", "BK"]).or(0.0)) "For cohesive elements and surfaces: TABULAR (default; without MODE MIX RATIO the values do not depend on the mode), POWER LAW or BK (Benzeggagh-Kenane) with TYPE=ENERGY",
+    ratio: Option<usize> = "MODE MIX RATIO" (word(&["ENERGY", "TRACTION"])) "For cohesive elements and surfaces with TABULAR mixed modes: measure of the mode mix in the table",
     power: Option<f64> = "POWER" (POSITIVE) "Exponent of POWER LAW or BK",
     "FAILURE INDEX" refused "applies only to user-defined criteria",
 }, rows: Vec<[f64; 3]> = [

@@ -94,7 +94,7 @@ macro_rules! times {
     () => {
         CardMultiplicity::Any
     };
-    (once $(each)? $(step)? $(below $parent:literal)?) => {
+    (once $(each)? $(step)? $(below $($parent:literal)|+)?) => {
         CardMultiplicity::Once
     };
     (unique $name:literal) => {
@@ -116,11 +116,8 @@ macro_rules! place {
     (step) => {
         CardPlace::Step
     };
-    (once below $parent:literal) => {
-        CardPlace::Below($parent)
-    };
-    (below $parent:literal) => {
-        CardPlace::Below($parent)
+    ($(once)? below $($parent:literal)|+) => {
+        CardPlace::Below(&[$($parent),+])
     };
     ($($other:tt)*) => {
         CardPlace::Anywhere

@@ -48,7 +48,6 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Heat capacity of gases": "CAPACITY";
     "Friction changed in a step": "CHANGE FRICTION";
     "Clay model of soils": "CLAY PLASTICITY";
-    "Cohesive surfaces": "COHESIVE BEHAVIOR";
     "Smeared cracking of concrete": "CONCRETE";
     "Damaged plasticity of concrete": "CONCRETE DAMAGED PLASTICITY", "CONCRETE COMPRESSION HARDENING",
         "CONCRETE COMPRESSION DAMAGE", "CONCRETE TENSION STIFFENING", "CONCRETE TENSION DAMAGE";

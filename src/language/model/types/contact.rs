@@ -3,6 +3,7 @@
 use indexmap::IndexMap;
 
 use super::handle::{InteractionId, RigidSurfaceId, SurfaceId};
+use super::material::{InterfaceEvolution, InterfaceInitiation};
 use super::{ElementSurface, SideSelection};
 use crate::deck::Span;
 use crate::kernel::interaction::InteractionLaw;
@@ -51,6 +52,25 @@ pub struct SurfaceInteraction {
     pub law: InteractionLaw,
     /// Keyword and source position of the thermal cards of the interaction.
     pub heat_cards: Vec<(&'static str, Span)>,
+    /// Bond of the surfaces; `None` without `*COHESIVE BEHAVIOR`.
+    pub cohesion: Option<CohesiveBehavior>,
+}
+
+/// Bond of two contact surfaces with a traction-separation law (`*COHESIVE BEHAVIOR`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct CohesiveBehavior {
+    /// Normal and shear stiffness, traction per separation; `None` is the penalty stiffness of the underlying elements.
+    pub stiffness: Option<[f64; 2]>,
+    /// Whether only points in contact when the pair comes into force are bonded (`ELIGIBILITY=ORIGINAL CONTACTS`).
+    pub original_only: bool,
+    /// Whether points are bonded again after complete damage and separation (`REPEATED CONTACTS`).
+    pub repeated: bool,
+    /// Damage initiation; `None` for an elastic bond.
+    pub initiation: Option<InterfaceInitiation>,
+    /// Damage evolution; without it damage does not begin.
+    pub evolution: Option<InterfaceEvolution>,
+    /// Source position of the keyword line.
+    pub span: Span,
 }
 
 /// Contact of two element-based surfaces, self-contact of one, or contact with an analytical surface.

@@ -239,12 +239,23 @@ pub struct InterfaceDefinition {
     pub evolution: Option<InterfaceEvolution>,
 }
 
-/// Damage initiation of cohesive elements.
+/// Quantity that a criterion of damage initiation limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InitiationMeasure {
+    /// Nominal stress (MAXS, QUADS).
+    Stress,
+    /// Nominal strain of cohesive elements (MAXE, QUADE).
+    Strain,
+    /// Separation of cohesive surfaces (MAXU, QUADU).
+    Separation,
+}
+
+/// Damage initiation of cohesive elements or cohesive surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterfaceInitiation {
-    /// Whether the values are nominal strains (MAXE, QUADE) and not nominal stresses (MAXS, QUADS).
-    pub strains: bool,
-    /// Whether the components are combined by the sum of their squares (QUADS, QUADE) and not by the largest.
+    /// Quantity that the values limit.
+    pub measure: InitiationMeasure,
+    /// Whether the components are combined by the sum of their squares (QUADS, QUADE, QUADU) and not by the largest.
     pub quadratic: bool,
     /// Values of the normal and the shear mode at initiation.
     pub limits: [f64; 2],
@@ -252,7 +263,7 @@ pub struct InterfaceInitiation {
     pub span: Span,
 }
 
-/// Damage evolution of cohesive elements. Displacements are effective separations after initiation.
+/// Damage evolution of cohesive elements or cohesive surfaces. Displacements are effective separations after initiation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct InterfaceEvolution {
     /// Form of the softening.

@@ -8,9 +8,10 @@ use super::curve::{PointCarrier, SurfacePoint};
 use super::{ContactConstraint, ContactPair};
 
 /// Identifies the carrier of a point.
-type PointIdentity = (usize, Option<[u64; 2]>);
+pub(super) type PointIdentity = (usize, Option<[u64; 2]>);
 
-fn identity(point: &SurfacePoint) -> PointIdentity {
+/// Returns the identity of the carrier of a point.
+pub(super) fn identity(point: &SurfacePoint) -> PointIdentity {
     match point.carrier {
         PointCarrier::Node(node) => (node, None),
         PointCarrier::Body(body, place) => (body, Some(place.inline_map(f64::to_bits))),
@@ -49,6 +50,7 @@ impl ContactConstraint {
                 *most = known.get(&identity(point)).map_or(0.0, |found| **found);
             }
         }
+        self.take_over_cohesion(previous);
     }
 
     fn take_over_key(&mut self, key: usize, previous: &ContactConstraint, other: usize) {
@@ -66,7 +68,7 @@ impl ContactConstraint {
     }
 
     /// Returns the carriers of the points of each facet of a curve.
-    fn facet_owners(&self, curve: usize) -> impl Iterator<Item = [PointIdentity; 2]> {
+    pub(super) fn facet_owners(&self, curve: usize) -> impl Iterator<Item = [PointIdentity; 2]> {
         self.curves[curve].facets.iter().map(|facet| facet.inline_map(|point| identity(&self.points[point as usize])))
     }
 

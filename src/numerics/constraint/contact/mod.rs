@@ -9,6 +9,8 @@
 
 pub mod analytical;
 mod area;
+mod bonding;
+pub mod cohesion;
 mod continuation;
 pub mod curve;
 mod direct;
@@ -26,6 +28,7 @@ use std::any::Any;
 use std::collections::HashMap;
 
 use self::analytical::{AnalyticalSurface, ClosestPoint};
+use self::cohesion::CohesiveSurfaces;
 use self::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use self::gaps::{FacetGap, GapIntegrator};
 use self::heat::{ContactHeat, HeatKey};
@@ -159,6 +162,8 @@ pub struct ContactConstraint {
     gap_offsets: Vec<f64>,
     /// Index of the first law of penalty springs; all later laws are springs. `None` without springs.
     springs: Option<u32>,
+    /// Bonds of surfaces; `None` without cohesive behaviour.
+    cohesion: Option<Box<CohesiveSurfaces>>,
     /// Heat exchange; `None` if no temperatures are solved for.
     contact_heat: Option<Box<ContactHeat>>,
     /// Mean velocity of each degree of freedom during the impulses of the increment.
@@ -370,6 +375,7 @@ impl ContactConstraint {
         }
         self.show_openings();
         self.update_heat_rows();
+        self.bond_new_pairs();
         self.listed.clear();
         deepest
     }
@@ -660,13 +666,16 @@ impl ContactConstraint {
 
     /// Replaces the contact acceleration of free bodies with that of this increment.
     fn push_bodies(&mut self, dofs: &mut Dofs) {
-        let half = self.half;
-        for carried in self.bodies.iter_mut().filter(|c| !c.prescribed) {
-            let [normal, slip] = self.impulses[carried.dof];
+        for at in 0..self.bodies.len() {
+            let carried = self.bodies[at];
+            if carried.prescribed {
+                continue;
+            }
             let body = &mut dofs.bodies[carried.body];
             body.contact -= carried.contact_acceleration;
-            carried.contact_acceleration = (normal + slip) * body.inverse_mass / half;
-            body.contact += carried.contact_acceleration;
+            let acceleration = self.whole_impulse(carried.dof) * body.inverse_mass / self.half;
+            self.bodies[at].contact_acceleration = acceleration;
+            body.contact += acceleration;
         }
     }
 }
@@ -803,6 +812,7 @@ impl Constraint for ContactConstraint {
         if self.laws.iter().any(|law| law.is_soft()) {
             self.gaps.reserve_edges(self.pressures.len());
         }
+        self.begin_cohesion(dofs);
     }
 
     fn accelerations(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {
@@ -810,8 +820,8 @@ impl Constraint for ContactConstraint {
             return;
         }
         for carried in self.bodies.iter().filter(|c| c.prescribed) {
-            let [normal, slip] = self.impulses[carried.dof];
-            dofs.bodies[carried.body].reaction -= (normal + slip) / self.half * self.output_share;
+            let impulse = self.whole_impulse(carried.dof);
+            dofs.bodies[carried.body].reaction -= impulse / self.half * self.output_share;
         }
     }
 
@@ -831,6 +841,7 @@ impl Constraint for ContactConstraint {
         self.measure(dt);
         self.show_openings();
         self.update_heat_rows();
+        self.act_cohesion(dofs, dt);
         let span = ContactInterval { dt, half: self.half };
         dofs.energies.initial_overlap += self.stored_energy.limit_overlaps(&mut self.rows, &self.laws);
         let given = ContactStep { laws: &self.laws, before: &self.pressures, span };
@@ -845,13 +856,22 @@ impl Constraint for ContactConstraint {
         self.stored_energy.add_work(&self.rows, &self.laws, &self.motion, span);
         self.gather_impulses();
         self.apply_impulses(dofs, dt);
+        self.add_cohesive_work(dofs, dt);
         self.push_bodies(dofs);
         self.show(dt);
     }
 
     fn view(&self) -> ConstraintView<'_> {
         let heat = self.contact_heat.as_deref().map(|exchange| exchange as &dyn HeatExchange);
-        ConstraintView { carried: None, moves_nodes: true, forces: Some(self), contact: Some(self), heat }
+        let squared_frequency = self.squared_frequency();
+        ConstraintView {
+            carried: None,
+            moves_nodes: true,
+            forces: Some(self),
+            contact: Some(self),
+            heat,
+            squared_frequency,
+        }
     }
 
     fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
@@ -872,7 +892,7 @@ impl ConstraintForces for ContactConstraint {
     }
 
     fn impulse(&self, _dof: Dof, index: usize, _half: f64) -> f64 {
-        self.impulses[index][0] + self.impulses[index][1]
+        self.whole_impulse(index)
     }
 }
 
@@ -907,6 +927,7 @@ impl StoredConstraint for ContactConstraint {
             + self.stored_energy.memory()
             + self.slip_damping.memory()
             + self.rows.memory()
+            + self.memory_of_cohesion()
             + MemoryUse::of(&self.points)
             + MemoryUse::of(&self.analyticals)
             + MemoryUse::of(&self.feet)
@@ -932,7 +953,8 @@ impl StoredConstraint for ContactConstraint {
 persist_struct!(ContactBody { contact_acceleration } derived { dof, body, prescribed });
 
 persist_struct!(ContactConstraint {
-    curves: fixed, pressures: fixed, stored_energy, slip_damping, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present
+    curves: fixed, pressures: fixed, stored_energy, slip_damping, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present,
+    cohesion: present
 } derived {
     points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, gap_offsets, springs, means, places, near, listed, gaps, rows, motion
 } then ContactConstraint::list_again);
@@ -942,6 +964,7 @@ impl ContactConstraint {
     fn list_again(&mut self, archive: &mut StateArchive<'_>) {
         if archive.reads() {
             self.list_points();
+            self.check_bonds(archive);
         }
     }
 }

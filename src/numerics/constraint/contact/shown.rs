@@ -122,6 +122,7 @@ impl ContactConstraint {
             }
         }
         self.add_forces_of_points(pair, &mut sum);
+        self.add_forces_of_bonds(pair, &mut sum);
         sum
     }
 
@@ -154,13 +155,16 @@ impl ContactResults for ContactConstraint {
         });
         let mut found: Option<f64> = None;
         for key in keys {
-            let [pressure, shear] = self.stresses(key);
+            let ([pressure, shear], bond) = (self.stresses(key), self.bond_stresses(key));
             let value = match part.variable {
-                Variable::ContactPressure => found.unwrap_or(0.0) + pressure,
-                Variable::ContactShear => found.unwrap_or(0.0) + shear,
+                Variable::ContactPressure => found.unwrap_or(0.0) + pressure + bond[0],
+                Variable::ContactShear => found.unwrap_or(0.0) + shear + bond[1],
                 Variable::ContactOpening => self.shown.opening[key].min(found.unwrap_or(f64::NAN)),
                 Variable::ContactSlip => found.unwrap_or(0.0) + self.shown.slip[key],
-                _ => return None,
+                variable => match self.bond_value(key, variable) {
+                    Some(value) => value.max(found.unwrap_or(0.0)),
+                    None => continue,
+                },
             };
             found = Some(value);
         }

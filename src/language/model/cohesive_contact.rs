@@ -1,0 +1,79 @@
+//! Cohesive behaviour of contact surfaces: `*COHESIVE BEHAVIOR` of a surface interaction, and the `*DAMAGE INITIATION`
+//! and `*DAMAGE EVOLUTION` that follow it (ABAQUS Keywords Reference Guide).
+
+use super::builder::ModelBuilder;
+use super::cohesive::initiation_of;
+use super::types::{CohesiveBehavior, InitiationMeasure, InterfaceEvolution};
+use crate::deck::table::{constraints, materials};
+use crate::deck::{Card, Diagnostic};
+
+impl ModelBuilder<'_> {
+    pub(super) fn cohesive_behavior(&mut self, card: &Card) {
+        self.contact_note(card);
+        let constraints::CohesiveBehavior { original, repeated, stiffness } = self.values(card);
+        if stiffness[0].is_nan() != stiffness[1].is_nan() {
+            let span = card.lines.first().map_or(card.span, |line| line.span);
+            let message = "*COHESIVE BEHAVIOR requires both the normal and the shear stiffness, or no data line";
+            return self.out_of_range(span, message);
+        }
+        let stiffness = (!stiffness[0].is_nan()).then_some(stiffness);
+        let Some(interaction) = self.model.interactions.last_mut() else { return };
+        interaction.cohesion = Some(CohesiveBehavior {
+            stiffness,
+            original_only: original,
+            repeated,
+            initiation: None,
+            evolution: None,
+            span: card.span,
+        });
+    }
+
+    /// Returns the cohesive behaviour of the current surface interaction, or reports that it is missing.
+    fn last_cohesion(&mut self, card: &Card) -> Option<&mut CohesiveBehavior> {
+        let is_there = self.model.interactions.last().is_some_and(|interaction| interaction.cohesion.is_some());
+        if !is_there && !self.missing.has_card("COHESIVE BEHAVIOR") {
+            let message = format!("*{} of a surface interaction must follow its *COHESIVE BEHAVIOR", card.keyword.name);
+            let finding = Diagnostic::error("M105", message).at(card.span, "no *COHESIVE BEHAVIOR before");
+            self.diagnostics.push(finding.help("add *COHESIVE BEHAVIOR, or move the card below its *MATERIAL"));
+        }
+        self.model.interactions.last_mut().and_then(|interaction| interaction.cohesion.as_mut())
+    }
+
+    /// Reads `*DAMAGE INITIATION` of a surface interaction.
+    pub(super) fn cohesive_initiation(&mut self, card: &Card) {
+        let materials::DamageInitiation { criterion } = self.values(card);
+        let Some(before) = self.last_cohesion(card).map(|cohesion| cohesion.initiation) else { return };
+        let initiation = initiation_of(card, criterion).filter(|i| i.measure != InitiationMeasure::Strain);
+        if initiation.is_none() {
+            let name = card.value("CRITERION").map_or(String::new(), |word| word.text.to_uppercase());
+            let message = format!("CRITERION={name} does not apply to cohesive surfaces");
+            let span = card.value("CRITERION").map_or(card.span, |word| word.span);
+            return self.unsupported(span, message, "give MAXS, QUADS (tractions), MAXU or QUADU (separations)");
+        }
+        if before.is_some() {
+            let message = "a cohesive behaviour has one *DAMAGE INITIATION";
+            return self.unsupported(card.span, message, "remove one of the criteria");
+        }
+        if let Some(cohesion) = self.last_cohesion(card) {
+            cohesion.initiation = initiation;
+        }
+    }
+
+    /// Reads `*DAMAGE EVOLUTION` of a surface interaction.
+    pub(super) fn cohesive_evolution(&mut self, card: &Card) {
+        let Some(cohesion) = self.last_cohesion(card) else { return };
+        if cohesion.initiation.is_none() || cohesion.evolution.is_some() {
+            if !self.missing.has_card("DAMAGE INITIATION") {
+                let message = "*DAMAGE EVOLUTION must follow a *DAMAGE INITIATION";
+                let finding = Diagnostic::error("M105", message).at(card.span, "no *DAMAGE INITIATION before");
+                self.diagnostics.push(finding);
+            }
+            return;
+        }
+        let values: materials::DamageEvolution = self.values(card);
+        let softening = self.softening(card, &values);
+        if let (Some(softening), Some(cohesion)) = (softening, self.last_cohesion(card)) {
+            cohesion.evolution = Some(InterfaceEvolution { softening, span: card.span });
+        }
+    }
+}

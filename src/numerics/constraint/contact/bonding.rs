@@ -1,0 +1,469 @@
+//! Bonds of contact surfaces as part of the contact: which points are bonded, tractions and impulses, energies, the bound
+//! of the frequency, output, and continuation in the next step.
+
+use std::collections::HashMap;
+
+use super::cohesion::{BondStatus, BondedPoint, CohesivePair, CohesiveSurfaces, FootVector, opened};
+use super::continuation::identity;
+use super::curve::{FacetCurve, PointCarrier};
+use super::sweeps::NONE;
+use super::{ContactConstraint, ContactPair, MergedContactDof};
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::MemoryUse;
+use crate::kernel::traction_separation::TractionSeparationLaw;
+use crate::state::archive::StateArchive;
+use crate::state::dofs::{Dof, Dofs};
+use crate::variables::Variable;
+
+/// Largest gap of a point that is bonded when its pair comes into force, as a fraction of the facet length of the pair.
+/// Meshes of matching curved surfaces have such gaps.
+const TOUCHING: f64 = 0.05;
+
+/// Factor of the normal stiffness in the bound of the frequency. Normal tractions act in tension only: a body that pulls at
+/// a spring of the frequency ω for one increment gets back at most its energy if (ω dt)² <= 2, and not 4.
+const ONE_SIDED: f64 = 2.0;
+
+impl CohesiveSurfaces {
+    /// Returns the indices of the cohesive pair and of the point that a key of the contact belongs to.
+    fn place_of(&self, contact: &ContactConstraint, key: u32) -> Option<(usize, usize)> {
+        self.pairs.iter().enumerate().find_map(|(at, cohesive)| {
+            let pair = &contact.pairs[cohesive.pair];
+            let index = key.checked_sub(pair.first_key)? as usize;
+            (index < contact.curves[pair.own].own.len()).then_some((at, cohesive.first + index))
+        })
+    }
+
+    /// Bonds the points of new pairs that are in contact according to the current rows.
+    fn bond_new_pairs(&mut self, contact: &ContactConstraint) {
+        for at in 0..self.pairs.len() {
+            if self.pairs[at].is_new {
+                let count = contact.curves[contact.pairs[self.pairs[at].pair].own].own.len();
+                let first = self.pairs[at].first;
+                self.points[first..first + count].fill(BondedPoint::default());
+            }
+        }
+        for row in &contact.rows.rows {
+            let Some((at, point)) = self.place_of(contact, row.key).filter(|found| self.pairs[found.0].is_new) else {
+                continue;
+            };
+            let pair = &contact.pairs[self.pairs[at].pair];
+            if row.gap <= TOUCHING * pair.search.length * row.area {
+                self.points[point] = contact.bond(pair, point - self.pairs[at].first, row.area).unwrap_or_default();
+            }
+        }
+    }
+
+    /// Bonds points that have come into contact in the previous increment.
+    fn bond_pressed_points(&mut self, contact: &ContactConstraint) {
+        if !self.pairs.iter().any(|cohesive| cohesive.bonds_later || cohesive.bonds_again) {
+            return;
+        }
+        for row in &contact.rows.rows {
+            let Some((at, point)) = self.place_of(contact, row.key) else { continue };
+            let cohesive = &self.pairs[at];
+            let bonds = match self.points[point].status {
+                BondStatus::Free => cohesive.bonds_later,
+                BondStatus::Separated => cohesive.bonds_again,
+                BondStatus::Bonded | BondStatus::Failed => false,
+            };
+            if bonds && contact.pressures[row.key as usize][0] > 0.0 {
+                let bonded = contact.bond(&contact.pairs[cohesive.pair], point - cohesive.first, row.area);
+                self.points[point] = bonded.unwrap_or(self.points[point]);
+            }
+        }
+    }
+
+    /// Updates separations and tractions at the start of an increment, and the impulses over the time `half`. Returns the
+    /// energy that damage and the deletion of elements dissipate.
+    fn update(&mut self, contact: &ContactConstraint, half: f64) -> f64 {
+        let CohesiveSurfaces { laws, pairs, points, impulses, .. } = self;
+        impulses.fill(0.0);
+        let mut dissipated = 0.0;
+        for cohesive in pairs.iter() {
+            let pair = &contact.pairs[cohesive.pair];
+            let (own, other) = contact.sides(pair);
+            for (index, &place) in own.own.iter().enumerate() {
+                let point = &mut points[cohesive.first + index];
+                if point.status == BondStatus::Failed && contact.pressures[pair.first_key as usize + index][0] == 0.0 {
+                    point.status = BondStatus::Separated;
+                }
+                if point.status != BondStatus::Bonded {
+                    continue;
+                }
+                let law = &laws[cohesive.law_of(index)];
+                if !has_surfaces(own, index, other, point.facet) {
+                    dissipated += point.area * law.stored(point.history.damage, opened(point.separation));
+                    (point.status, point.traction, point.history.damage) = (BondStatus::Failed, [0.0; 2], 1.0);
+                    continue;
+                }
+                let shape = &other.shapes[point.facet as usize];
+                let foot = FootVector::new(shape, point.part, contact.places[place as usize]);
+                dissipated += point.separate(law, &foot);
+                let between = point.traction.inline_map(|traction| point.area * traction * half);
+                let [a, b] = other.facets[point.facet as usize];
+                for (at, impulse) in [place, a, b].into_iter().zip(foot.forces(point.part, between)) {
+                    contact.add_impulse(impulses, at, impulse);
+                }
+            }
+        }
+        dissipated
+    }
+
+    /// Computes the bound of the frequency from the stiffness of the bonds and the masses that they join, by the theorem of
+    /// Gershgorin as [`crate::element::cohesive::bounds`].
+    fn bound_frequency(&mut self, contact: &ContactConstraint) {
+        let mut sums = std::mem::take(&mut self.sums);
+        sums.fill(0.0);
+        self.for_each_bond(contact, |stiffness, ends| {
+            for (dof, weight) in ends {
+                if dof != NONE {
+                    sums[dof as usize] += weight.abs() * stiffness;
+                }
+            }
+        });
+        let mut squared: f64 = 0.0;
+        self.for_each_bond(contact, |_, ends| {
+            let row = |(dof, weight): (u32, f64)| match sums.get(dof as usize) {
+                Some(sum) => weight.abs() * sum * contact.motion.inverse_mass[dof as usize],
+                None => 0.0,
+            };
+            squared = squared.max(ends.inline_map(row).iter().sum());
+        });
+        (self.sums, self.squared_frequency) = (sums, squared);
+    }
+
+    /// Passes to `visit` the stiffness of each bond along r and z, and the degrees of freedom of the point and both ends of
+    /// the facet with their weights.
+    fn for_each_bond(&self, contact: &ContactConstraint, mut visit: impl FnMut(f64, [(u32, f64); 3])) {
+        for cohesive in &self.pairs {
+            let (own, other) = contact.sides(&contact.pairs[cohesive.pair]);
+            for (index, &place) in own.own.iter().enumerate() {
+                let point = &self.points[cohesive.first + index];
+                if point.status != BondStatus::Bonded {
+                    continue;
+                }
+                let [normal, shear] = self.laws[cohesive.law_of(index)].stiffness;
+                let [a, b] = other.facets[point.facet as usize];
+                for axis in 0..2 {
+                    let dof = |at: u32| contact.dofs_of[at as usize][axis];
+                    let ends = [(dof(place), 1.0), (dof(a), 1.0 - point.part), (dof(b), point.part)];
+                    visit(point.area * (ONE_SIDED * normal).max(shear), ends);
+                }
+            }
+        }
+    }
+}
+
+/// Returns whether neither the surface around a point nor the facet of its foot has lost its element.
+fn has_surfaces(own: &FacetCurve, index: usize, other: &FacetCurve, facet: u32) -> bool {
+    other.is_exposed[facet as usize] && own.around_own(index).iter().any(|f| own.is_exposed[f.0 as usize])
+}
+
+impl ContactConstraint {
+    /// Returns the contact with cohesive behaviour of these pairs.
+    pub fn with_cohesion(
+        mut self,
+        laws: Vec<TractionSeparationLaw>,
+        mut pairs: Vec<CohesivePair>,
+    ) -> ContactConstraint {
+        let mut count = 0;
+        for cohesive in &mut pairs {
+            cohesive.first = count;
+            count += self.curves[self.pairs[cohesive.pair].own].own.len();
+        }
+        self.cohesion = Some(Box::new(CohesiveSurfaces {
+            laws,
+            pairs,
+            points: vec![BondedPoint::default(); count],
+            impulses: vec![0.0; self.dofs.len()],
+            sums: vec![0.0; self.dofs.len()],
+            squared_frequency: 0.0,
+        }));
+        self
+    }
+
+    /// Returns the number of bonded points of a pair, and of all points of its own curve; `None` if it has no cohesive
+    /// behaviour.
+    pub fn bonded_points(&self, pair: usize) -> Option<[usize; 2]> {
+        let cohesion = self.cohesion.as_ref()?;
+        let cohesive = cohesion.pairs.iter().find(|cohesive| cohesive.pair == pair)?;
+        let count = self.curves[self.pairs[pair].own].own.len();
+        let points = &cohesion.points[cohesive.first..cohesive.first + count];
+        Some([points.iter().filter(|point| point.status == BondStatus::Bonded).count(), count])
+    }
+
+    fn sides(&self, pair: &ContactPair) -> (&FacetCurve, &FacetCurve) {
+        let own = &self.curves[pair.own];
+        (own, pair.other.map_or(own, |other| &self.curves[other]))
+    }
+
+    fn add_impulse(&self, impulses: &mut [f64], point: u32, impulse: [f64; 2]) {
+        for (dof, part) in self.dofs_of[point as usize].into_iter().zip(impulse) {
+            if dof != NONE {
+                impulses[dof as usize] += part;
+            }
+        }
+    }
+
+    /// Returns a point of the own curve of a pair as bonded to the closest opposite facet; `None` if there is none.
+    fn bond(&self, pair: &ContactPair, index: usize, area: f64) -> Option<BondedPoint> {
+        let (own, other) = self.sides(pair);
+        let point = own.own[index];
+        let place = self.places[point as usize];
+        let mut best: Option<(f64, u32, f64)> = None;
+        for &(k, _) in own.around_own(index).iter().filter(|f| own.is_exposed[f.0 as usize]) {
+            let shares = self.gaps.shares_of(&pair.facet_gaps[k as usize]);
+            for (facet, _) in shares.iter().flat_map(|share| other.around(share.point)) {
+                let (normal, shape) = (own.shapes[k as usize].normal, &other.shapes[facet as usize]);
+                let faces = normal[0] * shape.normal[0] + normal[1] * shape.normal[1] < 0.0;
+                if !other.is_exposed[facet as usize] || !faces || other.facets[facet as usize].contains(&point) {
+                    continue;
+                }
+                let d = [place[0] - shape.from[0], place[1] - shape.from[1]];
+                let along = d[0] * shape.along[0] + d[1] * shape.along[1];
+                let part = (along / (shape.length * shape.length)).clamp(0.0, 1.0);
+                let apart = [0, 1].inline_map(|i: usize| d[i] - part * shape.along[i]);
+                let square = apart[0] * apart[0] + apart[1] * apart[1];
+                if best.is_none_or(|(least, known, _)| square < least || square == least && facet < known) {
+                    best = Some((square, facet, part));
+                }
+            }
+        }
+        let (_, facet, part) = best?;
+        let reference = FootVector::new(&other.shapes[facet as usize], part, place).components;
+        Some(BondedPoint { status: BondStatus::Bonded, facet, part, area, reference, ..BondedPoint::default() })
+    }
+
+    /// Bonds the points of new pairs that are in contact according to the current rows.
+    pub(super) fn bond_new_pairs(&mut self) {
+        if let Some(mut cohesion) = self.cohesion.take() {
+            cohesion.bond_new_pairs(self);
+            self.cohesion = Some(cohesion);
+        }
+    }
+
+    /// Bonds the points of pairs that come into force at the current coordinates, and bounds the frequency.
+    pub(super) fn begin_cohesion(&mut self, dofs: &Dofs) {
+        let Some(cohesion) = &self.cohesion else { return };
+        let any_new = cohesion.pairs.iter().any(|cohesive| cohesive.is_new);
+        if self.uncovered {
+            self.list_points();
+        }
+        self.read_motion(dofs, 0.0);
+        if any_new {
+            self.measure_current(dofs);
+            self.bond_new_pairs();
+        }
+        if let Some(mut cohesion) = self.cohesion.take() {
+            cohesion.pairs.iter_mut().for_each(|cohesive| cohesive.is_new = false);
+            cohesion.bound_frequency(self);
+            self.cohesion = Some(cohesion);
+        }
+    }
+
+    /// Measures the gaps between the increments.
+    fn measure_current(&mut self, dofs: &Dofs) {
+        for at in 0..self.points.len() {
+            if let PointCarrier::Body(body, [r, z]) = self.points[at].carrier {
+                self.places[at] = [r, z + dofs.bodies[body].displacement];
+            }
+        }
+        if self.uncovered {
+            self.curves.iter_mut().for_each(|curve| curve.find_neighbors(&self.places));
+        }
+        self.curves.iter_mut().for_each(|curve| curve.shape(&self.places));
+        self.update_candidates();
+        self.measure(0.0);
+        self.show_openings();
+    }
+
+    /// Updates the bonds at the start of an increment of length `dt` and applies their impulses to the motion over it.
+    /// Friction does not act on points whose bond has no damage.
+    pub(super) fn act_cohesion(&mut self, dofs: &mut Dofs, dt: f64) {
+        let Some(mut cohesion) = self.cohesion.take() else { return };
+        cohesion.bond_pressed_points(self);
+        let dissipated = cohesion.update(self, self.half);
+        dofs.energies.plastic += dissipated;
+        dofs.energies.damaged += dissipated;
+        cohesion.bound_frequency(self);
+        for at in 0..self.rows.rows.len() {
+            let Some((pair, point)) = cohesion.place_of(self, self.rows.rows[at].key) else { continue };
+            let (cohesive, bonded) = (&cohesion.pairs[pair], &cohesion.points[point]);
+            if bonded.status == BondStatus::Bonded && bonded.history.damage == 0.0 {
+                let index = if self.pairs[cohesive.pair].springs { point - cohesive.first } else { 0 };
+                self.rows.rows[at].law = (cohesive.intact_law + index) as u32;
+            }
+        }
+        for i in 0..self.dofs.len() {
+            let change = self.motion.inverse_mass[i] * cohesion.impulses[i];
+            if change != 0.0 {
+                self.motion.velocity[i] += change;
+                self.change_velocity(i, change, dofs, dt);
+            }
+        }
+        self.cohesion = Some(cohesion);
+    }
+
+    /// Changes the velocity of a degree of freedom over an increment of length `dt`, and of all nodes with the same motion.
+    fn change_velocity(&self, index: usize, change: f64, dofs: &mut Dofs, dt: f64) {
+        let mut change_node = |node: usize, axis: usize| {
+            *dofs.nodes[node].velocity(axis) += change;
+            *dofs.nodes[node].coordinate(axis) += dt * change;
+            dofs.nodes.acceleration[node][axis] += change / self.half;
+        };
+        match self.dofs[index].0 {
+            Dof::Node(node, axis) => change_node(node, axis),
+            Dof::Body(body) => {
+                dofs.bodies[body].velocity_half += change;
+                dofs.bodies[body].displacement += dt * change;
+            }
+        }
+        for MergedContactDof { nodes, .. } in self.merged.iter().filter(|merged| merged.dof == index) {
+            nodes.nodes[1..].iter().for_each(|&node| change_node(node, nodes.axis));
+        }
+    }
+
+    /// Adds the work of the bonds after the impulses of contact: the impulse times the mean of the velocities before and
+    /// after all impulses. The work on a prescribed motion is external work.
+    pub(super) fn add_cohesive_work(&self, dofs: &mut Dofs, dt: f64) {
+        let Some(cohesion) = &self.cohesion else { return };
+        let Dofs { bodies, nodes, energies, .. } = dofs;
+        let mut work = 0.0;
+        for (i, &(dof, prescribed)) in self.dofs.iter().enumerate().filter(|(i, _)| cohesion.impulses[*i] != 0.0) {
+            let impulse = cohesion.impulses[i];
+            let mean = match dof {
+                Dof::Node(n, axis) => {
+                    let after = *nodes[n].velocity(axis);
+                    after - 0.5 * self.half * nodes.acceleration[n][axis]
+                }
+                Dof::Body(b) => {
+                    let body = &bodies[b];
+                    let before = body.before.velocity - (self.half - 0.5 * dt) * body.acceleration;
+                    if !prescribed {
+                        // The impulses of contact have taken this work for that of another contact.
+                        let change = self.motion.inverse_mass[i] * impulse;
+                        energies.contact += 0.5 * change * (self.impulses[i][0] + self.impulses[i][1]);
+                    }
+                    0.5 * (before + body.velocity_half)
+                }
+            };
+            if prescribed {
+                energies.external -= impulse * mean;
+            }
+            work += impulse * mean;
+        }
+        energies.internal -= work;
+    }
+
+    /// Takes the bonds of the pairs that the previous contact has, too.
+    pub(super) fn take_over_cohesion(&mut self, previous: &ContactConstraint) {
+        let Some(before) = previous.cohesion.as_deref() else { return };
+        let Some(mut cohesion) = self.cohesion.take() else { return };
+        let known: HashMap<Dof, f64> =
+            previous.dofs.iter().map(|dof| dof.0).zip(before.impulses.iter().copied()).collect();
+        for ((dof, _), impulse) in self.dofs.iter().zip(&mut cohesion.impulses) {
+            *impulse = known.get(dof).copied().unwrap_or(0.0);
+        }
+        for cohesive in &mut cohesion.pairs {
+            let pair = &self.pairs[cohesive.pair];
+            let is_same = |old: &&CohesivePair| {
+                let old = &previous.pairs[old.pair];
+                (old.number, old.first) == (pair.number, pair.first)
+            };
+            if let Some(old) = before.pairs.iter().find(is_same) {
+                cohesive.is_new = false;
+                let points = &before.points[old.first..];
+                self.take_over_bonds(pair, &mut cohesion.points[cohesive.first..], (previous, old, points));
+            }
+        }
+        self.cohesion = Some(cohesion);
+    }
+
+    /// Takes the bonds of a pair; `points` are those of its own curve.
+    fn take_over_bonds(
+        &self,
+        pair: &ContactPair,
+        points: &mut [BondedPoint],
+        (previous, old, before): (&ContactConstraint, &CohesivePair, &[BondedPoint]),
+    ) {
+        let old_pair = &previous.pairs[old.pair];
+        let facets: HashMap<_, u32> = self.facet_owners(pair.other.unwrap_or(pair.own)).zip(0..).collect();
+        let old_facets: Vec<_> = previous.facet_owners(old_pair.other.unwrap_or(old_pair.own)).collect();
+        let old_points = previous.curves[old_pair.own].own.iter().map(|&at| identity(&previous.points[at as usize]));
+        let known: HashMap<_, &BondedPoint> = old_points.zip(before).collect();
+        for (&at, point) in self.curves[pair.own].own.iter().zip(points) {
+            *point = known.get(&identity(&self.points[at as usize])).map_or(BondedPoint::default(), |known| **known);
+            match old_facets.get(point.facet as usize).and_then(|facet| facets.get(facet)) {
+                Some(facet) => point.facet = *facet,
+                // The surface no longer contains the facet of the foot.
+                None => *point = BondedPoint::default(),
+            }
+        }
+    }
+
+    /// Returns the sum of all impulses on a degree of freedom in the previous increment.
+    pub(super) fn whole_impulse(&self, index: usize) -> f64 {
+        let [normal, slip] = self.impulses[index];
+        normal + slip + self.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.impulses[index])
+    }
+
+    /// Returns the bound of the square of the highest frequency of the bonds.
+    pub(super) fn squared_frequency(&self) -> f64 {
+        self.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.squared_frequency)
+    }
+
+    /// Rejects bonds to facets that do not exist.
+    pub(super) fn check_bonds(&self, archive: &mut StateArchive<'_>) {
+        let Some(cohesion) = &self.cohesion else { return };
+        for cohesive in &cohesion.pairs {
+            let (own, other) = self.sides(&self.pairs[cohesive.pair]);
+            let points = &cohesion.points[cohesive.first..cohesive.first + own.own.len()];
+            let exists =
+                |point: &BondedPoint| point.status != BondStatus::Bonded || (point.facet as usize) < other.facets.len();
+            if !points.iter().all(exists) {
+                archive.reject(|| "a contact point is bonded to a facet that does not exist".to_owned());
+            }
+        }
+    }
+
+    pub(super) fn memory_of_cohesion(&self) -> MemoryUse {
+        self.cohesion.iter().map(|cohesion| cohesion.memory()).sum()
+    }
+
+    /// Returns pressure and shear stress of the bond of a key.
+    pub(super) fn bond_stresses(&self, key: usize) -> [f64; 2] {
+        let Some(cohesion) = &self.cohesion else { return [0.0; 2] };
+        let place = cohesion.place_of(self, key as u32);
+        place.map_or([0.0; 2], |(_, point)| cohesion.points[point].traction.inline_map(|traction| -traction))
+    }
+
+    /// Returns an output variable of a bond; `None` for other variables, and for a key without cohesive behaviour.
+    pub(super) fn bond_value(&self, key: usize, variable: Variable) -> Option<f64> {
+        let cohesion = self.cohesion.as_ref()?;
+        let (at, point) = cohesion.place_of(self, key as u32)?;
+        let history = &cohesion.points[point].history;
+        match variable {
+            Variable::SurfaceDamage => Some(history.damage),
+            _ => (cohesion.pairs[at].criterion == Some(variable)).then_some(history.criterion),
+        }
+    }
+
+    /// Adds the forces of bonds on the own surface of a pair: normal and shear forces, each along r and z.
+    pub(super) fn add_forces_of_bonds(&self, pair: &ContactPair, sum: &mut [f64; 4]) {
+        let Some(cohesion) = &self.cohesion else { return };
+        let is_of = |cohesive: &&CohesivePair| self.pairs[cohesive.pair].first_key == pair.first_key;
+        let Some(cohesive) = cohesion.pairs.iter().find(is_of) else { return };
+        let (own, other) = self.sides(pair);
+        for index in 0..own.own.len() {
+            let BondedPoint { status, facet, area, traction, .. } = cohesion.points[cohesive.first + index];
+            if status != BondStatus::Bonded {
+                continue;
+            }
+            let shape = &other.shapes[facet as usize];
+            for i in 0..2 {
+                sum[i] -= self.output_share * area * traction[0] * shape.normal[i];
+                sum[2 + i] -= self.output_share * area * traction[1] * shape.along[i] / shape.length;
+            }
+        }
+    }
+}

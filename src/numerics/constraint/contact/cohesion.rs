@@ -1,0 +1,233 @@
+//! Bonds of contact surfaces: points of the own curve of a pair that are bonded to the other surface by a
+//! traction-separation law. [`super::bonding`] applies them.
+//!
+//! A bonded point is connected to its foot: the material point of the other surface that was closest to it when it was
+//! bonded. The separations are the components of the vector from the foot to the point along the normal and the tangent of
+//! the foot's facet, less their values at that time. The tractions act on the area of the point's hat function, and with the
+//! opposite sign on both ends of the facet. They are evaluated at the start of an increment and act as impulses before those
+//! of contact, so that contact also prevents overlaps of bonded surfaces; compression is left to contact. Unlike contact,
+//! bonds limit the time increment.
+
+use super::curve::FacetShape;
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::MemoryUse;
+use crate::kernel::traction_separation::{InterfaceHistory, TractionSeparationLaw};
+use crate::state::archive::{Persist, StateArchive, persist_struct};
+use crate::variables::Variable;
+
+/// Cohesive behaviour of a contact pair.
+#[derive(Clone, Debug)]
+pub struct CohesivePair {
+    /// Index of the pair among those of the contact.
+    pub pair: usize,
+    /// Index of the traction-separation law; if each point has one, that of the first point of the own curve.
+    pub law: usize,
+    /// Whether each point has a law.
+    pub has_law_of_points: bool,
+    /// Contact law of points without damage, which have no friction: an index as [`super::ContactPair::law`].
+    pub intact_law: usize,
+    /// Whether points are bonded that come into contact later.
+    pub bonds_later: bool,
+    /// Whether points are bonded again after failure and separation.
+    pub bonds_again: bool,
+    /// Output variable of the initiation criterion; `None` without damage initiation.
+    pub criterion: Option<Variable>,
+    /// Index of the first point of the own curve among the points of all pairs.
+    pub(super) first: usize,
+    /// Whether the points that are in contact at the start of the pair are not known yet.
+    pub(super) is_new: bool,
+}
+
+impl CohesivePair {
+    /// Creates the cohesive behaviour of the pair with this index, with the traction-separation law and the contact law of
+    /// its points without damage.
+    pub fn new(pair: usize, (law, has_law_of_points): (usize, bool), intact_law: usize) -> CohesivePair {
+        CohesivePair {
+            pair,
+            law,
+            has_law_of_points,
+            intact_law,
+            bonds_later: false,
+            bonds_again: false,
+            criterion: None,
+            first: 0,
+            is_new: true,
+        }
+    }
+
+    /// Returns the index of the law of an own point.
+    pub(super) fn law_of(&self, index: usize) -> usize {
+        if self.has_law_of_points { self.law + index } else { self.law }
+    }
+}
+
+/// Whether a point is bonded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum BondStatus {
+    /// It has not been bonded yet.
+    #[default]
+    Free,
+    Bonded,
+    /// The bond has failed.
+    Failed,
+    /// The bond has failed, and the surfaces have separated since.
+    Separated,
+}
+
+/// State of a point of a cohesive pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct BondedPoint {
+    pub(super) status: BondStatus,
+    /// Facet of the foot, and its coordinate on the facet from 0 to 1.
+    pub(super) facet: u32,
+    pub(super) part: f64,
+    /// Area of the hat function.
+    pub(super) area: f64,
+    /// Components along normal and tangent of the vector from the foot when the point was bonded.
+    pub(super) reference: [f64; 2],
+    pub(super) history: InterfaceHistory,
+    /// Normal and shear separation.
+    pub(super) separation: [f64; 2],
+    pub(super) traction: [f64; 2],
+}
+
+/// The vector from a foot to its point, in the frame of the foot's facet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FootVector {
+    normal: [f64; 2],
+    tangent: [f64; 2],
+    /// Length of the facet.
+    length: f64,
+    /// Components along normal and tangent.
+    pub(super) components: [f64; 2],
+}
+
+impl FootVector {
+    pub(super) fn new(shape: &FacetShape, part: f64, place: [f64; 2]) -> FootVector {
+        let FacetShape { from, along, normal, length } = *shape;
+        let tangent = along.inline_map(|x| x / length);
+        let d = [0, 1].inline_map(|i: usize| place[i] - from[i] - part * along[i]);
+        let components = [normal, tangent].inline_map(|axis| axis[0] * d[0] + axis[1] * d[1]);
+        FootVector { normal, tangent, length, components }
+    }
+
+    /// Returns the forces on the point and on both ends of the facet, for normal and shear tractions times area. They are
+    /// minus the gradient of the energy: as the frame turns with the facet, a couple on its ends balances the moment of
+    /// tractions between distant surfaces.
+    pub(super) fn forces(&self, part: f64, [normal, shear]: [f64; 2]) -> [[f64; 2]; 3] {
+        let FootVector { normal: n, tangent: t, length, components: [apart, aside] } = *self;
+        let couple = (shear * apart - normal * aside) / length;
+        let force = [0, 1].inline_map(|i: usize| normal * n[i] + shear * t[i]);
+        [
+            force.inline_map(|f| -f),
+            [0, 1].inline_map(|i: usize| (1.0 - part) * force[i] + couple * n[i]),
+            [0, 1].inline_map(|i: usize| part * force[i] - couple * n[i]),
+        ]
+    }
+}
+
+/// Bonds of all pairs of a contact constraint.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CohesiveSurfaces {
+    pub(super) laws: Vec<TractionSeparationLaw>,
+    pub(super) pairs: Vec<CohesivePair>,
+    pub(super) points: Vec<BondedPoint>,
+    /// Impulses of the bonds on degrees of freedom in the previous increment.
+    pub(super) impulses: Vec<f64>,
+    /// Work array: stiffness of the bonds at degrees of freedom.
+    pub(super) sums: Vec<f64>,
+    /// Bound of the square of the highest frequency of the bonds.
+    pub(super) squared_frequency: f64,
+}
+
+impl CohesiveSurfaces {
+    pub(super) fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.laws)
+            + MemoryUse::of(&self.pairs)
+            + MemoryUse::of(&self.points)
+            + MemoryUse::of(&self.impulses)
+            + MemoryUse::of(&self.sums)
+    }
+}
+
+impl BondedPoint {
+    /// Updates separations and tractions; returns the dissipated energy.
+    pub(super) fn separate(&mut self, law: &TractionSeparationLaw, foot: &FootVector) -> f64 {
+        self.separation = [0, 1].inline_map(|i: usize| foot.components[i] - self.reference[i]);
+        let response = law.update(&mut self.history, opened(self.separation));
+        self.traction = response.traction;
+        if law.has_failed(&self.history) {
+            (self.status, self.traction) = (BondStatus::Failed, [0.0; 2]);
+        }
+        self.area * response.dissipated
+    }
+}
+
+/// Returns the separations without compression, which contact resists.
+pub(super) fn opened([normal, shear]: [f64; 2]) -> [f64; 2] {
+    [normal.max(0.0), shear]
+}
+
+impl Persist for BondStatus {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let all = [BondStatus::Free, BondStatus::Bonded, BondStatus::Failed, BondStatus::Separated];
+        let mut code = *self as u8;
+        code.persist(archive);
+        match all.get(usize::from(code)) {
+            Some(status) => *self = *status,
+            None => archive.reject(|| format!("the status of a bond is {code}")),
+        }
+    }
+}
+
+persist_struct!(BondedPoint { status, facet, part, area, reference, history, separation, traction });
+
+persist_struct!(CohesivePair { is_new } derived {
+    pair, law, has_law_of_points, intact_law, bonds_later, bonds_again, criterion, first
+});
+
+persist_struct!(CohesiveSurfaces { pairs: fixed, points: fixed, impulses: fixed, squared_frequency } derived { laws, sums });
+
+#[cfg(test)]
+mod tests {
+    use super::{FacetShape, FootVector};
+
+    /// Coordinates of the point and of both ends of the facet; place of the foot.
+    const PLACES: [[f64; 2]; 3] = [[1.4, 0.9], [2.0, 0.5], [1.0, 0.2]];
+    const PART: f64 = 0.3;
+
+    fn foot([place, a, b]: [[f64; 2]; 3]) -> FootVector {
+        FootVector::new(&FacetShape::new(a, b), PART, place)
+    }
+
+    /// Energy of springs of both modes.
+    fn energy(places: [[f64; 2]; 3]) -> f64 {
+        let [apart, aside] = foot(places).components;
+        1.5 * (apart - 0.1).powi(2) + 0.5 * (aside - 0.2).powi(2)
+    }
+
+    #[test]
+    fn forces_are_minus_the_gradient_of_the_energy() {
+        let [apart, aside] = foot(PLACES).components;
+        let forces = foot(PLACES).forces(PART, [3.0 * (apart - 0.1), aside - 0.2]);
+        for point in 0..3 {
+            for axis in 0..2 {
+                let moved = |by: f64| {
+                    let mut places = PLACES;
+                    places[point][axis] += by;
+                    energy(places)
+                };
+                let slope = (moved(1e-6) - moved(-1e-6)) / 2e-6;
+                assert!((forces[point][axis] + slope).abs() < 1e-9, "{point} {axis}");
+            }
+        }
+    }
+
+    #[test]
+    fn forces_and_moments_balance() {
+        let forces = foot(PLACES).forces(PART, [3.0, -1.7]);
+        let [r, z] = [0, 1].map(|axis| forces.iter().map(|force| force[axis]).sum::<f64>());
+        let moment: f64 = PLACES.iter().zip(forces).map(|(at, force)| at[0] * force[1] - at[1] * force[0]).sum();
+        assert!(r.abs() < 1e-14 && z.abs() < 1e-14 && moment.abs() < 1e-14, "{r} {z} {moment}");
+    }
+}
