@@ -237,12 +237,15 @@ impl ContactRows {
         let ContactRows { rows, terms, direct, bodies, .. } = self;
         let DirectSolver { coupled, blocks, first, last, links, block_capacity, .. } = direct;
         (coupled.clear(), blocks.clear(), links.clear());
-        let is_column = |term: &GapTerm| !bodies.is_empty() && bodies.contains(&term.dof);
+        // A prescribed motion, for example that of a fixed rigid body, couples no rows.
+        let couples = |term: &&GapTerm| {
+            motion.inverse_mass[term.dof as usize] != 0.0 && (bodies.is_empty() || !bodies.contains(&term.dof))
+        };
         let mut fits = true;
         for (at, row) in rows.iter().enumerate() {
             let own = row.own(terms);
             let mut lowest = at as u32;
-            for term in own.iter().filter(|t| !is_column(t)) {
+            for term in own.iter().filter(couples) {
                 let known = &mut first[term.dof as usize];
                 if *known == NONE {
                     *known = at as u32;
@@ -257,12 +260,9 @@ impl ContactRows {
                 break;
             }
             blocks.resize(begin + count, [[0.0; 2]; 2]);
-            for term in own.iter().filter(|t| !is_column(t)) {
+            for term in own.iter().filter(couples) {
                 let (dof, GapTerm { normal, slip, .. }) = (term.dof as usize, *term);
                 let w = motion.inverse_mass[dof];
-                if w == 0.0 {
-                    continue;
-                }
                 let (pressed, sheared) = (w * normal, w * slip);
                 let mut add = |row: usize, normal: f64, slip: f64| {
                     let block = &mut blocks[begin + row - lowest as usize];
