@@ -49,27 +49,20 @@ fn force_and_energy(ran: &DeckRun) -> [f64; 2] {
 }
 
 /// The ring slides over the edge of the shaft for any ratio of the meshes, in both orders of the card and in general
-/// contact. The force is within 3 % of 110 kN if the contact length of 6 mm has twelve facets on one side. Along the
-/// diagonal of the table, on which facets are of equal length, the error decreases (15, 11, 5, 1 %): a hat function at
-/// the end of the chamfer extends over both slopes. Contact creates no energy: 1e-3 of the strain energy.
+/// contact. The force is within 3 % of 110 kN on each mesh, also with facets of 4 mm over the contact length of 6 mm.
+/// Contact creates no energy: 1e-3 of the strain energy.
 #[test]
 fn press_fit_over_an_edge_does_not_depend_on_the_carrying_surface() {
     let pair = |names: &str| format!("*Contact Pair, interaction=DRY\n {names}\n");
     let general = "*Contact\n*Contact Inclusions\n RING.SKIN, SHAFT.SKIN\n*Contact Property Assignment\n , , DRY\n";
-    let mut diagonal = Vec::new();
-    for (at, bore) in [3, 6, 12, 24].into_iter().enumerate() {
-        for (column, shaft) in [5, 10, 20, 40].into_iter().enumerate() {
+    for bore in [3, 6, 12, 24] {
+        for shaft in [5, 10, 20, 40] {
             let [force, created] = force_and_energy(&press([bore, shaft], &pair("RING.SKIN, SHAFT.SKIN")));
             println!("{bore} rows of the bore, {shaft} of the shaft: {force:.1} kN, ALLCW {created:.1e} of ALLIE");
             assert!(created > -1.2e-3, "{bore} {shaft}: {created}");
-            assert!((bore < 24 && shaft < 40) || (force / 110.0 - 1.0).abs() < 0.03, "{bore} {shaft}: {force}");
-            assert!((force / 110.0 - 1.0).abs() < 0.16, "{bore} {shaft}: {force}");
-            if at == column {
-                diagonal.push((force / 110.0 - 1.0).abs());
-            }
+            assert!((force / 110.0 - 1.0).abs() < 0.03, "{bore} {shaft}: {force}");
         }
     }
-    assert!(diagonal.windows(2).all(|e| e[1] < e[0]), "{diagonal:?}");
     let reference = force_and_energy(&press([12, 20], &pair("RING.SKIN, SHAFT.SKIN")))[0];
     for contact in [pair("SHAFT.SKIN, RING.SKIN"), general.into()] {
         let force = force_and_energy(&press([12, 20], &contact))[0];

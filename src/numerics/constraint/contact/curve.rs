@@ -70,7 +70,11 @@ pub struct FacetCurve {
     tips: Vec<u32>,
     /// Indices in `own` of convex corners: points at which the outline of the body turns sharply.
     corners: Vec<u32>,
-    /// Shape of each exposed facet at the start of the increment.
+    /// Indices in `own` of kinks: points at which the outline turns outwards by much more than at the points next to
+    /// them, but less than at a corner.
+    pub kinks: Vec<u32>,
+    /// Shape of each exposed facet at the start of the increment; that of facets far from other surfaces at the last
+    /// search.
     pub shapes: Vec<FacetShape>,
     /// Work array: items that have been sorted.
     ordered: Vec<bool>,
@@ -110,6 +114,11 @@ impl FacetShape {
 /// Sine of the angle to the plane normal to the axis above which a point on the axis is a tip. A convex point with a
 /// larger sine of the change of direction is a corner.
 const SHARP: f64 = 0.29;
+/// Ratio of the change of direction at a kink to those at the points next to it. On a mesh of a curved surface,
+/// neighbouring changes of direction are about equal.
+const KINK: f64 = 4.0;
+/// Smallest sine of the change of direction at a kink.
+const LEAST_KINK: f64 = 1e-6;
 
 impl FacetCurve {
     /// Returns the largest overlap at the coordinate `part` of a facet, from 0 to 1.
@@ -145,6 +154,7 @@ impl FacetCurve {
             orphans: Vec::with_capacity(if bare < count { own.len() } else { 0 }),
             tips: Vec::new(),
             corners: Vec::new(),
+            kinks: Vec::new(),
             drops_orphans: false,
             own,
             around,
@@ -156,6 +166,7 @@ impl FacetCurve {
         curve.find_neighbors(places);
         curve.find_tips(places);
         curve.find_corners(places);
+        curve.find_kinks(places);
         curve
     }
 
@@ -205,6 +216,35 @@ impl FacetCurve {
                 self.corners.extend(self.own.binary_search(&self.facets[next as usize][0]).map(|at| at as u32));
             }
         }
+    }
+
+    /// Finds kinks, for example the ends of a chamfer with a small angle.
+    fn find_kinks(&mut self, places: &[[f64; 2]]) {
+        let turn_after = |k: u32| {
+            let FacetNeighbor::Facet(next) = self.neighbors[k as usize][1] else { return 0.0 };
+            let [a, b] = [k, next].inline_map(|j| {
+                let [from, to] = self.facets[j as usize].inline_map(|p| places[p as usize]);
+                FacetShape::new(from, to)
+            });
+            (a.along[0] * b.along[1] - a.along[1] * b.along[0]) / (a.length * b.length)
+        };
+        // The change of direction at a corner says nothing about the curvature of the surface next to it.
+        let curved = |turn: f64| if turn.abs() > SHARP { 0.0 } else { turn.abs() };
+        let mut kinks = Vec::new();
+        for &k in &self.exposed {
+            let [before, after] = self.neighbors[k as usize];
+            let FacetNeighbor::Facet(next) = after else { continue };
+            let turn = turn_after(k);
+            let around = [
+                if let FacetNeighbor::Facet(previous) = before { turn_after(previous) } else { 0.0 },
+                turn_after(next),
+            ];
+            let smooth = around.into_iter().fold(LEAST_KINK, |most, turn| most.max(KINK * curved(turn)));
+            if turn > smooth && turn <= SHARP {
+                kinks.extend(self.own.binary_search(&self.facets[next as usize][0]).map(|at| at as u32));
+            }
+        }
+        self.kinks = kinks;
     }
 
     /// Returns whether some of its points may be in contact by themselves.
@@ -416,10 +456,16 @@ impl FacetCurve {
 
     /// Updates the shapes of exposed facets from the coordinates of the points.
     pub fn shape(&mut self, places: &[[f64; 2]]) {
-        for &k in &self.exposed {
-            let [a, b] = self.facets[k as usize].inline_map(|p| places[p as usize]);
-            self.shapes[k as usize] = FacetShape::new(a, b);
+        for at in 0..self.exposed.len() {
+            self.shape_one(self.exposed[at], places);
         }
+    }
+
+    /// Updates the shape of one facet.
+    #[inline]
+    pub fn shape_one(&mut self, facet: u32, places: &[[f64; 2]]) {
+        let [a, b] = self.facets[facet as usize].inline_map(|p| places[p as usize]);
+        self.shapes[facet as usize] = FacetShape::new(a, b);
     }
 
     /// Returns the integral of the hat function of an own point over the surface of revolution.
@@ -453,7 +499,12 @@ impl FacetCurve {
             + MemoryUse::of(&self.ordered);
         let of_points = MemoryUse::of(&self.own) + MemoryUse::of(&self.exposed_points) + MemoryUse::of(&self.orphans);
         let around = MemoryUse::of(&self.around) + self.around.iter().map(MemoryUse::of).sum();
-        of_facets + of_points + around + MemoryUse::of(&self.tips) + MemoryUse::of(&self.corners)
+        of_facets
+            + of_points
+            + around
+            + MemoryUse::of(&self.tips)
+            + MemoryUse::of(&self.corners)
+            + MemoryUse::of(&self.kinks)
     }
 }
 
@@ -474,7 +525,7 @@ impl Persist for FacetNeighbor {
 }
 
 persist_struct!(FacetCurve { is_exposed: fixed, has_element: fixed, neighbors: fixed } derived {
-    facets, lift, depth, is_side_of_line, own, around, exposed, exposed_points, orphans, drops_orphans, tips, corners, shapes, ordered
+    facets, lift, depth, is_side_of_line, own, around, exposed, exposed_points, orphans, drops_orphans, tips, corners, kinks, shapes, ordered
 } then FacetCurve::list_again);
 
 impl FacetCurve {

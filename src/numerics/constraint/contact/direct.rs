@@ -11,7 +11,7 @@ use super::sweeps::{
     shear_limit, soft_pressure,
 };
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
-use crate::kernel::lanes::{InlineMap, inline_from_fn};
+use crate::kernel::lanes::inline_from_fn;
 use crate::kernel::lists::MemoryUse;
 use nalgebra::{SMatrix, SVector};
 
@@ -44,31 +44,62 @@ impl ContactUnknown {
     fn impulse(&self, term: &GapTerm) -> f64 {
         if self.shears { term.slip } else { term.normal + self.friction_slope * term.slip }
     }
+
+    /// Returns the change of the rate that the unknown controls by a unit of the unknown `of` of another row.
+    #[inline]
+    fn entry(&self, of: &ContactUnknown, block: &CouplingBlock) -> f64 {
+        let [by_pressure, by_shear] = block[usize::from(self.shears)];
+        if of.shears { by_shear } else { by_pressure + of.friction_slope * by_shear }
+    }
 }
 
-/// Entry in the linked list of the unknowns that move a degree of freedom.
+/// Changes of the rates of a row, along the normal and along the surface, by a unit of the normal impulse and of the
+/// shear impulse of another row.
+type CouplingBlock = [[f64; 2]; 2];
+
+/// Entry in the linked list of the rows that move a degree of freedom.
 #[derive(Clone, Copy, Debug)]
-struct UnknownLink {
+struct RowLink {
     next: u32,
-    unknown: u32,
-    test: f64,
-    impulse: f64,
+    row: u32,
+    normal: f64,
+    slip: f64,
+}
+
+/// The rows that a row is coupled with: from the `first` one up to itself.
+#[derive(Clone, Copy, Debug)]
+struct CoupledRows {
+    first: u32,
+    /// Index of the block of the first row.
+    begin: u32,
 }
 
 /// Work arrays of the direct contact solver.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DirectSolver {
     status: Vec<ContactStatus>,
+    /// Rates of each row along the normal and along the surface, times its area.
+    rates: Vec<[f64; 2]>,
+    /// Rows that each row is coupled with, of lower or equal index.
+    coupled: Vec<CoupledRows>,
+    /// Blocks of all rows, one row after the other. They do not depend on the status of rows.
+    blocks: Vec<CouplingBlock>,
     unknowns: Vec<ContactUnknown>,
-    /// For each degree of freedom, the first of the unknowns that move it.
+    /// Index of the first unknown of each row; one more entry at the end.
+    unknowns_of_row: Vec<u32>,
+    /// For each unknown, the last one that it is coupled with.
+    last_coupled: Vec<u32>,
+    /// For each degree of freedom, the first of the rows that move it.
     first: Vec<u32>,
     /// For each degree of freedom, the last entry of its chain in `links`.
     last: Vec<u32>,
-    links: Vec<UnknownLink>,
+    links: Vec<RowLink>,
     /// Banded matrix, row by row; a row has twice the half width plus one entries.
     band: Vec<f64>,
     /// Largest number of matrix entries.
     band_capacity: usize,
+    /// Largest number of blocks.
+    block_capacity: usize,
     half_width: usize,
     /// Diagonal of the matrix before elimination.
     diagonal: Vec<f64>,
@@ -85,6 +116,8 @@ const ROUNDS: u32 = 16;
 /// Matrix entries allocated for each row of contact: half widths up to 11 if all rows stick, up to 23 without sticking
 /// rows.
 const ENTRIES_PER_ROW: usize = 48;
+/// Blocks allocated for each row of contact.
+const BLOCKS_PER_ROW: usize = 24;
 /// Smallest fraction of a diagonal that elimination may leave. If less is left, rows depend on each other and the
 /// sweeps take over.
 const LEAST_PIVOT: f64 = 1e-9;
@@ -96,8 +129,14 @@ impl DirectSolver {
         // The capacity decides which solver is used, so it must not depend on previous allocations.
         *self = DirectSolver { band_capacity: ENTRIES_PER_ROW * rows, ..DirectSolver::default() };
         self.status.reserve(rows);
+        self.rates.reserve(rows);
+        self.coupled.reserve(rows);
+        self.block_capacity = BLOCKS_PER_ROW * rows;
+        self.blocks.reserve(self.block_capacity);
         self.unknowns.reserve(2 * rows);
-        self.links.reserve(64 * rows);
+        self.unknowns_of_row.reserve(rows + 1);
+        self.last_coupled.reserve(2 * rows);
+        self.links.reserve(32 * rows);
         self.band.reserve(self.band_capacity);
         self.diagonal.reserve(2 * rows);
         self.columns.reserve(2 * rows);
@@ -108,7 +147,12 @@ impl DirectSolver {
 
     pub(super) fn memory(&self) -> MemoryUse {
         MemoryUse::of(&self.status)
+            + MemoryUse::of(&self.rates)
+            + MemoryUse::of(&self.coupled)
+            + MemoryUse::of(&self.blocks)
             + MemoryUse::of(&self.unknowns)
+            + MemoryUse::of(&self.unknowns_of_row)
+            + MemoryUse::of(&self.last_coupled)
             + MemoryUse::of(&self.first)
             + MemoryUse::of(&self.last)
             + MemoryUse::of(&self.links)
@@ -137,13 +181,10 @@ fn initial_status(row: &ContactRow, law: &InteractionLaw, rate: f64, slip: f64) 
 }
 
 /// Returns whether a closed row opens: a hard row with a tensile impulse, or a soft one with a gap.
-fn opens(row: &ContactRow, law: &PressureOverclosure, rate: impl Fn() -> f64, span: ContactInterval) -> bool {
+fn opens(row: &ContactRow, law: &PressureOverclosure, rate: f64, span: ContactInterval) -> bool {
     match law {
         PressureOverclosure::Hard => row.normal_impulse <= 0.0,
-        soft => {
-            let rate = rate();
-            closed_overlap(row, soft, rate, span) <= -soft.onset_gap() || is_pulled_open(row, soft, rate, span)
-        }
+        soft => closed_overlap(row, soft, rate, span) <= -soft.onset_gap() || is_pulled_open(row, soft, rate, span),
     }
 }
 
@@ -164,12 +205,18 @@ impl ContactRows {
         if self.bodies.len() > BODIES {
             return false;
         }
+        if !self.couple(motion) {
+            return false;
+        }
         self.guess(given);
+        self.update_rates(motion);
         let allowed = TOLERANCE * reference;
         for round in 0..ROUNDS {
-            let changed = self.update_statuses(motion, allowed, given);
-            self.enforce_statuses(motion, given);
-            if !changed && round > 0 && self.largest_error(motion, given) <= allowed {
+            let changed = self.update_statuses(allowed, given);
+            if self.enforce_statuses(motion, given) {
+                self.update_rates(motion);
+            }
+            if !changed && round > 0 && self.largest_error(given) <= allowed {
                 self.direct
                     .status
                     .iter()
@@ -182,6 +229,69 @@ impl ContactRows {
             }
         }
         false
+    }
+
+    /// Computes the blocks between rows that move the same degrees of freedom. Returns whether they fit into their
+    /// allocation.
+    fn couple(&mut self, motion: &ContactVelocities) -> bool {
+        let ContactRows { rows, terms, direct, bodies, .. } = self;
+        let DirectSolver { coupled, blocks, first, last, links, block_capacity, .. } = direct;
+        (coupled.clear(), blocks.clear(), links.clear());
+        // A prescribed motion, for example that of a fixed rigid body, couples no rows.
+        let couples = |term: &&GapTerm| {
+            motion.inverse_mass[term.dof as usize] != 0.0 && (bodies.is_empty() || !bodies.contains(&term.dof))
+        };
+        let mut fits = true;
+        for (at, row) in rows.iter().enumerate() {
+            let own = row.own(terms);
+            let mut lowest = at as u32;
+            for term in own.iter().filter(couples) {
+                let known = &mut first[term.dof as usize];
+                if *known == NONE {
+                    *known = at as u32;
+                }
+                lowest = lowest.min(*known);
+            }
+            let begin = blocks.len();
+            coupled.push(CoupledRows { first: lowest, begin: begin as u32 });
+            let count = at + 1 - lowest as usize;
+            fits = begin + count <= *block_capacity;
+            if !fits {
+                break;
+            }
+            blocks.resize(begin + count, [[0.0; 2]; 2]);
+            for term in own.iter().filter(couples) {
+                let (dof, GapTerm { normal, slip, .. }) = (term.dof as usize, *term);
+                let w = motion.inverse_mass[dof];
+                let (pressed, sheared) = (w * normal, w * slip);
+                let mut add = |row: usize, normal: f64, slip: f64| {
+                    let block = &mut blocks[begin + row - lowest as usize];
+                    block[0][0] += pressed * normal;
+                    block[0][1] += pressed * slip;
+                    block[1][0] += sheared * normal;
+                    block[1][1] += sheared * slip;
+                };
+                add(at, normal, slip);
+                let mut next = last[dof];
+                last[dof] = links.len() as u32;
+                links.push(RowLink { next, row: at as u32, normal, slip });
+                while next != NONE {
+                    let link = links[next as usize];
+                    add(link.row as usize, link.normal, link.slip);
+                    next = link.next;
+                }
+            }
+        }
+        for term in rows.iter().flat_map(|row| row.own(terms)) {
+            (first[term.dof as usize], last[term.dof as usize]) = (NONE, NONE);
+        }
+        fits
+    }
+
+    fn update_rates(&mut self, motion: &ContactVelocities) {
+        let ContactRows { rows, terms, direct, .. } = self;
+        direct.rates.clear();
+        direct.rates.extend(rows.iter().map(|row| motion.rates(row.own(terms))));
     }
 
     /// Sets statuses from the impulses of the previous increment.
@@ -201,15 +311,13 @@ impl ContactRows {
     }
 
     /// Changes the statuses that contradict the impulses. Returns whether any changed.
-    fn update_statuses(&mut self, motion: &ContactVelocities, allowed: f64, given: ContactStep<'_>) -> bool {
-        let ContactRows { rows, terms, direct, .. } = self;
+    fn update_statuses(&mut self, allowed: f64, given: ContactStep<'_>) -> bool {
+        let ContactRows { rows, direct, .. } = self;
         let mut changed = false;
-        for (row, status) in rows.iter().zip(&mut direct.status) {
-            let own = row.own(terms);
+        for ((row, status), &[rate, slip]) in rows.iter().zip(&mut direct.status).zip(&direct.rates) {
             let law = &given.laws[row.law as usize];
             let next = match *status {
                 ContactStatus::Open => {
-                    let rate = motion.rate(own);
                     let closes = match law.overclosure {
                         PressureOverclosure::Hard => rate + row.bias < -allowed * row.area,
                         _ => {
@@ -218,9 +326,9 @@ impl ContactRows {
                             overlaps && !is_pulled_open(row, &law.overclosure, rate, given.span)
                         }
                     };
-                    if closes { initial_status(row, law, rate, motion.slip(own)) } else { ContactStatus::Open }
+                    if closes { initial_status(row, law, rate, slip) } else { ContactStatus::Open }
                 }
-                _ if opens(row, &law.overclosure, || motion.rate(own), given.span) => ContactStatus::Open,
+                _ if opens(row, &law.overclosure, rate, given.span) => ContactStatus::Open,
                 ContactStatus::Sticks => {
                     let most = shear_limit(row, law, given.span.half);
                     if row.shear_impulse.abs() > most {
@@ -230,7 +338,6 @@ impl ContactRows {
                     }
                 }
                 ContactStatus::Slides(direction) => {
-                    let slip = motion.slip(own);
                     let stops = direction * slip > allowed * row.area;
                     let held = row.shear_impulse - slip / row.compliance[1];
                     match stops {
@@ -248,9 +355,10 @@ impl ContactRows {
         changed
     }
 
-    /// Limits the impulses to those that the statuses allow.
-    fn enforce_statuses(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) {
+    /// Limits the impulses to those that the statuses allow. Returns whether any changed.
+    fn enforce_statuses(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) -> bool {
         let ContactRows { rows, terms, direct, .. } = self;
+        let mut changed = false;
         for (row, status) in rows.iter_mut().zip(&direct.status) {
             let own = row.own(terms);
             let (pressed, sheared) = match *status {
@@ -265,32 +373,34 @@ impl ContactRows {
             if pressed != row.normal_impulse {
                 motion.push(own, pressed - row.normal_impulse);
                 row.normal_impulse = pressed;
+                changed = true;
             }
             if sheared != row.shear_impulse {
                 motion.shear(own, sheared - row.shear_impulse);
                 row.shear_impulse = sheared;
+                changed = true;
             }
         }
+        changed
     }
 
     /// Returns the largest violation of the status conditions, as a velocity.
-    fn largest_error(&self, motion: &ContactVelocities, given: ContactStep<'_>) -> f64 {
+    fn largest_error(&self, given: ContactStep<'_>) -> f64 {
         let mut furthest: f64 = 0.0;
-        for (row, status) in self.rows.iter().zip(&self.direct.status) {
+        for ((row, status), &[rate, slip]) in self.rows.iter().zip(&self.direct.status).zip(&self.direct.rates) {
             if *status == ContactStatus::Open {
                 continue;
             }
-            let own = self.terms_of(row);
             let off = match &given.laws[row.law as usize].overclosure {
-                PressureOverclosure::Hard => motion.rate(own) + row.bias,
+                PressureOverclosure::Hard => rate + row.bias,
                 soft => {
-                    let [pressure, _] = soft_pressure(row, soft, motion.rate(own), given.span);
+                    let [pressure, _] = soft_pressure(row, soft, rate, given.span);
                     (row.normal_impulse - given.span.half * pressure) * row.compliance[0]
                 }
             };
             furthest = furthest.max(off.abs() / row.area);
             if *status == ContactStatus::Sticks {
-                furthest = furthest.max(motion.slip(own).abs() / row.area);
+                furthest = furthest.max(slip.abs() / row.area);
             }
         }
         furthest
@@ -303,7 +413,7 @@ impl ContactRows {
         if self.direct.unknowns.is_empty() {
             return true;
         }
-        if !self.assemble(motion, given) || !self.direct.eliminate(1 + self.bodies.len()) {
+        if !self.assemble(given) || !self.direct.eliminate(1 + self.bodies.len()) {
             return false;
         }
         if !self.bodies.is_empty() {
@@ -320,135 +430,68 @@ impl ContactRows {
             }
             let row = &mut rows[unknown.row as usize];
             let own = row.own(terms);
-            if unknown.shears {
-                row.shear_impulse += change;
-                motion.shear(own, *change);
-            } else {
-                row.normal_impulse += change;
-                motion.push(own, *change);
-                if unknown.friction_slope != 0.0 {
-                    row.shear_impulse += unknown.friction_slope * change;
-                    motion.shear(own, unknown.friction_slope * change);
-                }
-            }
+            let [pressed, sheared] =
+                if unknown.shears { [0.0, *change] } else { [*change, unknown.friction_slope * change] };
+            row.normal_impulse += pressed;
+            row.shear_impulse += sheared;
+            motion.push_and_shear(own, [pressed, sheared]);
         }
+        self.update_rates(motion);
         true
     }
 
     fn list_unknowns(&mut self, given: ContactStep<'_>) {
         let ContactRows { rows, direct, .. } = self;
         direct.unknowns.clear();
+        direct.unknowns_of_row.clear();
         for (at, (row, status)) in rows.iter().zip(&direct.status).enumerate() {
-            let row_at = at as u32;
+            direct.unknowns_of_row.push(direct.unknowns.len() as u32);
+            let unknown = |shears, friction_slope| ContactUnknown { row: at as u32, shears, friction_slope };
             match *status {
                 ContactStatus::Open => {}
                 ContactStatus::Slides(direction) => {
-                    let rubs = friction_slope(row, &given.laws[row.law as usize], direction, given.span.half);
-                    direct.unknowns.push(ContactUnknown { row: row_at, shears: false, friction_slope: rubs });
+                    let slope = friction_slope(row, &given.laws[row.law as usize], direction, given.span.half);
+                    direct.unknowns.push(unknown(false, slope));
                 }
-                ContactStatus::Sticks => {
-                    direct.unknowns.extend([false, true].inline_map(|shears| ContactUnknown {
-                        row: row_at,
-                        shears,
-                        friction_slope: 0.0,
-                    }));
-                }
+                ContactStatus::Sticks => direct.unknowns.extend([unknown(false, 0.0), unknown(true, 0.0)]),
             }
         }
+        direct.unknowns_of_row.push(direct.unknowns.len() as u32);
     }
 
     /// Assembles the band, the right-hand side and the columns of rigid bodies. Returns whether the band fits into its
     /// allocation.
-    fn assemble(&mut self, motion: &ContactVelocities, given: ContactStep<'_>) -> bool {
-        self.find_width();
-        let ContactRows { rows, terms, direct, bodies, .. } = self;
-        let (count, half) = (direct.unknowns.len(), direct.half_width);
-        let width = 2 * half + 1;
-        if count * width > direct.band_capacity {
-            self.clear_lists();
+    fn assemble(&mut self, given: ContactStep<'_>) -> bool {
+        if !self.direct.assemble_band() {
             return false;
         }
-        direct.band.clear();
-        direct.band.resize(count * width, 0.0);
+        let ContactRows { rows, terms, direct, bodies, .. } = self;
+        let (half, width) = (direct.half_width, 2 * direct.half_width + 1);
         direct.columns.clear();
         direct.on_bodies.clear();
-        direct.links.clear();
         for (at, unknown) in direct.unknowns.iter().enumerate() {
             let row = &rows[unknown.row as usize];
-            let own = row.own(terms);
+            let [rate, slip] = direct.rates[unknown.row as usize];
             let (mut column, mut on_bodies) = ([0.0; COLUMNS], [0.0; BODIES]);
-            let mut compliance = 0.0;
             column[0] = if unknown.shears {
-                -motion.slip(own)
+                -slip
             } else {
-                let (required, gives) =
-                    required_change(row, &given.laws[row.law as usize].overclosure, motion.rate(own), given.span);
-                compliance = gives;
+                let law = &given.laws[row.law as usize].overclosure;
+                let (required, compliance) = required_change(row, law, rate, given.span);
+                direct.band[at * width + half] += compliance;
                 required
             };
-            for term in own {
-                let (test, impulse) = (unknown.test(term), unknown.impulse(term));
-                let w = motion.inverse_mass[term.dof as usize];
-                if w == 0.0 || (test == 0.0 && impulse == 0.0) {
-                    continue;
-                }
-                if let Some(body) = bodies.iter().position(|b| *b == term.dof) {
-                    column[1 + body] += test;
-                    on_bodies[body] += impulse;
-                    continue;
-                }
-                let last = &mut direct.last[term.dof as usize];
-                let mut next = *last;
-                *last = direct.links.len() as u32;
-                direct.links.push(UnknownLink { next, unknown: at as u32, test, impulse });
-                direct.band[at * width + half] += w * test * impulse;
-                while next != NONE {
-                    let link = direct.links[next as usize];
-                    let away = at - link.unknown as usize;
-                    direct.band[at * width + half - away] += w * test * link.impulse;
-                    direct.band[link.unknown as usize * width + half + away] += w * link.test * impulse;
-                    next = link.next;
+            for (body, dof) in bodies.iter().enumerate() {
+                if let Some(term) = row.own(terms).iter().find(|term| term.dof == *dof) {
+                    (column[1 + body], on_bodies[body]) = (unknown.test(term), unknown.impulse(term));
                 }
             }
-            direct.band[at * width + half] += compliance;
             direct.columns.push(column);
             direct.on_bodies.push(on_bodies);
         }
         direct.diagonal.clear();
-        direct.diagonal.extend(direct.band.iter().skip(half).step_by(width).take(count));
-        self.clear_lists();
+        direct.diagonal.extend(direct.band.iter().skip(half).step_by(width).take(direct.unknowns.len()));
         true
-    }
-
-    /// Computes the half width of the band: the largest distance between unknowns that move the same degree of freedom.
-    fn find_width(&mut self) {
-        let ContactRows { rows, terms, direct, bodies, .. } = self;
-        direct.half_width = 0;
-        for (at, unknown) in direct.unknowns.iter().enumerate() {
-            let row = &rows[unknown.row as usize];
-            for term in row.own(terms) {
-                if (unknown.test(term) == 0.0 && unknown.impulse(term) == 0.0) || bodies.contains(&term.dof) {
-                    continue;
-                }
-                let first = &mut direct.first[term.dof as usize];
-                if *first == NONE {
-                    *first = at as u32;
-                }
-                direct.half_width = direct.half_width.max(at - *first as usize);
-            }
-        }
-    }
-
-    /// Clears the linked lists of degrees of freedom.
-    fn clear_lists(&mut self) {
-        let ContactRows { rows, terms, direct, .. } = self;
-        for unknown in &direct.unknowns {
-            let row = &rows[unknown.row as usize];
-            for term in row.own(terms) {
-                direct.first[term.dof as usize] = NONE;
-                direct.last[term.dof as usize] = NONE;
-            }
-        }
     }
 }
 
@@ -465,6 +508,35 @@ fn required_change(row: &ContactRow, law: &PressureOverclosure, rate: f64, span:
 }
 
 impl DirectSolver {
+    /// Assembles the band from the blocks. Returns whether it fits into its allocation.
+    fn assemble_band(&mut self) -> bool {
+        let DirectSolver { band, unknowns, unknowns_of_row, last_coupled, coupled, blocks, .. } = self;
+        let lowest = |row: u32| unknowns_of_row[coupled[row as usize].first as usize] as usize;
+        let distances = unknowns.iter().enumerate().map(|(at, unknown)| at - lowest(unknown.row));
+        let half = distances.max().unwrap_or(0);
+        let width = 2 * half + 1;
+        if unknowns.len() * width > self.band_capacity {
+            return false;
+        }
+        self.half_width = half;
+        band.clear();
+        band.resize(unknowns.len() * width, 0.0);
+        last_coupled.clear();
+        for (at, unknown) in unknowns.iter().enumerate() {
+            let (CoupledRows { first, begin }, from) = (coupled[unknown.row as usize], lowest(unknown.row));
+            last_coupled.push(at as u32);
+            for (other, of) in (from..at).zip(&unknowns[from..at]) {
+                last_coupled[other] = at as u32;
+                let block = &blocks[(begin + of.row - first) as usize];
+                let transposed = [[block[0][0], block[1][0]], [block[0][1], block[1][1]]];
+                band[at * width + half + other - at] = unknown.entry(of, block);
+                band[other * width + half + at - other] = of.entry(unknown, &transposed);
+            }
+            band[at * width + half] = unknown.entry(unknown, &blocks[(begin + unknown.row - first) as usize]);
+        }
+        true
+    }
+
     /// Eliminates within the band for the first `used` columns. Returns whether all rows are independent.
     fn eliminate(&mut self, used: usize) -> bool {
         let (count, half) = (self.unknowns.len(), self.half_width);
@@ -474,36 +546,36 @@ impl DirectSolver {
             if pivot.is_nan() || pivot.abs() <= LEAST_PIVOT * self.diagonal[p].abs() {
                 return false;
             }
-            let last = (p + half).min(count - 1);
+            let coupled = self.last_coupled[p] as usize - p;
             let (above, below) = self.band.split_at_mut((p + 1) * width);
-            let from = &above[p * width + half + 1..p * width + half + 1 + last - p];
+            let pivots = &above[p * width + half + 1..p * width + half + 1 + coupled];
             let (solved, rest) = self.columns.split_at_mut(p + 1);
-            for i in p + 1..=last {
-                let begin = (i - p - 1) * width + half - (i - p);
-                let factor = below[begin] / pivot;
+            let solved = &solved[p];
+            for (i, (row, column)) in below.chunks_exact_mut(width).zip(&mut rest[..coupled]).enumerate() {
+                let begin = half - 1 - i;
+                let factor = row[begin] / pivot;
                 if factor == 0.0 {
                     continue;
                 }
-                for (entry, pivots) in below[begin + 1..begin + 1 + from.len()].iter_mut().zip(from) {
-                    *entry -= factor * pivots;
+                for (entry, above) in row[begin + 1..begin + 1 + coupled].iter_mut().zip(pivots) {
+                    *entry -= factor * above;
                 }
-                for (entry, pivots) in rest[i - p - 1][..used].iter_mut().zip(&solved[p]) {
-                    *entry -= factor * pivots;
+                for c in 0..used {
+                    column[c] -= factor * solved[c];
                 }
             }
         }
         for p in (0..count).rev() {
-            let last = (p + half).min(count - 1);
+            let coupled = self.last_coupled[p] as usize - p;
+            let row = &self.band[p * width + half..p * width + half + 1 + coupled];
             let (this, later) = self.columns.split_at_mut(p + 1);
             let column = &mut this[p];
-            for (j, known) in later[..last - p].iter().enumerate() {
-                let entry = self.band[p * width + half + 1 + j];
-                for (c, k) in column[..used].iter_mut().zip(known) {
-                    *c -= entry * k;
+            for (entry, known) in row[1..].iter().zip(later.iter()) {
+                for c in 0..used {
+                    column[c] -= entry * known[c];
                 }
             }
-            let pivot = self.band[p * width + half];
-            column[..used].iter_mut().for_each(|c| *c /= pivot);
+            column[..used].iter_mut().for_each(|c| *c /= row[0]);
         }
         true
     }

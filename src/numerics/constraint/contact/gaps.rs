@@ -40,6 +40,9 @@ pub struct FacetGap {
 #[derive(Clone, Copy, Debug)]
 struct FacingFacet {
     facet: u32,
+    shape: FacetShape,
+    /// Distance of the contact surface from the facet.
+    lift: f64,
     /// Projection onto the opposite facet, as a fraction of its length, at s = 0, and its derivative by s.
     along: [f64; 2],
     /// Signed distance from the line of the opposite facet at s = 0, and its derivative by s.
@@ -47,23 +50,36 @@ struct FacingFacet {
 }
 
 impl FacingFacet {
-    fn new(facet: u32, own: &FacetShape, other: &FacetShape) -> FacingFacet {
+    #[inline]
+    fn new(facet: u32, own: &FacetShape, curve: &FacetCurve) -> FacingFacet {
+        let other = &curve.shapes[facet as usize];
         let d = [own.from[0] - other.from[0], own.from[1] - other.from[1]];
         let inverse = 1.0 / (other.length * other.length);
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         FacingFacet {
             facet,
+            shape: *other,
+            lift: curve.lift[facet as usize],
             along: [dot(d, other.along) * inverse, dot(own.along, other.along) * inverse],
             distance: [dot(d, other.normal), dot(own.along, other.normal)],
         }
     }
 
+    #[inline]
     fn at(&self, s: f64) -> f64 {
         self.along[0] + self.along[1] * s
     }
 
+    #[inline]
     fn apart(&self, s: f64) -> f64 {
         self.distance[0] + self.distance[1] * s
+    }
+
+    /// Returns whether a position projects onto the facet.
+    #[inline]
+    fn covers(&self, s: f64) -> bool {
+        let at = self.at(s);
+        at > -AT_END && at < 1.0 + AT_END
     }
 }
 
@@ -76,8 +92,9 @@ struct NearestFacet {
 impl NearestFacet {
     /// Returns the signed distance of a position at the coordinate `s`, the normal direction, and the coordinate on the
     /// opposite facet; `length` is that of the own facet.
-    fn distance(&self, place: [f64; 2], s: f64, opposite: &FacetShape, length: f64) -> (f64, [f64; 2], f64) {
-        let apart = self.facing.apart(s);
+    #[inline]
+    fn distance(&self, place: [f64; 2], s: f64, length: f64) -> (f64, [f64; 2], f64) {
+        let (apart, opposite) = (self.facing.apart(s), &self.facing.shape);
         let Some(end) = self.corner else { return (apart, opposite.normal, self.facing.at(s)) };
         let (gap, normal) = corner(place, opposite, end, apart, length);
         (gap, normal, end as f64)
@@ -97,8 +114,10 @@ pub struct GapIntegrator {
 
 /// Facets are opposite if the cosine between their normals is less than this.
 const FACING: f64 = -0.1;
-/// Smallest piece of a facet that is integrated, as a fraction of the facet.
-const SHORTEST: f64 = 1e-12;
+/// Rounding error of projections onto a facet, as a fraction of its length.
+const AT_END: f64 = 1e-9;
+/// Smallest piece of a facet that is integrated by itself, as a fraction of the facet. A shorter one is part of the next.
+const SHORTEST: f64 = 1e-9;
 /// Distance from a corner, as a fraction of the facet length, below which the normal of the opposite facet is used.
 const AT_CORNER: f64 = 1e-9;
 /// Distance of a corner from an edge of the own surface, as a fraction of the facet, at which both edges coincide: a
@@ -146,18 +165,19 @@ impl GapIntegrator {
         }
         self.cut(other);
         let mut before: Option<Option<FacingFacet>> = None;
-        for piece in 0..self.cuts.len() - 1 {
-            let (from, to) = (self.cuts[piece], self.cuts[piece + 1]);
+        let mut from = 0.0;
+        for piece in 1..self.cuts.len() {
+            let to = self.cuts[piece];
             if to - from <= SHORTEST {
                 continue;
             }
-            let here = self.piece([from, to], own, k, other, reach, &mut seen);
+            let here = self.piece([from, to], (own, k), (other, is_soft), reach, &mut seen);
             match (before, here) {
                 (Some(Some(ends)), None) if is_soft => self.edge((own, k), other, ends, [from, 1.0]),
                 (Some(None), Some(begins)) if is_soft => self.edge((own, k), other, begins, [from, -1.0]),
                 _ => {}
             }
-            before = Some(here);
+            (before, from) = (Some(here), to);
         }
         seen.shares[1] = self.shares.len() as u32;
         seen.edges[1] = self.edges.len() as u32;
@@ -191,13 +211,13 @@ impl GapIntegrator {
         let faces =
             |j: u32| normals.is_none_or(|all| all.iter().any(|n| cosine(n, &other.shapes[j as usize]) < FACING));
         let facing = candidates.iter().filter(|j| faces(**j));
-        self.facing.extend(facing.map(|&j| FacingFacet::new(j, &own, &other.shapes[j as usize])));
-        let nearest = self.nearest(&own, 0.0, other, |_| false)?;
+        self.facing.extend(facing.map(|&j| FacingFacet::new(j, &own, other)));
+        let nearest = self.nearest(&own, 0.0, other, [&|_| false, &|_| false])?;
         if normals.is_some() && nearest.corner.is_some() {
             return None;
         }
         let j = nearest.facing.facet as usize;
-        let (gap, normal, part) = nearest.distance(place, 0.0, &other.shapes[j], other.shapes[j].length);
+        let (gap, normal, part) = nearest.distance(place, 0.0, nearest.facing.shape.length);
         let gap = gap - other.lift[j];
         let half = if other.is_side_of_line { half } else { f64::INFINITY };
         if gap >= reach || gap <= -other.depth_at(j, part).min(half) {
@@ -222,13 +242,10 @@ impl GapIntegrator {
         let near_enough = |j: u32| reach + own.lift[k] + other.lift[j as usize];
         for &j in candidates {
             let near = &other.shapes[j as usize];
-            if cosine(&shape.normal, near) >= FACING {
-                continue;
-            }
-            let [l, h] = near.bounds();
-            let reach = near_enough(j);
-            if (0..2).all(|i| l[i] <= high[i] + reach && h[i] >= low[i] - reach) {
-                self.facing.push(FacingFacet::new(j, shape, near));
+            let ([l, h], reach) = (near.bounds(), near_enough(j));
+            let is_near = l[0] <= high[0] + reach && h[0] >= low[0] - reach;
+            if is_near && l[1] <= high[1] + reach && h[1] >= low[1] - reach && cosine(&shape.normal, near) < FACING {
+                self.facing.push(FacingFacet::new(j, shape, other));
             }
         }
     }
@@ -248,17 +265,35 @@ impl GapIntegrator {
             let inverse = 1.0 / f.along[1];
             add(-f.along[0] * inverse);
             add((1.0 - f.along[0]) * inverse);
-            // Beyond the ends of the facet, the sign of the distance changes in its plane.
+            let neighbors = other.neighbors[f.facet as usize];
+            let [before, after] = neighbors.inline_map(|beyond| match beyond {
+                FacetNeighbor::Facet(next) => facing.iter().find(|g| g.facet == next),
+                _ => None,
+            });
+            // Beyond the ends of the facet, the sign of the distance changes in its plane. Where a neighbour is
+            // opposite, it is nearer.
             let crossing = -f.distance[0] / f.distance[1];
-            if !(0.0..=1.0).contains(&f.at(crossing)) {
+            let at = f.at(crossing);
+            let beyond = if at < 0.0 { before } else { after };
+            if !(0.0..=1.0).contains(&at) && !beyond.is_some_and(|g| g.covers(crossing)) {
                 add(crossing);
             }
-            let FacetNeighbor::Facet(next) = other.neighbors[f.facet as usize][1] else { continue };
-            if let Some(g) = facing.iter().find(|g| g.facet == next) {
-                add((g.distance[0] - f.distance[0]) / (f.distance[1] - g.distance[1]));
+            if let Some(g) = after {
+                let s = (g.distance[0] - f.distance[0]) / (f.distance[1] - g.distance[1]);
+                if f.covers(s) && g.covers(s) {
+                    add(s);
+                }
             }
         }
         cuts.sort_unstable_by(f64::total_cmp);
+    }
+
+    /// Leaves out the gap of one of a facet's points.
+    pub fn leave_out(&mut self, seen: &mut FacetGap, end: usize) {
+        (seen.area[end], seen.gap[end]) = (0.0, 0.0);
+        for share in &mut self.shares[seen.shares[0] as usize..seen.shares[1] as usize] {
+            share.of[end] = [0.0; 2];
+        }
     }
 
     /// Adds the derivatives by the motion of a corner of the opposite surface at the coordinate `s` of the own facet; the
@@ -288,9 +323,8 @@ impl GapIntegrator {
     fn piece(
         &mut self,
         [from, to]: [f64; 2],
-        own: &FacetCurve,
-        k: usize,
-        other: &FacetCurve,
+        (own, k): (&FacetCurve, usize),
+        (other, is_soft): (&FacetCurve, bool),
         reach: f64,
         seen: &mut FacetGap,
     ) -> Option<FacingFacet> {
@@ -299,69 +333,79 @@ impl GapIntegrator {
         // In self-contact, a facet next to the own one is not opposite: the point is within the corner between both.
         let is_self = std::ptr::eq(own, other);
         let joins = |next: u32| is_self && own.facets[k].iter().any(|p| other.facets[next as usize].contains(p));
-        let nearest = self.nearest(&shape, middle, other, joins)?;
-        let j = nearest.facing.facet as usize;
-        let opposite = &other.shapes[j];
+        let ends_at = |next: u32| !is_soft && cosine(&shape.normal, &other.shapes[next as usize]) >= FACING;
+        let nearest = self.nearest(&shape, middle, other, [&joins, &ends_at])?;
+        let (j, opposite) = (nearest.facing.facet as usize, nearest.facing.shape);
         let most = deepest_overlap((own, k), (other, j));
+        let (own_lift, other_lift) = (own.lift[k], nearest.facing.lift);
         let mut shares = [[[0.0; 2]; 2]; 4];
         let mut any = false;
         for s in [middle - half * GAUSS, middle + half * GAUSS] {
             let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
-            let (gap, normal, part) = nearest.distance(place, s, opposite, shape.length);
-            let gap = gap - own.lift[k] - other.lift[j];
-            if gap >= reach || gap <= -other.depth_at(j, part).min(most) {
+            let (gap, normal, part) = nearest.distance(place, s, shape.length);
+            let gap = gap - own_lift - other_lift;
+            if gap >= reach || (gap <= 0.0 && gap <= -other.depth_at(j, part).min(most)) {
                 continue;
             }
             any = true;
             let r = 0.5 * (place[0] + opposite.from[0] + part * opposite.along[0]);
             let weight = std::f64::consts::TAU * r * half * shape.length;
-            let hats = [1.0 - s, s];
-            for (share, of) in shares.iter_mut().zip([hats[0], hats[1], part - 1.0, -part]) {
-                for (sum, hat) in share.iter_mut().zip(hats) {
-                    sum[0] += hat * of * (weight * normal[0]);
-                    sum[1] += hat * of * (weight * normal[1]);
+            let (hats, weighted) = ([1.0 - s, s], normal.inline_map(|n| weight * n));
+            let factors = [hats[0], hats[1], part - 1.0, -part];
+            for i in 0..4 {
+                for l in 0..2 {
+                    let factor = hats[l] * factors[i];
+                    shares[i][l][0] += factor * weighted[0];
+                    shares[i][l][1] += factor * weighted[1];
                 }
             }
-            for (l, hat) in hats.into_iter().enumerate() {
-                seen.area[l] += hat * weight;
-                seen.gap[l] += hat * weight * gap;
+            for l in 0..2 {
+                seen.area[l] += hats[l] * weight;
+                seen.gap[l] += hats[l] * weight * gap;
             }
         }
         if any {
             let ([a, b], [c, d]) = (own.facets[k], other.facets[j]);
-            [a, b, c, d].into_iter().zip(shares).for_each(|(point, of)| self.add(seen, point, of));
+            self.add(seen, a, shares[0]);
+            self.add(seen, b, shares[1]);
+            self.add(seen, c, shares[2]);
+            self.add(seen, d, shares[3]);
         }
         any.then_some(nearest.facing)
     }
 
     /// Returns the nearest part of the opposite surface. Returns `None` beyond the free end of a surface, and around a
-    /// corner if the next facet is not opposite: the point is in front of that facet, or the facet `joins` the own one.
+    /// corner if the next facet is not opposite: the point is inside the plane of the facet and in front of the next one,
+    /// or the next facet joins the own one, or the surface `ends_at` it.
     fn nearest(
         &self,
         shape: &FacetShape,
         s: f64,
         other: &FacetCurve,
-        joins: impl Fn(u32) -> bool,
+        [joins, ends_at]: [&dyn Fn(u32) -> bool; 2],
     ) -> Option<NearestFacet> {
         let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
-        let mut best: Option<(f64, FacingFacet, f64)> = None;
+        let (mut best, mut least) = (None, f64::INFINITY);
         for f in &self.facing {
-            let (at, opposite) = (f.at(s), &other.shapes[f.facet as usize]);
+            let (at, opposite) = (f.at(s), &f.shape);
             let part = at.clamp(0.0, 1.0);
             let d = [0, 1].inline_map(|i| place[i] - opposite.from[i] - part * opposite.along[i]);
             let square = d[0] * d[0] + d[1] * d[1];
-            if best.is_none_or(|b| square < b.0) {
-                best = Some((square, *f, at));
+            if square < least {
+                (best, least) = (Some(f), square);
             }
         }
-        let (_, facing, at) = best?;
+        let facing = *best?;
+        let at = facing.at(s);
         let end = usize::from(at > 1.0);
         let corner = (!(0.0..=1.0).contains(&at)).then_some(end);
         let passes = corner.is_some()
             && match other.neighbors[facing.facet as usize][end] {
                 FacetNeighbor::Nothing => true,
                 FacetNeighbor::Facet(next) => {
-                    facing.apart(s) < 0.0 && (joins(next) || other.shapes[next as usize].in_front(place))
+                    let is_inside = facing.apart(s) < 0.0;
+                    is_inside && joins(next)
+                        || (is_inside || ends_at(next)) && other.shapes[next as usize].in_front(place)
                 }
                 FacetNeighbor::Axis => false,
             };
@@ -375,8 +419,9 @@ impl GapIntegrator {
         }
         match self.shares[seen.shares[0] as usize..].iter_mut().find(|c| c.point == point) {
             Some(known) => {
-                for (sum, more) in known.of.iter_mut().flatten().zip(of.iter().flatten()) {
-                    *sum += more;
+                for l in 0..2 {
+                    known.of[l][0] += of[l][0];
+                    known.of[l][1] += of[l][1];
                 }
             }
             None => self.shares.push(GapDerivative { point, of }),
@@ -466,8 +511,8 @@ mod tests {
         assert!((rise / (seen.area[0] + seen.area[1]) - 1.0).abs() < 1e-14);
     }
 
-    /// A point beyond the free end of a surface has no gap; beyond a corner that continues it has the distance from the
-    /// corner.
+    /// A point beyond the free end of a surface has no gap. Beyond a corner after which the surface turns away it has
+    /// the distance from the corner in soft contact, and no gap in hard contact.
     #[test]
     fn free_ends_have_no_gap_and_corners_do() {
         let own = curve(&[[2.5, 0.1], [3.0, 0.1]], 0);
@@ -475,8 +520,9 @@ mod tests {
         let ending = curve(&[[2.0, 0.0], [0.0, 0.0]], 2);
         assert_eq!(gaps.facet_gap((&own, 0), &ending, &[0], 10.0, false).area, [0.0; 2]);
         let around = curve(&[[2.0, -1.0], [2.0, 0.0], [0.0, 0.0]], 2);
-        let seen = gaps.facet_gap((&own, 0), &around, &[0, 1], 10.0, false);
+        let seen = gaps.facet_gap((&own, 0), &around, &[0, 1], 10.0, true);
         assert!(seen.gap[0] / seen.area[0] > 0.5 && seen.gap[1] / seen.area[1] > 0.5, "{seen:?}");
+        assert_eq!(gaps.facet_gap((&own, 0), &around, &[0, 1], 10.0, false).area, [0.0; 2]);
         let beside = curve(&[[2.5, -0.1], [3.0, -0.1]], 0);
         assert_eq!(gaps.facet_gap((&beside, 0), &around, &[1], 10.0, false).area, [0.0; 2]);
         let within = curve(&[[1.0, -0.1], [1.5, -0.1]], 0);

@@ -17,6 +17,7 @@ mod direct;
 mod gaps;
 mod heat;
 mod light;
+mod near;
 mod search;
 mod shown;
 mod slip_damping;
@@ -32,6 +33,7 @@ use self::cohesion::CohesiveSurfaces;
 use self::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use self::gaps::{FacetGap, GapIntegrator};
 use self::heat::{ContactHeat, HeatKey};
+use self::near::NearParts;
 use self::search::ContactSearch;
 use self::shown::ContactOutput;
 use self::slip_damping::SlipDamping;
@@ -169,8 +171,9 @@ pub struct ContactConstraint {
     /// Mean velocity of each degree of freedom during the impulses of the increment.
     means: Vec<f64>,
     places: Vec<[f64; 2]>,
-    /// Points to update: those of exposed facets and those without elements.
-    near: Vec<u32>,
+    /// Points that may be in contact: those of exposed facets and those without elements.
+    active_points: Vec<u32>,
+    near: NearParts,
     /// Positions of the points when candidate lists were built; empty if there are none.
     listed: Vec<[f64; 2]>,
     gaps: GapIntegrator,
@@ -261,13 +264,14 @@ impl ContactConstraint {
         contact.shown = ContactOutput::new(keys as usize, &points);
         contact.places = vec![[0.0; 2]; points.len()];
         contact.listed = Vec::with_capacity(points.len());
-        contact.near = Vec::with_capacity(2 * points.len() + analyticals.len());
+        contact.active_points = Vec::with_capacity(2 * points.len() + analyticals.len());
         let meets = |p: &&ContactPair| p.analytical.is_some();
         contact.feet = Vec::with_capacity(pairs.iter().filter(meets).map(|p| 2 * curves[p.own].own.len()).sum());
         contact.gaps = GapIntegrator::new(facets);
         contact.rows.reserve(keys as usize, contact.dofs.len());
         (contact.points, contact.curves, contact.pairs) = (points, curves, pairs);
         contact.analyticals = analyticals;
+        contact.reserve_near();
         contact.list_points();
         contact
     }
@@ -352,8 +356,7 @@ impl ContactConstraint {
     /// deepest overlap of each pair.
     pub fn start(&mut self, places: &[[f64; 2]]) -> Vec<Option<SurfaceOverlap>> {
         self.places.copy_from_slice(places);
-        self.curves.iter_mut().for_each(|c| c.shape(places));
-        self.update_candidates();
+        self.search();
         self.measure(0.0);
         let mut deepest: Vec<Option<SurfaceOverlap>> = vec![None; self.pairs.len()];
         let mut fits = vec![0.0; self.pressures.len()];
@@ -406,30 +409,65 @@ impl ContactConstraint {
         self.impulses = vec![[0.0; 2]; count];
     }
 
-    /// Reads positions at the start of the increment and velocities without contact.
-    fn read_motion(&mut self, dofs: &Dofs, dt: f64) {
-        for &p in &self.near {
-            let (at, point) = (p as usize, &self.points[p as usize]);
+    fn reserve_near(&mut self) {
+        let facets = self.curves.iter().map(|curve| curve.facets.len()).sum();
+        self.near.reserve(facets, self.points.len(), self.dofs.len());
+    }
+
+    /// Returns the position of a point at the start of the increment.
+    #[inline]
+    fn place_of(&self, point: u32, dofs: &Dofs, dt: f64) -> [f64; 2] {
+        match self.points[point as usize].carrier {
+            PointCarrier::Node(n) => {
+                let node = &dofs.nodes[n];
+                [node.r - dt * node.v_r, node.z - dt * node.v_z]
+            }
+            PointCarrier::Body(b, [r, z]) => [r, z + dofs.bodies[b].before.displacement],
+        }
+    }
+
+    /// Reads positions at the start of the increment and velocities without contact, of near points. Returns whether
+    /// candidates must be searched again, because there are none or a point has moved too far; all points are then read.
+    fn read_motion(&mut self, dofs: &Dofs, dt: f64) -> bool {
+        let mut searches = self.listed.is_empty();
+        if !searches {
+            let near = std::mem::take(&mut self.near.points);
+            self.read_points(&near, dofs, dt);
+            self.near.points = near;
+            searches = self.has_moved_far(dofs, dt);
+        }
+        if searches {
+            let all = std::mem::take(&mut self.active_points);
+            self.read_points(&all, dofs, dt);
+            self.active_points = all;
+        }
+        self.read_merged(dofs);
+        searches
+    }
+
+    fn read_points(&mut self, points: &[u32], dofs: &Dofs, dt: f64) {
+        for &p in points {
+            let at = p as usize;
+            self.places[at] = self.place_of(p, dofs, dt);
             let [r, z] = self.dofs_of[at];
-            match point.carrier {
+            let ContactVelocities { velocity, inverse_mass } = &mut self.motion;
+            match self.points[at].carrier {
                 PointCarrier::Node(n) => {
-                    let node = &dofs.nodes[n];
-                    self.places[at] = [node.r - dt * node.v_r, node.z - dt * node.v_z];
-                    self.motion.velocity[r as usize] = node.v_r;
-                    self.motion.velocity[z as usize] = node.v_z;
-                    for dof in [r, z] {
-                        let held = self.dofs[dof as usize].1;
-                        self.motion.inverse_mass[dof as usize] = if held { 0.0 } else { dofs.nodes.inverse_mass[n] };
+                    let (node, free) = (&dofs.nodes[n], dofs.nodes.inverse_mass[n]);
+                    for (dof, v) in [(r as usize, node.v_r), (z as usize, node.v_z)] {
+                        velocity[dof] = v;
+                        inverse_mass[dof] = if self.dofs[dof].1 { 0.0 } else { free };
                     }
                 }
-                PointCarrier::Body(b, [start_r, start_z]) => {
-                    let (body, held) = (&dofs.bodies[b], self.dofs[z as usize].1);
-                    self.places[at] = [start_r, start_z + body.before.displacement];
-                    self.motion.velocity[z as usize] = body.velocity_half;
-                    self.motion.inverse_mass[z as usize] = if held { 0.0 } else { body.inverse_mass };
+                PointCarrier::Body(b, _) => {
+                    velocity[z as usize] = dofs.bodies[b].velocity_half;
+                    inverse_mass[z as usize] = if self.dofs[z as usize].1 { 0.0 } else { dofs.bodies[b].inverse_mass };
                 }
             }
         }
+    }
+
+    fn read_merged(&mut self, dofs: &Dofs) {
         for merged in &self.merged {
             let leader = &dofs.nodes[merged.nodes.nodes[0]];
             self.motion.velocity[merged.dof] = [leader.v_r, leader.v_z][merged.nodes.axis];
@@ -438,38 +476,48 @@ impl ContactConstraint {
         }
     }
 
-    /// Lists the points of exposed facets and those without elements.
+    /// Lists the points of exposed facets and those without elements. Candidates must then be searched again.
     fn list_points(&mut self) {
-        self.near.clear();
-        self.near.extend(self.analyticals.iter().map(|a| a.point));
+        self.active_points.clear();
+        self.active_points.extend(self.analyticals.iter().map(|a| a.point));
         for curve in &self.curves {
             let points = curve.exposed_points.iter().chain(&curve.orphans).map(|&i| curve.own[i as usize]);
-            self.near.extend(points);
+            self.active_points.extend(points);
         }
-        self.near.sort_unstable();
-        self.near.dedup();
+        self.active_points.sort_unstable();
+        self.active_points.dedup();
         self.listed.clear();
     }
 
-    /// Builds candidate lists again if a point has moved too far since they were built.
-    fn update_candidates(&mut self) {
-        let searched = |p: &&ContactPair| p.analytical.is_none();
-        let slack = self.pairs.iter().filter(searched).map(|p| p.search.slack()).fold(f64::INFINITY, f64::min);
-        if slack == f64::INFINITY {
-            return;
-        }
-        let far = |&p: &u32| {
-            let (a, b) = (self.places[p as usize], self.listed[p as usize]);
+    /// Returns whether a point has moved too far since candidates were searched.
+    fn has_moved_far(&self, dofs: &Dofs, dt: f64) -> bool {
+        let searched = self.pairs.iter().filter(|p| p.analytical.is_none());
+        let slack = searched.map(|p| p.search.slack()).fold(f64::INFINITY, f64::min);
+        let is_far = |a: [f64; 2], p: u32| {
+            let b = self.listed[p as usize];
             let d = [a[0] - b[0], a[1] - b[1]];
             d[0] * d[0] + d[1] * d[1] > slack * slack
         };
-        if !self.listed.is_empty() && !self.near.iter().any(far) {
-            return;
-        }
+        self.near.points.iter().any(|&p| is_far(self.places[p as usize], p))
+            || self.near.others.iter().any(|&p| is_far(self.place_of(p, dofs, dt), p))
+    }
+
+    /// Searches candidates from the shapes of all exposed facets.
+    fn search(&mut self) {
+        self.curves.iter_mut().for_each(|c| c.shape(&self.places));
         self.listed.clear();
         self.listed.extend_from_slice(&self.places);
         for pair in self.pairs.iter_mut().filter(|p| p.analytical.is_none()) {
             pair.search.build(&self.curves[pair.own], pair.other.map(|o| &self.curves[o]), &self.places);
+        }
+        let ContactConstraint { near, pairs, curves, analyticals, active_points, dofs_of, .. } = self;
+        near.list((pairs, curves, analyticals), active_points, dofs_of);
+    }
+
+    /// Updates the shapes of near facets.
+    fn shape_near(&mut self) {
+        for &[curve, k] in &self.near.facets {
+            self.curves[curve as usize].shape_one(k, &self.places);
         }
     }
 
@@ -487,7 +535,17 @@ impl ContactConstraint {
 
     fn measure_curves(&mut self) {
         let ContactConstraint {
-            curves, pairs, gaps, rows, dofs_of, gap_offsets: fits, places, pressures, laws, ..
+            curves,
+            pairs,
+            gaps,
+            rows,
+            dofs_of,
+            gap_offsets: fits,
+            places,
+            pressures,
+            laws,
+            near,
+            ..
         } = self;
         for pair in pairs.iter_mut().filter(|p| p.analytical.is_none()) {
             let own = &curves[pair.own];
@@ -504,7 +562,10 @@ impl ContactConstraint {
             }
             let least_cover = if is_soft { 0.0 } else { LEAST_COVER };
             if any {
-                for &index in &own.exposed_points {
+                if !is_soft && pair.initial_clearance.is_none() {
+                    own.kinks.iter().for_each(|&index| leave_out_open_side(pair, own, index as usize, gaps));
+                }
+                for &index in own.exposed_points.iter().filter(|i| near.has(own.own[**i as usize])) {
                     add_row(rows, pair, (own, index as usize), least_cover, gaps, dofs_of, fits);
                 }
             }
@@ -550,7 +611,7 @@ impl ContactConstraint {
         let ContactConstraint { rows, impulses, pressures, half, .. } = self;
         pressures.fill([0.0; 2]);
         impulses.fill([0.0; 2]);
-        for row in &rows.rows {
+        for row in rows.rows.iter().filter(|row| row.acts()) {
             pressures[row.key as usize] = [row.normal_impulse / *half, row.shear_impulse / *half];
             for term in rows.terms_of(row) {
                 let on = &mut impulses[term.dof as usize];
@@ -567,8 +628,8 @@ impl ContactConstraint {
         let Dofs { bodies, nodes, energies, .. } = dofs;
         let mut work = [0.0; 2];
         self.means.fill(0.0);
-        for (i, &(dof, prescribed)) in self.dofs.iter().enumerate() {
-            let [normal, slip] = self.impulses[i];
+        for i in self.near.dofs.iter().map(|i| *i as usize) {
+            let ((dof, prescribed), [normal, slip]) = (self.dofs[i], self.impulses[i]);
             if normal == 0.0 && slip == 0.0 {
                 continue;
             }
@@ -710,14 +771,32 @@ fn add_row(
     }
     rows.open();
     for &(facet, end) in facets() {
-        for share in gaps.shares_of(&pair.facet_gaps[facet as usize]) {
-            rows.add_share(dofs_of[share.point as usize], share.of[end as usize]);
-        }
+        rows.add_shares(gaps.shares_of(&pair.facet_gaps[facet as usize]), end as usize, dofs_of);
         for share in gaps.edges_of(&pair.facet_gaps[facet as usize]) {
             rows.add_normal_share(dofs_of[share.point as usize], share.of[end as usize]);
         }
     }
     rows.close(row);
+}
+
+/// Leaves out one facet at a kink of the own surface if the other surface follows only the other facet: the mean gap of
+/// both would be open although one of them overlaps. The criterion is half the opening that the kink gives to a plane
+/// surface on one facet: over the hat function, a third of the facet length times the angle.
+fn leave_out_open_side(pair: &mut ContactPair, own: &FacetCurve, index: usize, gaps: &mut GapIntegrator) {
+    let &[a, b] = own.around_own(index) else { return };
+    let sides = [a, b].inline_map(|(facet, end)| {
+        let (seen, end) = (&pair.facet_gaps[facet as usize], end as usize);
+        (facet as usize, end, seen.area[end], seen.gap[end] / seen.area[end])
+    });
+    if sides.iter().any(|(facet, _, area, _)| *area <= 0.0 || !own.is_exposed[*facet]) {
+        return;
+    }
+    let [closed, open] = if sides[0].3 <= sides[1].3 { [0, 1] } else { [1, 0] }.inline_map(|side| sides[side]);
+    let (flat, shape) = (&own.shapes[closed.0], &own.shapes[open.0]);
+    let angle = (flat.normal[0] * shape.normal[1] - flat.normal[1] * shape.normal[0]).abs();
+    if open.3 - closed.3 > angle * shape.length / 6.0 {
+        gaps.leave_out(&mut pair.facet_gaps[open.0], open.1);
+    }
 }
 
 /// Part of the area of a hat function that the other surface must cover in hard contact. A smaller part does not
@@ -776,9 +855,7 @@ fn add_point_row(
         }
     }
     rows.open();
-    for share in gaps.shares_of(&seen) {
-        rows.add_share(dofs_of[share.point as usize], share.of[0]);
-    }
+    rows.add_shares(gaps.shares_of(&seen), 0, dofs_of);
     let mut row = ContactRow::of(key, pair.of_points as u32);
     (row.is_single_point, row.area, row.gap) = (true, seen.area[0], seen.gap[0]);
     if is_corner {
@@ -809,6 +886,7 @@ impl Constraint for ContactConstraint {
         let free = self.merged.iter().filter(|merged| !self.dofs[merged.dof].1);
         self.rows.bodies.extend(free.map(|merged| merged.dof as u32));
         self.rows.reserve(self.pressures.len(), self.dofs.len());
+        self.reserve_near();
         if self.laws.iter().any(|law| law.is_soft()) {
             self.gaps.reserve_edges(self.pressures.len());
         }
@@ -831,13 +909,16 @@ impl Constraint for ContactConstraint {
         if self.uncovered {
             self.list_points();
         }
-        self.read_motion(dofs, dt);
+        let searches = self.read_motion(dofs, dt);
         if std::mem::take(&mut self.uncovered) {
             self.curves.iter_mut().for_each(|c| c.find_neighbors(&self.places));
             self.forget_pressures_of_orphans();
         }
-        self.curves.iter_mut().for_each(|c| c.shape(&self.places));
-        self.update_candidates();
+        if searches {
+            self.search();
+        } else {
+            self.shape_near();
+        }
         self.measure(dt);
         self.show_openings();
         self.update_heat_rows();
@@ -940,7 +1021,8 @@ impl StoredConstraint for ContactConstraint {
             + MemoryUse::of(&self.gap_offsets)
             + MemoryUse::of(&self.means)
             + MemoryUse::of(&self.places)
-            + MemoryUse::of(&self.near)
+            + MemoryUse::of(&self.active_points)
+            + self.near.memory()
             + MemoryUse::of(&self.listed)
             + MemoryUse::of(&self.impulses)
             + MemoryUse::of(&self.bodies)
@@ -956,7 +1038,7 @@ persist_struct!(ContactConstraint {
     curves: fixed, pressures: fixed, stored_energy, slip_damping, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present,
     cohesion: present
 } derived {
-    points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, gap_offsets, springs, means, places, near, listed, gaps, rows, motion
+    points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, gap_offsets, springs, means, places, active_points, near, listed, gaps, rows, motion
 } then ContactConstraint::list_again);
 
 impl ContactConstraint {

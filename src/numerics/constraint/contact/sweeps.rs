@@ -3,6 +3,7 @@
 //! 235).
 
 use super::direct::DirectSolver;
+use super::gaps::GapDerivative;
 use super::light::LightBody;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lists::MemoryUse;
@@ -37,6 +38,8 @@ pub struct ContactRow {
     /// Gap times area, corrected by the initial clearance. For a soft law without the overlap that no work was done
     /// for.
     pub gap: f64,
+    /// Rate of the gap times area without contact.
+    free_rate: f64,
     /// Rate at which the gap times area may close in this increment.
     pub(super) bias: f64,
     /// Change of the rate by an impulse per unit of area, along the normal and along the surface.
@@ -88,6 +91,20 @@ impl ContactRow {
             self.compliance[1] += w * t.slip * t.slip;
         }
     }
+
+    /// Computes the compliance and the rate without contact. Returns the largest velocity of the terms.
+    fn update_without_contact(&mut self, own: &[GapTerm], motion: &ContactVelocities) -> f64 {
+        let (mut compliance, mut rate, mut fastest) = ([0.0; 2], 0.0, 0.0_f64);
+        for t in own {
+            let (w, velocity) = (motion.inverse_mass[t.dof as usize], motion.velocity[t.dof as usize]);
+            compliance[0] += w * t.normal * t.normal;
+            compliance[1] += w * t.slip * t.slip;
+            rate += t.normal * velocity;
+            fastest = fastest.max(velocity.abs());
+        }
+        (self.compliance, self.free_rate) = (compliance, rate);
+        fastest
+    }
 }
 
 /// Velocities and inverse masses of the degrees of freedom in contact.
@@ -108,6 +125,27 @@ impl ContactVelocities {
     /// Returns the slip rate times the area.
     pub fn slip(&self, terms: &[GapTerm]) -> f64 {
         terms.iter().map(|t| t.slip * self.velocity[t.dof as usize]).sum()
+    }
+
+    /// Returns the rate of a gap and the slip rate, both times the area.
+    #[inline]
+    pub(super) fn rates(&self, terms: &[GapTerm]) -> [f64; 2] {
+        let mut sums = [0.0; 2];
+        for t in terms {
+            let velocity = self.velocity[t.dof as usize];
+            sums[0] += t.normal * velocity;
+            sums[1] += t.slip * velocity;
+        }
+        sums
+    }
+
+    /// Adds the velocities by impulses along the normal and along the surface.
+    #[inline]
+    pub(super) fn push_and_shear(&mut self, terms: &[GapTerm], [pressed, sheared]: [f64; 2]) {
+        for t in terms {
+            self.velocity[t.dof as usize] +=
+                self.inverse_mass[t.dof as usize] * (t.normal * pressed + t.slip * sheared);
+        }
     }
 
     pub(super) fn push(&mut self, terms: &[GapTerm], impulse: f64) {
@@ -195,12 +233,53 @@ impl ContactRows {
         self.opened = self.terms.len() as u32;
     }
 
+    /// Adds the derivatives of the gap of the point at one `end` of a facet.
+    pub(super) fn add_shares(&mut self, shares: &[GapDerivative], end: usize, dofs_of: &[[u32; 2]]) {
+        for share in shares {
+            self.add_share(dofs_of[share.point as usize], share.of[end]);
+        }
+    }
+
     /// Adds the derivatives of a gap by the position of a point. The tangent is the normal turned by 90 degrees
     /// counter-clockwise.
-    #[inline]
+    #[inline(always)]
     pub(super) fn add_share(&mut self, [r, z]: [u32; 2], of: [f64; 2]) {
-        self.add_term(r, of[0], -of[1]);
-        self.add_term(z, of[1], of[0]);
+        if !self.add_pair([r, z], of) {
+            self.add_term(r, of[0], -of[1]);
+            self.add_term(z, of[1], of[0]);
+        }
+    }
+
+    /// Adds both derivatives at once for a node with two degrees of freedom, whose terms follow each other. Returns
+    /// `false` for all other points.
+    #[inline(always)]
+    fn add_pair(&mut self, [r, z]: [u32; 2], of: [f64; 2]) -> bool {
+        if r == NONE || z != r + 1 || of == [0.0; 2] {
+            return false;
+        }
+        let (slots, at) = (&mut self.slots[r as usize..=z as usize], self.terms.len() as u32);
+        let ends = slots[0].saturating_add(2);
+        if slots[0] >= self.opened
+            && ends <= at
+            && let [first, second] = &mut self.terms[ends as usize - 2..ends as usize]
+            && first.dof == r
+            && second.dof == z
+        {
+            first.normal += of[0];
+            first.slip -= of[1];
+            second.normal += of[1];
+            second.slip += of[0];
+            return true;
+        }
+        let is_in_row =
+            |slot: u32, dof| slot >= self.opened && self.terms.get(slot as usize).is_some_and(|t| t.dof == dof);
+        if is_in_row(slots[0], r) || is_in_row(slots[1], z) {
+            return false;
+        }
+        slots.copy_from_slice(&[at, at + 1]);
+        self.terms.push(GapTerm { dof: r, normal: of[0], slip: -of[1] });
+        self.terms.push(GapTerm { dof: z, normal: of[1], slip: of[0] });
+        true
     }
 
     /// Adds derivatives of a gap that belong to no slip.
@@ -266,14 +345,13 @@ impl ContactRows {
     /// gap closes.
     pub(super) fn begin(&mut self, motion: &ContactVelocities, given: ContactStep<'_>) -> Option<f64> {
         self.sweeps = 0;
-        let approach = self.prepare(motion, given);
+        let [approach, fastest] = self.prepare(motion, given);
         self.set_dashpots(motion, given.laws);
         if approach <= 0.0 {
             self.rows.clear();
             return None;
         }
-        let fastest = self.terms.iter().fold(0.0_f64, |v, t| v.max(motion.velocity[t.dof as usize].abs()));
-        self.keep_near(motion, approach, given);
+        self.keep_near(approach, given);
         Some(approach.max(ROUNDING * fastest))
     }
 
@@ -311,40 +389,41 @@ impl ContactRows {
             row.normal_impulse = pressure * given.span.half;
             let most = shear_limit(row, &given.laws[row.law as usize], given.span.half);
             row.shear_impulse = (shear * given.span.half).clamp(-most, most);
-            motion.push(own, row.normal_impulse);
-            motion.shear(own, row.shear_impulse);
+            if row.normal_impulse != 0.0 || row.shear_impulse != 0.0 {
+                motion.push_and_shear(own, [row.normal_impulse, row.shear_impulse]);
+            }
         }
         for row in rows.iter_mut() {
-            let own = row.own(terms);
             let friction = &given.laws[row.law as usize].friction;
             if friction.decay != 0.0 {
-                row.coefficient = friction.coefficient(motion.slip(own).abs() / row.area);
+                row.coefficient = friction.coefficient(motion.slip(row.own(terms)).abs() / row.area);
             }
         }
     }
 
-    /// Computes compliances and biases; returns the largest approach velocity beyond the allowed rates.
-    fn prepare(&mut self, motion: &ContactVelocities, given: ContactStep<'_>) -> f64 {
+    /// Computes compliances and biases; returns the largest approach velocity beyond the allowed rates, and the largest
+    /// velocity.
+    fn prepare(&mut self, motion: &ContactVelocities, given: ContactStep<'_>) -> [f64; 2] {
         let ContactRows { terms, rows, .. } = self;
+        let mut fastest: f64 = 0.0;
         rows.retain_mut(|row| {
             let own = row.own(terms);
-            row.update_compliance(own, motion);
+            fastest = fastest.max(row.update_without_contact(own, motion));
             row.compliance[0] > 0.0 && row.area > 0.0
         });
         let mut approach: f64 = 0.0;
         for row in rows.iter_mut() {
-            let own = row.own(terms);
             let law = &given.laws[row.law as usize];
             row.take_bias(law, given.span);
             row.coefficient = law.friction.at_rest;
-            let short = -(motion.rate(own) + row.bias) / row.area;
+            let short = -(row.free_rate + row.bias) / row.area;
             // Soft contact has pressure wherever it is closed, at any rate.
             let closed = law.is_soft() && row.bias <= 0.0;
             let by_closure =
                 if closed { (-row.gap / row.area + law.overclosure.onset_gap()) / given.span.dt } else { 0.0 };
             approach = approach.max(short).max(by_closure);
         }
-        approach
+        [approach, fastest]
     }
 
     /// Sets the damping of soft contact, which acts while surfaces overlap at the start of the increment. The mass per
@@ -373,12 +452,10 @@ impl ContactRows {
     }
 
     /// Leaves out rows that cannot close in this increment.
-    fn keep_near(&mut self, motion: &ContactVelocities, approach: f64, given: ContactStep<'_>) {
-        let ContactRows { terms, rows, .. } = self;
-        rows.retain(|row| {
-            let own = row.own(terms);
+    fn keep_near(&mut self, approach: f64, given: ContactStep<'_>) {
+        self.rows.retain(|row| {
             let begins = given.laws[row.law as usize].overclosure.onset_gap() * row.area;
-            row.gap - begins + given.span.dt * motion.rate(own) <= 2.0 * given.span.dt * row.area * approach
+            row.gap - begins + given.span.dt * row.free_rate <= 2.0 * given.span.dt * row.area * approach
         });
     }
 
