@@ -1,122 +1,104 @@
-//! Flux-corrected transport (Zalesak 1979, J. Comput. Phys. 31, 335): second-order fluxes, limited so that no value
-//! leaves the range of its neighbours. The sum of weight times value is conserved to rounding.
+//! Linear fields of elements, limited so that no value leaves the range of the element and its neighbours (Barth and
+//! Jespersen 1989, AIAA paper 89-0366), neither where material leaves an element nor in the material that stays. Loops
+//! over several variables are vectorized.
 
-use crate::kernel::lanes::InlineMap;
+use crate::kernel::lanes::inline_from_fn;
 
-/// Edge of a graph of cells, with the weight (volume or mass) that moves from the second to the first cell.
+/// What passes through the sides of an element when its nodes move.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct WeightFlux {
-    pub cells: [u32; 2],
-    pub weight: f64,
+pub(super) struct ElementFlow {
+    /// Weights that enter through each side, over the weight of the element after the motion; negative if they leave.
+    pub inflow: [f64; 4],
+    /// Centres of the rings that pass through each side, from the centre of the element that loses them.
+    pub places: [[f64; 2]; 4],
+    /// Centre of the material that stays, from the centre of the element.
+    pub rest: [f64; 2],
+    /// Gradient for a unit difference of the value of each neighbour.
+    pub slopes: [[f64; 2]; 4],
 }
 
-impl WeightFlux {
-    /// Returns the cell from which the weight comes.
-    pub fn donor(&self) -> usize {
-        self.cells[usize::from(self.weight > 0.0)] as usize
+/// Gradient of several values along r and z.
+pub(super) type Gradient<const N: usize> = [[f64; N]; 2];
+
+impl ElementFlow {
+    /// Returns the limited gradient of values, from those of the element and of its neighbours, and their range.
+    #[inline(always)]
+    pub fn gradient<const N: usize>(&self, own: &[f64; N], around: [&[f64; N]; 4]) -> (Gradient<N>, [[f64; N]; 2]) {
+        let (mut low, mut high) = (*own, *own);
+        let (mut along_r, mut along_z) = ([0.0; N], [0.0; N]);
+        for (value, [r, z]) in around.iter().zip(self.slopes) {
+            for l in 0..N {
+                let step = value[l] - own[l];
+                low[l] = smaller(value[l], low[l]);
+                high[l] = larger(value[l], high[l]);
+                along_r[l] += r * step;
+                along_z[l] += z * step;
+            }
+        }
+        let mut steps = [[0.0; N]; 2];
+        extend(&mut steps, [&along_r, &along_z], self.rest);
+        for (inflow, place) in self.inflow.iter().zip(self.places) {
+            if *inflow < 0.0 {
+                extend(&mut steps, [&along_r, &along_z], place);
+            }
+        }
+        let [fall, rise] = steps;
+        for l in 0..N {
+            let share = smaller(room(high[l] - own[l], rise[l]), room(own[l] - low[l], -fall[l]));
+            along_r[l] *= share;
+            along_z[l] *= share;
+        }
+        ([along_r, along_z], [low, high])
+    }
+
+    /// Returns the values after the motion, from the values and gradients of the element and of its neighbours.
+    #[inline(always)]
+    pub fn moved<const N: usize>(
+        &self,
+        (own, gradient): (&[f64; N], [&[f64; N]; 2]),
+        beside: [(&[f64; N], [&[f64; N]; 2]); 4],
+    ) -> [f64; N] {
+        let mut sum = [0.0; N];
+        for ((inflow, [r, z]), (value, other)) in self.inflow.iter().zip(self.places).zip(beside) {
+            if *inflow > 0.0 {
+                for l in 0..N {
+                    sum[l] += inflow * ((value[l] - own[l]) + (r * other[0][l] + z * other[1][l]));
+                }
+            } else if *inflow < 0.0 {
+                for l in 0..N {
+                    sum[l] += inflow * (r * gradient[0][l] + z * gradient[1][l]);
+                }
+            }
+        }
+        inline_from_fn(
+            #[inline(always)]
+            |l| own[l] + sum[l],
+        )
     }
 }
 
-/// Work arrays of a transport; one entry per cell, or per flux.
-#[derive(Clone, Debug, Default)]
-pub(super) struct TransportWork {
-    /// Value after a first-order step; on return the new value.
-    pub value: Vec<f64>,
-    low: Vec<f64>,
-    high: Vec<f64>,
-    /// Sums of corrections that raise and lower each cell, then the allowed shares of these corrections.
-    raise: Vec<f64>,
-    lower: Vec<f64>,
-    /// Corrections of the fluxes into the first cell.
-    pub correction: Vec<f64>,
+/// Extends the range of steps from the centre of an element to that of a place.
+#[inline(always)]
+fn extend<const N: usize>([fall, rise]: &mut [[f64; N]; 2], [along_r, along_z]: [&[f64; N]; 2], [r, z]: [f64; 2]) {
+    for l in 0..N {
+        let step = along_r[l] * r + along_z[l] * z;
+        fall[l] = smaller(step, fall[l]);
+        rise[l] = larger(step, rise[l]);
+    }
 }
 
-impl TransportWork {
-    pub fn new(cells: usize, fluxes: usize) -> TransportWork {
-        let list = || vec![0.0; cells];
-        let correction = vec![0.0; fluxes];
-        TransportWork { value: list(), low: list(), high: list(), raise: list(), lower: list(), correction }
-    }
+/// Returns the share of a step that has room.
+#[inline(always)]
+fn room(room: f64, step: f64) -> f64 {
+    if step > room { room / step } else { 1.0 }
+}
 
-    pub fn bytes(&self) -> usize {
-        8 * (5 * self.value.capacity() + self.correction.capacity())
-    }
+#[inline(always)]
+pub(super) fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
 
-    /// Moves a value with the weights; `after` are the weights of the cells after the motion, `reconstructed(i)` is the
-    /// value of second order in flux i. The new values are in `self.value`. The flux of weight times value is the weight
-    /// times the value of the donor, plus `self.correction`.
-    pub fn transport(
-        &mut self,
-        values: &[f64],
-        fluxes: &[WeightFlux],
-        after: &[f64],
-        reconstructed: impl Fn(usize) -> f64,
-    ) {
-        self.move_first_order(values, fluxes, after);
-        self.bound(values, fluxes);
-        self.correct(values, fluxes, after, reconstructed);
-    }
-
-    fn move_first_order(&mut self, values: &[f64], fluxes: &[WeightFlux], after: &[f64]) {
-        // Sums of changes, so that a common value stays exact.
-        self.value.fill(0.0);
-        for flux in fluxes {
-            let [first, second] = flux.cells;
-            let carried = values[flux.donor()];
-            self.value[first as usize] += flux.weight * (carried - values[first as usize]);
-            self.value[second as usize] -= flux.weight * (carried - values[second as usize]);
-        }
-        for ((new, old), after) in self.value.iter_mut().zip(values).zip(after) {
-            *new = old + *new / after;
-        }
-    }
-
-    fn bound(&mut self, values: &[f64], fluxes: &[WeightFlux]) {
-        for (i, (old, new)) in values.iter().zip(&self.value).enumerate() {
-            (self.low[i], self.high[i]) = (old.min(*new), old.max(*new));
-        }
-        let new = &self.value;
-        for flux in fluxes {
-            let [a, b] = flux.cells.inline_map(|cell| cell as usize);
-            self.low[a] = self.low[a].min(values[b]).min(new[b]);
-            self.low[b] = self.low[b].min(values[a]).min(new[a]);
-            self.high[a] = self.high[a].max(values[b]).max(new[b]);
-            self.high[b] = self.high[b].max(values[a]).max(new[a]);
-        }
-    }
-
-    fn correct(&mut self, values: &[f64], fluxes: &[WeightFlux], after: &[f64], reconstructed: impl Fn(usize) -> f64) {
-        self.raise.fill(0.0);
-        self.lower.fill(0.0);
-        for (i, (flux, correction)) in fluxes.iter().zip(&mut self.correction).enumerate() {
-            *correction = flux.weight * (reconstructed(i) - values[flux.donor()]);
-            let [first, second] = flux.cells;
-            let (up, down) = (correction.max(0.0), correction.min(0.0));
-            self.raise[first as usize] += up;
-            self.lower[first as usize] -= down;
-            self.raise[second as usize] -= down;
-            self.lower[second as usize] += up;
-        }
-        let share = |weight: f64, room: f64, sum: f64| if sum > 0.0 { (weight * room / sum).min(1.0) } else { 0.0 };
-        for (i, weight) in after.iter().enumerate() {
-            let value = self.value[i];
-            self.raise[i] = share(*weight, self.high[i] - value, self.raise[i]);
-            self.lower[i] = share(*weight, value - self.low[i], self.lower[i]);
-        }
-        for (flux, correction) in fluxes.iter().zip(&mut self.correction) {
-            let (first, second) = (flux.cells[0] as usize, flux.cells[1] as usize);
-            let share = if *correction > 0.0 {
-                self.raise[first].min(self.lower[second])
-            } else {
-                self.lower[first].min(self.raise[second])
-            };
-            *correction *= share;
-            self.value[first] += *correction / after[first];
-            self.value[second] -= *correction / after[second];
-        }
-        // Rounding may exceed the range by a last bit.
-        for ((value, low), high) in self.value.iter_mut().zip(&self.low).zip(&self.high) {
-            *value = value.max(*low).min(*high);
-        }
-    }
+#[inline(always)]
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }

@@ -2,9 +2,12 @@
 //! variables are transported from the old to the new mesh of the same material. A mesh changes between two increments,
 //! when the velocities of the next increment are known; no force is evaluated twice.
 
+mod active;
 mod geometry;
 mod limiter;
+pub mod loops;
 mod momentum;
+mod shape;
 pub mod smoothing;
 #[cfg(test)]
 mod tests;
@@ -13,14 +16,17 @@ pub mod transport;
 
 use crate::element::elements::Elements;
 use crate::element::group::ElementGroup;
-use crate::kernel::lanes::InlineMap;
+use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
+use active::ActiveParts;
+use loops::DomainLoops;
 use momentum::MomentumTransport;
+use shape::smallest_angle;
 use smoothing::{MeshGrading, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
 use topology::DomainTopology;
 use transport::{ElementTransport, TransportOrder};
@@ -57,24 +63,26 @@ pub struct AdaptiveDomain {
     settings: AdaptiveSettings,
     topology: DomainTopology,
     smoothing: MeshSmoothing,
+    active: ActiveParts,
     transport: ElementTransport,
     momentum: MomentumTransport,
     /// Places of the nodes: before, at the end, and at both ends of a transport.
     places: [Vec<[f64; 2]>; 4],
-    /// Velocities in the middle of the next increment along r and z.
-    velocity: [Vec<f64>; 2],
-    /// The same before the change of the mesh.
-    given_velocity: [Vec<f64>; 2],
+    /// Velocities in the middle of the next increment, before and after the change of the mesh.
+    given_velocity: Vec<[f64; 2]>,
+    velocity: Vec<[f64; 2]>,
     /// Masses of nodes, of elements and of their corners, before and after a transport.
     node_mass: [Vec<f64>; 2],
     mass: Vec<f64>,
     corner_mass: [Vec<[f64; 4]>; 2],
-    /// Element variables.
-    table: Vec<Vec<f64>>,
+    /// Element variables, [`PACK`] in each list.
+    packs: Vec<Vec<Pack>>,
     /// Whether the motion of each node along r and z is prescribed.
     prescribed: Vec<[bool; 2]>,
     /// Increment in which the domain became active.
     first: Option<u64>,
+    /// Number of changes of the mesh in which a node has moved.
+    changes: u64,
 }
 
 impl AdaptiveDomain {
@@ -106,34 +114,40 @@ impl AdaptiveDomain {
                 libm::cos(settings.corner_angle),
                 mobility,
             ),
+            active: ActiveParts::new(&topology),
             transport: ElementTransport::new(&topology, settings.order),
             momentum: MomentumTransport::new(&topology, settings.order),
             places: [places(), places(), places(), places()],
-            velocity: [numbers(count), numbers(count)],
-            given_velocity: [numbers(count), numbers(count)],
+            given_velocity: places(),
+            velocity: places(),
             node_mass: [numbers(count), numbers(count)],
             mass: numbers(cells),
             corner_mass: [vec![[0.0; 4]; cells], vec![[0.0; 4]; cells]],
-            table: (0..variables).map(|_| numbers(cells)).collect(),
+            packs: vec![vec![Pack::default(); cells]; variables.div_ceil(PACK)],
             prescribed: vec![[false; 2]; count],
             topology,
             first: None,
+            changes: 0,
         })
     }
 
     /// Takes the history of the domain of a previous step with the same ledger row.
     pub fn continue_from(&mut self, previous: &AdaptiveDomain) {
-        self.first = previous.first;
+        (self.first, self.changes) = (previous.first, previous.changes);
+        self.smoothing.continue_from(&previous.smoothing);
     }
 
     /// Returns the size of all lists in bytes.
     pub fn bytes(&self) -> usize {
-        let work = self.topology.bytes() + self.smoothing.bytes() + self.transport.bytes() + self.momentum.bytes();
+        let mesh = self.topology.bytes() + self.smoothing.bytes() + self.active.bytes();
+        let work = mesh + self.transport.bytes() + self.momentum.bytes();
         let nodes = self.places.iter().map(heap_bytes).sum::<usize>()
-            + self.velocity.iter().chain(&self.given_velocity).chain(&self.node_mass).map(heap_bytes).sum::<usize>();
+            + heap_bytes(&self.velocity)
+            + heap_bytes(&self.given_velocity)
+            + self.node_mass.iter().map(heap_bytes).sum::<usize>();
         let elements = heap_bytes(&self.mass)
             + self.corner_mass.iter().map(heap_bytes).sum::<usize>()
-            + self.table.iter().map(heap_bytes).sum::<usize>();
+            + self.packs.iter().map(heap_bytes).sum::<usize>();
         work + nodes + elements + heap_bytes(&self.prescribed)
     }
 
@@ -159,47 +173,64 @@ impl AdaptiveDomain {
     /// Finds new places of the nodes if the mesh is due to change at an increment. Returns whether a node moves.
     pub fn begin_change(
         &mut self,
-        increment: u64,
+        (increment, loops): (u64, DomainLoops),
         elements: &Elements,
         nodes: &Nodes,
         surroundings: &dyn Surroundings,
     ) -> bool {
         let sweeps = self.sweeps_at(increment);
-        sweeps > 0 && self.find_places(sweeps, elements, nodes, surroundings)
+        if sweeps == 0 {
+            return false;
+        }
+        self.find_places((sweeps, loops), elements, nodes, surroundings);
+        let [start, end, ..] = &self.places;
+        let moves = self.active.find(&self.topology, [start, end]);
+        self.changes += u64::from(moves);
+        moves
+    }
+
+    /// Returns the number of changes of the mesh in which a node has moved.
+    pub fn changes(&self) -> u64 {
+        self.changes
+    }
+
+    /// Returns the smallest angle of all elements, radians.
+    pub fn smallest_angle(&self, nodes: &Nodes) -> f64 {
+        let place = |n: u32| nodes[self.topology.nodes[n as usize] as usize].place();
+        let angles = self.topology.corners.iter().map(|corners| smallest_angle(corners, place));
+        angles.fold(f64::INFINITY, f64::min)
     }
 
     /// Changes the mesh. `half` is the time over which accelerations change the velocities to those of the next increment.
-    /// Calls `changed` for each node whose mass has changed, with the change of its kinetic energy along r and z at the same
-    /// velocity.
+    /// Calls `changed` for each node with prescribed motion whose mass has changed, with the change of its kinetic energy
+    /// along r and z at the same velocity.
     pub fn change(
         &mut self,
-        half: f64,
+        (half, loops): (f64, DomainLoops),
         elements: &mut Elements,
         dofs: &mut Dofs,
         changed: &mut dyn FnMut(usize, [f64; 2]),
     ) {
         self.read(half, elements, &dofs.nodes);
         let before = self.kinetic();
-        let [v_r, v_z] = &mut self.given_velocity;
-        v_r.copy_from_slice(&self.velocity[0]);
-        v_z.copy_from_slice(&self.velocity[1]);
-        let transports = self.limit_ways();
+        self.given_velocity.copy_from_slice(&self.velocity);
+        let transports = self.limit_ways(loops);
         for i in 0..transports {
-            self.transport_part(i, transports);
+            self.transport_part((i, transports), loops);
         }
         self.restore_prescribed();
         dofs.energies.advection += before - self.kinetic();
         self.write(half, elements, &mut dofs.nodes, changed);
     }
 
-    /// Finds new places by smoothing. Returns whether a node moves.
+    /// Finds new places by smoothing.
     fn find_places(
         &mut self,
-        sweeps: usize,
+        (sweeps, loops): (usize, DomainLoops),
         elements: &Elements,
         nodes: &Nodes,
         surroundings: &dyn Surroundings,
-    ) -> bool {
+    ) {
         let group = &*elements.groups[self.group];
         let deletable = group.properties().deletable;
         let deleted = |e: u32| deletable && group.is_deleted(e as usize);
@@ -209,49 +240,53 @@ impl AdaptiveDomain {
             *place = nodes[*n as usize].place();
         }
         end.copy_from_slice(start);
+        self.smoothing.add_ways(end);
         self.smoothing.read_contact(&self.topology, surroundings);
         for _ in 0..sweeps {
-            self.smoothing.sweep(&self.topology, &self.prescribed, surroundings, end);
+            self.smoothing.sweep(loops, &self.topology, &self.prescribed, surroundings, end);
         }
-        start != end
+        self.smoothing.keep_short_ways(&self.topology, start, end);
     }
 
     fn read(&mut self, half: f64, elements: &mut Elements, nodes: &Nodes) {
         let group = &mut elements.groups[self.group];
-        for ((e, corners), mass) in self.topology.elements.iter().zip(&mut self.corner_mass[0]).zip(&mut self.mass) {
+        for (i, e) in self.topology.elements.iter().enumerate().filter(|(i, _)| self.active.reads[*i]) {
             let masses = group.masses(*e as usize);
-            *corners = [0, 1, 2, 3].inline_map(|c: usize| masses[c]);
-            *mass = (corners[0] + corners[1]) + (corners[2] + corners[3]);
+            let corners = [0, 1, 2, 3].inline_map(|c: usize| masses[c]);
+            (self.corner_mass[0][i], self.mass[i]) = (corners, (corners[0] + corners[1]) + (corners[2] + corners[3]));
         }
         if let Some(transfer) = group.extensions().transfer() {
-            transfer.read(&self.topology.elements, &mut self.table);
+            transfer.read((&self.topology.elements, &self.active.reads), &mut self.packs);
         }
-        let [v_r, v_z] = &mut self.velocity;
         for (i, n) in self.topology.nodes.iter().enumerate() {
             let n = *n as usize;
             let (node, a) = (&nodes[n], nodes.acceleration[n]);
-            (v_r[i], v_z[i]) = (node.v_r + half * a[0], node.v_z + half * a[1]);
+            self.velocity[i] = [node.v_r + half * a[0], node.v_z + half * a[1]];
             self.node_mass[0][i] = nodes.mass[n];
         }
     }
 
-    /// Returns the kinetic energy of the nodes.
+    /// Returns the kinetic energy of the nodes of elements that change.
     fn kinetic(&self) -> f64 {
-        let [v_r, v_z] = &self.velocity;
-        0.5 * self.node_mass[0].iter().zip(v_r.iter().zip(v_z)).map(|(m, (r, z))| m * (r * r + z * z)).sum::<f64>()
+        let nodes = self.node_mass[0].iter().zip(&self.velocity).zip(&self.active.nodes);
+        0.5 * nodes.filter(|n| *n.1).map(|((m, [r, z]), _)| m * (r * r + z * z)).sum::<f64>()
     }
 
     fn restore_prescribed(&mut self) {
-        for (axis, (velocity, given)) in self.velocity.iter_mut().zip(&self.given_velocity).enumerate() {
-            let nodes = velocity.iter_mut().zip(given).zip(&self.prescribed);
-            nodes.filter(|node| node.1[axis]).for_each(|((velocity, given), _)| *velocity = *given);
+        let nodes = self.velocity.iter_mut().zip(&self.given_velocity).zip(&self.prescribed);
+        for ((velocity, given), prescribed) in nodes {
+            for axis in 0..2 {
+                if prescribed[axis] {
+                    velocity[axis] = given[axis];
+                }
+            }
         }
     }
 
     /// Cuts ways that are too long, and returns the number of transports in which nodes reach the new places.
-    fn limit_ways(&mut self) -> usize {
+    fn limit_ways(&mut self, loops: DomainLoops) -> usize {
         let [start, end, ..] = &mut self.places;
-        let share = self.transport.measure(&self.topology, start, end);
+        let share = self.transport.measure(loops, (&self.topology, &self.active), [start, end]);
         let count = (share / LARGEST_SHARE).ceil().max(1.0);
         if count <= MOST_TRANSPORTS as f64 {
             return count as usize;
@@ -263,8 +298,8 @@ impl AdaptiveDomain {
         MOST_TRANSPORTS
     }
 
-    /// Transports masses, momentum and variables over one part of the way.
-    fn transport_part(&mut self, part: usize, parts: usize) {
+    /// Sets the places at both ends of one part of the way, and measures the transport between them.
+    fn begin_part(&mut self, (part, parts): (usize, usize), loops: DomainLoops) {
         let [start, end, from, to] = &mut self.places;
         for (place, part) in [(from, part), (to, part + 1)] {
             let share = part as f64 / parts as f64;
@@ -276,25 +311,58 @@ impl AdaptiveDomain {
                 };
             }
         }
-        let [_, _, from, to] = &self.places;
-        let domain = &self.topology;
-        self.transport.measure(domain, from, to);
-        self.transport.move_masses(domain, &self.mass);
-        self.mass.copy_from_slice(&self.transport.mass);
-        let [before, after] = &mut self.corner_mass;
-        let [node_before, node_after] = &mut self.node_mass;
-        node_after.copy_from_slice(node_before);
-        for (e, corners) in domain.corners.iter().enumerate() {
-            after[e] = corner_masses(corners.inline_map(|n| to[n as usize]), self.mass[e]);
-            for (n, (after, before)) in corners.iter().zip(after[e].iter().zip(before[e])) {
-                node_after[*n as usize] += after - before;
-            }
+        // A single part has been measured.
+        if parts > 1 {
+            let [_, _, from, to] = &self.places;
+            self.transport.measure(loops, (&self.topology, &self.active), [from, to]);
         }
-        self.momentum.measure(domain, from, self.transport.mass_fluxes(), [before, after]);
-        self.velocity.iter_mut().for_each(|velocity| self.momentum.move_velocity(velocity, node_after));
-        self.table.iter_mut().for_each(|values| self.transport.move_variable(domain, values));
-        std::mem::swap(before, after);
-        std::mem::swap(node_before, node_after);
+    }
+
+    /// Transports masses, momentum and variables over one part of the way.
+    fn transport_part(&mut self, (part, parts): (usize, usize), loops: DomainLoops) {
+        self.begin_part((part, parts), loops);
+        let domain = (&self.topology, &self.active);
+        self.transport.move_masses(loops, domain, &mut self.mass);
+        self.find_masses(loops);
+        let domain = (&self.topology, &self.active);
+        let [before, after] = &self.corner_mass;
+        self.momentum.measure(loops, domain, self.transport.fluxes(), [before, after]);
+        self.momentum.move_velocity(loops, domain, &mut self.velocity, &self.node_mass[1]);
+        self.packs.iter_mut().for_each(|values| self.transport.move_variables(loops, domain, values));
+        self.corner_mass.swap(0, 1);
+        self.node_mass.swap(0, 1);
+    }
+
+    /// Finds the masses of corners and nodes after a part of the way.
+    fn find_masses(&mut self, loops: DomainLoops) {
+        let [_, _, _, to] = &self.places;
+        let ([before, after], mass, changes) = (&mut self.corner_mass, &self.mass, &self.active.changes);
+        let (topology, before) = (&self.topology, &*before);
+        loops.each(after, |start, part| {
+            for (at, after) in part.iter_mut().enumerate() {
+                let e = start + at;
+                *after = if changes[e] {
+                    corner_masses(topology.corners[e].inline_map(|n| to[n as usize]), mass[e])
+                } else {
+                    before[e]
+                };
+            }
+        });
+        let (after, nodes, [node_before, node_after]) = (&*after, &self.active.nodes, &mut self.node_mass);
+        let node_before = &*node_before;
+        loops.each(node_after, |start, part| {
+            for (at, node_after) in part.iter_mut().enumerate() {
+                let n = start + at;
+                *node_after = node_before[n];
+                if nodes[n] {
+                    for e in topology.around.list(n).iter().map(|e| *e as usize).filter(|e| changes[*e]) {
+                        for (i, corner) in topology.corners[e].iter().enumerate() {
+                            *node_after += if *corner as usize == n { after[e][i] - before[e][i] } else { 0.0 };
+                        }
+                    }
+                }
+            }
+        });
     }
 
     fn write(
@@ -306,18 +374,19 @@ impl AdaptiveDomain {
     ) {
         let group = &mut elements.groups[self.group];
         if let Some(transfer) = group.extensions().transfer() {
-            transfer.write(&self.topology.elements, &self.table, &self.corner_mass[0]);
+            transfer.write((&self.topology.elements, &self.active.changes), &self.packs, &self.corner_mass[0]);
         }
         elements.wake();
-        let [v_r, v_z] = &self.velocity;
-        for (i, n) in self.topology.nodes.iter().enumerate() {
-            let (n, mass) = (*n as usize, self.node_mass[0][i]);
+        for (i, n) in self.topology.nodes.iter().enumerate().filter(|(i, _)| self.active.nodes[*i]) {
+            let (n, mass, [v_r, v_z]) = (*n as usize, self.node_mass[0][i], self.velocity[i]);
             let ([r, z], a, added) = (self.places[1][i], nodes.acceleration[n], mass - nodes.mass[n]);
             let node = &mut nodes[n];
-            (node.r, node.z, node.v_r, node.v_z) = (r, z, v_r[i] - half * a[0], v_z[i] - half * a[1]);
+            (node.r, node.z, node.v_r, node.v_z) = (r, z, v_r - half * a[0], v_z - half * a[1]);
             if added != 0.0 {
                 (nodes.mass[n], nodes.inverse_mass[n]) = (mass, 1.0 / mass);
-                changed(n, [0.5 * added * v_r[i] * v_r[i], 0.5 * added * v_z[i] * v_z[i]]);
+                if self.prescribed[i] != [false; 2] {
+                    changed(n, [0.5 * added * v_r * v_r, 0.5 * added * v_z * v_z]);
+                }
             }
         }
     }
@@ -342,7 +411,7 @@ fn mobility(topology: &DomainTopology, fixed: &[bool]) -> Vec<NodeMobility> {
     mobility
 }
 
-persist_struct!(AdaptiveDomain { first, prescribed: fixed } derived {
-    id, group, settings, topology, smoothing, transport, momentum, places, velocity, given_velocity, node_mass, mass,
-    corner_mass, table
+persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing } derived {
+    id, group, settings, topology, active, transport, momentum, places, velocity, given_velocity, node_mass,
+    mass, corner_mass, packs
 });

@@ -1,89 +1,244 @@
 //! Transport of the momentum of nodes. The masses that pass between the corners of each element follow from the masses
 //! that elements exchange and from their new corner masses, so that the momentum of each direction is conserved to
 //! rounding and uniform velocities stay uniform (Benson 1992, Comput. Meth. Appl. Mech. Eng. 99, 235; Kucharik and
-//! Shashkov 2014, J. Comput. Phys. 258, 268).
+//! Shashkov 2014, J. Comput. Phys. 258, 268). Fluxes of second order are limited so that no value leaves the range of its
+//! neighbours (Zalesak 1979, J. Comput. Phys. 31, 335).
 
-use super::geometry::share_of_first;
-use super::limiter::{TransportWork, WeightFlux};
-use super::topology::DomainTopology;
-use super::transport::TransportOrder;
+use super::active::ActiveParts;
+use super::limiter::{larger, smaller};
+use super::loops::DomainLoops;
+use super::topology::{DomainEdge, DomainTopology};
+use super::transport::{EdgeFlux, TransportOrder};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
+
+/// Mass that passes along an edge to its first node.
+#[derive(Clone, Copy, Debug, Default)]
+struct NodeFlux {
+    mass: f64,
+    /// Mass of the corners at both ends.
+    corners: f64,
+    /// Velocity that is added to the change of the first node by the second order, times mass.
+    correction: [f64; 2],
+}
+
+/// Velocity of a node after a motion of first order, the range of its neighbours, and the shares of the corrections that
+/// keep it in this range.
+#[derive(Clone, Copy, Debug, Default)]
+struct NodeRange {
+    low: [f64; 2],
+    high: [f64; 2],
+    raise: [f64; 2],
+    lower: [f64; 2],
+}
 
 /// Transport of nodal velocities, and its work arrays.
 #[derive(Clone, Debug)]
 pub(super) struct MomentumTransport {
     order: TransportOrder,
-    /// Masses that move between two nodes, to the first one.
-    fluxes: Vec<WeightFlux>,
-    /// Masses of the corners at the ends of each edge between nodes.
-    masses: Vec<f64>,
-    /// Masses that elements give to their corners.
-    inflow: Vec<[f64; 4]>,
-    work: TransportWork,
+    fluxes: Vec<NodeFlux>,
+    /// Masses that pass from each corner of an element to the next one.
+    passed: Vec<[f64; 4]>,
+    /// Velocities after a motion of first order.
+    moved: Vec<[f64; 2]>,
+    ranges: Vec<NodeRange>,
 }
 
 impl MomentumTransport {
     pub fn new(domain: &DomainTopology, order: TransportOrder) -> MomentumTransport {
-        let fluxes = domain.links.iter().map(|cells| WeightFlux { cells: *cells, weight: 0.0 }).collect();
-        let links = domain.links.len();
+        let (nodes, elements) = (domain.nodes.len(), domain.corners.len());
         MomentumTransport {
             order,
-            fluxes,
-            masses: vec![0.0; links],
-            inflow: vec![[0.0; 4]; domain.corners.len()],
-            work: TransportWork::new(domain.nodes.len(), links),
+            fluxes: vec![NodeFlux::default(); domain.edges.len()],
+            passed: vec![[0.0; 4]; elements],
+            moved: vec![[0.0; 2]; nodes],
+            ranges: vec![NodeRange::default(); nodes],
         }
     }
 
     pub fn bytes(&self) -> usize {
-        heap_bytes(&self.fluxes) + heap_bytes(&self.masses) + heap_bytes(&self.inflow) + self.work.bytes()
+        let elements = heap_bytes(&self.passed);
+        heap_bytes(&self.fluxes) + elements + heap_bytes(&self.moved) + heap_bytes(&self.ranges)
     }
 
     /// Finds the masses that pass between nodes, from those between elements and from the corner masses before and after.
     pub fn measure(
         &mut self,
-        domain: &DomainTopology,
-        places: &[[f64; 2]],
-        between: &[WeightFlux],
+        loops: DomainLoops,
+        (domain, active): (&DomainTopology, &ActiveParts),
+        between: &[EdgeFlux],
         [before, after]: [&[[f64; 4]]; 2],
     ) {
-        self.inflow.fill([0.0; 4]);
-        for (edge, flux) in domain.edges.iter().zip(between) {
-            let first = share_of_first(places[edge.a as usize][0], places[edge.b as usize][0]);
-            let shares = [first * flux.weight, (1.0 - first) * flux.weight];
-            for (share, [left, right]) in shares.iter().zip(edge.corners) {
-                self.inflow[edge.left as usize][left as usize] += share;
-                self.inflow[edge.right as usize][right as usize] -= share;
+        loops.each(&mut self.passed, |start, part| {
+            for (at, masses) in part.iter_mut().enumerate() {
+                let e = start + at;
+                if active.changes[e] {
+                    let inflow = corner_inflow(domain, between, e);
+                    *masses = passed([0, 1, 2, 3].inline_map(|i: usize| (after[e][i] - before[e][i]) - inflow[i]));
+                }
             }
-        }
-        self.fluxes.iter_mut().for_each(|flux| flux.weight = 0.0);
-        self.masses.fill(0.0);
-        for (e, links) in domain.links_of.iter().enumerate() {
-            let [before, after, inflow] = [&before[e], &after[e], &self.inflow[e]];
-            let passed = passed([0, 1, 2, 3].inline_map(|i: usize| (after[i] - before[i]) - inflow[i]));
-            for (i, (link, forward)) in links.iter().enumerate() {
-                let to_first = if *forward { -passed[i] } else { passed[i] };
-                self.fluxes[*link as usize].weight += to_first;
-                self.masses[*link as usize] += before[i] + before[(i + 1) % 4];
+        });
+        let passed = &self.passed;
+        loops.each(&mut self.fluxes, |start, part| {
+            for (at, flux) in part.iter_mut().enumerate().filter(|(at, _)| active.edges[start + at]) {
+                let edge = &domain.edges[start + at];
+                let of = |e: u32, side: u8, sign: f64| {
+                    let (e, i) = (e as usize, side as usize);
+                    let mass = if active.changes[e] { sign * passed[e][i] } else { 0.0 };
+                    [mass, before[e][i] + before[e][(i + 1) % 4]]
+                };
+                // Masses run from corner i to the next one, which is the first node for the element on the right.
+                let [mut mass, mut corners] = of(edge.left, edge.sides[0], -1.0);
+                if edge.is_inner() {
+                    let right = of(edge.right, edge.sides[1], 1.0);
+                    (mass, corners) = (mass + right[0], corners + right[1]);
+                }
+                *flux = NodeFlux { mass, corners, correction: [0.0; 2] };
             }
-        }
+        });
     }
 
-    /// Moves a component of the velocity; `after` are the nodal masses after the motion.
-    pub fn move_velocity(&mut self, values: &mut [f64], after: &[f64]) {
-        let (fluxes, masses, second) = (&self.fluxes, &self.masses, self.order == TransportOrder::Second);
-        let reconstructed = |i: usize| {
-            let flux = &fluxes[i];
-            let donor = values[flux.donor()];
-            let other = values[flux.cells[usize::from(flux.weight <= 0.0)] as usize];
-            // Mean of the velocity in the mass that moves (Lax and Wendroff).
-            let part = 0.5 * (1.0 - (flux.weight.abs() / masses[i]).min(1.0));
-            if second { donor + part * (other - donor) } else { donor }
-        };
-        self.work.transport(values, fluxes, after, reconstructed);
-        values.copy_from_slice(&self.work.value);
+    /// Moves velocities; `after` are the nodal masses after the motion.
+    pub fn move_velocity(
+        &mut self,
+        loops: DomainLoops,
+        (domain, active): (&DomainTopology, &ActiveParts),
+        values: &mut [[f64; 2]],
+        after: &[f64],
+    ) {
+        let (fluxes, given) = (&self.fluxes, &*values);
+        loops.each(&mut self.moved, |start, part| {
+            for (at, moved) in part.iter_mut().enumerate() {
+                let n = start + at;
+                *moved = given[n];
+                if active.nodes[n] {
+                    *moved = first_order(domain, active, fluxes, (n, given), after[n]);
+                }
+            }
+        });
+        if self.order == TransportOrder::Second {
+            self.limit(loops, (domain, active), given, after);
+            let (fluxes, ranges) = (&self.fluxes, &self.ranges);
+            loops.each(&mut self.moved, |start, part| {
+                for (at, moved) in part.iter_mut().enumerate().filter(|(at, _)| active.nodes[start + at]) {
+                    correct(moved, (domain, active), (fluxes, ranges), (start + at, after[start + at]));
+                }
+            });
+        }
+        values.copy_from_slice(&self.moved);
     }
+
+    /// Finds the corrections of second order, and the range of each node.
+    fn limit(
+        &mut self,
+        loops: DomainLoops,
+        (domain, active): (&DomainTopology, &ActiveParts),
+        given: &[[f64; 2]],
+        after: &[f64],
+    ) {
+        loops.each(&mut self.fluxes, |start, part| {
+            for (at, flux) in part.iter_mut().enumerate().filter(|(at, _)| active.edges[start + at]) {
+                let [first, second] = domain.edges[start + at].nodes.inline_map(|n| given[n as usize]);
+                // Mean of the velocity in the mass that moves (Lax and Wendroff).
+                let share = if flux.corners > 0.0 { smaller(flux.mass.abs() / flux.corners, 1.0) } else { 1.0 };
+                let weight = 0.5 * (1.0 - share) * flux.mass.abs();
+                flux.correction = [0, 1].inline_map(|k: usize| weight * (first[k] - second[k]));
+            }
+        });
+        let (fluxes, moved) = (&self.fluxes, &self.moved);
+        loops.each(&mut self.ranges, |start, part| {
+            for (at, range) in part.iter_mut().enumerate().filter(|(at, _)| active.nodes[start + at]) {
+                *range = node_range((domain, active), fluxes, [given, moved], (start + at, after[start + at]));
+            }
+        });
+    }
+}
+
+/// Returns the masses that enter an element at each corner from its neighbours.
+fn corner_inflow(domain: &DomainTopology, between: &[EdgeFlux], e: usize) -> [f64; 4] {
+    let mut inflow = [0.0; 4];
+    for (i, side) in domain.sides[e].iter().enumerate() {
+        let flux = &between[side.edge as usize];
+        let (entering, first) = (flux.entering(side), if side.is_left { flux.first } else { 1.0 - flux.first });
+        inflow[i] += first * entering;
+        inflow[(i + 1) % 4] += (1.0 - first) * entering;
+    }
+    inflow
+}
+
+/// Returns the other end of an edge at a node, and the sign of fluxes to the node.
+fn seen_from(edge: &DomainEdge, node: usize) -> (usize, f64) {
+    if edge.nodes[0] as usize == node { (edge.nodes[1] as usize, 1.0) } else { (edge.nodes[0] as usize, -1.0) }
+}
+
+fn first_order(
+    domain: &DomainTopology,
+    active: &ActiveParts,
+    fluxes: &[NodeFlux],
+    (node, given): (usize, &[[f64; 2]]),
+    after: f64,
+) -> [f64; 2] {
+    let own = given[node];
+    // A sum of changes, so that a common value stays exact.
+    let mut sum = [0.0; 2];
+    for edge in domain.edges_at.list(node).iter().map(|i| *i as usize).filter(|i| active.edges[*i]) {
+        let (other, sign) = seen_from(&domain.edges[edge], node);
+        let entering = larger(sign * fluxes[edge].mass, 0.0);
+        sum = [0, 1].inline_map(|k: usize| sum[k] + entering * (given[other][k] - own[k]));
+    }
+    [0, 1].inline_map(|k: usize| own[k] + sum[k] / after)
+}
+
+fn node_range(
+    (domain, active): (&DomainTopology, &ActiveParts),
+    fluxes: &[NodeFlux],
+    [given, moved]: [&[[f64; 2]]; 2],
+    (node, after): (usize, f64),
+) -> NodeRange {
+    let (own, new) = (given[node], moved[node]);
+    let least = |a: [f64; 2], b: [f64; 2]| [0, 1].inline_map(|k: usize| smaller(a[k], b[k]));
+    let most = |a: [f64; 2], b: [f64; 2]| [0, 1].inline_map(|k: usize| larger(a[k], b[k]));
+    let mut range = NodeRange { low: least(own, new), high: most(own, new), ..NodeRange::default() };
+    for edge in domain.edges_at.list(node).iter().map(|i| *i as usize) {
+        let (other, sign) = seen_from(&domain.edges[edge], node);
+        range.low = least(range.low, least(given[other], moved[other]));
+        range.high = most(range.high, most(given[other], moved[other]));
+        if active.edges[edge] {
+            let correction = fluxes[edge].correction.inline_map(|x| sign * x);
+            range.raise = [0, 1].inline_map(|k: usize| range.raise[k] + larger(correction[k], 0.0));
+            range.lower = [0, 1].inline_map(|k: usize| range.lower[k] - smaller(correction[k], 0.0));
+        }
+    }
+    let share = |room: f64, sum: f64| if sum > 0.0 { smaller(after * room / sum, 1.0) } else { 0.0 };
+    range.raise = [0, 1].inline_map(|k: usize| share(range.high[k] - new[k], range.raise[k]));
+    range.lower = [0, 1].inline_map(|k: usize| share(new[k] - range.low[k], range.lower[k]));
+    range
+}
+
+/// Adds the limited corrections to the velocity of a node.
+fn correct(
+    moved: &mut [f64; 2],
+    (domain, active): (&DomainTopology, &ActiveParts),
+    (fluxes, ranges): (&[NodeFlux], &[NodeRange]),
+    (node, after): (usize, f64),
+) {
+    let own = &ranges[node];
+    let mut sum = [0.0; 2];
+    for edge in domain.edges_at.list(node).iter().map(|i| *i as usize).filter(|i| active.edges[*i]) {
+        let (other, sign) = seen_from(&domain.edges[edge], node);
+        let other = &ranges[other];
+        sum = [0, 1].inline_map(|k: usize| {
+            let correction = sign * fluxes[edge].correction[k];
+            let share = if correction > 0.0 {
+                smaller(own.raise[k], other.lower[k])
+            } else {
+                smaller(own.lower[k], other.raise[k])
+            };
+            sum[k] + share * correction
+        });
+    }
+    // Rounding may exceed the range by a last bit.
+    *moved = [0, 1].inline_map(|k: usize| larger(smaller(moved[k] + sum[k] / after, own.high[k]), own.low[k]));
 }
 
 /// Returns the masses that pass from each corner of an element to the next one, the smallest that give the corners what

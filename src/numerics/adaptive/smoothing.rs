@@ -1,8 +1,11 @@
 //! Motion of the nodes of an adaptive mesh domain: smoothing inside, and sliding along its boundary.
 
+use super::loops::DomainLoops;
+use super::shape::corner_shape;
 use super::topology::{BoundaryNode, DomainTopology};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
+use crate::state::archive::persist_struct;
 
 /// Weights of the smoothing methods; they sum to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,10 +112,18 @@ pub(super) struct MeshSmoothing {
     now: Vec<NodeMobility>,
     /// New positions of a sweep.
     target: Vec<[f64; 2]>,
+    /// Ways of nodes inside the domain that have been left to later changes of the mesh.
+    ways: Vec<[f64; 2]>,
+    /// Squared ways over the shortest edges.
+    shares: Vec<f64>,
+    /// Centre of each element times its area, and its area.
+    parts: Vec<[f64; 3]>,
     /// Nodes at corners of the boundary at the start, by their position in the list of the boundary.
     corners: Vec<u32>,
     /// Nodes of corners that a sweep has moved to the edge of contact, with the node that was there before; both move together.
     handed: Vec<[u32; 2]>,
+    /// Nodes near a corner, beyond the flat surface that presses up to it.
+    flat_side: Vec<bool>,
     /// Position in the list of the boundary of each node; [`INSIDE`] for others.
     boundary_of: Vec<u32>,
     /// Contact of each node; used on the boundary only.
@@ -121,6 +132,13 @@ pub(super) struct MeshSmoothing {
     halted: Vec<bool>,
 }
 
+/// Most nodes that come into contact between two changes of the mesh.
+const FOLDED: usize = 8;
+/// Largest gap over the length of the edge, at which a node beyond a corner has come into contact. Nodes between two others
+/// in contact may keep a gap.
+const TOUCH: f64 = 0.02;
+/// As [`FLAT`], for elements at a corner of the boundary that a sweep has moved.
+const FLAT_CORNER: f64 = 0.02;
 /// Marks a node that is not in the list of the boundary.
 const INSIDE: u32 = u32::MAX;
 /// Smallest area of a corner triangle over the mean of the element, below which a sweep may not reduce it.
@@ -129,7 +147,13 @@ const FLAT: f64 = 0.3;
 /// otherwise.
 const WORSE: f64 = 1e-3;
 /// Number of times that the motions at bad elements are taken back in a sweep; then the whole sweep is.
-const RETRIES: usize = 4;
+const RETRIES: usize = 20;
+/// Smallest way of a node on the boundary over the shortest edge at it; shorter ways are left to later changes.
+const SMALL: f64 = 0.01;
+/// Way of a node inside the domain over the shortest edge at it, at which the mesh changes there.
+const LONG: f64 = 0.1;
+/// Smallest way of the other nodes inside the domain that then move, too.
+const SHORT: f64 = 0.03;
 
 impl MeshSmoothing {
     pub fn new(
@@ -156,11 +180,22 @@ impl MeshSmoothing {
             now: mobility.clone(),
             mobility,
             target: vec![[0.0; 2]; count],
+            ways: vec![[0.0; 2]; count],
+            shares: vec![0.0; count],
+            parts: vec![[0.0; 3]; domain.corners.len()],
+            flat_side: vec![false; count],
             halted: vec![false; count],
-            handed: Vec::with_capacity(corners.len()),
+            handed: Vec::with_capacity(FOLDED * corners.len()),
             corners,
             boundary_of,
             contact: vec![BoundaryContact::Apart(f64::INFINITY); count],
+        }
+    }
+
+    /// Takes the ways of a previous step if the domain has the same nodes.
+    pub fn continue_from(&mut self, previous: &MeshSmoothing) {
+        if self.ways.len() == previous.ways.len() {
+            self.ways.copy_from_slice(&previous.ways);
         }
     }
 
@@ -169,6 +204,10 @@ impl MeshSmoothing {
         grading
             + 2 * self.mobility.capacity()
             + 16 * self.target.capacity()
+            + 16 * self.ways.capacity()
+            + 8 * self.shares.capacity()
+            + 24 * self.parts.capacity()
+            + self.flat_side.capacity()
             + self.halted.capacity()
             + 4 * (self.corners.capacity() + self.boundary_of.capacity())
             + size_of::<BoundaryContact>() * self.contact.capacity()
@@ -204,17 +243,13 @@ impl MeshSmoothing {
     /// Moves the nodes once; motions that are prescribed along r or z keep this coordinate.
     pub fn sweep(
         &mut self,
+        loops: DomainLoops,
         domain: &DomainTopology,
         prescribed: &[[bool; 2]],
         surroundings: &dyn Surroundings,
         places: &mut [[f64; 2]],
     ) {
-        self.target.copy_from_slice(places);
-        for (n, mobility) in self.now.iter().enumerate() {
-            if *mobility == NodeMobility::Inside {
-                self.target[n] = self.smoothed(domain, places, n);
-            }
-        }
+        self.smooth_inside(loops, domain, places);
         self.hand_over_corners(domain);
         for node in &domain.boundary {
             let n = node.node as usize;
@@ -223,81 +258,176 @@ impl MeshSmoothing {
                 let share = self.grading.as_ref().map_or(0.5, |grading| grading.before[n]);
                 let place = keep(prescribed[n], ends, slide(ends, share, self.corner_cosine));
                 let on_surface = |place| surroundings.place_on_surface(domain.nodes[n] as usize, place);
-                self.target[n] = self.keep_contact(node, ends, place, &on_surface).unwrap_or(ends[1]);
+                self.target[n] = self.keep_contact(domain, node, place, &on_surface).unwrap_or(ends[1]);
             }
         }
         self.take_back(domain, places);
         places.copy_from_slice(&self.target);
     }
 
-    /// Keeps corners at the edge of contact. Where a free side folds onto a straight surface, its first node becomes the edge
-    /// of contact: the node of the corner takes its place, and it moves to the middle of its other edge. The boundary does
-    /// not change.
+    /// Keeps corners at the edge of contact. Where a free side folds onto a straight surface, its first nodes come into
+    /// contact: the node of the corner takes the place of the last of them, and they move to the first edge of the free
+    /// side. The boundary does not change.
     fn hand_over_corners(&mut self, domain: &DomainTopology) {
         self.handed.clear();
+        self.flat_side.fill(false);
         for at in 0..self.corners.len() {
             let BoundaryNode { node, before, after } = domain.boundary[self.corners[at] as usize];
-            for (edge, opposite) in [(after, before), (before, after)] {
-                let Some(beside) = domain.boundary.get(self.boundary_of[edge as usize] as usize) else { continue };
-                let next = if beside.before == node { beside.after } else { beside.before };
-                let pressed = [opposite, node, edge, next]
-                    .inline_map(|n: u32| (self.contact[n as usize] == BoundaryContact::Pressed, self.now[n as usize]));
-                let [(first, _), (own, own_motion), (second, edge_motion), (last, _)] = pressed;
-                let slides = own_motion == NodeMobility::Boundary && edge_motion == NodeMobility::Boundary;
-                let [a, b, c, d] = [opposite, node, edge, next].inline_map(|n: u32| self.target[n as usize]);
-                if slides && first && own && second && !last && is_straight([a, b, c]) {
-                    self.target[node as usize] = c;
-                    self.target[edge as usize] = [0.5 * (c[0] + d[0]), 0.5 * (c[1] + d[1])];
-                    self.contact[edge as usize] = BoundaryContact::Apart(0.0);
-                    self.handed.push([node, edge]);
-                    break;
+            for (first, opposite) in [(after, before), (before, after)] {
+                if self.presses_flatly(domain, node, first) {
+                    self.mark_flat_side(domain, [node, first]);
                 }
+                let Some((folded, free)) = self.folded_nodes(domain, [opposite, node, first]) else { continue };
+                let count = folded.iter().take_while(|n| **n != INSIDE).count();
+                let [edge, end] = [folded[count - 1], free].inline_map(|n: u32| self.target[n as usize]);
+                self.target[node as usize] = edge;
+                for (i, folded) in folded[..count].iter().enumerate() {
+                    let share = (i + 1) as f64 / (count + 1) as f64;
+                    self.target[*folded as usize] = [0, 1].inline_map(|k: usize| edge[k] + share * (end[k] - edge[k]));
+                    self.contact[*folded as usize] = BoundaryContact::Apart(0.0);
+                    self.handed.push([node, *folded]);
+                }
+                break;
             }
         }
+    }
+
+    /// Marks nodes beyond a corner, from `next` on: the flat surface that presses up to the corner is near them.
+    fn mark_flat_side(&mut self, domain: &DomainTopology, [mut last, mut next]: [u32; 2]) {
+        for _ in 0..FOLDED {
+            self.flat_side[next as usize] = true;
+            let Some(beyond) = self.next_on_boundary(domain, [last, next]) else { return };
+            (last, next) = (next, beyond);
+        }
+    }
+
+    /// Returns the neighbour of `node` on the boundary that is not `last`.
+    fn next_on_boundary(&self, domain: &DomainTopology, [last, node]: [u32; 2]) -> Option<u32> {
+        let ends = domain.boundary.get(self.boundary_of[node as usize] as usize)?;
+        Some(if ends.before == last { ends.after } else { ends.before })
+    }
+
+    /// Returns whether a node is in contact, or nearly so in comparison with the edge from a neighbour.
+    fn touches(&self, [neighbour, node]: [u32; 2]) -> bool {
+        let [from, to] = [neighbour, node].inline_map(|n: u32| self.target[n as usize]);
+        match self.contact[node as usize] {
+            BoundaryContact::Pressed => true,
+            BoundaryContact::Apart(gap) => gap < TOUCH * length(vector(from, to)),
+        }
+    }
+
+    /// Returns the nodes beyond a corner that a straight surface presses on, then [`INSIDE`], and the first free node;
+    /// `None` if there are none, or too many.
+    fn folded_nodes(&self, domain: &DomainTopology, [opposite, node, first]: [u32; 3]) -> Option<([u32; FOLDED], u32)> {
+        let slides = |n: u32| self.now[n as usize] == NodeMobility::Boundary;
+        if !(self.touches([node, opposite]) && self.touches([opposite, node]) && slides(node)) {
+            return None;
+        }
+        let mut folded = [INSIDE; FOLDED];
+        let [mut second, mut last, mut next] = [opposite, node, first];
+        for at in 0..=FOLDED {
+            if !self.touches([last, next]) {
+                return (at > 0).then_some((folded, next));
+            }
+            let ends = [second, last, next].inline_map(|n: u32| self.target[n as usize]);
+            if !(at < FOLDED && slides(next) && is_nearly_straight(ends)) {
+                return None;
+            }
+            folded[at] = next;
+            (second, last, next) = (last, next, self.next_on_boundary(domain, [last, next])?);
+        }
+        None
     }
 
     /// Returns the new place of a node that slides along the boundary and keeps its contact: along a surface under pressure,
     /// or away from surfaces that press and from those that the node could reach; otherwise `None`.
     fn keep_contact(
         &self,
+        domain: &DomainTopology,
         node: &BoundaryNode,
-        ends: [[f64; 2]; 3],
         place: [f64; 2],
         on_surface: &dyn Fn([f64; 2]) -> Option<[f64; 2]>,
     ) -> Option<[f64; 2]> {
-        let contact = [node.before, node.node, node.after].inline_map(|n: u32| self.contact[n as usize]);
-        let pressed = contact.inline_map(|of| of == BoundaryContact::Pressed);
-        match (pressed, contact[1]) {
+        let list = [node.before, node.node, node.after];
+        let ends = list.inline_map(|n: u32| self.target[n as usize]);
+        let pressed = list.inline_map(|n: u32| self.contact[n as usize] == BoundaryContact::Pressed);
+        match (pressed, self.contact[node.node as usize]) {
             ([true, true, true], _) if is_straight(ends) => Some(place),
             ([true, true, true], _) if place != ends[1] => on_surface(place),
-            ([false, false, false], BoundaryContact::Apart(gap)) => {
-                (gap > libm::hypot(place[0] - ends[1][0], place[1] - ends[1][1])).then_some(place)
+            ([false, false, false], BoundaryContact::Apart(gap)) if gap > length(vector(ends[1], place)) => Some(place),
+            ([false, false, false] | [true, false, false] | [false, false, true], _)
+                if self.flat_side[node.node as usize] =>
+            {
+                Some(place)
             }
+            ([true, false, false], _) if self.presses_flatly(domain, node.before, node.node) => Some(place),
+            ([false, false, true], _) if self.presses_flatly(domain, node.after, node.node) => Some(place),
             _ => None,
         }
     }
 
-    fn smoothed(&self, domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
-        if let Some(grading) = &self.grading {
-            return grading.place(domain, places, node);
+    /// Returns whether a straight surface presses on the boundary from a node on, away from its neighbour `beside`.
+    fn presses_flatly(&self, domain: &DomainTopology, node: u32, beside: u32) -> bool {
+        let pressed = |n: &u32| self.contact[*n as usize] == BoundaryContact::Pressed;
+        let Some(second) = self.next_on_boundary(domain, [beside, node]).filter(pressed) else { return false };
+        let Some(third) = self.next_on_boundary(domain, [node, second]).filter(pressed) else { return false };
+        is_straight([node, second, third].inline_map(|n: u32| self.target[n as usize]))
+    }
+
+    /// Finds new places of the nodes inside the domain; other nodes keep theirs.
+    fn smooth_inside(&mut self, loops: DomainLoops, domain: &DomainTopology, places: &[[f64; 2]]) {
+        let MeshSmoothing { weights, grading, now, parts, target, .. } = self;
+        if grading.is_none() && weights.volumetric != 0.0 {
+            loops.each(parts, |start, list| {
+                for (part, corners) in list.iter_mut().zip(&domain.corners[start..]) {
+                    *part = centre_and_area(corners.inline_map(|n| places[n as usize]));
+                }
+            });
         }
-        let SmoothingWeights { volumetric, laplacian, equipotential } = self.weights;
-        let mut place = [0.0; 2];
-        let mut add = |weight: f64, part: [f64; 2]| {
-            for (sum, x) in place.iter_mut().zip(part) {
-                *sum += weight * x;
+        let parts = &*parts;
+        loops.each(target, |start, list| {
+            for (at, place) in list.iter_mut().enumerate() {
+                let n = start + at;
+                *place = match (now[n], &*grading) {
+                    (NodeMobility::Inside, Some(grading)) => grading.place(domain, places, n),
+                    (NodeMobility::Inside, None) => weights.smoothed(domain, (places, parts), n),
+                    _ => places[n],
+                };
             }
-        };
-        if volumetric != 0.0 {
-            add(volumetric, mean_of_elements(domain, places, node));
+        });
+    }
+
+    /// Adds the ways that nodes inside the domain have not gone yet to their places.
+    pub fn add_ways(&self, places: &mut [[f64; 2]]) {
+        for ((place, way), now) in places.iter_mut().zip(&self.ways).zip(&self.now) {
+            if *now == NodeMobility::Inside {
+                *place = [place[0] + way[0], place[1] + way[1]];
+            }
         }
-        if laplacian != 0.0 {
-            add(laplacian, mean_of_adjacent(domain, places, node));
+    }
+
+    /// Leaves short ways to later changes of the mesh: nodes inside the domain move when one of them has a long way, those
+    /// on the boundary when their own way is not short.
+    pub fn keep_short_ways(&mut self, domain: &DomainTopology, start: &[[f64; 2]], end: &mut [[f64; 2]]) {
+        let mut longest = 0.0;
+        for (n, way) in self.ways.iter_mut().enumerate() {
+            *way = vector(start[n], end[n]);
+            let square = way[0] * way[0] + way[1] * way[1];
+            let share = if square > 0.0 { square / shortest_edge(domain, start, n) } else { 0.0 };
+            self.shares[n] = share;
+            if self.now[n] == NodeMobility::Inside && share > longest {
+                longest = share;
+            }
         }
-        if equipotential != 0.0 {
-            add(equipotential, equipotential_place(domain, places, node));
+        let least = if longest > LONG * LONG { SHORT * SHORT } else { f64::INFINITY };
+        for (n, way) in self.ways.iter_mut().enumerate() {
+            let inside = self.now[n] == NodeMobility::Inside;
+            if self.shares[n] < if inside { least } else { SMALL * SMALL } {
+                end[n] = start[n];
+            } else {
+                *way = [0.0; 2];
+            }
         }
-        place
     }
 
     /// Takes back motions that flatten the corner of an element.
@@ -306,8 +436,13 @@ impl MeshSmoothing {
             self.halted.fill(false);
             let mut any = false;
             for corners in &domain.corners {
-                let [new, old] = [&self.target[..], places].inline_map(|list| corner_shape(corners, list));
-                if new < FLAT && new < old - WORSE {
+                if corners.iter().all(|n| self.target[*n as usize] == places[*n as usize]) {
+                    continue;
+                }
+                let new = corner_shape(corners, &self.target);
+                let is_handed = |n: &u32| self.handed.iter().any(|pair| pair.contains(n));
+                let flat = if corners.iter().any(is_handed) { FLAT_CORNER } else { FLAT };
+                if new < flat && new < corner_shape(corners, places) - WORSE {
                     any = true;
                     corners.iter().for_each(|n| self.halted[*n as usize] = true);
                 }
@@ -315,9 +450,12 @@ impl MeshSmoothing {
             if !any {
                 return;
             }
-            for pair in &self.handed {
-                let halted = pair.iter().any(|n| self.halted[*n as usize]);
-                pair.iter().for_each(|n| self.halted[*n as usize] |= halted);
+            // Nodes that have been handed over move together; all of a corner share its node.
+            for [corner, folded] in
+                self.handed.iter().chain(self.handed.iter().rev()).map(|p| p.inline_map(|n| n as usize))
+            {
+                let halted = self.halted[corner] || self.halted[folded];
+                (self.halted[corner], self.halted[folded]) = (halted, halted);
             }
             for ((target, place), _) in self.target.iter_mut().zip(places).zip(&self.halted).filter(|n| *n.1) {
                 *target = *place;
@@ -327,29 +465,42 @@ impl MeshSmoothing {
     }
 }
 
-/// Returns the area of the smallest corner triangle over half the area of the element; 1 for a parallelogram.
-fn corner_shape(corners: &[u32; 4], places: &[[f64; 2]]) -> f64 {
-    let at = corners.inline_map(|n| places[n as usize]);
-    let area = quad::section(at.inline_map(|c| c[0]), at.inline_map(|c| c[1]));
-    let twice = |i: usize| {
-        let [a, b, c] = [at[(i + 3) % 4], at[i], at[(i + 1) % 4]];
-        (c[0] - b[0]) * (a[1] - b[1]) - (c[1] - b[1]) * (a[0] - b[0])
-    };
-    let least = (0..4).map(twice).fold(f64::INFINITY, f64::min);
-    if area > 0.0 { least / area } else { -1.0 }
+impl SmoothingWeights {
+    fn smoothed(&self, domain: &DomainTopology, (places, parts): (&[[f64; 2]], &[[f64; 3]]), node: usize) -> [f64; 2] {
+        let SmoothingWeights { volumetric, laplacian, equipotential } = *self;
+        let mut place = [0.0; 2];
+        let mut add = |weight: f64, part: [f64; 2]| {
+            for (sum, x) in place.iter_mut().zip(part) {
+                *sum += weight * x;
+            }
+        };
+        if volumetric != 0.0 {
+            add(volumetric, mean_of_elements(domain, (places, parts), node));
+        }
+        if laplacian != 0.0 {
+            add(laplacian, mean_of_adjacent(domain, places, node));
+        }
+        if equipotential != 0.0 {
+            add(equipotential, equipotential_place(domain, places, node));
+        }
+        place
+    }
 }
 
-fn mean_of_elements(domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
-    let (mut sum, mut areas) = ([0.0; 2], 0.0);
+/// Returns the centre of an element times its area, and its area.
+fn centre_and_area(at: [[f64; 2]; 4]) -> [f64; 3] {
+    let area = quad::section(at.inline_map(|c| c[0]), at.inline_map(|c| c[1])).max(0.0);
+    let along = |i: usize| 0.25 * area * ((at[0][i] + at[1][i]) + (at[2][i] + at[3][i]));
+    [along(0), along(1), area]
+}
+
+fn mean_of_elements(domain: &DomainTopology, (places, parts): (&[[f64; 2]], &[[f64; 3]]), node: usize) -> [f64; 2] {
+    let mut sum = [0.0; 3];
     for e in domain.around.list(node) {
-        let at = domain.corners[*e as usize].inline_map(|n| places[n as usize]);
-        let area = quad::section(at.inline_map(|c| c[0]), at.inline_map(|c| c[1])).max(0.0);
-        areas += area;
-        for (i, sum) in sum.iter_mut().enumerate() {
-            *sum += 0.25 * area * ((at[0][i] + at[1][i]) + (at[2][i] + at[3][i]));
-        }
+        let part = parts[*e as usize];
+        sum = [sum[0] + part[0], sum[1] + part[1], sum[2] + part[2]];
     }
-    if areas > 0.0 { sum.inline_map(|x| x / areas) } else { places[node] }
+    if sum[2] > 0.0 { [sum[0] / sum[2], sum[1] / sum[2]] } else { places[node] }
 }
 
 fn mean_of_adjacent(domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
@@ -418,6 +569,13 @@ fn slide([before, own, after]: [[f64; 2]; 3], share: f64, corner_cosine: f64) ->
     [place[0] + lift * across[0], place[1] + lift * across[1]]
 }
 
+/// Returns the squared length of the shortest edge at a node.
+fn shortest_edge(domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> f64 {
+    let square = |[r, z]: [f64; 2]| r * r + z * z;
+    let edges = domain.adjacent.list(node).iter().map(|n| square(vector(places[node], places[*n as usize])));
+    edges.fold(f64::INFINITY, f64::min)
+}
+
 fn vector(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [b[0] - a[0], b[1] - a[1]]
 }
@@ -436,6 +594,12 @@ fn turn_cosine([before, own, after]: [[f64; 2]; 3]) -> f64 {
 fn is_straight([before, own, after]: [[f64; 2]; 3]) -> bool {
     let chord = [after[0] - before[0], after[1] - before[1]];
     cross(before, own, after).abs() <= 1e-9 * (chord[0] * chord[0] + chord[1] * chord[1])
+}
+
+/// Returns whether three nodes of the boundary are on a line, but for a gap of the surface.
+fn is_nearly_straight([before, own, after]: [[f64; 2]; 3]) -> bool {
+    let chord = vector(before, after);
+    cross(before, own, after).abs() <= TOUCH * (chord[0] * chord[0] + chord[1] * chord[1])
 }
 
 /// Returns the new place of a node whose motion is prescribed along r or z: it moves only if its neighbours have the
@@ -459,6 +623,11 @@ fn keep(prescribed: [bool; 2], [before, own, after]: [[f64; 2]; 3], place: [f64;
 fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
+
+persist_struct!(MeshSmoothing { ways: fixed } derived {
+    weights, grading, corner_cosine, mobility, now, target, shares, parts, corners, handed, flat_side, boundary_of, contact,
+    halted
+});
 
 #[cfg(test)]
 mod tests {

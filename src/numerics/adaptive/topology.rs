@@ -7,21 +7,34 @@ use crate::element::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::{heap_bytes, sorted_pair, sorted_unique};
 
-/// Edge between two elements of a domain. It runs from node `a` to node `b` with the element `left` on its left.
+/// Edge of an element from corner `nodes[0]` to `nodes[1]` with the element `left` on its left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct InnerEdge {
-    /// Elements on both sides, by their position in the domain.
+pub struct DomainEdge {
+    /// Nodes, by their position in the domain.
+    pub nodes: [u32; 2],
+    /// Elements on both sides, by their position in the domain; both are the same on the boundary.
     pub left: u32,
     pub right: u32,
-    /// Nodes, by their position in the domain.
-    pub a: u32,
-    pub b: u32,
-    /// Corners of `left` and `right` at `a` and at `b`.
-    pub corners: [[u8; 2]; 2],
+    /// Index of the edge in the lists of both elements.
+    pub sides: [u8; 2],
 }
 
-/// Edges between two nodes around an element: index, and whether the edge runs in the direction of the element.
-pub type ElementLinks = [(u32, bool); 4];
+impl DomainEdge {
+    /// Returns whether the edge is between two elements.
+    pub fn is_inner(&self) -> bool {
+        self.left != self.right
+    }
+}
+
+/// Edge of an element from a corner to the next one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ElementSide {
+    pub edge: u32,
+    /// Element on the other side; the element itself on the boundary.
+    pub beside: u32,
+    /// Whether the element is on the left of the edge.
+    pub is_left: bool,
+}
 
 /// Node of the boundary with its neighbours along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,12 +86,12 @@ pub struct DomainTopology {
     pub nodes: Vec<u32>,
     /// Corners of each element, counter-clockwise.
     pub corners: Vec<[u32; 4]>,
-    pub edges: Vec<InnerEdge>,
+    pub edges: Vec<DomainEdge>,
+    /// Edges of each element, from its corner i to the next one.
+    pub sides: Vec<[ElementSide; 4]>,
     pub boundary: Vec<BoundaryNode>,
-    /// Edges between two nodes, and those of each element from its corner i to the next one: index, and whether the
-    /// edge runs in this direction.
-    pub links: Vec<[u32; 2]>,
-    pub links_of: Vec<ElementLinks>,
+    /// Edges at each node.
+    pub edges_at: PackedLists,
     /// Elements at each node.
     pub around: PackedLists,
     /// Nodes that share an edge with each node.
@@ -96,13 +109,14 @@ impl DomainTopology {
         let place: HashMap<u32, u32> = nodes.iter().enumerate().map(|(i, n)| (*n, i as u32)).collect();
         let corners: Vec<[u32; 4]> = global.iter().map(|c| c.inline_map(|n| place[&n])).collect();
         let around = around(&corners, nodes.len());
-        let (edges, outer) = edges(&corners);
-        let (links, links_of) = links(&corners);
+        let (edges, sides) = edges(&corners);
+        let outer: Vec<[u32; 2]> =
+            edges.iter().filter(|e| !e.is_inner() && e.nodes[0] != e.nodes[1]).map(|e| e.nodes).collect();
         let mut inside = vec![true; nodes.len()];
         outer.iter().flatten().for_each(|n| inside[*n as usize] = false);
         DomainTopology {
-            links,
-            links_of,
+            edges_at: PackedLists::of(&edges_at(&edges, nodes.len())),
+            sides,
             adjacent: PackedLists::of(&adjacent(&corners, nodes.len())),
             boundary: boundary(&outer),
             around: PackedLists::of(&around),
@@ -116,7 +130,7 @@ impl DomainTopology {
 
     /// Returns the size of the lists in bytes.
     pub fn bytes(&self) -> usize {
-        let lists = heap_bytes(&self.links) + heap_bytes(&self.links_of) + self.around.bytes() + self.adjacent.bytes();
+        let lists = heap_bytes(&self.sides) + self.edges_at.bytes() + self.around.bytes() + self.adjacent.bytes();
         let nodes = heap_bytes(&self.elements) + heap_bytes(&self.nodes) + heap_bytes(&self.corners);
         lists + nodes + heap_bytes(&self.edges) + heap_bytes(&self.boundary) + heap_bytes(&self.inside)
     }
@@ -130,29 +144,21 @@ fn around(corners: &[[u32; 4]], count: usize) -> Vec<Vec<u32>> {
     around
 }
 
-/// Returns the edges between two nodes, and those of each element.
-fn links(corners: &[[u32; 4]]) -> (Vec<[u32; 2]>, Vec<ElementLinks>) {
-    let mut known: HashMap<[u32; 2], u32> = HashMap::new();
-    let mut links = Vec::new();
-    let of = |corners: &[u32; 4]| {
-        [0, 1, 2, 3].inline_map(|i: usize| {
-            let ends = [corners[i], corners[(i + 1) % 4]];
-            let index = *known.entry(sorted_pair(ends)).or_insert_with(|| {
-                links.push(sorted_pair(ends));
-                links.len() as u32 - 1
-            });
-            (index, ends == sorted_pair(ends))
-        })
-    };
-    let links_of = corners.iter().map(of).collect();
-    (links, links_of)
+fn edges_at(edges: &[DomainEdge], count: usize) -> Vec<Vec<u32>> {
+    let mut lists = vec![Vec::new(); count];
+    for (i, edge) in edges.iter().enumerate().filter(|(_, e)| e.nodes[0] != e.nodes[1]) {
+        edge.nodes.iter().for_each(|n| lists[*n as usize].push(i as u32));
+    }
+    lists
 }
 
 fn adjacent(corners: &[[u32; 4]], count: usize) -> Vec<Vec<u32>> {
     let mut adjacent = vec![Vec::new(); count];
     for corners in corners {
-        for i in 0..4 {
-            let [a, b] = [corners[i], corners[(i + 1) % 4]];
+        for [a, b] in [0, 1, 2, 3].inline_map(|i: usize| [corners[i], corners[(i + 1) % 4]]) {
+            if a == b {
+                continue;
+            }
             adjacent[a as usize].push(b);
             adjacent[b as usize].push(a);
         }
@@ -160,34 +166,30 @@ fn adjacent(corners: &[[u32; 4]], count: usize) -> Vec<Vec<u32>> {
     adjacent.into_iter().map(sorted_unique).collect()
 }
 
-/// Returns the edges between two elements, and those of one element with it on their left.
-fn edges(corners: &[[u32; 4]]) -> (Vec<InnerEdge>, Vec<[u32; 2]>) {
-    let mut first: HashMap<[u32; 2], (u32, u8)> = HashMap::new();
-    let (mut inner, mut paired) = (Vec::new(), Vec::new());
+/// Returns all edges, and those of each element.
+fn edges(corners: &[[u32; 4]]) -> (Vec<DomainEdge>, Vec<[ElementSide; 4]>) {
+    let mut open: HashMap<[u32; 2], u32> = HashMap::new();
+    let mut edges: Vec<DomainEdge> = Vec::new();
+    let mut sides = vec![[ElementSide::default(); 4]; corners.len()];
     for (e, own) in corners.iter().enumerate() {
-        for i in 0..4u8 {
-            let [a, b] = [own[i as usize], own[(i as usize + 1) % 4]];
-            let next = (i + 1) % 4;
-            match first.get(&sorted_pair([a, b])) {
-                None => {
-                    first.insert(sorted_pair([a, b]), (e as u32, i));
-                }
-                // Corner i of this element is at the end of the edge of the other.
-                Some(&(left, at)) => {
-                    let corners = [[at, next], [(at + 1) % 4, i]];
-                    inner.push(InnerEdge { left, right: e as u32, a: b, b: a, corners });
-                    paired.push(sorted_pair([a, b]));
-                }
+        for i in 0..4 {
+            let nodes = [own[i], own[(i + 1) % 4]];
+            let (key, element) = (sorted_pair(nodes), e as u32);
+            let known = if nodes[0] == nodes[1] { None } else { open.remove(&key) };
+            let index = known.unwrap_or(edges.len() as u32);
+            if known.is_some() {
+                let edge = &mut edges[index as usize];
+                (edge.right, edge.sides[1]) = (element, i as u8);
+                sides[edge.left as usize][edge.sides[0] as usize].beside = element;
+                sides[e][i] = ElementSide { edge: index, beside: edge.left, is_left: false };
+            } else {
+                open.insert(key, index);
+                edges.push(DomainEdge { nodes, left: element, right: element, sides: [i as u8; 2] });
+                sides[e][i] = ElementSide { edge: index, beside: element, is_left: true };
             }
         }
     }
-    for key in &paired {
-        first.remove(key);
-    }
-    let mut outer: Vec<(u32, u8)> = first.into_values().collect();
-    outer.sort_unstable();
-    let nodes = |(e, i): (u32, u8)| [corners[e as usize][i as usize], corners[e as usize][(i as usize + 1) % 4]];
-    (inner, outer.into_iter().map(nodes).collect())
+    (edges, sides)
 }
 
 /// Returns the nodes with exactly two edges on the boundary.

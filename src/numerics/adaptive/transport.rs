@@ -1,11 +1,15 @@
 //! Transport of mass and element variables through the edges of a domain whose nodes move while the material rests:
 //! swept rings with linear reconstruction (van Leer 1979, J. Comput. Phys. 32, 101), limited by
-//! [`limiter`](super::limiter).
+//! [`limiter`](super::limiter). Only elements with a corner that moves are computed.
 
-use super::geometry::{centre, swept};
-use super::limiter::{TransportWork, WeightFlux};
-use super::topology::DomainTopology;
-use crate::kernel::lanes::InlineMap;
+use pulp::NullaryFnOnce;
+
+use super::active::ActiveParts;
+use super::geometry::{centre, share_of_first, swept};
+use super::limiter::{ElementFlow, larger, smaller};
+use super::loops::DomainLoops;
+use super::topology::{DomainEdge, DomainTopology, ElementSide};
+use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad;
 
@@ -18,25 +22,43 @@ pub enum TransportOrder {
     Second,
 }
 
+/// What passes through an edge to the element on its left.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct EdgeFlux {
+    volume: f64,
+    pub mass: f64,
+    /// Centre of the swept ring.
+    middle: [f64; 2],
+    /// Share of the ring that belongs to the first end of the edge.
+    pub first: f64,
+}
+
+impl EdgeFlux {
+    /// Returns whether the element on the right loses the ring.
+    fn from_right(&self) -> bool {
+        self.volume > 0.0
+    }
+}
+
+/// Volume and centre of an element before the motion, and its density.
+#[derive(Clone, Copy, Debug, Default)]
+struct ElementPlace {
+    volume: f64,
+    centre: [f64; 2],
+    density: f64,
+}
+
 /// Transport of the elements of a domain, and its work arrays.
 #[derive(Clone, Debug)]
 pub(super) struct ElementTransport {
     order: TransportOrder,
-    /// Volumes before the motion and, from the rings that inner edges sweep, after it.
-    volumes: [Vec<f64>; 2],
-    centres: Vec<[f64; 2]>,
-    /// Inverse of the sums of squared distances to the neighbours: rr, zz, rz.
-    distances: Vec<[f64; 3]>,
-    gradient: Vec<[f64; 2]>,
-    /// Volumes, then masses, that move through each inner edge to its left.
-    rings: Vec<WeightFlux>,
-    masses: Vec<WeightFlux>,
-    /// Centres of the swept rings.
-    middles: Vec<[f64; 2]>,
-    density: Vec<f64>,
-    /// Masses after the motion.
-    pub mass: Vec<f64>,
-    work: TransportWork,
+    places: Vec<ElementPlace>,
+    fluxes: Vec<EdgeFlux>,
+    flows: Vec<ElementFlow>,
+    density_slopes: Vec<[f64; 2]>,
+    /// Gradients and new values of a pack.
+    gradients: Vec<[Pack; 2]>,
+    moved: Vec<Pack>,
 }
 
 /// Relative increase of the sums of squares, which keeps them regular for neighbours in one line.
@@ -45,147 +67,313 @@ const REGULAR: f64 = 1e-9;
 impl ElementTransport {
     pub fn new(domain: &DomainTopology, order: TransportOrder) -> ElementTransport {
         let (cells, edges) = (domain.corners.len(), domain.edges.len());
-        let fluxes = || domain.edges.iter().map(|e| WeightFlux { cells: [e.left, e.right], weight: 0.0 }).collect();
-        let list = || vec![0.0; cells];
         ElementTransport {
             order,
-            volumes: [list(), list()],
-            centres: vec![[0.0; 2]; cells],
-            distances: vec![[0.0; 3]; cells],
-            gradient: vec![[0.0; 2]; cells],
-            rings: fluxes(),
-            masses: fluxes(),
-            middles: vec![[0.0; 2]; edges],
-            density: list(),
-            mass: list(),
-            work: TransportWork::new(cells, edges),
+            places: vec![ElementPlace::default(); cells],
+            fluxes: vec![EdgeFlux::default(); edges],
+            flows: vec![ElementFlow::default(); cells],
+            density_slopes: vec![[0.0; 2]; cells],
+            gradients: vec![[Pack::default(); 2]; cells],
+            moved: vec![Pack::default(); cells],
         }
     }
 
     pub fn bytes(&self) -> usize {
-        let fluxes = heap_bytes(&self.rings) + heap_bytes(&self.masses) + heap_bytes(&self.middles);
-        let cells = heap_bytes(&self.centres) + heap_bytes(&self.distances) + heap_bytes(&self.gradient);
-        fluxes + cells + 8 * 4 * self.mass.capacity() + self.work.bytes()
+        let fluxes = heap_bytes(&self.fluxes) + heap_bytes(&self.flows) + heap_bytes(&self.density_slopes);
+        fluxes + heap_bytes(&self.places) + heap_bytes(&self.gradients) + heap_bytes(&self.moved)
     }
 
     /// Measures the rings that edges sweep from the places `before` to `after`. Returns the largest share of its volume
     /// that an element loses.
-    pub fn measure(&mut self, domain: &DomainTopology, before: &[[f64; 2]], after: &[[f64; 2]]) -> f64 {
-        let at = |n: u32| [before[n as usize], after[n as usize]];
-        for (e, corners) in domain.corners.iter().enumerate() {
-            let corners = corners.inline_map(|n| before[n as usize]);
-            (self.volumes[0][e], self.centres[e]) = (quad::volume(corners), centre(corners));
-        }
-        let (lost, [volumes, after]) = (&mut self.density, &mut self.volumes);
-        lost.fill(0.0);
-        after.copy_from_slice(volumes);
-        for ((edge, ring), middle) in domain.edges.iter().zip(&mut self.rings).zip(&mut self.middles) {
-            let ([a0, a1], [b0, b1]) = (at(edge.a), at(edge.b));
-            (ring.weight, *middle) = swept([a0, b0], [a1, b1]);
-            lost[ring.donor()] += ring.weight.abs();
-            after[edge.left as usize] += ring.weight;
-            after[edge.right as usize] -= ring.weight;
-        }
-        let shares = lost.iter().zip(&*volumes).map(|(lost, volume)| lost / volume);
-        shares.fold(0.0, f64::max)
+    pub fn measure(
+        &mut self,
+        loops: DomainLoops,
+        (domain, active): (&DomainTopology, &ActiveParts),
+        [before, after]: [&[[f64; 2]]; 2],
+    ) -> f64 {
+        loops.each(&mut self.places, |start, part| {
+            for (at, place) in part.iter_mut().enumerate() {
+                if active.reads[start + at] {
+                    let corners = domain.corners[start + at].inline_map(|n| before[n as usize]);
+                    (place.volume, place.centre) = (quad::volume(corners), centre(corners));
+                }
+            }
+        });
+        loops.each(&mut self.fluxes, |start, part| {
+            for (flux, edge) in part.iter_mut().zip(&domain.edges[start..]) {
+                *flux = measured(edge, active, [before, after]);
+            }
+        });
+        let ElementTransport { places, fluxes, flows, order, .. } = self;
+        let (places, fluxes, second) = (&*places, &*fluxes, *order == TransportOrder::Second);
+        loops.combined(flows, (0.0, larger), |start, part| {
+            let mut most = 0.0;
+            for (at, flow) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
+                let (e, sides) = (start + at, &domain.sides[start + at]);
+                if second {
+                    flow.slopes = slopes(places, e, sides);
+                }
+                let lost = flow_of_volumes(flow, places, fluxes, (e, sides));
+                most = larger(most, lost / places[e].volume);
+            }
+            most
+        })
     }
 
-    /// Moves masses, given before the motion, through the measured rings. The new masses are in `self.mass`.
-    pub fn move_masses(&mut self, domain: &DomainTopology, mass: &[f64]) {
-        self.measure_distances(domain);
-        for ((density, mass), volume) in self.density.iter_mut().zip(mass).zip(&self.volumes[0]) {
-            *density = mass / volume;
+    /// Moves masses, given before the motion, through the measured rings.
+    pub fn move_masses(
+        &mut self,
+        loops: DomainLoops,
+        (domain, active): (&DomainTopology, &ActiveParts),
+        masses: &mut [f64],
+    ) {
+        for ((place, mass), _) in self.places.iter_mut().zip(&*masses).zip(&active.reads).filter(|e| *e.1) {
+            place.density = mass / place.volume;
         }
-        find_gradients(domain, &self.centres, &self.distances, &self.density, &mut self.gradient, self.order);
-        let (density, gradient) = (&self.density, &self.gradient);
-        let value = reconstruction(&self.rings, density, gradient, [&self.centres, &self.middles]);
-        self.work.transport(density, &self.rings, &self.volumes[1], value);
-        self.mass.copy_from_slice(mass);
-        for ((flux, ring), correction) in self.masses.iter_mut().zip(&self.rings).zip(&self.work.correction) {
-            flux.weight = ring.weight * density[ring.donor()] + correction;
-            self.mass[flux.cells[0] as usize] += flux.weight;
-            self.mass[flux.cells[1] as usize] -= flux.weight;
-        }
+        let (places, flows) = (&self.places, &self.flows);
+        let density = |e: u32| [places[e as usize].density];
+        loops.each(&mut self.density_slopes, |start, part| {
+            for (at, slope) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
+                let around = domain.sides[start + at].inline_map(|side| density(side.beside));
+                let around = [&around[0], &around[1], &around[2], &around[3]];
+                let ([[along_r], [along_z]], _) = flows[start + at].gradient(&density((start + at) as u32), around);
+                *slope = [along_r, along_z];
+            }
+        });
+        let slopes = &self.density_slopes;
+        loops.each(&mut self.fluxes, |start, part| {
+            for (flux, edge) in part.iter_mut().zip(&domain.edges[start..]).filter(|(flux, _)| flux.volume != 0.0) {
+                let donor = if flux.from_right() { edge.right } else { edge.left } as usize;
+                let (place, [along_r, along_z]) = (&places[donor], slopes[donor]);
+                let [r, z] = [0, 1].inline_map(|i: usize| flux.middle[i] - place.centre[i]);
+                flux.mass = flux.volume * (place.density + (along_r * r + along_z * z));
+            }
+        });
+        let fluxes = &self.fluxes;
+        loops.each(masses, |start, part| {
+            for (at, mass) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
+                let sides = &domain.sides[start + at];
+                *mass += sides.iter().map(|side| fluxes[side.edge as usize].entering(side)).sum::<f64>();
+            }
+        });
+        let masses = &*masses;
+        loops.each(&mut self.flows, |start, part| {
+            for (at, flow) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
+                flow_of_masses(flow, fluxes, &domain.sides[start + at], masses[start + at]);
+            }
+        });
     }
 
-    /// Moves a variable, per mass, with the masses that [`Self::move_masses`] has moved.
-    pub fn move_variable(&mut self, domain: &DomainTopology, values: &mut [f64]) {
-        if values.iter().all(|value| *value == values[0]) {
-            return;
+    /// Moves variables, per mass, with the masses that [`Self::move_masses`] has moved.
+    pub fn move_variables(
+        &mut self,
+        loops: DomainLoops,
+        (domain, active): (&DomainTopology, &ActiveParts),
+        values: &mut [Pack],
+    ) {
+        let inputs = PackInputs { flows: &self.flows, active, domain, values };
+        let range = loops.combined(&mut self.gradients, (EMPTY, joined), |start, part| {
+            loops.arch.dispatch(PackGradients { inputs, start, part })
+        });
+        let gradients = &self.gradients;
+        loops.each(&mut self.moved, |start, part| {
+            loops.arch.dispatch(PackMotion { inputs, gradients, range, start, part });
+        });
+        let moved = &self.moved;
+        loops.each(values, |start, part| {
+            for (at, value) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
+                *value = moved[start + at];
+            }
+        });
+    }
+
+    /// Returns what passes through each edge.
+    pub fn fluxes(&self) -> &[EdgeFlux] {
+        &self.fluxes
+    }
+}
+
+impl EdgeFlux {
+    /// Returns the mass that enters an element through a side.
+    pub fn entering(&self, side: &ElementSide) -> f64 {
+        if side.is_left { self.mass } else { -self.mass }
+    }
+}
+
+fn measured(edge: &DomainEdge, active: &ActiveParts, [before, after]: [&[[f64; 2]]; 2]) -> EdgeFlux {
+    let [a, b] = edge.nodes.inline_map(|n| n as usize);
+    if !(edge.is_inner() && (active.moves[a] || active.moves[b])) {
+        return EdgeFlux::default();
+    }
+    let (volume, middle) = swept([before[a], before[b]], [after[a], after[b]]);
+    EdgeFlux { volume, mass: 0.0, middle, first: share_of_first(before[a][0], before[b][0]) }
+}
+
+/// Finds the gradients for unit differences to the neighbours by least squares.
+fn slopes(places: &[ElementPlace], e: usize, sides: &[ElementSide; 4]) -> [[f64; 2]; 4] {
+    let own = places[e].centre;
+    let apart = sides.inline_map(|side| {
+        let centre = places[side.beside as usize].centre;
+        [centre[0] - own[0], centre[1] - own[1]]
+    });
+    let sum = |x: [f64; 4]| (x[0] + x[1]) + (x[2] + x[3]);
+    let [rr, zz, rz] = [
+        sum(apart.inline_map(|d| d[0] * d[0])),
+        sum(apart.inline_map(|d| d[1] * d[1])),
+        sum(apart.inline_map(|d| d[0] * d[1])),
+    ];
+    let more = REGULAR * (rr + zz);
+    let (rr, zz) = (rr + more, zz + more);
+    let determinant = rr * zz - rz * rz;
+    if determinant > 0.0 {
+        let per = 1.0 / determinant;
+        apart.inline_map(|[r, z]| [per * (zz * r - rz * z), per * (rr * z - rz * r)])
+    } else {
+        [[0.0; 2]; 4]
+    }
+}
+
+/// Sets the flow of volumes. Returns the volume that the element loses.
+fn flow_of_volumes(
+    flow: &mut ElementFlow,
+    places: &[ElementPlace],
+    fluxes: &[EdgeFlux],
+    (e, sides): (usize, &[ElementSide; 4]),
+) -> f64 {
+    let (volume, mut lost, mut moment, mut gained) = (places[e].volume, 0.0, [0.0; 2], 0.0);
+    for (i, side) in sides.iter().enumerate() {
+        let flux = &fluxes[side.edge as usize];
+        let entering = if side.is_left { flux.volume } else { -flux.volume };
+        let donor = places[if entering > 0.0 { side.beside as usize } else { e }].centre;
+        flow.inflow[i] = entering;
+        flow.places[i] = [flux.middle[0] - donor[0], flux.middle[1] - donor[1]];
+        gained += entering;
+        if entering < 0.0 {
+            lost -= entering;
+            moment = [0, 1].inline_map(|k: usize| moment[k] + entering * flow.places[i][k]);
         }
-        find_gradients(domain, &self.centres, &self.distances, values, &mut self.gradient, self.order);
-        let value = reconstruction(&self.masses, values, &self.gradient, [&self.centres, &self.middles]);
-        self.work.transport(values, &self.masses, &self.mass, value);
-        values.copy_from_slice(&self.work.value);
+    }
+    flow.rest = centre_of_rest(moment, volume - lost);
+    flow.inflow = flow.inflow.inline_map(|entering| entering / (volume + gained));
+    lost
+}
+
+fn flow_of_masses(flow: &mut ElementFlow, fluxes: &[EdgeFlux], sides: &[ElementSide; 4], mass: f64) {
+    let (mut kept, mut moment) = (mass, [0.0; 2]);
+    for (i, side) in sides.iter().enumerate() {
+        let entering = fluxes[side.edge as usize].entering(side);
+        if entering > 0.0 {
+            kept -= entering;
+        } else {
+            moment = [0, 1].inline_map(|k: usize| moment[k] + entering * flow.places[i][k]);
+        }
+        flow.inflow[i] = entering / mass;
+    }
+    flow.rest = centre_of_rest(moment, kept);
+}
+
+fn centre_of_rest(moment: [f64; 2], weight: f64) -> [f64; 2] {
+    if weight > 0.0 { moment.inline_map(|x| x / weight) } else { [0.0; 2] }
+}
+
+/// Smallest and largest values.
+type PackRange = [Pack; 2];
+
+const EMPTY: PackRange = [Pack([f64::INFINITY; PACK]), Pack([f64::NEG_INFINITY; PACK])];
+
+#[inline(always)]
+fn joined([mut low, mut high]: PackRange, [other_low, other_high]: PackRange) -> PackRange {
+    for l in 0..PACK {
+        low.0[l] = smaller(low.0[l], other_low.0[l]);
+        high.0[l] = larger(high.0[l], other_high.0[l]);
+    }
+    [low, high]
+}
+
+/// Variables of elements before a motion, and what passes between the elements.
+#[derive(Clone, Copy)]
+struct PackInputs<'a> {
+    flows: &'a [ElementFlow],
+    active: &'a ActiveParts,
+    domain: &'a DomainTopology,
+    values: &'a [Pack],
+}
+
+impl<'a> PackInputs<'a> {
+    #[inline(always)]
+    fn beside(&self, side: ElementSide) -> &'a [f64; PACK] {
+        &self.values[side.beside as usize].0
     }
 
-    /// Returns the mass that moves through each inner edge to its left.
-    pub fn mass_fluxes(&self) -> &[WeightFlux] {
-        &self.masses
+    /// Returns the values of an element and their gradients.
+    #[inline(always)]
+    fn field(&self, e: u32, gradients: &'a [[Pack; 2]]) -> (&'a [f64; PACK], [&'a [f64; PACK]; 2]) {
+        let [along_r, along_z] = &gradients[e as usize];
+        (&self.values[e as usize].0, [&along_r.0, &along_z.0])
     }
+}
 
-    fn measure_distances(&mut self, domain: &DomainTopology) {
-        self.distances.fill([0.0; 3]);
-        for edge in &domain.edges {
-            let [r, z] = distance(&self.centres, edge.left, edge.right);
-            for e in [edge.left, edge.right] {
-                let [rr, zz, rz] = &mut self.distances[e as usize];
-                (*rr, *zz, *rz) = (*rr + r * r, *zz + z * z, *rz + r * z);
+/// Limited gradients of a part of the elements; returns the range of the values around them.
+struct PackGradients<'a> {
+    inputs: PackInputs<'a>,
+    start: usize,
+    part: &'a mut [[Pack; 2]],
+}
+
+impl NullaryFnOnce for PackGradients<'_> {
+    type Output = PackRange;
+
+    #[inline(always)]
+    fn call(self) -> PackRange {
+        let PackGradients { inputs, start, part } = self;
+        let mut range = EMPTY;
+        for (at, gradient) in part.iter_mut().enumerate() {
+            let e = start + at;
+            if !inputs.active.changes[e] {
+                continue;
+            }
+            let [a, b, c, d] = inputs.domain.sides[e];
+            let around = [inputs.beside(a), inputs.beside(b), inputs.beside(c), inputs.beside(d)];
+            let (found, [low, high]) = inputs.flows[e].gradient(&inputs.values[e].0, around);
+            *gradient = [Pack(found[0]), Pack(found[1])];
+            range = joined(range, [Pack(low), Pack(high)]);
+        }
+        range
+    }
+}
+
+/// Values of a part of the elements after the motion.
+struct PackMotion<'a> {
+    inputs: PackInputs<'a>,
+    gradients: &'a [[Pack; 2]],
+    range: PackRange,
+    start: usize,
+    part: &'a mut [Pack],
+}
+
+impl NullaryFnOnce for PackMotion<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let PackMotion { inputs, gradients, range: [Pack(low), Pack(high)], start, part } = self;
+        for (at, moved) in part.iter_mut().enumerate() {
+            let e = start + at;
+            if !inputs.active.changes[e] {
+                continue;
+            }
+            let [a, b, c, d] = inputs.domain.sides[e];
+            let around = [
+                inputs.field(a.beside, gradients),
+                inputs.field(b.beside, gradients),
+                inputs.field(c.beside, gradients),
+                inputs.field(d.beside, gradients),
+            ];
+            let new = inputs.flows[e].moved(inputs.field(e as u32, gradients), around);
+            // Rounding may exceed the range by a last bit.
+            for l in 0..PACK {
+                moved.0[l] = larger(smaller(new[l], high[l]), low[l]);
             }
         }
-        for sums in &mut self.distances {
-            let [rr, zz, rz] = *sums;
-            let more = REGULAR * (rr + zz);
-            let (rr, zz) = (rr + more, zz + more);
-            let determinant = rr * zz - rz * rz;
-            *sums = if determinant > 0.0 { [zz, rr, -rz].inline_map(|x| x / determinant) } else { [0.0; 3] };
-        }
-    }
-}
-
-fn distance(centres: &[[f64; 2]], from: u32, to: u32) -> [f64; 2] {
-    let (from, to) = (centres[from as usize], centres[to as usize]);
-    [to[0] - from[0], to[1] - from[1]]
-}
-
-/// Computes gradients by least squares over the neighbours.
-fn find_gradients(
-    domain: &DomainTopology,
-    centres: &[[f64; 2]],
-    distances: &[[f64; 3]],
-    values: &[f64],
-    gradients: &mut [[f64; 2]],
-    order: TransportOrder,
-) {
-    gradients.fill([0.0; 2]);
-    if order == TransportOrder::First {
-        return;
-    }
-    for edge in &domain.edges {
-        let ([r, z], (left, right)) =
-            (distance(centres, edge.left, edge.right), (edge.left as usize, edge.right as usize));
-        let step = values[right] - values[left];
-        for e in [left, right] {
-            gradients[e][0] += step * r;
-            gradients[e][1] += step * z;
-        }
-    }
-    for (gradient, [rr, zz, rz]) in gradients.iter_mut().zip(distances) {
-        let [r, z] = *gradient;
-        *gradient = [rr * r + rz * z, rz * r + zz * z];
-    }
-}
-
-/// Returns the function that gives the value of the donor at the middle of each swept ring.
-fn reconstruction<'a>(
-    fluxes: &'a [WeightFlux],
-    values: &'a [f64],
-    gradient: &'a [[f64; 2]],
-    [centres, middles]: [&'a [[f64; 2]]; 2],
-) -> impl Fn(usize) -> f64 + 'a {
-    move |i| {
-        let donor = fluxes[i].donor();
-        let ([r, z], [cr, cz], [along_r, along_z]) = (middles[i], centres[donor], gradient[donor]);
-        values[donor] + (along_r * (r - cr) + along_z * (z - cz))
     }
 }

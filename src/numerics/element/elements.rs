@@ -280,6 +280,11 @@ impl Elements {
         self.arch.dispatch(operation)
     }
 
+    /// Returns the selected instruction set.
+    pub fn arch(&self) -> Arch {
+        self.arch
+    }
+
     /// Returns the number of deleted elements.
     pub fn deleted(&self) -> usize {
         self.deleted.0.len()

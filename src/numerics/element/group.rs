@@ -13,7 +13,7 @@ use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::{BlockRecord, ElementRecord};
 use crate::element::subzonal::SubzonalPressures;
 use crate::kernel::cohesive;
-use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, dispatch_outlined};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, Pack, dispatch_outlined};
 use crate::kernel::quad;
 use crate::kernel::shell::ShellFrame;
 use crate::kernel::topology::{ElementNodes, ElementTopology, MOST_NODES, PerNode};
@@ -271,10 +271,12 @@ pub trait ElementTemperatures {
 pub trait ElementTransfer {
     /// Returns the number of variables of an element.
     fn variables(&mut self) -> usize;
-    /// Reads the variables of elements, per mass, into one list for each variable. Elements are in ascending order.
-    fn read(&mut self, elements: &[u32], table: &mut [Vec<f64>]);
-    /// Writes the variables, and the masses of the elements at their corners.
-    fn write(&mut self, elements: &[u32], table: &[Vec<f64>], masses: &[[f64; 4]]);
+    /// Reads the variables of elements in ascending order, per mass, into lists of packs. The second list is whether each
+    /// element is read.
+    fn read(&mut self, elements: (&[u32], &[bool]), packs: &mut [Vec<Pack>]);
+    /// Writes the variables, and the masses of the elements at their corners. The second list is whether each element is
+    /// written.
+    fn write(&mut self, elements: (&[u32], &[bool]), packs: &[Vec<Pack>], masses: &[[f64; 4]]);
 }
 
 /// Field variables of elements, counted from 0 and below [`GroupProperties::fields`].

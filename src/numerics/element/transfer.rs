@@ -3,7 +3,7 @@
 
 use super::block::ElementBlock;
 use super::group::{ElementTransfer, QuadGroup, TASK};
-use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::lanes::{LANES, Lanes, PACK, Pack};
 use crate::material::Material;
 use crate::material::carried::CarriedState;
 
@@ -36,11 +36,14 @@ impl<M: Material> QuadGroup<M> {
     }
 }
 
-/// Calls `each` with every block of the elements, and the range of elements in this block.
-fn by_block(elements: &[u32], mut each: impl FnMut(usize, std::ops::Range<usize>)) {
+/// Calls `each` with every block of wanted elements, and the range of elements in this block.
+fn by_block(elements: &[u32], wanted: &[bool], mut each: impl FnMut(usize, std::ops::Range<usize>)) {
     let mut first = 0;
     for part in elements.chunk_by(|a, b| *a as usize / LANES == *b as usize / LANES) {
-        each(part[0] as usize / LANES, first..first + part.len());
+        let range = first..first + part.len();
+        if wanted[range.clone()].contains(&true) {
+            each(part[0] as usize / LANES, range);
+        }
         first += part.len();
     }
 }
@@ -52,32 +55,34 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
         count
     }
 
-    fn read(&mut self, elements: &[u32], table: &mut [Vec<f64>]) {
-        by_block(elements, |block, range| {
+    fn read(&mut self, (elements, wanted): (&[u32], &[bool]), packs: &mut [Vec<Pack>]) {
+        by_block(elements, wanted, |block, range| {
             let (mass, mut variable) = (self.blocks[block].mass, 0);
             self.carry(block, &mut |list, extent| {
-                for i in range.clone() {
-                    let lane = elements[i] as usize % LANES;
+                let (pack, at) = (&mut packs[variable / PACK][range.clone()], variable % PACK);
+                for (values, element) in pack.iter_mut().zip(&elements[range.clone()]) {
+                    let lane = *element as usize % LANES;
                     let per = if extent == Extent::Total { 1.0 / mass[lane] } else { 1.0 };
-                    table[variable][i] = per * list[lane];
+                    values.0[at] = per * list[lane];
                 }
                 variable += 1;
             });
         });
     }
 
-    fn write(&mut self, elements: &[u32], table: &[Vec<f64>], masses: &[[f64; 4]]) {
-        by_block(elements, |block, range| {
+    fn write(&mut self, (elements, wanted): (&[u32], &[bool]), packs: &[Vec<Pack>], masses: &[[f64; 4]]) {
+        by_block(elements, wanted, |block, range| {
             self.wake(block / TASK);
-            for i in range.clone() {
+            for i in range.clone().filter(|i| wanted[*i]) {
                 self.blocks[block].set_corner_masses(elements[i] as usize % LANES, masses[i]);
             }
             let (mass, mut variable) = (self.blocks[block].mass, 0);
             self.carry(block, &mut |list, extent| {
-                for i in range.clone() {
+                let (pack, at) = (&packs[variable / PACK], variable % PACK);
+                for i in range.clone().filter(|i| wanted[*i]) {
                     let lane = elements[i] as usize % LANES;
                     let factor = if extent == Extent::Total { mass[lane] } else { 1.0 };
-                    list[lane] = factor * table[variable][i];
+                    list[lane] = factor * pack[i].0[at];
                 }
                 variable += 1;
             });

@@ -17,6 +17,14 @@ pub trait InlineMap<T: Copy, const N: usize> {
     fn inline_map<U: Copy>(self, value: impl FnMut(T) -> U) -> [U; N];
 }
 
+/// Number of variables of an element that adaptive meshes transport together.
+pub const PACK: usize = 8;
+
+/// Variables of an element that are transported together.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct Pack(pub [f64; PACK]);
+
 /// Short arrays without a loop: before it is unrolled, compilers would keep them in memory.
 macro_rules! inline_map {
     ($($count:literal: $($i:literal)*;)*) => {

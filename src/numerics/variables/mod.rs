@@ -274,6 +274,10 @@ variables! {
     PointMomentum: energy("EROPMOM", "Momentum of the point masses along z").with_deletion().dimension([1, 1, -1, 0]),
     TotalEnergy: energy("ETOTAL", "Energy balance, constant: ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLADV + ALLCAV - ALLWK - ALLMW"),
     TimeIncrement: VariableRow { place: VariablePlace::Increment, ..energy("DT", "Time increment") }.dimension(TIME),
+    MeshChanges: VariableRow { place: VariablePlace::Increment, ..energy("NADAPT", "Number of changes of adaptive meshes") }
+        .with_adaptive_mesh().as_extension().dimension([0; 4]),
+    SmallestAngle: VariableRow { place: VariablePlace::Increment, ..energy("ADANGLE", "Smallest angle of elements in adaptive meshes, degrees") }
+        .with_adaptive_mesh().as_extension().dimension([0; 4]),
     AddedMass: VariableRow { place: VariablePlace::Increment, ..energy("DMASS", "Mass added by mass scaling, percent of the original mass of the deformable bodies") }
         .with_mass_scaling().dimension([0; 4]),
 }

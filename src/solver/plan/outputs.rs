@@ -554,7 +554,9 @@ impl Compiler<'_> {
             let lost = walls && *v == Variable::ConstraintWork;
             v.place() == VariablePlace::Energy && (deforms || lost || !v.row().deforming) && available
         };
-        Variable::ALL.iter().copied().filter(is_there).chain([Variable::TimeIncrement]).chain(added).collect()
+        let meshes = [Variable::MeshChanges, Variable::SmallestAngle].into_iter().filter(|_| adapts);
+        let increments = [Variable::TimeIncrement].into_iter().chain(added).chain(meshes);
+        Variable::ALL.iter().copied().filter(is_there).chain(increments).collect()
     }
 
     /// Returns the fields that frames can show: nodal variables, and variables of at least one element group.

@@ -3,6 +3,7 @@
 
 use super::run::SolverRun;
 use crate::adaptive::AdaptiveDomain;
+use crate::adaptive::loops::DomainLoops;
 use crate::adaptive::smoothing::{BoundaryContact, Surroundings};
 use crate::constraint::contact::curve::PointCarrier;
 use crate::constraint::{Constraint, ContactResults};
@@ -64,6 +65,12 @@ impl SolverRun<'_> {
         self.state.adaptive.iter_mut().for_each(|domain| domain.begin(&prescribed));
     }
 
+    /// Returns the smallest angle of the elements of all domains, degrees; NaN without a domain.
+    pub(super) fn smallest_angle(&self) -> f64 {
+        let angles = self.state.adaptive.iter().map(|domain| domain.smallest_angle(&self.state.dofs.nodes));
+        angles.fold(f64::NAN, f64::min).to_degrees()
+    }
+
     /// Changes the meshes that are due, before an increment of length `dt`.
     pub(super) fn adapt_meshes(&mut self, dt: f64) {
         if self.state.adaptive.is_empty() {
@@ -71,15 +78,16 @@ impl SolverRun<'_> {
         }
         let State { adaptive, elements, dofs, constraints, loads, .. } = &mut self.state;
         let half = 0.5 * (dt + dofs.nodes.previous_dt);
+        let loops = DomainLoops { arch: elements.arch(), threads: self.threads };
         let mut has_changed = false;
         for domain in adaptive {
             let clock = self.timing.start(domain.id);
             let surroundings = ContactSurroundings { constraints, dofs };
-            if domain.begin_change(self.now.increment, elements, &dofs.nodes, &surroundings) {
+            if domain.begin_change((self.now.increment, loops), elements, &dofs.nodes, &surroundings) {
                 let changed = &mut |n, gained: [f64; 2]| {
                     constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
                 };
-                domain.change(half, elements, dofs, changed);
+                domain.change((half, loops), elements, dofs, changed);
                 has_changed = true;
             }
             self.timing.stop(clock, domain.id);

@@ -90,7 +90,11 @@ impl SolverRun<'_> {
             return mean;
         }
         match source {
-            ColumnSource::Model => model_value(row.energy, self.last_increment, part.variable),
+            ColumnSource::Model => match part.variable {
+                Variable::MeshChanges => self.state.adaptive.iter().map(|domain| domain.changes() as f64).sum(),
+                Variable::SmallestAngle => self.smallest_angle(),
+                variable => model_value(row.energy, self.last_increment, variable),
+            },
             ColumnSource::Body { body, node } => self.body_value(body, node, part),
             ColumnSource::Node(node) => self.node_value(node, part),
             ColumnSource::Element(group, e) => self.element_value((group, e), part),

@@ -192,6 +192,11 @@ impl ContactConstraint {
         Some([points.iter().filter(|point| point.status == BondStatus::Bonded).count(), count])
     }
 
+    /// Returns whether a pair has cohesive behaviour.
+    pub(super) fn is_cohesive(&self, pair: usize) -> bool {
+        self.cohesion.as_ref().is_some_and(|cohesion| cohesion.pairs.iter().any(|cohesive| cohesive.pair == pair))
+    }
+
     fn sides(&self, pair: &ContactPair) -> (&FacetCurve, &FacetCurve) {
         let own = &self.curves[pair.own];
         (own, pair.other.map_or(own, |other| &self.curves[other]))
@@ -246,7 +251,8 @@ impl ContactConstraint {
     pub(super) fn begin_cohesion(&mut self, dofs: &Dofs) {
         let Some(cohesion) = &self.cohesion else { return };
         let any_new = cohesion.pairs.iter().any(|cohesive| cohesive.is_new);
-        if self.uncovered {
+        if self.uncovered || any_new {
+            // All positions are read.
             self.list_points();
         }
         self.read_motion(dofs, 0.0);
@@ -271,8 +277,7 @@ impl ContactConstraint {
         if self.uncovered {
             self.curves.iter_mut().for_each(|curve| curve.find_neighbors(&self.places));
         }
-        self.curves.iter_mut().for_each(|curve| curve.shape(&self.places));
-        self.update_candidates();
+        self.search();
         self.measure(0.0);
         self.show_openings();
     }

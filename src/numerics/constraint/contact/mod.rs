@@ -510,8 +510,9 @@ impl ContactConstraint {
         for pair in self.pairs.iter_mut().filter(|p| p.analytical.is_none()) {
             pair.search.build(&self.curves[pair.own], pair.other.map(|o| &self.curves[o]), &self.places);
         }
-        let ContactConstraint { near, pairs, curves, analyticals, active_points, dofs_of, .. } = self;
-        near.list((pairs, curves, analyticals), active_points, dofs_of);
+        let mut near = std::mem::take(&mut self.near);
+        near.list(self);
+        self.near = near;
     }
 
     /// Updates the shapes of near facets.

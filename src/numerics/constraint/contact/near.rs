@@ -5,9 +5,9 @@
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 
-use super::ContactPair;
 use super::analytical::AnalyticalSurface;
 use super::curve::FacetCurve;
+use super::{ContactConstraint, ContactPair};
 
 /// Parts of all curves of a contact that are near another surface.
 #[derive(Clone, Debug, Default)]
@@ -42,16 +42,15 @@ impl NearParts {
         self.is_near[point as usize]
     }
 
-    /// Lists the near parts after a search. `all` are the points of exposed facets and those without elements.
-    pub(super) fn list(
-        &mut self,
-        (pairs, curves, analyticals): (&[ContactPair], &[FacetCurve], &[AnalyticalSurface]),
-        all: &[u32],
-        dofs_of: &[[u32; 2]],
-    ) {
+    /// Lists the near parts after a search.
+    pub(super) fn list(&mut self, contact: &ContactConstraint) {
+        let ContactConstraint { pairs, curves, analyticals, active_points: all, dofs_of, .. } = contact;
         self.is_candidate.fill(false);
-        for pair in pairs {
+        for (index, pair) in pairs.iter().enumerate() {
             self.mark_candidates(pair, curves, analyticals);
+            if contact.is_cohesive(index) {
+                self.mark_curves(pair, curves);
+            }
         }
         self.is_near.clone_from(&self.is_candidate);
         self.facets.clear();
@@ -73,6 +72,14 @@ impl NearParts {
         self.dofs.extend(dofs);
         self.dofs.sort_unstable();
         self.dofs.dedup();
+    }
+
+    /// Marks both curves of a pair whose bonds act at any distance.
+    fn mark_curves(&mut self, pair: &ContactPair, curves: &[FacetCurve]) {
+        for curve in [Some(pair.own), pair.other].into_iter().flatten().map(|index| &curves[index]) {
+            let points = curve.exposed_points.iter().chain(&curve.orphans);
+            points.for_each(|index| self.is_candidate[curve.own[*index as usize] as usize] = true);
+        }
     }
 
     fn mark_candidates(&mut self, pair: &ContactPair, curves: &[FacetCurve], analyticals: &[AnalyticalSurface]) {

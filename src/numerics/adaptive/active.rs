@@ -1,0 +1,65 @@
+//! Parts of a domain that a change of the mesh concerns: nodes that move, the elements at them, and their neighbours.
+
+use super::topology::DomainTopology;
+use crate::kernel::lists::heap_bytes;
+
+/// Nodes and elements that a change of the mesh concerns.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ActiveParts {
+    /// Whether each node moves.
+    pub moves: Vec<bool>,
+    /// Whether a corner of each element moves.
+    pub changes: Vec<bool>,
+    /// Whether each element changes or has a neighbour that changes.
+    pub reads: Vec<bool>,
+    /// Whether each node is a corner of an element that changes.
+    pub nodes: Vec<bool>,
+    /// Whether each edge belongs to an element that changes.
+    pub edges: Vec<bool>,
+}
+
+impl ActiveParts {
+    pub fn new(domain: &DomainTopology) -> ActiveParts {
+        let (nodes, elements) = (domain.nodes.len(), domain.corners.len());
+        ActiveParts {
+            moves: vec![false; nodes],
+            changes: vec![false; elements],
+            reads: vec![false; elements],
+            nodes: vec![false; nodes],
+            edges: vec![false; domain.edges.len()],
+        }
+    }
+
+    pub fn bytes(&self) -> usize {
+        let elements = heap_bytes(&self.changes) + heap_bytes(&self.reads);
+        heap_bytes(&self.moves) + elements + heap_bytes(&self.nodes) + heap_bytes(&self.edges)
+    }
+
+    /// Finds the parts at nodes whose places differ. Returns whether a node moves.
+    pub fn find(&mut self, domain: &DomainTopology, [start, end]: [&[[f64; 2]]; 2]) -> bool {
+        let mut any = false;
+        for ((moves, start), end) in self.moves.iter_mut().zip(start).zip(end) {
+            *moves = start != end;
+            any |= *moves;
+        }
+        if !any {
+            return false;
+        }
+        for list in [&mut self.reads, &mut self.nodes, &mut self.edges] {
+            list.fill(false);
+        }
+        for (e, corners) in domain.corners.iter().enumerate() {
+            let changes = corners.iter().any(|n| self.moves[*n as usize]);
+            self.changes[e] = changes;
+            if changes {
+                self.reads[e] = true;
+                corners.iter().for_each(|n| self.nodes[*n as usize] = true);
+                for side in &domain.sides[e] {
+                    self.reads[side.beside as usize] = true;
+                    self.edges[side.edge as usize] = true;
+                }
+            }
+        }
+        true
+    }
+}
