@@ -214,6 +214,22 @@ fn friction_acts_after_failure() {
     assert!(drift.abs() < 1e-4, "{drift}");
 }
 
+/// Bonds without damage act at a distance of several facets, from which contact reads no facets.
+#[test]
+fn bonds_act_at_any_distance() {
+    for [n, m] in [[3, 3], [2, 5]] {
+        let mesh = rings(n, m) + &pair("*Cohesive behavior, eligibility=ORIGINAL CONTACTS\n 1., 1.\n");
+        let text = moved(&mesh, [40.0, 40.0, 40.0]);
+        let (outcome, memory) = run(&text);
+        assert_eq!(outcome.halt, None);
+        // The foot and the point move apart by 4 along the normal.
+        assert_close("stored energy", last(&text, &memory, "ALLWK"), 0.5 * 4.0 * 4.0 * RING, 2e-2);
+        assert_close("stress", last(&text, &memory, "S22@1"), 4.0, 2e-2);
+        let drift = last(&text, &memory, "ETOTAL") / last(&text, &memory, "ALLWK");
+        assert!(drift.abs() < 1e-3, "{drift}");
+    }
+}
+
 /// Returns a deck of rings whose upper face moves by 0.1 times these values at the times 2, 4, 6.
 fn moved(mesh: &str, [first, second, third]: [f64; 3]) -> String {
     format!(
