@@ -122,8 +122,8 @@ pub(super) struct MeshSmoothing {
     corners: Vec<u32>,
     /// Nodes of corners that a sweep has moved to the edge of contact, with the node that was there before; both move together.
     handed: Vec<[u32; 2]>,
-    /// Nodes near a corner, beyond the flat surface that presses up to it.
-    flat_side: Vec<bool>,
+    /// Nodes of free sides that have been spread from a corner on.
+    is_spread: Vec<bool>,
     /// Position in the list of the boundary of each node; [`INSIDE`] for others.
     boundary_of: Vec<u32>,
     /// Contact of each node; used on the boundary only.
@@ -133,10 +133,15 @@ pub(super) struct MeshSmoothing {
 }
 
 /// Most nodes that come into contact between two changes of the mesh.
-const FOLDED: usize = 8;
-/// Largest gap over the length of the edge, at which a node beyond a corner has come into contact. Nodes between two others
-/// in contact may keep a gap.
+const FOLDED: usize = 16;
+/// Largest gap over the length of the edge, at which a node beyond a corner has come into contact.
 const TOUCH: f64 = 0.02;
+/// Largest gap between two nodes in contact over the length of the last edge of the surface; such gaps are closed.
+const POCKET: f64 = 0.05;
+/// Most nodes of a free side that are spread from a corner on.
+const WINDOW: usize = 32;
+/// Share of the way to equal distances in a sweep.
+const SPREAD: f64 = 0.3;
 /// As [`FLAT`], for elements at a corner of the boundary that a sweep has moved.
 const FLAT_CORNER: f64 = 0.02;
 /// Marks a node that is not in the list of the boundary.
@@ -183,7 +188,7 @@ impl MeshSmoothing {
             ways: vec![[0.0; 2]; count],
             shares: vec![0.0; count],
             parts: vec![[0.0; 3]; domain.corners.len()],
-            flat_side: vec![false; count],
+            is_spread: vec![false; count],
             halted: vec![false; count],
             handed: Vec::with_capacity(FOLDED * corners.len()),
             corners,
@@ -207,7 +212,7 @@ impl MeshSmoothing {
             + 16 * self.ways.capacity()
             + 8 * self.shares.capacity()
             + 24 * self.parts.capacity()
-            + self.flat_side.capacity()
+            + self.is_spread.capacity()
             + self.halted.capacity()
             + 4 * (self.corners.capacity() + self.boundary_of.capacity())
             + size_of::<BoundaryContact>() * self.contact.capacity()
@@ -228,7 +233,7 @@ impl MeshSmoothing {
         }
         let own = |n: u32| prescribed[n as usize];
         for BoundaryNode { node, before, after } in &domain.boundary {
-            let alike = own(*node) == [false; 2] || (own(*node) == own(*before) && own(*node) == own(*after));
+            let alike = (0..2).all(|i| !own(*node)[i] || (own(*before)[i] && own(*after)[i]));
             if !alike {
                 self.now[*node as usize] = NodeMobility::Fixed;
             }
@@ -253,12 +258,12 @@ impl MeshSmoothing {
         self.hand_over_corners(domain);
         for node in &domain.boundary {
             let n = node.node as usize;
-            if self.now[n] == NodeMobility::Boundary {
+            if self.now[n] == NodeMobility::Boundary && !self.is_spread[n] {
                 let ends = [node.before, node.node, node.after].inline_map(|n: u32| self.target[n as usize]);
                 let share = self.grading.as_ref().map_or(0.5, |grading| grading.before[n]);
                 let place = keep(prescribed[n], ends, slide(ends, share, self.corner_cosine));
                 let on_surface = |place| surroundings.place_on_surface(domain.nodes[n] as usize, place);
-                self.target[n] = self.keep_contact(domain, node, place, &on_surface).unwrap_or(ends[1]);
+                self.target[n] = self.keep_contact(node, place, &on_surface).unwrap_or(ends[1]);
             }
         }
         self.take_back(domain, places);
@@ -270,34 +275,61 @@ impl MeshSmoothing {
     /// side. The boundary does not change.
     fn hand_over_corners(&mut self, domain: &DomainTopology) {
         self.handed.clear();
-        self.flat_side.fill(false);
+        self.is_spread.fill(false);
         for at in 0..self.corners.len() {
             let BoundaryNode { node, before, after } = domain.boundary[self.corners[at] as usize];
             for (first, opposite) in [(after, before), (before, after)] {
-                if self.presses_flatly(domain, node, first) {
-                    self.mark_flat_side(domain, [node, first]);
+                if let Some(found) = self.folded_nodes(domain, [opposite, node, first]) {
+                    self.hand_over(node, found);
                 }
-                let Some((folded, free)) = self.folded_nodes(domain, [opposite, node, first]) else { continue };
-                let count = folded.iter().take_while(|n| **n != INSIDE).count();
-                let [edge, end] = [folded[count - 1], free].inline_map(|n: u32| self.target[n as usize]);
-                self.target[node as usize] = edge;
-                for (i, folded) in folded[..count].iter().enumerate() {
-                    let share = (i + 1) as f64 / (count + 1) as f64;
-                    self.target[*folded as usize] = [0, 1].inline_map(|k: usize| edge[k] + share * (end[k] - edge[k]));
-                    self.contact[*folded as usize] = BoundaryContact::Apart(0.0);
-                    self.handed.push([node, *folded]);
+                if self.grading.is_none() && self.presses_flatly(domain, node, first) {
+                    self.spread_free_side(domain, [node, first]);
                 }
-                break;
             }
         }
     }
 
-    /// Marks nodes beyond a corner, from `next` on: the flat surface that presses up to the corner is near them.
-    fn mark_flat_side(&mut self, domain: &DomainTopology, [mut last, mut next]: [u32; 2]) {
-        for _ in 0..FOLDED {
-            self.flat_side[next as usize] = true;
-            let Some(beyond) = self.next_on_boundary(domain, [last, next]) else { return };
-            (last, next) = (next, beyond);
+    /// Moves the node of a corner to the last of the folded nodes, and these to the first edge of the free side.
+    fn hand_over(&mut self, node: u32, (folded, free): ([u32; FOLDED], u32)) {
+        let count = folded.iter().take_while(|n| **n != INSIDE).count();
+        let [edge, end] = [folded[count - 1], free].inline_map(|n: u32| self.target[n as usize]);
+        self.target[node as usize] = edge;
+        for (i, folded) in folded[..count].iter().enumerate() {
+            let share = (i + 1) as f64 / (count + 1) as f64;
+            self.target[*folded as usize] = [0, 1].inline_map(|k: usize| edge[k] + share * (end[k] - edge[k]));
+            self.contact[*folded as usize] = BoundaryContact::Apart(0.0);
+            self.handed.push([node, *folded]);
+        }
+    }
+
+    /// Moves the nodes of the free side beyond a corner, from `first` on, along its edges towards equal distances. They do
+    /// not leave the edges, so that none passes through the surface that presses up to the corner.
+    fn spread_free_side(&mut self, domain: &DomainTopology, [node, first]: [u32; 2]) {
+        let mut places = [[0.0; 2]; WINDOW + 1];
+        let (mut nodes, mut ways, mut count) = ([INSIDE; WINDOW + 1], [0.0; WINDOW + 1], 0);
+        (nodes[0], places[0]) = (node, self.target[node as usize]);
+        let mut next = Some(first);
+        while let Some(n) = next.filter(|_| count < WINDOW) {
+            count += 1;
+            (nodes[count], places[count]) = (n, self.target[n as usize]);
+            ways[count] = ways[count - 1] + length(vector(places[count - 1], places[count]));
+            next = self.next_on_boundary(domain, [nodes[count - 1], n]).filter(|beyond| {
+                let ends = [places[count - 1], places[count], self.target[*beyond as usize]];
+                let slides = self.now[n as usize] == NodeMobility::Boundary;
+                let free = self.contact[n as usize] != BoundaryContact::Pressed;
+                slides && free && turn_cosine(ends) > self.corner_cosine
+            });
+        }
+        let mut edge = 0;
+        for i in 1..count {
+            let way = ways[i] + SPREAD * (ways[count] * i as f64 / count as f64 - ways[i]);
+            while edge + 1 < count && ways[edge + 1] < way {
+                edge += 1;
+            }
+            let share = (way - ways[edge]) / (ways[edge + 1] - ways[edge]);
+            let [from, to] = [places[edge], places[edge + 1]];
+            self.target[nodes[i] as usize] = [0, 1].inline_map(|k: usize| from[k] + share * (to[k] - from[k]));
+            self.is_spread[nodes[i] as usize] = true;
         }
     }
 
@@ -316,34 +348,42 @@ impl MeshSmoothing {
         }
     }
 
-    /// Returns the nodes beyond a corner that a straight surface presses on, then [`INSIDE`], and the first free node;
-    /// `None` if there are none, or too many.
+    /// Returns the nodes beyond a corner up to the last one that a straight surface presses on, then [`INSIDE`], and the
+    /// first free node.
     fn folded_nodes(&self, domain: &DomainTopology, [opposite, node, first]: [u32; 3]) -> Option<([u32; FOLDED], u32)> {
         let slides = |n: u32| self.now[n as usize] == NodeMobility::Boundary;
         if !(self.touches([node, opposite]) && self.touches([opposite, node]) && slides(node)) {
             return None;
         }
-        let mut folded = [INSIDE; FOLDED];
-        let [mut second, mut last, mut next] = [opposite, node, first];
-        for at in 0..=FOLDED {
-            if !self.touches([last, next]) {
-                return (at > 0).then_some((folded, next));
-            }
-            let ends = [second, last, next].inline_map(|n: u32| self.target[n as usize]);
-            if !(at < FOLDED && slides(next) && is_nearly_straight(ends)) {
-                return None;
+        let line = [opposite, node].inline_map(|n: u32| self.target[n as usize]);
+        let near = POCKET * length(vector(line[0], line[1]));
+        let (mut folded, mut found) = ([INSIDE; FOLDED], None);
+        let [mut last, mut next] = [node, first];
+        for at in 0..FOLDED {
+            let gap = match self.contact[next as usize] {
+                BoundaryContact::Pressed => 0.0,
+                BoundaryContact::Apart(gap) => gap,
+            };
+            let off = cross(line[0], line[1], self.target[next as usize]).abs() / length(vector(line[0], line[1]));
+            if !(gap < near && off < near && slides(next)) {
+                break;
             }
             folded[at] = next;
-            (second, last, next) = (last, next, self.next_on_boundary(domain, [last, next])?);
+            let beyond = self.next_on_boundary(domain, [last, next])?;
+            if self.touches([last, next]) {
+                found = Some((at + 1, beyond));
+            }
+            (last, next) = (next, beyond);
         }
-        None
+        let (count, free) = found?;
+        folded[count..].fill(INSIDE);
+        Some((folded, free))
     }
 
     /// Returns the new place of a node that slides along the boundary and keeps its contact: along a surface under pressure,
     /// or away from surfaces that press and from those that the node could reach; otherwise `None`.
     fn keep_contact(
         &self,
-        domain: &DomainTopology,
         node: &BoundaryNode,
         place: [f64; 2],
         on_surface: &dyn Fn([f64; 2]) -> Option<[f64; 2]>,
@@ -355,13 +395,6 @@ impl MeshSmoothing {
             ([true, true, true], _) if is_straight(ends) => Some(place),
             ([true, true, true], _) if place != ends[1] => on_surface(place),
             ([false, false, false], BoundaryContact::Apart(gap)) if gap > length(vector(ends[1], place)) => Some(place),
-            ([false, false, false] | [true, false, false] | [false, false, true], _)
-                if self.flat_side[node.node as usize] =>
-            {
-                Some(place)
-            }
-            ([true, false, false], _) if self.presses_flatly(domain, node.before, node.node) => Some(place),
-            ([false, false, true], _) if self.presses_flatly(domain, node.after, node.node) => Some(place),
             _ => None,
         }
     }
@@ -596,12 +629,6 @@ fn is_straight([before, own, after]: [[f64; 2]; 3]) -> bool {
     cross(before, own, after).abs() <= 1e-9 * (chord[0] * chord[0] + chord[1] * chord[1])
 }
 
-/// Returns whether three nodes of the boundary are on a line, but for a gap of the surface.
-fn is_nearly_straight([before, own, after]: [[f64; 2]; 3]) -> bool {
-    let chord = vector(before, after);
-    cross(before, own, after).abs() <= TOUCH * (chord[0] * chord[0] + chord[1] * chord[1])
-}
-
 /// Returns the new place of a node whose motion is prescribed along r or z: it moves only if its neighbours have the
 /// same coordinate there.
 fn keep(prescribed: [bool; 2], [before, own, after]: [[f64; 2]; 3], place: [f64; 2]) -> [f64; 2] {
@@ -625,7 +652,7 @@ fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 }
 
 persist_struct!(MeshSmoothing { ways: fixed } derived {
-    weights, grading, corner_cosine, mobility, now, target, shares, parts, corners, handed, flat_side, boundary_of, contact,
+    weights, grading, corner_cosine, mobility, now, target, shares, parts, corners, handed, is_spread, boundary_of, contact,
     halted
 });
 

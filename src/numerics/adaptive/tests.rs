@@ -5,6 +5,8 @@ use super::corner_masses;
 use super::geometry::centre;
 use super::loops::DomainLoops;
 use super::momentum::MomentumTransport;
+use super::shape::smallest_angle;
+use super::smoothing::{BoundaryContact, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
 use super::topology::DomainTopology;
 use super::transport::{ElementTransport, TransportOrder};
 use crate::element::constants::{ElementConstants, HourglassControl};
@@ -239,4 +241,53 @@ fn momentum_is_conserved() {
     assert!(velocity.iter().all(|v| (v[1] + 0.7).abs() < 1e-14));
     let [least, most] = range(&velocity);
     assert!(least >= low && most <= high);
+}
+
+/// A flat die that presses on the nodes on a plane z = 1.
+struct FlatDie(Vec<[f64; 2]>);
+
+impl Surroundings for FlatDie {
+    fn contact(&self, node: usize) -> BoundaryContact {
+        let gap = 1.0 - self.0[node][1];
+        if gap == 0.0 { BoundaryContact::Pressed } else { BoundaryContact::Apart(gap) }
+    }
+
+    fn place_on_surface(&self, _node: usize, _place: [f64; 2]) -> Option<[f64; 2]> {
+        None
+    }
+}
+
+/// The corner of a mesh whose side folds onto a die takes the place of the last node in contact, no node passes through the
+/// die, and the sharp elements at the fold become regular.
+#[test]
+fn corners_follow_the_edge_of_contact() {
+    let section = Section::new(6, 0.0);
+    let (topology, mut places) = (&section.topology, section.places.clone());
+    // The corner is node 48; nodes 41 and 34 of the side have folded onto the die, 34 before 41.
+    for (node, place) in
+        [(34, [1.3, 1.0]), (41, [1.15, 0.995]), (27, [1.35, 0.75]), (20, [1.3, 0.5]), (13, [1.2, 0.25])]
+    {
+        places[node] = place;
+    }
+    let mobility: Vec<NodeMobility> =
+        topology.inside.iter().map(|i| if *i { NodeMobility::Inside } else { NodeMobility::Boundary }).collect();
+    let weights = SmoothingWeights { volumetric: 1.0, laplacian: 0.0, equipotential: 0.0 };
+    let cosine = 30f64.to_radians().cos();
+    let mut smoothing = MeshSmoothing::new((topology, &section.places), weights, None, cosine, mobility);
+    let prescribed: Vec<[bool; 2]> = section.places.iter().map(|[r, z]| [*r == 0.0, *z == 0.0]).collect();
+    let least = |places: &[[f64; 2]]| {
+        let angles = topology.corners.iter().map(|corners| smallest_angle(corners, |n| places[n as usize]));
+        angles.fold(f64::INFINITY, f64::min).to_degrees()
+    };
+    let before = least(&places);
+    for _ in 0..200 {
+        let die = FlatDie(places.clone());
+        smoothing.restrict(topology, &prescribed, |_| false);
+        smoothing.read_contact(topology, &die);
+        smoothing.sweep(LOOPS, topology, &prescribed, &die, &mut places);
+        assert!(places.iter().all(|[_, z]| *z <= 1.0));
+    }
+    assert_eq!(places[48], [1.3, 1.0]);
+    assert!([41, 34, 27].iter().all(|n| places[*n][1] < 1.0), "{places:?}");
+    assert!(before < 30.0 && least(&places) > 50.0, "{before} {}", least(&places));
 }
