@@ -61,7 +61,10 @@ fn bonded_rings_transmit_uniform_tractions() {
         assert_close("separation", separation, 5.0 / 1000.0, tolerance);
         assert_close("force", value("CFN2@ABOVE_BELOW".into()), -5.0 * RING, 2e-3);
         assert!(value("CFS1@ABOVE_BELOW".into()).abs() < 5.0 * RING * tolerance);
-        assert_close("stress", value("S22@200".into()), 5.0, tolerance);
+        // The first layer of elements of unequal meshes has stresses that are not uniform.
+        if n == m {
+            assert_close("stress", value("S22@200".into()), 5.0, tolerance);
+        }
         // The increments at the end of the step differ.
         assert!(last(&text, &memory, "ETOTAL").abs() < 1e-5 * last(&text, &memory, "ALLWK"));
     }
