@@ -171,20 +171,30 @@ fn nothing_allocates_inside_an_increment_of_contact() {
             .replace("interaction=DRY\n", "interaction=DRY, mechanical constraint=PENALTY\n")
             .replace("*Friction\n 0.1,\n", "*Friction\n 0.1,\n*Gap Conductance\n 0.5, 0.\n 0.1, 0.05\n")
     };
-    // With bonds that form and fail again and again.
-    let sticky = |time: &str| {
-        let bond = "*Friction\n 0.1,\n*Cohesive Behavior, repeated contacts\n 10., 10.\n*Damage Initiation, \
-                    criterion=QUADS\n 0.003, 0.003\n*Damage Evolution, type=ENERGY\n 1e-5,\n";
-        deck(time).replace("*Friction\n 0.1,\n", bond)
-    };
     // Allocations made once per process.
     allocations(&deck("0.1"));
-    for scene in [&deck as &dyn Fn(&str) -> String, &warm, &sticky] {
+    for scene in [&deck as &dyn Fn(&str) -> String, &warm] {
         let (short, long) = (allocations(&scene("1.")), allocations(&scene("40.")));
         println!("contact: {} allocations over {} increments, {} over {}", short.1, short.0, long.1, long.0);
         assert!(short.0 > 20 && long.0 > 5 * short.0);
         assert_eq!(long.1, short.1);
     }
+}
+
+/// A glued pin that is pushed out of a sleeve; its bonds fail and form again while it slides.
+#[test]
+fn nothing_allocates_inside_an_increment_of_cohesive_surfaces() {
+    let text = std::fs::read_to_string(common::project("input/push_out.inp")).expect("a deck");
+    let text = text
+        .replace("number interval=400", "number interval=1")
+        .replace("number interval=20", "number interval=1")
+        .replace("eligibility=ORIGINAL CONTACTS", "repeated contacts");
+    let deck = |time: &str| text.replace("T    = 1.e-3", &format!("T    = {time}"));
+    // Allocations made once per process.
+    allocations(&deck("1.e-3"));
+    let (short, long) = (allocations(&deck("1.e-3")), allocations(&deck("3.e-3")));
+    assert!(long.0 > 2 * short.0);
+    assert_eq!(long.1, short.1);
 }
 
 /// A stretched block whose rows are deleted, with eroded mass and energy, and pressure on newly exposed faces.
