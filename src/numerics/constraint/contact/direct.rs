@@ -165,8 +165,8 @@ impl DirectSolver {
 
 /// Returns the derivative of the shear impulse by the normal impulse at the friction limit.
 fn friction_slope(row: &ContactRow, law: &InteractionLaw, direction: f64, half: f64) -> f64 {
-    let capped = row.coefficient * row.normal_impulse >= law.friction.largest * half;
-    if capped || direction == 0.0 { 0.0 } else { direction * row.coefficient }
+    let capped = row.coefficient * row.limiting_impulse() >= law.friction.largest * half;
+    if capped || direction == 0.0 { 0.0 } else { direction * row.coefficient * row.limiting_share() }
 }
 
 /// Returns the status of a row that closes, from the impulses that it needs without other rows.
@@ -236,7 +236,9 @@ impl ContactRows {
     fn couple(&mut self, motion: &ContactVelocities) -> bool {
         let ContactRows { rows, terms, direct, bodies, .. } = self;
         let DirectSolver { coupled, blocks, first, last, links, block_capacity, .. } = direct;
-        (coupled.clear(), blocks.clear(), links.clear());
+        coupled.clear();
+        blocks.clear();
+        links.clear();
         // A prescribed motion, for example that of a fixed rigid body, couples no rows.
         let couples = |term: &&GapTerm| {
             motion.inverse_mass[term.dof as usize] != 0.0 && (bodies.is_empty() || !bodies.contains(&term.dof))
@@ -560,8 +562,8 @@ impl DirectSolver {
                 for (entry, above) in row[begin + 1..begin + 1 + coupled].iter_mut().zip(pivots) {
                     *entry -= factor * above;
                 }
-                for c in 0..used {
-                    column[c] -= factor * solved[c];
+                for (entry, above) in column[..used].iter_mut().zip(solved) {
+                    *entry -= factor * above;
                 }
             }
         }
@@ -571,8 +573,8 @@ impl DirectSolver {
             let (this, later) = self.columns.split_at_mut(p + 1);
             let column = &mut this[p];
             for (entry, known) in row[1..].iter().zip(later.iter()) {
-                for c in 0..used {
-                    column[c] -= entry * known[c];
+                for (c, k) in column[..used].iter_mut().zip(known) {
+                    *c -= entry * k;
                 }
             }
             column[..used].iter_mut().for_each(|c| *c /= row[0]);

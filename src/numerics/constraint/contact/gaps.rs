@@ -333,7 +333,7 @@ impl GapIntegrator {
         // In self-contact, a facet next to the own one is not opposite: the point is within the corner between both.
         let is_self = std::ptr::eq(own, other);
         let joins = |next: u32| is_self && own.facets[k].iter().any(|p| other.facets[next as usize].contains(p));
-        let ends_at = |next: u32| !is_soft && cosine(&shape.normal, &other.shapes[next as usize]) >= FACING;
+        let ends_at = |next: u32| !is_soft && !is_self && cosine(&shape.normal, &other.shapes[next as usize]) >= FACING;
         let nearest = self.nearest(&shape, middle, other, [&joins, &ends_at])?;
         let (j, opposite) = (nearest.facing.facet as usize, nearest.facing.shape);
         let most = deepest_overlap((own, k), (other, j));
@@ -352,16 +352,16 @@ impl GapIntegrator {
             let weight = std::f64::consts::TAU * r * half * shape.length;
             let (hats, weighted) = ([1.0 - s, s], normal.inline_map(|n| weight * n));
             let factors = [hats[0], hats[1], part - 1.0, -part];
-            for i in 0..4 {
-                for l in 0..2 {
-                    let factor = hats[l] * factors[i];
-                    shares[i][l][0] += factor * weighted[0];
-                    shares[i][l][1] += factor * weighted[1];
+            for (share, factor) in shares.iter_mut().zip(factors) {
+                for (sum, hat) in share.iter_mut().zip(hats) {
+                    let factor = hat * factor;
+                    sum[0] += factor * weighted[0];
+                    sum[1] += factor * weighted[1];
                 }
             }
-            for l in 0..2 {
-                seen.area[l] += hats[l] * weight;
-                seen.gap[l] += hats[l] * weight * gap;
+            for (l, hat) in hats.into_iter().enumerate() {
+                seen.area[l] += hat * weight;
+                seen.gap[l] += hat * weight * gap;
             }
         }
         if any {
@@ -419,9 +419,9 @@ impl GapIntegrator {
         }
         match self.shares[seen.shares[0] as usize..].iter_mut().find(|c| c.point == point) {
             Some(known) => {
-                for l in 0..2 {
-                    known.of[l][0] += of[l][0];
-                    known.of[l][1] += of[l][1];
+                for (sum, more) in known.of.iter_mut().zip(of) {
+                    sum[0] += more[0];
+                    sum[1] += more[1];
                 }
             }
             None => self.shares.push(GapDerivative { point, of }),

@@ -63,7 +63,9 @@ impl NearParts {
                 }
             }
         }
-        (self.points.clear(), self.others.clear(), self.dofs.clear());
+        self.points.clear();
+        self.others.clear();
+        self.dofs.clear();
         for &point in all {
             let list = if self.is_near[point as usize] { &mut self.points } else { &mut self.others };
             list.push(point);
