@@ -283,7 +283,7 @@ impl MeshSmoothing {
                     self.hand_over(node, found);
                 }
                 if self.grading.is_none() && self.presses_flatly(domain, node, first) {
-                    self.spread_free_side(domain, [node, first]);
+                    self.spread_free_side(domain, [opposite, node, first]);
                 }
             }
         }
@@ -302,25 +302,17 @@ impl MeshSmoothing {
         }
     }
 
-    /// Moves the nodes of the free side beyond a corner, from `first` on, along its edges towards equal distances. They do
-    /// not leave the edges, so that none passes through the surface that presses up to the corner.
-    fn spread_free_side(&mut self, domain: &DomainTopology, [node, first]: [u32; 2]) {
-        let mut places = [[0.0; 2]; WINDOW + 1];
-        let (mut nodes, mut ways, mut count) = ([INSIDE; WINDOW + 1], [0.0; WINDOW + 1], 0);
-        (nodes[0], places[0]) = (node, self.target[node as usize]);
-        let mut next = Some(first);
-        while let Some(n) = next.filter(|_| count < WINDOW) {
-            count += 1;
-            (nodes[count], places[count]) = (n, self.target[n as usize]);
-            ways[count] = ways[count - 1] + length(vector(places[count - 1], places[count]));
-            next = self.next_on_boundary(domain, [nodes[count - 1], n]).filter(|beyond| {
-                let ends = [places[count - 1], places[count], self.target[*beyond as usize]];
-                let slides = self.now[n as usize] == NodeMobility::Boundary;
-                let free = self.contact[n as usize] != BoundaryContact::Pressed;
-                slides && free && turn_cosine(ends) > self.corner_cosine
-            });
+    /// Moves the nodes of the free side beyond a corner, from `first` on, along its edges towards equal distances, and then
+    /// across it until the volume is the same as before. `opposite` and `node` are on the surface that presses up to the
+    /// corner.
+    fn spread_free_side(&mut self, domain: &DomainTopology, [opposite, node, first]: [u32; 3]) {
+        let Some(side) = self.free_side(domain, [node, first]) else { return };
+        let FreeSide { nodes, places, count } = side;
+        let mut ways = [0.0; WINDOW + 1];
+        for i in 1..=count {
+            ways[i] = ways[i - 1] + length(vector(places[i - 1], places[i]));
         }
-        let mut edge = 0;
+        let (mut edge, mut spread) = (0, places);
         for i in 1..count {
             let way = ways[i] + SPREAD * (ways[count] * i as f64 / count as f64 - ways[i]);
             while edge + 1 < count && ways[edge + 1] < way {
@@ -328,9 +320,35 @@ impl MeshSmoothing {
             }
             let share = (way - ways[edge]) / (ways[edge + 1] - ways[edge]);
             let [from, to] = [places[edge], places[edge + 1]];
-            self.target[nodes[i] as usize] = [0, 1].inline_map(|k: usize| from[k] + share * (to[k] - from[k]));
+            spread[i] = [0, 1].inline_map(|k: usize| from[k] + share * (to[k] - from[k]));
+        }
+        let line = [self.target[opposite as usize], places[0]];
+        let forward = domain.boundary[self.boundary_of[node as usize] as usize].after == first;
+        keep_volume(&places[..=count], &mut spread[..=count], line, if forward { 1.0 } else { -1.0 });
+        for i in 1..count {
+            self.target[nodes[i] as usize] = spread[i];
             self.is_spread[nodes[i] as usize] = true;
         }
+    }
+
+    /// Returns the nodes of a free side from a corner to the first node that does not slide freely; `None` if there is no node
+    /// between.
+    fn free_side(&self, domain: &DomainTopology, [node, first]: [u32; 2]) -> Option<FreeSide> {
+        let mut side = FreeSide { nodes: [INSIDE; WINDOW + 1], places: [[0.0; 2]; WINDOW + 1], count: 0 };
+        (side.nodes[0], side.places[0]) = (node, self.target[node as usize]);
+        let mut next = Some(first);
+        while let Some(n) = next.filter(|_| side.count < WINDOW) {
+            side.count += 1;
+            let FreeSide { nodes, places, count } = &mut side;
+            (nodes[*count], places[*count]) = (n, self.target[n as usize]);
+            let last = [places[*count - 1], places[*count]];
+            next = self.next_on_boundary(domain, [nodes[*count - 1], n]).filter(|beyond| {
+                let slides = self.now[n as usize] == NodeMobility::Boundary;
+                let free = self.contact[n as usize] != BoundaryContact::Pressed;
+                slides && free && turn_cosine([last[0], last[1], self.target[*beyond as usize]]) > self.corner_cosine
+            });
+        }
+        (side.count > 1).then_some(side)
     }
 
     /// Returns the neighbour of `node` on the boundary that is not `last`.
@@ -442,7 +460,7 @@ impl MeshSmoothing {
     /// Leaves short ways to later changes of the mesh: nodes inside the domain move when one of them has a long way, those
     /// on the boundary when their own way is not short.
     pub fn keep_short_ways(&mut self, domain: &DomainTopology, start: &[[f64; 2]], end: &mut [[f64; 2]]) {
-        let mut longest = 0.0;
+        let (mut longest, mut spread) = (0.0, 0.0);
         for (n, way) in self.ways.iter_mut().enumerate() {
             *way = vector(start[n], end[n]);
             let square = way[0] * way[0] + way[1] * way[1];
@@ -451,11 +469,15 @@ impl MeshSmoothing {
             if self.now[n] == NodeMobility::Inside && share > longest {
                 longest = share;
             }
+            if self.is_spread[n] && share > spread {
+                spread = share;
+            }
         }
         let least = if longest > LONG * LONG { SHORT * SHORT } else { f64::INFINITY };
         for (n, way) in self.ways.iter_mut().enumerate() {
-            let inside = self.now[n] == NodeMobility::Inside;
-            if self.shares[n] < if inside { least } else { SMALL * SMALL } {
+            // Nodes of a free side keep its volume together.
+            let share = if self.is_spread[n] { spread } else { self.shares[n] };
+            if share < if self.now[n] == NodeMobility::Inside { least } else { SMALL * SMALL } {
                 end[n] = start[n];
             } else {
                 *way = [0.0; 2];
@@ -607,6 +629,40 @@ fn shortest_edge(domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> f
     let square = |[r, z]: [f64; 2]| r * r + z * z;
     let edges = domain.adjacent.list(node).iter().map(|n| square(vector(places[node], places[*n as usize])));
     edges.fold(f64::INFINITY, f64::min)
+}
+
+/// Nodes of the boundary from a corner on.
+struct FreeSide {
+    nodes: [u32; WINDOW + 1],
+    places: [[f64; 2]; WINDOW + 1],
+    /// Index of the last node.
+    count: usize,
+}
+
+/// Moves the inner nodes of a part of the boundary outwards until its ring volume is that of `before`; those near a line,
+/// from which the part starts, by less. `sign` is 1 if the domain is on the left of the part, otherwise -1.
+fn keep_volume(before: &[[f64; 2]], after: &mut [[f64; 2]], line: [[f64; 2]; 2], sign: f64) {
+    let volume = |list: &[[f64; 2]]| -> f64 {
+        list.windows(2).map(|p| (p[0][0] + p[1][0]) * (p[0][0] * p[1][1] - p[1][0] * p[0][1])).sum()
+    };
+    let (lost, last) = (sign * (volume(before) - volume(after)), after.len() - 1);
+    let shape = |list: &[[f64; 2]], i: usize| {
+        let [a, b, c] = [list[i - 1], list[i], list[i + 1]];
+        let (chord, off) = (vector(a, c), cross(line[0], line[1], b).abs() / length(vector(line[0], line[1])));
+        let (l, weight) = (length(chord), (2.0 * off / length(chord)).min(1.0));
+        ([sign * chord[1] / l, -sign * chord[0] / l], weight, weight * l * (a[0] + b[0] + c[0]))
+    };
+    let gain: f64 = (1..last).map(|i| shape(after, i).2).sum();
+    if gain <= 0.0 {
+        return;
+    }
+    let mut from = after[0];
+    for i in 1..last {
+        let ([r, z], weight, _) = shape(&[from, after[i], after[i + 1]], 1);
+        from = after[i];
+        let way = weight * lost / gain;
+        after[i] = [after[i][0] + way * r, after[i][1] + way * z];
+    }
 }
 
 fn vector(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
