@@ -15,8 +15,8 @@ use crate::state::archive::persist_struct;
 
 /// Share by which the slow part of the slip rate approaches the rate in an increment.
 const APPROACH: f64 = 0.1;
-/// Share by which the friction limit approaches that of the pressure in an increment.
-const PRESSURE_APPROACH: f64 = 0.2;
+/// Share by which the slow parts of the pressure approach it in an increment.
+const PRESSURE_APPROACH: f64 = 0.1;
 
 /// Slip rates of the keys in contact.
 #[derive(Clone, Debug, Default)]
@@ -27,8 +27,11 @@ pub(super) struct SlipDamping {
     impulse: Vec<f64>,
     /// Shear stress of the damping in the last increment.
     stress: Vec<f64>,
-    /// Slow part of the pressure, which limits friction; NaN if not in contact.
-    pressure: Vec<f64>,
+    /// Slow part of the pressure, and slow part of that; NaN if not in contact. Twice the first less the second limits
+    /// friction: it follows a steady rise without a delay.
+    pressure: Vec<[f64; 2]>,
+    /// Work array: the slow parts of the pressures at the end of the increment.
+    next_pressure: Vec<[f64; 2]>,
     /// Work array: the slow parts at the end of the increment.
     next: Vec<f64>,
 }
@@ -40,7 +43,8 @@ impl SlipDamping {
             slow: vec![f64::NAN; keys],
             impulse: vec![0.0; keys],
             stress: vec![0.0; keys],
-            pressure: vec![f64::NAN; keys],
+            pressure: vec![[f64::NAN; 2]; keys],
+            next_pressure: vec![[f64::NAN; 2]; keys],
             next: vec![f64::NAN; keys],
         }
     }
@@ -59,6 +63,7 @@ impl SlipDamping {
             + MemoryUse::of(&self.impulse)
             + MemoryUse::of(&self.stress)
             + MemoryUse::of(&self.pressure)
+            + MemoryUse::of(&self.next_pressure)
             + MemoryUse::of(&self.next)
     }
 
@@ -77,8 +82,9 @@ impl SlipDamping {
     pub(super) fn apply(&mut self, rows: &mut ContactRows, motion: &mut ContactVelocities, given: ContactStep<'_>) {
         let ContactRows { rows, terms, .. } = rows;
         for row in rows.iter_mut().filter(|row| !row.is_single_point) {
-            if let Some(&slow) = self.pressure.get(row.key as usize).filter(|slow| !slow.is_nan()) {
-                row.slow_impulse = Some([slow * given.span.half, PRESSURE_APPROACH]);
+            if let Some([slow, slower]) = self.pressure.get(row.key as usize).filter(|slow| !slow[0].is_nan()) {
+                let rest = (1.0 - PRESSURE_APPROACH) * ((2.0 - PRESSURE_APPROACH) * slow - slower);
+                row.slow_impulse = Some([rest * given.span.half, (2.0 - PRESSURE_APPROACH) * PRESSURE_APPROACH]);
             }
             let Some(&impulse) = self.impulse.get(row.key as usize).filter(|impulse| **impulse != 0.0) else {
                 continue;
@@ -96,14 +102,17 @@ impl SlipDamping {
 
     /// Updates the slow parts of the pressures; `half` is the time over which the impulses act.
     fn update_pressures(&mut self, rows: &ContactRows, laws: &[InteractionLaw], half: f64) {
-        self.next.fill(f64::NAN);
+        self.next_pressure.fill([f64::NAN; 2]);
         let is_damped = |row: &&ContactRow| !row.is_single_point && laws[row.law as usize].friction.damps();
         for row in rows.rows.iter().filter(is_damped).filter(|row| row.normal_impulse > 0.0) {
-            let (before, pressure) = (self.pressure[row.key as usize], row.normal_impulse / half);
-            let approached = before + PRESSURE_APPROACH * (pressure - before);
-            self.next[row.key as usize] = if before.is_nan() { pressure } else { approached };
+            let ([slow, slower], pressure) = (self.pressure[row.key as usize], row.normal_impulse / half);
+            let approached = slow + PRESSURE_APPROACH * (pressure - slow);
+            self.next_pressure[row.key as usize] = match slow.is_nan() {
+                true => [pressure; 2],
+                false => [approached, slower + PRESSURE_APPROACH * (approached - slower)],
+            };
         }
-        std::mem::swap(&mut self.pressure, &mut self.next);
+        std::mem::swap(&mut self.pressure, &mut self.next_pressure);
     }
 
     /// Updates the slip rates and pressures after the solution, and computes the impulses of the next increment. The rows
@@ -153,4 +162,4 @@ impl SlipDamping {
     }
 }
 
-persist_struct!(SlipDamping { slow: fixed, impulse: fixed, stress: fixed, pressure: fixed } derived { next });
+persist_struct!(SlipDamping { slow: fixed, impulse: fixed, stress: fixed, pressure: fixed } derived { next, next_pressure });

@@ -44,8 +44,8 @@ pub struct ContactRow {
     pub(super) bias: f64,
     /// Change of the rate by an impulse per unit of area, along the normal and along the surface.
     pub(super) compliance: [f64; 2],
-    /// Slow part of the normal impulse that limits friction, and the share by which it follows the impulse; `None` if the
-    /// impulse itself is the limit.
+    /// Normal impulse that limits friction, as a linear function of the normal impulse: value at zero and derivative;
+    /// `None` if the impulse itself is the limit.
     pub(super) slow_impulse: Option<[f64; 2]>,
     /// Impulse per unit of area, along the normal.
     pub normal_impulse: f64,
@@ -72,7 +72,7 @@ impl ContactRow {
 
     /// Returns the normal impulse whose product with the friction coefficient limits friction.
     pub(super) fn limiting_impulse(&self) -> f64 {
-        self.slow_impulse.map_or(self.normal_impulse, |[slow, share]| slow + share * (self.normal_impulse - slow))
+        self.slow_impulse.map_or(self.normal_impulse, |[slow, share]| (slow + share * self.normal_impulse).max(0.0))
     }
 
     /// Returns the derivative of the limiting impulse by the normal impulse.
