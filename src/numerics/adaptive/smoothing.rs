@@ -377,7 +377,7 @@ impl MeshSmoothing {
         let near = POCKET * length(vector(line[0], line[1]));
         let (mut folded, mut found) = ([INSIDE; FOLDED], None);
         let [mut last, mut next] = [node, first];
-        for at in 0..FOLDED {
+        for (at, place) in folded.iter_mut().enumerate() {
             let gap = match self.contact[next as usize] {
                 BoundaryContact::Pressed => 0.0,
                 BoundaryContact::Apart(gap) => gap,
@@ -386,7 +386,7 @@ impl MeshSmoothing {
             if !(gap < near && off < near && slides(next)) {
                 break;
             }
-            folded[at] = next;
+            *place = next;
             let beyond = self.next_on_boundary(domain, [last, next])?;
             if self.touches([last, next]) {
                 found = Some((at + 1, beyond));

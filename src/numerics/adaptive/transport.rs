@@ -35,7 +35,7 @@ pub(super) struct EdgeFlux {
 
 impl EdgeFlux {
     /// Returns whether the element on the right loses the ring.
-    fn from_right(&self) -> bool {
+    fn leaves_right(&self) -> bool {
         self.volume > 0.0
     }
 }
@@ -143,7 +143,7 @@ impl ElementTransport {
         let slopes = &self.density_slopes;
         loops.each(&mut self.fluxes, |start, part| {
             for (flux, edge) in part.iter_mut().zip(&domain.edges[start..]).filter(|(flux, _)| flux.volume != 0.0) {
-                let donor = if flux.from_right() { edge.right } else { edge.left } as usize;
+                let donor = if flux.leaves_right() { edge.right } else { edge.left } as usize;
                 let (place, [along_r, along_z]) = (&places[donor], slopes[donor]);
                 let [r, z] = [0, 1].inline_map(|i: usize| flux.middle[i] - place.centre[i]);
                 flux.mass = flux.volume * (place.density + (along_r * r + along_z * z));
