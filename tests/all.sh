@@ -13,9 +13,11 @@ fi
 # With the features of the Python package, whose wheel is built from the same library.
 tests=(cargo test --release --workspace --exclude revolve-python --features parquet --locked)
 "${tests[@]}" --no-run
+set -m # a process group, which ends as a whole
 "${tests[@]}" --test program -- --show-output >target/program.log 2>&1 &
 program=$!
-trap 'kill "$program" 2>/dev/null || true' EXIT
+set +m
+trap 'kill -- "-$program" 2>/dev/null || true' EXIT
 cargo clippy --release --workspace --all-targets --locked -- -D warnings
 cargo clippy --release --no-default-features --locked -- -D warnings
 RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --exclude revolve-python --no-deps --locked --quiet
