@@ -89,7 +89,7 @@ fn check(folder: &Path, what: &str, command: &str, whole: &BTreeMap<String, Vec<
         let complete = match name.rsplit_once('.').map(|n| n.1) {
             _ if name.starts_with(".revolve-") => true,
             Some("vtu" | "pvd") => bytes.ends_with(b"</VTKFile>\n"),
-            Some("json") => serde_json::from_slice::<serde_json::Value>(&bytes).is_ok(),
+            Some("json" | "setup") => serde_json::from_slice::<serde_json::Value>(&bytes).is_ok(),
             Some("html") => bytes.trim_ascii_end().ends_with(b"</html>"),
             Some("svg") => bytes.trim_ascii_end().ends_with(b"</svg>"),
             Some("png") => bytes.ends_with(b"IEND\xaeB`\x82"),

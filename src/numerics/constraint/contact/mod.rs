@@ -510,8 +510,25 @@ impl ContactConstraint {
         for pair in self.pairs.iter_mut().filter(|p| p.analytical.is_none()) {
             pair.search.build(&self.curves[pair.own], pair.other.map(|o| &self.curves[o]), &self.places);
         }
+        self.list_near();
+    }
+
+    /// Lists what is near another surface, or belongs to a pair whose bonds act at any distance.
+    fn list_near(&mut self) {
         let mut near = std::mem::take(&mut self.near);
-        near.list(self);
+        near.begin();
+        for (index, pair) in self.pairs.iter().enumerate() {
+            let (own, other) = (&self.curves[pair.own], pair.other.map(|other| &self.curves[other]));
+            if let Some(surface) = pair.analytical {
+                near.mark_point(self.analyticals[surface].point);
+            }
+            if pair.analytical.is_some() || self.is_cohesive(index) {
+                [Some(own), other].into_iter().flatten().for_each(|curve| near.mark_curve(curve));
+            } else {
+                near.mark_candidates(own, other, &pair.search);
+            }
+        }
+        near.list(&self.curves, &self.active_points, &self.dofs_of);
         self.near = near;
     }
 
@@ -772,7 +789,8 @@ fn add_row(
     }
     rows.open();
     for &(facet, end) in facets() {
-        rows.add_shares(gaps.shares_of(&pair.facet_gaps[facet as usize]), end as usize, dofs_of);
+        let shares = gaps.shares_of(&pair.facet_gaps[facet as usize]);
+        rows.add_shares(shares.iter().map(|share| (share.point, share.of[end as usize])), dofs_of);
         for share in gaps.edges_of(&pair.facet_gaps[facet as usize]) {
             rows.add_normal_share(dofs_of[share.point as usize], share.of[end as usize]);
         }
@@ -856,7 +874,7 @@ fn add_point_row(
         }
     }
     rows.open();
-    rows.add_shares(gaps.shares_of(&seen), 0, dofs_of);
+    rows.add_shares(gaps.shares_of(&seen).iter().map(|share| (share.point, share.of[0])), dofs_of);
     let mut row = ContactRow::of(key, pair.of_points as u32);
     (row.is_single_point, row.area, row.gap) = (true, seen.area[0], seen.gap[0]);
     if is_corner {

@@ -5,9 +5,9 @@
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 
-use super::analytical::AnalyticalSurface;
 use super::curve::FacetCurve;
-use super::{ContactConstraint, ContactPair};
+use super::search::ContactSearch;
+use super::sweeps::NONE;
 
 /// Parts of all curves of a contact that are near another surface.
 #[derive(Clone, Debug, Default)]
@@ -42,16 +42,23 @@ impl NearParts {
         self.is_near[point as usize]
     }
 
-    /// Lists the near parts after a search.
-    pub(super) fn list(&mut self, contact: &ContactConstraint) {
-        let ContactConstraint { pairs, curves, analyticals, active_points: all, dofs_of, .. } = contact;
+    /// Begins to mark points after a search.
+    pub(super) fn begin(&mut self) {
         self.is_candidate.fill(false);
-        for (index, pair) in pairs.iter().enumerate() {
-            self.mark_candidates(pair, curves, analyticals);
-            if contact.is_cohesive(index) {
-                self.mark_curves(pair, curves);
-            }
-        }
+    }
+
+    pub(super) fn mark_point(&mut self, point: u32) {
+        self.is_candidate[point as usize] = true;
+    }
+
+    /// Marks all points of a curve.
+    pub(super) fn mark_curve(&mut self, curve: &FacetCurve) {
+        let points = curve.exposed_points.iter().chain(&curve.orphans);
+        points.for_each(|index| self.is_candidate[curve.own[*index as usize] as usize] = true);
+    }
+
+    /// Lists the near parts from the marked points. `all` are the points of exposed facets and those without elements.
+    pub(super) fn list(&mut self, curves: &[FacetCurve], all: &[u32], dofs_of: &[[u32; 2]]) {
         self.is_near.clone_from(&self.is_candidate);
         self.facets.clear();
         for (curve, at) in curves.iter().zip(0..) {
@@ -70,49 +77,34 @@ impl NearParts {
             let list = if self.is_near[point as usize] { &mut self.points } else { &mut self.others };
             list.push(point);
         }
-        let dofs = self.points.iter().flat_map(|p| dofs_of[*p as usize]).filter(|dof| *dof != super::NONE);
+        let dofs = self.points.iter().flat_map(|p| dofs_of[*p as usize]).filter(|dof| *dof != NONE);
         self.dofs.extend(dofs);
         self.dofs.sort_unstable();
         self.dofs.dedup();
     }
 
-    /// Marks both curves of a pair whose bonds act at any distance.
-    fn mark_curves(&mut self, pair: &ContactPair, curves: &[FacetCurve]) {
-        for curve in [Some(pair.own), pair.other].into_iter().flatten().map(|index| &curves[index]) {
-            let points = curve.exposed_points.iter().chain(&curve.orphans);
-            points.for_each(|index| self.is_candidate[curve.own[*index as usize] as usize] = true);
-        }
-    }
-
-    fn mark_candidates(&mut self, pair: &ContactPair, curves: &[FacetCurve], analyticals: &[AnalyticalSurface]) {
-        let own = &curves[pair.own];
-        let is_candidate = &mut self.is_candidate;
-        if let Some(surface) = pair.analytical {
-            is_candidate[analyticals[surface].point as usize] = true;
-            let points = own.exposed_points.iter().chain(&own.orphans);
-            points.for_each(|index| is_candidate[own.own[*index as usize] as usize] = true);
-            return;
-        }
-        let other = pair.other.map_or(own, |o| &curves[o]);
+    /// Marks the candidates of a search between two curves, or of self-contact, and the points that have candidates.
+    pub(super) fn mark_candidates(&mut self, own: &FacetCurve, opposite: Option<&FacetCurve>, search: &ContactSearch) {
+        let (other, is_candidate) = (opposite.unwrap_or(own), &mut self.is_candidate);
         let mut mark = |curve: &FacetCurve, facets: &[u32]| {
             for &k in facets {
                 curve.facets[k as usize].iter().for_each(|p| is_candidate[*p as usize] = true);
             }
         };
         for (at, &k) in own.exposed.iter().enumerate() {
-            let candidates = pair.search.facets.of(at);
+            let candidates = search.facets.of(at);
             if !candidates.is_empty() {
                 mark(own, &[k]);
                 mark(other, candidates);
             }
         }
-        (0..own.orphans.len()).for_each(|at| mark(other, pair.search.orphans.of(at)));
-        let singles = pair.other.map_or(0, |o| curves[o].single_points().count());
-        (0..singles).for_each(|at| mark(own, pair.search.others.of(at)));
-        let of_own = own.orphans.iter().enumerate().filter(|(at, _)| !pair.search.orphans.of(*at).is_empty());
+        (0..own.orphans.len()).for_each(|at| mark(other, search.orphans.of(at)));
+        let singles = opposite.map_or(0, |curve| curve.single_points().count());
+        (0..singles).for_each(|at| mark(own, search.others.of(at)));
+        let of_own = own.orphans.iter().enumerate().filter(|(at, _)| !search.orphans.of(*at).is_empty());
         of_own.for_each(|(_, index)| is_candidate[own.own[*index as usize] as usize] = true);
-        if pair.other.is_some() {
-            let of_other = other.single_points().enumerate().filter(|(at, _)| !pair.search.others.of(*at).is_empty());
+        if opposite.is_some() {
+            let of_other = other.single_points().enumerate().filter(|(at, _)| !search.others.of(*at).is_empty());
             of_other.for_each(|(_, (index, _))| is_candidate[other.own[index as usize] as usize] = true);
         }
     }

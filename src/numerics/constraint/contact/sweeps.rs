@@ -3,7 +3,6 @@
 //! 235).
 
 use super::direct::DirectSolver;
-use super::gaps::GapDerivative;
 use super::light::LightBody;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lists::MemoryUse;
@@ -246,11 +245,10 @@ impl ContactRows {
         self.opened = self.terms.len() as u32;
     }
 
-    /// Adds the derivatives of the gap of the point at one `end` of a facet.
-    pub(super) fn add_shares(&mut self, shares: &[GapDerivative], end: usize, dofs_of: &[[u32; 2]]) {
-        for share in shares {
-            self.add_share(dofs_of[share.point as usize], share.of[end]);
-        }
+    /// Adds the derivatives of the gap by the positions of points.
+    #[inline]
+    pub(super) fn add_shares(&mut self, shares: impl Iterator<Item = (u32, [f64; 2])>, dofs_of: &[[u32; 2]]) {
+        shares.for_each(|(point, of)| self.add_share(dofs_of[point as usize], of));
     }
 
     /// Adds the derivatives of a gap by the position of a point. The tangent is the normal turned by 90 degrees
