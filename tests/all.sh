@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # All checks of the project: format, spelling, tests, lints, documentation. Lists at the end the checks that were left out.
-# The tests of the program wait much, for processes and clocks. The other checks run at the same time.
+# The tests of the program wait much, for processes and clocks; the other tests run at the same time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo fmt --all --check
+cargo clippy --release --workspace --all-targets --locked -- -D warnings
+cargo clippy --release --no-default-features --locked -- -D warnings
 spelling=""
 if "${REVOLVE_TYPOS:-typos}" --version >/dev/null 2>&1; then
     "${REVOLVE_TYPOS:-typos}" --config tests/typos.toml
@@ -13,21 +15,19 @@ fi
 # With the features of the Python package, whose wheel is built from the same library.
 tests=(cargo test --release --workspace --exclude revolve-python --features parquet --locked)
 "${tests[@]}" --no-run
-set -m # a process group, which ends as a whole
-"${tests[@]}" --test program -- --show-output >target/program.log 2>&1 &
+"${tests[@]}" --doc 2>&1 | tee target/tests.log
+# They also build the wheel: the other tests begin first, and find what they need complete. The group ends as a whole.
+set -m
+{ sleep 10; exec "${tests[@]}" --test program -- --show-output; } >target/program.log 2>&1 &
 program=$!
 set +m
 trap 'kill -- "-$program" 2>/dev/null || true' EXIT
-cargo clippy --release --workspace --all-targets --locked -- -D warnings
-cargo clippy --release --no-default-features --locked -- -D warnings
-RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --exclude revolve-python --no-deps --locked --quiet
 others=(--lib)
 for folder in tests/*/main.rs; do
     name=$(basename "$(dirname "$folder")")
     [ "$name" = program ] || others+=(--test "$name")
 done
-"${tests[@]}" "${others[@]}" -- --show-output 2>&1 | tee target/tests.log
-"${tests[@]}" --doc 2>&1 | tee -a target/tests.log
+"${tests[@]}" "${others[@]}" -- --show-output 2>&1 | tee -a target/tests.log
 # The extension for VS Code, whose snippets and messages are checked with the program that the tests have built.
 REVOLVE="${CARGO_TARGET_DIR:-$PWD/target}/release/revolve" editors/vscode/test.sh 2>&1 | tee -a target/tests.log
 passed=0
@@ -36,6 +36,7 @@ trap - EXIT
 tee -a target/tests.log <target/program.log
 [ "$passed" = 0 ] || exit "$passed"
 [ -z "$spelling" ] || echo "$spelling" >>target/tests.log
+RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --exclude revolve-python --no-deps --locked --quiet
 grep -E "^on this machine:" target/tests.log | sort -u || true
 if grep -qE "^(left out|skipped):" target/tests.log; then
     echo "Some tests left something out:"
