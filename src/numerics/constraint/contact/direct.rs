@@ -165,12 +165,8 @@ impl DirectSolver {
 
 /// Returns the derivative of the shear impulse by the normal impulse at the friction limit.
 fn friction_slope(row: &ContactRow, law: &InteractionLaw, direction: f64, half: f64) -> f64 {
-    let limit = row.coefficient * row.limiting_impulse();
-    if limit <= 0.0 || limit >= law.friction.largest * half || direction == 0.0 {
-        0.0
-    } else {
-        direction * row.coefficient * row.limiting_share()
-    }
+    let capped = row.coefficient * row.normal_impulse >= law.friction.largest * half;
+    if capped || direction == 0.0 { 0.0 } else { direction * row.coefficient }
 }
 
 /// Returns the status of a row that closes, from the impulses that it needs without other rows.

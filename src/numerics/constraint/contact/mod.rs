@@ -952,7 +952,7 @@ impl Constraint for ContactConstraint {
             self.correct_arc_gaps(reference, span);
         }
         let pairs = &self.pairs;
-        self.slip_damping.update(&self.rows, &self.motion, (&self.laws, self.half), |key| pair_of(pairs, key));
+        self.slip_damping.update(&self.rows, &self.motion, &self.laws, |key| pair_of(pairs, key));
         self.stored_energy.add_work(&self.rows, &self.laws, &self.motion, span);
         self.gather_impulses();
         self.apply_impulses(dofs, dt);

@@ -43,9 +43,6 @@ pub struct ContactRow {
     pub(super) bias: f64,
     /// Change of the rate by an impulse per unit of area, along the normal and along the surface.
     pub(super) compliance: [f64; 2],
-    /// Normal impulse that limits friction, as a linear function of the normal impulse: value at zero and derivative;
-    /// `None` if the impulse itself is the limit.
-    pub(super) slow_impulse: Option<[f64; 2]>,
     /// Impulse per unit of area, along the normal.
     pub normal_impulse: f64,
     /// Impulse per unit of area, along the surface.
@@ -67,16 +64,6 @@ impl ContactRow {
     /// Returns the impulse of friction and damping per unit of area.
     pub fn whole_shear(&self) -> f64 {
         self.shear_impulse + self.damping
-    }
-
-    /// Returns the normal impulse whose product with the friction coefficient limits friction.
-    pub(super) fn limiting_impulse(&self) -> f64 {
-        self.slow_impulse.map_or(self.normal_impulse, |[slow, share]| (slow + share * self.normal_impulse).max(0.0))
-    }
-
-    /// Returns the derivative of the limiting impulse by the normal impulse.
-    pub(super) fn limiting_share(&self) -> f64 {
-        self.slow_impulse.map_or(1.0, |[_, share]| share)
     }
 
     /// Whether the row transmits a force. The damping of a row that separates acts in the increment of the separation.
@@ -545,7 +532,7 @@ pub(super) fn soft_pressure(row: &ContactRow, law: &PressureOverclosure, rate: f
 
 /// Returns the largest possible impulse along the surface.
 pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> f64 {
-    let most = if row.normal_impulse > 0.0 { row.coefficient * row.limiting_impulse() } else { 0.0 };
+    let most = if row.normal_impulse > 0.0 { row.coefficient * row.normal_impulse } else { 0.0 };
     most.min(law.friction.largest * half)
 }
 
