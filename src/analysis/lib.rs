@@ -11,7 +11,7 @@ use revolve_numerics::{element, kernel, load, platform, state, variables};
 use revolve_solver::overview;
 use revolve_solver::{job, plan, solve};
 
-// Private, so that nothing of the commands is compiled but what the program runs.
+// Private, so that functions that the program does not call are not compiled.
 #[cfg(feature = "cli")]
 #[allow(missing_docs)]
 mod command;

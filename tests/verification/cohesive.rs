@@ -508,6 +508,17 @@ fn ledger_lists_cohesive_elements() {
     assert!(plain.plan.ledger.effects.iter().all(|row| row.effect != "cohesive elements"));
 }
 
+/// Replaces parts of a deck, one in each case, and asserts the code and words of the error, which has a place.
+pub(super) fn assert_reported(good: &str, cases: &[(&str, &str, &str, &str)]) {
+    for (from, to, code, words) in cases {
+        assert!(good.contains(from), "{from}");
+        let prepared = job::prepare_text("test.inp", &good.replacen(from, to, 1), &Vec::new(), &Routines::none());
+        let rendered = prepared.diagnostics.render(&prepared.deck.sources);
+        let found = prepared.diagnostics.iter().any(|d| d.code == *code && !d.labels.is_empty());
+        assert!(found && rendered.contains(words), "{from} => {to}\n{rendered}");
+    }
+}
+
 /// Invalid decks end with a code and a place.
 #[test]
 fn invalid_cohesive_elements_are_reported() {
@@ -542,15 +553,7 @@ fn invalid_cohesive_elements_are_reported() {
         ("*Cohesive section, elset=COH", "*Solid section, elset=COH", "M180", "COHAX4"),
         (" TOP, P,", " CAP, P,", "M131", "cohesive element"),
     ];
-    let extra = "*Surface, name=CAP\n COH, S3\n*Amplitude";
-    for (from, to, code, words) in cases {
-        let text = good.replacen("*Amplitude", extra, 1);
-        assert!(text.contains(from), "{from}");
-        let prepared = job::prepare_text("test.inp", &text.replacen(from, to, 1), &Vec::new(), &Routines::none());
-        let rendered = prepared.diagnostics.render(&prepared.deck.sources);
-        let found = prepared.diagnostics.iter().any(|d| d.code == *code && !d.labels.is_empty());
-        assert!(found && rendered.contains(words), "{from} => {to}\n{rendered}");
-    }
+    assert_reported(&good.replacen("*Amplitude", "*Surface, name=CAP\n COH, S3\n*Amplitude", 1), cases);
     let bare = good.replacen("*Element, type=COHAX4", "*Node\n 800, 1., 1.\n*Element, type=COHAX4", 1);
     let bare = bare.replacen(" 500, 100, 101, 201, 200\n", " 500, 100, 101, 201, 800\n", 1);
     let prepared = job::prepare_text("test.inp", &bare, &Vec::new(), &Routines::none());

@@ -11,11 +11,11 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use super::cohesive::{
-    ELASTIC, ENERGY, FOUNDATION, QUADS, RATIO, RING, YOUNG, assert_close, edge_separation, layer, mean, radii, rings,
+    ELASTIC, ENERGY, FOUNDATION, QUADS, RATIO, RING, YOUNG, assert_close, assert_reported, edge_separation, layer,
+    mean, radii, rings,
 };
 use crate::common::prepared;
 use crate::common::solid::{column, last, run};
-use revolve::job;
 use revolve::user::Routines;
 
 /// Cards of the cohesive behaviour with the stiffnesses of [`ELASTIC`].
@@ -544,24 +544,9 @@ fn invalid_cohesive_surfaces_are_reported() {
         ("*Damage evolution", "*Damage stabilization\n 1e-3,\n*Damage evolution", "D201", "DAMAGE STABILIZATION"),
         ("*Step", &elements, "M104", "apply only to cohesive surfaces"),
     ];
-    for (from, to, code, words) in cases {
-        assert!(good.contains(from), "{from}");
-        let prepared = job::prepare_text("test.inp", &good.replacen(from, to, 1), &Vec::new(), &Routines::none());
-        let rendered = prepared.diagnostics.render(&prepared.deck.sources);
-        let found = prepared.diagnostics.iter().any(|d| d.code == *code && !d.labels.is_empty());
-        assert!(found && rendered.contains(words), "{from} => {to}\n{rendered}");
-    }
+    assert_reported(&good, cases);
     let wall = "*Node\n 900, 0., 1.\n*Surface, name=WALL, type=SEGMENTS\n START, 9., 1.\n LINE, 0., 1.\n*Rigid body, ref \
-                node=900, analytical surface=WALL\n*Boundary\n 900, ENCASTRE\n";
-    let text = good.replace("ABOVE, BELOW\n", "ABOVE, WALL\n").replacen(
-        "*Surface interaction",
-        &format!("{wall}*Surface interaction"),
-        1,
-    );
-    let prepared = job::prepare_text("test.inp", &text, &Vec::new(), &Routines::none());
-    let rendered = prepared.diagnostics.render(&prepared.deck.sources);
-    assert!(
-        prepared.diagnostics.iter().any(|d| d.code == "P027") && rendered.contains("analytical surface"),
-        "{rendered}"
-    );
+                node=900, analytical surface=WALL\n*Boundary\n 900, ENCASTRE\n*Surface interaction";
+    let text = good.replacen("*Surface interaction", wall, 1);
+    assert_reported(&text, &[("ABOVE, BELOW\n", "ABOVE, WALL\n", "P027", "analytical surface")]);
 }

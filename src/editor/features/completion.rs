@@ -145,8 +145,8 @@ fn value_items(context: &FeatureContext<'_>, card: &CardContext, index: usize, r
         .data
         .iter()
         .filter_map(|data| data.when)
-        .filter(|(name, value)| *name == rule.name && !value.is_empty());
-    let layouts = layouts.map(|(_, value)| value).filter(|_| rule.value.words().is_none());
+        .filter(|(name, _)| *name == rule.name && rule.value.words().is_none());
+    let layouts = layouts.flat_map(|(_, values)| values.iter().copied());
     let words = words.chain(only.iter().copied()).chain(layouts);
     words.map(|word| item(word, ItemKind::EnumMember, range, word, rule.help, 0)).chain(names).collect()
 }

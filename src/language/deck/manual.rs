@@ -106,8 +106,8 @@ fn about(rule: &InputRule) -> String {
 fn data_lines(data: &'static ConditionalShape) -> Vec<(String, Vec<String>)> {
     let when = match data.when {
         None => String::new(),
-        Some((name, "")) => format!("With {name}: "),
-        Some((name, value)) => format!("With {name}={value}: "),
+        Some((name, [])) => format!("With {name}: "),
+        Some((name, values)) => format!("With {name}={}: ", values.join(" or ")),
     };
     let line = |rules: &[&InputRule], behind: String| {
         let names: Vec<&str> = rules.iter().map(|r| r.name).collect();

@@ -67,8 +67,8 @@ pub enum DataShape {
 /// A layout of data lines and the condition under which it applies.
 #[derive(Debug)]
 pub struct ConditionalShape {
-    /// Parameter and its required value (empty: any value); `None` applies in all other cases.
-    pub when: Option<(&'static str, &'static str)>,
+    /// Parameter and its values (none: any value); `None` applies in all other cases.
+    pub when: Option<(&'static str, &'static [&'static str])>,
     /// Layout that applies under this condition.
     pub shape: DataShape,
 }
@@ -93,7 +93,7 @@ pub enum CardPlace {
     Step,
     /// Within a step, or before the first step, where it applies to all steps.
     EachStep,
-    /// After one of these parent cards; only cards with the same parent may be between them.
+    /// After a card with one of the parent names; only cards with the same parent may be between them.
     Below(&'static [&'static str]),
 }
 
@@ -148,7 +148,7 @@ impl Keyword {
         let applies = |data: &&ConditionalShape| match data.when {
             None => true,
             Some((name, wanted)) => {
-                let is = |text: &str| value::find_word(&[wanted], text).is_some();
+                let is = |text: &str| value::find_word(wanted, text).is_some();
                 given(name).is_some_and(|v| wanted.is_empty() || v.is_some_and(is))
             }
         };

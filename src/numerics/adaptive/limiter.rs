@@ -44,7 +44,7 @@ impl ElementFlow {
         }
         let [fall, rise] = steps;
         for l in 0..N {
-            let share = smaller(room(high[l] - own[l], rise[l]), room(own[l] - low[l], -fall[l]));
+            let share = smaller(share_within(high[l] - own[l], rise[l]), share_within(own[l] - low[l], -fall[l]));
             along_r[l] *= share;
             along_z[l] *= share;
         }
@@ -87,10 +87,10 @@ fn extend<const N: usize>([fall, rise]: &mut [[f64; N]; 2], [along_r, along_z]: 
     }
 }
 
-/// Returns the share of a step that has room.
+/// Returns the share of a step that does not exceed a limit.
 #[inline(always)]
-fn room(room: f64, step: f64) -> f64 {
-    if step > room { room / step } else { 1.0 }
+fn share_within(limit: f64, step: f64) -> f64 {
+    if step > limit { limit / step } else { 1.0 }
 }
 
 #[inline(always)]

@@ -33,7 +33,7 @@ use transport::{ElementTransport, TransportOrder};
 
 /// Largest share of its volume that an element may lose in one transport.
 const LARGEST_SHARE: f64 = 0.5;
-/// Largest number of transports in which nodes reach their new places; longer ways are cut.
+/// Largest number of transports in which nodes reach their new places; longer displacements are cut.
 const MOST_TRANSPORTS: usize = 8;
 
 /// Parameters of `*ADAPTIVE MESH` and its controls.
@@ -240,12 +240,12 @@ impl AdaptiveDomain {
             *place = nodes[*n as usize].place();
         }
         end.copy_from_slice(start);
-        self.smoothing.add_ways(end);
+        self.smoothing.add_deferred(end);
         self.smoothing.read_contact(&self.topology, surroundings);
         for _ in 0..sweeps {
             self.smoothing.sweep(loops, &self.topology, &self.prescribed, surroundings, end);
         }
-        self.smoothing.keep_short_ways(&self.topology, start, end);
+        self.smoothing.defer_short(&self.topology, start, end);
     }
 
     fn read(&mut self, half: f64, elements: &mut Elements, nodes: &Nodes) {
@@ -283,7 +283,7 @@ impl AdaptiveDomain {
         }
     }
 
-    /// Cuts ways that are too long, and returns the number of transports in which nodes reach the new places.
+    /// Cuts displacements that are too long, and returns the number of transports in which nodes reach the new places.
     fn limit_ways(&mut self, loops: DomainLoops) -> usize {
         let [start, end, ..] = &mut self.places;
         let share = self.transport.measure(loops, (&self.topology, &self.active), [start, end]);
@@ -298,7 +298,7 @@ impl AdaptiveDomain {
         MOST_TRANSPORTS
     }
 
-    /// Sets the places at both ends of one part of the way, and measures the transport between them.
+    /// Sets the places at both ends of one part of the displacements, and measures the transport between them.
     fn begin_part(&mut self, (part, parts): (usize, usize), loops: DomainLoops) {
         let [start, end, from, to] = &mut self.places;
         for (place, part) in [(from, part), (to, part + 1)] {
@@ -318,7 +318,7 @@ impl AdaptiveDomain {
         }
     }
 
-    /// Transports masses, momentum and variables over one part of the way.
+    /// Transports masses, momentum and variables over one part of the displacements.
     fn transport_part(&mut self, (part, parts): (usize, usize), loops: DomainLoops) {
         self.begin_part((part, parts), loops);
         let domain = (&self.topology, &self.active);
@@ -333,7 +333,7 @@ impl AdaptiveDomain {
         self.node_mass.swap(0, 1);
     }
 
-    /// Finds the masses of corners and nodes after a part of the way.
+    /// Finds the masses of corners and nodes after a part of the displacements.
     fn find_masses(&mut self, loops: DomainLoops) {
         let [_, _, _, to] = &self.places;
         let ([before, after], mass, changes) = (&mut self.corner_mass, &self.mass, &self.active.changes);

@@ -112,9 +112,9 @@ pub(super) struct MeshSmoothing {
     now: Vec<NodeMobility>,
     /// New positions of a sweep.
     target: Vec<[f64; 2]>,
-    /// Ways of nodes inside the domain that have been left to later changes of the mesh.
-    ways: Vec<[f64; 2]>,
-    /// Squared ways over the shortest edges.
+    /// Displacements of nodes inside the domain that are deferred to later changes of the mesh.
+    deferred: Vec<[f64; 2]>,
+    /// Squared displacements over the shortest edges.
     shares: Vec<f64>,
     /// Centre of each element times its area, and its area.
     parts: Vec<[f64; 3]>,
@@ -140,7 +140,7 @@ const TOUCH: f64 = 0.02;
 const POCKET: f64 = 0.05;
 /// Most nodes of a free side that are spread from a corner on.
 const WINDOW: usize = 32;
-/// Share of the way to equal distances in a sweep.
+/// Share of the differences from equal distances that a sweep removes.
 const SPREAD: f64 = 0.3;
 /// As [`FLAT`], for elements at a corner of the boundary that a sweep has moved.
 const FLAT_CORNER: f64 = 0.02;
@@ -153,11 +153,11 @@ const FLAT: f64 = 0.3;
 const WORSE: f64 = 1e-3;
 /// Number of times that the motions at bad elements are taken back in a sweep; then the whole sweep is.
 const RETRIES: usize = 20;
-/// Smallest way of a node on the boundary over the shortest edge at it; shorter ways are left to later changes.
+/// Smallest displacement of a node on the boundary over the shortest edge at it; shorter ones are deferred.
 const SMALL: f64 = 0.01;
-/// Way of a node inside the domain over the shortest edge at it, at which the mesh changes there.
+/// Displacement of a node inside the domain over the shortest edge at it, at which the mesh changes inside.
 const LONG: f64 = 0.1;
-/// Smallest way of the other nodes inside the domain that then move, too.
+/// Smallest displacement of the other nodes inside the domain that then move, too.
 const SHORT: f64 = 0.03;
 
 impl MeshSmoothing {
@@ -185,7 +185,7 @@ impl MeshSmoothing {
             now: mobility.clone(),
             mobility,
             target: vec![[0.0; 2]; count],
-            ways: vec![[0.0; 2]; count],
+            deferred: vec![[0.0; 2]; count],
             shares: vec![0.0; count],
             parts: vec![[0.0; 3]; domain.corners.len()],
             is_spread: vec![false; count],
@@ -197,10 +197,10 @@ impl MeshSmoothing {
         }
     }
 
-    /// Takes the ways of a previous step if the domain has the same nodes.
+    /// Takes the deferred displacements of a previous step if the domain has the same nodes.
     pub fn continue_from(&mut self, previous: &MeshSmoothing) {
-        if self.ways.len() == previous.ways.len() {
-            self.ways.copy_from_slice(&previous.ways);
+        if self.deferred.len() == previous.deferred.len() {
+            self.deferred.copy_from_slice(&previous.deferred);
         }
     }
 
@@ -209,7 +209,7 @@ impl MeshSmoothing {
         grading
             + 2 * self.mobility.capacity()
             + 16 * self.target.capacity()
-            + 16 * self.ways.capacity()
+            + 16 * self.deferred.capacity()
             + 8 * self.shares.capacity()
             + 24 * self.parts.capacity()
             + self.is_spread.capacity()
@@ -271,8 +271,8 @@ impl MeshSmoothing {
     }
 
     /// Keeps corners at the edge of contact. Where a free side folds onto a straight surface, its first nodes come into
-    /// contact: the node of the corner takes the place of the last of them, and they move to the first edge of the free
-    /// side. The boundary does not change.
+    /// contact: the node of the corner takes the place of the last such node, and they move to the first edge of the
+    /// free side. The boundary does not change.
     fn hand_over_corners(&mut self, domain: &DomainTopology) {
         self.handed.clear();
         self.is_spread.fill(false);
@@ -308,17 +308,17 @@ impl MeshSmoothing {
     fn spread_free_side(&mut self, domain: &DomainTopology, [opposite, node, first]: [u32; 3]) {
         let Some(side) = self.free_side(domain, [node, first]) else { return };
         let FreeSide { nodes, places, count } = side;
-        let mut ways = [0.0; WINDOW + 1];
+        let mut lengths = [0.0; WINDOW + 1];
         for i in 1..=count {
-            ways[i] = ways[i - 1] + length(vector(places[i - 1], places[i]));
+            lengths[i] = lengths[i - 1] + length(vector(places[i - 1], places[i]));
         }
         let (mut edge, mut spread) = (0, places);
         for i in 1..count {
-            let way = ways[i] + SPREAD * (ways[count] * i as f64 / count as f64 - ways[i]);
-            while edge + 1 < count && ways[edge + 1] < way {
+            let at = lengths[i] + SPREAD * (lengths[count] * i as f64 / count as f64 - lengths[i]);
+            while edge + 1 < count && lengths[edge + 1] < at {
                 edge += 1;
             }
-            let share = (way - ways[edge]) / (ways[edge + 1] - ways[edge]);
+            let share = (at - lengths[edge]) / (lengths[edge + 1] - lengths[edge]);
             let [from, to] = [places[edge], places[edge + 1]];
             spread[i] = [0, 1].inline_map(|k: usize| from[k] + share * (to[k] - from[k]));
         }
@@ -448,22 +448,22 @@ impl MeshSmoothing {
         });
     }
 
-    /// Adds the ways that nodes inside the domain have not gone yet to their places.
-    pub fn add_ways(&self, places: &mut [[f64; 2]]) {
-        for ((place, way), now) in places.iter_mut().zip(&self.ways).zip(&self.now) {
+    /// Adds the deferred displacements of nodes inside the domain to their places.
+    pub fn add_deferred(&self, places: &mut [[f64; 2]]) {
+        for ((place, by), now) in places.iter_mut().zip(&self.deferred).zip(&self.now) {
             if *now == NodeMobility::Inside {
-                *place = [place[0] + way[0], place[1] + way[1]];
+                *place = [place[0] + by[0], place[1] + by[1]];
             }
         }
     }
 
-    /// Leaves short ways to later changes of the mesh: nodes inside the domain move when one of them has a long way, those
-    /// on the boundary when their own way is not short.
-    pub fn keep_short_ways(&mut self, domain: &DomainTopology, start: &[[f64; 2]], end: &mut [[f64; 2]]) {
+    /// Defers short displacements to later changes of the mesh: nodes inside the domain move when one displacement inside
+    /// is long, nodes on the boundary when their own displacement is not short.
+    pub fn defer_short(&mut self, domain: &DomainTopology, start: &[[f64; 2]], end: &mut [[f64; 2]]) {
         let (mut longest, mut spread) = (0.0, 0.0);
-        for (n, way) in self.ways.iter_mut().enumerate() {
-            *way = vector(start[n], end[n]);
-            let square = way[0] * way[0] + way[1] * way[1];
+        for (n, by) in self.deferred.iter_mut().enumerate() {
+            *by = vector(start[n], end[n]);
+            let square = by[0] * by[0] + by[1] * by[1];
             let share = if square > 0.0 { square / shortest_edge(domain, start, n) } else { 0.0 };
             self.shares[n] = share;
             if self.now[n] == NodeMobility::Inside && share > longest {
@@ -474,13 +474,13 @@ impl MeshSmoothing {
             }
         }
         let least = if longest > LONG * LONG { SHORT * SHORT } else { f64::INFINITY };
-        for (n, way) in self.ways.iter_mut().enumerate() {
+        for (n, by) in self.deferred.iter_mut().enumerate() {
             // Nodes of a free side keep its volume together.
             let share = if self.is_spread[n] { spread } else { self.shares[n] };
             if share < if self.now[n] == NodeMobility::Inside { least } else { SMALL * SMALL } {
                 end[n] = start[n];
             } else {
-                *way = [0.0; 2];
+                *by = [0.0; 2];
             }
         }
     }
@@ -660,8 +660,8 @@ fn keep_volume(before: &[[f64; 2]], after: &mut [[f64; 2]], line: [[f64; 2]; 2],
     for i in 1..last {
         let ([r, z], weight, _) = shape(&[from, after[i], after[i + 1]], 1);
         from = after[i];
-        let way = weight * lost / gain;
-        after[i] = [after[i][0] + way * r, after[i][1] + way * z];
+        let by = weight * lost / gain;
+        after[i] = [after[i][0] + by * r, after[i][1] + by * z];
     }
 }
 
@@ -707,7 +707,7 @@ fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-persist_struct!(MeshSmoothing { ways: fixed } derived {
+persist_struct!(MeshSmoothing { deferred: fixed } derived {
     weights, grading, corner_cosine, mobility, now, target, shares, parts, corners, handed, is_spread, boundary_of, contact,
     halted
 });

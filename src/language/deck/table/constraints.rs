@@ -37,7 +37,7 @@ card!(GapConductance: "GAP CONDUCTANCE", "Heat conductance between surfaces in c
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
     "USER" refused "applies only to implicit analyses",
 }, rows: Vec<[f64; 2]> = [
-    (when "PRESSURE" = "" rows ["conductance" (NOT_NEGATIVE.required()), "pressure" (NOT_NEGATIVE.or(0.0).ascending()), "temperature" refused "the conductance does not depend on temperature"]),
+    (when "PRESSURE" rows ["conductance" (NOT_NEGATIVE.required()), "pressure" (NOT_NEGATIVE.or(0.0).ascending()), "temperature" refused "the conductance does not depend on temperature"]),
     (rows ["conductance" (NOT_NEGATIVE.required()), "clearance" (NOT_NEGATIVE.or(0.0).ascending()) "No heat flows above the last clearance", "temperature" refused "the conductance does not depend on temperature"]),
 ]);
 
@@ -88,7 +88,7 @@ card!(Friction: "FRICTION", "Friction between surfaces", (once below "SURFACE IN
     "only an isotropic coefficient, constant or with EXPONENTIAL DECAY, is supported": "ANISOTROPIC", "SHEAR TRACTION SLOPE";
     "user-defined friction is unsupported": "USER", "DEPVAR", "PROPERTIES";
 }, values: [f64; 3] = [
-    (when "EXPONENTIAL DECAY" = "" lines ["static coefficient" (NOT_NEGATIVE.or(0.0)), "kinetic coefficient" (NOT_NEGATIVE.required()),
+    (when "EXPONENTIAL DECAY" lines ["static coefficient" (NOT_NEGATIVE.or(0.0)), "kinetic coefficient" (NOT_NEGATIVE.required()),
         "decay coefficient" (NOT_NEGATIVE.required())]),
     (lines [
     "coefficient" (NOT_NEGATIVE.or(0.0)),
@@ -172,7 +172,7 @@ pub const CARDS: &[Keyword] = &[
         "ORIENTATION" refused "springs act along r, z or the line between their nodes",
         "RTOL" refused "tables are used as given, without regularisation",
     }, [
-        (when "NONLINEAR" = "" rows ["degree of freedom or force", "relative displacement",
+        (when "NONLINEAR" rows ["degree of freedom or force", "relative displacement",
             "temperature" refused "spring properties do not depend on temperature"]),
         (rows ["degree of freedom or stiffness", "frequency" refused "applies only to harmonic analyses",
             "temperature" refused "spring properties do not depend on temperature"]),
@@ -184,7 +184,7 @@ pub const CARDS: &[Keyword] = &[
         "ORIENTATION" refused "dashpots act along r, z or the line between their nodes",
         "RTOL" refused "tables are used as given, without regularisation",
     }, [
-        (when "NONLINEAR" = "" rows ["degree of freedom or force", "relative velocity",
+        (when "NONLINEAR" rows ["degree of freedom or force", "relative velocity",
             "temperature" refused "dashpot properties do not depend on temperature"]),
         (rows ["degree of freedom or coefficient", "frequency" refused "applies only to harmonic analyses",
             "temperature" refused "dashpot properties do not depend on temperature"]),

@@ -24,7 +24,7 @@ card!(Elastic: "ELASTIC", "Linear elasticity", (once below "MATERIAL"), {
         "temperature" inert "the stiffness does not depend on temperature",
     ]),
     (when "TYPE" = "SHEAR" lines ["shear modulus" (POSITIVE.required()), "temperature" inert "the modulus does not depend on temperature"]),
-    (when "DEPENDENCIES" = "" rows [
+    (when "DEPENDENCIES" rows [
         "Young's modulus" (POSITIVE.required()),
         "Poisson's ratio" (NUMBER.above(-1.0).below(0.5).or(0.0)) "0.5 has no stable time increment: give 0.49 or less",
         "temperature" (NUMBER),
@@ -80,7 +80,7 @@ card!(Hyperelastic: "HYPERELASTIC", "Rubber elasticity", (once below "MATERIAL")
 } refused {
     "use POLYNOMIAL, OGDEN or their special cases": "ARRUDA-BOYCE", "MARLOW", "VAN DER WAALS", "USER";
 }, [
-    (when "NEO HOOKE" = "" lines ["C10" (NUMBER.required()), "D1" (NOT_NEGATIVE.or(0.0)), "temperature" inert "the constants do not depend on temperature"]),
+    (when "NEO HOOKE" lines ["C10" (NUMBER.required()), "D1" (NOT_NEGATIVE.or(0.0)), "temperature" inert "the constants do not depend on temperature"]),
     (list "constant" (NUMBER) "Eight values per line; with D1 = 0 the bulk modulus is 20 times the shear modulus"),
 ]);
 
@@ -151,32 +151,17 @@ card!(DamageInitiation: "DAMAGE INITIATION", "Damage initiation criterion", (bel
         "d1" (ZERO), "d2" (ZERO), "d3" (ZERO), "d4" (ZERO), "d5" (ZERO), "melting temperature" (ZERO),
         "transition temperature" (ZERO), "reference rate" (ZERO),
     ]),
-    (when "CRITERION" = "MAXS" lines [
+    (when "CRITERION" = "MAXS" | "QUADS" lines [
         "normal stress" (POSITIVE.required()), "shear stress" (POSITIVE.required()),
         "second shear stress" inert "the faces do not move along the second shear direction",
         "temperature" inert "the values do not depend on temperature",
     ]),
-    (when "CRITERION" = "QUADS" lines [
-        "normal stress" (POSITIVE.required()), "shear stress" (POSITIVE.required()),
-        "second shear stress" inert "the faces do not move along the second shear direction",
-        "temperature" inert "the values do not depend on temperature",
-    ]),
-    (when "CRITERION" = "MAXE" lines [
+    (when "CRITERION" = "MAXE" | "QUADE" lines [
         "normal strain" (POSITIVE.required()), "shear strain" (POSITIVE.required()),
         "second shear strain" inert "the faces do not move along the second shear direction",
         "temperature" inert "the values do not depend on temperature",
     ]),
-    (when "CRITERION" = "QUADE" lines [
-        "normal strain" (POSITIVE.required()), "shear strain" (POSITIVE.required()),
-        "second shear strain" inert "the faces do not move along the second shear direction",
-        "temperature" inert "the values do not depend on temperature",
-    ]),
-    (when "CRITERION" = "MAXU" lines [
-        "normal separation" (POSITIVE.required()), "shear separation" (POSITIVE.required()),
-        "second shear separation" inert "the surfaces do not move along the second shear direction",
-        "temperature" inert "the values do not depend on temperature",
-    ]),
-    (when "CRITERION" = "QUADU" lines [
+    (when "CRITERION" = "MAXU" | "QUADU" lines [
         "normal separation" (POSITIVE.required()), "shear separation" (POSITIVE.required()),
         "second shear separation" inert "the surfaces do not move along the second shear direction",
         "temperature" inert "the values do not depend on temperature",
@@ -250,7 +235,7 @@ card!(Plastic: "PLASTIC", "Metal plasticity", (once below "MATERIAL"), {
 }, [
     (when "HARDENING" = "USER" list "constant of the hardening" read "Eight values per line"),
     (when "HARDENING" = "JOHNSON COOK" lines ["A" (ZERO), "B" (ZERO), "n" (NOT_NEGATIVE.or(0.0)), "m" (ZERO), "melting temperature" (ZERO), "transition temperature" (ZERO)]),
-    (when "DEPENDENCIES" = "" rows [
+    (when "DEPENDENCIES" rows [
         "yield stress" (ZERO), "plastic strain" (ZERO), "temperature" (NUMBER),
         "field variable", "field variable", "field variable", "field variable", "field variable",
     ]),
@@ -311,7 +296,7 @@ card!(CavityExpansion: extension "CAVITY EXPANSION", "Resistance of a target mat
     radius: Option<f64> = "RADIUS" (POSITIVE) "With DERIVE: cavity radius, for the strain rates of *RATE DEPENDENT",
     tension: Option<f64> = "TENSION" (POSITIVE) "With DERIVE: tensile strength, above which radial cracks form",
 }, values: [f64; 3] = [
-    (when "DERIVE" = "" lines ["lowest velocity" (NUMBER.required()), "highest velocity" (NUMBER.required()), "number of velocities" (NUMBER.or(41.0))]),
+    (when "DERIVE" lines ["lowest velocity" (NUMBER.required()), "highest velocity" (NUMBER.required()), "number of velocities" (NUMBER.or(41.0))]),
     (lines ["A" (NOT_NEGATIVE.required()), "B" (NOT_NEGATIVE.required()), "C" (NOT_NEGATIVE.required())]),
 ]);
 

@@ -68,7 +68,7 @@ pub const CARDS: &[Keyword] = &[
         "MULTIPLE" only ["1"] "give one *NCOPY per copy",
         "POLE" refused "applies only to infinite elements",
     }, [
-        (when "SHIFT" = "" lines
+        (when "SHIFT" lines
             ["translation along r" (ZERO), "translation along z" (ZERO), "third translation" only ["0"] "an axisymmetric model is in the r-z plane"]
             ["r of the first point" (GIVEN), "z of the first point" (GIVEN), "third coordinate of the first point" (GIVEN),
              "r of the second point" (GIVEN), "z of the second point" (GIVEN), "third coordinate of the second point" (GIVEN),
@@ -144,7 +144,7 @@ pub const CARDS: &[Keyword] = &[
         "INTERNAL" inert "written by ABAQUS/CAE; has no effect",
         "UNSORTED" (FLAG) "Keeps the given order of nodes, for *NFILL and *EQUATION",
     }, [
-        (when "GENERATE" = "" rows ["first node", "last node", "increment"]),
+        (when "GENERATE" rows ["first node", "last node", "increment"]),
         (list "node or set"),
     ]),
     row!("ELSET", "Defines or extends an element set", (), {
@@ -154,7 +154,7 @@ pub const CARDS: &[Keyword] = &[
         "INTERNAL" inert "written by ABAQUS/CAE; has no effect",
         "UNSORTED" inert "no supported card depends on the order of elements",
     }, [
-        (when "GENERATE" = "" rows ["first element", "last element", "increment"]),
+        (when "GENERATE" rows ["first element", "last element", "increment"]),
         (list "element or set"),
     ]),
     row!("SURFACE", "Defines a surface. A line with elements and no side means all exposed faces of these elements; as elements are deleted, contact and loads (pressures, user-defined pressures, CAVITY, fluxes, films) transfer to the newly exposed faces. A load on a named side ends when its element is deleted", (unique "NAME"), {
@@ -173,7 +173,7 @@ pub const CARDS: &[Keyword] = &[
         "give the faces of the surface": "CROP";
         "applies only to shell contact": "MAX RATIO", "PROPERTY", "SCALE THICK";
     }, [
-        (when "COMBINE" = "" list "surface" read "Element surface; the new surface has the faces of all"),
+        (when "COMBINE" list "surface" read "Element surface; the new surface has the faces of all"),
         (when "TYPE" = "NODE" rows ["node or set", "area" inert "areas are used only for contact stresses of nodes, which are not computed"]),
         (when "TYPE" = "SEGMENTS" rows ["segment" read "START, then LINE or CIRCL; the outward normal is to the left of the direction from START",
             "r", "z", "r of the centre" read "For CIRCL", "z of the centre" read "For CIRCL"]),

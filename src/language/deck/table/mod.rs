@@ -81,10 +81,13 @@ macro_rules! shape {
 }
 use shape;
 
-/// Builds a layout with its condition: `when "PARAMETER" = "VALUE"`, followed by the layout.
+/// Builds a layout with its condition: `when "PARAMETER"` or `when "PARAMETER" = "VALUE" | "VALUE"`, followed by the layout.
 macro_rules! data {
-    (when $name:literal = $value:literal $($shape:tt)*) => {
-        ConditionalShape { when: Some(($name, $value)), shape: $crate::deck::table::shape!($($shape)*) }
+    (when $name:literal = $($value:literal)|+ $shape:ident $($rest:tt)*) => {
+        ConditionalShape { when: Some(($name, &[$($value),+])), shape: $crate::deck::table::shape!($shape $($rest)*) }
+    };
+    (when $name:literal $shape:ident $($rest:tt)*) => {
+        ConditionalShape { when: Some(($name, &[])), shape: $crate::deck::table::shape!($shape $($rest)*) }
     };
     ($($shape:tt)*) => { ConditionalShape { when: None, shape: $crate::deck::table::shape!($($shape)*) } };
 }

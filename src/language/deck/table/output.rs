@@ -77,7 +77,7 @@ pub const CARDS: &[Keyword] = &[
         "GENERATE" (FLAG) "Data lines give first, last and increment",
         "INPUT" read "File with the data lines",
     }, [
-        (when "GENERATE" = "" rows ["first time" (ZERO), "last time" (ZERO), "increment" (POSITIVE.required())]),
+        (when "GENERATE" rows ["first time" (ZERO), "last time" (ZERO), "increment" (POSITIVE.required())]),
         (list "time" (NUMBER) "Ascending"),
     ]),
     row!("INTEGRATED OUTPUT SECTION", "Section over which forces are integrated", (unique "NAME"), {

@@ -20,7 +20,7 @@ card!(Dynamic: "DYNAMIC", "Explicit dynamics", (once step), {
     "applies only to implicit dynamics": "ALPHA", "APPLICATION", "BETA", "GAMMA", "HAFTOL", "HALFINC SCALE FACTOR", "IMPACT",
         "INCREMENTATION", "INITIAL", "NOHAF", "SINGULAR MASS", "SUBSPACE", "TIME INTEGRATOR";
 }, times: [f64; 4] = [
-    (when "DIRECT USER CONTROL" = "" lines [
+    (when "DIRECT USER CONTROL" lines [
         "increment" (POSITIVE.required()), "length of the step" (POSITIVE.required()),
         "third field" only ["0"] "ABAQUS leaves it empty",
         "largest of given increments" only ["0"] "the time increment is given",

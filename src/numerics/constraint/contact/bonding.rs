@@ -7,7 +7,7 @@ use super::cohesion::{BondStatus, BondedPoint, CohesivePair, CohesiveSurfaces, F
 use super::continuation::identity;
 use super::curve::{FacetCurve, PointCarrier};
 use super::sweeps::NONE;
-use super::{ContactConstraint, ContactPair, MergedContactDof};
+use super::{ContactConstraint, ContactPair, MergedContactDof, pair_of};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::traction_separation::TractionSeparationLaw;
@@ -24,13 +24,18 @@ const TOUCHING: f64 = 0.05;
 const ONE_SIDED: f64 = 2.0;
 
 impl CohesiveSurfaces {
+    /// Returns the index of the cohesive behaviour of a pair of the contact; `None` without one.
+    fn index_of(&self, pair: usize) -> Option<usize> {
+        self.pairs.binary_search_by_key(&pair, |cohesive| cohesive.pair).ok()
+    }
+
     /// Returns the indices of the cohesive pair and of the point that a key of the contact belongs to.
     fn place_of(&self, contact: &ContactConstraint, key: u32) -> Option<(usize, usize)> {
-        self.pairs.iter().enumerate().find_map(|(at, cohesive)| {
-            let pair = &contact.pairs[cohesive.pair];
-            let index = key.checked_sub(pair.first_key)? as usize;
-            (index < contact.curves[pair.own].own.len()).then_some((at, cohesive.first + index))
-        })
+        let pair = pair_of(&contact.pairs, key);
+        let at = self.index_of(pair)?;
+        let ContactPair { own, first_key, .. } = contact.pairs[pair];
+        let index = (key - first_key) as usize;
+        (index < contact.curves[own].own.len()).then_some((at, self.pairs[at].first + index))
     }
 
     /// Bonds the points of new pairs that are in contact according to the current rows.
@@ -160,7 +165,7 @@ fn has_surfaces(own: &FacetCurve, index: usize, other: &FacetCurve, facet: u32) 
 }
 
 impl ContactConstraint {
-    /// Returns the contact with cohesive behaviour of these pairs.
+    /// Returns the contact with cohesive behaviour of `pairs`, which ascend by the index of the contact pair.
     pub fn with_cohesion(
         mut self,
         laws: Vec<TractionSeparationLaw>,
@@ -182,11 +187,11 @@ impl ContactConstraint {
         self
     }
 
-    /// Returns the number of bonded points of a pair, and of all points of its own curve; `None` if it has no cohesive
+    /// Returns the numbers of bonded points and of all points on the secondary surface of a pair; `None` without cohesive
     /// behaviour.
     pub fn bonded_points(&self, pair: usize) -> Option<[usize; 2]> {
         let cohesion = self.cohesion.as_ref()?;
-        let cohesive = cohesion.pairs.iter().find(|cohesive| cohesive.pair == pair)?;
+        let cohesive = &cohesion.pairs[cohesion.index_of(pair)?];
         let count = self.curves[self.pairs[pair].own].own.len();
         let points = &cohesion.points[cohesive.first..cohesive.first + count];
         Some([points.iter().filter(|point| point.status == BondStatus::Bonded).count(), count])
@@ -194,7 +199,7 @@ impl ContactConstraint {
 
     /// Returns whether a pair has cohesive behaviour.
     pub(super) fn is_cohesive(&self, pair: usize) -> bool {
-        self.cohesion.as_ref().is_some_and(|cohesion| cohesion.pairs.iter().any(|cohesive| cohesive.pair == pair))
+        self.cohesion.as_ref().is_some_and(|cohesion| cohesion.index_of(pair).is_some())
     }
 
     fn sides(&self, pair: &ContactPair) -> (&FacetCurve, &FacetCurve) {
@@ -384,7 +389,7 @@ impl ContactConstraint {
         self.cohesion = Some(cohesion);
     }
 
-    /// Takes the bonds of a pair; `points` are those of its own curve.
+    /// Takes the bonds of a pair; `points` are those of its secondary surface.
     fn take_over_bonds(
         &self,
         pair: &ContactPair,
@@ -456,11 +461,11 @@ impl ContactConstraint {
     /// Adds the forces of bonds on the own surface of a pair: normal and shear forces, each along r and z.
     pub(super) fn add_forces_of_bonds(&self, pair: &ContactPair, sum: &mut [f64; 4]) {
         let Some(cohesion) = &self.cohesion else { return };
-        let is_of = |cohesive: &&CohesivePair| self.pairs[cohesive.pair].first_key == pair.first_key;
-        let Some(cohesive) = cohesion.pairs.iter().find(is_of) else { return };
+        let Some(at) = cohesion.index_of(pair_of(&self.pairs, pair.first_key)) else { return };
+        let first = cohesion.pairs[at].first;
         let (own, other) = self.sides(pair);
         for index in 0..own.own.len() {
-            let BondedPoint { status, facet, area, traction, .. } = cohesion.points[cohesive.first + index];
+            let BondedPoint { status, facet, area, traction, .. } = cohesion.points[first + index];
             if status != BondStatus::Bonded {
                 continue;
             }

@@ -130,6 +130,7 @@ impl FootVector {
 #[derive(Clone, Debug, Default)]
 pub(super) struct CohesiveSurfaces {
     pub(super) laws: Vec<TractionSeparationLaw>,
+    /// Pairs, ascending by their index.
     pub(super) pairs: Vec<CohesivePair>,
     pub(super) points: Vec<BondedPoint>,
     /// Impulses of the bonds on degrees of freedom in the previous increment.

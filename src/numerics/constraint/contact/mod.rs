@@ -799,7 +799,7 @@ fn add_row(
 }
 
 /// Leaves out one facet at a kink of the own surface if the other surface follows only the other facet: the mean gap of
-/// both would be open although one of them overlaps. The criterion is half the opening that the kink gives to a plane
+/// both would be open although one side overlaps. The criterion is half the opening that the kink gives to a plane
 /// surface on one facet: over the hat function, a third of the facet length times the angle.
 fn leave_out_open_side(pair: &mut ContactPair, own: &FacetCurve, index: usize, gaps: &mut GapIntegrator) {
     let &[a, b] = own.around_own(index) else { return };

@@ -14,7 +14,7 @@ use super::sweeps::NONE;
 pub(super) struct NearParts {
     /// Curve and index of each near facet.
     pub(super) facets: Vec<[u32; 2]>,
-    /// Points of these facets and single points with candidates, ascending.
+    /// Points of the near facets and single points with candidates, ascending.
     pub(super) points: Vec<u32>,
     /// All other points of the contact, ascending.
     pub(super) others: Vec<u32>,

@@ -93,16 +93,9 @@ impl ContactRow {
 
     /// Computes the compliance and the rate without contact. Returns the largest velocity of the terms.
     fn update_without_contact(&mut self, own: &[GapTerm], motion: &ContactVelocities) -> f64 {
-        let (mut compliance, mut rate, mut fastest) = ([0.0; 2], 0.0, 0.0_f64);
-        for t in own {
-            let (w, velocity) = (motion.inverse_mass[t.dof as usize], motion.velocity[t.dof as usize]);
-            compliance[0] += w * t.normal * t.normal;
-            compliance[1] += w * t.slip * t.slip;
-            rate += t.normal * velocity;
-            fastest = fastest.max(velocity.abs());
-        }
-        (self.compliance, self.free_rate) = (compliance, rate);
-        fastest
+        self.update_compliance(own, motion);
+        self.free_rate = motion.rate(own);
+        own.iter().fold(0.0, |fastest: f64, t| fastest.max(motion.velocity[t.dof as usize].abs()))
     }
 }
 
