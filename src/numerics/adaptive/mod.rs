@@ -214,7 +214,7 @@ impl AdaptiveDomain {
         self.read(half, elements, &dofs.nodes);
         let before = self.kinetic();
         self.given_velocity.copy_from_slice(&self.velocity);
-        let transports = self.limit_ways(loops);
+        let transports = self.limit_displacements(loops);
         for i in 0..transports {
             self.transport_part((i, transports), loops);
         }
@@ -284,7 +284,7 @@ impl AdaptiveDomain {
     }
 
     /// Cuts displacements that are too long, and returns the number of transports in which nodes reach the new places.
-    fn limit_ways(&mut self, loops: DomainLoops) -> usize {
+    fn limit_displacements(&mut self, loops: DomainLoops) -> usize {
         let [start, end, ..] = &mut self.places;
         let share = self.transport.measure(loops, (&self.topology, &self.active), [start, end]);
         let count = (share / LARGEST_SHARE).ceil().max(1.0);

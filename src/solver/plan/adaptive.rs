@@ -15,9 +15,11 @@ impl<'a> Compiler<'a> {
     pub(super) fn adaptive_change(&mut self, index: usize, state: &mut State) -> Option<Vec<AdaptiveDomain>> {
         let step = &self.model.steps[index];
         let before = index.checked_sub(1).map(|i| &self.model.steps[i]);
-        // Loaded nodes follow the material.
+        // Loaded and bonded nodes follow the material.
         let causes = |step: &'a Step| (&step.adaptive, &step.adaptive_fixed, &step.loads);
-        let unchanged = before.is_some_and(|before| causes(before) == causes(step));
+        let unchanged = before.is_some_and(|before| {
+            causes(before) == causes(step) && self.cohesive_nodes(index - 1).eq(self.cohesive_nodes(index))
+        });
         let absent = step.adaptive.is_empty() && before.is_none_or(|before| before.adaptive.is_empty());
         if unchanged || absent {
             return None;
@@ -30,13 +32,13 @@ impl<'a> Compiler<'a> {
             }
         }
         let mut taken = HashSet::new();
-        Some(step.adaptive.iter().filter_map(|mesh| self.adaptive_domain(mesh, step, state, &mut taken)).collect())
+        Some(step.adaptive.iter().filter_map(|mesh| self.adaptive_domain(mesh, index, state, &mut taken)).collect())
     }
 
     fn adaptive_domain(
         &mut self,
         mesh: &AdaptiveMesh,
-        step: &Step,
+        step: usize,
         state: &mut State,
         taken: &mut HashSet<usize>,
     ) -> Option<AdaptiveDomain> {
@@ -53,8 +55,7 @@ impl<'a> Compiler<'a> {
         let mut elements: Vec<u32> = places.iter().map(|(_, e)| *e as u32).collect();
         elements.sort_unstable();
         elements.dedup();
-        let mut fixed = self.nodes_fixed_in(group, &elements, step, state);
-        self.fix_cohesive_nodes(step, &mut fixed);
+        let fixed = self.nodes_fixed_in(group, &elements, step, state);
         let detail = self.adaptive_detail(mesh);
         let id = self.ledger_row(mesh.span, "adaptive mesh", elements.len(), "elements", detail);
         let of_group = &mut *state.elements.groups[group];
@@ -115,9 +116,9 @@ impl<'a> Compiler<'a> {
         self.diagnostics.push(Diagnostic::error("P071", message).at(span, "this domain").help(help));
     }
 
-    /// Returns whether each node moves with the material: nodes of other elements, linked and loaded nodes, those of
-    /// `*ADAPTIVE MESH CONSTRAINT`, and nodes of elements at linked nodes, whose masses must not change.
-    fn nodes_fixed_in(&self, group: usize, elements: &[u32], step: &Step, state: &State) -> Vec<bool> {
+    /// Returns whether each node moves with the material: nodes of other elements, linked, loaded and bonded nodes,
+    /// those of `*ADAPTIVE MESH CONSTRAINT`, and nodes of elements at linked nodes, whose masses must not change.
+    fn nodes_fixed_in(&self, group: usize, elements: &[u32], step: usize, state: &State) -> Vec<bool> {
         let count = state.dofs.nodes.len();
         let mut fixed = vec![false; count];
         let own: HashSet<u32> = elements.iter().copied().collect();
@@ -134,22 +135,12 @@ impl<'a> Compiler<'a> {
                 nodes.into_iter().for_each(|n| fixed[n as usize] = true);
             }
         }
-        for node in self.nodes_with_loads(step) {
+        for node in self.nodes_with_loads(&self.model.steps[step]).into_iter().chain(self.cohesive_nodes(step)) {
             if let Some(place) = self.places.nodes.get(&node) {
                 fixed[*place] = true;
             }
         }
         fixed
-    }
-
-    /// Adds the nodes of cohesive surfaces, which are bonded to material points.
-    fn fix_cohesive_nodes(&self, step: &Step, fixed: &mut [bool]) {
-        let index = self.model.steps.iter().position(|other| std::ptr::eq(other, step));
-        for node in index.into_iter().flat_map(|index| self.cohesive_nodes(index)) {
-            if let Some(place) = self.places.nodes.get(&node) {
-                fixed[*place] = true;
-            }
-        }
     }
 
     /// Returns the nodes of the model with concentrated loads and masses, those at the ends of loaded surfaces, and those of
