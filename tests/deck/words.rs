@@ -360,9 +360,9 @@ fn with_field(keyword: &Keyword, rule: &InputRule, value: &str) -> Option<String
         let DataShape::Lines(lines, _) = &data.shape else { continue };
         for (i, line) in lines.iter().enumerate() {
             let Some(k) = line.iter().position(|r| std::ptr::eq(r, rule)) else { continue };
-            let when = data.when.map_or(String::new(), |(name, value)| match value {
-                "" => format!(", {name}"),
-                value => format!(", {name}={value}"),
+            let when = data.when.map_or(String::new(), |(name, values)| match values {
+                [] => format!(", {name}"),
+                [value, ..] => format!(", {name}={value}"),
             });
             let above = "1,\n".repeat(i);
             return Some(format!("*{}{when}\n{above}{}{value}\n", keyword.name, ",".repeat(k)));
