@@ -448,7 +448,8 @@ fn pressurised_blister_debonds_at_the_energy_release_rate_of_theory() {
     let hard = of(0.1, true);
     println!("blister: {found:?}, hard {hard}, expected {expected}");
     let errors = found.map(|p| (p / expected - 1.0).abs());
-    assert!(errors[1] < 0.4 * errors[0] && errors[2] < 0.4 * errors[1], "{errors:?}");
+    // Order 1.3 over both refinements and over the first one.
+    assert!(errors[1] < 0.4 * errors[0] && errors[2] < 0.16 * errors[0], "{errors:?}");
     assert_close("pressure", found[2], expected, 1e-2);
     assert_close("pressure with hard contact", hard, expected, 1e-2);
 }

@@ -117,7 +117,7 @@ fn soft_scene(seed: u64) -> String {
         0 => {
             return deck.replace("interaction=DRY", "interaction=DRY, cpset=P, mechanical constraint=PENALTY").replace(
                 "*Contact Pair",
-                &format!("*Contact Controls, cpset=P, scale penalty={stiffness}\n*Contact Pair"),
+                &format!("*Contact Controls, cpset=P, scale penalty={}\n*Contact Pair", stiffness / 50.0),
             );
         }
         1 => format!("LINEAR\n {},\n", 5.0 * stiffness),

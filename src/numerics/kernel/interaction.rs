@@ -24,11 +24,13 @@ const LARGEST_EXPONENT: f64 = 100.0;
 const BISECTIONS: usize = 52;
 
 impl PressureOverclosure {
-    /// Returns the fraction t of the next increment at whose end the overclosure is evaluated. With t = 1, no slope
-    /// limits the increment and oscillations are damped most. t = 1/2 is the smallest value that is stable for any
-    /// slope s: x(n+1) - 2 x(n) + x(n-1) = -s ((1 - t) x(n) + t x(n+1)) has no growing root if (1 - 2 t) s <= 4.
-    pub fn evaluation_point(&self) -> f64 {
-        if matches!(self, PressureOverclosure::Spring(_)) { 0.5 } else { 1.0 }
+    /// Returns the fraction t of the next increment at whose end the overclosure is evaluated, from the overclosure at its
+    /// start. With t = 1, no slope limits the increment and oscillations are damped most. t = 1/2 is the smallest value
+    /// that is stable for any slope s: x(n+1) - 2 x(n) + x(n-1) = -s ((1 - t) x(n) + t x(n+1)) has no growing root if
+    /// (1 - 2 t) s <= 4. While a spring is closed, its work with t = 1/2 is the change of its energy; where it closes, it
+    /// would be less.
+    pub fn evaluation_point(&self, at_start: f64) -> f64 {
+        if matches!(self, PressureOverclosure::Spring(_)) && at_start >= 0.0 { 0.5 } else { 1.0 }
     }
 
     /// Returns the gap at which pressure begins.
@@ -81,6 +83,13 @@ impl PressureOverclosure {
                 parts.sum()
             }
         }
+    }
+
+    /// Returns the change of a weighted gap, per area, if the area of a point with the mean overclosure `mean` grows at an
+    /// edge with the overclosure `at_edge`. With the pressure of the mean, this change does the work `W(at_edge)` per area.
+    pub fn change_by_cover(&self, mean: f64, at_edge: f64) -> f64 {
+        let ([pressure, _], whole) = (self.pressure(mean), at_edge + self.onset_gap());
+        if pressure > 0.0 { -(self.energy(at_edge) / pressure).min(whole) } else { -whole }
     }
 
     /// Returns the overclosure of an energy per area that is at most that of the overclosure `most`.

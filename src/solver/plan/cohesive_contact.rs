@@ -204,7 +204,7 @@ fn pair_text(contact: &SurfaceContact) -> String {
 fn stiffness_text(cohesion: &CohesiveBehavior) -> String {
     match cohesion.stiffness {
         Some([normal, shear]) => format!("stiffness {normal:e} and {shear:e}"),
-        None => "penalty stiffness of the elements".into(),
+        None => "stiffness of the elements".into(),
     }
 }
 

@@ -178,7 +178,7 @@ impl Compiler<'_> {
         let law = match contact.penalty.filter(|_| has_springs(contact)) {
             None => place_of(laws, contact.law.clone()),
             Some(factor) => {
-                let all = self.springs(contact, factor, (own, other), found, state)?;
+                let all = self.springs(contact, PENALTY_FACTOR * factor, (own, other), found, state)?;
                 springs.extend(all);
                 springs.len() - found.curves[own].own.len()
             }
@@ -198,7 +198,9 @@ impl Compiler<'_> {
         let between = if contact.is_self_contact() { format!("{a} with itself") } else { format!("{a} and {b}") };
         // A pressure-overclosure relationship replaces penalty springs.
         let kind = match (&contact.law.overclosure, contact.penalty) {
-            (PressureOverclosure::Hard, Some(factor)) => format!("penalty, {factor} times the element stiffness"),
+            (PressureOverclosure::Hard, Some(factor)) => {
+                format!("penalty, {} times the element stiffness", PENALTY_FACTOR * factor)
+            }
             (PressureOverclosure::Hard, None) => "hard".into(),
             (PressureOverclosure::Linear(_) | PressureOverclosure::Spring(_), _) => "linear".into(),
             (PressureOverclosure::Exponential(_), _) => "exponential".into(),
@@ -247,8 +249,8 @@ impl Compiler<'_> {
         }
     }
 
-    /// Returns the laws of the penalty springs of each point of a curve. The stiffness is 2 / (sum of the compliances
-    /// of both surfaces): for two equal bodies the stiffness of one layer of elements.
+    /// Returns the laws of springs of each point of a curve. The stiffness is `factor` times 2 / (sum of the compliances of
+    /// both surfaces): for two equal bodies and a factor of 1 the stiffness of one layer of elements.
     pub(super) fn springs(
         &mut self,
         contact: &SurfaceContact,
@@ -337,6 +339,9 @@ impl Compiler<'_> {
             .push(finding.help("move the bodies apart, or use *CONTACT CLEARANCE or *CONTACT INITIALIZATION DATA"));
     }
 }
+
+/// Stiffness of penalty springs over that of one layer of elements. It does not limit the increment.
+const PENALTY_FACTOR: f64 = 50.0;
 
 /// Returns whether a pair has penalty springs, which a pressure-overclosure relationship replaces.
 fn has_springs(contact: &SurfaceContact) -> bool {

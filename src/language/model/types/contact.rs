@@ -59,7 +59,8 @@ pub struct SurfaceInteraction {
 /// Bond of two contact surfaces with a traction-separation law (`*COHESIVE BEHAVIOR`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct CohesiveBehavior {
-    /// Normal and shear stiffness, traction per separation; `None` is the penalty stiffness of the underlying elements.
+    /// Normal and shear stiffness, traction per separation; `None` is that of a layer of the underlying
+    /// elements.
     pub stiffness: Option<[f64; 2]>,
     /// Whether only points in contact when the pair comes into force are bonded (`ELIGIBILITY=ORIGINAL CONTACTS`).
     pub original_only: bool,

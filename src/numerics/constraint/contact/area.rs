@@ -1,5 +1,6 @@
-//! Area in contact. Facets with pressure at both points count with the area that the other surface covers. On a facet
-//! with pressure at one point, contact ends where the gap begins.
+//! Area in contact. Soft contact has the area of the parts with pressure. In hard contact, facets with pressure at both
+//! points count with the area that the other surface covers. On a facet with pressure at one point, contact ends where
+//! the gap begins.
 //!
 //! Next to the edge of a smooth contact, the gap grows as `x^(3/2)` with the distance `x` (Johnson 1985, Contact
 //! Mechanics, 5.1). The ratio of the gaps of two open points gives the distance of the edge. The first open point
@@ -25,6 +26,9 @@ impl ContactConstraint {
                 Some(_) => own.hat_areas(k as usize),
                 None => pair.facet_gaps[k as usize].area,
             };
+            if pair.measures_closed_parts() && pair.facet_gaps[k as usize].is_closed {
+                return covered[0] + covered[1];
+            }
             match own.facets[k as usize].inline_map(|point| self.has_pressure(pair, point)) {
                 [true, true] => covered[0] + covered[1],
                 [true, false] => self.area_up_to_edge(pair, (k, 0), covered),

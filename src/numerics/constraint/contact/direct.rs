@@ -165,8 +165,9 @@ impl DirectSolver {
 
 /// Returns the derivative of the shear impulse by the normal impulse at the friction limit.
 fn friction_slope(row: &ContactRow, law: &InteractionLaw, direction: f64, half: f64) -> f64 {
-    let capped = row.coefficient * row.normal_impulse >= law.friction.largest * half;
-    if capped || direction == 0.0 { 0.0 } else { direction * row.coefficient }
+    let [limiting, share] = row.limiting_impulse();
+    let capped = row.coefficient * limiting >= law.friction.largest * half;
+    if capped || direction == 0.0 { 0.0 } else { direction * row.coefficient * share }
 }
 
 /// Returns the status of a row that closes, from the impulses that it needs without other rows.
@@ -504,7 +505,7 @@ fn required_change(row: &ContactRow, law: &PressureOverclosure, rate: f64, span:
         return (-(rate + row.bias), 0.0);
     }
     let [pressure, slope] = law.linearized(closed_overlap(row, law, rate, span));
-    let gives = row.area / (span.half * law.evaluation_point() * span.dt * slope + span.half * row.dashpot);
+    let gives = row.area / (span.half * row.evaluation_point(law) * span.dt * slope + span.half * row.dashpot);
     let pressure = pressure - row.dashpot * (rate / row.area);
     ((span.half * pressure - row.normal_impulse) * gives, gives)
 }
@@ -678,7 +679,7 @@ mod tests {
                 );
             } else {
                 let [pressure, slope] =
-                    law.overclosure.pressure(-(row.gap + law.overclosure.evaluation_point() * rate));
+                    law.overclosure.pressure(-(row.gap + row.evaluation_point(&law.overclosure) * rate));
                 let off = (row.normal_impulse - pressure).abs();
                 assert!(off < 1e-8 * (1.0 + slope), "{off:e} of {pressure}, {slope}, {} sweeps", rows.sweeps);
             }

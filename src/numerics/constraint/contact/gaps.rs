@@ -23,17 +23,31 @@ pub struct GapDerivative {
     pub of: [[f64; 2]; 2],
 }
 
+/// Derivatives of the covered areas of a facet's two points by the position of one point, at a corner at which the opposite
+/// surface ends.
+#[derive(Clone, Copy, Debug)]
+pub struct CoverDerivative {
+    /// The point, of either surface.
+    pub point: u32,
+    /// Derivatives of the two areas by r and z of the point.
+    pub of: [[f64; 2]; 2],
+    /// Overlap at the corner.
+    pub overlap: f64,
+}
+
 /// Weighted gaps of one facet.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FacetGap {
     /// Range of the derivatives of the gaps in [`GapIntegrator::shares`].
     pub shares: [u32; 2],
-    /// Range of the derivatives of the gaps in [`GapIntegrator::edges`].
+    /// Range of the derivatives of the areas in [`GapIntegrator::edges`].
     pub edges: [u32; 2],
     /// Area of the surface of revolution that is opposite another facet, weighted with the hat function of each point.
     pub area: [f64; 2],
     /// Integral of gap times hat function, for each point.
     pub gap: [f64; 2],
+    /// Whether a part of the facet has pressure in soft contact. The area and the gaps are then those of these parts.
+    pub is_closed: bool,
 }
 
 /// An opposite facet, as linear functions of the coordinate `s` from 0 to 1 on the own facet.
@@ -106,8 +120,8 @@ impl NearestFacet {
 pub struct GapIntegrator {
     /// Derivatives for all facets, in their order.
     pub shares: Vec<GapDerivative>,
-    /// Derivatives by the motion of corners along facets, for soft contact.
-    pub edges: Vec<GapDerivative>,
+    /// Derivatives of areas by the motion of corners along facets, for soft contact.
+    pub edges: Vec<CoverDerivative>,
     facing: Vec<FacingFacet>,
     cuts: Vec<f64>,
 }
@@ -123,6 +137,9 @@ const AT_CORNER: f64 = 1e-9;
 /// Distance of a corner from an edge of the own surface, as a fraction of the facet, at which both edges coincide: a
 /// motion of the corner does not change the covered area.
 const COINCIDENT: f64 = 1e-3;
+/// Gap beyond that at which pressure begins, as a fraction of the facet, up to which a part belongs to the closed ones: a
+/// flat facet closes as a whole.
+const NEARLY_CLOSED: f64 = 1e-6;
 /// Coordinate of the two Gauss points on the interval from -1 to 1.
 const GAUSS: f64 = 0.577_350_269_189_625_8;
 
@@ -147,23 +164,26 @@ impl GapIntegrator {
         self.edges.clear();
     }
 
-    /// Computes the gaps of facet `k` of one curve to the `candidates` of another one within the distance `reach`. For
-    /// soft contact, the derivatives by the motion of the corners at which the opposite surface ends are added.
+    /// Computes the gaps of facet `k` of one curve to the `candidates` of another one within the distance `reach`. Soft
+    /// contact has pressure below the gap `onset`, which is `None` for hard contact. Where a part of the facet has
+    /// pressure, the other parts are left out, and the derivatives by the motion of the corners at which the opposite
+    /// surface ends are added.
     pub fn facet_gap(
         &mut self,
         (own, k): (&FacetCurve, usize),
         other: &FacetCurve,
         candidates: &[u32],
         reach: f64,
-        is_soft: bool,
+        onset: Option<f64>,
     ) -> FacetGap {
         let (begin, first_edge) = (self.shares.len() as u32, self.edges.len() as u32);
+        let onset = onset.map(|onset| onset + NEARLY_CLOSED * own.shapes[k].length);
         let mut seen = FacetGap { shares: [begin; 2], edges: [first_edge; 2], ..FacetGap::default() };
         self.find_facing(own, k, other, candidates, reach);
         if self.facing.is_empty() {
             return seen;
         }
-        self.cut(other);
+        self.cut(other, onset.map(|onset| onset + own.lift[k]));
         let mut before: Option<Option<FacingFacet>> = None;
         let mut from = 0.0;
         for piece in 1..self.cuts.len() {
@@ -171,10 +191,10 @@ impl GapIntegrator {
             if to - from <= SHORTEST {
                 continue;
             }
-            let here = self.piece([from, to], (own, k), (other, is_soft), reach, &mut seen);
+            let here = self.piece([from, to], (own, k), (other, onset), reach, &mut seen);
             match (before, here) {
-                (Some(Some(ends)), None) if is_soft => self.edge((own, k), other, ends, [from, 1.0]),
-                (Some(None), Some(begins)) if is_soft => self.edge((own, k), other, begins, [from, -1.0]),
+                (Some(Some(ends)), None) if onset.is_some() => self.edge((own, k), other, ends, [from, 1.0]),
+                (Some(None), Some(begins)) if onset.is_some() => self.edge((own, k), other, begins, [from, -1.0]),
                 _ => {}
             }
             (before, from) = (Some(here), to);
@@ -190,7 +210,7 @@ impl GapIntegrator {
     }
 
     #[inline]
-    pub fn edges_of(&self, seen: &FacetGap) -> &[GapDerivative] {
+    pub fn edges_of(&self, seen: &FacetGap) -> &[CoverDerivative] {
         &self.edges[seen.edges[0] as usize..seen.edges[1] as usize]
     }
 
@@ -230,7 +250,7 @@ impl GapIntegrator {
             }
         }
         let (shares, edges) = ([begin, self.shares.len() as u32], [0; 2]);
-        let seen = FacetGap { shares, edges, area: [1.0, 0.0], gap: [gap, 0.0] };
+        let seen = FacetGap { shares, edges, area: [1.0, 0.0], gap: [gap, 0.0], ..FacetGap::default() };
         Some((seen, j as u32))
     }
 
@@ -251,8 +271,9 @@ impl GapIntegrator {
     }
 
     /// Finds the coordinates at which the nearest facet changes: at facet ends, and between neighbours at equal
-    /// distance from both lines.
-    fn cut(&mut self, other: &FacetCurve) {
+    /// distance from both lines. In soft contact, also those at which the distance is that of the beginning of pressure
+    /// from the opposite contact surface.
+    fn cut(&mut self, other: &FacetCurve, begins: Option<f64>) {
         let (cuts, facing) = (&mut self.cuts, &self.facing);
         cuts.clear();
         cuts.extend([0.0, 1.0]);
@@ -265,6 +286,9 @@ impl GapIntegrator {
             let inverse = 1.0 / f.along[1];
             add(-f.along[0] * inverse);
             add((1.0 - f.along[0]) * inverse);
+            if let Some(begins) = begins {
+                add((begins + f.lift - f.distance[0]) / f.distance[1]);
+            }
             let neighbors = other.neighbors[f.facet as usize];
             let [before, after] = neighbors.inline_map(|beyond| match beyond {
                 FacetNeighbor::Facet(next) => facing.iter().find(|g| g.facet == next),
@@ -296,10 +320,9 @@ impl GapIntegrator {
         }
     }
 
-    /// Adds the derivatives by the motion of a corner of the opposite surface at the coordinate `s` of the own facet; the
-    /// covered part is before it (`side` 1) or after it (-1). A corner that moves by dl over the facet and overlaps by
-    /// `o` covers more of a linear spring of the stiffness `k` per area: the energy increases by `k o^2/2 2 pi r dl` and
-    /// the pressure is `k o`, so that the gap changes by `-o/2 2 pi r dl`.
+    /// Adds the derivatives of the covered area by the motion of a corner of the opposite surface at the coordinate `s` of
+    /// the own facet; the covered part is before it (`side` 1) or after it (-1). A corner that moves by dl over the facet
+    /// covers 2 pi r dl more.
     fn edge(&mut self, (own, k): (&FacetCurve, usize), other: &FacetCurve, facing: FacingFacet, [s, side]: [f64; 2]) {
         let (shape, opposite) = (own.shapes[k], other.shapes[facing.facet as usize]);
         let overlap = own.lift[k] + other.lift[facing.facet as usize] - facing.apart(s);
@@ -311,11 +334,11 @@ impl GapIntegrator {
         }
         let r = shape.from[0] + s * shape.along[0];
         let inverse = side * shape.length / (facing.along[1] * opposite.length * opposite.length);
-        let along = [0, 1].inline_map(|i| opposite.along[i] * (-0.5 * overlap * std::f64::consts::TAU * r * inverse));
+        let along = [0, 1].inline_map(|i| opposite.along[i] * (std::f64::consts::TAU * r * inverse));
         let ([a, b], corner) = (own.facets[k], other.facets[facing.facet as usize][end]);
         for (point, share) in [(a, s - 1.0), (b, -s), (corner, 1.0)] {
             let of = [1.0 - s, s].inline_map(|hat| [hat * share * along[0], hat * share * along[1]]);
-            self.edges.push(GapDerivative { point, of });
+            self.edges.push(CoverDerivative { point, of, overlap });
         }
     }
 
@@ -324,7 +347,7 @@ impl GapIntegrator {
         &mut self,
         [from, to]: [f64; 2],
         (own, k): (&FacetCurve, usize),
-        (other, is_soft): (&FacetCurve, bool),
+        (other, onset): (&FacetCurve, Option<f64>),
         reach: f64,
         seen: &mut FacetGap,
     ) -> Option<FacingFacet> {
@@ -333,11 +356,19 @@ impl GapIntegrator {
         // In self-contact, a facet next to the own one is not opposite: the point is within the corner between both.
         let is_self = std::ptr::eq(own, other);
         let joins = |next: u32| is_self && own.facets[k].iter().any(|p| other.facets[next as usize].contains(p));
-        let ends_at = |next: u32| !is_soft && !is_self && cosine(&shape.normal, &other.shapes[next as usize]) >= FACING;
+        let ends_at =
+            |next: u32| onset.is_none() && !is_self && cosine(&shape.normal, &other.shapes[next as usize]) >= FACING;
         let nearest = self.nearest(&shape, middle, other, [&joins, &ends_at])?;
         let (j, opposite) = (nearest.facing.facet as usize, nearest.facing.shape);
         let most = deepest_overlap((own, k), (other, j));
         let (own_lift, other_lift) = (own.lift[k], nearest.facing.lift);
+        if let Some(onset) = onset {
+            let at = [0, 1].inline_map(|i: usize| shape.from[i] + middle * shape.along[i]);
+            let gap = nearest.distance(at, middle, shape.length).0 - own_lift - other_lift;
+            if !self.begin_part(gap < onset, seen) {
+                return Some(nearest.facing);
+            }
+        }
         let mut shares = [[[0.0; 2]; 2]; 4];
         let mut any = false;
         for s in [middle - half * GAUSS, middle + half * GAUSS] {
@@ -372,6 +403,15 @@ impl GapIntegrator {
             self.add(seen, d, shares[3]);
         }
         any.then_some(nearest.facing)
+    }
+
+    /// Leaves out the open parts of a facet before its first part with pressure. Returns whether this part counts.
+    fn begin_part(&mut self, is_closed: bool, seen: &mut FacetGap) -> bool {
+        if is_closed && !seen.is_closed {
+            self.shares.truncate(seen.shares[0] as usize);
+            (seen.area, seen.gap, seen.is_closed) = ([0.0; 2], [0.0; 2], true);
+        }
+        is_closed || !seen.is_closed
     }
 
     /// Returns the nearest part of the opposite surface. Returns `None` beyond the free end of a surface, and around a
@@ -492,7 +532,7 @@ mod tests {
         for below in [other, flat] {
             let (a, b) = (curve(&own, 0), curve(&below, 2));
             let mut gaps = GapIntegrator::new(4);
-            let seen: FacetGap = gaps.facet_gap((&a, 0), &b, &[0, 1], 10.0, false);
+            let seen: FacetGap = gaps.facet_gap((&a, 0), &b, &[0, 1], 10.0, None);
             let sum = |i: usize| {
                 let own: f64 = gaps.shares.iter().filter(|c| c.point < 2).map(|c| c.of[0][i] + c.of[1][i]).sum();
                 let other: f64 = gaps.shares.iter().filter(|c| c.point >= 2).map(|c| c.of[0][i] + c.of[1][i]).sum();
@@ -506,7 +546,7 @@ mod tests {
         }
         let (a, b) = (curve(&own, 0), curve(&flat, 2));
         let mut gaps = GapIntegrator::new(4);
-        let seen = gaps.facet_gap((&a, 0), &b, &[0, 1], 10.0, false);
+        let seen = gaps.facet_gap((&a, 0), &b, &[0, 1], 10.0, None);
         let rise: f64 = gaps.shares.iter().filter(|c| c.point < 2).map(|c| c.of[0][1] + c.of[1][1]).sum();
         assert!((rise / (seen.area[0] + seen.area[1]) - 1.0).abs() < 1e-14);
     }
@@ -518,15 +558,15 @@ mod tests {
         let own = curve(&[[2.5, 0.1], [3.0, 0.1]], 0);
         let mut gaps = GapIntegrator::new(4);
         let ending = curve(&[[2.0, 0.0], [0.0, 0.0]], 2);
-        assert_eq!(gaps.facet_gap((&own, 0), &ending, &[0], 10.0, false).area, [0.0; 2]);
+        assert_eq!(gaps.facet_gap((&own, 0), &ending, &[0], 10.0, None).area, [0.0; 2]);
         let around = curve(&[[2.0, -1.0], [2.0, 0.0], [0.0, 0.0]], 2);
-        let seen = gaps.facet_gap((&own, 0), &around, &[0, 1], 10.0, true);
+        let seen = gaps.facet_gap((&own, 0), &around, &[0, 1], 10.0, Some(0.0));
         assert!(seen.gap[0] / seen.area[0] > 0.5 && seen.gap[1] / seen.area[1] > 0.5, "{seen:?}");
-        assert_eq!(gaps.facet_gap((&own, 0), &around, &[0, 1], 10.0, false).area, [0.0; 2]);
+        assert_eq!(gaps.facet_gap((&own, 0), &around, &[0, 1], 10.0, None).area, [0.0; 2]);
         let beside = curve(&[[2.5, -0.1], [3.0, -0.1]], 0);
-        assert_eq!(gaps.facet_gap((&beside, 0), &around, &[1], 10.0, false).area, [0.0; 2]);
+        assert_eq!(gaps.facet_gap((&beside, 0), &around, &[1], 10.0, None).area, [0.0; 2]);
         let within = curve(&[[1.0, -0.1], [1.5, -0.1]], 0);
-        let seen = gaps.facet_gap((&within, 0), &around, &[1], 10.0, false);
+        let seen = gaps.facet_gap((&within, 0), &around, &[1], 10.0, None);
         assert!(seen.gap.iter().zip(seen.area).all(|(gap, area)| area > 0.0 && *gap < 0.0), "{seen:?}");
     }
 
@@ -536,8 +576,8 @@ mod tests {
     fn facet_after_the_next_one_is_not_opposite_in_self_contact() {
         let body = curve(&[[1.0, 1.0], [1.0, 0.5], [1.0, 0.0], [2.0, 0.25]], 0);
         let mut gaps = GapIntegrator::new(4);
-        assert_eq!(gaps.facet_gap((&body, 2), &body, &[0], 10.0, false).area, [0.0; 2]);
-        let seen = gaps.facet_gap((&body.clone(), 2), &body, &[0], 10.0, false);
+        assert_eq!(gaps.facet_gap((&body, 2), &body, &[0], 10.0, None).area, [0.0; 2]);
+        let seen = gaps.facet_gap((&body.clone(), 2), &body, &[0], 10.0, None);
         assert!(seen.area[0] > 0.0 && seen.gap[0] < 0.0, "{seen:?}");
     }
 }

@@ -126,6 +126,19 @@ impl ContactPair {
     fn law_of(&self, index: usize) -> u32 {
         (if self.springs { self.law + index } else { self.law }) as u32
     }
+
+    /// Returns the gap at which the pressure of soft contact begins; `None` for hard contact. An initial clearance shifts
+    /// the gaps of each point, so that pressure may begin at any gap.
+    fn onset_gap(&self, laws: &[InteractionLaw]) -> Option<f64> {
+        let law = &laws[self.law_of(0) as usize];
+        let gap = if self.measures_closed_parts() { law.overclosure.onset_gap() } else { f64::INFINITY };
+        law.is_soft().then_some(gap)
+    }
+
+    /// Returns whether soft contact of this pair leaves out the parts of facets without pressure.
+    fn measures_closed_parts(&self) -> bool {
+        self.analytical.is_none() && self.initial_clearance.is_none()
+    }
 }
 
 /// Clearance that replaces the initial gaps within a range. The difference is subtracted from the gap in the whole
@@ -569,22 +582,24 @@ impl ContactConstraint {
             let own = &curves[pair.own];
             let other = pair.other.map_or(own, |o| &curves[o]);
             let (mut any, reach) = (false, pair.search.reach());
-            let is_soft = laws[pair.law_of(0) as usize].is_soft();
+            let onset = pair.onset_gap(laws);
+            let is_soft = onset.is_some();
             for (at, &k) in own.exposed.iter().enumerate() {
                 let candidates = pair.search.facets.of(at);
                 pair.facet_gaps[k as usize] = match candidates.is_empty() {
                     true => FacetGap::default(),
-                    false => gaps.facet_gap((own, k as usize), other, candidates, reach, is_soft),
+                    false => gaps.facet_gap((own, k as usize), other, candidates, reach, onset),
                 };
                 any |= pair.facet_gaps[k as usize].area != [0.0; 2];
             }
-            let least_cover = if is_soft { 0.0 } else { LEAST_COVER };
             if any {
-                if !is_soft && pair.initial_clearance.is_none() {
+                if is_soft {
+                    own.exposed_points.iter().for_each(|&index| leave_out_open_facet(pair, own, index as usize, gaps));
+                } else if pair.initial_clearance.is_none() {
                     own.kinks.iter().for_each(|&index| leave_out_open_side(pair, own, index as usize, gaps));
                 }
                 for &index in own.exposed_points.iter().filter(|i| near.has(own.own[**i as usize])) {
-                    add_row(rows, pair, (own, index as usize), least_cover, gaps, dofs_of, fits);
+                    add_row(rows, pair, (own, index as usize), laws, gaps, dofs_of, fits);
                 }
             }
             for (at, &index) in own.orphans.iter().enumerate() {
@@ -769,7 +784,7 @@ fn add_row(
     rows: &mut ContactRows,
     pair: &ContactPair,
     (own, index): (&FacetCurve, usize),
-    least_cover: f64,
+    laws: &[InteractionLaw],
     gaps: &GapIntegrator,
     dofs_of: &[[u32; 2]],
     fits: &[f64],
@@ -781,7 +796,8 @@ fn add_row(
         row.area += seen.area[end];
         row.gap += seen.gap[end];
     }
-    if row.area <= 0.0 || least_cover > 0.0 && row.area <= least_cover * own.hat_area(index) {
+    let law = &laws[row.law as usize];
+    if row.area <= 0.0 || !law.is_soft() && row.area <= LEAST_COVER * own.hat_area(index) {
         return;
     }
     if let Some(fit) = fits.get(row.key as usize) {
@@ -792,10 +808,27 @@ fn add_row(
         let shares = gaps.shares_of(&pair.facet_gaps[facet as usize]);
         rows.add_shares(shares.iter().map(|share| (share.point, share.of[end as usize])), dofs_of);
         for share in gaps.edges_of(&pair.facet_gaps[facet as usize]) {
-            rows.add_normal_share(dofs_of[share.point as usize], share.of[end as usize]);
+            let factor = law.overclosure.change_by_cover(-row.gap / row.area, share.overlap);
+            let of = share.of[end as usize].inline_map(|cover| factor * cover);
+            rows.add_normal_share(dofs_of[share.point as usize], of);
         }
     }
     rows.close(row);
+}
+
+/// Leaves out the open facet of a point in soft contact if its other facet has pressure.
+fn leave_out_open_facet(pair: &mut ContactPair, own: &FacetCurve, index: usize, gaps: &mut GapIntegrator) {
+    let &[a, b] = own.around_own(index) else { return };
+    let has_pressure = [a, b].inline_map(|(facet, end)| {
+        let seen = &pair.facet_gaps[facet as usize];
+        seen.is_closed && seen.area[end as usize] > 0.0 && own.is_exposed[facet as usize]
+    });
+    let (facet, end) = match has_pressure {
+        [true, false] => b,
+        [false, true] => a,
+        _ => return,
+    };
+    gaps.leave_out(&mut pair.facet_gaps[facet as usize], end as usize);
 }
 
 /// Leaves out one facet at a kink of the own surface if the other surface follows only the other facet: the mean gap of
@@ -952,7 +985,7 @@ impl Constraint for ContactConstraint {
             self.correct_arc_gaps(reference, span);
         }
         let pairs = &self.pairs;
-        self.slip_damping.update(&self.rows, &self.motion, &self.laws, |key| pair_of(pairs, key));
+        self.slip_damping.update(&self.rows, &self.motion, (&self.laws, self.half), |key| pair_of(pairs, key));
         self.stored_energy.add_work(&self.rows, &self.laws, &self.motion, span);
         self.gather_impulses();
         self.apply_impulses(dofs, dt);

@@ -4,7 +4,9 @@
 //! (Martins, Guimarães and Faria 1995, J. Vib. Acoust. 117, 445). On a mesh the oscillation grows at the scale of the
 //! elements until the surfaces separate, and the mean friction force falls. A dashpot along the surface therefore acts
 //! on the quick part of the slip rate, relative to its mean over the surface. Its stress is at most the friction limit,
-//! and it vanishes in steady sliding, in sticking and for a body that slides as a whole.
+//! and it vanishes in steady sliding, in sticking and for a body that slides as a whole. The friction limit follows the
+//! pressure with a delay of some increments (as measured by Prakash and Clifton; a regularization after Cochard and Rice
+//! 2000, J. Geophys. Res. 105, 25891), so that friction does not drive waves of the length of an element.
 
 use super::sweeps::{ContactRow, ContactRows, ContactStep, ContactVelocities};
 use crate::kernel::interaction::InteractionLaw;
@@ -13,6 +15,8 @@ use crate::state::archive::persist_struct;
 
 /// Share by which the slow part of the slip rate approaches the rate in an increment.
 const APPROACH: f64 = 0.1;
+/// Share by which the slow parts of the pressure approach it in an increment.
+const PRESSURE_APPROACH: f64 = 0.1;
 
 /// Slip rates of the keys in contact.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +27,11 @@ pub(super) struct SlipDamping {
     impulse: Vec<f64>,
     /// Shear stress of the damping in the last increment.
     stress: Vec<f64>,
+    /// Slow part of the pressure, and slow part of that; NaN if not in contact. Twice the first less the second limits
+    /// friction: it follows a steady rise without a delay.
+    pressure: Vec<[f64; 2]>,
+    /// Work array: the slow parts of the pressures at the end of the increment.
+    next_pressure: Vec<[f64; 2]>,
     /// Work array: the slow parts at the end of the increment.
     next: Vec<f64>,
 }
@@ -34,6 +43,8 @@ impl SlipDamping {
             slow: vec![f64::NAN; keys],
             impulse: vec![0.0; keys],
             stress: vec![0.0; keys],
+            pressure: vec![[f64::NAN; 2]; keys],
+            next_pressure: vec![[f64::NAN; 2]; keys],
             next: vec![f64::NAN; keys],
         }
     }
@@ -43,6 +54,7 @@ impl SlipDamping {
         if let (Some(own), Some(before)) = (self.slow.get_mut(key), previous.slow.get(other)) {
             *own = *before;
             (self.impulse[key], self.stress[key]) = (previous.impulse[other], previous.stress[other]);
+            self.pressure[key] = previous.pressure[other];
         }
     }
 
@@ -50,6 +62,8 @@ impl SlipDamping {
         MemoryUse::of(&self.slow)
             + MemoryUse::of(&self.impulse)
             + MemoryUse::of(&self.stress)
+            + MemoryUse::of(&self.pressure)
+            + MemoryUse::of(&self.next_pressure)
             + MemoryUse::of(&self.next)
     }
 
@@ -68,6 +82,10 @@ impl SlipDamping {
     pub(super) fn apply(&mut self, rows: &mut ContactRows, motion: &mut ContactVelocities, given: ContactStep<'_>) {
         let ContactRows { rows, terms, .. } = rows;
         for row in rows.iter_mut().filter(|row| !row.is_single_point) {
+            if let Some([slow, slower]) = self.pressure.get(row.key as usize).filter(|slow| !slow[0].is_nan()) {
+                let rest = (1.0 - PRESSURE_APPROACH) * ((2.0 - PRESSURE_APPROACH) * slow - slower);
+                row.slow_impulse = Some([rest * given.span.half, (2.0 - PRESSURE_APPROACH) * PRESSURE_APPROACH]);
+            }
             let Some(&impulse) = self.impulse.get(row.key as usize).filter(|impulse| **impulse != 0.0) else {
                 continue;
             };
@@ -82,18 +100,34 @@ impl SlipDamping {
         }
     }
 
-    /// Updates the slip rates after the solution, and computes the impulses of the next increment. The rows of a pair
-    /// (`pair_of` a key) have no resultant: a body that slides as a whole decelerates by friction alone.
+    /// Updates the slow parts of the pressures; `half` is the time over which the impulses act.
+    fn update_pressures(&mut self, rows: &ContactRows, laws: &[InteractionLaw], half: f64) {
+        self.next_pressure.fill([f64::NAN; 2]);
+        let is_damped = |row: &&ContactRow| !row.is_single_point && laws[row.law as usize].friction.damps();
+        for row in rows.rows.iter().filter(is_damped).filter(|row| row.normal_impulse > 0.0) {
+            let ([slow, slower], pressure) = (self.pressure[row.key as usize], row.normal_impulse / half);
+            let approached = slow + PRESSURE_APPROACH * (pressure - slow);
+            self.next_pressure[row.key as usize] = match slow.is_nan() {
+                true => [pressure; 2],
+                false => [approached, slower + PRESSURE_APPROACH * (approached - slower)],
+            };
+        }
+        std::mem::swap(&mut self.pressure, &mut self.next_pressure);
+    }
+
+    /// Updates the slip rates and pressures after the solution, and computes the impulses of the next increment. The rows
+    /// of a pair (`pair_of` a key) have no resultant: a body that slides as a whole decelerates by friction alone.
     pub(super) fn update(
         &mut self,
         rows: &ContactRows,
         motion: &ContactVelocities,
-        laws: &[InteractionLaw],
+        (laws, half): (&[InteractionLaw], f64),
         pair_of: impl Fn(u32) -> usize,
     ) {
         if self.slow.is_empty() {
             return;
         }
+        self.update_pressures(rows, laws, half);
         self.next.fill(f64::NAN);
         self.impulse.fill(0.0);
         // Single points have no facets on which a wave could travel.
@@ -128,4 +162,4 @@ impl SlipDamping {
     }
 }
 
-persist_struct!(SlipDamping { slow: fixed, impulse: fixed, stress: fixed } derived { next });
+persist_struct!(SlipDamping { slow: fixed, impulse: fixed, stress: fixed, pressure: fixed } derived { next, next_pressure });

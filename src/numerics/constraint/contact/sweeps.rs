@@ -43,6 +43,9 @@ pub struct ContactRow {
     pub(super) bias: f64,
     /// Change of the rate by an impulse per unit of area, along the normal and along the surface.
     pub(super) compliance: [f64; 2],
+    /// Normal impulse that limits friction, as a linear function of the normal impulse: value at zero and derivative;
+    /// `None` if the impulse itself is the limit.
+    pub(super) slow_impulse: Option<[f64; 2]>,
     /// Impulse per unit of area, along the normal.
     pub normal_impulse: f64,
     /// Impulse per unit of area, along the surface.
@@ -66,9 +69,29 @@ impl ContactRow {
         self.shear_impulse + self.damping
     }
 
+    /// Returns the normal impulse whose product with the friction coefficient limits friction, and its derivative by the
+    /// normal impulse. It differs from the normal impulse by at most the fraction [`MOST_DELAYED`].
+    pub(super) fn limiting_impulse(&self) -> [f64; 2] {
+        let Some([slow, share]) = self.slow_impulse else { return [self.normal_impulse, 1.0] };
+        let [least, most] = [1.0 - MOST_DELAYED, 1.0 + MOST_DELAYED];
+        let delayed = slow + share * self.normal_impulse;
+        if delayed < least * self.normal_impulse {
+            [least * self.normal_impulse, least]
+        } else if delayed > most * self.normal_impulse {
+            [most * self.normal_impulse, most]
+        } else {
+            [delayed, share]
+        }
+    }
+
     /// Whether the row transmits a force. The damping of a row that separates acts in the increment of the separation.
     pub fn acts(&self) -> bool {
         self.normal_impulse > 0.0 || self.damping != 0.0
+    }
+
+    /// Returns the fraction of the increment at whose end a soft law is evaluated.
+    pub(super) fn evaluation_point(&self, law: &PressureOverclosure) -> f64 {
+        law.evaluation_point(-self.gap / self.area)
     }
 
     /// Computes the rate at which the gap may close.
@@ -195,6 +218,9 @@ pub struct ContactRows {
 /// Marks a missing degree of freedom: a rigid body does not move along r.
 pub(super) const NONE: u32 = u32::MAX;
 
+/// Largest difference between the normal impulse and the one that limits friction, as a fraction of the former: friction
+/// on short contacts, as on eroding surfaces, follows the pressure.
+const MOST_DELAYED: f64 = 0.5;
 /// Largest change of a rate in a sweep at convergence, as a fraction of the largest approach velocity.
 pub(super) const TOLERANCE: f64 = 1e-9;
 /// Rounding error of the approach velocity, as a fraction of the largest velocity.
@@ -513,7 +539,7 @@ pub(super) fn reserve_total<T>(list: &mut Vec<T>, entries: usize) {
 
 /// Returns the overlap at which a soft law is evaluated, if the gap changes at this rate.
 pub(super) fn closed_overlap(row: &ContactRow, law: &PressureOverclosure, rate: f64, span: ContactInterval) -> f64 {
-    -(row.gap + law.evaluation_point() * span.dt * rate) / row.area
+    -(row.gap + row.evaluation_point(law) * span.dt * rate) / row.area
 }
 
 /// Returns the pressure of a soft law with its damping, if the gap changes at this rate, and the slope of the law. Surfaces
@@ -525,7 +551,7 @@ pub(super) fn soft_pressure(row: &ContactRow, law: &PressureOverclosure, rate: f
 
 /// Returns the largest possible impulse along the surface.
 pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> f64 {
-    let most = if row.normal_impulse > 0.0 { row.coefficient * row.normal_impulse } else { 0.0 };
+    let most = if row.normal_impulse > 0.0 { row.coefficient * row.limiting_impulse()[0] } else { 0.0 };
     most.min(law.friction.largest * half)
 }
 
@@ -534,7 +560,7 @@ pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> 
 /// the pressure decreases with the impulse.
 fn soft_impulse(row: &ContactRow, law: &PressureOverclosure, free: f64, span: ContactInterval) -> f64 {
     let pressure_at = |impulse: f64| soft_pressure(row, law, free + row.compliance[0] * impulse, span);
-    let steeper = span.half * law.evaluation_point() * span.dt * row.compliance[0] / row.area;
+    let steeper = span.half * row.evaluation_point(law) * span.dt * row.compliance[0] / row.area;
     let resistance = span.half * row.compliance[0] / row.area * row.dashpot;
     let [first, _] = pressure_at(0.0);
     let (mut low, mut high) = (0.0, span.half * first);
