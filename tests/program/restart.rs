@@ -492,6 +492,10 @@ fn cohesive_elements_resume() {
         .replace(" , 0.4\n", " , 1.5\n");
     let outcome = assert_resumes("cohesive elements", &text, Routines::none);
     assert!(outcome.halt.is_none() && outcome.deleted == 1, "{outcome:?}");
+    let viscous = text.replace(" 0.06,\n**material", " 0.06,\n*Damage Stabilization\n 0.02,\n**material");
+    let viscous = viscous.replace("type=TRACTION\n 500., 400.", "type=COUPLED TRACTION\n 500., 400., 0., 100.");
+    let delayed = assert_resumes("cohesive elements with viscosity", &viscous, Routines::none);
+    assert!(delayed.halt.is_none() && delayed.energy.damage > outcome.energy.damage, "{delayed:?}");
 }
 
 /// Bonds, damage and failure of cohesive surfaces are part of the state.
@@ -521,6 +525,9 @@ fn cohesive_surfaces_resume() {
     // The ring is bonded and torn off twice: the area is 3 π, and that of the deformed ring.
     let twice = 2.0 * 0.06 * 3.0 * std::f64::consts::PI;
     assert!((outcome.energy.damage.expect("damage") / twice - 1.0).abs() < 1e-2, "{:?}", outcome.energy);
+    let viscous = text.replace("type=ENERGY\n 0.06,\n*Contact", "type=ENERGY\n 0.06,\n*Damage Stabilization\n 0.02,\n*Contact");
+    let delayed = assert_resumes("cohesive surfaces with viscosity", &viscous, Routines::none);
+    assert!(delayed.halt.is_none() && delayed.energy.damage > outcome.energy.damage, "{delayed:?}");
 }
 
 #[test]
