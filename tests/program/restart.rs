@@ -525,7 +525,8 @@ fn cohesive_surfaces_resume() {
     // The ring is bonded and torn off twice: the area is 3 π, and that of the deformed ring.
     let twice = 2.0 * 0.06 * 3.0 * std::f64::consts::PI;
     assert!((outcome.energy.damage.expect("damage") / twice - 1.0).abs() < 1e-2, "{:?}", outcome.energy);
-    let viscous = text.replace("type=ENERGY\n 0.06,\n*Contact", "type=ENERGY\n 0.06,\n*Damage Stabilization\n 0.02,\n*Contact");
+    let viscous =
+        text.replace("type=ENERGY\n 0.06,\n*Contact", "type=ENERGY\n 0.06,\n*Damage Stabilization\n 0.02,\n*Contact");
     let delayed = assert_resumes("cohesive surfaces with viscosity", &viscous, Routines::none);
     assert!(delayed.halt.is_none() && delayed.energy.damage > outcome.energy.damage, "{delayed:?}");
 }

@@ -621,7 +621,12 @@ fn invalid_cohesive_elements_are_reported() {
     let good = pressed(&(rings(3, 3) + &layer(100, 200, 3, &law)), -2.0);
     let cases: &[(&str, &str, &str, &str)] = &[
         ("1000., 800.\n", "-1000., 800.\n", "M103", "Enn"),
-        ("*Elastic, type=TRACTION\n 1000., 800.", "*Elastic, type=COUPLED TRACTION\n 1000., 800., , 900.", "M103", "root of"),
+        (
+            "*Elastic, type=TRACTION\n 1000., 800.",
+            "*Elastic, type=COUPLED TRACTION\n 1000., 800., , 900.",
+            "M103",
+            "root of",
+        ),
         (" 0.3,\n", " 0.3,\n*Damage stabilization\n -1.,\n", "M103", "viscosity"),
         (" 0.3,\n", " 0.3,\n*Damage stabilization\n 1.,\n*Damage stabilization\n 1.,\n", "M104", "one *DAMAGE STAB"),
         ("*Damage evolution", "*Damage stabilization\n 1.,\n*Damage evolution", "M105", "must follow"),

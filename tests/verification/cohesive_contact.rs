@@ -130,8 +130,7 @@ fn equal_meshes_with_viscous_damage_are_cohesive_elements() {
 
 /// Compares bonds of this behaviour with cohesive elements of this elasticity, with further cards of the damage.
 fn assert_equal_to_elements(elastic: &str, behavior: &str, more: &str) {
-    let damage =
-        format!("{QUADS}*Damage evolution, type=ENERGY, mixed mode behavior=BK, power=1.8\n 0.3, 0.5\n{more}");
+    let damage = format!("{QUADS}*Damage evolution, type=ENERGY, mixed mode behavior=BK, power=1.8\n 0.3, 0.5\n{more}");
     let (law, of_surfaces) = (format!("{elastic}{damage}"), format!("{behavior}{damage}"));
     // Shear begins under tension: the contact of the surfaces has no pressure.
     let later = "*Amplitude, name=LATER\n 0., 0., 0.1, 0., 0.2, 1.\n*Step\n";

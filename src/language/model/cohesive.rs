@@ -72,7 +72,8 @@ impl ModelBuilder<'_> {
         let interface = &self.last_material().interface;
         if interface.evolution.is_none() {
             if !self.missing.has_card("DAMAGE EVOLUTION") && !self.missing.has_card("DAMAGE INITIATION") {
-                let message = "*DAMAGE STABILIZATION must follow the *DAMAGE EVOLUTION of cohesive elements or surfaces";
+                let message =
+                    "*DAMAGE STABILIZATION must follow the *DAMAGE EVOLUTION of cohesive elements or surfaces";
                 let finding = Diagnostic::error("M105", message).at(card.span, "no such *DAMAGE EVOLUTION before");
                 self.diagnostics.push(finding.help("the damage of solid elements is not delayed: remove the card"));
             }

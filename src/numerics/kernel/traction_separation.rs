@@ -152,8 +152,7 @@ impl TractionSeparationLaw {
         let mut inviscid = InterfaceHistory { damage: history.inviscid_damage, ..*history };
         self.update(&mut inviscid, separation);
         let growth = relaxed(dt / self.viscosity, [history.inviscid_damage, inviscid.damage], history.damage);
-        *history =
-            InterfaceHistory { damage: history.damage + growth, inviscid_damage: inviscid.damage, ..inviscid };
+        *history = InterfaceHistory { damage: history.damage + growth, inviscid_damage: inviscid.damage, ..inviscid };
         let [before, after] = [previous, separation].inline_map(|at| self.degradable_parts(at));
         let [of_normal, of_shear] = self.degradable_stiffness();
         let work = of_normal * before[0] * after[0] + of_shear * before[1] * after[1];
@@ -249,12 +248,17 @@ impl TractionSeparationLaw {
         else {
             return None;
         };
-        // With a coupling stiffness, opening raises the energy of shear in this direction.
-        let mut direction = [0.0; 2];
-        direction[mode] = if mode == 1 && self.coupling < 0.0 { -1.0 } else { 1.0 };
-        let (ray, value) = (self.ray(direction), initiation.value(self.initiation_measures(&initiation, direction)));
-        let onset = if self.coupling == 0.0 { initiation.limits[mode] } else { 1.0 / value };
-        Some([0.5 * ray.stiffness * onset * onset, energy.value(&ray)])
+        // With a coupling stiffness, the energy at initiation depends on the sign of the shear separation.
+        let of_sign = |sign: f64| {
+            let mut direction = [0.0; 2];
+            direction[mode] = if mode == 0 { 1.0 } else { sign };
+            let value = initiation.value(self.initiation_measures(&initiation, direction));
+            let onset = if self.coupling == 0.0 { initiation.limits[mode] } else { 1.0 / value };
+            let ray = self.ray(direction);
+            [0.5 * ray.stiffness * onset * onset, energy.value(&ray)]
+        };
+        let [one, other] = [of_sign(1.0), of_sign(-1.0)];
+        Some(if one[0] < other[0] { other } else { one })
     }
 
     fn ray(&self, separation: [f64; 2]) -> SeparationRay {
@@ -584,7 +588,8 @@ mod tests {
     fn coupled_tractions_are_the_gradient_of_the_stored_energy() {
         for coupling in COUPLINGS {
             let law = coupled(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)), coupling);
-            for (damage, at) in [(0.0, [0.01, 0.02]), (0.6, [0.01, -0.02]), (0.6, [-0.03, 0.02]), (1.0, [-0.03, -0.01])] {
+            for (damage, at) in [(0.0, [0.01, 0.02]), (0.6, [0.01, -0.02]), (0.6, [-0.03, 0.02]), (1.0, [-0.03, -0.01])]
+            {
                 for axis in 0..2 {
                     let moved = |by: f64| {
                         let mut at = at;
@@ -601,11 +606,13 @@ mod tests {
     #[test]
     fn coupled_law_dissipates_the_fracture_energy_on_all_rays_with_tension() {
         for coupling in COUPLINGS {
-            for softening in laws_of_energy(&ModeDependence::Independent(0.5)) {
+            for softening in laws_of_energy(&ModeDependence::Independent(2.0)) {
                 let law = coupled(softening, coupling);
-                for end in [[1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [0.6, 0.8], [0.6, -0.8], [-0.1, 0.8 * coupling.signum()]] {
+                for end in
+                    [[1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [0.6, 0.8], [0.6, -0.8], [-0.1, 0.8 * coupling.signum()]]
+                {
                     let (found, history) = separate(&law, end, 300);
-                    assert!((found / 0.5 - 1.0).abs() < 1e-12 && history.damage > 1.0 - 1e-15, "{end:?} {found}");
+                    assert!((found / 2.0 - 1.0).abs() < 1e-12 && history.damage > 1.0 - 1e-15, "{end:?} {found}");
                 }
             }
         }
@@ -615,7 +622,7 @@ mod tests {
     fn coupled_damage_begins_at_the_given_tractions() {
         for coupling in COUPLINGS {
             let law = coupled(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)), coupling);
-            let at = [0.004, 0.016];
+            let at = [0.012, 0.016];
             let tractions = law.traction(0.0, at);
             assert!(tractions[0] > 0.0);
             let expected = (tractions[0] / 20.0).powi(2) + (tractions[1] / 24.0).powi(2);
@@ -674,7 +681,12 @@ mod tests {
     }
 
     /// Returns the tractions, the work and the dissipated energy of an opening at a constant velocity in `steps` increments.
-    fn opened_slowly(law: &TractionSeparationLaw, end: f64, time: f64, steps: usize) -> (f64, f64, f64, InterfaceHistory) {
+    fn opened_slowly(
+        law: &TractionSeparationLaw,
+        end: f64,
+        time: f64,
+        steps: usize,
+    ) -> (f64, f64, f64, InterfaceHistory) {
         let (mut history, mut last, mut work, mut sum) = (InterfaceHistory::default(), 0.0, 0.0, 0.0);
         let at = |i: usize| [end * i as f64 / steps as f64, 0.0];
         for i in 1..=steps {
@@ -730,7 +742,7 @@ mod tests {
             // Complete separation: the fracture energy and that of the viscosity.
             let (_, work, sum, history) = opened_slowly(&law, 10.0, 100.0, 400_000);
             assert!(history.damage > 0.9999 && law.has_failed(&history));
-            assert!(sum > previous && work >= sum, "{viscosity}: {sum} {previous}");
+            assert!(sum > previous && work - sum > -1e-10 * work, "{viscosity}: {sum} {previous}");
             previous = sum;
         }
     }
@@ -738,10 +750,10 @@ mod tests {
     #[test]
     fn viscosity_of_zero_and_a_very_small_one_are_the_law_itself() {
         let softening = InterfaceSoftening::Energy(ModeDependence::Independent(0.5));
-        let expected = opened_slowly(&law(softening.clone()), 0.06, 1.0, 1000);
-        let zero = opened_slowly(&TractionSeparationLaw { viscosity: 0.0, ..law(softening.clone()) }, 0.06, 1.0, 1000);
+        let expected = opened_slowly(&law(softening.clone()), 0.03, 1.0, 1000);
+        let zero = opened_slowly(&TractionSeparationLaw { viscosity: 0.0, ..law(softening.clone()) }, 0.03, 1.0, 1000);
         assert_eq!(zero.0, expected.0);
-        let small = opened_slowly(&TractionSeparationLaw { viscosity: 1e-9, ..law(softening) }, 0.06, 1.0, 1000);
+        let small = opened_slowly(&TractionSeparationLaw { viscosity: 1e-9, ..law(softening) }, 0.03, 1.0, 1000);
         assert!((small.0 / expected.0 - 1.0).abs() < 1e-5, "{} {}", small.0, expected.0);
         assert!((small.2 / expected.2 - 1.0).abs() < 1e-3, "{} {}", small.2, expected.2);
     }

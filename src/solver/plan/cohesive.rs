@@ -297,11 +297,7 @@ impl<'a> Compiler<'a> {
 }
 
 /// Returns the law of a material for a constitutive thickness and a largest damage; `None` without elasticity.
-fn law(
-    material: &MaterialDefinition,
-    thickness: f64,
-    (most, viscosity): (f64, f64),
-) -> Option<TractionSeparationLaw> {
+fn law(material: &MaterialDefinition, thickness: f64, (most, viscosity): (f64, f64)) -> Option<TractionSeparationLaw> {
     let interface = &material.interface;
     let stiffness = interface.elastic?.map(|modulus| modulus / thickness);
     let initiation = interface.initiation.map(|initiation| initiation_law(&initiation, stiffness, thickness));
