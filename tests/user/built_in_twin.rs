@@ -127,6 +127,16 @@ fn mass_scaling_matches_the_built_in_law() {
     }
 }
 
+/// In an adaptive mesh, stress and state variables are transported as those of the built-in law; stresses in axes that
+/// rotate with the material are rotated back: 1e-9.
+#[test]
+fn adaptive_mesh_matches_the_built_in_law() {
+    let cards = "*Adaptive Mesh, elset=SOLID, frequency=1\n";
+    let [expected, got] = agree(|material| bar([5, 20], "", material, 8e-6, cards), 1e-9);
+    let changes = [&expected, &got].map(|outcome| outcome.mesh_changes[0].count);
+    assert!(changes[0] > 20 && changes[0] == changes[1], "{changes:?}");
+}
+
 /// With assumed strains the edges of an element yield before its centre. The built-in law detects this; for a user
 /// material the pattern is elastic until the centre has yielded, which changes the energy by 2e-3 here.
 #[test]

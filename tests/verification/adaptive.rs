@@ -58,6 +58,99 @@ fn upsetting_needs_the_force_of_a_finer_mesh() {
     assert!(adapted.energy.drift < 1e-3, "{}", adapted.energy.drift);
 }
 
+/// Returns the Taylor bar with nodal temperatures and these cards of the material, with 600 K in its lower half and 300 K
+/// in the upper one.
+fn warm_bar(material: &str, card: &str) -> String {
+    taylor(card)
+        .replace("type=CAX4R", "type=CAX4RT")
+        .replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit")
+        .replace(
+            "*Initial Conditions, type=VELOCITY",
+            &format!(
+                "*Specific Heat\n 385.,\n{material}*Nset, nset=LOW, generate\n 1, <middle>\n*Initial Conditions, \
+                 type=TEMPERATURE\n BAR, 300.\n LOW, 600.\n*Initial Conditions, type=VELOCITY"
+            ),
+        )
+        .replace("v = -speed\n", "v = -speed\nmiddle = (nz/2 + 1)*row\n")
+        .replace(
+            "*Energy Output\n",
+            "*Energy Output\n ALLIHE, ALLHF,\n*Node Output, nset=CORNER\n NT\n*Energy Output\n",
+        )
+}
+
+/// Without heat sources, the heat content stays the same to rounding and no temperature leaves the range at the start.
+#[test]
+fn heat_content_is_conserved() {
+    let coarse = [("nr", "6"), ("nz", "30")];
+    for controls in ["", ", advection=FIRST ORDER"] {
+        let card = format!("*Adaptive Mesh, elset=BAR, frequency=1, controls=C\n");
+        let deck = warm_bar("*Conductivity\n 1e-6,\n*Inelastic Heat Fraction\n 0.,\n", &card);
+        let deck = deck.replacen("*Step,", &format!("*Adaptive Mesh Controls, name=C{controls}\n*Step,"), 1);
+        let prepared = common::prepared(&deck, &coarse, &Routines::none());
+        let heat = |state: &revolve::plan::State| {
+            let thermal = state.thermal.as_ref().expect("temperatures");
+            let field = thermal.heat.as_ref().expect("nodal temperatures");
+            let range =
+                field.temperatures().iter().fold([f64::INFINITY, 0.0], |[low, high], t| [low.min(*t), high.max(*t)]);
+            (field.content(), range)
+        };
+        let (before, _) = heat(&prepared.state);
+        let mut sink = common::RecordedOutput::default();
+        let (outcome, end) = job::run_into(&prepared, &mut sink);
+        assert_eq!(outcome.halt, None);
+        let changes = outcome.mesh_changes.iter().map(|changes| changes.count).sum::<u64>();
+        let (after, [low, high]) = heat(&end);
+        println!("heat content {:.1e}, range {low} to {high}, {changes} changes", after / before - 1.0);
+        assert!(changes > 100, "{changes}");
+        assert!((after / before - 1.0).abs() < 1e-12, "{before} {after}");
+        // Conduction and rounding of the heat that it moves.
+        assert!(low >= 300.0 - 1e-9 && high <= 600.0 + 1e-9, "{low} {high}");
+        assert!(end.dofs.nodes.mass.iter().all(|mass| *mass > 0.0));
+    }
+}
+
+/// Heat of plastic work, conduction and thermal expansion: heat, length and foot within .5 % of the mesh that follows the
+/// material, and a balance of the heat.
+#[test]
+fn warm_bar_keeps_its_heat_length_and_foot() {
+    let material = "*Conductivity\n 4e4,\n*Inelastic Heat Fraction\n 0.9,\n*Expansion\n 1.7e-5,\n";
+    let coarse = [("nr", "8"), ("nz", "40")];
+    let [(follows, reference), (outcome, history)] =
+        ["", "*Adaptive Mesh, elset=BAR, frequency=5\n"].map(|card| run(&warm_bar(material, card), &coarse));
+    assert_eq!((follows.halt, outcome.halt), (None, None));
+    for name in ["COOR2@TIP", "COOR1@CORNER", "ALLIHE"] {
+        let apart = history.0[name].last / reference.0[name].last - 1.0;
+        println!("{name} {:.3} % apart", 100.0 * apart);
+        assert!(apart.abs() < 5e-3, "{name} {apart}");
+    }
+    let (warm, expected) = (history.0["NT11@CORNER"].last, reference.0["NT11@CORNER"].last);
+    println!("corner at {warm}, expected {expected}");
+    assert!((warm / expected - 1.0).abs() < 2e-2, "{warm} {expected}");
+    let [heat, plastic] = ["ALLIHE", "ALLPD"].map(|name| history.0[name].last);
+    assert!((heat / (0.9 * plastic) - 1.0).abs() < 5e-3, "{heat} {plastic}");
+    assert!(outcome.energy.drift < 1e-3, "{}", outcome.energy.drift);
+}
+
+/// Prescribed temperatures stay; the heat that material brings or takes at their nodes is external.
+#[test]
+fn prescribed_temperatures_stay() {
+    let deck =
+        warm_bar("*Conductivity\n 1e-6,\n*Inelastic Heat Fraction\n 0.,\n", "*Adaptive Mesh, elset=BAR, frequency=1\n")
+            .replacen(" FOOT, 2, 2\n", " FOOT, 2, 2\n FOOT, 11, 11, 500.\n", 1);
+    let prepared = common::prepared(&deck, &[("nr", "6"), ("nz", "30")], &Routines::none());
+    let content = |state: &revolve::plan::State| {
+        state.thermal.as_ref().and_then(|thermal| thermal.heat.as_ref()).map(|field| field.content())
+    };
+    let before = content(&prepared.state).expect("heat");
+    let (outcome, end) = job::run_into(&prepared, &mut common::RecordedOutput::default());
+    assert_eq!(outcome.halt, None);
+    let after = content(&end).expect("heat");
+    let external = outcome.energy.heat.expect("external heat");
+    println!("content {before} to {after}, external {external}");
+    // The prescribed temperature is below the initial one of 600 K.
+    assert!(external < 0.0 && ((after - before) / external - 1.0).abs() < 1e-9, "{before} {after} {external}");
+}
+
 /// Combinations that are not supported are refused, with the card and what would be right.
 #[test]
 fn unsupported_domains_are_refused() {
@@ -69,6 +162,10 @@ fn unsupported_domains_are_refused() {
         (taylor(&format!("{BAR}*Fixed Mass Scaling, factor=2.\n")), "mass scaling"),
         (taylor(BAR).replacen(section, &controlled, 1), "DISTORTION CONTROL"),
         (taylor(&twice).replacen(section, &with_part, 1), "two adaptive meshes"),
+        (
+            warm_bar("*Conductivity\n 4e2,\n", BAR).replacen("Heat\n 385.,\n", "Heat\n 385., 0.\n 400., 900.\n", 1),
+            "specific heat",
+        ),
     ] {
         let prepared = job::prepare_text("test.inp", &deck, &common::pairs(&[]), &Routines::none());
         let found = prepared.diagnostics.render(&prepared.deck.sources);

@@ -109,7 +109,7 @@ fn rings_that_are_pulled_apart_dissipate_the_fracture_energy() {
 /// the mid-surface: both give the same forces at equal increments.
 #[test]
 fn equal_meshes_are_cohesive_elements() {
-    assert_equal_to_elements(ELASTIC, BOND, "");
+    assert_equal_to_elements(ELASTIC, BOND, "", 1e-4);
 }
 
 #[test]
@@ -119,17 +119,20 @@ fn equal_meshes_with_coupled_tractions_are_cohesive_elements() {
             &format!("*Elastic, type=COUPLED TRACTION\n 1000., 800., 0., {coupling}\n"),
             &format!("*Cohesive behavior, type=COUPLED, eligibility=ORIGINAL CONTACTS\n 1000., 800., 0., {coupling}\n"),
             "",
+            1e-4,
         );
     }
 }
 
 #[test]
 fn equal_meshes_with_viscous_damage_are_cohesive_elements() {
-    assert_equal_to_elements(ELASTIC, BOND, "*Damage stabilization\n 0.05,\n");
+    // A point fails at the damage 0.999. An element acts until both points have failed.
+    assert_equal_to_elements(ELASTIC, BOND, "*Damage stabilization\n 0.05,\n", 1e-3);
 }
 
 /// Compares bonds of this behaviour with cohesive elements of this elasticity, with further cards of the damage.
-fn assert_equal_to_elements(elastic: &str, behavior: &str, more: &str) {
+#[track_caller]
+fn assert_equal_to_elements(elastic: &str, behavior: &str, more: &str, tolerance: f64) {
     let damage = format!("{QUADS}*Damage evolution, type=ENERGY, mixed mode behavior=BK, power=1.8\n 0.3, 0.5\n{more}");
     let (law, of_surfaces) = (format!("{elastic}{damage}"), format!("{behavior}{damage}"));
     // Shear begins under tension: the contact of the surfaces has no pressure.
@@ -145,12 +148,12 @@ fn assert_equal_to_elements(elastic: &str, behavior: &str, more: &str) {
         let largest = a.iter().map(|row| row.1.abs()).fold(0.0, f64::max);
         assert_eq!(a.len(), b.len());
         for (x, y) in a.iter().zip(&b) {
-            assert!((x.1 - y.1).abs() < 1e-4 * largest, "{name} {x:?} {y:?}");
+            assert!((x.1 - y.1).abs() < tolerance * largest, "{name} {x:?} {y:?}");
         }
         assert!(largest > 1.0, "{name}");
     }
     let [a, b] = [(&elements, &one), (&surfaces, &other)].map(|(text, memory)| last(text, memory, "ALLDMD"));
-    assert_close("energy", b, a, 1e-4);
+    assert_close("energy", b, a, tolerance);
 }
 
 /// A tube that is pulled out of a bonded sleeve: uniform shear, the fracture energy of the shear mode, and friction under

@@ -8,6 +8,7 @@ use super::sources::{HeatSource, PrescribedTemperature};
 use crate::constraint::Constraint;
 use crate::constraint::bonds::LinkSystem;
 use crate::element::elements::Elements;
+use crate::element::group::ElementGroup;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
@@ -50,6 +51,8 @@ const BESIDE: f64 = 2.2;
 pub struct TemperatureField {
     pub id: EffectId,
     conductors: Arc<ConductingElements>,
+    /// Element groups with an adaptive mesh: their masses are those of the elements.
+    adaptive: Vec<usize>,
     /// Conditions from each step on; `None` if those of the previous step continue.
     steps: Arc<Vec<Option<ThermalConditions>>>,
     now: ThermalConditions,
@@ -97,6 +100,7 @@ impl TemperatureField {
         let films = steps.iter().flatten().flat_map(|s| &s.sources).any(HeatSource::is_film);
         TemperatureField {
             id,
+            adaptive: Vec::new(),
             now: ThermalConditions::default(),
             masses: if varies { masses } else { Vec::new() },
             capacity,
@@ -382,6 +386,89 @@ impl TemperatureField {
         Some(conductor.flux(&self.temperature, &dofs.nodes, &part.properties))
     }
 
+    /// Returns the heat that the nodes contain at capacities that do not depend on the temperature, from temperature zero.
+    pub fn content(&self) -> f64 {
+        self.capacity.iter().zip(&self.temperature).map(|(capacity, temperature)| capacity * temperature).sum()
+    }
+
+    /// Returns the heat capacity of a node, which does not depend on the temperature.
+    pub(crate) fn capacity_of(&self, node: usize) -> f64 {
+        self.capacity(node, self.temperature[node])
+    }
+
+    /// Returns the specific heat of a group; `None` if it does not conduct, or if a specific heat depends on the
+    /// temperature.
+    pub fn specific_heat(&self, group: usize) -> Option<f64> {
+        let part = self.conductors.parts.iter().find(|part| part.group == group)?;
+        self.masses.is_empty().then(|| at(&part.properties.capacity, 0.0))
+    }
+
+    /// Returns whether the elements of a group conduct.
+    pub fn conducts(&self, group: usize) -> bool {
+        self.conductors.parts.iter().any(|part| part.group == group)
+    }
+
+    /// Returns whether a specific heat depends on the temperature.
+    pub fn has_variable_capacity(&self) -> bool {
+        !self.masses.is_empty()
+    }
+
+    /// Takes the masses of a group with an adaptive mesh from its elements, from now on.
+    pub fn begin_adaptive(&mut self, index: usize, elements: &Elements) {
+        if self.conducts(index) {
+            if !self.adaptive.contains(&index) {
+                self.adaptive.push(index);
+            }
+            self.take_masses(index, &*elements.groups[index]);
+        }
+    }
+
+    /// Takes the masses of all groups with adaptive meshes from their elements, after a restart.
+    pub fn restore_masses(&mut self, elements: &Elements) {
+        for i in 0..self.adaptive.len() {
+            self.take_masses(self.adaptive[i], &*elements.groups[self.adaptive[i]]);
+        }
+    }
+
+    /// Takes the masses of the elements of a group, which an adaptive mesh has changed, and the capacities of all nodes.
+    /// No specific heat depends on the temperature.
+    pub fn take_masses(&mut self, index: usize, group: &dyn ElementGroup) {
+        let conductors = Arc::make_mut(&mut self.conductors);
+        for part in conductors.parts.iter().filter(|part| part.group == index) {
+            for (e, conductor) in conductors.list[part.first..part.end].iter_mut().enumerate() {
+                let masses = group.masses(e);
+                conductor.masses = [0, 1, 2, 3].inline_map(|i: usize| masses[i]);
+            }
+        }
+        self.capacity.fill(0.0);
+        for part in &conductors.parts {
+            let specific = at(&part.properties.capacity, 0.0);
+            for conductor in &conductors.list[part.first..part.end] {
+                for (n, mass) in conductor.nodes.iter().zip(conductor.masses) {
+                    self.capacity[*n as usize] += specific * mass;
+                }
+            }
+        }
+    }
+
+    /// Sets the temperature that material has brought to a node; the heat content of all nodes together is the same.
+    pub(crate) fn set_transported(&mut self, node: usize, temperature: f64) {
+        self.temperature[node] = temperature;
+    }
+
+    /// Calls `keep` with each node of a prescribed temperature and its value. `keep` returns the temperature that material
+    /// has brought to the node; the heat that restores the prescribed one is external.
+    pub(crate) fn restore_prescribed(&mut self, mut keep: impl FnMut(usize, f64) -> Option<f64>) {
+        let TemperatureField { now, temperature, capacity, energies, .. } = self;
+        for node in now.held.iter().flat_map(|held| &held.nodes).map(|held| held.node) {
+            if let Some(brought) = keep(node, temperature[node]) {
+                let heat = capacity[node] * (temperature[node] - brought);
+                energies.external += heat;
+                energies.internal += heat;
+            }
+        }
+    }
+
     /// Returns the heat since the start of the analysis.
     pub fn energies(&self) -> HeatEnergies {
         self.energies
@@ -441,6 +528,7 @@ impl Persist for TemperatureField {
         let TemperatureField {
             id: _,
             conductors: _,
+            adaptive: _,
             steps: _,
             now,
             masses: _,

@@ -225,7 +225,9 @@ fn spring_stiffness(law: &InteractionLaw) -> f64 {
 fn law_of(cohesion: &CohesiveBehavior, stiffness: [f64; 2]) -> TractionSeparationLaw {
     TractionSeparationLaw {
         stiffness,
-        coupling: cohesion.coupling,
+        // Shear separations of contact are positive along the facet, those of the deck against it (theory manual,
+        // cohesive surfaces).
+        coupling: -cohesion.coupling,
         viscosity: cohesion.viscosity,
         initiation: cohesion.initiation.as_ref().map(|initiation| initiation_law(initiation, stiffness, 1.0)),
         softening: cohesion.evolution.as_ref().map(|evolution| evolution.softening.clone()),

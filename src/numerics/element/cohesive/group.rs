@@ -164,7 +164,7 @@ impl CohesiveGroup {
     /// Returns whether an element is to be deleted: all its points have failed, and none is in compression.
     fn has_failed(&self, element: usize) -> bool {
         let law = self.law(element);
-        let failed = |point: &CohesivePoint| law.has_failed(&point.history) && point.separation[0] >= 0.0;
+        let failed = |point: &CohesivePoint| law.has_failed(&point.history) && point.traction[0] >= 0.0;
         self.deletes && self.points[element].iter().all(failed)
     }
 
