@@ -94,8 +94,8 @@ impl<'a> Compiler<'a> {
             state.elements.groups[g].topology() == ElementTopology::Quadrilateral && nodes[2] != nodes[3]
         };
         if !places.iter().all(quadrilateral) {
-            let message = format!("`{}` contains elements other than CAX4R", mesh.set);
-            return Some((message, "give a set of CAX4R elements"));
+            let message = format!("`{}` contains elements other than CAX4R and CAX4RT", mesh.set);
+            return Some((message, "give a set of CAX4R or CAX4RT elements"));
         }
         if mesh.elements.iter().any(|e| !taken.insert(*e)) {
             let message = format!("elements of `{}` belong to two adaptive meshes", mesh.set);
