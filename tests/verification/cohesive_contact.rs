@@ -114,12 +114,13 @@ fn equal_meshes_are_cohesive_elements() {
 
 #[test]
 fn equal_meshes_with_coupled_tractions_are_cohesive_elements() {
+    // The rings rotate by different angles: the facet turns by 1e-3 against the mid-surface.
     for coupling in [300.0, -300.0] {
         assert_equal_to_elements(
             &format!("*Elastic, type=COUPLED TRACTION\n 1000., 800., 0., {coupling}\n"),
             &format!("*Cohesive behavior, type=COUPLED, eligibility=ORIGINAL CONTACTS\n 1000., 800., 0., {coupling}\n"),
             "",
-            1e-4,
+            1e-3,
         );
     }
 }
