@@ -157,8 +157,10 @@ impl UserMaterial for GradientRecorder {
 #[test]
 fn deformation_gradient_in_an_adaptive_mesh_is_that_of_the_material() {
     let material = BY_USER.replace("*Depvar\n 1,", "*Depvar\n 7,");
-    let deck = bar([5, 20], "", &material, 8e-6, "*Adaptive Mesh, elset=SOLID, frequency=1\n")
-        .replace("*Output, history", "*Output, field, number interval=1\n*Element Output\n SDV, EVOL\n*Output, history");
+    let deck = bar([5, 20], "", &material, 8e-6, "*Adaptive Mesh, elset=SOLID, frequency=1\n").replace(
+        "*Output, history",
+        "*Output, field, number interval=1\n*Element Output\n SDV, EVOL\n*Output, history",
+    );
     let (outcome, memory) = common::run(&deck, &[], &Routines::none().with_material(GradientRecorder));
     assert_eq!(outcome.halt, None);
     assert!(outcome.mesh_changes[0].count > 20);

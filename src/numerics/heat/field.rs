@@ -42,6 +42,9 @@ pub struct HeatEnergies {
 /// rise per increment.
 const PASSES: usize = 3;
 
+/// Most steps of Newton's method for the temperature of a heat content.
+const NEWTON_STEPS: usize = 20;
+
 /// Factor on the exchange of a node in the stability bound: the off-diagonal sum of an exchange between nodes equals
 /// its diagonal (Gershgorin), plus a margin of 10 % that damps oscillations.
 const BESIDE: f64 = 2.2;
@@ -386,31 +389,34 @@ impl TemperatureField {
         Some(conductor.flux(&self.temperature, &dofs.nodes, &part.properties))
     }
 
-    /// Returns the heat that the nodes contain at capacities that do not depend on the temperature, from temperature zero.
+    /// Returns the heat that the nodes contain.
     pub fn content(&self) -> f64 {
-        self.capacity.iter().zip(&self.temperature).map(|(capacity, temperature)| capacity * temperature).sum()
+        (0..self.temperature.len()).map(|node| self.content_at(node, self.temperature[node])).sum()
     }
 
-    /// Returns the heat capacity of a node, which does not depend on the temperature.
-    pub(crate) fn capacity_of(&self, node: usize) -> f64 {
-        self.capacity(node, self.temperature[node])
+    /// Returns the heat that a node contains at a temperature: the integral of its capacity.
+    pub(crate) fn content_at(&self, node: usize, temperature: f64) -> f64 {
+        if self.masses.is_empty() {
+            return self.capacity[node] * temperature;
+        }
+        let parts = self.conductors.parts.iter().zip(&self.masses);
+        parts.map(|(part, masses)| masses[node] * part.properties.capacity.integral(temperature)).sum()
     }
 
-    /// Returns the specific heat of a group; `None` if it does not conduct, or if a specific heat depends on the
-    /// temperature.
-    pub fn specific_heat(&self, group: usize) -> Option<f64> {
-        let part = self.conductors.parts.iter().find(|part| part.group == group)?;
-        self.masses.is_empty().then(|| at(&part.properties.capacity, 0.0))
+    /// Returns the heat per mass that a group contains at a temperature; 0 if it does not conduct.
+    pub(crate) fn heat_per_mass(&self, group: usize, temperature: f64) -> f64 {
+        let part = self.conductors.parts.iter().find(|part| part.group == group);
+        part.map_or(0.0, |part| part.properties.capacity.integral(temperature))
+    }
+
+    /// Returns the masses at the corners of an element; zero if it does not conduct.
+    pub(crate) fn masses_of(&self, group: usize, element: usize) -> [f64; 4] {
+        self.conductors.find(group, element).map_or([0.0; 4], |found| found.0.masses)
     }
 
     /// Returns whether the elements of a group conduct.
     pub fn conducts(&self, group: usize) -> bool {
         self.conductors.parts.iter().any(|part| part.group == group)
-    }
-
-    /// Returns whether a specific heat depends on the temperature.
-    pub fn has_variable_capacity(&self) -> bool {
-        !self.masses.is_empty()
     }
 
     /// Takes the masses of a group with an adaptive mesh from its elements, from now on.
@@ -431,40 +437,60 @@ impl TemperatureField {
     }
 
     /// Takes the masses of the elements of a group, which an adaptive mesh has changed, and the capacities of all nodes.
-    /// No specific heat depends on the temperature.
     pub fn take_masses(&mut self, index: usize, group: &dyn ElementGroup) {
-        let conductors = Arc::make_mut(&mut self.conductors);
-        for part in conductors.parts.iter().filter(|part| part.group == index) {
-            for (e, conductor) in conductors.list[part.first..part.end].iter_mut().enumerate() {
-                let masses = group.masses(e);
-                conductor.masses = [0, 1, 2, 3].inline_map(|i: usize| masses[i]);
+        let TemperatureField { conductors, masses, capacity, .. } = self;
+        let conductors = Arc::make_mut(conductors);
+        capacity.fill(0.0);
+        for (at_part, part) in conductors.parts.iter().enumerate() {
+            let list = &mut conductors.list[part.first..part.end];
+            if part.group == index {
+                for (e, conductor) in list.iter_mut().enumerate() {
+                    let of_element = group.masses(e);
+                    conductor.masses = [0, 1, 2, 3].inline_map(|i: usize| of_element[i]);
+                }
             }
-        }
-        self.capacity.fill(0.0);
-        for part in &conductors.parts {
+            let mut of_part = masses.get_mut(at_part);
+            if let Some(masses) = &mut of_part {
+                masses.fill(0.0);
+            }
             let specific = at(&part.properties.capacity, 0.0);
-            for conductor in &conductors.list[part.first..part.end] {
-                for (n, mass) in conductor.nodes.iter().zip(conductor.masses) {
-                    self.capacity[*n as usize] += specific * mass;
+            for (n, mass) in list.iter().flat_map(|conductor| conductor.nodes.iter().zip(conductor.masses)) {
+                capacity[*n as usize] += specific * mass;
+                if let Some(masses) = &mut of_part {
+                    masses[*n as usize] += mass;
                 }
             }
         }
     }
 
-    /// Sets the temperature that material has brought to a node; the heat content of all nodes together is the same.
-    pub(crate) fn set_transported(&mut self, node: usize, temperature: f64) {
-        self.temperature[node] = temperature;
+    /// Sets the temperature of a node from the heat that it contains after a transport.
+    pub(crate) fn set_content(&mut self, node: usize, content: f64) {
+        if self.masses.is_empty() {
+            self.temperature[node] = content / self.capacity[node];
+            return;
+        }
+        // Newton's method; the content increases with the temperature.
+        for _ in 0..NEWTON_STEPS {
+            let temperature = self.temperature[node];
+            let change = (content - self.content_at(node, temperature)) / self.capacity(node, temperature);
+            self.temperature[node] = temperature + change;
+            if change.abs() <= f64::EPSILON * temperature.abs() {
+                break;
+            }
+        }
     }
 
-    /// Calls `keep` with each node of a prescribed temperature and its value. `keep` returns the temperature that material
-    /// has brought to the node; the heat that restores the prescribed one is external.
-    pub(crate) fn restore_prescribed(&mut self, mut keep: impl FnMut(usize, f64) -> Option<f64>) {
-        let TemperatureField { now, temperature, capacity, energies, .. } = self;
-        for node in now.held.iter().flat_map(|held| &held.nodes).map(|held| held.node) {
-            if let Some(brought) = keep(node, temperature[node]) {
-                let heat = capacity[node] * (temperature[node] - brought);
-                energies.external += heat;
-                energies.internal += heat;
+    /// Calls `brought` with each node of a prescribed temperature. `brought` returns the heat that the node contains after a
+    /// transport; the heat that it lacks at its temperature, which stays, is external.
+    pub(crate) fn restore_prescribed(&mut self, mut brought: impl FnMut(usize) -> Option<f64>) {
+        for of_card in 0..self.now.held.len() {
+            for at_node in 0..self.now.held[of_card].nodes.len() {
+                let node = self.now.held[of_card].nodes[at_node].node;
+                if let Some(content) = brought(node) {
+                    let heat = self.content_at(node, self.temperature[node]) - content;
+                    self.energies.external += heat;
+                    self.energies.internal += heat;
+                }
             }
         }
     }

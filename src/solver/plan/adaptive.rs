@@ -7,7 +7,6 @@ use crate::adaptive::smoothing::SmoothingWeights;
 use crate::adaptive::transport::TransportOrder;
 use crate::adaptive::{AdaptiveDomain, AdaptiveSettings};
 use crate::deck::{Diagnostic, Span};
-use crate::heat::field::TemperatureField;
 use crate::kernel::topology::ElementTopology;
 use crate::model::{AdaptiveMesh, LoadKind, MotionKind, Step};
 
@@ -108,12 +107,6 @@ impl<'a> Compiler<'a> {
         if state.elements.distortion.is_some() {
             let message = "adaptive meshes cannot be combined with DISTORTION CONTROL".into();
             return Some((message, "remove DISTORTION CONTROL from *SECTION CONTROLS; the mesh stays undistorted"));
-        }
-        let heat = state.thermal.as_ref().and_then(|thermal| thermal.heat.as_ref());
-        if heat.is_some_and(TemperatureField::has_variable_capacity) {
-            let message =
-                "adaptive meshes cannot be combined with a specific heat that depends on the temperature".into();
-            return Some((message, "give one value of *SPECIFIC HEAT, or use *DYNAMIC, EXPLICIT, ADIABATIC"));
         }
         if state.elements.fields.is_some() {
             let message = "adaptive meshes cannot be combined with prescribed field variables".into();
