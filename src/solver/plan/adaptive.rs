@@ -88,13 +88,11 @@ impl<'a> Compiler<'a> {
             let message = format!("the elements of `{}` belong to several sections", mesh.set);
             return Some((message, "give one *ADAPTIVE MESH for the elements of each section"));
         }
-        let quadrilateral = |&(g, e): &(usize, usize)| {
-            let nodes = state.elements.groups[g].nodes(e);
-            state.elements.groups[g].topology() == ElementTopology::Quadrilateral && nodes[2] != nodes[3]
-        };
-        if !places.iter().all(quadrilateral) {
-            let message = format!("`{}` contains elements other than CAX4R and CAX4RT", mesh.set);
-            return Some((message, "give a set of CAX4R or CAX4RT elements"));
+        let is_supported =
+            |&(g, _): &(usize, usize)| state.elements.groups[g].topology() == ElementTopology::Quadrilateral;
+        if !places.iter().all(is_supported) {
+            let message = format!("`{}` contains elements other than CAX4R, CAX4RT, CAX3 and CAX3T", mesh.set);
+            return Some((message, "give a set of CAX4R, CAX4RT, CAX3 or CAX3T elements"));
         }
         if mesh.elements.iter().any(|e| !taken.insert(*e)) {
             let message = format!("elements of `{}` belong to two adaptive meshes", mesh.set);
