@@ -197,6 +197,33 @@ fn nothing_allocates_inside_an_increment_of_cohesive_surfaces() {
     assert_eq!(long.1, short.1);
 }
 
+/// Waves in blocks with adaptive meshes, one with nodal temperatures and thermal strains and one of a user material.
+#[test]
+fn nothing_allocates_inside_an_increment_of_adaptive_meshes() {
+    let mesh = grid(6, 8, false, |i, j| [i as f64, j as f64]);
+    let warm = material(
+        1e5,
+        0.3,
+        1.0,
+        "*Plastic\n 100., 0.\n*Conductivity\n 0.1,\n*Specific Heat\n 1., 0.\n 2., 90.\n*Expansion\n 1e-5,\n",
+    );
+    let blocks = [
+        (mesh.replace("CAX4R", "CAX4RT"), warm.as_str(), "*Dynamic Temperature-displacement, Explicit"),
+        (mesh.clone(), OF_THE_USER, "*Dynamic, Explicit"),
+    ];
+    for (mesh, material, procedure) in blocks {
+        let deck = |time: &str| {
+            format!(
+                "{mesh}{material}*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n J0, 60.\n*Initial Conditions, type=VELOCITY\n I1, 2, 20.\n*Step\n{procedure}\n , {time}\n"
+            ) + "*Adaptive Mesh, elset=SOLID, frequency=2\n*Boundary\n J1, 2, 2\n*Output, history, number interval=1\n*Energy Output\n ALLIE\n*End Step\n"
+        };
+        let count = |time: &str| count_run(&deck(time), &Routines::none().with_material(ConstantStress));
+        // Allocations made once per process.
+        count("0.02");
+        assert_same_allocations(procedure, count("0.02"), count("0.2"));
+    }
+}
+
 /// A stretched block whose rows are deleted, with eroded mass and energy, and pressure on newly exposed faces.
 #[test]
 fn nothing_allocates_inside_an_increment_of_erosion() {

@@ -15,8 +15,8 @@ use revolve::study::quantity::{FinishedRun, Quantity};
 use revolve::user::compile::compile;
 use revolve::user::{
     AmplitudeAnswer, AmplitudeCall, AnalysisMoment, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall,
-    LoadFailure, LoadPoints, MotionCall, Routines, RunAction, UserAmplitude, UserEvents, UserFields, UserHardening,
-    UserLoad, UserMotion,
+    LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, Routines, RunAction, UserAmplitude, UserEvents,
+    UserFields, UserHardening, UserLoad, UserMaterial, UserMotion,
 };
 
 use crate::common;
@@ -451,6 +451,50 @@ fn thermal_contact_resumes() {
     );
 }
 
+/// Places, masses, temperatures, counts and thermal strains of an adaptive mesh are part of the state, with the state of a
+/// user material.
+#[test]
+fn adaptive_meshes_resume() {
+    let cards = "*Plastic\n 400., 0.\n 500., 0.1\n*Specific Heat\n 4.6e8,\n*Inelastic Heat Fraction\n 0.9,\n";
+    let mesh = "*Adaptive Mesh, elset=SOLID, frequency=3\n";
+    let text = bar(4, &steel(cards), 2e5, 5e-6, mesh);
+    let outcome = assert_resumes("adaptive mesh", &text, Routines::none);
+    assert!(outcome.halt.is_none() && outcome.mesh_changes[0].count > 10, "{:?}", outcome.mesh_changes);
+    let heated = format!("{cards}*Conductivity\n 5e4,\n*Expansion\n 1.2e-5,\n");
+    let warm = bar(4, &steel(&heated), 2e5, 5e-6, &format!("{mesh}*Boundary\n J0, 11, 11, 30.\n"))
+        .replace("CAX4R", "CAX4RT")
+        .replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit")
+        .replace("U, V, A, RF", "U, V, A, RF, NT, RFL");
+    let outcome = assert_resumes("adaptive mesh with temperatures", &warm, Routines::none);
+    assert!(outcome.halt.is_none() && outcome.mesh_changes[0].count > 10, "{:?}", outcome.mesh_changes);
+    let user = text
+        .replace(&steel(cards), &bare("*Density\n 7.83e-9,\n*User Material, constants=2\n 206e3, 0.3\n*Depvar\n 5,\n"));
+    let outcome =
+        assert_resumes("adaptive mesh of a user material", &user, || Routines::none().with_material(GradientRecorder));
+    assert!(outcome.halt.is_none() && outcome.mesh_changes[0].count > 10, "{:?}", outcome.mesh_changes);
+}
+
+/// Elasticity from the stretch of the deformation gradient, which is stored in the state variables.
+struct GradientRecorder;
+
+impl UserMaterial for GradientRecorder {
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
+        let (n, [modulus, ratio]) = (call.count, [call.properties[0], call.properties[1]]);
+        let (shear2, dilation) = (modulus / (1.0 + ratio), modulus * ratio / ((1.0 + ratio) * (1.0 - 2.0 * ratio)));
+        for i in 0..n {
+            let stretch = [0, 1, 2, 3].map(|k| call.stretch[1][k * n + i] - if k < 3 { 1.0 } else { 0.0 });
+            let sum = stretch[0] + stretch[1] + stretch[2];
+            for (k, part) in stretch.into_iter().enumerate() {
+                answer.stress[k * n + i] = shear2 * part + if k < 3 { dilation * sum } else { 0.0 };
+            }
+            for k in 0..5 {
+                answer.state[k * n + i] = call.gradient[1][k * n + i];
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Massless reference nodes, one with a prescribed motion and one with a load, and a tied surface.
 #[test]
 fn reference_nodes_resume() {
@@ -492,6 +536,10 @@ fn cohesive_elements_resume() {
         .replace(" , 0.4\n", " , 1.5\n");
     let outcome = assert_resumes("cohesive elements", &text, Routines::none);
     assert!(outcome.halt.is_none() && outcome.deleted == 1, "{outcome:?}");
+    let viscous = text.replace(" 0.06,\n**material", " 0.06,\n*Damage Stabilization\n 0.02,\n**material");
+    let viscous = viscous.replace("type=TRACTION\n 500., 400.", "type=COUPLED TRACTION\n 500., 400., 0., 100.");
+    let delayed = assert_resumes("cohesive elements with viscosity", &viscous, Routines::none);
+    assert!(delayed.halt.is_none() && delayed.energy.damage > outcome.energy.damage, "{delayed:?}");
 }
 
 /// Bonds, damage and failure of cohesive surfaces are part of the state.
@@ -521,6 +569,10 @@ fn cohesive_surfaces_resume() {
     // The ring is bonded and torn off twice: the area is 3 π, and that of the deformed ring.
     let twice = 2.0 * 0.06 * 3.0 * std::f64::consts::PI;
     assert!((outcome.energy.damage.expect("damage") / twice - 1.0).abs() < 1e-2, "{:?}", outcome.energy);
+    let viscous =
+        text.replace("type=ENERGY\n 0.06,\n*Contact", "type=ENERGY\n 0.06,\n*Damage Stabilization\n 0.02,\n*Contact");
+    let delayed = assert_resumes("cohesive surfaces with viscosity", &viscous, Routines::none);
+    assert!(delayed.halt.is_none() && delayed.energy.damage > outcome.energy.damage, "{delayed:?}");
 }
 
 #[test]

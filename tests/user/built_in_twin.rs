@@ -127,6 +127,56 @@ fn mass_scaling_matches_the_built_in_law() {
     }
 }
 
+/// In an adaptive mesh, stress and state variables are transported as those of the built-in law; stresses in axes that
+/// rotate with the material are rotated back: 1e-9.
+#[test]
+fn adaptive_mesh_matches_the_built_in_law() {
+    let cards = "*Adaptive Mesh, elset=SOLID, frequency=1\n";
+    let [expected, got] = agree(|material| bar([5, 20], "", material, 8e-6, cards), 1e-9);
+    let changes = [&expected, &got].map(|outcome| outcome.mesh_changes[0].count);
+    assert!(changes[0] > 20 && changes[0] == changes[1], "{changes:?}");
+}
+
+/// The law of [`LinearHardeningMaterial`], with the deformation gradient (rr, zz, hoop, rz, zr) and the density in the
+/// state variables 2 to 7.
+struct GradientRecorder;
+
+impl UserMaterial for GradientRecorder {
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
+        for i in 0..call.count {
+            radial_return(call, answer, i);
+            let shown = call.gradient[1].chunks(call.count).chain([call.density]);
+            shown.enumerate().for_each(|(k, list)| answer.state[(1 + k) * call.count + i] = list[i]);
+        }
+        Ok(())
+    }
+}
+
+/// The deformation gradient is that of the material, not that of the nodes: its determinant is the ratio of the densities.
+/// 2 %: both are transported, with gradients that are limited separately.
+#[test]
+fn deformation_gradient_in_an_adaptive_mesh_is_that_of_the_material() {
+    let material = BY_USER.replace("*Depvar\n 1,", "*Depvar\n 7,");
+    let deck = bar([5, 20], "", &material, 8e-6, "*Adaptive Mesh, elset=SOLID, frequency=1\n").replace(
+        "*Output, history",
+        "*Output, field, number interval=1\n*Element Output\n SDV, EVOL\n*Output, history",
+    );
+    let (outcome, memory) = common::run(&deck, &[], &Routines::none().with_material(GradientRecorder));
+    assert_eq!(outcome.halt, None);
+    assert!(outcome.mesh_changes[0].count > 20);
+    let frame = memory.frames.last().expect("a frame");
+    let of = |name: &str| &frame.cell_fields.iter().find(|field| field.name == name).expect("a field").values;
+    let [rr, zz, hoop, rz, zr, density] = [2, 3, 4, 5, 6, 7].map(|k| of(&format!("SDV{k}")));
+    let (mut most, mut largest) = (0.0_f64, 0.0_f64);
+    for (e, hoop) in hoop.iter().enumerate() {
+        let ratio = (rr[e] * zz[e] - rz[e] * zr[e]) * hoop * density[e] / 8930.0;
+        most = most.max((ratio - 1.0).abs());
+        largest = largest.max((hoop - 1.0).abs());
+    }
+    println!("largest difference of the determinant {most:.1e}, largest hoop strain {largest:.2}");
+    assert!(most < 2e-2 && largest > 0.1, "{most} {largest}");
+}
+
 /// With assumed strains the edges of an element yield before its centre. The built-in law detects this; for a user
 /// material the pattern is elastic until the centre has yielded, which changes the energy by 2e-3 here.
 #[test]

@@ -9,6 +9,7 @@ use revolve::solve::Outcome;
 use revolve::user::Routines;
 
 use crate::common;
+use crate::common::solid::grid;
 
 /// Card of the Taylor bar.
 const BAR: &str = "*Adaptive Mesh, elset=BAR\n";
@@ -56,6 +57,182 @@ fn upsetting_needs_the_force_of_a_finer_mesh() {
     println!("upsetting: force {force:e}, reference {expected:e}, drift {:.1e}", adapted.energy.drift);
     assert!((force / expected - 1.0).abs() < 0.02, "{force} {expected}");
     assert!(adapted.energy.drift < 1e-3, "{}", adapted.energy.drift);
+}
+
+/// Returns the Taylor bar with nodal temperatures and these cards of the material, with 600 K in its lower half and 300 K
+/// in the upper one.
+fn warm_bar(material: &str, card: &str) -> String {
+    taylor(card)
+        .replace("type=CAX4R", "type=CAX4RT")
+        .replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit")
+        .replace(
+            "*Initial Conditions, type=VELOCITY",
+            &format!(
+                "*Specific Heat\n 385.,\n{material}*Nset, nset=LOW, generate\n 1, <middle>\n*Initial Conditions, \
+                 type=TEMPERATURE\n BAR, 300.\n LOW, 600.\n*Initial Conditions, type=VELOCITY"
+            ),
+        )
+        .replace("v = -speed\n", "v = -speed\nmiddle = (nz/2 + 1)*row\n")
+        .replace(
+            "*Energy Output\n",
+            "*Energy Output\n ALLIHE, ALLHF,\n*Node Output, nset=CORNER\n NT\n*Energy Output\n",
+        )
+}
+
+/// Without heat sources, the heat content stays the same to rounding and no temperature leaves the range at the start.
+#[test]
+fn heat_content_is_conserved() {
+    let coarse = [("nr", "6"), ("nz", "30")];
+    let constant = "*Specific Heat\n 385.,\n";
+    let table = "*Specific Heat\n 350., 280.\n 385., 400.\n 500., 550.\n";
+    for (controls, specific) in [("", constant), (", advection=FIRST ORDER", constant), ("", table)] {
+        let card = "*Adaptive Mesh, elset=BAR, frequency=1, controls=C\n";
+        let deck = warm_bar("*Conductivity\n 1e-6,\n*Inelastic Heat Fraction\n 0.,\n", card);
+        let deck = deck.replacen(constant, specific, 1);
+        let deck = deck.replacen("*Step,", &format!("*Adaptive Mesh Controls, name=C{controls}\n*Step,"), 1);
+        let prepared = common::prepared(&deck, &coarse, &Routines::none());
+        let heat = |state: &revolve::plan::State| {
+            let thermal = state.thermal.as_ref().expect("temperatures");
+            let field = thermal.heat.as_ref().expect("nodal temperatures");
+            let range =
+                field.temperatures().iter().fold([f64::INFINITY, 0.0], |[low, high], t| [low.min(*t), high.max(*t)]);
+            (field.content(), range)
+        };
+        let (before, _) = heat(&prepared.state);
+        let mut sink = common::RecordedOutput::default();
+        let (outcome, end) = job::run_into(&prepared, &mut sink);
+        assert_eq!(outcome.halt, None);
+        let changes = outcome.mesh_changes.iter().map(|changes| changes.count).sum::<u64>();
+        let (after, [low, high]) = heat(&end);
+        println!("heat content {:.1e}, range {low} to {high}, {changes} changes", after / before - 1.0);
+        assert!(changes > 100, "{changes}");
+        assert!((after / before - 1.0).abs() < 1e-12, "{before} {after}");
+        // Conduction and rounding of the heat that it moves.
+        assert!(low >= 300.0 - 1e-9 && high <= 600.0 + 1e-9, "{low} {high}");
+        assert!(end.dofs.nodes.mass.iter().all(|mass| *mass > 0.0));
+    }
+}
+
+/// Heat of plastic work, conduction and thermal expansion: heat, length and foot within .5 % of the mesh that follows the
+/// material, and a balance of the heat.
+#[test]
+fn warm_bar_keeps_its_heat_length_and_foot() {
+    let material = "*Conductivity\n 4e4,\n*Inelastic Heat Fraction\n 0.9,\n*Expansion\n 1.7e-5,\n";
+    let coarse = [("nr", "8"), ("nz", "40")];
+    let [(follows, reference), (outcome, history)] =
+        ["", "*Adaptive Mesh, elset=BAR, frequency=5\n"].map(|card| run(&warm_bar(material, card), &coarse));
+    assert_eq!((follows.halt, outcome.halt), (None, None));
+    for name in ["COOR2@TIP", "COOR1@CORNER", "ALLIHE"] {
+        let apart = history.0[name].last / reference.0[name].last - 1.0;
+        println!("{name} {:.3} % apart", 100.0 * apart);
+        assert!(apart.abs() < 5e-3, "{name} {apart}");
+    }
+    let (warm, expected) = (history.0["NT11@CORNER"].last, reference.0["NT11@CORNER"].last);
+    println!("corner at {warm}, expected {expected}");
+    assert!((warm / expected - 1.0).abs() < 2e-2, "{warm} {expected}");
+    let [heat, plastic] = ["ALLIHE", "ALLPD"].map(|name| history.0[name].last);
+    assert!((heat / (0.9 * plastic) - 1.0).abs() < 5e-3, "{heat} {plastic}");
+    assert!(outcome.energy.drift < 1e-3, "{}", outcome.energy.drift);
+}
+
+/// Prescribed temperatures stay; the heat that material brings or takes at their nodes is external.
+#[test]
+fn prescribed_temperatures_stay() {
+    let deck =
+        warm_bar("*Conductivity\n 1e-6,\n*Inelastic Heat Fraction\n 0.,\n", "*Adaptive Mesh, elset=BAR, frequency=1\n")
+            .replacen(" FOOT, 2, 2\n", " FOOT, 2, 2\n FOOT, 11, 11, 500.\n", 1);
+    let prepared = common::prepared(&deck, &[("nr", "6"), ("nz", "30")], &Routines::none());
+    let content = |state: &revolve::plan::State| {
+        state.thermal.as_ref().and_then(|thermal| thermal.heat.as_ref()).map(|field| field.content())
+    };
+    let before = content(&prepared.state).expect("heat");
+    let (outcome, end) = job::run_into(&prepared, &mut common::RecordedOutput::default());
+    assert_eq!(outcome.halt, None);
+    let after = content(&end).expect("heat");
+    let external = outcome.energy.heat.expect("external heat");
+    println!("content {before} to {after}, external {external}");
+    // The prescribed temperature is below the initial one of 600 K.
+    assert!(external < 0.0 && ((after - before) / external - 1.0).abs() < 1e-9, "{before} {after} {external}");
+}
+
+/// Returns a copper bar of triangles that hits a rigid wall, with these cards of the material and the step.
+fn triangles(material: &str, cards: &str, time: f64) -> String {
+    let place = |i: usize, j: usize| [i as f64 * 3.2e-3 / 6.0, j as f64 * 32.4e-3 / 30.0];
+    grid(6, 30, true, place)
+        + &format!(
+            "*Nset, nset=FOOT, generate\n 1, 7\n*Nset, nset=LOW, generate\n 1, 112\n*Nset, nset=CORNER\n 7\n*Nset, \
+             nset=TIP\n 211\n*Solid Section, elset=SOLID, material=COPPER\n*Material, name=COPPER\n*Density\n \
+             8930.\n*Elastic\n 117.e9, 0.35\n*Plastic\n 400.e6, 0.\n 500.e6, 1.\n 600.e6, 2.\n 900.e6, \
+             5.\n{material}*Initial Conditions, type=VELOCITY\n ALL, 2, -227.\n*Step\n*Dynamic, Explicit\n , \
+             {time:e}\n{cards}*Boundary\n FOOT, 2, 2\n*Output, history, number interval=20\n*Node Output, nset=TIP\n \
+             COOR2\n*Node Output, nset=CORNER\n COOR1\n*Energy Output\n ALLPD\n*Incrementation Output\n ADANGLE\n*End Step\n"
+        )
+}
+
+/// Triangles: length and foot within 1 % of the mesh that follows the material; no element becomes flat.
+#[test]
+fn bar_of_triangles_keeps_its_length_and_foot() {
+    let [follows, adapts] = ["", "*Adaptive Mesh, elset=SOLID\n"].map(|card| triangles("", card, 80e-6));
+    let (reference_outcome, reference) = run(&follows.replace("*Incrementation Output\n ADANGLE\n", ""), &[]);
+    let (outcome, history) = run(&adapts, &[]);
+    assert_eq!((reference_outcome.halt, outcome.halt), (None, None));
+    for name in ["COOR2@TIP", "COOR1@CORNER"] {
+        let apart = history.0[name].last / reference.0[name].last - 1.0;
+        println!("{name} {:.3} % apart", 100.0 * apart);
+        assert!(apart.abs() < 1e-2, "{name} {apart}");
+    }
+    let angle = history.0["ADANGLE"].last;
+    println!("angle {angle}, increments {} and {}", outcome.increments, reference_outcome.increments);
+    assert!(angle > 15.0 && outcome.mesh_changes[0].count > 10, "{angle}");
+    assert!(outcome.energy.drift < 1e-3, "{}", outcome.energy.drift);
+}
+
+/// Temperatures of triangles: heat content and range as for quadrilaterals.
+#[test]
+fn heat_content_of_triangles_is_conserved() {
+    let material = "*Specific Heat\n 385.,\n*Conductivity\n 1e-6,\n*Inelastic Heat Fraction\n 0.,\n*Initial Conditions, \
+                    type=TEMPERATURE\n ALL, 300.\n LOW, 600.\n";
+    let deck = triangles(material, "*Adaptive Mesh, elset=SOLID, frequency=1\n", 30e-6)
+        .replace("CAX3", "CAX3T")
+        .replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit");
+    let prepared = common::prepared(&deck, &[], &Routines::none());
+    let heat = |state: &revolve::plan::State| {
+        let field = state.thermal.as_ref().and_then(|thermal| thermal.heat.as_ref()).expect("nodal temperatures");
+        let range =
+            field.temperatures().iter().fold([f64::INFINITY, 0.0], |[low, high], t| [low.min(*t), high.max(*t)]);
+        (field.content(), range)
+    };
+    let (before, _) = heat(&prepared.state);
+    let (outcome, end) = job::run_into(&prepared, &mut common::RecordedOutput::default());
+    assert!(outcome.halt.is_none() && outcome.mesh_changes[0].count > 100, "{:?}", outcome.mesh_changes);
+    let (after, [low, high]) = heat(&end);
+    println!("heat content {:.1e}, range {low} to {high}", after / before - 1.0);
+    assert!((after / before - 1.0).abs() < 1e-12 && low >= 300.0 - 1e-9 && high <= 600.0 + 1e-9, "{low} {high}");
+}
+
+/// A free body whose halves fly into each other: mass and momentum are conserved to rounding through all changes.
+#[test]
+fn mass_and_momentum_of_a_free_body_are_conserved() {
+    for is_triangular in [false, true] {
+        let place = |i: usize, j: usize| [i as f64, j as f64];
+        let deck = grid(4, 8, is_triangular, place)
+            + "*Nset, nset=HALF, generate\n 1, 20\n*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n \
+               1.,\n*Elastic\n 1e4, 0.3\n*Plastic\n 100., 0.\n 200., 1.\n*Initial Conditions, type=VELOCITY\n ALL, 2, -20.\n \
+               HALF, 2, 30.\n*Step\n*Dynamic, Explicit\n , 0.2\n*Adaptive Mesh, elset=SOLID, frequency=1\n*Output, history, \
+               number interval=1\n*Energy Output\n ALLKE\n*End Step\n";
+        let prepared = common::prepared(&deck, &[], &Routines::none());
+        let sums = |state: &revolve::plan::State| {
+            let nodes = &state.dofs.nodes;
+            let of = |of_node: &dyn Fn(usize) -> f64| (0..nodes.len()).map(|n| nodes.mass[n] * of_node(n)).sum::<f64>();
+            [of(&|_| 1.0), of(&|n| nodes[n].v_z), of(&|n| nodes[n].v_z.abs())]
+        };
+        let [mass, momentum, size] = sums(&prepared.state);
+        let (outcome, end) = job::run_into(&prepared, &mut common::RecordedOutput::default());
+        assert!(outcome.halt.is_none() && outcome.mesh_changes[0].count > 20, "{:?}", outcome.mesh_changes);
+        let [mass_after, momentum_after, _] = sums(&end);
+        println!("mass {:.1e}, momentum {:.1e}", mass_after / mass - 1.0, (momentum_after - momentum) / size);
+        assert!((mass_after / mass - 1.0).abs() < 1e-13 && ((momentum_after - momentum) / size).abs() < 1e-12);
+    }
 }
 
 /// Combinations that are not supported are refused, with the card and what would be right.

@@ -166,6 +166,104 @@ fn section_controls_limit_the_damage() {
     assert!(dissipated > 0.25 && dissipated < 0.3, "{dissipated}");
 }
 
+/// The tractions of a coupled law are those of the matrix, and complete separation dissipates the fracture energy, also in
+/// shear of the sign that presses the faces together.
+#[test]
+fn coupled_tractions_are_those_of_the_matrix_and_dissipate_the_fracture_energy() {
+    for coupling in [600.0, -600.0] {
+        let elastic = format!("*Elastic, type=COUPLED TRACTION\n 1000., 800., 0., {coupling}\n");
+        let law = format!("{elastic}{QUADS}*Damage evolution, type=ENERGY\n 0.3,\n");
+        for direction in [[0.0, 1.0], [1.0, 0.0], [-1.0, 0.0], [0.6, 0.8], [-0.9, 0.3]] {
+            let [radial, axial] = direction;
+            let text = separated(&elastic, direction, 1e-2);
+            let (_, memory) = run(&text);
+            // Without a mid-surface that turns, shear is positive along r.
+            let expected = [1000.0 * axial + coupling * radial, coupling * axial + 800.0 * radial];
+            for (name, expected) in ["S22@COH", "S12@COH"].into_iter().zip(expected) {
+                let found = last(&text, &memory, name);
+                assert!((found - expected).abs() < 1e-9, "{name}: {found}, expected {expected}");
+            }
+            let text = separated(&law, direction, 1e-2);
+            let (outcome, memory) = run(&text);
+            assert_eq!(outcome.halt, None);
+            assert_close("energy", last(&text, &memory, "ALLDMD"), 0.3 * RING, 1e-6);
+            let (work, kinetic) = (last(&text, &memory, "ALLWK"), last(&text, &memory, "ALLKE"));
+            let kept = last(&text, &memory, "ALLIE") + kinetic;
+            assert!((work - kept).abs() < 1e-12 * work, "{work} {kept}");
+        }
+    }
+}
+
+/// The thickness divides all stiffnesses, and a coupling of zero changes no bit.
+#[test]
+fn coupling_follows_the_constitutive_thickness() {
+    let coupled = "*Elastic, type=COUPLED TRACTION\n 1000., 800., 0., 600.\n";
+    let text = separated(coupled, [0.6, 0.8], 1e-2).replace("controls=C\n 1.,", "controls=C\n 0.5,");
+    let (_, memory) = run(&text);
+    assert_close("normal", last(&text, &memory, "S22@COH"), 2.0 * (800.0 + 360.0), 1e-12);
+    let law = |elastic: &str| format!("{elastic}{QUADS}*Damage evolution, type=ENERGY\n 0.3,\n");
+    let results = |elastic: &str| {
+        let text = separated(&law(elastic), [0.06, 0.05], 1e-2);
+        let (_, memory) = run(&text);
+        ["S22@COH", "S12@COH", "SDEG@COH", "ALLDMD"].map(|name| column(&text, &memory, name))
+    };
+    assert_eq!(results(ELASTIC), results("*Elastic, type=COUPLED TRACTION\n 1000., 800., 0., 0.\n"));
+}
+
+/// Opened at the velocity v with linear softening. The solution of dD/dt = (D∞ - D)/μ is found by the rule of Runge and
+/// Kutta with small steps.
+#[test]
+fn viscous_damage_follows_its_differential_equation() {
+    let (velocity, stiffness, onset, end) = (0.05, 1000.0, 0.01, 0.06);
+    let law = |damage: &str| format!("{ELASTIC}{QUADS}*Damage evolution, type=DISPLACEMENT\n 0.05,\n{damage}");
+    let limit = |time: f64| {
+        let at = velocity * time;
+        if at > onset { end * (at - onset) / (at * (end - onset)) } else { 0.0 }
+    };
+    for viscosity in [0.01, 0.2, 3.0] {
+        let (mut damage, mut time, step) = (0.0, 0.0, 1e-5);
+        while time < 1.0 - 0.5 * step {
+            let rate = |time: f64, damage: f64| (limit(time) - damage) / viscosity;
+            let half = damage + 0.5 * step * rate(time, damage);
+            damage += step * rate(time + 0.5 * step, half);
+            time += step;
+        }
+        let stabilised = law(&format!("*Damage stabilization\n {viscosity},\n"));
+        let text = separated(&stabilised, [0.0, velocity], 1e-3);
+        let (_, memory) = run(&text);
+        assert_close("damage", last(&text, &memory, "SDEG@COH"), damage, 1e-4);
+        let traction = (1.0 - damage) * stiffness * velocity;
+        assert_close("traction", last(&text, &memory, "S22@COH"), traction, 1e-4);
+        // Section controls give the same viscosity.
+        let controls = separated(&law(""), [0.0, velocity], 1e-3);
+        let controls = controls.replace("name=C\n", &format!("name=C, viscosity={viscosity}\n"));
+        let (_, of_controls) = run(&controls);
+        assert_eq!(column(&text, &memory, "SDEG@COH"), column(&controls, &of_controls, "SDEG@COH"));
+    }
+}
+
+/// Complete separation dissipates the fracture energy and, in proportion to a small viscosity, that of the viscosity; the
+/// energy balance is that of the work. A viscosity of 0 changes no bit.
+#[test]
+fn viscosity_dissipates_energy() {
+    let law = |damage: &str| format!("{ELASTIC}{QUADS}*Damage evolution, type=ENERGY\n 0.3,\n{damage}");
+    let results = |damage: &str| {
+        let text = separated(&law(damage), [0.0, 0.5], 2e-4);
+        let (outcome, memory) = run(&text);
+        assert_eq!(outcome.halt, None);
+        let of = |name: &str| last(&text, &memory, name);
+        assert!((of("ALLWK") - of("ALLIE") - of("ALLKE")).abs() < 1e-12 * of("ALLWK"));
+        assert!(of("ALLSE").abs() < 1e-3 * of("ALLDMD"), "{}", of("ALLSE"));
+        assert_eq!(of("STATUS@COH"), 0.0);
+        (of("ALLDMD"), column(&text, &memory, "S22@COH"))
+    };
+    let without = results("");
+    assert_eq!(results("*Damage stabilization\n 0.,\n"), without);
+    let [small, large] = [5e-4, 1e-3].map(|viscosity| results(&format!("*Damage stabilization\n {viscosity},\n")).0);
+    assert!(small > 1.01 * without.0);
+    assert_close("energy of the viscosity", (large - without.0) / (small - without.0), 2.0, 5e-2);
+}
+
 /// Returns two rings of quadrilaterals from r = 1 to 2 and z = 0 to 1 and 1 to 2 with their own nodes, `n` and `m`
 /// elements over r. Node sets and surfaces LOW and TOP are the outer faces, BELOW and ABOVE the inner ones; the elements
 /// are in the sets LOWER and UPPER. Nodes of the inner faces are 100 + i and 200 + i.
@@ -526,6 +624,15 @@ fn invalid_cohesive_elements_are_reported() {
     let good = pressed(&(rings(3, 3) + &layer(100, 200, 3, &law)), -2.0);
     let cases: &[(&str, &str, &str, &str)] = &[
         ("1000., 800.\n", "-1000., 800.\n", "M103", "Enn"),
+        (
+            "*Elastic, type=TRACTION\n 1000., 800.",
+            "*Elastic, type=COUPLED TRACTION\n 1000., 800., , 900.",
+            "M103",
+            "root of",
+        ),
+        (" 0.3,\n", " 0.3,\n*Damage stabilization\n -1.,\n", "M103", "viscosity"),
+        (" 0.3,\n", " 0.3,\n*Damage stabilization\n 1.,\n*Damage stabilization\n 1.,\n", "M104", "one *DAMAGE STAB"),
+        ("*Damage evolution", "*Damage stabilization\n 1.,\n*Damage evolution", "M105", "must follow"),
         (" 0.3,\n", " 1e-3,\n", "P026", "less than the elastic energy"),
         (" 0.3,\n", " 0.,\n", "M103", "fracture energy"),
         ("type=ENERGY\n 0.3,", "type=ENERGY, mixed mode behavior=BK\n 0.3, 0.5", "M103", "require POWER"),

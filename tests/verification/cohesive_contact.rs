@@ -109,9 +109,33 @@ fn rings_that_are_pulled_apart_dissipate_the_fracture_energy() {
 /// the mid-surface: both give the same forces at equal increments.
 #[test]
 fn equal_meshes_are_cohesive_elements() {
-    let law = format!("{ELASTIC}{QUADS}*Damage evolution, type=ENERGY, mixed mode behavior=BK, power=1.8\n 0.3, 0.5\n");
-    let of_surfaces =
-        format!("{BOND}{QUADS}*Damage evolution, type=ENERGY, mixed mode behavior=BK, power=1.8\n 0.3, 0.5\n");
+    assert_equal_to_elements(ELASTIC, BOND, "", 1e-4);
+}
+
+#[test]
+fn equal_meshes_with_coupled_tractions_are_cohesive_elements() {
+    // The rings rotate by different angles: the facet turns by 1e-3 against the mid-surface.
+    for coupling in [300.0, -300.0] {
+        assert_equal_to_elements(
+            &format!("*Elastic, type=COUPLED TRACTION\n 1000., 800., 0., {coupling}\n"),
+            &format!("*Cohesive behavior, type=COUPLED, eligibility=ORIGINAL CONTACTS\n 1000., 800., 0., {coupling}\n"),
+            "",
+            1e-3,
+        );
+    }
+}
+
+#[test]
+fn equal_meshes_with_viscous_damage_are_cohesive_elements() {
+    // A point fails at the damage 0.999. An element acts until both points have failed.
+    assert_equal_to_elements(ELASTIC, BOND, "*Damage stabilization\n 0.05,\n", 1e-3);
+}
+
+/// Compares bonds of this behaviour with cohesive elements of this elasticity, with further cards of the damage.
+#[track_caller]
+fn assert_equal_to_elements(elastic: &str, behavior: &str, more: &str, tolerance: f64) {
+    let damage = format!("{QUADS}*Damage evolution, type=ENERGY, mixed mode behavior=BK, power=1.8\n 0.3, 0.5\n{more}");
+    let (law, of_surfaces) = (format!("{elastic}{damage}"), format!("{behavior}{damage}"));
     // Shear begins under tension: the contact of the surfaces has no pressure.
     let later = "*Amplitude, name=LATER\n 0., 0., 0.1, 0., 0.2, 1.\n*Step\n";
     let shear = "*Boundary, type=VELOCITY, amplitude=LATER\n TOP, 1, 1, 0.03\n*Output";
@@ -125,12 +149,12 @@ fn equal_meshes_are_cohesive_elements() {
         let largest = a.iter().map(|row| row.1.abs()).fold(0.0, f64::max);
         assert_eq!(a.len(), b.len());
         for (x, y) in a.iter().zip(&b) {
-            assert!((x.1 - y.1).abs() < 1e-4 * largest, "{name} {x:?} {y:?}");
+            assert!((x.1 - y.1).abs() < tolerance * largest, "{name} {x:?} {y:?}");
         }
         assert!(largest > 1.0, "{name}");
     }
     let [a, b] = [(&elements, &one), (&surfaces, &other)].map(|(text, memory)| last(text, memory, "ALLDMD"));
-    assert_close("energy", b, a, 1e-4);
+    assert_close("energy", b, a, tolerance);
 }
 
 /// A tube that is pulled out of a bonded sleeve: uniform shear, the fracture energy of the shear mode, and friction under
@@ -498,14 +522,19 @@ fn deleted_elements_release_their_bonds() {
 
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
-    let text = pulled(&(rings(40, 57) + &bonded()), "\n ").replace(", 2.\n", ", 0.5\n");
-    let digest = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| run(&text).0.digest)
-    };
-    let one = digest(1);
-    for threads in [2, 5] {
-        assert!(one == digest(threads), "{threads} threads");
+    let plain = pulled(&(rings(40, 57) + &bonded()), "\n ").replace(", 2.\n", ", 0.5\n");
+    let coupled = plain.replace("*Cohesive behavior,", "*Cohesive behavior, type=COUPLED,");
+    let coupled = coupled.replace(" 1000., 800.\n", " 1000., 800., , 300.\n");
+    let viscous = coupled.replace(EVOLUTION, &format!("{EVOLUTION}*Damage stabilization\n 0.05,\n"));
+    for text in [plain, viscous] {
+        let digest = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| run(&text).0.digest)
+        };
+        let one = digest(1);
+        for threads in [2, 5] {
+            assert!(one == digest(threads), "{threads} threads");
+        }
     }
 }
 
@@ -529,7 +558,6 @@ fn invalid_cohesive_surfaces_are_reported() {
     let cases: &[(&str, &str, &str, &str)] = &[
         (" 1000., 800.\n", " 1000.,\n", "M103", "both the normal and the shear stiffness"),
         (" 1000., 800.\n", " -1000., 800.\n", "M103", "normal stiffness"),
-        ("*Cohesive behavior,", "*Cohesive behavior, type=COUPLED,", "M104", "uncoupled"),
         ("*Cohesive behavior,", "*Cohesive behavior, dependencies=1,", "M104", "DEPENDENCIES"),
         ("eligibility=ORIGINAL", "eligibility=SPECIFIED", "M103", "ELIGIBILITY"),
         (BOND, "", "M105", "must follow its *COHESIVE BEHAVIOR"),
@@ -542,10 +570,12 @@ fn invalid_cohesive_surfaces_are_reported() {
             "one *DAMAGE INITIATION",
         ),
         (" 0.3,\n", " 1e-3,\n", "P027", "less than the elastic energy"),
-        ("*Damage evolution", "*Damage stabilization\n 1e-3,\n*Damage evolution", "D201", "DAMAGE STABILIZATION"),
+        ("*Damage evolution", "*Damage stabilization\n 1e-3,\n*Damage evolution", "M105", "DAMAGE STABILIZATION"),
         ("*Step", &elements, "M104", "apply only to cohesive surfaces"),
     ];
     assert_reported(&good, cases);
+    let coupled = good.replacen("*Cohesive behavior,", "*Cohesive behavior, type=COUPLED,", 1);
+    assert_reported(&coupled, &[(" 1000., 800.\n", " 1000., 800., , 900.\n", "M103", "less than 8.9")]);
     let wall = "*Node\n 900, 0., 1.\n*Surface, name=WALL, type=SEGMENTS\n START, 9., 1.\n LINE, 0., 1.\n*Rigid body, ref \
                 node=900, analytical surface=WALL\n*Boundary\n 900, ENCASTRE\n*Surface interaction";
     let text = good.replacen("*Surface interaction", wall, 1);

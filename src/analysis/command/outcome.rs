@@ -26,6 +26,10 @@ pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
         let energy = summary.energy.mass_scaling.unwrap_or(0.0);
         print_out!("mass scaling: {added:.2} % added to the mass of the deformable bodies, ALLMW {energy:.3e}");
     }
+    if let Some(changes) = summary.mesh_changes {
+        let lost = summary.energy.advection.unwrap_or(0.0);
+        print_out!("adaptive meshes: {changes} changes (NADAPT), kinetic energy lost by transport (ALLADV) {lost:.3e}");
+    }
     if summary.deleted_elements > 0 {
         print_out!("{} elements were deleted", summary.deleted_elements);
     }

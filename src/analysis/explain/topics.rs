@@ -43,8 +43,9 @@ pub(super) const TOPICS: &[HelpTopic] = &[
         words: &["COHAX4"],
         text: "COHAX4: four-node axisymmetric cohesive element with *COHESIVE SECTION. Nodes 1 and 2 are the bottom face, 4 and 3 the\n\
                nodes of the top face opposite to them; the faces may coincide. Two integration points at the ends of the mid-surface.\n\
-               Material: *ELASTIC, TYPE=TRACTION; *DAMAGE INITIATION with MAXS, QUADS, MAXE or QUADE; *DAMAGE EVOLUTION. Output: S22\n\
-               and S12 (tractions), E22 and E12, SDEG, MAXSCRT, ..., STATUS. Faces S1 and S3 can be tied (docs/theory/cohesive.md).\n",
+               Material: *ELASTIC, TYPE=TRACTION or COUPLED TRACTION; *DAMAGE INITIATION with MAXS, QUADS, MAXE or QUADE; *DAMAGE\n\
+               EVOLUTION; *DAMAGE STABILIZATION. Output: S22 and S12 (tractions), E22 and E12, SDEG, MAXSCRT, ..., STATUS. Faces S1\n\
+               and S3 can be tied (docs/theory/cohesive.md).\n",
     },
     HelpTopic {
         words: &["MASS", "SPRINGA", "SPRING1", "DASHPOTA", "DASHPOT1"],

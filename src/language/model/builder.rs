@@ -265,6 +265,7 @@ impl<'a> ModelBuilder<'a> {
             "MATERIAL" => self.begin_material(card),
             "DAMAGE INITIATION" if self.in_interaction => self.cohesive_initiation(card),
             "DAMAGE EVOLUTION" if self.in_interaction => self.cohesive_evolution(card),
+            "DAMAGE STABILIZATION" if self.in_interaction => self.cohesive_stabilization(card),
             _ if card.keyword.place.is_below("MATERIAL") => self.material_card(card),
             "PHYSICAL CONSTANTS" => self.physical_constants(card),
             "SOLID SECTION" => self.solid_section(card),

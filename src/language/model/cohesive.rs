@@ -42,6 +42,48 @@ impl ModelBuilder<'_> {
         });
     }
 
+    /// Reads `*ELASTIC, TYPE=COUPLED TRACTION`.
+    pub(super) fn coupled_traction(&mut self, card: &Card) {
+        let [normal, shear, _, coupling]: [f64; 4] = card.read_lines();
+        if self.is_stable_coupling(card, [normal, shear], coupling) {
+            let interface = &mut self.last_material().interface;
+            (interface.elastic, interface.coupling) = (Some([normal, shear]), coupling);
+        }
+    }
+
+    /// Returns whether a separation in any direction needs work; otherwise the stiffnesses are reported.
+    pub(super) fn is_stable_coupling(&mut self, card: &Card, [normal, shear]: [f64; 2], coupling: f64) -> bool {
+        // Stiffnesses out of range have been reported.
+        let good = coupling * coupling < normal * shear || !(normal > 0.0 && shear > 0.0);
+        if !good {
+            let limit = (normal * shear).sqrt();
+            let message = format!(
+                "the coupling stiffness {coupling:e} must be less than {limit:e} in absolute value, the root of the product \
+                 of normal and shear stiffness"
+            );
+            self.out_of_range(line_span(card), &message);
+        }
+        good
+    }
+
+    /// Reads `*DAMAGE STABILIZATION` of a material of cohesive elements.
+    pub(super) fn interface_stabilization(&mut self, card: &Card) {
+        let cards::DamageStabilization { viscosity: [viscosity] } = self.values(card);
+        let interface = &self.last_material().interface;
+        if interface.evolution.is_none() {
+            if !self.missing.has_card("DAMAGE EVOLUTION") && !self.missing.has_card("DAMAGE INITIATION") {
+                let message =
+                    "*DAMAGE STABILIZATION must follow the *DAMAGE EVOLUTION of cohesive elements or surfaces";
+                let finding = Diagnostic::error("M105", message).at(card.span, "no such *DAMAGE EVOLUTION before");
+                self.diagnostics.push(finding.help("the damage of solid elements is not delayed: remove the card"));
+            }
+        } else if interface.viscosity.is_some() {
+            self.unsupported(card.span, "a material has one *DAMAGE STABILIZATION", "remove one of the cards");
+        } else {
+            self.last_material().interface.viscosity = Some((viscosity, card.span));
+        }
+    }
+
     /// Reads `*DAMAGE INITIATION` with a criterion of cohesive elements. Returns whether it has one.
     pub(super) fn interface_initiation(&mut self, card: &Card, criterion: usize) -> bool {
         let Some(initiation) = initiation_of(card, criterion) else { return false };

@@ -1,5 +1,5 @@
-//! Cohesive behaviour of contact surfaces: `*COHESIVE BEHAVIOR` of a surface interaction, and the `*DAMAGE INITIATION`
-//! and `*DAMAGE EVOLUTION` that follow it (ABAQUS Keywords Reference Guide).
+//! Cohesive behaviour of contact surfaces: `*COHESIVE BEHAVIOR` of a surface interaction, and the `*DAMAGE INITIATION`,
+//! `*DAMAGE EVOLUTION` and `*DAMAGE STABILIZATION` that follow it (ABAQUS Keywords Reference Guide).
 
 use super::builder::ModelBuilder;
 use super::cohesive::initiation_of;
@@ -10,7 +10,11 @@ use crate::deck::{Card, Diagnostic};
 impl ModelBuilder<'_> {
     pub(super) fn cohesive_behavior(&mut self, card: &Card) {
         self.contact_note(card);
-        let constraints::CohesiveBehavior { original, repeated, stiffness } = self.values(card);
+        let constraints::CohesiveBehavior { original, coupled, repeated, stiffness } = self.values(card);
+        let (stiffness, coupling) = ([stiffness[0], stiffness[1]], if coupled { stiffness[3] } else { 0.0 });
+        if coupled && !self.is_stable_coupling(card, stiffness, coupling) {
+            return;
+        }
         if stiffness[0].is_nan() != stiffness[1].is_nan() {
             let span = card.lines.first().map_or(card.span, |line| line.span);
             let message = "*COHESIVE BEHAVIOR requires both the normal and the shear stiffness, or no data line";
@@ -20,6 +24,8 @@ impl ModelBuilder<'_> {
         let Some(interaction) = self.model.interactions.last_mut() else { return };
         interaction.cohesion = Some(CohesiveBehavior {
             stiffness,
+            coupling,
+            viscosity: 0.0,
             original_only: original,
             repeated,
             initiation: None,
@@ -75,5 +81,20 @@ impl ModelBuilder<'_> {
         if let (Some(softening), Some(cohesion)) = (softening, self.last_cohesion(card)) {
             cohesion.evolution = Some(InterfaceEvolution { softening, span: card.span });
         }
+    }
+
+    /// Reads `*DAMAGE STABILIZATION` of a surface interaction.
+    pub(super) fn cohesive_stabilization(&mut self, card: &Card) {
+        let materials::DamageStabilization { viscosity: [viscosity] } = self.values(card);
+        let Some(cohesion) = self.last_cohesion(card) else { return };
+        if cohesion.evolution.is_none() {
+            if !self.missing.has_card("DAMAGE INITIATION") && !self.missing.has_card("DAMAGE EVOLUTION") {
+                let message = "*DAMAGE STABILIZATION must follow a *DAMAGE EVOLUTION";
+                let finding = Diagnostic::error("M105", message).at(card.span, "no *DAMAGE EVOLUTION before");
+                self.diagnostics.push(finding);
+            }
+            return;
+        }
+        cohesion.viscosity = viscosity;
     }
 }

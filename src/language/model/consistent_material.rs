@@ -138,6 +138,10 @@ impl ConsistencyCheck<'_> {
         need(begins, "values of damage initiation must be positive");
         let good = interface.evolution.as_ref().is_none_or(|e| softens(&e.softening));
         need(good, "damage evolution of cohesive elements out of range");
+        let coupled =
+            interface.elastic.is_none_or(|[normal, shear]| interface.coupling * interface.coupling < normal * shear);
+        need(coupled, "the coupling stiffness of cohesive elements is too large");
+        need(interface.viscosity.is_none_or(|v| is_non_negative(v.0)), "the viscosity of damage must not be negative");
         let based = interface.evolution.is_none() || interface.initiation.is_some();
         need(based, "damage evolution of cohesive elements requires damage initiation");
     }

@@ -30,6 +30,7 @@ impl ModelBuilder<'_> {
             by_area: values.by_area,
             distortion: values.distortion.then(|| values.length_ratio.unwrap_or(LENGTH_RATIO)),
             max_degradation: most_damage,
+            viscosity: values.viscosity,
             averaged: values.averaged,
             subzonal: values.subzonal,
             keep_failed_elements: keeps_failed,

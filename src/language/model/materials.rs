@@ -12,6 +12,7 @@ use crate::kernel::levels::NestedTable;
 
 /// Index of the value of `TYPE` of `*ELASTIC` in the keyword table.
 const TRACTION: usize = 2;
+const COUPLED_TRACTION: usize = 3;
 /// Indices of the values of `HARDENING`, the first one also of `TYPE` of `*ELASTIC`.
 const ISOTROPIC: usize = 0;
 const KINEMATIC: usize = 1;
@@ -54,6 +55,7 @@ impl ModelBuilder<'_> {
             "TENSILE FAILURE" => self.tensile_failure(card),
             "DAMAGE INITIATION" => self.damage_initiation(card),
             "DAMAGE EVOLUTION" => self.damage_evolution(card),
+            "DAMAGE STABILIZATION" => self.interface_stabilization(card),
             "PLASTIC" => self.plastic(card),
             "RATE DEPENDENT" => self.rate_dependent(card),
             "INELASTIC HEAT FRACTION" => {
@@ -99,6 +101,7 @@ impl ModelBuilder<'_> {
         match kind {
             ISOTROPIC => {}
             TRACTION => return self.last_material().interface.elastic = Some(card.read_lines()),
+            COUPLED_TRACTION => return self.coupled_traction(card),
             _ => {
                 let [modulus]: [f64; 1] = card.read_lines();
                 return self.last_material().shear_modulus = Some(modulus);

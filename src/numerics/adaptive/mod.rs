@@ -9,13 +9,15 @@ pub mod loops;
 mod momentum;
 mod shape;
 pub mod smoothing;
+mod temperatures;
 #[cfg(test)]
 mod tests;
 pub mod topology;
 pub mod transport;
 
 use crate::element::elements::Elements;
-use crate::element::group::ElementGroup;
+use crate::element::group::{ArrivedElements, ElementGroup};
+use crate::heat::field::TemperatureField;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad;
@@ -28,6 +30,7 @@ use loops::DomainLoops;
 use momentum::MomentumTransport;
 use shape::smallest_angle;
 use smoothing::{MeshGrading, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
+use temperatures::TemperatureTransport;
 use topology::DomainTopology;
 use transport::{ElementTransport, TransportOrder};
 
@@ -66,6 +69,8 @@ pub struct AdaptiveDomain {
     active: ActiveParts,
     transport: ElementTransport,
     momentum: MomentumTransport,
+    /// Nodal temperatures; `None` if the elements have none.
+    temperatures: Option<TemperatureTransport>,
     /// Places of the nodes: before, at the end, and at both ends of a transport.
     places: [Vec<[f64; 2]>; 4],
     /// Velocities in the middle of the next increment, before and after the change of the mesh.
@@ -96,7 +101,9 @@ impl AdaptiveDomain {
         (nodes, fixed): (&Nodes, &[bool]),
     ) -> Option<AdaptiveDomain> {
         let topology = DomainTopology::new(group, elements);
-        let variables = group.extensions().transfer()?.variables();
+        let transfer = group.extensions().transfer()?;
+        let variables = transfer.variables();
+        transfer.prepare();
         let (cells, count) = (topology.corners.len(), topology.nodes.len());
         let mobility = mobility(&topology, fixed);
         let starts: Vec<[f64; 2]> = topology.nodes.iter().map(|n| nodes[*n as usize].place()).collect();
@@ -117,6 +124,7 @@ impl AdaptiveDomain {
             active: ActiveParts::new(&topology),
             transport: ElementTransport::new(&topology, settings.order),
             momentum: MomentumTransport::new(&topology, settings.order),
+            temperatures: None,
             places: [places(), places(), places(), places()],
             given_velocity: places(),
             velocity: places(),
@@ -131,6 +139,18 @@ impl AdaptiveDomain {
         })
     }
 
+    /// Returns the domain with the transport of nodal temperatures.
+    #[must_use]
+    pub fn with_temperatures(mut self) -> AdaptiveDomain {
+        self.temperatures = Some(TemperatureTransport::new(self.topology.nodes.len()));
+        self
+    }
+
+    /// Returns the element group of the domain.
+    pub fn group(&self) -> usize {
+        self.group
+    }
+
     /// Takes the history of the domain of a previous step with the same ledger row.
     pub fn continue_from(&mut self, previous: &AdaptiveDomain) {
         (self.first, self.changes) = (previous.first, previous.changes);
@@ -140,7 +160,8 @@ impl AdaptiveDomain {
     /// Returns the size of all lists in bytes.
     pub fn bytes(&self) -> usize {
         let mesh = self.topology.bytes() + self.smoothing.bytes() + self.active.bytes();
-        let work = mesh + self.transport.bytes() + self.momentum.bytes();
+        let heat = self.temperatures.as_ref().map_or(0, TemperatureTransport::bytes);
+        let work = mesh + self.transport.bytes() + self.momentum.bytes() + heat;
         let nodes = self.places.iter().map(heap_bytes).sum::<usize>()
             + heap_bytes(&self.velocity)
             + heap_bytes(&self.given_velocity)
@@ -208,10 +229,13 @@ impl AdaptiveDomain {
         &mut self,
         (half, loops): (f64, DomainLoops),
         elements: &mut Elements,
-        dofs: &mut Dofs,
+        (dofs, mut field): (&mut Dofs, Option<&mut TemperatureField>),
         changed: &mut dyn FnMut(usize, [f64; 2]),
     ) {
         self.read(half, elements, &dofs.nodes);
+        if let (Some(temperatures), Some(field)) = (&mut self.temperatures, &field) {
+            temperatures.read(&self.topology, self.group, field);
+        }
         let before = self.kinetic();
         self.given_velocity.copy_from_slice(&self.velocity);
         let transports = self.limit_displacements(loops);
@@ -221,6 +245,10 @@ impl AdaptiveDomain {
         self.restore_prescribed();
         dofs.energies.advection += before - self.kinetic();
         self.write(half, elements, &mut dofs.nodes, changed);
+        if let (Some(temperatures), Some(field)) = (&mut self.temperatures, &mut field) {
+            field.take_masses(self.group, &*elements.groups[self.group]);
+            temperatures.write((&self.topology, &self.active), field);
+        }
     }
 
     /// Finds new places by smoothing.
@@ -328,6 +356,10 @@ impl AdaptiveDomain {
         let [before, after] = &self.corner_mass;
         self.momentum.measure(loops, domain, self.transport.fluxes(), [before, after]);
         self.momentum.move_velocity(loops, domain, &mut self.velocity, &self.node_mass[1]);
+        if let Some(temperatures) = &mut self.temperatures {
+            let [before, after] = &self.node_mass;
+            temperatures.advance(&mut self.momentum, loops, domain, [before, after]);
+        }
         self.packs.iter_mut().for_each(|values| self.transport.move_variables(loops, domain, values));
         self.corner_mass.swap(0, 1);
         self.node_mass.swap(0, 1);
@@ -374,7 +406,9 @@ impl AdaptiveDomain {
     ) {
         let group = &mut elements.groups[self.group];
         if let Some(transfer) = group.extensions().transfer() {
-            transfer.write((&self.topology.elements, &self.active.changes), &self.packs, &self.corner_mass[0]);
+            let (masses, corners) = (&*self.corner_mass[0], &*self.topology.corners);
+            let arrived = ArrivedElements { masses, corners, places: &self.places[1] };
+            transfer.write((&self.topology.elements, &self.active.changes), &self.packs, arrived);
         }
         elements.wake();
         for (i, n) in self.topology.nodes.iter().enumerate().filter(|(i, _)| self.active.nodes[*i]) {
@@ -412,6 +446,6 @@ fn mobility(topology: &DomainTopology, fixed: &[bool]) -> Vec<NodeMobility> {
 }
 
 persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing } derived {
-    id, group, settings, topology, active, transport, momentum, places, velocity, given_velocity, node_mass,
+    id, group, settings, topology, active, transport, momentum, temperatures, places, velocity, given_velocity, node_mass,
     mass, corner_mass, packs
 });

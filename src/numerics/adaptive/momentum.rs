@@ -7,7 +7,7 @@
 use super::active::ActiveParts;
 use super::limiter::{larger, smaller};
 use super::loops::DomainLoops;
-use super::topology::{DomainEdge, DomainTopology};
+use super::topology::{DomainEdge, DomainTopology, is_triangle};
 use super::transport::{EdgeFlux, TransportOrder};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
@@ -74,7 +74,8 @@ impl MomentumTransport {
                 let e = start + at;
                 if active.changes[e] {
                     let inflow = corner_inflow(domain, between, e);
-                    *masses = passed([0, 1, 2, 3].inline_map(|i: usize| (after[e][i] - before[e][i]) - inflow[i]));
+                    let gains = [0, 1, 2, 3].inline_map(|i: usize| (after[e][i] - before[e][i]) - inflow[i]);
+                    *masses = if is_triangle(&domain.corners[e]) { passed_in_triangle(gains) } else { passed(gains) };
                 }
             }
         });
@@ -252,9 +253,28 @@ fn passed(gains: [f64; 4]) -> [f64; 4] {
     passed.inline_map(|flux| flux - mean)
 }
 
+/// Returns the masses that pass in a triangle, whose last two corners are one node: nothing passes between these.
+fn passed_in_triangle([_, second, third, fourth]: [f64; 4]) -> [f64; 4] {
+    let to_third = -second;
+    let to_first = to_third - (third + fourth);
+    let mean = (to_third + to_first) / 3.0;
+    [-mean, to_third - mean, 0.0, to_first - mean]
+}
+
 #[cfg(test)]
 mod tests {
-    use super::passed;
+    use super::{passed, passed_in_triangle};
+
+    #[test]
+    fn corners_of_a_triangle_gain_what_passes() {
+        let gains = [1.0, -2.5, 0.5, 1.0];
+        let [to_second, to_third, within, to_first] = passed_in_triangle(gains);
+        let found = [to_first - to_second, to_second - to_third, to_third - to_first];
+        for (found, expected) in found.into_iter().zip([1.0, -2.5, 1.5]) {
+            assert!((found - expected).abs() < 1e-15);
+        }
+        assert!(within == 0.0 && (to_second + to_third + to_first).abs() < 1e-15);
+    }
 
     #[test]
     fn corners_gain_what_passes() {

@@ -2,7 +2,7 @@
 
 use super::loops::DomainLoops;
 use super::shape::corner_shape;
-use super::topology::{BoundaryNode, DomainTopology};
+use super::topology::{BoundaryNode, DomainTopology, is_triangle};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
 use crate::state::archive::persist_struct;
@@ -431,7 +431,7 @@ impl MeshSmoothing {
         if grading.is_none() && weights.volumetric != 0.0 {
             loops.each(parts, |start, list| {
                 for (part, corners) in list.iter_mut().zip(&domain.corners[start..]) {
-                    *part = centre_and_area(corners.inline_map(|n| places[n as usize]));
+                    *part = centre_and_area(corners.inline_map(|n| places[n as usize]), is_triangle(corners));
                 }
             });
         }
@@ -543,9 +543,13 @@ impl SmoothingWeights {
 }
 
 /// Returns the centre of an element times its area, and its area.
-fn centre_and_area(at: [[f64; 2]; 4]) -> [f64; 3] {
+fn centre_and_area(at: [[f64; 2]; 4], is_triangle: bool) -> [f64; 3] {
     let area = quad::section(at.inline_map(|c| c[0]), at.inline_map(|c| c[1])).max(0.0);
-    let along = |i: usize| 0.25 * area * ((at[0][i] + at[1][i]) + (at[2][i] + at[3][i]));
+    let middle = |i: usize| {
+        let three = at[0][i] + at[1][i] + at[2][i];
+        if is_triangle { three / 3.0 } else { 0.25 * ((at[0][i] + at[1][i]) + (at[2][i] + at[3][i])) }
+    };
+    let along = |i: usize| area * middle(i);
     [along(0), along(1), area]
 }
 
@@ -586,6 +590,9 @@ fn equipotential_place(domain: &DomainTopology, places: &[[f64; 2]], node: usize
 /// Returns the eight nodes around a node with four elements, counter-clockwise from an adjacent one.
 fn ring(domain: &DomainTopology, node: usize) -> Option<[u32; 8]> {
     let elements: [u32; 4] = domain.around.list(node).try_into().ok()?;
+    if elements.iter().any(|e| is_triangle(&domain.corners[*e as usize])) {
+        return None;
+    }
     let corner = |e: u32| {
         let corners = domain.corners[e as usize];
         let own = corners.iter().position(|n| *n as usize == node)?;

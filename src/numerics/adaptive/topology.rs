@@ -84,7 +84,7 @@ pub struct DomainTopology {
     pub elements: Vec<u32>,
     /// Index in the solver of each node.
     pub nodes: Vec<u32>,
-    /// Corners of each element, counter-clockwise.
+    /// Corners of each element, counter-clockwise; the last two of a triangle are equal.
     pub corners: Vec<[u32; 4]>,
     pub edges: Vec<DomainEdge>,
     /// Edges of each element, from its corner i to the next one.
@@ -136,10 +136,16 @@ impl DomainTopology {
     }
 }
 
+/// Returns whether an element with these corners is a triangle.
+pub fn is_triangle(corners: &[u32; 4]) -> bool {
+    corners[2] == corners[3]
+}
+
 fn around(corners: &[[u32; 4]], count: usize) -> Vec<Vec<u32>> {
     let mut around = vec![Vec::new(); count];
     for (e, corners) in corners.iter().enumerate() {
-        corners.iter().for_each(|n| around[*n as usize].push(e as u32));
+        let count = if is_triangle(corners) { 3 } else { 4 };
+        corners[..count].iter().for_each(|n| around[*n as usize].push(e as u32));
     }
     around
 }

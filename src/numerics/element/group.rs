@@ -271,12 +271,25 @@ pub trait ElementTemperatures {
 pub trait ElementTransfer {
     /// Returns the number of variables of an element.
     fn variables(&mut self) -> usize;
+    /// Allocates what [`ElementTransfer::write`] needs, before the first increment.
+    fn prepare(&mut self);
     /// Reads the variables of elements in ascending order, per mass, into lists of packs. The second list is whether each
     /// element is read.
     fn read(&mut self, elements: (&[u32], &[bool]), packs: &mut [Vec<Pack>]);
     /// Writes the variables, and the masses of the elements at their corners. The second list is whether each element is
     /// written.
-    fn write(&mut self, elements: (&[u32], &[bool]), packs: &[Vec<Pack>], masses: &[[f64; 4]]);
+    fn write(&mut self, elements: (&[u32], &[bool]), packs: &[Vec<Pack>], arrived: ArrivedElements<'_>);
+}
+
+/// Elements of a domain after a transport, in its order.
+#[derive(Clone, Copy)]
+pub struct ArrivedElements<'a> {
+    /// Masses at the corners.
+    pub masses: &'a [[f64; 4]],
+    /// Nodes of the corners, as indices of `places`.
+    pub corners: &'a [[u32; 4]],
+    /// Places of the nodes.
+    pub places: &'a [[f64; 2]],
 }
 
 /// Field variables of elements, counted from 0 and below [`GroupProperties::fields`].
@@ -695,11 +708,10 @@ impl<M: Material> GroupExtensions for QuadGroup<M> {
         if M::CALLS { Some(self) } else { None }
     }
 
-    /// Materials with user subroutines depend on the initial places of their nodes, and subzonal pressures on the initial
-    /// masses of the subzones.
+    /// Subzonal pressures depend on the initial masses of the subzones.
     fn transfer(&mut self) -> Option<&mut dyn ElementTransfer> {
         let subzones = self.tasks.first().is_some_and(|task| !task.task.subzones.is_empty());
-        if M::CALLS || self.constants.by_area || subzones { None } else { Some(self) }
+        if self.constants.by_area || subzones || !self.material.can_be_carried() { None } else { Some(self) }
     }
 
     fn user(&mut self) -> Option<&mut dyn UserCalls> {

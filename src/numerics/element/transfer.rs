@@ -2,10 +2,10 @@
 //! adaptive mesh domain, and written back after the transport.
 
 use super::block::ElementBlock;
-use super::group::{ElementTransfer, QuadGroup, TASK};
-use crate::kernel::lanes::{LANES, Lanes, PACK, Pack};
+use super::group::{ArrivedElements, ElementTransfer, QuadGroup, TASK};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, PACK, Pack, column};
 use crate::material::Material;
-use crate::material::carried::CarriedState;
+use crate::material::carried::{ArrivedElement, CarriedState};
 
 /// Whether a variable is a value per mass, or a sum over the element.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -55,6 +55,10 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
         count
     }
 
+    fn prepare(&mut self) {
+        self.blocks.iter_mut().for_each(|block| self.material.prepare_transport(&mut block.state));
+    }
+
     fn read(&mut self, (elements, wanted): (&[u32], &[bool]), packs: &mut [Vec<Pack>]) {
         by_block(elements, wanted, |block, range| {
             let (mass, mut variable) = (self.blocks[block].mass, 0);
@@ -70,11 +74,11 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
         });
     }
 
-    fn write(&mut self, (elements, wanted): (&[u32], &[bool]), packs: &[Vec<Pack>], masses: &[[f64; 4]]) {
+    fn write(&mut self, (elements, wanted): (&[u32], &[bool]), packs: &[Vec<Pack>], arrived: ArrivedElements<'_>) {
         by_block(elements, wanted, |block, range| {
             self.wake(block / TASK);
             for i in range.clone().filter(|i| wanted[*i]) {
-                self.blocks[block].set_corner_masses(elements[i] as usize % LANES, masses[i]);
+                self.blocks[block].set_corner_masses(elements[i] as usize % LANES, arrived.masses[i]);
             }
             let (mass, mut variable) = (self.blocks[block].mass, 0);
             self.carry(block, &mut |list, extent| {
@@ -86,6 +90,13 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
                 }
                 variable += 1;
             });
+            let ElementBlock { stress, state, .. } = &mut self.blocks[block];
+            for i in range.filter(|i| wanted[*i]) {
+                let lane = elements[i] as usize % LANES;
+                let corners = arrived.corners[i].inline_map(|n| arrived.places[n as usize]);
+                let element = ArrivedElement { corners, mass: mass[lane], stress: column(stress, lane) };
+                self.material.arrive(state, lane, &element);
+            }
         });
     }
 }

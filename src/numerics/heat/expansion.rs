@@ -73,6 +73,30 @@ impl ThermalStrains {
         }
     }
 
+    /// Adds the thermal strains at the current temperatures of a group, times a sign, to those that have been applied. Taken
+    /// off before a transport in an adaptive mesh and added after it, only the strain that is still to be applied stays.
+    pub fn add_current(&mut self, sign: f64, index: usize, heat: Option<&TemperatureField>, elements: &mut Elements) {
+        let [temperatures, _] = &mut self.scratch;
+        for (expanding, strains) in self.list.iter().zip(&mut self.strains).filter(|e| e.0.group == index) {
+            let temperatures = &mut temperatures[..strains.len()];
+            match heat.filter(|heat| heat.conducts(index)) {
+                Some(heat) => {
+                    for (e, temperature) in temperatures.iter_mut().enumerate() {
+                        *temperature = heat.element_temperature(index, e).unwrap_or(f64::NAN);
+                    }
+                }
+                None => {
+                    if let Some(group) = elements.groups[index].extensions().temperatures() {
+                        group.temperatures(temperatures);
+                    }
+                }
+            }
+            for (strain, temperature) in strains.iter_mut().zip(&*temperatures) {
+                *strain += sign * expanding.strain(*temperature);
+            }
+        }
+    }
+
     pub(super) fn bytes(&self) -> usize {
         self.strains.iter().chain(&self.scratch).map(heap_bytes).sum()
     }

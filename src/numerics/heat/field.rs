@@ -8,6 +8,7 @@ use super::sources::{HeatSource, PrescribedTemperature};
 use crate::constraint::Constraint;
 use crate::constraint::bonds::LinkSystem;
 use crate::element::elements::Elements;
+use crate::element::group::ElementGroup;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
@@ -41,6 +42,9 @@ pub struct HeatEnergies {
 /// rise per increment.
 const PASSES: usize = 3;
 
+/// Most steps of Newton's method for the temperature of a heat content.
+const NEWTON_STEPS: usize = 20;
+
 /// Factor on the exchange of a node in the stability bound: the off-diagonal sum of an exchange between nodes equals
 /// its diagonal (Gershgorin), plus a margin of 10 % that damps oscillations.
 const BESIDE: f64 = 2.2;
@@ -50,6 +54,8 @@ const BESIDE: f64 = 2.2;
 pub struct TemperatureField {
     pub id: EffectId,
     conductors: Arc<ConductingElements>,
+    /// Element groups with an adaptive mesh: their masses are those of the elements.
+    adaptive: Vec<usize>,
     /// Conditions from each step on; `None` if those of the previous step continue.
     steps: Arc<Vec<Option<ThermalConditions>>>,
     now: ThermalConditions,
@@ -97,6 +103,7 @@ impl TemperatureField {
         let films = steps.iter().flatten().flat_map(|s| &s.sources).any(HeatSource::is_film);
         TemperatureField {
             id,
+            adaptive: Vec::new(),
             now: ThermalConditions::default(),
             masses: if varies { masses } else { Vec::new() },
             capacity,
@@ -382,6 +389,112 @@ impl TemperatureField {
         Some(conductor.flux(&self.temperature, &dofs.nodes, &part.properties))
     }
 
+    /// Returns the heat that the nodes contain.
+    pub fn content(&self) -> f64 {
+        (0..self.temperature.len()).map(|node| self.content_at(node, self.temperature[node])).sum()
+    }
+
+    /// Returns the heat that a node contains at a temperature: the integral of its capacity.
+    pub(crate) fn content_at(&self, node: usize, temperature: f64) -> f64 {
+        if self.masses.is_empty() {
+            return self.capacity[node] * temperature;
+        }
+        let parts = self.conductors.parts.iter().zip(&self.masses);
+        parts.map(|(part, masses)| masses[node] * part.properties.capacity.integral(temperature)).sum()
+    }
+
+    /// Returns the heat per mass that a group contains at a temperature; 0 if it does not conduct.
+    pub(crate) fn heat_per_mass(&self, group: usize, temperature: f64) -> f64 {
+        let part = self.conductors.parts.iter().find(|part| part.group == group);
+        part.map_or(0.0, |part| part.properties.capacity.integral(temperature))
+    }
+
+    /// Returns the masses at the corners of an element; zero if it does not conduct.
+    pub(crate) fn masses_of(&self, group: usize, element: usize) -> [f64; 4] {
+        self.conductors.find(group, element).map_or([0.0; 4], |found| found.0.masses)
+    }
+
+    /// Returns whether the elements of a group conduct.
+    pub fn conducts(&self, group: usize) -> bool {
+        self.conductors.parts.iter().any(|part| part.group == group)
+    }
+
+    /// Takes the masses of a group with an adaptive mesh from its elements, from now on.
+    pub fn begin_adaptive(&mut self, index: usize, elements: &Elements) {
+        if self.conducts(index) {
+            if !self.adaptive.contains(&index) {
+                self.adaptive.push(index);
+            }
+            self.take_masses(index, &*elements.groups[index]);
+        }
+    }
+
+    /// Takes the masses of all groups with adaptive meshes from their elements, after a restart.
+    pub fn restore_masses(&mut self, elements: &Elements) {
+        for i in 0..self.adaptive.len() {
+            self.take_masses(self.adaptive[i], &*elements.groups[self.adaptive[i]]);
+        }
+    }
+
+    /// Takes the masses of the elements of a group, which an adaptive mesh has changed, and the capacities of all nodes.
+    pub fn take_masses(&mut self, index: usize, group: &dyn ElementGroup) {
+        let TemperatureField { conductors, masses, capacity, .. } = self;
+        let conductors = Arc::make_mut(conductors);
+        capacity.fill(0.0);
+        for (at_part, part) in conductors.parts.iter().enumerate() {
+            let list = &mut conductors.list[part.first..part.end];
+            if part.group == index {
+                for (e, conductor) in list.iter_mut().enumerate() {
+                    let of_element = group.masses(e);
+                    conductor.masses = [0, 1, 2, 3].inline_map(|i: usize| of_element[i]);
+                }
+            }
+            let mut of_part = masses.get_mut(at_part);
+            if let Some(masses) = &mut of_part {
+                masses.fill(0.0);
+            }
+            let specific = at(&part.properties.capacity, 0.0);
+            for (n, mass) in list.iter().flat_map(|conductor| conductor.nodes.iter().zip(conductor.masses)) {
+                capacity[*n as usize] += specific * mass;
+                if let Some(masses) = &mut of_part {
+                    masses[*n as usize] += mass;
+                }
+            }
+        }
+    }
+
+    /// Sets the temperature of a node from the heat that it contains after a transport.
+    pub(crate) fn set_content(&mut self, node: usize, content: f64) {
+        if self.masses.is_empty() {
+            self.temperature[node] = content / self.capacity[node];
+            return;
+        }
+        // Newton's method; the content increases with the temperature.
+        for _ in 0..NEWTON_STEPS {
+            let temperature = self.temperature[node];
+            let change = (content - self.content_at(node, temperature)) / self.capacity(node, temperature);
+            self.temperature[node] = temperature + change;
+            if change.abs() <= f64::EPSILON * temperature.abs() {
+                break;
+            }
+        }
+    }
+
+    /// Calls `brought` with each node of a prescribed temperature. `brought` returns the heat that the node contains after a
+    /// transport; the heat that it lacks at its temperature, which stays, is external.
+    pub(crate) fn restore_prescribed(&mut self, mut brought: impl FnMut(usize) -> Option<f64>) {
+        for of_card in 0..self.now.held.len() {
+            for at_node in 0..self.now.held[of_card].nodes.len() {
+                let node = self.now.held[of_card].nodes[at_node].node;
+                if let Some(content) = brought(node) {
+                    let heat = self.content_at(node, self.temperature[node]) - content;
+                    self.energies.external += heat;
+                    self.energies.internal += heat;
+                }
+            }
+        }
+    }
+
     /// Returns the heat since the start of the analysis.
     pub fn energies(&self) -> HeatEnergies {
         self.energies
@@ -441,6 +554,7 @@ impl Persist for TemperatureField {
         let TemperatureField {
             id: _,
             conductors: _,
+            adaptive: _,
             steps: _,
             now,
             masses: _,

@@ -26,6 +26,21 @@ impl LinearTable {
             (None, None) => 0.0,
         }
     }
+
+    /// Returns the integral of the value from the first abscissa, or from zero if there is only one row.
+    pub fn integral(&self, at: f64) -> f64 {
+        let ([first, .., last], true) = (self.rows.as_slice(), self.rows.len() > 1) else {
+            return self.rows.first().map_or(0.0, |row| row[0] * at);
+        };
+        let part = |pair: &[[f64; 2]]| {
+            let ([from, start], [to, end]) = (pair[0], pair[1]);
+            let within = at.clamp(start, end) - start;
+            let value = from + (to - from) * within / (end - start);
+            0.5 * (from + value) * within
+        };
+        let outside = first[0] * (at - first[1]).min(0.0) + last[0] * (at - last[1]).max(0.0);
+        outside + self.rows.windows(2).map(part).sum::<f64>()
+    }
 }
 
 impl YieldStress for LinearTable {
@@ -287,5 +302,16 @@ mod tests {
                     || ((trial - 240_000.0 * dp) / yields - 1.0).abs() < 1e-10
             );
         }
+    }
+
+    #[test]
+    fn integral_of_a_table_is_that_of_its_values() {
+        let table = LinearTable { rows: vec![[2.0, -1.0], [3.0, 1.0], [1.0, 2.0]] };
+        assert_eq!(table.integral(-1.0), 0.0);
+        for (at, expected) in [(-3.0, -4.0), (1.0, 5.0), (2.0, 7.0), (4.0, 9.0), (1.5, 5.0 + 0.5 * 0.5 * (3.0 + 2.0))] {
+            assert!((table.integral(at) - expected).abs() < 1e-15, "{at}");
+        }
+        let constant = LinearTable { rows: vec![[385.0, f64::NAN]] };
+        assert_eq!(constant.integral(300.0), 385.0 * 300.0);
     }
 }

@@ -5,6 +5,9 @@
 //! tractions, except the normal traction in compression. All laws are functions of the effective separation
 //! δ = √(⟨δn⟩² + δs²) along a ray of constant ratio of its components, where the stiffness of the ray is
 //! K = (Kn ⟨δn⟩² + Ks δs²)/δ².
+//!
+//! With a coupling stiffness Kns the energy is ½ Kn e² + ½ (Ks - Kns²/Kn) δs² with e = δn + (Kns/Kn) δs. The normal traction
+//! is Kn e. Damage reduces both terms, except the first in compression, e < 0.
 
 use super::damage_envelope::{DamageEnvelope, EnvelopeShape};
 use super::lanes::InlineMap;
@@ -12,19 +15,24 @@ use crate::platform::PortableMath as _;
 
 /// Largest difference of the damage from that of the envelope at which the stored separation is on the envelope.
 const ON_ENVELOPE: f64 = 1e-12;
+/// Share of the largest damage at which a point of a law with viscosity has failed: its damage reaches the largest only
+/// after an infinite time.
+const FAILED_SHARE: f64 = 0.999;
 
 /// Criterion of damage initiation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DamageInitiationLaw {
     /// Whether the squares of both components are added (QUADS, QUADE) or the larger component counts (MAXS, MAXE).
     pub quadratic: bool,
+    /// Whether the criterion is one of tractions: the limits are tractions over the stiffness of their mode.
+    pub in_tractions: bool,
     /// Separations at which damage begins in pure normal and pure shear mode, length.
     pub limits: [f64; 2],
 }
 
 impl DamageInitiationLaw {
-    /// Returns the criterion for an opening (not negative) and a shear separation, homogeneous of degree one: damage
-    /// begins at 1.
+    /// Returns the criterion for an opening (not negative) and a shear separation, or for the tractions over the stiffness of
+    /// their mode. It is homogeneous of degree one; damage begins at 1.
     fn value(&self, [open, shear]: [f64; 2]) -> f64 {
         let parts = [open / self.limits[0], shear.abs() / self.limits[1]];
         if self.quadratic { parts[0].portable_hypot(parts[1]) } else { parts[0].max(parts[1]) }
@@ -78,19 +86,27 @@ pub enum InterfaceSoftening {
 pub struct TractionSeparationLaw {
     /// Stiffness of both modes, traction per separation.
     pub stiffness: [f64; 2],
+    /// Normal traction per shear separation, and shear traction per normal separation; its square is less than the product
+    /// of both stiffnesses.
+    pub coupling: f64,
     /// Damage initiation; `None` for an elastic interface.
     pub initiation: Option<DamageInitiationLaw>,
     /// Damage evolution; without it damage does not begin.
     pub softening: Option<InterfaceSoftening>,
     /// Upper limit of the damage, at which a point has failed.
     pub largest_damage: f64,
+    /// Viscosity of the damage, time: the damage D that acts follows the damage D∞ of the law by dD/dt = (D∞ - D)/viscosity.
+    /// 0 for damage that does not depend on the rate.
+    pub viscosity: f64,
 }
 
 /// History of a point of an interface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InterfaceHistory {
-    /// Damage, 0 to 1.
+    /// Damage that acts on the tractions, 0 to 1.
     pub damage: f64,
+    /// Damage of the law without viscosity; 0 for a law without viscosity.
+    pub inviscid_damage: f64,
     /// Largest effective separation with growing damage, length.
     pub separation: f64,
     /// Largest value of the initiation criterion; at most 1 if damage evolves.
@@ -120,17 +136,43 @@ struct SeparationRay {
 }
 
 impl TractionSeparationLaw {
-    /// Updates the history of a point to a separation, and returns its response. The dissipated energy is the exact
-    /// integral of ½ K δ² dD along the ray of this separation.
+    /// Updates the history of a point that has moved from a previous separation to another in the time `dt`, and returns its
+    /// response. With viscosity, the damage is exact for a damage of the law that is linear in this time. The dissipated
+    /// energy is then the work of the trapezoidal rule less the stored energy: ½ dD times the product of both separations
+    /// with the stiffness.
+    pub fn advance(
+        &self,
+        history: &mut InterfaceHistory,
+        [previous, separation]: [[f64; 2]; 2],
+        dt: f64,
+    ) -> InterfaceResponse {
+        if self.viscosity == 0.0 {
+            return self.update(history, separation);
+        }
+        let mut inviscid = InterfaceHistory { damage: history.inviscid_damage, ..*history };
+        self.update(&mut inviscid, separation);
+        let growth = relaxed(dt / self.viscosity, [history.inviscid_damage, inviscid.damage], history.damage);
+        let damage = history.damage + growth;
+        // Without the rounding of the sum.
+        let growth = damage - history.damage;
+        *history = InterfaceHistory { damage, inviscid_damage: inviscid.damage, ..inviscid };
+        let [before, after] = [previous, separation].inline_map(|at| self.degradable_parts(at));
+        let [of_normal, of_shear] = self.degradable_stiffness();
+        let work = of_normal * before[0] * after[0] + of_shear * before[1] * after[1];
+        let dissipated = (0.5 * growth * work).max(0.0);
+        InterfaceResponse { traction: self.traction(history.damage, separation), dissipated }
+    }
+
+    /// Updates the history of a point of a law without viscosity to a separation, and returns its response. The dissipated
+    /// energy is the exact integral of ½ K δ² dD along the ray of this separation.
     pub fn update(&self, history: &mut InterfaceHistory, separation: [f64; 2]) -> InterfaceResponse {
         let mut dissipated = 0.0;
-        let open = [separation[0].max(0.0), separation[1]];
         if let Some(initiation) = &self.initiation {
-            let value = initiation.value(open);
+            let value = initiation.value(self.initiation_measures(initiation, separation));
             let most = if self.softening.is_some() { 1.0 } else { f64::INFINITY };
             history.criterion = history.criterion.max(initiation.shown(value).min(most));
             if let Some(softening) = self.softening.as_ref().filter(|_| value > 1.0) {
-                let ray = self.ray(open);
+                let ray = self.ray(separation);
                 let envelope = softening.envelope(&ray, ray.size / value);
                 dissipated = ray.stiffness * self.grow(history, &envelope, ray.size);
             }
@@ -140,9 +182,52 @@ impl TractionSeparationLaw {
 
     /// Returns the tractions at a separation for a damage.
     pub fn traction(&self, damage: f64, [normal, shear]: [f64; 2]) -> [f64; 2] {
-        let kept = 1.0 - damage;
-        let normal = if normal > 0.0 { kept * self.stiffness[0] * normal } else { self.stiffness[0] * normal };
-        [normal, kept * self.stiffness[1] * shear]
+        let (kept, ratio) = (1.0 - damage, self.coupling_ratio());
+        let (elongation, [of_normal, of_shear]) = (normal + ratio * shear, self.degradable_stiffness());
+        let normal = if elongation > 0.0 { kept * of_normal * elongation } else { of_normal * elongation };
+        [normal, ratio * normal + kept * of_shear * shear]
+    }
+
+    /// Returns the normal separation that has the same normal traction as a unit of shear separation.
+    fn coupling_ratio(&self) -> f64 {
+        self.coupling / self.stiffness[0]
+    }
+
+    /// Returns the stiffnesses of the parts of [`Self::degradable_parts`].
+    fn degradable_stiffness(&self) -> [f64; 2] {
+        let [normal, shear] = self.stiffness;
+        [normal, shear - self.coupling * self.coupling_ratio()]
+    }
+
+    /// Returns the parts of a separation on whose energy damage acts: the elongation that causes normal tension, and the
+    /// shear separation.
+    fn degradable_parts(&self, [normal, shear]: [f64; 2]) -> [f64; 2] {
+        [(normal + self.coupling_ratio() * shear).max(0.0), shear]
+    }
+
+    /// Returns the tractions on which damage acts, at a separation without damage.
+    fn degradable_traction(&self, separation: [f64; 2]) -> [f64; 2] {
+        let (parts, [of_normal, of_shear]) = (self.degradable_parts(separation), self.degradable_stiffness());
+        let normal = of_normal * parts[0];
+        [normal, self.coupling_ratio() * normal + of_shear * parts[1]]
+    }
+
+    /// Returns the components that a criterion compares with its limits.
+    fn initiation_measures(&self, initiation: &DamageInitiationLaw, separation: [f64; 2]) -> [f64; 2] {
+        if initiation.in_tractions && self.coupling != 0.0 {
+            let tractions = self.degradable_traction(separation);
+            return [0, 1].inline_map(|i: usize| tractions[i] / self.stiffness[i]);
+        }
+        [separation[0].max(0.0), separation[1]]
+    }
+
+    /// Returns the largest eigenvalue of the stiffness without damage, with a factor on the normal stiffness.
+    pub fn largest_stiffness(&self, factor: f64) -> f64 {
+        let (normal, shear) = (factor * self.stiffness[0], self.stiffness[1]);
+        if self.coupling == 0.0 {
+            return normal.max(shear);
+        }
+        0.5 * (normal + shear) + (0.5 * (normal - shear)).portable_hypot(self.coupling)
     }
 
     /// Returns the energy per area that is released if the tractions at a separation vanish.
@@ -153,33 +238,45 @@ impl TractionSeparationLaw {
 
     /// Returns whether the point of this history has failed.
     pub fn has_failed(&self, history: &InterfaceHistory) -> bool {
-        self.softening.is_some() && history.damage >= self.largest_damage
+        let share = if self.viscosity == 0.0 { 1.0 } else { FAILED_SHARE };
+        self.softening.is_some() && history.damage >= share * self.largest_damage
     }
 
     /// Returns elastic energy at initiation and fracture energy of a pure mode (0 normal, 1 shear); `None` if the law
     /// has no fracture energy.
     pub fn energies_of_mode(&self, mode: usize) -> Option<[f64; 2]> {
-        let onset = self.initiation?.limits[mode];
-        let mut direction = [0.0; 2];
-        direction[mode] = 1.0;
+        let initiation = self.initiation?;
         let (InterfaceSoftening::Energy(energy) | InterfaceSoftening::ExponentialEnergy(energy)) =
             self.softening.as_ref()?
         else {
             return None;
         };
-        Some([0.5 * self.stiffness[mode] * onset * onset, energy.value(&self.ray(direction))])
+        // With a coupling stiffness, the energy at initiation depends on the sign of the shear separation.
+        let of_sign = |sign: f64| {
+            let mut direction = [0.0; 2];
+            direction[mode] = if mode == 0 { 1.0 } else { sign };
+            let value = initiation.value(self.initiation_measures(&initiation, direction));
+            let onset = if self.coupling == 0.0 { initiation.limits[mode] } else { 1.0 / value };
+            let ray = self.ray(direction);
+            [0.5 * ray.stiffness * onset * onset, energy.value(&ray)]
+        };
+        let [one, other] = [of_sign(1.0), of_sign(-1.0)];
+        Some(if one[0] < other[0] { other } else { one })
     }
 
-    fn ray(&self, open: [f64; 2]) -> SeparationRay {
-        let size = open[0].portable_hypot(open[1]);
-        let tractions = [0, 1].inline_map(|i: usize| self.stiffness[i] * open[i].abs());
-        let works = [0, 1].inline_map(|i: usize| tractions[i] * open[i].abs());
+    fn ray(&self, separation: [f64; 2]) -> SeparationRay {
+        let open = separation[0].max(0.0);
+        let size = open.portable_hypot(separation[1]);
+        let (parts, [of_normal, of_shear]) = (self.degradable_parts(separation), self.degradable_stiffness());
+        let energy = of_normal * parts[0] * parts[0] + of_shear * parts[1] * parts[1];
+        let [normal, shear] = self.degradable_traction(separation);
+        let works = [normal * open, (shear * separation[1]).max(0.0)];
         let sum = works[0] + works[1];
         SeparationRay {
             size,
-            stiffness: sum / (size * size),
+            stiffness: energy / (size * size),
             energies: works.inline_map(|work| work / sum),
-            angle: libm::atan2(tractions[1], tractions[0]) * std::f64::consts::FRAC_2_PI,
+            angle: libm::atan2(shear.abs(), normal) * std::f64::consts::FRAC_2_PI,
         }
     }
 
@@ -205,6 +302,16 @@ impl TractionSeparationLaw {
         history.separation = to;
         (envelope.dissipated(to) - envelope.dissipated(from)).max(0.0)
     }
+}
+
+/// Returns the growth of a damage that follows another one, which changes linearly from one value to the next in this
+/// time, over the viscosity.
+fn relaxed(time: f64, [before, after]: [f64; 2], damage: f64) -> f64 {
+    if time <= 0.0 {
+        return 0.0;
+    }
+    let share = -libm::expm1(-time);
+    (after - before) * (1.0 - share / time) + (before - damage) * share
 }
 
 impl InterfaceSoftening {
@@ -268,9 +375,11 @@ mod tests {
     fn law(softening: InterfaceSoftening) -> TractionSeparationLaw {
         TractionSeparationLaw {
             stiffness: [2000.0, 800.0],
-            initiation: Some(DamageInitiationLaw { quadratic: true, limits: [0.01, 0.03] }),
+            initiation: Some(DamageInitiationLaw { quadratic: true, in_tractions: false, limits: [0.01, 0.03] }),
             softening: Some(softening),
             largest_damage: 1.0,
+            viscosity: 0.0,
+            coupling: 0.0,
         }
     }
 
@@ -351,7 +460,7 @@ mod tests {
         let rows = vec![[0.02, 0.0], [0.08, 1.0]];
         let mut law = law(InterfaceSoftening::Displacement(ModeDependence::Table(ModeMixRatio::Traction, rows)));
         law.stiffness = [1000.0; 2];
-        law.initiation = Some(DamageInitiationLaw { quadratic: true, limits: [0.01; 2] });
+        law.initiation = Some(DamageInitiationLaw { quadratic: true, in_tractions: false, limits: [0.01; 2] });
         for (direction, end) in [([1.0, 0.0], 0.03), ([0.0, 1.0], 0.09), ([0.5_f64.sqrt(); 2], 0.06)] {
             for (size, failed) in [(0.999 * end, false), (1.001 * end, true)] {
                 let mut history = InterfaceHistory::default();
@@ -451,5 +560,204 @@ mod tests {
         let (sum, history) = separate(&law, [0.02, 0.0], 1000);
         assert_eq!(history.damage, 1.0);
         assert!((sum / 0.1 - 1.0).abs() < 1e-12);
+    }
+
+    /// Coupling stiffness of both signs: less than √(2000 · 800) = 1265.
+    const COUPLINGS: [f64; 2] = [700.0, -1100.0];
+
+    fn coupled(softening: InterfaceSoftening, coupling: f64) -> TractionSeparationLaw {
+        let initiation = DamageInitiationLaw { quadratic: true, in_tractions: true, limits: [0.01, 0.03] };
+        TractionSeparationLaw { coupling, initiation: Some(initiation), ..law(softening) }
+    }
+
+    #[test]
+    fn coupled_tractions_are_those_of_the_stiffness_matrix() {
+        let law = coupled(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)), 700.0);
+        for damage in [0.0, 0.4] {
+            for [open, shear] in [[0.02, 0.01], [0.02, -0.03], [-0.001, 0.01]] {
+                let expected = [2000.0 * open + 700.0 * shear, 700.0 * open + 800.0 * shear];
+                let found = law.traction(damage, [open, shear]);
+                for mode in 0..2 {
+                    assert!((found[mode] - (1.0 - damage) * expected[mode]).abs() < 1e-13, "{found:?} {expected:?}");
+                }
+            }
+        }
+        // No tension: the normal traction keeps its stiffness.
+        let [normal, _] = law.traction(0.9, [-0.02, 0.01]);
+        assert!((normal - (-40.0 + 7.0)).abs() < 1e-13);
+    }
+
+    #[test]
+    fn coupled_tractions_are_the_gradient_of_the_stored_energy() {
+        for coupling in COUPLINGS {
+            let law = coupled(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)), coupling);
+            for (damage, at) in [(0.0, [0.01, 0.02]), (0.6, [0.01, -0.02]), (0.6, [-0.03, 0.02]), (1.0, [-0.03, -0.01])]
+            {
+                for axis in 0..2 {
+                    let moved = |by: f64| {
+                        let mut at = at;
+                        at[axis] += by;
+                        law.stored(damage, at)
+                    };
+                    let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+                    assert!((law.traction(damage, at)[axis] - slope).abs() < 1e-8, "{coupling} {damage} {at:?} {axis}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coupled_law_dissipates_the_fracture_energy_on_all_rays_with_tension() {
+        for coupling in COUPLINGS {
+            for softening in laws_of_energy(&ModeDependence::Independent(2.0)) {
+                let law = coupled(softening, coupling);
+                for end in
+                    [[1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [0.6, 0.8], [0.6, -0.8], [-0.1, 0.8 * coupling.signum()]]
+                {
+                    let (found, history) = separate(&law, end, 300);
+                    assert!((found / 2.0 - 1.0).abs() < 1e-12 && history.damage > 1.0 - 1e-15, "{end:?} {found}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coupled_damage_begins_at_the_given_tractions() {
+        for coupling in COUPLINGS {
+            let law = coupled(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)), coupling);
+            let at = [0.012, 0.016];
+            let tractions = law.traction(0.0, at);
+            assert!(tractions[0] > 0.0);
+            let expected = (tractions[0] / 20.0).powi(2) + (tractions[1] / 24.0).powi(2);
+            let mut history = InterfaceHistory::default();
+            law.update(&mut history, at.map(|x| 0.99 * x / expected.sqrt()));
+            assert!((history.criterion - 0.99 * 0.99).abs() < 1e-14 && history.damage == 0.0);
+            law.update(&mut history, at.map(|x| 1.01 * x / expected.sqrt()));
+            assert!(history.damage > 0.0);
+        }
+    }
+
+    #[test]
+    fn coupled_compression_does_not_damage() {
+        for coupling in COUPLINGS {
+            let law = coupled(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)), coupling);
+            let mut history = InterfaceHistory::default();
+            law.update(&mut history, [-5.0, 0.0]);
+            assert_eq!(history, InterfaceHistory::default());
+        }
+    }
+
+    #[test]
+    fn coupled_dissipation_of_a_changing_mode_mix_is_work_minus_stored_energy() {
+        for coupling in COUPLINGS {
+            let law = coupled(InterfaceSoftening::Energy(ModeDependence::BenzeggaghKenane(ENERGIES, 2.1)), coupling);
+            let (mut history, mut sum, mut work, steps) = (InterfaceHistory::default(), 0.0, 0.0, 200_000);
+            let path = |i: usize| {
+                let share = i as f64 / steps as f64;
+                // Shear of the sign of the coupling causes tension, also in the closed part of the path.
+                [0.03 * share * (1.0 - 1.2 * share), coupling.signum() * 0.06 * share * share]
+            };
+            let mut before = [0.0; 2];
+            for i in 1..=steps {
+                let (from, to) = (path(i - 1), path(i));
+                let response = law.update(&mut history, to);
+                for axis in 0..2 {
+                    work += 0.5 * (before[axis] + response.traction[axis]) * (to[axis] - from[axis]);
+                }
+                before = response.traction;
+                sum += response.dissipated;
+            }
+            let stored = law.stored(history.damage, path(steps));
+            assert!(history.damage > 0.3 && path(steps)[0] < 0.0);
+            assert!((sum / (work - stored) - 1.0).abs() < 1e-4, "{coupling}: {sum} {work} {stored}");
+        }
+    }
+
+    #[test]
+    fn largest_stiffness_is_the_largest_eigenvalue() {
+        let law = coupled(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)), 700.0);
+        for factor in [1.0, 2.0] {
+            let largest = law.largest_stiffness(factor);
+            let determinant = (factor * 2000.0 - largest) * (800.0 - largest) - 700.0 * 700.0;
+            assert!(largest > factor * 2000.0 && determinant.abs() < 1e-8 * largest * largest);
+        }
+    }
+
+    /// Returns the tractions, the work and the dissipated energy of an opening at a constant velocity in `steps` increments.
+    fn opened_slowly(
+        law: &TractionSeparationLaw,
+        end: f64,
+        time: f64,
+        steps: usize,
+    ) -> (f64, f64, f64, InterfaceHistory) {
+        let (mut history, mut last, mut work, mut sum) = (InterfaceHistory::default(), 0.0, 0.0, 0.0);
+        let at = |i: usize| [end * i as f64 / steps as f64, 0.0];
+        for i in 1..=steps {
+            let response = law.advance(&mut history, [at(i - 1), at(i)], time / steps as f64);
+            work += 0.5 * (last + response.traction[0]) * end / steps as f64;
+            sum += response.dissipated;
+            last = response.traction[0];
+        }
+        (last, work, sum, history)
+    }
+
+    #[test]
+    fn viscous_damage_follows_its_differential_equation() {
+        // Linear softening from 0.01 to 0.1; opened to 0.08 in the time 1, damage begins at the time 1/8.
+        let softening = InterfaceSoftening::Displacement(ModeDependence::Independent(0.09));
+        for viscosity in [0.02, 0.3, 5.0] {
+            let law = TractionSeparationLaw { viscosity, ..law(softening.clone()) };
+            let inviscid = |time: f64| {
+                let at = 0.08 * time;
+                if at > 0.01 { 0.1 * (at - 0.01) / (at * 0.09) } else { 0.0 }
+            };
+            // Reference by the rule of Runge and Kutta with many small steps.
+            let (mut expected, count) = (0.0, 400_000);
+            let step = 1.0 / f64::from(count);
+            for i in 0..count {
+                let time = f64::from(i) * step;
+                let rate = |time: f64, damage: f64| (inviscid(time) - damage) / viscosity;
+                let first = rate(time, expected);
+                let second = rate(time + 0.5 * step, expected + 0.5 * step * first);
+                let third = rate(time + 0.5 * step, expected + 0.5 * step * second);
+                let fourth = rate(time + step, expected + step * third);
+                expected += step * (first + 2.0 * second + 2.0 * third + fourth) / 6.0;
+            }
+            let error = |steps: usize| (opened_slowly(&law, 0.08, 1.0, steps).3.damage - expected).abs();
+            let errors = [error(200), error(400), error(3200)];
+            assert!(errors[1] < 0.3 * errors[0] && errors[2] < 1e-6, "{viscosity}: {errors:?}");
+            let (traction, ..) = opened_slowly(&law, 0.08, 1.0, 3200);
+            assert!((traction / (2000.0 * 0.08 * (1.0 - expected)) - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn viscosity_dissipates_the_work_that_is_not_stored() {
+        let softening = InterfaceSoftening::Energy(ModeDependence::Independent(0.5));
+        let mut previous = 0.5;
+        for viscosity in [1e-3, 0.01, 0.1] {
+            let law = TractionSeparationLaw { viscosity, ..law(softening.clone()) };
+            for steps in [50, 2000] {
+                let (_, work, sum, history) = opened_slowly(&law, 0.06, 1.0, steps);
+                let stored = law.stored(history.damage, [0.06, 0.0]);
+                assert!((sum + stored) / work - 1.0 < 1e-12 && (sum + stored) / work - 1.0 > -1e-12);
+            }
+            // Complete separation: the fracture energy and that of the viscosity.
+            let (_, work, sum, history) = opened_slowly(&law, 0.3, 3.0, 40_000);
+            assert!(history.damage > 0.9999 && law.has_failed(&history));
+            assert!(sum > previous && work - sum > -1e-10 * work, "{viscosity}: {sum} {previous} {work}");
+            previous = sum;
+        }
+    }
+
+    #[test]
+    fn viscosity_of_zero_and_a_very_small_one_are_the_law_itself() {
+        let softening = InterfaceSoftening::Energy(ModeDependence::Independent(0.5));
+        let expected = opened_slowly(&law(softening.clone()), 0.03, 1.0, 1000);
+        let zero = opened_slowly(&TractionSeparationLaw { viscosity: 0.0, ..law(softening.clone()) }, 0.03, 1.0, 1000);
+        assert_eq!(zero.0, expected.0);
+        let small = opened_slowly(&TractionSeparationLaw { viscosity: 1e-9, ..law(softening) }, 0.03, 1.0, 1000);
+        assert!((small.0 / expected.0 - 1.0).abs() < 1e-5, "{} {}", small.0, expected.0);
+        assert!((small.2 / expected.2 - 1.0).abs() < 1e-3, "{} {}", small.2, expected.2);
     }
 }

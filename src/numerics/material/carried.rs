@@ -3,6 +3,17 @@
 
 use crate::kernel::lanes::Lanes;
 
+/// An element after a transport, with its new places and masses.
+#[derive(Clone, Copy, Debug)]
+pub struct ArrivedElement {
+    /// Places `[r, z]` of the corners.
+    pub corners: [[f64; 2]; 4],
+    /// Mass of the element.
+    pub mass: f64,
+    /// Stress (rr, zz, hoop, rz).
+    pub stress: [f64; 4],
+}
+
 /// A state with variables that can be moved from element to element.
 pub trait CarriedState {
     /// Passes each variable to `visit`, always in the same order. Values per mass can be averaged with the masses.
@@ -22,6 +33,12 @@ impl CarriedState for Lanes {
 impl<T: CarriedState, const N: usize> CarriedState for [T; N] {
     fn carry(&mut self, visit: &mut dyn FnMut(&mut Lanes)) {
         self.iter_mut().for_each(|part| part.carry(visit));
+    }
+}
+
+impl CarriedState for Vec<Lanes> {
+    fn carry(&mut self, visit: &mut dyn FnMut(&mut Lanes)) {
+        self.iter_mut().for_each(visit);
     }
 }
 

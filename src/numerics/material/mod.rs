@@ -20,7 +20,7 @@ pub mod von_mises;
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::state::archive::Persist;
 use crate::variables::VariableComponent;
-use carried::CarriedState;
+use carried::{ArrivedElement, CarriedState};
 use increment::{StrainIncrement, StressUpdate};
 use user::PointCalls;
 
@@ -151,6 +151,17 @@ pub trait Material: Send + Sync + 'static {
     fn set(&self, _state: &mut Self::State, _lane: usize, _value: PointValue) -> bool {
         false
     }
+
+    /// Returns whether all variables of the state can move from element to element in an adaptive mesh.
+    fn can_be_carried(&self) -> bool {
+        true
+    }
+
+    /// Allocates what [`Material::arrive`] needs, before the first increment.
+    fn prepare_transport(&self, _state: &mut Self::State) {}
+
+    /// Completes the state of an element whose variables have been transported ([`CarriedState`]).
+    fn arrive(&self, _state: &mut Self::State, _lane: usize, _element: &ArrivedElement) {}
 
     /// Returns the calls of user subroutines.
     fn calls(&self) -> Option<&dyn PointCalls<Self::State>> {

@@ -249,6 +249,9 @@ pub struct RunSummary {
     /// Number of deleted elements; absent if zero.
     #[serde(skip_serializing_if = "is_zero")]
     pub deleted_elements: usize,
+    /// Number of changes of adaptive meshes in which nodes moved; `None` without adaptive mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_changes: Option<u64>,
     /// Ledger of the simulated effects.
     pub ledger: Ledger,
     /// Notes and warnings of the deck.
@@ -706,6 +709,9 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
     let deck = &prepared.deck;
     let mut ledger = prepared.plan.ledger.clone();
     ledger.set_time_shares(&outcome.effect_seconds, outcome.seconds);
+    for changes in &outcome.mesh_changes {
+        ledger.add_result(changes.row, &format!("NADAPT {}", changes.count));
+    }
     RunSummary {
         interrupted: outcome.halt.as_ref().is_some_and(|h| h.code == "R207"),
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
@@ -724,6 +730,7 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         unfinished: outcome.unfinished,
         exits: outcome.exits,
         deleted_elements: outcome.deleted,
+        mesh_changes: outcome.mesh_changes.iter().map(|changes| changes.count).reduce(|sum, count| sum + count),
         ledger,
         diagnostics: prepared.diagnostics.findings(&deck.sources),
         scene: prepared.scene.clone(),

@@ -8,7 +8,7 @@ use crate::adaptive::transport::TransportOrder;
 use crate::adaptive::{AdaptiveDomain, AdaptiveSettings};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::topology::ElementTopology;
-use crate::model::{AdaptiveMesh, LoadKind, Step};
+use crate::model::{AdaptiveMesh, LoadKind, MotionKind, Step};
 
 impl<'a> Compiler<'a> {
     /// Creates the domains of a step; `None` if those of the previous step continue.
@@ -16,7 +16,8 @@ impl<'a> Compiler<'a> {
         let step = &self.model.steps[index];
         let before = index.checked_sub(1).map(|i| &self.model.steps[i]);
         // Loaded and bonded nodes follow the material.
-        let causes = |step: &'a Step| (&step.adaptive, &step.adaptive_fixed, &step.loads);
+        let heated = |step: &'a Step| heated_nodes(step).collect::<Vec<usize>>();
+        let causes = |step: &'a Step| (&step.adaptive, &step.adaptive_fixed, &step.loads, heated(step));
         let unchanged = before.is_some_and(|before| {
             causes(before) == causes(step) && self.cohesive_nodes(index - 1).eq(self.cohesive_nodes(index))
         });
@@ -61,14 +62,17 @@ impl<'a> Compiler<'a> {
         let of_group = &mut *state.elements.groups[group];
         let domain = AdaptiveDomain::new(id, settings(mesh), (group, of_group), elements, (&state.dofs.nodes, &fixed));
         if domain.is_none() {
-            let message = "user subroutines, WEIGHTING=AREA and SUBZONAL=YES are not supported in adaptive meshes";
+            let message = "moduli that depend on field variables, WEIGHTING=AREA and SUBZONAL=YES are not supported in \
+                           adaptive meshes";
             self.refuse_domain(
                 mesh.span,
                 message.into(),
                 "use another material or other section controls, or no adaptive mesh",
             );
         }
-        domain
+        let heat = state.thermal.as_ref().and_then(|thermal| thermal.heat.as_ref());
+        let conducts = heat.is_some_and(|heat| heat.conducts(group));
+        domain.map(|domain| if conducts { domain.with_temperatures() } else { domain })
     }
 
     /// Returns why a domain is not supported, and what would be.
@@ -84,13 +88,11 @@ impl<'a> Compiler<'a> {
             let message = format!("the elements of `{}` belong to several sections", mesh.set);
             return Some((message, "give one *ADAPTIVE MESH for the elements of each section"));
         }
-        let quadrilateral = |&(g, e): &(usize, usize)| {
-            let nodes = state.elements.groups[g].nodes(e);
-            state.elements.groups[g].topology() == ElementTopology::Quadrilateral && nodes[2] != nodes[3]
-        };
-        if !places.iter().all(quadrilateral) {
-            let message = format!("`{}` contains elements other than CAX4R", mesh.set);
-            return Some((message, "give a set of CAX4R elements"));
+        let is_supported =
+            |&(g, _): &(usize, usize)| state.elements.groups[g].topology() == ElementTopology::Quadrilateral;
+        if !places.iter().all(is_supported) {
+            let message = format!("`{}` contains elements other than CAX4R, CAX4RT, CAX3 and CAX3T", mesh.set);
+            return Some((message, "give a set of CAX4R, CAX4RT, CAX3 or CAX3T elements"));
         }
         if mesh.elements.iter().any(|e| !taken.insert(*e)) {
             let message = format!("elements of `{}` belong to two adaptive meshes", mesh.set);
@@ -104,10 +106,9 @@ impl<'a> Compiler<'a> {
             let message = "adaptive meshes cannot be combined with DISTORTION CONTROL".into();
             return Some((message, "remove DISTORTION CONTROL from *SECTION CONTROLS; the mesh stays undistorted"));
         }
-        let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
-        if heats {
-            let message = "adaptive meshes cannot be combined with heat conduction".into();
-            return Some((message, "use *DYNAMIC, EXPLICIT, ADIABATIC for the heat of plastic work"));
+        if state.elements.fields.is_some() {
+            let message = "adaptive meshes cannot be combined with prescribed field variables".into();
+            return Some((message, "remove *FIELD: field variables of nodes do not follow a mesh that moves"));
         }
         None
     }
@@ -143,7 +144,7 @@ impl<'a> Compiler<'a> {
         fixed
     }
 
-    /// Returns the nodes of the model with concentrated loads and masses, those at the ends of loaded surfaces, and those of
+    /// Returns the nodes of the model with concentrated loads, temperatures and masses, those at the ends of loaded surfaces, and those of
     /// `*ADAPTIVE MESH CONSTRAINT`.
     fn nodes_with_loads(&self, step: &Step) -> Vec<usize> {
         let mut nodes: Vec<usize> = step.adaptive_fixed.iter().flat_map(|(_, nodes)| nodes).copied().collect();
@@ -160,6 +161,7 @@ impl<'a> Compiler<'a> {
             }
             nodes.extend(ends);
         }
+        nodes.extend(heated_nodes(step));
         nodes.extend(self.model.discrete.masses.iter().map(|mass| mass.node));
         nodes
     }
@@ -176,6 +178,16 @@ impl<'a> Compiler<'a> {
             if mesh.controls.graded { "graded".into() } else { used.join(" and ") }
         )
     }
+}
+
+/// Iterates over the nodes with prescribed temperatures and nodal heat sources.
+fn heated_nodes(step: &Step) -> impl Iterator<Item = usize> {
+    let held = step.boundaries.iter().filter(|boundary| boundary.kind == MotionKind::Temperature);
+    let sources = step.loads.iter().filter_map(|load| match &load.kind {
+        LoadKind::NodalHeat { nodes, .. } => Some(nodes),
+        _ => None,
+    });
+    held.flat_map(|boundary| &boundary.nodes).chain(sources.flatten()).copied()
 }
 
 fn settings(mesh: &AdaptiveMesh) -> AdaptiveSettings {

@@ -82,9 +82,9 @@ impl<'a> Compiler<'a> {
             });
             list.push(CohesiveElement { nodes: [a, b, c, d], thickness, law });
         }
-        let most = section.controls.max_degradation;
+        let damage = (section.controls.max_degradation, self.viscosity_of(section, material)?);
         let laws: Vec<TractionSeparationLaw> =
-            thicknesses.iter().filter_map(|&thickness| law(material, thickness, most)).collect();
+            thicknesses.iter().filter_map(|&thickness| law(material, thickness, damage)).collect();
         let (interface, name) = (&material.interface, format!("material `{}`", material.name));
         let origin = interface.initiation.as_ref().zip(interface.evolution.as_ref());
         let what = ("P026", name.as_str(), "*ELASTIC, TYPE=TRACTION");
@@ -99,6 +99,19 @@ impl<'a> Compiler<'a> {
             }
         }
         Some(Box::new(group))
+    }
+
+    /// Returns the viscosity of the damage, which the material or the section controls give.
+    fn viscosity_of(&mut self, section: &CohesiveSection, material: &MaterialDefinition) -> Option<f64> {
+        let of_section = section.controls.viscosity;
+        let Some((viscosity, span)) = material.interface.viscosity else { return Some(of_section) };
+        if of_section != 0.0 && of_section != viscosity {
+            let message = format!("the damage of material `{}` has two viscosities", material.name);
+            let finding = Diagnostic::error("P026", message).at(span, "this viscosity");
+            let finding = finding.at(section.span, "VISCOSITY of the controls of this section");
+            return self.diagnostics.refuse(finding.help("give one of the two"));
+        }
+        Some(viscosity)
     }
 
     /// Checks that a material has a traction-separation law and no other.
@@ -119,9 +132,9 @@ impl<'a> Compiler<'a> {
             let finding = Diagnostic::warning("P147", message).at(initiation.span, "no *DAMAGE EVOLUTION after it");
             self.diagnostics.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
         }
-        if interface.evolution.is_none() && most < 1.0 {
-            let why = format!("material {} has no damage evolution", material.name);
-            self.add_unused_card(section.span, "MAX DEGRADATION", why);
+        let unused = [("MAX DEGRADATION", most < 1.0), ("VISCOSITY", section.controls.viscosity != 0.0)];
+        for (name, _) in unused.into_iter().filter(|entry| entry.1 && interface.evolution.is_none()) {
+            self.add_unused_card(section.span, name, format!("material {} has no damage evolution", material.name));
         }
         Some(())
     }
@@ -167,12 +180,15 @@ impl<'a> Compiler<'a> {
             if least == largest { format!("thickness {least}") } else { format!("thickness {least} to {largest}") };
         let mut parts = vec![format!("material {}", material.name), thickness];
         let interface = &material.interface;
+        parts.extend((interface.coupling != 0.0).then(|| format!("coupled tractions, Ens {:e}", interface.coupling)));
         parts.extend(interface.initiation.as_ref().map(|i| format!("damage by {}", criterion(i))));
         parts.extend(interface.evolution.as_ref().map(|e| softening(&e.softening)));
         if interface.evolution.is_some() {
             let most = section.controls.max_degradation;
             let kept = section.controls.keep_failed_elements.is_some();
             parts.push(format!("{} at damage {most}", if kept { "kept" } else { "deleted" }));
+            let viscosity = interface.viscosity.map_or(section.controls.viscosity, |given| given.0);
+            parts.extend((viscosity > 0.0).then(|| format!("viscosity {viscosity:e}")));
         }
         self.ledger_row(section.span, "cohesive elements", count, "COHAX4", parts.join(", "));
     }
@@ -281,12 +297,13 @@ impl<'a> Compiler<'a> {
 }
 
 /// Returns the law of a material for a constitutive thickness and a largest damage; `None` without elasticity.
-fn law(material: &MaterialDefinition, thickness: f64, most: f64) -> Option<TractionSeparationLaw> {
+fn law(material: &MaterialDefinition, thickness: f64, (most, viscosity): (f64, f64)) -> Option<TractionSeparationLaw> {
     let interface = &material.interface;
     let stiffness = interface.elastic?.map(|modulus| modulus / thickness);
     let initiation = interface.initiation.map(|initiation| initiation_law(&initiation, stiffness, thickness));
     let softening = interface.evolution.as_ref().map(|evolution| evolution.softening.clone());
-    Some(TractionSeparationLaw { stiffness, initiation, softening, largest_damage: most })
+    let coupling = interface.coupling / thickness;
+    Some(TractionSeparationLaw { stiffness, coupling, initiation, softening, largest_damage: most, viscosity })
 }
 
 /// Returns the criterion of damage initiation in separations, for a stiffness and a constitutive thickness.
@@ -300,7 +317,8 @@ pub(super) fn initiation_law(
         InitiationMeasure::Strain => initiation.limits[i] * thickness,
         InitiationMeasure::Separation => initiation.limits[i],
     };
-    DamageInitiationLaw { quadratic: initiation.quadratic, limits: [0, 1].map(separation) }
+    let in_tractions = initiation.measure == InitiationMeasure::Stress;
+    DamageInitiationLaw { quadratic: initiation.quadratic, in_tractions, limits: [0, 1].map(separation) }
 }
 
 /// Returns what cohesive elements do not support of a material, or what it lacks, and a help text.

@@ -147,6 +147,7 @@ impl<'a> Compiler<'a> {
             parts.extend(cohesion.repeated.then(|| "bonds again after failure".into()));
             parts.extend(cohesion.initiation.as_ref().map(|i| format!("damage by {}", criterion(i))));
             parts.extend(cohesion.evolution.as_ref().map(|e| softening(&e.softening)));
+            parts.extend((cohesion.viscosity > 0.0).then(|| format!("viscosity {:e}", cohesion.viscosity)));
             self.ledger_row(origin.span, "cohesive contact", *all, "points", parts.join(", "));
             self.warn_of_cohesion(group, step);
         }
@@ -203,6 +204,9 @@ fn pair_text(contact: &SurfaceContact) -> String {
 
 fn stiffness_text(cohesion: &CohesiveBehavior) -> String {
     match cohesion.stiffness {
+        Some([normal, shear]) if cohesion.coupling != 0.0 => {
+            format!("stiffness {normal:e} and {shear:e}, coupled by {:e}", cohesion.coupling)
+        }
         Some([normal, shear]) => format!("stiffness {normal:e} and {shear:e}"),
         None => "stiffness of the elements".into(),
     }
@@ -221,6 +225,10 @@ fn spring_stiffness(law: &InteractionLaw) -> f64 {
 fn law_of(cohesion: &CohesiveBehavior, stiffness: [f64; 2]) -> TractionSeparationLaw {
     TractionSeparationLaw {
         stiffness,
+        // Shear separations of contact are positive along the facet, those of the deck against it (theory manual,
+        // cohesive surfaces).
+        coupling: -cohesion.coupling,
+        viscosity: cohesion.viscosity,
         initiation: cohesion.initiation.as_ref().map(|initiation| initiation_law(initiation, stiffness, 1.0)),
         softening: cohesion.evolution.as_ref().map(|evolution| evolution.softening.clone()),
         largest_damage: 1.0,

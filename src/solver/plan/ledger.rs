@@ -74,6 +74,14 @@ impl Ledger {
         }
     }
 
+    /// Adds a result of the run to the details of a row.
+    pub fn add_result(&mut self, row: usize, text: &str) {
+        if let Some(row) = self.effects.get_mut(row) {
+            row.detail += ", ";
+            row.detail += text;
+        }
+    }
+
     /// Renders the ledger as text of 80 columns, with file names without folders. `bytes` adds a column of memory
     /// sizes, and the reason for each card without effect.
     pub fn render(&self, bytes: bool) -> String {

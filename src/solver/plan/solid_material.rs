@@ -337,6 +337,9 @@ impl Compiler<'_> {
             let why = format!("material {} has no damage evolution", material.name);
             self.add_unused_card(section.span, "MAX DEGRADATION", why);
         }
+        if section.controls.viscosity != 0.0 {
+            self.add_unused_card(section.span, "VISCOSITY", "only the damage of cohesive elements is delayed");
+        }
         (spared, kept)
     }
 

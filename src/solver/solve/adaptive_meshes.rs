@@ -1,12 +1,15 @@
 //! Adaptive meshes in the time loop: they change after the length of the next increment is known and before the nodes
 //! move.
 
+use super::outcome::MeshChanges;
 use super::run::SolverRun;
 use crate::adaptive::AdaptiveDomain;
 use crate::adaptive::loops::DomainLoops;
 use crate::adaptive::smoothing::{BoundaryContact, Surroundings};
 use crate::constraint::contact::curve::PointCarrier;
 use crate::constraint::{Constraint, ContactResults};
+use crate::element::elements::Elements;
+use crate::heat::ThermalState;
 use crate::load::SceneChange;
 use crate::plan::State;
 use crate::state::dofs::Dofs;
@@ -44,10 +47,28 @@ impl Surroundings for ContactSurroundings<'_> {
     }
 }
 
+/// Adds the thermal strains of a domain at its current temperatures, times a sign, to those that have been applied.
+fn take_thermal_strains(
+    sign: f64,
+    domain: &AdaptiveDomain,
+    thermal: Option<&mut ThermalState>,
+    elements: &mut Elements,
+) {
+    let Some(ThermalState { heat, expansion: Some(expansion) }) = thermal else { return };
+    expansion.add_current(sign, domain.group(), heat.as_ref(), elements);
+}
+
+/// Returns the number of changes of a domain.
+pub(super) fn changes_of(domain: &AdaptiveDomain) -> MeshChanges {
+    MeshChanges { row: domain.id, count: domain.changes() }
+}
+
 impl SolverRun<'_> {
     /// Replaces the domains in force. A domain of the same set keeps its history.
     pub(super) fn change_domains(&mut self, domains: &[AdaptiveDomain]) {
         let before = std::mem::replace(&mut self.state.adaptive, domains.to_vec());
+        let has_ended = |previous: &&AdaptiveDomain| domains.iter().all(|domain| domain.id != previous.id);
+        self.outcome.mesh_changes.extend(before.iter().filter(has_ended).map(changes_of));
         for domain in &mut self.state.adaptive {
             if let Some(previous) = before.iter().find(|previous| previous.id == domain.id) {
                 domain.continue_from(previous);
@@ -63,6 +84,18 @@ impl SolverRun<'_> {
         let forces = self.state.constraints.iter().filter_map(|c| c.view().forces);
         let prescribed: Vec<_> = forces.flat_map(|forces| forces.prescribed()).collect();
         self.state.adaptive.iter_mut().for_each(|domain| domain.begin(&prescribed));
+        let State { adaptive, elements, thermal, .. } = &mut self.state;
+        if let Some(heat) = thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
+            adaptive.iter().for_each(|domain| heat.begin_adaptive(domain.group(), elements));
+        }
+    }
+
+    /// Takes the masses of adaptive meshes after a restart.
+    pub(super) fn restore_masses_of_domains(&mut self) {
+        let State { elements, thermal, .. } = &mut self.state;
+        if let Some(heat) = thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
+            heat.restore_masses(elements);
+        }
     }
 
     /// Returns the smallest angle of the elements of all domains, degrees; NaN without a domain.
@@ -76,7 +109,7 @@ impl SolverRun<'_> {
         if self.state.adaptive.is_empty() {
             return;
         }
-        let State { adaptive, elements, dofs, constraints, loads, .. } = &mut self.state;
+        let State { adaptive, elements, dofs, constraints, loads, thermal, .. } = &mut self.state;
         let half = 0.5 * (dt + dofs.nodes.previous_dt);
         let loops = DomainLoops { arch: elements.arch(), threads: self.threads };
         let mut has_changed = false;
@@ -87,7 +120,11 @@ impl SolverRun<'_> {
                 let changed = &mut |n, gained: [f64; 2]| {
                     constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
                 };
-                domain.change((half, loops), elements, dofs, changed);
+                let mut thermal = thermal.as_deref_mut();
+                take_thermal_strains(-1.0, domain, thermal.as_deref_mut(), elements);
+                let heat = thermal.as_deref_mut().and_then(|thermal| thermal.heat.as_mut());
+                domain.change((half, loops), elements, (dofs, heat), changed);
+                take_thermal_strains(1.0, domain, thermal, elements);
                 has_changed = true;
             }
             self.timing.stop(clock, domain.id);

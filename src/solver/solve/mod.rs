@@ -129,6 +129,7 @@ pub fn run_with(
     let energy = run.energy();
     let SolverRun { mut outcome, state: end, timing, .. } = run;
     outcome.energy = energy;
+    outcome.mesh_changes.extend(end.adaptive.iter().map(adaptive_meshes::changes_of));
     outcome.seconds = begin.elapsed().as_secs_f64();
     outcome.effect_seconds = timing.seconds(plan, outcome.seconds - outcome.checkpoint_seconds);
     Ok((outcome, end))

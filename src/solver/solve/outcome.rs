@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::energy::Energy;
 use super::limits::IncrementLimits;
 use crate::load::PenetrationOutcome;
+use crate::state::EffectId;
 use crate::state::halt::HaltReason;
 
 /// Result of a run.
@@ -35,6 +36,8 @@ pub struct Outcome {
     pub exits: Vec<BodyExit>,
     /// Number of deleted elements.
     pub deleted: usize,
+    /// Changes of the adaptive meshes of each ledger row. During a run only those of domains that have ended.
+    pub mesh_changes: Vec<MeshChanges>,
     /// Warnings issued during the run; each begins with its code.
     pub warnings: Vec<String>,
     /// Increments over all steps.
@@ -52,6 +55,15 @@ pub struct Outcome {
     /// Wall-clock time of each effect, s, by row of the ledger; the sum is that of the time loop.
     #[serde(skip)]
     pub effect_seconds: Vec<f64>,
+}
+
+/// Number of changes of an adaptive mesh (NADAPT).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct MeshChanges {
+    /// Ledger row of the domain.
+    pub row: EffectId,
+    /// Number of changes in which nodes moved.
+    pub count: u64,
 }
 
 impl Outcome {

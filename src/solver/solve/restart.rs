@@ -7,6 +7,7 @@ use std::time::{Duration, Instant as Stopwatch};
 use super::body_forces::BodyForces;
 use super::increment::IncrementController;
 use super::observe::{OutputSchedule, RunOutput, output_failure};
+use super::outcome::MeshChanges;
 use super::position::RunPosition;
 use super::routines::UserSession;
 use super::{BodyRest, Outcome, Sink, SinkError, SolverRun, StepSummary};
@@ -314,7 +315,9 @@ impl Persist for UserSession<'_> {
 persist_struct!(BodyForces { values: fixed } derived { slots, order_by_body, load_ends, tied, first_resistance });
 
 // Halts and results at the end do not exist yet; run times belong to this process.
-persist_struct!(Outcome { steps, rests, increments, warnings } derived {
+persist_struct!(MeshChanges { row, count });
+
+persist_struct!(Outcome { steps, rests, increments, warnings, mesh_changes } derived {
     halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits, deleted, seconds, checkpoint_seconds, digest, lost,
     effect_seconds
 });
@@ -394,6 +397,7 @@ pub(super) fn restore(
     let mut control = begun.unwrap_or_else(|| IncrementController::new(run.step, &run.state.dofs.bodies));
     RunCursor { run, observing, control: &mut control }.visit(&mut archive);
     archive.finish()?;
+    run.restore_masses_of_domains();
     if let Some(memory) = &run.plan.routines.memory {
         memory.restore(&routines)?;
     }

@@ -5,7 +5,7 @@ use crate::deck::keywords::Keyword;
 use crate::deck::value::{COUNT, INTEGER, NOT_NEGATIVE, NUMBER, TEXT, variant, word};
 
 card!(AdaptiveMesh: "ADAPTIVE MESH", "Moves the nodes of a set of elements to better places during the step, and transports material through the mesh", (step), {
-    "ELSET" (TEXT.required()) "Elements of the domain: CAX4R of one section",
+    "ELSET" (TEXT.required()) "Elements of the domain: CAX4R, CAX4RT, CAX3 and CAX3T of one section",
     "CONTROLS" read "Name of *ADAPTIVE MESH CONTROLS",
     frequency: usize = "FREQUENCY" (COUNT.or(10.0)) "Increments between two changes of the mesh",
     sweeps: usize = "MESH SWEEPS" (COUNT.or(1.0)) "Sweeps in each change",

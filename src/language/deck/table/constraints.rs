@@ -65,10 +65,18 @@ card!(ContactDamping: "CONTACT DAMPING", "Damping of the normal motion in soft c
 card!(CohesiveBehavior: "COHESIVE BEHAVIOR", "Bond of contact surfaces, which transmits tension and shear; *DAMAGE INITIATION and *DAMAGE EVOLUTION after it let it fail", (once below "SURFACE INTERACTION"), {
     original: bool = "ELIGIBILITY" (word(&["CURRENT CONTACTS", "ORIGINAL CONTACTS"]).or(0.0)) "ORIGINAL CONTACTS: only points that are in contact when the pair comes into force are bonded; CURRENT CONTACTS (default): also points that come into contact later",
     repeated: bool = "REPEATED CONTACTS" (FLAG) "Points are bonded again when they come into contact after complete damage and separation",
-    "TYPE" only ["UNCOUPLED"] "normal and shear tractions are uncoupled",
+    coupled: bool = "TYPE" (variant(&["UNCOUPLED", "COUPLED"]).or(0.0)) "COUPLED: each traction depends on both separations",
     "COHERE" refused "give ELIGIBILITY and REPEATED CONTACTS",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
-}, stiffness: [f64; 2] = [(lines [
+}, stiffness: [f64; 4] = [(when "TYPE" = "COUPLED" lines [
+    "normal stiffness" (POSITIVE.required()) "Knn, traction per separation",
+    "shear stiffness" (POSITIVE.required()) "Kss",
+    "second shear stiffness" inert "the surfaces do not move along the second shear direction",
+    "normal-shear stiffness" (ZERO) "Kns: normal traction per shear separation, and shear traction per normal separation; its square must be less than Knn Kss",
+    "normal-second shear stiffness" inert "the surfaces do not move along the second shear direction",
+    "shear-second shear stiffness" inert "the surfaces do not move along the second shear direction",
+    "temperature" inert "the stiffnesses do not depend on temperature",
+]), (lines [
     "normal stiffness" (POSITIVE) "Traction per separation; without a data line the stiffness of the underlying elements, as for penalty contact",
     "shear stiffness" (POSITIVE) "Required with the normal stiffness",
     "second shear stiffness" inert "the surfaces do not move along the second shear direction",

@@ -12,7 +12,7 @@ card!(Density: "DENSITY", "Mass per volume", (once below "MATERIAL"), {
 }, rows: Vec<[f64; 2]> = [(rows ["density" (POSITIVE.required()), "temperature" (TEMPERATURE)])]);
 
 card!(Elastic: "ELASTIC", "Linear elasticity", (once below "MATERIAL"), {
-    kind: usize = "TYPE" (variant(&["ISOTROPIC", "SHEAR", "TRACTION"]).or(0.0)) "SHEAR: shear modulus for use with *EOS; TRACTION: uncoupled tractions of cohesive elements",
+    kind: usize = "TYPE" (variant(&["ISOTROPIC", "SHEAR", "TRACTION", "COUPLED TRACTION"]).or(0.0)) "SHEAR: shear modulus for use with *EOS; TRACTION: uncoupled tractions of cohesive elements; COUPLED TRACTION: each traction depends on both separations",
     fields: usize = "DEPENDENCIES" (INTEGER.from(0.0).to(5.0)) "Number of field variables",
     "MODULI" inert "without viscoelasticity instantaneous and long-term moduli are equal",
     "COMPRESSION FACTOR" refused "elasticity is equal in tension and compression",
@@ -21,6 +21,15 @@ card!(Elastic: "ELASTIC", "Linear elasticity", (once below "MATERIAL"), {
         "Enn" (POSITIVE.required()) "Normal traction per nominal strain, the separation over the constitutive thickness",
         "Ess" (POSITIVE.required()) "Shear traction per nominal strain",
         "Ett" inert "the faces do not move along the second shear direction, the hoop direction",
+        "temperature" inert "the stiffness does not depend on temperature",
+    ]),
+    (when "TYPE" = "COUPLED TRACTION" lines [
+        "Enn" (POSITIVE.required()) "Normal traction per nominal strain, the separation over the constitutive thickness",
+        "Ess" (POSITIVE.required()) "Shear traction per nominal strain",
+        "Ett" inert "the faces do not move along the second shear direction, the hoop direction",
+        "Ens" (ZERO) "Normal traction per nominal shear strain, and shear traction per nominal normal strain; its square must be less than Enn Ess",
+        "Ent" inert "the faces do not move along the second shear direction, the hoop direction",
+        "Est" inert "the faces do not move along the second shear direction, the hoop direction",
         "temperature" inert "the stiffness does not depend on temperature",
     ]),
     (when "TYPE" = "SHEAR" lines ["shear modulus" (POSITIVE.required()), "temperature" inert "the modulus does not depend on temperature"]),
@@ -215,6 +224,9 @@ card!(DamageEvolution: "DAMAGE EVOLUTION", "Damage evolution", (below "MATERIAL"
     (lines ["displacement or energy at failure" (NOT_NEGATIVE.required()), "temperature" inert "the value does not depend on temperature"]),
 ]);
 
+card!(DamageStabilization: "DAMAGE STABILIZATION", "Viscosity of the damage of cohesive elements and surfaces: the damage that acts follows that of the law with a delay", (below "MATERIAL" | "SURFACE INTERACTION"), {
+}, viscosity: [f64; 1] = [(lines ["viscosity" (NOT_NEGATIVE.required()) "Time in which the damage follows; 0: no delay"])]);
+
 card!(PhysicalConstants: "PHYSICAL CONSTANTS", "Absolute zero and other constants", (once), {
     absolute_zero: Option<f64> = "ABSOLUTE ZERO" (NUMBER) "Absolute zero on the temperature scale of the deck",
     "STEFAN BOLTZMANN" inert "radiation is unsupported",
@@ -322,7 +334,7 @@ card!(CohesiveSection: "COHESIVE SECTION", "Material and constitutive thickness 
     "MATERIAL" read "Material",
     "RESPONSE" only ["TRACTION SEPARATION"] "tractions follow from separations: give *ELASTIC, TYPE=TRACTION",
     geometric: bool = "THICKNESS" (word(&["SPECIFIED", "GEOMETRY"]).or(0.0)) "Constitutive thickness: SPECIFIED (default) on the data line, GEOMETRY: initial distance of the faces",
-    "CONTROLS" read "Section controls: ELEMENT DELETION, MAX DEGRADATION",
+    "CONTROLS" read "Section controls: ELEMENT DELETION, MAX DEGRADATION, VISCOSITY",
     "STACK DIRECTION" only ["2"] "the nodes 1 and 2 are the bottom face, 3 and 4 the top face",
     "ORIENTATION" refused "the thickness direction is the normal of the mid-surface",
     "SECTION NAME" inert "written by ABAQUS/CAE; has no effect",
@@ -352,7 +364,7 @@ card!(SectionControls: "SECTION CONTROLS", "Hourglass, distortion and viscosity 
     "KINEMATIC SPLIT" only ["AVERAGE STRAIN"] "strains are averaged over the element",
     "DRILL STIFFNESS" inert "applies only to shells",
     "RAMP INITIAL STRESS" inert "applies only to membranes",
-    "VISCOSITY" refused "viscous regularisation of damage is unsupported",
+    viscosity: f64 = "VISCOSITY" (NOT_NEGATIVE.or(0.0)) "For cohesive elements: viscosity of the damage, a time; see *DAMAGE STABILIZATION",
     weight: f64 = "WEIGHT FACTOR" (NUMBER.from(0.0).to(1.0).or(0.5)) "For COMBINED: weight of the stiffness relative to the viscosity",
     by_area: bool = "WEIGHTING" extension (word(&["VOLUME", "AREA"]).or(0.0)) "AREA: equations of motion integrated over the plane section",
     averaged: Option<bool> = "AVERAGED PRESSURE" extension (YES_NO) "For triangles of linear elasticity or rubber: YES averages the dilation over nodes; default YES for plastic materials, rubber and Poisson's ratio above 0.45",
@@ -391,6 +403,7 @@ pub const CARDS: &[Keyword] = &[
     TensileFailure::ROW,
     DamageInitiation::ROW,
     DamageEvolution::ROW,
+    DamageStabilization::ROW,
     PhysicalConstants::ROW,
     Plastic::ROW,
     RateDependent::ROW,

@@ -59,7 +59,6 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Implicit thermomechanical procedure": "COUPLED TEMPERATURE-DISPLACEMENT";
     "Creep": "CREEP";
     "Cyclic hardening": "CYCLED PLASTIC", "CYCLIC HARDENING";
-    "Viscous regularisation of damage, which is for implicit analyses": "DAMAGE STABILIZATION";
     "Deformation theory of plasticity": "DEFORMATION PLASTICITY";
     "Cyclic procedure": "DIRECT CYCLIC";
     "Particles": "DISCRETE SECTION";

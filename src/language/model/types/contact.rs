@@ -62,6 +62,10 @@ pub struct CohesiveBehavior {
     /// Normal and shear stiffness, traction per separation; `None` is that of a layer of the underlying
     /// elements.
     pub stiffness: Option<[f64; 2]>,
+    /// Normal traction per shear separation, and shear traction per normal separation; 0 for uncoupled tractions.
+    pub coupling: f64,
+    /// Viscosity of the damage (`*DAMAGE STABILIZATION`), time; 0 without viscosity.
+    pub viscosity: f64,
     /// Whether only points in contact when the pair comes into force are bonded (`ELIGIBILITY=ORIGINAL CONTACTS`).
     pub original_only: bool,
     /// Whether points are bonded again after complete damage and separation (`REPEATED CONTACTS`).

@@ -227,12 +227,16 @@ pub enum DamageEvolution {
     Energy(f64),
 }
 
-/// Traction-separation law of cohesive elements: `*ELASTIC, TYPE=TRACTION`, and `*DAMAGE INITIATION` and `*DAMAGE
-/// EVOLUTION` with the criteria of cohesive elements.
+/// Traction-separation law of cohesive elements: `*ELASTIC, TYPE=TRACTION` or `COUPLED TRACTION`, `*DAMAGE INITIATION`
+/// and `*DAMAGE EVOLUTION` with the criteria of cohesive elements, and `*DAMAGE STABILIZATION`.
 #[derive(Clone, Debug, Default)]
 pub struct InterfaceDefinition {
     /// Enn and Ess, traction per nominal strain.
     pub elastic: Option<[f64; 2]>,
+    /// Ens, traction of one mode per nominal strain of the other; 0 for uncoupled tractions.
+    pub coupling: f64,
+    /// Viscosity of the damage (`*DAMAGE STABILIZATION`) with the source position of the card, time.
+    pub viscosity: Option<(f64, Span)>,
     /// Damage initiation.
     pub initiation: Option<InterfaceInitiation>,
     /// Damage evolution.

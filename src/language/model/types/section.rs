@@ -93,6 +93,8 @@ pub struct SectionControls {
     /// `MAX DEGRADATION`: the damage at which an element is deleted, or the damage limit of a kept element. Default 1,
     /// or 0.99 for kept elements.
     pub max_degradation: f64,
+    /// `VISCOSITY`: viscosity of the damage of cohesive elements, time.
+    pub viscosity: f64,
     /// `AVERAGED PRESSURE`: whether the dilatation of triangles is averaged over nodes; `None` if not given.
     pub averaged: Option<bool>,
     /// `SUBZONAL`: whether subzonal pressures resist hourglass motion; `None` if not given.
@@ -124,6 +126,7 @@ impl Default for SectionControls {
             by_area: false,
             distortion: None,
             max_degradation: 1.0,
+            viscosity: 0.0,
             averaged: None,
             subzonal: None,
             keep_failed_elements: None,

@@ -78,9 +78,9 @@ impl CohesiveSurfaces {
         }
     }
 
-    /// Updates separations and tractions at the start of an increment, and the impulses over the time `half`. Returns the
-    /// energy that damage and the deletion of elements dissipate.
-    fn update(&mut self, contact: &ContactConstraint, half: f64) -> f64 {
+    /// Updates separations and tractions at the start of an increment, after the time `dt` of the previous one, and the
+    /// impulses over the time `half`. Returns the energy that damage and the deletion of elements dissipate.
+    fn update(&mut self, contact: &ContactConstraint, (half, dt): (f64, f64)) -> f64 {
         let CohesiveSurfaces { laws, pairs, points, impulses, .. } = self;
         impulses.fill(0.0);
         let mut dissipated = 0.0;
@@ -103,7 +103,7 @@ impl CohesiveSurfaces {
                 }
                 let shape = &other.shapes[point.facet as usize];
                 let foot = FootVector::new(shape, point.part, contact.places[place as usize]);
-                dissipated += point.separate(law, &foot);
+                dissipated += point.separate(law, &foot, dt);
                 let between = point.traction.inline_map(|traction| point.area * traction * half);
                 let [a, b] = other.facets[point.facet as usize];
                 for (at, impulse) in [place, a, b].into_iter().zip(foot.forces(point.part, between)) {
@@ -147,12 +147,12 @@ impl CohesiveSurfaces {
                 if point.status != BondStatus::Bonded {
                     continue;
                 }
-                let [normal, shear] = self.laws[cohesive.law_of(index)].stiffness;
+                let stiffness = self.laws[cohesive.law_of(index)].largest_stiffness(ONE_SIDED);
                 let [a, b] = other.facets[point.facet as usize];
                 for axis in 0..2 {
                     let dof = |at: u32| contact.dofs_of[at as usize][axis];
                     let ends = [(dof(place), 1.0), (dof(a), 1.0 - point.part), (dof(b), point.part)];
-                    visit(point.area * (ONE_SIDED * normal).max(shear), ends);
+                    visit(point.area * stiffness, ends);
                 }
             }
         }
@@ -292,7 +292,7 @@ impl ContactConstraint {
     pub(super) fn act_cohesion(&mut self, dofs: &mut Dofs, dt: f64) {
         let Some(mut cohesion) = self.cohesion.take() else { return };
         cohesion.bond_pressed_points(self);
-        let dissipated = cohesion.update(self, self.half);
+        let dissipated = cohesion.update(self, (self.half, 2.0 * self.half - dt));
         dofs.energies.plastic += dissipated;
         dofs.energies.damaged += dissipated;
         cohesion.bound_frequency(self);

@@ -152,15 +152,19 @@ impl CohesiveSurfaces {
 }
 
 impl BondedPoint {
-    /// Updates separations and tractions; returns the dissipated energy.
-    pub(super) fn separate(&mut self, law: &TractionSeparationLaw, foot: &FootVector) -> f64 {
-        self.separation = [0, 1].inline_map(|i: usize| foot.components[i] - self.reference[i]);
-        let response = law.update(&mut self.history, opened(self.separation));
-        self.traction = response.traction;
+    /// Updates separations and tractions after the time `dt`; returns the dissipated energy.
+    pub(super) fn separate(&mut self, law: &TractionSeparationLaw, foot: &FootVector, dt: f64) -> f64 {
+        let separation = [0, 1].inline_map(|i: usize| foot.components[i] - self.reference[i]);
+        let opened = [self.separation, separation].inline_map(opened);
+        let response = law.advance(&mut self.history, opened, dt);
+        (self.separation, self.traction) = (separation, response.traction);
+        let mut dissipated = response.dissipated;
         if law.has_failed(&self.history) {
-            (self.status, self.traction) = (BondStatus::Failed, [0.0; 2]);
+            // Damage with viscosity is not quite complete.
+            dissipated += law.stored(self.history.damage, opened[1]);
+            (self.status, self.traction, self.history.damage) = (BondStatus::Failed, [0.0; 2], 1.0);
         }
-        self.area * response.dissipated
+        self.area * dissipated
     }
 }
 

@@ -120,7 +120,7 @@ impl CohesiveGroup {
             let places = ends.inline_map(|node| node.place());
             let surface = MidSurface::new(places);
             let jumps = surface.jumps(places);
-            dissipated = self.update_points(element, jumps);
+            dissipated = self.update_points(element, jumps, dt);
             if self.has_failed(element) {
                 dissipated += self.delete(element);
             } else {
@@ -145,14 +145,16 @@ impl CohesiveGroup {
         *energies = [energies[0] + work, energies[1] + dissipated];
     }
 
-    /// Updates the points of an element for the vectors between its faces; returns the dissipated energy.
-    fn update_points(&mut self, element: usize, jumps: [[f64; 2]; 2]) -> f64 {
+    /// Updates the points of an element for the vectors between its faces after the time `dt`; returns the dissipated
+    /// energy.
+    fn update_points(&mut self, element: usize, jumps: [[f64; 2]; 2], dt: f64) -> f64 {
         let law = &self.laws[self.elements[element].law];
         let mut dissipated = 0.0;
         for (i, point) in self.points[element].iter_mut().enumerate() {
             let gap = self.gaps[element][i];
-            point.separation = [jumps[i][0] - gap[0], jumps[i][1] - gap[1]];
-            let response = law.update(&mut point.history, point.separation);
+            let separation = [jumps[i][0] - gap[0], jumps[i][1] - gap[1]];
+            let response = law.advance(&mut point.history, [point.separation, separation], dt);
+            point.separation = separation;
             point.traction = response.traction;
             dissipated += self.areas[element][i] * response.dissipated;
         }
@@ -162,7 +164,7 @@ impl CohesiveGroup {
     /// Returns whether an element is to be deleted: all its points have failed, and none is in compression.
     fn has_failed(&self, element: usize) -> bool {
         let law = self.law(element);
-        let failed = |point: &CohesivePoint| law.has_failed(&point.history) && point.separation[0] >= 0.0;
+        let failed = |point: &CohesivePoint| law.has_failed(&point.history) && point.traction[0] >= 0.0;
         self.deletes && self.points[element].iter().all(failed)
     }
 
@@ -199,8 +201,8 @@ impl InterfaceElements for CohesiveGroup {
     }
 
     fn interface_stiffness(&self, element: usize) -> Option<[f64; 2]> {
-        let [normal, shear] = self.law(element).stiffness;
-        Some(self.areas[element].inline_map(|area| normal.max(shear) * area))
+        let stiffness = self.law(element).largest_stiffness(1.0);
+        Some(self.areas[element].inline_map(|area| stiffness * area))
     }
 }
 
@@ -343,7 +345,7 @@ impl InitialState for CohesiveGroup {
     fn set(&mut self, _element: usize, _stress: Option<[f64; 4]>, _temperature: Option<f64>) {}
 }
 
-persist_struct!(InterfaceHistory { damage, separation, criterion });
+persist_struct!(InterfaceHistory { damage, inviscid_damage, separation, criterion });
 
 persist_struct!(CohesivePoint { history, separation, traction });
 

@@ -13,7 +13,8 @@ use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, dot, inline_from_fn}
 use crate::kernel::quad::{CornerGradient, gradient};
 use crate::kernel::rotation::{rotate, rotation_of_spin};
 use crate::kernel::stress::mises;
-use crate::material::carried::CarriedState;
+use crate::material::carried::{ArrivedElement, carried_state};
+use crate::platform::PortableMath as _;
 use crate::routines::{LoadFailure, MAX_MATERIAL_BLOCK, PointRoutines};
 use crate::state::Instant;
 use crate::state::archive::persist_struct;
@@ -43,6 +44,8 @@ pub struct UserState {
     /// scaling.
     start: [CornerGradient; LANES],
     mass: Lanes,
+    /// `None` without adaptive mesh.
+    transported: Option<Box<TransportedReference>>,
     /// Cosine and sine of the rotation angle of the axes.
     turn: [Lanes; 2],
     deleted: [bool; LANES],
@@ -70,6 +73,15 @@ pub struct UserState {
     inelastic: Lanes,
     /// Inelastic energy per mass in this increment.
     dissipated: Lanes,
+}
+
+/// Configuration of each element at its last transport, to which its deformation refers from then on; the initial one
+/// before.
+#[derive(Clone, Debug)]
+struct TransportedReference {
+    start: [CornerGradient; LANES],
+    /// Deformation gradient of the material in the element at that time (rr, zz, hoop, rz, zr).
+    gradient: [Lanes; 5],
 }
 
 /// Kinematics of a block, as arguments of a call.
@@ -160,6 +172,7 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
                 gradient(r, z)
             }),
             mass: start.volume.inline_map(|volume| material.density * volume),
+            transported: None,
             turn: [one, zero],
             deleted: [false; LANES],
             thermal: zero,
@@ -277,13 +290,29 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
         }
     }
 
+    /// Moduli that vary refer to the previous increment of their element.
+    fn can_be_carried(&self) -> bool {
+        self.description.flow.as_ref().is_none_or(|flow| flow.elasticity.is_none())
+    }
+
+    fn prepare_transport(&self, state: &mut UserState) {
+        let (start, gradient) = (&state.start, state.gradient);
+        state.transported.get_or_insert_with(|| Box::new(TransportedReference { start: *start, gradient }));
+    }
+
+    fn arrive(&self, state: &mut UserState, lane: usize, element: &ArrivedElement) {
+        state.arrive(lane, element);
+    }
+
     fn calls(&self) -> Option<&dyn PointCalls<UserState>> {
         Some(self)
     }
 
     fn bytes(&self, state: &UserState) -> usize {
-        let UserState { variables, field, nodal_field: given, moduli, plastic, .. } = state;
-        [variables, field, given, moduli, plastic].inline_map(|lists| size_of_val(&**lists)).iter().sum()
+        let UserState { variables, field, nodal_field: given, moduli, plastic, transported, .. } = state;
+        let lists: usize =
+            [variables, field, given, moduli, plastic].inline_map(|lists| size_of_val(&**lists)).iter().sum();
+        lists + transported.as_deref().map_or(0, size_of_val)
     }
 }
 
@@ -306,15 +335,40 @@ impl UserState {
     /// Updates the geometry of a lane with an element; returns its corners.
     fn take_geometry(&mut self, l: usize, kinematics: &BlockKinematics<'_>) -> [[f64; 4]; 2] {
         let [r, z] = (kinematics.corners)(l);
-        let per = 1.0 / self.start[l].volume;
-        let CornerGradient { r: by_r, z: by_z, hoop, .. } = self.start[l];
-        let gradient = [dot(by_r, r), dot(by_z, z), dot(hoop, r), dot(by_z, r), dot(by_r, z)].inline_map(|x| per * x);
+        let start = self.transported.as_ref().map_or(&self.start[l], |reference| &reference.start[l]);
+        let per = 1.0 / start.volume;
+        let CornerGradient { r: by_r, z: by_z, hoop, .. } = *start;
+        let mut gradient =
+            [dot(by_r, r), dot(by_z, z), dot(hoop, r), dot(by_z, r), dot(by_r, z)].inline_map(|x| per * x);
+        if let Some(reference) = &self.transported {
+            gradient = product(gradient, reference.gradient.inline_map(|list| list[l]));
+        }
         let mean = |x: [f64; 4]| 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
         let place = [mean(r), mean(z), lengths::by_default(r, z), self.mass[l] / kinematics.volume[l]];
         self.place.iter_mut().zip(place).for_each(|(list, value)| list[l] = value);
         self.gradient.iter_mut().zip(gradient).for_each(|(list, value)| list[l] = value);
         self.stretch.iter_mut().zip(stretch(gradient)).for_each(|(list, value)| list[l] = value);
         [r, z]
+    }
+
+    /// Makes the configuration of a transported element that to which its deformation refers, and finds its stress in its
+    /// rotated axes.
+    fn arrive(&mut self, l: usize, element: &ArrivedElement) {
+        self.mass[l] = element.mass;
+        let gradient_now = self.gradient.inline_map(|list| list[l]);
+        if let Some(reference) = &mut self.transported {
+            let [r, z] = [0, 1].inline_map(|axis: usize| element.corners.inline_map(|place| place[axis]));
+            reference.start[l] = gradient(r, z);
+            reference.gradient.iter_mut().zip(gradient_now).for_each(|(list, value)| list[l] = value);
+        }
+        self.stretch.iter_mut().zip(stretch(gradient_now)).for_each(|(list, value)| list[l] = value);
+        let (cosine, sine) = (self.turn[0][l], self.turn[1][l]);
+        let length = cosine.portable_hypot(sine);
+        if length > 0.0 {
+            (self.turn[0][l], self.turn[1][l]) = (cosine / length, sine / length);
+        }
+        let stress = components(element.stress, [self.turn[0][l], -self.turn[1][l]]);
+        self.stress.iter_mut().zip(stress).for_each(|(list, value)| list[l] = value);
     }
 
     /// Returns the strain increments in the axes that rotate with the material, without thermal strain.
@@ -332,6 +386,12 @@ impl UserState {
         }
         rotated
     }
+}
+
+/// Returns the product of two deformation gradients (rr, zz, hoop, rz, zr), the second of which is applied first.
+fn product(later: [f64; 5], first: [f64; 5]) -> [f64; 5] {
+    let ([rr, zz, hoop, rz, zr], [f_rr, f_zz, f_hoop, f_rz, f_zr]) = (later, first);
+    [rr * f_rr + rz * f_zr, zr * f_rz + zz * f_zz, hoop * f_hoop, rr * f_rz + rz * f_zz, zr * f_rr + zz * f_zr]
 }
 
 /// Returns the components of a tensor in rotated axes. A rotation of zero changes nothing, not even the sign of zeros.
@@ -494,15 +554,19 @@ impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
     }
 }
 
-impl CarriedState for UserState {
-    /// Carries nothing: the deformation gradient follows from the initial places of the nodes, so that these materials
-    /// stay with their elements.
-    fn carry(&mut self, _visit: &mut dyn FnMut(&mut Lanes)) {}
-}
+// The stress in rotated axes follows from that in global axes.
+carried_state!(UserState { turn, gradient, temperature, variables, field, nodal_field, plastic, internal, inelastic } stay {
+    numbers, start, mass, transported, deleted, thermal, place, stress, stretch, has_nodal_temperature, moduli, flowed,
+    dissipated
+});
+
+persist_struct!(CornerGradient { r, z, hoop, volume });
+
+persist_struct!(TransportedReference { start, gradient });
 
 persist_struct!(UserState {
-    turn, deleted, thermal, place, stress, stretch, gradient, temperature, variables: fixed, field: fixed, moduli: fixed,
-    plastic: fixed, internal, inelastic
+    mass, transported: present, turn, deleted, thermal, place, stress, stretch, gradient, temperature, variables: fixed,
+    field: fixed, moduli: fixed, plastic: fixed, internal, inelastic
 } derived {
-    numbers, start, mass, has_nodal_temperature, nodal_field, flowed, dissipated
+    numbers, start, has_nodal_temperature, nodal_field, flowed, dissipated
 });
