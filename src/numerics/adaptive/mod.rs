@@ -83,6 +83,8 @@ pub struct AdaptiveDomain {
     first: Option<u64>,
     /// Number of changes of the mesh in which a node has moved.
     changes: u64,
+    /// Whether new places have been found, to which the mesh has not changed yet.
+    is_due: bool,
 }
 
 impl AdaptiveDomain {
@@ -128,6 +130,7 @@ impl AdaptiveDomain {
             topology,
             first: None,
             changes: 0,
+            is_due: false,
         })
     }
 
@@ -170,8 +173,8 @@ impl AdaptiveDomain {
         if (increment - first).is_multiple_of(self.settings.frequency) { self.settings.sweeps } else { 0 }
     }
 
-    /// Finds new places of the nodes if the mesh is due to change at an increment. Returns whether a node moves.
-    pub fn begin_change(
+    /// Finds new places of the nodes if the mesh is due to change at an increment. Returns whether it is.
+    pub fn find_new_places(
         &mut self,
         (increment, loops): (u64, DomainLoops),
         elements: &Elements,
@@ -179,12 +182,43 @@ impl AdaptiveDomain {
         surroundings: &dyn Surroundings,
     ) -> bool {
         let sweeps = self.sweeps_at(increment);
-        if sweeps == 0 {
-            return false;
+        self.is_due = sweeps > 0;
+        if self.is_due {
+            self.find_places((sweeps, loops), elements, nodes, surroundings);
         }
-        self.find_places((sweeps, loops), elements, nodes, surroundings);
+        self.is_due
+    }
+
+    /// Returns the new place of a node; `None` if the mesh does not change now or has no such node.
+    pub fn new_place(&self, node: usize) -> Option<[f64; 2]> {
+        self.position(node).map(|at| self.places[1][at])
+    }
+
+    /// Returns whether the new place of a node may be corrected along r and z.
+    pub fn is_free(&self, node: usize) -> [bool; 2] {
+        let free = |at: usize| {
+            self.prescribed[at].inline_map(|prescribed| !prescribed && self.smoothing.is_on_free_boundary(at))
+        };
+        self.position(node).map_or([false; 2], free)
+    }
+
+    /// Moves the new place of a node.
+    pub fn shift(&mut self, node: usize, [r, z]: [f64; 2]) {
+        if let Some(at) = self.position(node) {
+            let place = &mut self.places[1][at];
+            *place = [place[0] + r, place[1] + z];
+        }
+    }
+
+    /// Returns the position of a node in the domain if the mesh changes now.
+    fn position(&self, node: usize) -> Option<usize> {
+        self.topology.nodes.binary_search(&(node as u32)).ok().filter(|_| self.is_due)
+    }
+
+    /// Begins the change to the new places. Returns whether a node moves.
+    pub fn begin_change(&mut self) -> bool {
         let [start, end, ..] = &self.places;
-        let moves = self.active.find(&self.topology, [start, end]);
+        let moves = std::mem::take(&mut self.is_due) && self.active.find(&self.topology, [start, end]);
         self.changes += u64::from(moves);
         moves
     }
@@ -413,5 +447,5 @@ fn mobility(topology: &DomainTopology, fixed: &[bool]) -> Vec<NodeMobility> {
 
 persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing } derived {
     id, group, settings, topology, active, transport, momentum, places, velocity, given_velocity, node_mass,
-    mass, corner_mass, packs
+    mass, corner_mass, packs, is_due
 });

@@ -6,7 +6,7 @@ use crate::adaptive::AdaptiveDomain;
 use crate::adaptive::loops::DomainLoops;
 use crate::adaptive::smoothing::{BoundaryContact, Surroundings};
 use crate::constraint::contact::curve::PointCarrier;
-use crate::constraint::{Constraint, ContactResults};
+use crate::constraint::{Constraint, ContactResults, MeshMotion};
 use crate::load::SceneChange;
 use crate::plan::State;
 use crate::state::dofs::Dofs;
@@ -38,9 +38,31 @@ impl Surroundings for ContactSurroundings<'_> {
         BoundaryContact::Apart(nearest)
     }
 
+    fn keeps_gaps(&self, node: usize) -> bool {
+        self.contacts().any(|contact| contact.keeps_gaps(PointCarrier::Node(node)))
+    }
+
     fn place_on_surface(&self, node: usize, place: [f64; 2]) -> Option<[f64; 2]> {
         let mut places = self.contacts().map(|c| c.place_on_surface(PointCarrier::Node(node), place, self.dofs));
         places.next().flatten()
+    }
+}
+
+/// New places of the nodes of all domains.
+struct DomainMotion<'a>(&'a mut [AdaptiveDomain]);
+
+impl MeshMotion for DomainMotion<'_> {
+    fn place(&self, node: usize) -> Option<[f64; 2]> {
+        self.0.iter().find_map(|domain| domain.new_place(node))
+    }
+
+    fn is_free(&self, node: usize) -> [bool; 2] {
+        let domain = self.0.iter().find(|domain| domain.new_place(node).is_some());
+        domain.map_or([false; 2], |domain| domain.is_free(node))
+    }
+
+    fn shift(&mut self, node: usize, by: [f64; 2]) {
+        self.0.iter_mut().for_each(|domain| domain.shift(node, by));
     }
 }
 
@@ -63,6 +85,7 @@ impl SolverRun<'_> {
         let forces = self.state.constraints.iter().filter_map(|c| c.view().forces);
         let prescribed: Vec<_> = forces.flat_map(|forces| forces.prescribed()).collect();
         self.state.adaptive.iter_mut().for_each(|domain| domain.begin(&prescribed));
+        self.state.constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.reserve_mesh_motion());
     }
 
     /// Returns the smallest angle of the elements of all domains, degrees; NaN without a domain.
@@ -73,17 +96,24 @@ impl SolverRun<'_> {
 
     /// Changes the meshes that are due, before an increment of length `dt`.
     pub(super) fn adapt_meshes(&mut self, dt: f64) {
-        if self.state.adaptive.is_empty() {
+        if self.state.adaptive.is_empty() || !self.find_new_places() {
             return;
         }
         let State { adaptive, elements, dofs, constraints, loads, .. } = &mut self.state;
+        for constraint in constraints.iter_mut() {
+            let clock = self.timing.start(constraint.effect());
+            let effect = constraint.effect();
+            if let Some(follows) = constraint.upkeep() {
+                follows.follow_meshes(dofs, &mut DomainMotion(adaptive));
+            }
+            self.timing.stop(clock, effect);
+        }
         let half = 0.5 * (dt + dofs.nodes.previous_dt);
         let loops = DomainLoops { arch: elements.arch(), threads: self.threads };
         let mut has_changed = false;
         for domain in adaptive {
             let clock = self.timing.start(domain.id);
-            let surroundings = ContactSurroundings { constraints, dofs };
-            if domain.begin_change((self.now.increment, loops), elements, &dofs.nodes, &surroundings) {
+            if domain.begin_change() {
                 let changed = &mut |n, gained: [f64; 2]| {
                     constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
                 };
@@ -96,5 +126,19 @@ impl SolverRun<'_> {
             let masses = SceneChange::Masses(&dofs.nodes.mass);
             loads.iter_mut().for_each(|load| load.scene_changed(&masses));
         }
+    }
+
+    /// Finds new places of the nodes of the meshes that are due. Returns whether there is such a mesh.
+    fn find_new_places(&mut self) -> bool {
+        let State { adaptive, elements, dofs, constraints, .. } = &mut self.state;
+        let loops = DomainLoops { arch: elements.arch(), threads: self.threads };
+        let mut any = false;
+        for domain in adaptive {
+            let clock = self.timing.start(domain.id);
+            let surroundings = ContactSurroundings { constraints, dofs };
+            any |= domain.find_new_places((self.now.increment, loops), elements, &dofs.nodes, &surroundings);
+            self.timing.stop(clock, domain.id);
+        }
+        any
     }
 }
