@@ -83,8 +83,8 @@ pub struct AdaptiveDomain {
     first: Option<u64>,
     /// Number of changes of the mesh in which a node has moved.
     changes: u64,
-    /// Whether new places have been found, to which the mesh has not changed yet.
-    is_due: bool,
+    /// Number of sweeps of the change of the mesh that has begun; otherwise 0.
+    due_sweeps: usize,
 }
 
 impl AdaptiveDomain {
@@ -130,7 +130,7 @@ impl AdaptiveDomain {
             topology,
             first: None,
             changes: 0,
-            is_due: false,
+            due_sweeps: 0,
         })
     }
 
@@ -173,20 +173,23 @@ impl AdaptiveDomain {
         if (increment - first).is_multiple_of(self.settings.frequency) { self.settings.sweeps } else { 0 }
     }
 
-    /// Finds new places of the nodes if the mesh is due to change at an increment. Returns whether it is.
+    /// Returns whether the mesh is due to change at an increment.
+    pub fn is_due(&mut self, increment: u64) -> bool {
+        self.due_sweeps = self.sweeps_at(increment);
+        self.due_sweeps > 0
+    }
+
+    /// Finds new places of the nodes if the mesh is due to change.
     pub fn find_new_places(
         &mut self,
-        (increment, loops): (u64, DomainLoops),
+        loops: DomainLoops,
         elements: &Elements,
         nodes: &Nodes,
         surroundings: &dyn Surroundings,
-    ) -> bool {
-        let sweeps = self.sweeps_at(increment);
-        self.is_due = sweeps > 0;
-        if self.is_due {
-            self.find_places((sweeps, loops), elements, nodes, surroundings);
+    ) {
+        if self.due_sweeps > 0 {
+            self.find_places((self.due_sweeps, loops), elements, nodes, surroundings);
         }
-        self.is_due
     }
 
     /// Returns the new place of a node; `None` if the mesh does not change now or has no such node.
@@ -212,13 +215,13 @@ impl AdaptiveDomain {
 
     /// Returns the position of a node in the domain if the mesh changes now.
     fn position(&self, node: usize) -> Option<usize> {
-        self.topology.nodes.binary_search(&(node as u32)).ok().filter(|_| self.is_due)
+        self.topology.nodes.binary_search(&(node as u32)).ok().filter(|_| self.due_sweeps > 0)
     }
 
     /// Begins the change to the new places. Returns whether a node moves.
     pub fn begin_change(&mut self) -> bool {
         let [start, end, ..] = &self.places;
-        let moves = std::mem::take(&mut self.is_due) && self.active.find(&self.topology, [start, end]);
+        let moves = std::mem::take(&mut self.due_sweeps) > 0 && self.active.find(&self.topology, [start, end]);
         self.changes += u64::from(moves);
         moves
     }
@@ -447,5 +450,5 @@ fn mobility(topology: &DomainTopology, fixed: &[bool]) -> Vec<NodeMobility> {
 
 persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing } derived {
     id, group, settings, topology, active, transport, momentum, places, velocity, given_velocity, node_mass,
-    mass, corner_mass, packs, is_due
+    mass, corner_mass, packs, due_sweeps
 });

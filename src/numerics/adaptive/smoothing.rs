@@ -623,8 +623,9 @@ fn ring(domain: &DomainTopology, node: usize) -> Option<[u32; 8]> {
     (next == ring[0]).then_some(ring)
 }
 
-/// Returns the new place of a node between two others on the boundary, from which `share` of the length is before it. It
-/// moves by `part` of the way along the chord of its neighbours, then across the chord until the volume of the ring between the three is the same as before.
+/// Returns the new place of a node between two others on the boundary, where `share` of the length is before it. It
+/// moves by `part` of the way along the chord of its neighbours, then across the chord until the volume of the ring between
+/// the three is the same as before.
 fn slide([before, own, after]: [[f64; 2]; 3], (share, part): (f64, f64), corner_cosine: f64) -> [f64; 2] {
     let chord = vector(before, after);
     let [l1, l2, l] = [vector(before, own), vector(own, after), chord].inline_map(length);

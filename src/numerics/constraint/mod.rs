@@ -164,7 +164,8 @@ pub trait ContactResults {
         None
     }
 
-    /// Returns whether the contact corrects the new place of a point whose mesh moves ([`ConstraintUpkeep::follow_meshes`]).
+    /// Returns whether the contact corrects the new place of a point whose mesh moves ([`ConstraintUpkeep::follow_meshes`]),
+    /// after [`ConstraintUpkeep::begin_mesh_motion`].
     fn keeps_gaps(&self, _carrier: PointCarrier) -> bool {
         false
     }
@@ -229,8 +230,11 @@ pub trait ConstraintUpkeep {
     /// Allocates for [`Self::follow_meshes`].
     fn reserve_mesh_motion(&mut self) {}
 
-    /// Corrects the new places of nodes of adaptive meshes, so that the constraint continues. It is called before the mesh
-    /// changes, at the start of an increment of which only the motion of bodies has been made.
+    /// Informs it that adaptive meshes are about to change, at the start of an increment of which only the motion of bodies
+    /// has been made.
+    fn begin_mesh_motion(&mut self, _dofs: &Dofs) {}
+
+    /// Corrects the new places of nodes of adaptive meshes, so that the constraint continues.
     fn follow_meshes(&mut self, _dofs: &Dofs, _mesh: &mut dyn MeshMotion) {}
 
     /// Returns the messages of overlaps of bodies that it has found.

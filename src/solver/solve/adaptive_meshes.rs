@@ -6,7 +6,7 @@ use crate::adaptive::AdaptiveDomain;
 use crate::adaptive::loops::DomainLoops;
 use crate::adaptive::smoothing::{BoundaryContact, Surroundings};
 use crate::constraint::contact::curve::PointCarrier;
-use crate::constraint::{Constraint, ContactResults, MeshMotion};
+use crate::constraint::{Constraint, ConstraintUpkeep, ContactResults, MeshMotion};
 use crate::load::SceneChange;
 use crate::plan::State;
 use crate::state::dofs::Dofs;
@@ -96,18 +96,44 @@ impl SolverRun<'_> {
 
     /// Changes the meshes that are due, before an increment of length `dt`.
     pub(super) fn adapt_meshes(&mut self, dt: f64) {
-        if self.state.adaptive.is_empty() || !self.find_new_places() {
-            return;
+        let increment = self.now.increment;
+        let due = self.state.adaptive.iter_mut().fold(false, |any, domain| domain.is_due(increment) || any);
+        if due {
+            self.follow_by_constraints(|constraint, dofs, _| constraint.begin_mesh_motion(dofs));
+            self.find_new_places();
+            self.follow_by_constraints(|constraint, dofs, domains| constraint.follow_meshes(dofs, domains));
+            self.change_meshes(dt);
         }
-        let State { adaptive, elements, dofs, constraints, loads, .. } = &mut self.state;
-        for constraint in constraints.iter_mut() {
-            let clock = self.timing.start(constraint.effect());
+    }
+
+    /// Calls constraints before and after new places have been found.
+    fn follow_by_constraints(
+        &mut self,
+        mut follow: impl FnMut(&mut dyn ConstraintUpkeep, &Dofs, &mut DomainMotion<'_>),
+    ) {
+        let State { adaptive, dofs, constraints, .. } = &mut self.state;
+        for constraint in constraints {
             let effect = constraint.effect();
-            if let Some(follows) = constraint.upkeep() {
-                follows.follow_meshes(dofs, &mut DomainMotion(adaptive));
+            let clock = self.timing.start(effect);
+            if let Some(follower) = constraint.upkeep() {
+                follow(follower, dofs, &mut DomainMotion(adaptive));
             }
             self.timing.stop(clock, effect);
         }
+    }
+
+    fn find_new_places(&mut self) {
+        let State { adaptive, elements, dofs, constraints, .. } = &mut self.state;
+        let loops = DomainLoops { arch: elements.arch(), threads: self.threads };
+        for domain in adaptive {
+            let clock = self.timing.start(domain.id);
+            domain.find_new_places(loops, elements, &dofs.nodes, &ContactSurroundings { constraints, dofs });
+            self.timing.stop(clock, domain.id);
+        }
+    }
+
+    fn change_meshes(&mut self, dt: f64) {
+        let State { adaptive, elements, dofs, constraints, loads, .. } = &mut self.state;
         let half = 0.5 * (dt + dofs.nodes.previous_dt);
         let loops = DomainLoops { arch: elements.arch(), threads: self.threads };
         let mut has_changed = false;
@@ -126,19 +152,5 @@ impl SolverRun<'_> {
             let masses = SceneChange::Masses(&dofs.nodes.mass);
             loads.iter_mut().for_each(|load| load.scene_changed(&masses));
         }
-    }
-
-    /// Finds new places of the nodes of the meshes that are due. Returns whether there is such a mesh.
-    fn find_new_places(&mut self) -> bool {
-        let State { adaptive, elements, dofs, constraints, .. } = &mut self.state;
-        let loops = DomainLoops { arch: elements.arch(), threads: self.threads };
-        let mut any = false;
-        for domain in adaptive {
-            let clock = self.timing.start(domain.id);
-            let surroundings = ContactSurroundings { constraints, dofs };
-            any |= domain.find_new_places((self.now.increment, loops), elements, &dofs.nodes, &surroundings);
-            self.timing.stop(clock, domain.id);
-        }
-        any
     }
 }

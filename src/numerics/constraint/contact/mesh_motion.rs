@@ -269,17 +269,35 @@ impl ContactConstraint {
         keeps
     }
 
-    /// Corrects new places of nodes of adaptive meshes, and moves the values of the keys to them.
+    /// Finds the surfaces that are near each other at the start of a change of adaptive meshes. The lists of earlier
+    /// increments are not used, for they depend on when they were built.
+    pub(super) fn begin_mesh_motion(&mut self, dofs: &Dofs) {
+        if mesh_pairs(self).next().is_none() {
+            return;
+        }
+        if self.uncovered {
+            self.list_points();
+        }
+        self.read_places(|_| None, dofs);
+        if std::mem::take(&mut self.uncovered) {
+            self.curves.iter_mut().for_each(|curve| curve.find_neighbors(&self.places));
+            self.forget_pressures_of_orphans();
+        }
+        self.search();
+    }
+
+    /// Corrects new places of nodes of adaptive meshes, and moves the values of the keys to them. It follows
+    /// [`Self::begin_mesh_motion`].
     pub(super) fn follow_meshes(&mut self, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
         self.reserve_mesh_motion();
         let Some(mut work) = self.mesh.take() else { return };
         if self.moves_near(dofs, mesh) {
-            self.read_places(|_| None, dofs);
-            self.measure_anew();
+            self.measure(0.0);
             work.begin(self);
             for pass in 0..PASSES {
                 self.read_places(|node| mesh.place(node), dofs);
-                self.measure_anew();
+                self.search();
+                self.measure(0.0);
                 if pass == 0 {
                     work.find_shares(self);
                 }
@@ -305,11 +323,6 @@ impl ContactConstraint {
             };
             self.places[point as usize] = moved.unwrap_or_else(|| self.place_of(point, dofs, 0.0));
         }
-    }
-
-    fn measure_anew(&mut self) {
-        self.search();
-        self.measure(0.0);
     }
 
     fn carry_keys(&mut self, work: &mut MeshContinuation) {

@@ -1018,6 +1018,10 @@ impl ConstraintUpkeep for ContactConstraint {
         ContactConstraint::reserve_mesh_motion(self);
     }
 
+    fn begin_mesh_motion(&mut self, dofs: &Dofs) {
+        ContactConstraint::begin_mesh_motion(self, dofs);
+    }
+
     fn follow_meshes(&mut self, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
         ContactConstraint::follow_meshes(self, dofs, mesh);
     }
