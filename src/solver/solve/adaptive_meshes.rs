@@ -96,9 +96,11 @@ impl SolverRun<'_> {
 
     /// Changes the meshes that are due, before an increment of length `dt`.
     pub(super) fn adapt_meshes(&mut self, dt: f64) {
-        let increment = self.now.increment;
-        let due = self.state.adaptive.iter_mut().fold(false, |any, domain| domain.is_due(increment) || any);
-        if due {
+        let (increment, mut any) = (self.now.increment, false);
+        for domain in &mut self.state.adaptive {
+            any |= domain.is_due(increment);
+        }
+        if any {
             self.follow_by_constraints(|constraint, dofs, _| constraint.begin_mesh_motion(dofs));
             self.find_new_places();
             self.follow_by_constraints(|constraint, dofs, domains| constraint.follow_meshes(dofs, domains));

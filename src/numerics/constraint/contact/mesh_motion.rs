@@ -97,6 +97,7 @@ impl MeshContinuation {
     /// cause no overlap elsewhere: sweeps over the rows (Kaczmarz 1937).
     fn correct(&mut self, contact: &ContactConstraint, mesh: &mut dyn MeshMotion) {
         self.shifts.fill(0.0);
+        self.is_free.fill(false);
         for (node, dofs) in near_nodes(contact) {
             for (dof, free) in dofs.into_iter().zip(mesh.is_free(node)) {
                 self.is_free[dof as usize] = free;
