@@ -3,11 +3,11 @@
 //! of friction, clearances and stored energies.
 
 use super::curve::PointCarrier;
+use super::mesh_continuation::{KeyShare, MeshContinuation};
 use super::sweeps::{ContactRow, NONE};
 use super::{ContactConstraint, ContactPair};
 use crate::constraint::MeshMotion;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::MemoryUse;
 use crate::state::dofs::Dofs;
 
 /// Number of times that gaps at the new places are measured and corrected.
@@ -19,59 +19,7 @@ const CLOSED: f64 = 0.05;
 /// Longest correction of a place, as a fraction of the facet length of the pairs.
 const LONGEST: f64 = 0.2;
 
-/// New place of a key between two keys at the start.
-#[derive(Clone, Copy, Debug)]
-struct KeyShare {
-    key: u32,
-    /// Key of the next point on the side to which the point moves.
-    other: u32,
-    /// Displacement along the facet between both, as a fraction of its length.
-    share: f64,
-}
-
-/// Contact at the start of a change of meshes, and work arrays.
-#[derive(Clone, Debug, Default)]
-pub(super) struct MeshContinuation {
-    /// Places of all points at the start.
-    starts: Vec<[f64; 2]>,
-    /// Mean gap and area of each key at the start; NaN and 0 without a row.
-    gaps: Vec<f64>,
-    areas: Vec<f64>,
-    /// New places of keys that move, by ascending key.
-    shares: Vec<KeyShare>,
-    /// Values at the new places, in the order of the shares.
-    mixed: Vec<f64>,
-    /// Stored energies at the new places.
-    stored: Vec<f64>,
-    /// Corrections of the places of each degree of freedom, and whether it may be corrected.
-    shifts: Vec<f64>,
-    is_free: Vec<bool>,
-}
-
 impl MeshContinuation {
-    fn new(keys: usize, points: usize, dofs: usize) -> MeshContinuation {
-        MeshContinuation {
-            starts: vec![[0.0; 2]; points],
-            gaps: vec![f64::NAN; keys],
-            areas: vec![0.0; keys],
-            shares: Vec::with_capacity(keys),
-            mixed: Vec::with_capacity(keys),
-            stored: vec![0.0; keys],
-            shifts: vec![0.0; dofs],
-            is_free: vec![false; dofs],
-        }
-    }
-
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.starts)
-            + [&self.gaps, &self.areas, &self.mixed, &self.stored, &self.shifts]
-                .inline_map(MemoryUse::of)
-                .into_iter()
-                .sum()
-            + MemoryUse::of(&self.shares)
-            + MemoryUse::of(&self.is_free)
-    }
-
     /// Takes places, gaps and areas at the start.
     fn begin(&mut self, contact: &ContactConstraint) {
         self.starts.copy_from_slice(&contact.places);
@@ -133,10 +81,7 @@ impl MeshContinuation {
     /// Returns the mean gap that a row has to keep, that of its place at the start, and whether the row is closed. Other rows
     /// keep a gap of at most zero.
     fn target(&self, contact: &ContactConstraint, row: &ContactRow, length: f64) -> (f64, bool) {
-        let own = self.gaps[row.key as usize];
-        let at = self.shares.binary_search_by_key(&row.key, |share| share.key);
-        let moved = at.map(|at| self.shares[at]);
-        let gap = moved.map_or(own, |moved| mix(own, self.gaps[moved.other as usize], moved.share));
+        let gap = self.at_new_place(row.key, |key| self.gaps[key as usize]);
         let is_pressed = contact.pressures[row.key as usize][0] > 0.0;
         if gap.is_nan() {
             (0.0, is_pressed)
@@ -144,21 +89,6 @@ impl MeshContinuation {
             (gap, true)
         } else {
             (gap.min(0.0), false)
-        }
-    }
-
-    /// Moves a value of each key to the new places.
-    fn carry<T>(&mut self, values: &mut [T], part: impl Fn(&mut T) -> &mut f64) {
-        if values.is_empty() {
-            return;
-        }
-        self.mixed.clear();
-        for KeyShare { key, other, share } in &self.shares {
-            let [own, other] = [*key, *other].inline_map(|key| *part(&mut values[key as usize]));
-            self.mixed.push(mix(own, other, *share));
-        }
-        for (KeyShare { key, .. }, value) in self.shares.iter().zip(&self.mixed) {
-            *part(&mut values[*key as usize]) = *value;
         }
     }
 
@@ -175,10 +105,7 @@ impl MeshContinuation {
         };
         self.stored.fill(0.0);
         for row in rows.rows.iter().filter(|row| row.closest_point.is_none()) {
-            let own = per_area(energies, row.key);
-            let at = self.shares.binary_search_by_key(&row.key, |share| share.key);
-            let moved = at.map(|at| self.shares[at]);
-            let density = moved.map_or(own, |moved| mix(own, per_area(energies, moved.other), moved.share));
+            let density = self.at_new_place(row.key, |key| per_area(energies, key));
             self.stored[row.key as usize] = density * row.area;
         }
         for (at, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.analytical.is_none()) {
@@ -232,12 +159,6 @@ fn key_share(contact: &ContactConstraint, pair: &ContactPair, index: u32, starts
 fn share_of_way([from, to]: [[f64; 2]; 2], end: [f64; 2]) -> f64 {
     let [by, way] = [to, end].inline_map(|to: [f64; 2]| [to[0] - from[0], to[1] - from[1]]);
     (by[0] * way[0] + by[1] * way[1]) / (way[0] * way[0] + way[1] * way[1])
-}
-
-/// Returns the value between two keys; that of the first if one has none.
-fn mix(own: f64, other: f64, share: f64) -> f64 {
-    let value = own + share * (other - own);
-    if value.is_nan() { own } else { value }
 }
 
 impl ContactConstraint {
