@@ -121,3 +121,46 @@ pub fn between(seed: u64) -> impl FnMut(f64, f64) -> f64 {
         low + (high - low) * (state >> 11) as f64 / (1u64 << 53) as f64
     }
 }
+
+/// Returns two bodies with adaptive meshes in contact: a copper shell with a spherical end of the radius 5 hits an aluminium
+/// block at 100 m/s (t, mm, s). `interaction` are the cards of the contact, `cards` those of the step, which may name the sets
+/// PUNCH.SOLID and BLOCK.SOLID. Both bodies are free, and have `n` elements along the block.
+pub fn punch_and_block(n: usize, time: f64, interaction: &str, cards: &str) -> String {
+    let (radius, width, rows) = (5.0, 15.0, n.div_ceil(4));
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let punch = part(
+        "PUNCH",
+        [n, rows],
+        |i, j| {
+            let (angle, from) = (quarter * i as f64 / n as f64, radius * (1.0 - 0.5 * j as f64 / rows as f64));
+            // The axis is met to the last bit.
+            [if i == 0 { 0.0 } else { from * angle.sin() }, radius - from * angle.cos()]
+        },
+        "*Surface, name=SKIN\n SOLID,\n",
+    );
+    let block = part(
+        "BLOCK",
+        [n, n],
+        |i, j| [width * i as f64 / n as f64, width * (j as f64 / n as f64 - 1.0)],
+        "*Surface, name=SKIN\n SOLID,\n",
+    );
+    let metal = |name, constants, [yields, strong]: [f64; 2]| {
+        elastic(name, constants, &format!("*Plastic\n {yields}, 0.\n {strong}, 1.\n"))
+    };
+    punch
+        + &block
+        + &assembly(&["PUNCH", "BLOCK"], "")
+        + &metal("PUNCH", [117e3, 0.3, 8.93e-9], [200.0, 400.0])
+        + &metal("BLOCK", [70e3, 0.3, 2.7e-9], [100.0, 200.0])
+        + &format!("*Surface Interaction, name=I\n{interaction}")
+        + &format!(
+            "*Initial Conditions, type=VELOCITY\n PUNCH.ALL, 2, -1e5\n*Step\n*Dynamic, Explicit\n , {time:e}\n{cards}"
+        )
+        + "*Contact Pair, interaction=I\n PUNCH.SKIN, BLOCK.SKIN\n*Output, field, number interval=2\n*Node Output\n U, V\n*Element \
+           Output\n S, PEEQ\n*Contact Output\n CSTRESS, CDISP\n*Output, history, number interval=20\n*Contact \
+           Output\n CFN2\n*Energy Output\n ALL\n*Incrementation Output\n DT, NADAPT, ADANGLE\n*End Step\n"
+}
+
+/// Cards of adaptive meshes of both bodies of [`punch_and_block`].
+pub const BOTH_ADAPTIVE: &str =
+    "*Adaptive Mesh, elset=PUNCH.SOLID, frequency=3\n*Adaptive Mesh, elset=BLOCK.SOLID, frequency=3\n";

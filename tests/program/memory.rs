@@ -17,7 +17,7 @@ use revolve::plan::ledger::{Ledger, LedgerRow};
 use revolve::user::{LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Routines, UserLoad, UserMaterial};
 
 use crate::common;
-use crate::common::bodies::{assembly, elastic, part, rigid_line};
+use crate::common::bodies::{BOTH_ADAPTIVE, assembly, elastic, part, punch_and_block, rigid_line};
 use crate::common::routines::NoPlasticity;
 use crate::common::solid::{grid, in_six_node_triangles, material};
 
@@ -222,6 +222,18 @@ fn nothing_allocates_inside_an_increment_of_adaptive_meshes() {
         count("0.02");
         assert_same_allocations(procedure, count("0.02"), count("0.2"));
     }
+}
+
+/// Surfaces of two adaptive meshes that slide in soft contact with friction.
+#[test]
+fn nothing_allocates_inside_an_increment_of_adaptive_meshes_in_contact() {
+    let law = "*Friction\n 0.1,\n*Surface Behavior, pressure-overclosure=LINEAR\n 1e6,\n";
+    let deck = |time: f64| punch_and_block(12, time, law, BOTH_ADAPTIVE);
+    // Allocations made once per process.
+    allocations(&deck(4e-6));
+    let (short, long) = (allocations(&deck(4e-6)), allocations(&deck(1.2e-5)));
+    assert!(long.0 > 2 * short.0);
+    assert_eq!(long.1, short.1);
 }
 
 /// A stretched block whose rows are deleted, with eroded mass and energy, and pressure on newly exposed faces.

@@ -20,7 +20,7 @@ use revolve::user::{
 };
 
 use crate::common;
-use crate::common::bodies::{assembly, elastic, part, rigid_line};
+use crate::common::bodies::{BOTH_ADAPTIVE, assembly, elastic, part, punch_and_block, rigid_line};
 use crate::common::solid::{grid, in_six_node_triangles, material};
 use crate::common::{RecordedOutput, prepared, project};
 
@@ -423,6 +423,16 @@ fn contact_resumes() {
     assert_eq!(outcome.halt, None);
     let energy = &outcome.energy;
     assert!(energy.contact != 0.0 && energy.friction > 0.0 && energy.plastic > 0.0, "{energy:?}");
+}
+
+/// Surfaces of adaptive meshes that slide in contact: places of nodes, pressures, slip and stored energies.
+#[test]
+fn adaptive_meshes_in_contact_resume() {
+    for law in ["*Friction\n 0.3,\n", "*Friction\n 0.1,\n*Surface Behavior, pressure-overclosure=LINEAR\n 1e6,\n"] {
+        let text = punch_and_block(12, 8e-6, law, BOTH_ADAPTIVE);
+        let outcome = assert_resumes("adaptive meshes in contact", &text, Routines::none);
+        assert_eq!(outcome.halt, None);
+    }
 }
 
 /// The same bodies with temperatures, penalty contact, and heat conduction across contact.

@@ -5,6 +5,7 @@
 mod common;
 
 mod adaptive;
+mod adaptive_contact;
 mod alike;
 mod area;
 mod bars;

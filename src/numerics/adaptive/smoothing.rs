@@ -94,6 +94,8 @@ pub enum BoundaryContact {
 pub trait Surroundings {
     /// Returns the contact of a node of the boundary.
     fn contact(&self, node: usize) -> BoundaryContact;
+    /// Returns whether the new place of a node is corrected afterwards so that its gaps to other surfaces continue.
+    fn keeps_gaps(&self, node: usize) -> bool;
     /// Returns the closest place on the curved surface that presses on a node; `None` if the surface deforms.
     fn place_on_surface(&self, node: usize, place: [f64; 2]) -> Option<[f64; 2]>;
 }
@@ -128,10 +130,16 @@ pub(super) struct MeshSmoothing {
     boundary_of: Vec<u32>,
     /// Contact of each node; used on the boundary only.
     contact: Vec<BoundaryContact>,
+    /// Nodes of the boundary whose new places are corrected afterwards.
+    keeps_gaps: Vec<bool>,
+    /// Nodes of deleted elements.
+    is_deleted: Vec<bool>,
     /// Nodes whose motion is taken back.
     halted: Vec<bool>,
 }
 
+/// Part of the displacement to the middle between its neighbours by which a sweep moves a node that keeps gaps.
+const PART: f64 = 0.3;
 /// Most nodes that come into contact between two changes of the mesh.
 const FOLDED: usize = 16;
 /// Largest gap over the length of the edge, at which a node beyond a corner has come into contact.
@@ -194,6 +202,8 @@ impl MeshSmoothing {
             corners,
             boundary_of,
             contact: vec![BoundaryContact::Apart(f64::INFINITY); count],
+            keeps_gaps: vec![false; count],
+            is_deleted: vec![false; count],
         }
     }
 
@@ -214,6 +224,8 @@ impl MeshSmoothing {
             + 24 * self.parts.capacity()
             + self.is_spread.capacity()
             + self.halted.capacity()
+            + self.keeps_gaps.capacity()
+            + self.is_deleted.capacity()
             + 4 * (self.corners.capacity() + self.boundary_of.capacity())
             + size_of::<BoundaryContact>() * self.contact.capacity()
     }
@@ -221,13 +233,20 @@ impl MeshSmoothing {
     /// Reads the contact of the nodes of the boundary.
     pub fn read_contact(&mut self, domain: &DomainTopology, surroundings: &dyn Surroundings) {
         for BoundaryNode { node, .. } in &domain.boundary {
-            self.contact[*node as usize] = surroundings.contact(domain.nodes[*node as usize] as usize);
+            let (at, node) = (*node as usize, domain.nodes[*node as usize] as usize);
+            (self.contact[at], self.keeps_gaps[at]) = (surroundings.contact(node), surroundings.keeps_gaps(node));
         }
+    }
+
+    /// Returns whether the place of a node on the boundary may be corrected.
+    pub fn is_on_free_boundary(&self, node: usize) -> bool {
+        self.mobility[node] == NodeMobility::Boundary && !self.is_deleted[node]
     }
 
     /// Fixes nodes of deleted elements, and nodes at the ends of regions with prescribed motions along r or z.
     pub fn restrict(&mut self, domain: &DomainTopology, prescribed: &[[bool; 2]], deleted: impl Fn(u32) -> bool) {
         self.now.copy_from_slice(&self.mobility);
+        self.is_deleted.fill(false);
         for (now, _) in self.now.iter_mut().zip(prescribed).filter(|n| *n.1 == [true; 2]) {
             *now = NodeMobility::Fixed;
         }
@@ -240,7 +259,9 @@ impl MeshSmoothing {
         }
         for (element, corners) in domain.elements.iter().zip(&domain.corners) {
             if deleted(*element) {
-                corners.iter().for_each(|n| self.now[*n as usize] = NodeMobility::Fixed);
+                for n in corners {
+                    (self.now[*n as usize], self.is_deleted[*n as usize]) = (NodeMobility::Fixed, true);
+                }
             }
         }
     }
@@ -261,7 +282,8 @@ impl MeshSmoothing {
             if self.now[n] == NodeMobility::Boundary && !self.is_spread[n] {
                 let ends = [node.before, node.node, node.after].inline_map(|n: u32| self.target[n as usize]);
                 let share = self.grading.as_ref().map_or(0.5, |grading| grading.before[n]);
-                let place = keep(prescribed[n], ends, slide(ends, share, self.corner_cosine));
+                let part = if self.keeps_gaps[n] { PART } else { 1.0 };
+                let place = keep(prescribed[n], ends, slide(ends, (share, part), self.corner_cosine));
                 let on_surface = |place| surroundings.place_on_surface(domain.nodes[n] as usize, place);
                 self.target[n] = self.keep_contact(node, place, &on_surface).unwrap_or(ends[1]);
             }
@@ -411,6 +433,7 @@ impl MeshSmoothing {
         let pressed = list.inline_map(|n: u32| self.contact[n as usize] == BoundaryContact::Pressed);
         match (pressed, self.contact[node.node as usize]) {
             ([true, true, true], _) if is_straight(ends) => Some(place),
+            _ if self.keeps_gaps[node.node as usize] => Some(place),
             ([true, true, true], _) if place != ends[1] => on_surface(place),
             ([false, false, false], BoundaryContact::Apart(gap)) if gap > length(vector(ends[1], place)) => Some(place),
             _ => None,
@@ -607,17 +630,17 @@ fn ring(domain: &DomainTopology, node: usize) -> Option<[u32; 8]> {
     (next == ring[0]).then_some(ring)
 }
 
-/// Returns the new place of a node between two others on the boundary, where `share` of the length is before it. It moves
-/// along the chord of
-/// its neighbours, then across the chord until the volume of the ring between the three is the same as before.
-fn slide([before, own, after]: [[f64; 2]; 3], share: f64, corner_cosine: f64) -> [f64; 2] {
+/// Returns the new place of a node between two others on the boundary, where `share` of the length is before it. It
+/// moves by `part` of the way along the chord of its neighbours, then across the chord until the volume of the ring between
+/// the three is the same as before.
+fn slide([before, own, after]: [[f64; 2]; 3], (share, part): (f64, f64), corner_cosine: f64) -> [f64; 2] {
     let chord = vector(before, after);
     let [l1, l2, l] = [vector(before, own), vector(own, after), chord].inline_map(length);
     if !(turn_cosine([before, own, after]) > corner_cosine && l > 0.0) {
         return own;
     }
     let along = chord.inline_map(|x| x / l);
-    let step = share * l2 - (1.0 - share) * l1;
+    let step = part * (share * l2 - (1.0 - share) * l1);
     let place = [own[0] + step * along[0], own[1] + step * along[1]];
     let ring = |own: [f64; 2]| 0.5 * cross(before, own, after) * (before[0] + own[0] + after[0]);
     let across = [along[1], -along[0]];
@@ -716,7 +739,7 @@ fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 
 persist_struct!(MeshSmoothing { deferred: fixed } derived {
     weights, grading, corner_cosine, mobility, now, target, shares, parts, corners, handed, is_spread, boundary_of, contact,
-    halted
+    keeps_gaps, is_deleted, halted
 });
 
 #[cfg(test)]
@@ -727,17 +750,17 @@ mod tests {
     /// straight to rounding.
     #[test]
     fn sliding_keeps_lines_and_volumes() {
-        let line = slide([[1.0, 2.0], [1.2, 2.0], [2.0, 2.0]], 0.5, 0.8);
+        let line = slide([[1.0, 2.0], [1.2, 2.0], [2.0, 2.0]], (0.5, 1.0), 0.8);
         assert!((line[0] - 1.5).abs() < 1e-14 && line[1] == 2.0, "{line:?}");
-        let axis = slide([[0.0, 2.0], [0.0, 2.2], [0.0, 4.0]], 0.5, 0.8);
+        let axis = slide([[0.0, 2.0], [0.0, 2.2], [0.0, 4.0]], (0.5, 1.0), 0.8);
         assert!(axis[0] == 0.0 && (axis[1] - 3.0).abs() < 1e-14, "{axis:?}");
         let [a, b, c] = [[1.0, 0.0], [1.3, 0.05], [2.0, 0.0]];
         let volume = |b: [f64; 2]| {
             let cross = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
             cross * (a[0] + b[0] + c[0])
         };
-        let moved = slide([a, b, c], 0.5, 0.8);
+        let moved = slide([a, b, c], (0.5, 1.0), 0.8);
         assert!((volume(moved) / volume(b) - 1.0).abs() < 1e-3, "{moved:?}");
-        assert_eq!(slide([a, [1.3, 0.9], c], 0.5, 0.8), [1.3, 0.9]);
+        assert_eq!(slide([a, [1.3, 0.9], c], (0.5, 1.0), 0.8), [1.3, 0.9]);
     }
 }

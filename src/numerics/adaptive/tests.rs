@@ -297,6 +297,10 @@ impl Surroundings for FlatDie {
         if gap == 0.0 { BoundaryContact::Pressed } else { BoundaryContact::Apart(gap) }
     }
 
+    fn keeps_gaps(&self, _node: usize) -> bool {
+        false
+    }
+
     fn place_on_surface(&self, _node: usize, _place: [f64; 2]) -> Option<[f64; 2]> {
         None
     }

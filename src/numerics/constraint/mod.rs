@@ -164,6 +164,12 @@ pub trait ContactResults {
         None
     }
 
+    /// Returns whether the contact corrects the new place of a point whose mesh moves ([`ConstraintUpkeep::follow_meshes`]),
+    /// after [`ConstraintUpkeep::begin_mesh_motion`].
+    fn keeps_gaps(&self, _carrier: PointCarrier) -> bool {
+        false
+    }
+
     /// Returns the closest place to `place` on the analytical surface that a point is in contact with, at the start of the
     /// current increment; `None` if it has no such surface, or several.
     fn place_on_surface(&self, _carrier: PointCarrier, _place: [f64; 2], _dofs: &Dofs) -> Option<[f64; 2]> {
@@ -201,6 +207,18 @@ pub trait HeatExchange {
     fn largest_exchange(&self, into: &mut dyn FnMut(usize, f64));
 }
 
+/// New places of the nodes of adaptive meshes.
+pub trait MeshMotion {
+    /// Returns the new place of a node; `None` if its mesh does not change now.
+    fn place(&self, node: usize) -> Option<[f64; 2]>;
+
+    /// Returns whether the new place of a node may be corrected along r and z.
+    fn is_free(&self, node: usize) -> [bool; 2];
+
+    /// Moves the new place of a node.
+    fn shift(&mut self, node: usize, by: [f64; 2]);
+}
+
 /// Changes of the model that a constraint follows, and its warnings.
 pub trait ConstraintUpkeep {
     /// Informs it that elements with these corner nodes have been deleted.
@@ -208,6 +226,16 @@ pub trait ConstraintUpkeep {
 
     /// Informs it that the mass of a node has changed; `gained` is the increase of kinetic energy along r and z.
     fn masses_changed(&mut self, _node: usize, _gained: [f64; 2]) {}
+
+    /// Allocates for [`Self::follow_meshes`].
+    fn reserve_mesh_motion(&mut self) {}
+
+    /// Informs it that adaptive meshes are about to change, at the start of an increment of which only the motion of bodies
+    /// has been made.
+    fn begin_mesh_motion(&mut self, _dofs: &Dofs) {}
+
+    /// Corrects the new places of nodes of adaptive meshes, so that the constraint continues.
+    fn follow_meshes(&mut self, _dofs: &Dofs, _mesh: &mut dyn MeshMotion) {}
 
     /// Returns the messages of overlaps of bodies that it has found.
     fn overlaps(&mut self, _dofs: &Dofs, _clock: &AmplitudeClock<'_>) -> Vec<String> {

@@ -7,7 +7,7 @@ use crate::adaptive::AdaptiveDomain;
 use crate::adaptive::loops::DomainLoops;
 use crate::adaptive::smoothing::{BoundaryContact, Surroundings};
 use crate::constraint::contact::curve::PointCarrier;
-use crate::constraint::{Constraint, ContactResults};
+use crate::constraint::{Constraint, ConstraintUpkeep, ContactResults, MeshMotion};
 use crate::element::elements::Elements;
 use crate::heat::ThermalState;
 use crate::load::SceneChange;
@@ -41,6 +41,10 @@ impl Surroundings for ContactSurroundings<'_> {
         BoundaryContact::Apart(nearest)
     }
 
+    fn keeps_gaps(&self, node: usize) -> bool {
+        self.contacts().any(|contact| contact.keeps_gaps(PointCarrier::Node(node)))
+    }
+
     fn place_on_surface(&self, node: usize, place: [f64; 2]) -> Option<[f64; 2]> {
         let mut places = self.contacts().map(|c| c.place_on_surface(PointCarrier::Node(node), place, self.dofs));
         places.next().flatten()
@@ -61,6 +65,24 @@ fn take_thermal_strains(
 /// Returns the number of changes of a domain.
 pub(super) fn changes_of(domain: &AdaptiveDomain) -> MeshChanges {
     MeshChanges { row: domain.id, count: domain.changes() }
+}
+
+/// New places of the nodes of all domains.
+struct DomainMotion<'a>(&'a mut [AdaptiveDomain]);
+
+impl MeshMotion for DomainMotion<'_> {
+    fn place(&self, node: usize) -> Option<[f64; 2]> {
+        self.0.iter().find_map(|domain| domain.new_place(node))
+    }
+
+    fn is_free(&self, node: usize) -> [bool; 2] {
+        let domain = self.0.iter().find(|domain| domain.new_place(node).is_some());
+        domain.map_or([false; 2], |domain| domain.is_free(node))
+    }
+
+    fn shift(&mut self, node: usize, by: [f64; 2]) {
+        self.0.iter_mut().for_each(|domain| domain.shift(node, by));
+    }
 }
 
 impl SolverRun<'_> {
@@ -88,6 +110,7 @@ impl SolverRun<'_> {
         if let Some(heat) = thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
             adaptive.iter().for_each(|domain| heat.begin_adaptive(domain.group(), elements));
         }
+        self.state.constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.reserve_mesh_motion());
     }
 
     /// Takes the masses of adaptive meshes after a restart.
@@ -106,17 +129,52 @@ impl SolverRun<'_> {
 
     /// Changes the meshes that are due, before an increment of length `dt`.
     pub(super) fn adapt_meshes(&mut self, dt: f64) {
-        if self.state.adaptive.is_empty() {
-            return;
+        let (increment, mut any) = (self.now.increment, false);
+        for domain in &mut self.state.adaptive {
+            any |= domain.is_due(increment);
         }
+        if any {
+            self.follow_by_constraints(|constraint, dofs, _| constraint.begin_mesh_motion(dofs));
+            self.find_new_places();
+            self.follow_by_constraints(|constraint, dofs, domains| constraint.follow_meshes(dofs, domains));
+            self.change_meshes(dt);
+        }
+    }
+
+    /// Calls constraints before and after new places have been found.
+    fn follow_by_constraints(
+        &mut self,
+        mut follow: impl FnMut(&mut dyn ConstraintUpkeep, &Dofs, &mut DomainMotion<'_>),
+    ) {
+        let State { adaptive, dofs, constraints, .. } = &mut self.state;
+        for constraint in constraints {
+            let effect = constraint.effect();
+            let clock = self.timing.start(effect);
+            if let Some(follower) = constraint.upkeep() {
+                follow(follower, dofs, &mut DomainMotion(adaptive));
+            }
+            self.timing.stop(clock, effect);
+        }
+    }
+
+    fn find_new_places(&mut self) {
+        let State { adaptive, elements, dofs, constraints, .. } = &mut self.state;
+        let loops = DomainLoops { arch: elements.arch(), threads: self.threads };
+        for domain in adaptive {
+            let clock = self.timing.start(domain.id);
+            domain.find_new_places(loops, elements, &dofs.nodes, &ContactSurroundings { constraints, dofs });
+            self.timing.stop(clock, domain.id);
+        }
+    }
+
+    fn change_meshes(&mut self, dt: f64) {
         let State { adaptive, elements, dofs, constraints, loads, thermal, .. } = &mut self.state;
         let half = 0.5 * (dt + dofs.nodes.previous_dt);
         let loops = DomainLoops { arch: elements.arch(), threads: self.threads };
         let mut has_changed = false;
         for domain in adaptive {
             let clock = self.timing.start(domain.id);
-            let surroundings = ContactSurroundings { constraints, dofs };
-            if domain.begin_change((self.now.increment, loops), elements, &dofs.nodes, &surroundings) {
+            if domain.begin_change() {
                 let changed = &mut |n, gained: [f64; 2]| {
                     constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
                 };

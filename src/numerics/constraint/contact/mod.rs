@@ -17,6 +17,8 @@ mod direct;
 mod gaps;
 mod heat;
 mod light;
+mod mesh_continuation;
+mod mesh_motion;
 mod near;
 mod search;
 mod shown;
@@ -33,6 +35,7 @@ use self::cohesion::CohesiveSurfaces;
 use self::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use self::gaps::{FacetGap, GapIntegrator};
 use self::heat::{ContactHeat, HeatKey};
+use self::mesh_continuation::MeshContinuation;
 use self::near::NearParts;
 use self::search::ContactSearch;
 use self::shown::ContactOutput;
@@ -40,7 +43,9 @@ use self::slip_damping::SlipDamping;
 use self::stored_energy::StoredEnergy;
 use self::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
 use super::bonds::MergedDofs;
-use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, StoredConstraint};
+use super::{
+    Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, MeshMotion, StoredConstraint,
+};
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
@@ -203,6 +208,8 @@ pub struct ContactConstraint {
     /// Whether elements have been deleted since the previous increment.
     uncovered: bool,
     shown: ContactOutput,
+    /// Continuation of contact when adaptive meshes change; `None` without such meshes.
+    mesh: Option<Box<MeshContinuation>>,
 }
 
 /// A degree of freedom of nodes with equal motion, such as the nodes of a kinematic coupling. It moves with their total
@@ -1040,6 +1047,18 @@ impl ConstraintUpkeep for ContactConstraint {
             }
         }
     }
+
+    fn reserve_mesh_motion(&mut self) {
+        ContactConstraint::reserve_mesh_motion(self);
+    }
+
+    fn begin_mesh_motion(&mut self, dofs: &Dofs) {
+        ContactConstraint::begin_mesh_motion(self, dofs);
+    }
+
+    fn follow_meshes(&mut self, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
+        ContactConstraint::follow_meshes(self, dofs, mesh);
+    }
 }
 
 impl StoredConstraint for ContactConstraint {
@@ -1081,16 +1100,17 @@ impl StoredConstraint for ContactConstraint {
             + MemoryUse::of(&self.motion.velocity)
             + MemoryUse::of(&self.motion.inverse_mass)
             + self.contact_heat.iter().map(|exchange| exchange.memory()).sum()
+            + self.mesh.iter().map(|mesh| mesh.memory()).sum()
     }
 }
 
 persist_struct!(ContactBody { contact_acceleration } derived { dof, body, prescribed });
 
 persist_struct!(ContactConstraint {
-    curves: fixed, pressures: fixed, stored_energy, slip_damping, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present,
+    curves: fixed, pressures: fixed, gap_offsets: fixed, stored_energy, slip_damping, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present,
     cohesion: present
 } derived {
-    points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, gap_offsets, springs, means, places, active_points, near, listed, gaps, rows, motion
+    points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, springs, means, places, active_points, near, listed, gaps, rows, motion, mesh
 } then ContactConstraint::list_again);
 
 impl ContactConstraint {

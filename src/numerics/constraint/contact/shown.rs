@@ -46,6 +46,11 @@ impl ContactOutput {
         self.slip[key] = previous.slip[other];
     }
 
+    /// Returns the accumulated slip of the keys.
+    pub(super) fn slip_mut(&mut self) -> &mut [f64] {
+        &mut self.slip
+    }
+
     fn point(&self, carrier: PointCarrier) -> Option<u32> {
         match carrier {
             PointCarrier::Node(node) => {
@@ -174,6 +179,10 @@ impl ContactResults for ContactConstraint {
     fn is_pressed(&self, carrier: PointCarrier) -> Option<bool> {
         let dofs = self.dofs_of[self.shown.point(carrier)? as usize];
         Some(dofs.iter().any(|dof| self.impulses.get(*dof as usize).is_some_and(|impulse| impulse[0] != 0.0)))
+    }
+
+    fn keeps_gaps(&self, carrier: PointCarrier) -> bool {
+        self.shown.point(carrier).is_some_and(|point| self.keeps_gaps_of(point))
     }
 
     fn place_on_surface(&self, carrier: PointCarrier, place: [f64; 2], dofs: &Dofs) -> Option<[f64; 2]> {

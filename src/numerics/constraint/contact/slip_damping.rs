@@ -67,6 +67,11 @@ impl SlipDamping {
             + MemoryUse::of(&self.next)
     }
 
+    /// Returns the values of the keys that continue.
+    pub(super) fn values_mut(&mut self) -> [&mut [f64]; 3] {
+        [&mut self.slow, &mut self.impulse, &mut self.stress]
+    }
+
     /// Returns the shear stress of a key in the last increment.
     pub(super) fn stress(&self, key: usize) -> f64 {
         self.stress.get(key).copied().unwrap_or(0.0)

@@ -31,6 +31,11 @@ impl StoredEnergy {
         }
     }
 
+    /// Returns the energies of the keys, NaN before the first increment; none without soft laws.
+    pub(super) fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.stored
+    }
+
     pub(super) fn memory(&self) -> MemoryUse {
         MemoryUse::of(&self.stored) + MemoryUse::of(&self.next)
     }

@@ -1,0 +1,88 @@
+//! Values of contact keys during a change of adaptive meshes: gaps, areas and places at the start, and the new places of the
+//! keys between those at the start.
+
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::MemoryUse;
+
+/// New place of a key between two keys at the start.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct KeyShare {
+    pub(super) key: u32,
+    /// Key of the next point on the side to which the point moves.
+    pub(super) other: u32,
+    /// Displacement along the facet between both, as a fraction of its length.
+    pub(super) share: f64,
+}
+
+/// Contact at the start of a change of meshes, and work arrays.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MeshContinuation {
+    /// Places of all points at the start.
+    pub(super) starts: Vec<[f64; 2]>,
+    /// Mean gap and area of each key at the start; NaN and 0 without a row.
+    pub(super) gaps: Vec<f64>,
+    pub(super) areas: Vec<f64>,
+    /// New places of keys that move, by ascending key.
+    pub(super) shares: Vec<KeyShare>,
+    /// Values at the new places, in the order of the shares.
+    mixed: Vec<f64>,
+    /// Stored energies at the new places.
+    pub(super) stored: Vec<f64>,
+    /// Corrections of the places of each degree of freedom, and whether it may be corrected.
+    pub(super) shifts: Vec<f64>,
+    pub(super) is_free: Vec<bool>,
+}
+
+impl MeshContinuation {
+    /// Allocates for this number of keys, points and degrees of freedom.
+    pub(super) fn new(keys: usize, points: usize, dofs: usize) -> MeshContinuation {
+        MeshContinuation {
+            starts: vec![[0.0; 2]; points],
+            gaps: vec![f64::NAN; keys],
+            areas: vec![0.0; keys],
+            shares: Vec::with_capacity(keys),
+            mixed: Vec::with_capacity(keys),
+            stored: vec![0.0; keys],
+            shifts: vec![0.0; dofs],
+            is_free: vec![false; dofs],
+        }
+    }
+
+    pub(super) fn memory(&self) -> MemoryUse {
+        MemoryUse::of(&self.starts)
+            + [&self.gaps, &self.areas, &self.mixed, &self.stored, &self.shifts]
+                .inline_map(MemoryUse::of)
+                .into_iter()
+                .sum()
+            + MemoryUse::of(&self.shares)
+            + MemoryUse::of(&self.is_free)
+    }
+
+    /// Returns the value of a key at its new place, from those of all keys at the start.
+    pub(super) fn at_new_place(&self, key: u32, value: impl Fn(u32) -> f64) -> f64 {
+        let at = self.shares.binary_search_by_key(&key, |share| share.key);
+        let moved = at.map(|at| self.shares[at]);
+        moved.map_or_else(|_| value(key), |moved| mix(value(key), value(moved.other), moved.share))
+    }
+
+    /// Moves a value of each key to the new places.
+    pub(super) fn carry<T>(&mut self, values: &mut [T], part: impl Fn(&mut T) -> &mut f64) {
+        if values.is_empty() {
+            return;
+        }
+        self.mixed.clear();
+        for KeyShare { key, other, share } in &self.shares {
+            let [own, other] = [*key, *other].inline_map(|key| *part(&mut values[key as usize]));
+            self.mixed.push(mix(own, other, *share));
+        }
+        for (KeyShare { key, .. }, value) in self.shares.iter().zip(&self.mixed) {
+            *part(&mut values[*key as usize]) = *value;
+        }
+    }
+}
+
+/// Returns the value between two keys; that of the first if one has none.
+fn mix(own: f64, other: f64, share: f64) -> f64 {
+    let value = own + share * (other - own);
+    if value.is_nan() { own } else { value }
+}

@@ -1,0 +1,260 @@
+//! Contact of surfaces on adaptive meshes. When nodes slide along a surface, the new places are corrected so that the gaps
+//! of both surfaces continue, and the values of the keys follow their places on the surface: pressures, slip, the memory
+//! of friction, clearances and stored energies.
+
+use super::curve::PointCarrier;
+use super::mesh_continuation::{KeyShare, MeshContinuation};
+use super::sweeps::{ContactRow, NONE};
+use super::{ContactConstraint, ContactPair};
+use crate::constraint::MeshMotion;
+use crate::kernel::lanes::InlineMap;
+use crate::state::dofs::Dofs;
+
+/// Number of times that gaps at the new places are measured and corrected.
+const PASSES: usize = 2;
+/// Sweeps over the rows in each correction.
+const SWEEPS: usize = 20;
+/// Largest gap of a closed row, as a fraction of the facet length of the pairs.
+const CLOSED: f64 = 0.05;
+/// Longest correction of a place, as a fraction of the facet length of the pairs.
+const LONGEST: f64 = 0.2;
+
+impl MeshContinuation {
+    /// Takes places, gaps and areas at the start.
+    fn begin(&mut self, contact: &ContactConstraint) {
+        self.starts.copy_from_slice(&contact.places);
+        self.gaps.fill(f64::NAN);
+        self.areas.fill(0.0);
+        for row in contact.rows.rows.iter().filter(|row| row.closest_point.is_none()) {
+            self.gaps[row.key as usize] = row.gap / row.area;
+            self.areas[row.key as usize] = row.area;
+        }
+    }
+
+    /// Finds the new places of the keys between those at the start.
+    fn find_shares(&mut self, contact: &ContactConstraint) {
+        self.shares.clear();
+        for pair in contact.pairs.iter().filter(|pair| pair.analytical.is_none()) {
+            let points = contact.curves[pair.own].exposed_points.iter();
+            self.shares.extend(points.filter_map(|index| key_share(contact, pair, *index, &self.starts)));
+        }
+        self.shares.sort_unstable_by_key(|share| share.key);
+    }
+
+    /// Corrects new places by the smallest displacements of both surfaces that keep the gaps of rows under pressure and
+    /// cause no overlap elsewhere: sweeps over the rows (Kaczmarz 1937).
+    fn correct(&mut self, contact: &ContactConstraint, mesh: &mut dyn MeshMotion) {
+        self.shifts.fill(0.0);
+        self.is_free.fill(false);
+        for (node, dofs) in near_nodes(contact) {
+            for (dof, free) in dofs.into_iter().zip(mesh.is_free(node)) {
+                self.is_free[dof as usize] = free;
+            }
+        }
+        let longest = mesh_pairs(contact).map(|pair| pair.search.length).fold(f64::INFINITY, f64::min);
+        let (mut shifts, is_free) = (std::mem::take(&mut self.shifts), std::mem::take(&mut self.is_free));
+        for _ in 0..SWEEPS {
+            for row in contact.rows.rows.iter().filter(|row| row.closest_point.is_none()) {
+                let terms = contact.rows.terms_of(row);
+                let gap = row.gap + terms.iter().map(|t| t.normal * shifts[t.dof as usize]).sum::<f64>();
+                let (target, is_closed) = self.target(contact, row, longest);
+                let off = target * row.area - gap;
+                let free = || terms.iter().filter(|t| is_free[t.dof as usize]);
+                let size: f64 = free().map(|t| t.normal * t.normal).sum();
+                if size > 0.0 && (off > 0.0 || is_closed) {
+                    free().for_each(|t| shifts[t.dof as usize] += off / size * t.normal);
+                }
+            }
+        }
+        let longest = LONGEST * longest;
+        for (node, dofs) in near_nodes(contact) {
+            let by = dofs.inline_map(|dof| shifts[dof as usize]);
+            if by != [0.0; 2] {
+                let length = libm::hypot(by[0], by[1]);
+                let part = if length > longest { longest / length } else { 1.0 };
+                mesh.shift(node, by.inline_map(|x| part * x));
+            }
+        }
+        (self.shifts, self.is_free) = (shifts, is_free);
+    }
+
+    /// Returns the mean gap that a row has to keep, that of its place at the start, and whether the row is closed. Other rows
+    /// keep a gap of at most zero.
+    fn target(&self, contact: &ContactConstraint, row: &ContactRow, length: f64) -> (f64, bool) {
+        let gap = self.at_new_place(row.key, |key| self.gaps[key as usize]);
+        let is_pressed = contact.pressures[row.key as usize][0] > 0.0;
+        if gap.is_nan() {
+            (0.0, is_pressed)
+        } else if is_pressed || gap < CLOSED * length {
+            (gap, true)
+        } else {
+            (gap.min(0.0), false)
+        }
+    }
+
+    /// Moves stored energies to the new places: energies per area are interpolated, and the sum of a pair is kept.
+    fn carry_energies(&mut self, contact: &mut ContactConstraint) {
+        let ContactConstraint { stored_energy, rows, pairs, .. } = contact;
+        let energies = stored_energy.values_mut();
+        if energies.is_empty() {
+            return;
+        }
+        let per_area = |energies: &[f64], key: u32| {
+            let (energy, area) = (energies[key as usize], self.areas[key as usize]);
+            if energy > 0.0 && area > 0.0 { energy / area } else { 0.0 }
+        };
+        self.stored.fill(0.0);
+        for row in rows.rows.iter().filter(|row| row.closest_point.is_none()) {
+            let density = self.at_new_place(row.key, |key| per_area(energies, key));
+            self.stored[row.key as usize] = density * row.area;
+        }
+        for (at, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.analytical.is_none()) {
+            let end = pairs.get(at + 1).map_or(energies.len(), |next| next.first_key as usize);
+            let keys = pair.first_key as usize..end;
+            let sum = |list: &[f64]| list[keys.clone()].iter().filter(|energy| !energy.is_nan()).sum::<f64>();
+            let [before, after] = [sum(energies), sum(&self.stored)];
+            let part = if after > 0.0 { before / after } else { 0.0 };
+            for (energy, stored) in energies[keys.clone()].iter_mut().zip(&self.stored[keys]) {
+                if !energy.is_nan() {
+                    *energy = part * stored;
+                }
+            }
+        }
+    }
+}
+
+/// Returns the pairs of two surfaces with facets.
+fn mesh_pairs(contact: &ContactConstraint) -> impl Iterator<Item = &ContactPair> {
+    contact.pairs.iter().filter(|pair| pair.analytical.is_none())
+}
+
+/// Returns the nodes near another surface, with their degrees of freedom.
+fn near_nodes(contact: &ContactConstraint) -> impl Iterator<Item = (usize, [u32; 2])> {
+    contact.near.points.iter().filter_map(|point| match contact.points[*point as usize].carrier {
+        PointCarrier::Node(node) => Some((node, contact.dofs_of[*point as usize])),
+        PointCarrier::Body(..) => None,
+    })
+}
+
+/// Returns the new place of the key of an own point; `None` if it does not move along the surface.
+fn key_share(contact: &ContactConstraint, pair: &ContactPair, index: u32, starts: &[[f64; 2]]) -> Option<KeyShare> {
+    let own = &contact.curves[pair.own];
+    let point = own.own[index as usize] as usize;
+    let [from, to] = [starts[point], contact.places[point]];
+    if from == to {
+        return None;
+    }
+    let mut found = KeyShare { key: pair.first_key + index, other: NONE, share: 0.0 };
+    for &(facet, end) in own.around_own(index as usize).iter().filter(|f| own.is_exposed[f.0 as usize]) {
+        let beyond = own.facets[facet as usize][1 - end as usize];
+        let share = share_of_way([from, to], starts[beyond as usize]);
+        if share > found.share {
+            (found.other, found.share) = (pair.key_of(own, beyond), share.min(1.0));
+        }
+    }
+    (found.other != NONE).then_some(found)
+}
+
+/// Returns the displacement between two places along the way to `end`, as a fraction of the way.
+fn share_of_way([from, to]: [[f64; 2]; 2], end: [f64; 2]) -> f64 {
+    let [by, way] = [to, end].inline_map(|to: [f64; 2]| [to[0] - from[0], to[1] - from[1]]);
+    (by[0] * way[0] + by[1] * way[1]) / (way[0] * way[0] + way[1] * way[1])
+}
+
+impl ContactConstraint {
+    /// Allocates for changes of adaptive meshes.
+    pub(super) fn reserve_mesh_motion(&mut self) {
+        if self.mesh.is_none() && mesh_pairs(self).next().is_some() {
+            let new = MeshContinuation::new(self.pressures.len(), self.points.len(), self.dofs.len());
+            self.mesh = Some(Box::new(new));
+        }
+    }
+
+    /// Returns whether the contact keeps the gaps of a node whose mesh moves: another surface with facets is near, no
+    /// analytical one presses, and no bond acts.
+    pub(super) fn keeps_gaps_of(&self, point: u32) -> bool {
+        let mut keeps = false;
+        for (at, pair) in self.pairs.iter().enumerate() {
+            let own = self.curves[pair.own].own.binary_search(&point).ok();
+            let other = pair.other.is_some_and(|other| self.curves[other].own.binary_search(&point).is_ok());
+            let pressed = |index: usize| self.pressures[pair.first_key as usize + index][0] > 0.0;
+            if pair.analytical.is_some() && own.is_some_and(pressed) {
+                return false;
+            }
+            if pair.analytical.is_none() && (own.is_some() || other) {
+                if self.is_cohesive(at) {
+                    return false;
+                }
+                keeps = self.near.has(point);
+            }
+        }
+        keeps
+    }
+
+    /// Finds the surfaces that are near each other at the start of a change of adaptive meshes. The lists of earlier
+    /// increments are not used, for they depend on when they were built.
+    pub(super) fn begin_mesh_motion(&mut self, dofs: &Dofs) {
+        if mesh_pairs(self).next().is_none() {
+            return;
+        }
+        if self.uncovered {
+            self.list_points();
+        }
+        self.read_places(|_| None, dofs);
+        if std::mem::take(&mut self.uncovered) {
+            self.curves.iter_mut().for_each(|curve| curve.find_neighbors(&self.places));
+            self.forget_pressures_of_orphans();
+        }
+        self.search();
+    }
+
+    /// Corrects new places of nodes of adaptive meshes, and moves the values of the keys to them. It follows
+    /// [`Self::begin_mesh_motion`].
+    pub(super) fn follow_meshes(&mut self, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
+        self.reserve_mesh_motion();
+        let Some(mut work) = self.mesh.take() else { return };
+        if self.moves_near(dofs, mesh) {
+            self.measure(0.0);
+            work.begin(self);
+            for pass in 0..PASSES {
+                self.read_places(|node| mesh.place(node), dofs);
+                self.search();
+                self.measure(0.0);
+                if pass == 0 {
+                    work.find_shares(self);
+                }
+                work.correct(self, mesh);
+            }
+            self.carry_keys(&mut work);
+            self.listed.clear();
+        }
+        self.mesh = Some(work);
+    }
+
+    /// Returns whether a node near another surface moves.
+    fn moves_near(&self, dofs: &Dofs, mesh: &dyn MeshMotion) -> bool {
+        near_nodes(self).any(|(node, _)| mesh.place(node).is_some_and(|place| place != dofs.nodes[node].place()))
+    }
+
+    /// Reads the new places of nodes, and the present places of all other points.
+    fn read_places(&mut self, new: impl Fn(usize) -> Option<[f64; 2]>, dofs: &Dofs) {
+        for &point in &self.active_points {
+            let moved = match self.points[point as usize].carrier {
+                PointCarrier::Node(node) => new(node),
+                PointCarrier::Body(..) => None,
+            };
+            self.places[point as usize] = moved.unwrap_or_else(|| self.place_of(point, dofs, 0.0));
+        }
+    }
+
+    fn carry_keys(&mut self, work: &mut MeshContinuation) {
+        work.carry(&mut self.pressures, |[pressure, _]| pressure);
+        work.carry(&mut self.pressures, |[_, shear]| shear);
+        work.carry(&mut self.gap_offsets, |offset| offset);
+        work.carry(self.shown.slip_mut(), |slip| slip);
+        for values in self.slip_damping.values_mut() {
+            work.carry(values, |value| value);
+        }
+        work.carry_energies(self);
+    }
+}
