@@ -255,6 +255,9 @@ impl ContactConstraint {
         for values in self.slip_damping.values_mut() {
             work.carry(values, |value| value);
         }
+        for part in 0..2 {
+            work.carry(self.slip_damping.pressures_mut(), |slow| &mut slow[part]);
+        }
         work.carry_energies(self);
     }
 }

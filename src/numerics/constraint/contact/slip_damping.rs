@@ -72,6 +72,11 @@ impl SlipDamping {
         [&mut self.slow, &mut self.impulse, &mut self.stress]
     }
 
+    /// Returns the slow parts of the pressures of the keys.
+    pub(super) fn pressures_mut(&mut self) -> &mut [[f64; 2]] {
+        &mut self.pressure
+    }
+
     /// Returns the shear stress of a key in the last increment.
     pub(super) fn stress(&self, key: usize) -> f64 {
         self.stress.get(key).copied().unwrap_or(0.0)
