@@ -127,12 +127,11 @@ fn soft_scene(seed: u64) -> String {
     deck.replace("name=DRY\n", &format!("name=DRY\n*Surface Behavior, pressure-overclosure={behavior}"))
 }
 
-/// In 200 scenes with soft contact at corners, edges and slopes, the energy that contact has absorbed is never below
-/// -1e-6 of the largest energy, and momentum is conserved.
-#[test]
-fn soft_contact_in_random_scenes_creates_no_energy() {
-    let (mut worst, mut met) = (0.0_f64, 0);
-    for seed in 0..200 {
+/// Runs scenes with soft contact at corners, edges and slopes: the energy that contact has absorbed is never below -1e-6 of
+/// the largest energy, and momentum is conserved.
+fn run_soft_scenes(seeds: std::ops::Range<u64>) {
+    let (mut worst, mut met, count) = (0.0_f64, 0, seeds.clone().count());
+    for seed in seeds {
         let ran = run(&soft_scene(seed).replace("ALLCW, ALLKE", "ALLCW, ALLKE, ALLPW"));
         assert_eq!(ran.outcome.halt, None, "scene {seed}");
         let has_springs = ran.prepared.plan.columns.iter().any(|c| c.name == "ALLPW");
@@ -145,8 +144,19 @@ fn soft_contact_in_random_scenes_creates_no_energy() {
         worst = worst.min(least);
         met += usize::from(energy.contact + energy.penalty.unwrap_or(0.0) > 1e-6 * energy.initial);
     }
-    println!("200 scenes with soft contact, {met} meet: at worst {worst:.1e} of the energy");
-    assert!(met > 150, "{met}");
+    println!("{count} scenes with soft contact, {met} meet: at worst {worst:.1e} of the energy");
+    assert!(4 * met > 3 * count, "{met}");
+}
+
+#[test]
+fn soft_contact_in_random_scenes_creates_no_energy() {
+    run_soft_scenes(0..200);
+}
+
+#[test]
+#[ignore = "half a minute"]
+fn soft_contact_in_a_thousand_scenes_creates_no_energy() {
+    run_soft_scenes(0..1000);
 }
 
 /// In 200 scenes contact creates no energy and the centre of mass keeps its motion, with the stable increment and with
