@@ -140,6 +140,9 @@ const COINCIDENT: f64 = 1e-3;
 /// Gap beyond that at which pressure begins, as a fraction of the facet, up to which a part belongs to the closed ones: a
 /// flat facet closes as a whole.
 const NEARLY_CLOSED: f64 = 1e-6;
+/// Numbers of opposite facets and of cuts of a facet that memory is reserved for.
+const MOST_FACING: usize = 64;
+const MOST_CUTS: usize = 256;
 /// Coordinate of the two Gauss points on the interval from -1 to 1.
 const GAUSS: f64 = 0.577_350_269_189_625_8;
 
@@ -148,9 +151,15 @@ impl GapIntegrator {
         GapIntegrator {
             shares: Vec::with_capacity(16 * facets),
             edges: Vec::new(),
-            facing: Vec::with_capacity(64),
-            cuts: Vec::with_capacity(256),
+            facing: Vec::with_capacity(MOST_FACING),
+            cuts: Vec::with_capacity(MOST_CUTS),
         }
+    }
+
+    /// Allocates the work arrays. Copies of the arrays have no reserve.
+    pub fn reserve(&mut self) {
+        reserve_total(&mut self.facing, MOST_FACING);
+        reserve_total(&mut self.cuts, MOST_CUTS);
     }
 
     /// Allocates the derivatives of soft contact by the motion of corners, for this number of keys.
