@@ -156,8 +156,9 @@ impl GapIntegrator {
         }
     }
 
-    /// Allocates the work arrays. Copies of the arrays have no reserve.
-    pub fn reserve(&mut self) {
+    /// Allocates the derivatives of this number of keys, and work arrays. Copies of the arrays have no reserve.
+    pub fn reserve(&mut self, keys: usize) {
+        reserve_total(&mut self.shares, 16 * most_rows(keys));
         reserve_total(&mut self.facing, MOST_FACING);
         reserve_total(&mut self.cuts, MOST_CUTS);
     }

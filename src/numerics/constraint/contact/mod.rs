@@ -946,7 +946,7 @@ impl Constraint for ContactConstraint {
         self.rows.bodies.extend(free.map(|merged| merged.dof as u32));
         self.rows.reserve(self.pressures.len(), self.dofs.len());
         self.reserve_near();
-        self.gaps.reserve();
+        self.gaps.reserve(self.pressures.len());
         if self.laws.iter().any(|law| law.is_soft()) {
             self.gaps.reserve_edges(self.pressures.len());
         }
