@@ -504,28 +504,31 @@ mod tests {
         assert_eq!(law.update(&mut failed, [-5.0, 1.0]).traction, [-10_000.0, 0.0]);
     }
 
+    /// Moves along a path of separations over the share of the path. Returns the dissipated energy and the work.
+    fn separate_along(law: &TractionSeparationLaw, path: impl Fn(f64) -> [f64; 2]) -> (f64, f64, InterfaceHistory) {
+        let (mut history, mut sum, mut work, steps) = (InterfaceHistory::default(), 0.0, 0.0, 200_000);
+        let (mut from, mut before) = (path(0.0), [0.0; 2]);
+        for i in 1..=steps {
+            let to = path(f64::from(i) / f64::from(steps));
+            let response = law.update(&mut history, to);
+            for axis in 0..2 {
+                work += 0.5 * (before[axis] + response.traction[axis]) * (to[axis] - from[axis]);
+            }
+            (from, before) = (to, response.traction);
+            sum += response.dissipated;
+        }
+        (sum, work, history)
+    }
+
     #[test]
     fn dissipation_of_a_changing_mode_mix_is_work_minus_stored_energy() {
         let laws = laws_of_energy(&ModeDependence::BenzeggaghKenane(ENERGIES, 2.1));
         let exponential = InterfaceSoftening::ExponentialDisplacement(ModeDependence::Independent(0.09), 3.0);
         for softening in laws.into_iter().chain([exponential]) {
             let law = law(softening);
-            let (mut history, mut sum, mut work, steps) = (InterfaceHistory::default(), 0.0, 0.0, 200_000);
-            let path = |i: usize| {
-                let share = i as f64 / steps as f64;
-                [0.036 * share * (1.0 - 0.6 * share), 0.048 * share * share]
-            };
-            let mut before = [0.0; 2];
-            for i in 1..=steps {
-                let (from, to) = (path(i - 1), path(i));
-                let response = law.update(&mut history, to);
-                for axis in 0..2 {
-                    work += 0.5 * (before[axis] + response.traction[axis]) * (to[axis] - from[axis]);
-                }
-                before = response.traction;
-                sum += response.dissipated;
-            }
-            let stored = law.stored(history.damage, path(steps));
+            let path = |share: f64| [0.036 * share * (1.0 - 0.6 * share), 0.048 * share * share];
+            let (sum, work, history) = separate_along(&law, path);
+            let stored = law.stored(history.damage, path(1.0));
             assert!(history.damage > 0.5 && stored > 0.0);
             assert!((sum / (work - stored) - 1.0).abs() < 1e-4, "{sum} {work} {stored}");
         }
@@ -651,24 +654,11 @@ mod tests {
     fn coupled_dissipation_of_a_changing_mode_mix_is_work_minus_stored_energy() {
         for coupling in COUPLINGS {
             let law = coupled(InterfaceSoftening::Energy(ModeDependence::BenzeggaghKenane(ENERGIES, 2.1)), coupling);
-            let (mut history, mut sum, mut work, steps) = (InterfaceHistory::default(), 0.0, 0.0, 200_000);
-            let path = |i: usize| {
-                let share = i as f64 / steps as f64;
-                // Shear of the sign of the coupling causes tension, also in the closed part of the path.
-                [0.03 * share * (1.0 - 1.2 * share), coupling.signum() * 0.06 * share * share]
-            };
-            let mut before = [0.0; 2];
-            for i in 1..=steps {
-                let (from, to) = (path(i - 1), path(i));
-                let response = law.update(&mut history, to);
-                for axis in 0..2 {
-                    work += 0.5 * (before[axis] + response.traction[axis]) * (to[axis] - from[axis]);
-                }
-                before = response.traction;
-                sum += response.dissipated;
-            }
-            let stored = law.stored(history.damage, path(steps));
-            assert!(history.damage > 0.3 && path(steps)[0] < 0.0);
+            // Shear of the sign of the coupling causes tension, also in the closed part of the path.
+            let path = |share: f64| [0.03 * share * (1.0 - 1.2 * share), coupling.signum() * 0.06 * share * share];
+            let (sum, work, history) = separate_along(&law, path);
+            let stored = law.stored(history.damage, path(1.0));
+            assert!(history.damage > 0.3 && path(1.0)[0] < 0.0);
             assert!((sum / (work - stored) - 1.0).abs() < 1e-4, "{coupling}: {sum} {work} {stored}");
         }
     }

@@ -103,9 +103,11 @@ impl<'a> Compiler<'a> {
 
     /// Returns the viscosity of the damage, which the material or the section controls give.
     fn viscosity_of(&mut self, section: &CohesiveSection, material: &MaterialDefinition) -> Option<f64> {
-        let of_section = section.controls.viscosity;
-        let Some((viscosity, span)) = material.interface.viscosity else { return Some(of_section) };
-        if of_section != 0.0 && of_section != viscosity {
+        let (of_section, viscosity) = (section.controls.viscosity, damage_viscosity(section, material));
+        if let Some((_, span)) = material.interface.viscosity
+            && of_section != 0.0
+            && of_section != viscosity
+        {
             let message = format!("the damage of material `{}` has two viscosities", material.name);
             let finding = Diagnostic::error("P026", message).at(span, "this viscosity");
             let finding = finding.at(section.span, "VISCOSITY of the controls of this section");
@@ -187,7 +189,7 @@ impl<'a> Compiler<'a> {
             let most = section.controls.max_degradation;
             let kept = section.controls.keep_failed_elements.is_some();
             parts.push(format!("{} at damage {most}", if kept { "kept" } else { "deleted" }));
-            let viscosity = interface.viscosity.map_or(section.controls.viscosity, |given| given.0);
+            let viscosity = damage_viscosity(section, material);
             parts.extend((viscosity > 0.0).then(|| format!("viscosity {viscosity:e}")));
         }
         self.ledger_row(section.span, "cohesive elements", count, "COHAX4", parts.join(", "));
@@ -294,6 +296,11 @@ impl<'a> Compiler<'a> {
         let help = "give the material of the cohesive elements a *DENSITY, or share the node with a solid element";
         self.diagnostics.push(finding.help(help));
     }
+}
+
+/// Returns the viscosity of the damage: that of the material, or else that of the section controls.
+fn damage_viscosity(section: &CohesiveSection, material: &MaterialDefinition) -> f64 {
+    material.interface.viscosity.map_or(section.controls.viscosity, |(viscosity, _)| viscosity)
 }
 
 /// Returns the law of a material for a constitutive thickness and a largest damage; `None` without elasticity.

@@ -46,7 +46,7 @@ pub struct FacetGap {
     pub area: [f64; 2],
     /// Integral of gap times hat function, for each point.
     pub gap: [f64; 2],
-    /// Whether a part of the facet has pressure in soft contact. The area and the gaps are then those of these parts.
+    /// Whether a part of the facet has pressure in soft contact. The area and the gaps are then without the open parts.
     pub is_closed: bool,
 }
 
