@@ -274,12 +274,6 @@ impl Elements {
         }
     }
 
-    /// Runs a loop over nodes, compiled for the selected instruction set.
-    #[inline(always)]
-    pub fn dispatch<R>(&self, operation: impl FnOnce() -> R) -> R {
-        self.arch.dispatch(operation)
-    }
-
     /// Returns the selected instruction set.
     pub fn arch(&self) -> Arch {
         self.arch

@@ -13,7 +13,7 @@ impl Elements {
             frequency.begin(&self.groups, nodes, held);
             if use_estimate {
                 // Immediately: a jump of the time increment would change the energy of the highest modes.
-                frequency.update_estimate(&self.groups, nodes);
+                frequency.update_estimate(&self.groups, nodes, self.arch);
                 cap = frequency.state.cap(0.0);
             }
             self.frequency = Some(frequency);
@@ -36,7 +36,7 @@ impl Elements {
             }
             if standing.growth > WORN {
                 if standing.renews_at_once() {
-                    frequency.update_estimate(&self.groups, nodes);
+                    frequency.update_estimate(&self.groups, nodes, self.arch);
                 } else {
                     standing.discard();
                 }
@@ -46,7 +46,7 @@ impl Elements {
         }
         let standing = &frequency.state;
         if standing.found == 0.0 && standing.age > standing.pause && rate.is_finite() {
-            frequency.update_estimate(&self.groups, nodes);
+            frequency.update_estimate(&self.groups, nodes, self.arch);
         }
         let cap = frequency.state.cap(deformed);
         self.groups.iter_mut().for_each(|g| g.extensions().settings().limit_frequency(cap));

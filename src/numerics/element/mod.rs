@@ -23,6 +23,7 @@ mod forces;
 pub mod frequency;
 pub mod group;
 pub mod instructions;
+mod lanczos;
 pub mod lengths;
 pub mod mass_scaling;
 mod middle;

@@ -21,7 +21,7 @@ impl Elements {
                 continue;
             }
             for element in 0..self.groups[group].len() {
-                if self.groups[group].is_deleted(element) {
+                if moves_along_z(&self.groups[group].nodes(element), nodes) || self.groups[group].is_deleted(element) {
                     continue;
                 }
                 let (mut volume, mut growing) = (0.0, [0.0; 2]);
@@ -44,4 +44,11 @@ impl Elements {
             }
         }
     }
+}
+
+/// Returns whether nodes have equal velocities along z only, and no acceleration: the volume between them does not change.
+fn moves_along_z(of_element: &[u32], nodes: &Nodes) -> bool {
+    let v_z = nodes[of_element[0] as usize].v_z;
+    let moves = |n: usize| nodes[n].v_z == v_z && nodes[n].v_r == 0.0 && nodes.acceleration[n] == [0.0; 2];
+    of_element.iter().all(|n| moves(*n as usize))
 }

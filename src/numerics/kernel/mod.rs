@@ -7,6 +7,7 @@ pub mod attitude;
 pub mod blast_wave;
 pub mod bulk_viscosity;
 pub mod cavity;
+pub mod chunks;
 pub mod cohesive;
 pub mod conduction;
 pub mod corners;

@@ -6,7 +6,7 @@
 //! dV/dz_I, and the operator along r is dV/dr_I minus the hoop part 2π∫N_I dA. Centroid quadrature would be inaccurate
 //! on the axis.
 
-use super::lanes::{InlineMap, inline_from_fn};
+use super::lanes::InlineMap;
 use std::f64::consts::PI;
 
 use super::real::Real;
@@ -190,23 +190,29 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2], hourglass: f64
     let shape = at_corners([0.0, first, second, pattern]);
     let square: f64 = (0..4).map(|i| g.r[i] * g.r[i] + g.z[i] * g.z[i]).sum();
     let spring = hourglass * shear * square;
-    // Strains rr, zz, hoop and twice rz, and pattern amplitude, of a corner's unit displacement along r or z.
-    let column = |d: usize| {
-        let i = d / 2;
-        if d.is_multiple_of(2) {
-            ([g.r[i], 0.0, g.hoop[i], g.z[i]], [shape[i], 0.0])
-        } else {
-            ([0.0, g.z[i], 0.0, g.r[i]], [0.0, shape[i]])
+    let mut matrix = [[0.0; 8]; 8];
+    for i in 0..4 {
+        let along = [g.r[i] + g.hoop[i], g.z[i]];
+        for j in i..4 {
+            let across = [g.r[j] + g.hoop[j], g.z[j]];
+            let (rr, zz, hoop) = (g.r[i] * g.r[j], g.z[i] * g.z[j], g.hoop[i] * g.hoop[j]);
+            let control = spring * shape[i] * shape[j];
+            let block = [
+                [
+                    lame * along[0] * across[0] + shear * (2.0 * (rr + hoop) + zz) + control,
+                    lame * along[0] * across[1] + shear * g.z[i] * g.r[j],
+                ],
+                [lame * along[1] * across[0] + shear * g.r[i] * g.z[j], lame * zz + shear * (2.0 * zz + rr) + control],
+            ];
+            for (a, row) in block.into_iter().enumerate() {
+                for (b, entry) in row.into_iter().enumerate() {
+                    let entry = UNIT * per * entry;
+                    (matrix[2 * i + a][2 * j + b], matrix[2 * j + b][2 * i + a]) = (entry, entry);
+                }
+            }
         }
-    };
-    let entry = |a: usize, b: usize| {
-        let ((e, p), (f, q)) = (column(a), column(b));
-        let (trace_e, trace_f) = (e[0] + e[1] + e[2], f[0] + f[1] + f[2]);
-        let plain = e[0] * f[0] + e[1] * f[1] + e[2] * f[2];
-        let elastic = lame * trace_e * trace_f + 2.0 * shear * plain + shear * e[3] * f[3];
-        UNIT * per * (elastic + spring * (p[0] * q[0] + p[1] * q[1]))
-    };
-    inline_from_fn(|a| inline_from_fn(|b| entry(a, b)))
+    }
+    matrix
 }
 
 /// Returns the volume change of an element with these corners `[r, z, v_r, v_z]` over the previous increment, from the

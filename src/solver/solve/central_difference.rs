@@ -1,37 +1,28 @@
 //! Central differences for nodes: accelerations from forces, velocities at mid-increment, displacements (ABAQUS Theory
 //! Guide 2.4.5). Rigid bodies are integrated in `state`.
 
+use crate::kernel::chunks::{chunks_of, for_chunks, sum_of_chunks};
 use crate::kernel::lanes::InlineMap;
-use rayon::prelude::*;
 
 use crate::element::elements::Elements;
 use crate::element::quiescent::FEW;
 use crate::state::dofs::Dofs;
-use crate::state::nodes::{Node, Nodes};
-
-/// Number of nodes from which the pass uses several threads.
-const PARALLEL: usize = 1000;
-/// Nodes in a chunk of a thread; fixed, so that sums do not depend on the number of threads.
-const CHUNK: usize = 512;
+use crate::state::nodes::Nodes;
 
 /// Computes nodal accelerations and the kinetic energy, and adds the work of nodal forces over the previous increment.
 /// `parts` is a work array for the energies of chunks.
-pub(super) fn accelerate_nodes(elements: &Elements, dofs: &mut Dofs, parts: &mut [f64], threads: bool) {
+pub(super) fn accelerate_nodes(elements: &Elements, dofs: &mut Dofs, parts: &mut [f64]) {
     let Dofs { nodes, energies, .. } = dofs;
     let mut acceleration = std::mem::take(&mut nodes.acceleration);
     let pass = NodePass { elements, nodes };
-    let chunk = |index: usize, accelerations: &mut [[f64; 2]], kinetic: &mut f64| {
-        *kinetic = elements.dispatch(|| pass.accelerate(index * CHUNK, accelerations));
-    };
-    if threads && nodes.len() >= PARALLEL {
-        let chunks = acceleration.par_chunks_mut(CHUNK).zip(&mut *parts).enumerate();
-        chunks.for_each(|(i, (a, k))| chunk(i, a, k));
-    } else {
-        let chunks = acceleration.chunks_mut(CHUNK).zip(&mut *parts).enumerate();
-        chunks.for_each(|(i, (a, k))| chunk(i, a, k));
-    }
+    energies.kinetic = sum_of_chunks(
+        elements.arch(),
+        &mut acceleration,
+        parts,
+        #[inline(always)]
+        |first, accelerations| pass.accelerate(first, accelerations),
+    );
     nodes.acceleration = acceleration;
-    energies.kinetic = parts.iter().sum();
     if nodes.work_pending {
         let half = 0.5 * nodes.previous_dt;
         let [now, before] = &nodes.forces;
@@ -42,7 +33,7 @@ pub(super) fn accelerate_nodes(elements: &Elements, dofs: &mut Dofs, parts: &mut
 }
 
 pub(super) fn chunk_energies(nodes: &Nodes) -> Vec<f64> {
-    vec![0.0; nodes.len().div_ceil(CHUNK)]
+    vec![0.0; chunks_of(nodes.len())]
 }
 
 /// Input of the pass over nodes.
@@ -102,15 +93,20 @@ fn correct_first_work(dofs: &mut Dofs, dt: f64) {
 }
 
 /// Advances nodes over an increment. The first increment starts central differences with a half step.
-pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64, threads: bool) {
+pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64) {
     if dofs.nodes.previous_dt == 0.0 {
         correct_first_work(dofs, dt);
     }
     let half = 0.5 * (dt + dofs.nodes.previous_dt);
-    let chunk = |(index, (nodes, accelerations)): (usize, (&mut [Node], &[[f64; 2]]))| {
-        elements.dispatch(|| {
-            for (i, (nodes, accelerations)) in nodes.chunks_mut(FEW).zip(accelerations.chunks(FEW)).enumerate() {
-                if !elements.has_work(index * CHUNK + i * FEW) {
+    let (nodes, accelerations) = dofs.nodes.motion_mut();
+    for_chunks(
+        elements.arch(),
+        nodes,
+        #[inline(always)]
+        |first, nodes| {
+            let accelerations = accelerations[first..first + nodes.len()].chunks(FEW);
+            for (i, (nodes, accelerations)) in nodes.chunks_mut(FEW).zip(accelerations).enumerate() {
+                if !elements.has_work(first + i * FEW) {
                     continue;
                 }
                 for (node, a) in nodes.iter_mut().zip(accelerations) {
@@ -120,15 +116,8 @@ pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64, threa
                     node.z += dt * node.v_z;
                 }
             }
-        });
-    };
-    let many = threads && dofs.nodes.len() >= PARALLEL;
-    let (nodes, accelerations) = dofs.nodes.motion_mut();
-    if many {
-        nodes.par_chunks_mut(CHUNK).zip(accelerations.par_chunks(CHUNK)).enumerate().for_each(chunk);
-    } else {
-        nodes.chunks_mut(CHUNK).zip(accelerations.chunks(CHUNK)).enumerate().for_each(chunk);
-    }
+        },
+    );
     (dofs.nodes.previous_dt, dofs.nodes.half, dofs.nodes.work_pending) = (dt, half, true);
 }
 
@@ -219,12 +208,12 @@ mod tests {
                 GroupTiming::default(),
             );
             self.elements.add_link_forces(&mut self.dofs);
-            accelerate_nodes(&self.elements, &mut self.dofs, &mut self.parts, false);
+            accelerate_nodes(&self.elements, &mut self.dofs, &mut self.parts);
             self.dofs.nodes.work_pending = false;
         }
 
         fn advance(&mut self, dt: f64) {
-            advance_nodes(&self.elements, &mut self.dofs, dt, false);
+            advance_nodes(&self.elements, &mut self.dofs, dt);
             self.elements.mark_moved();
         }
     }

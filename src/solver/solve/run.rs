@@ -492,12 +492,7 @@ impl<'a> SolverRun<'a> {
         }
         if !self.state.elements.is_empty() {
             let clock = self.timing.start_gather(self.plan);
-            central_difference::accelerate_nodes(
-                &self.state.elements,
-                &mut self.state.dofs,
-                &mut self.kinetic,
-                self.threads,
-            );
+            central_difference::accelerate_nodes(&self.state.elements, &mut self.state.dofs, &mut self.kinetic);
             self.timing.stop_gather(clock, self.plan);
         }
         let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
@@ -559,7 +554,7 @@ impl<'a> SolverRun<'a> {
         self.state.dofs.bodies.iter_mut().for_each(|body| body.advance(dt));
         if !self.state.elements.is_empty() {
             self.adapt_meshes(dt);
-            central_difference::advance_nodes(&self.state.elements, &mut self.state.dofs, dt, self.threads);
+            central_difference::advance_nodes(&self.state.elements, &mut self.state.dofs, dt);
             self.state.elements.mark_moved();
         }
         let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
