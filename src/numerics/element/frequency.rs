@@ -34,12 +34,12 @@ pub struct HighestFrequency {
     pub id: EffectId,
     /// Rows and columns of the operator M^-1/2 K M^-1/2.
     pairs: NodePairs,
-    /// Values of the operator: a block `[rr, rz, zr, zz]` for each pair of nodes. Empty before the first step, as are
-    /// the vectors, so that a copy of the initial state needs no memory for them.
+    /// Values of the operator: a block `[rr, rz, zr, zz]` for each pair of nodes. Empty before the first step that uses
+    /// the estimate, as are the vectors.
     values: Vec<[f64; 4]>,
     /// Inverse square root of the mass of each degree of freedom; 0 for prescribed motion.
     roots: Vec<[f64; 2]>,
-    vectors: [Vec<[f64; 2]>; 3],
+    vectors: [Vec<[f64; 2]>; 2],
     pub(super) state: EstimateState,
 }
 
@@ -83,7 +83,7 @@ impl HighestFrequency {
     /// Returns names and bytes of the arrays during a run.
     pub fn arrays(&self) -> Vec<(&'static str, usize)> {
         let operator = self.pairs.nnz() * 36 + self.pairs.indptr().len() * 4;
-        vec![("sparse operator", operator), ("Lanczos vectors", 4 * size_of_val(&*self.roots))]
+        vec![("sparse operator", operator), ("Lanczos vectors", 3 * size_of_val(&*self.roots))]
     }
 
     /// Begins a step: the highest frequency depends on its prescribed motions.
@@ -92,7 +92,6 @@ impl HighestFrequency {
         // to their stability limit.
         let holds = groups.iter().any(|g| !g.is_empty() && !g.properties().damped);
         self.state = EstimateState { count: self.state.count, holds, ..EstimateState::default() };
-        self.allocate();
         for (roots, mass) in self.roots.iter_mut().zip(&nodes.mass) {
             *roots = [1.0 / mass.sqrt(); 2];
         }
@@ -157,15 +156,15 @@ impl HighestFrequency {
     /// Returns the tridiagonal matrix of Lanczos' method from a random start vector, and its size.
     fn lanczos(&mut self) -> ([f64; STEPS], [f64; STEPS], usize) {
         let (mut diagonal, mut off_diagonal) = ([0.0; STEPS], [0.0; STEPS]);
-        let [before, now, next] = &mut self.vectors;
+        let [before, now] = &mut self.vectors;
         before.fill([0.0; 2]);
         scatter(now);
         let length = dot(now, now).sqrt();
         scale(now, 1.0 / length);
         let mut last = 0.0;
         for step in 0..STEPS {
-            multiply(&self.pairs, &self.values, now, next);
-            subtract(next, last, before);
+            multiply(&self.pairs, &self.values, now, (last, before));
+            let next = &mut *before;
             diagonal[step] = dot(next, now);
             subtract(next, diagonal[step], now);
             last = dot(next, next).sqrt();
@@ -176,15 +175,15 @@ impl HighestFrequency {
             }
             scale(next, 1.0 / last);
             std::mem::swap(before, now);
-            std::mem::swap(now, next);
         }
         (diagonal, off_diagonal, STEPS)
     }
 }
 
-fn multiply(pairs: &NodePairs, values: &[[f64; 4]], vector: &[[f64; 2]], product: &mut [[f64; 2]]) {
+/// Replaces a vector by the product of the operator and `vector`, minus `factor` times the replaced one.
+fn multiply(pairs: &NodePairs, values: &[[f64; 4]], vector: &[[f64; 2]], (factor, replaced): (f64, &mut [[f64; 2]])) {
     let mut rest = values;
-    for (row, out) in pairs.outer_iterator().zip(product) {
+    for (row, out) in pairs.outer_iterator().zip(replaced) {
         let mut sum = [0.0; 2];
         let (blocks, later) = rest.split_at(row.nnz());
         rest = later;
@@ -192,7 +191,7 @@ fn multiply(pairs: &NodePairs, values: &[[f64; 4]], vector: &[[f64; 2]], product
             let [r, z] = vector[*column as usize];
             sum = [sum[0] + (rr * r + rz * z), sum[1] + (zr * r + zz * z)];
         }
-        *out = sum;
+        *out = [sum[0] - factor * out[0], sum[1] - factor * out[1]];
     }
 }
 
