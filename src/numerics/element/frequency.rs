@@ -413,6 +413,7 @@ mod tests {
     fn estimate(elements: &Elements, nodes: &Nodes) -> (HighestFrequency, f64) {
         let mut frequency = HighestFrequency::new(&elements.groups, nodes).expect("linear elements");
         frequency.begin(&elements.groups, nodes, &ConstrainedNodes { prescribed: &[], carried: &[] });
+        frequency.allocate();
         frequency.assemble(&elements.groups, nodes);
         let found = frequency.find();
         (frequency, found)
