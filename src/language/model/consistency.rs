@@ -3,9 +3,9 @@
 use super::fields::MOST_FIELDS;
 use super::types::{
     AdaptiveControls, AmplitudeDefinition, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorLaw,
-    ConnectorProperty, CoulombFriction, ElementKind, ElementSide, ErosionCriteria, IncrementControl, InitialKind, Remeshing,
+    ConnectorProperty, CoulombFriction, ElementKind, ElementSide, ErosionCriteria, IncrementControl, InitialKind,
     InteractionId, LinkKind, Load, LoadKind, Model, MotionKind, OutputInterval, OutputRegion, OutputRequest,
-    PrescribedClearance, ShellSection, ShellThinning, SideSelection, Step, SurfaceContact, SurfaceTraction,
+    PrescribedClearance, Remeshing, ShellSection, ShellThinning, SideSelection, Step, SurfaceContact, SurfaceTraction,
     TargetStack,
 };
 use crate::deck::keywords::Keyword;

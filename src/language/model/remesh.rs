@@ -33,7 +33,8 @@ impl ModelBody {
     /// Returns the body of a `*REMESH` card.
     pub fn new(model: &Model, body: usize) -> ModelBody {
         let elements = &model.remeshings[body].elements;
-        let nodes: Vec<usize> = sorted_unique(elements.iter().flat_map(|e| model.mesh.elements[*e].nodes.iter().copied()));
+        let nodes: Vec<usize> =
+            sorted_unique(elements.iter().flat_map(|e| model.mesh.elements[*e].nodes.iter().copied()));
         let own = |node: usize| nodes.binary_search(&node).unwrap_or_default() as u32;
         let quads = elements.iter().flat_map(|e| model.mesh.cells(*e)).map(|cell| cell.map(own)).collect();
         ModelBody { index: body, nodes, quads }
@@ -189,7 +190,8 @@ impl MeshRelation {
         let like = &old.elements[own[0]];
         let scope = like.name.rsplit_once('.').map_or("", |(scope, _)| scope);
         let above = |names: &mut dyn Iterator<Item = &EntityName>| {
-            let label = |name: &EntityName| name.rsplit_once('.').map_or(&**name, |(_, label)| label).parse().unwrap_or(0);
+            let label =
+                |name: &EntityName| name.rsplit_once('.').map_or(&**name, |(_, label)| label).parse().unwrap_or(0);
             names.map(label).max().unwrap_or(0_i64)
         };
         let (mut node_label, mut element_label) =
@@ -294,7 +296,8 @@ fn visit_contact(contact: &mut SurfaceContact, visit: &mut dyn FnMut(MemberList<
 
 fn visit_general(general: &mut GeneralContact, visit: &mut dyn FnMut(MemberList<'_>)) {
     let GeneralContact { included, excluded, assigned, clearances, penalties, roles, .. } = general;
-    let domains = included.iter_mut().map(|i| &mut i.0).chain(excluded).chain(assigned.iter_mut().map(|a| &mut a.domains));
+    let domains =
+        included.iter_mut().map(|i| &mut i.0).chain(excluded).chain(assigned.iter_mut().map(|a| &mut a.domains));
     let more = clearances.iter_mut().map(|c| &mut c.0).chain(penalties.iter_mut().map(|p| &mut p.0));
     for domain in domains.chain(more).chain(roles.iter_mut().map(|role| &mut role.0)).flatten() {
         if let ContactDomain::Surface(sides) = domain {

@@ -224,7 +224,10 @@ fn improve(mesh: &mut BodyMesh, on_boundary: &[bool]) {
             continue;
         }
         let worst = |points: &[[f64; 2]]| {
-            around[n].iter().map(|e| sine(&mesh.quads[*e as usize], |n| points[n as usize])).fold(f64::INFINITY, f64::min)
+            around[n]
+                .iter()
+                .map(|e| sine(&mesh.quads[*e as usize], |n| points[n as usize]))
+                .fold(f64::INFINITY, f64::min)
         };
         let (mut sum, mut count) = ([0.0; 2], 0.0);
         for quad in around[n].iter().map(|e| &mesh.quads[*e as usize]) {

@@ -93,12 +93,7 @@ fn halves(at: [[f64; 2]; 4]) -> [[[f64; 2]; 3]; 2] {
 }
 
 /// Cuts a triangle with another one (Sutherland and Hodgman 1974); both are counter-clockwise.
-fn clip(
-    triangle: &[[f64; 2]; 3],
-    other: &[[f64; 2]; 3],
-    polygon: &mut Vec<[f64; 2]>,
-    work: &mut Vec<[f64; 2]>,
-) {
+fn clip(triangle: &[[f64; 2]; 3], other: &[[f64; 2]; 3], polygon: &mut Vec<[f64; 2]>, work: &mut Vec<[f64; 2]>) {
     polygon.clear();
     polygon.extend(triangle);
     for i in 0..3 {

@@ -191,8 +191,7 @@ impl<'a> MeshTransfer<'a> {
                 for k in self.first[e]..self.first[e + 1] {
                     let part = &self.parts[k];
                     let [r, z] = [0, 1].inline_map(|i: usize| part.centre[i] - self.centres[e][i]);
-                    sums[part.new as usize][axis] +=
-                        self.part_mass[k] * (mean + share * (along[0] * r + along[1] * z));
+                    sums[part.new as usize][axis] += self.part_mass[k] * (mean + share * (along[0] * r + along[1] * z));
                 }
             }
         }

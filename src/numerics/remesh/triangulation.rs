@@ -56,11 +56,7 @@ type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// Fills closed polygons with triangles whose edges have about the length `size` of a place; `None` if the polygons
 /// touch or cross each other.
-pub(super) fn fill(
-    boundary: &[[f64; 2]],
-    edges: &[[u32; 2]],
-    size: &dyn Fn([f64; 2]) -> f64,
-) -> Option<TriangleMesh> {
+pub(super) fn fill(boundary: &[[f64; 2]], edges: &[[u32; 2]], size: &dyn Fn([f64; 2]) -> f64) -> Option<TriangleMesh> {
     let polygon = Boundary { points: boundary, edges };
     let mut points = boundary.to_vec();
     let mut delaunay = triangulated(&points, edges)?;

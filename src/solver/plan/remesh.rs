@@ -1,13 +1,18 @@
 //! Bodies of the plan that are meshed anew (`*REMESH`), and combinations that are not supported.
 
+use std::collections::HashSet;
+
 use super::{Compiler, State};
-use crate::deck::{Diagnostic, Span};
+use crate::deck::Diagnostic;
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::{ModelBody, is_shared, nodes_of_histories};
-use crate::model::{LoadKind, Model, MotionKind, OutputKind, OutputRegion, Remeshing};
+use crate::model::{
+    BoundaryCondition, LoadKind, Model, MotionKind, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing,
+};
 use crate::remesh::BodyMesh;
 use crate::remesh::outline::loops;
-use crate::state::EffectId;
+use crate::state::{BodyState, EffectId};
 
 /// Bodies that are meshed anew, and the model from which their plans are compiled.
 pub struct RemeshPlan {
@@ -35,6 +40,13 @@ pub struct RemeshedBody {
     pub angle: f64,
     /// Smallest fraction of the stable time increment after the last mesh.
     pub increment: f64,
+}
+
+impl RemeshedBody {
+    /// Returns the size of all lists in bytes.
+    pub fn bytes(&self) -> usize {
+        heap_bytes(&self.elements) + heap_bytes(&self.nodes) + heap_bytes(&self.quads)
+    }
 }
 
 impl Compiler<'_> {
@@ -67,7 +79,7 @@ impl Compiler<'_> {
         transfer.prepare();
         let detail = format!(
             "new mesh below {} degrees or {} of the stable time increment, checked every {} increments",
-            card.angle.to_degrees(),
+            (1e9 * card.angle.to_degrees()).round() / 1e9,
             card.increment,
             card.frequency
         );
@@ -116,53 +128,24 @@ impl Compiler<'_> {
             return Some((message, "separate the parts of the body"));
         };
         let used = |node: usize| body.nodes.binary_search(&node).ok();
-        let on_boundary: std::collections::HashSet<u32> = all.iter().flatten().map(|edge| edge.ends[0]).collect();
+        let on_boundary: HashSet<u32> = all.iter().flatten().map(|edge| edge.ends[0]).collect();
         if nodes_of_histories(self.model).filter_map(used).any(|at| !on_boundary.contains(&(at as u32))) {
-            let message = format!("a history shows the values of a node inside `{name}`, which a new mesh does not keep");
+            let message =
+                format!("a history shows the values of a node inside `{name}`, which a new mesh does not keep");
             return Some((message, "request a statistic of a set, or a node on the boundary"));
         }
-        self.unsupported_with_remeshing(card.span, &used, state)
+        let found = self.excluded_by_model(state).or_else(|| self.excluded_by_nodes(&used));
+        found.map(|what| (format!("*REMESH cannot be combined with {what}"), "remove one of the two"))
     }
 
-    /// Returns which other card of the model excludes new meshes.
-    fn unsupported_with_remeshing(
-        &self,
-        _span: Span,
-        used: &dyn Fn(usize) -> Option<usize>,
-        state: &State,
-    ) -> Option<(String, &'static str)> {
-        let model = self.model;
-        let elements = &state.elements;
-        let requests = model.steps.iter().flat_map(|step| &step.outputs);
-        let single = |request: &crate::model::OutputRequest| match request.region {
-            OutputRegion::Elements(id) if request.kind == OutputKind::History && request.statistics.is_empty() => {
-                let members = &model.element_sets[id].members;
-                model.remeshings.iter().any(|card| members.iter().any(|e| card.elements.binary_search(e).is_ok()))
-                    && request.variables.iter().any(|_| request.card == crate::model::OutputCard::Element)
-            }
-            _ => false,
-        };
-        let held = model.steps.iter().flat_map(|step| &step.boundaries);
-        let moves = |boundary: &crate::model::BoundaryCondition| {
-            boundary.kind == MotionKind::Displacement
-                && (boundary.value != 0.0 || boundary.user)
-                && boundary.nodes.iter().any(|node| used(*node).is_some())
-        };
-        let pushes = |kind: &LoadKind| {
-            matches!(kind, LoadKind::Concentrated { nodes, .. } if nodes.iter().any(|node| used(*node).is_some()))
-        };
-        let linked = || {
-            let terms = model.constraints.equations.iter().flat_map(|equation| equation.terms.iter().map(|term| term.0));
-            let links = model.constraints.links.iter().flat_map(|link| link.nodes.iter().chain([&link.reference]).copied());
-            let masses = model.discrete.masses.iter().map(|mass| mass.node);
-            let rigid = model.rigid_bodies.iter().flat_map(|body| body.nodes.iter().chain([&body.reference]).copied());
-            terms.chain(links).chain(masses).chain(rigid).any(|node| used(node).is_some())
-        };
-        let cavity = |kind: &LoadKind| {
-            matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. } | LoadKind::UserBody { .. })
-        };
+    /// Returns what in the model excludes new meshes of any body.
+    fn excluded_by_model(&self, state: &State) -> Option<&'static str> {
+        let (model, elements) = (self.model, &state.elements);
         let loads = || model.steps.iter().flat_map(|step| &step.loads);
         let contacts = || self.pairs.iter().flat_map(|pairs| pairs.iter());
+        let is_users = |kind: &LoadKind| {
+            matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. } | LoadKind::UserBody { .. })
+        };
         let found = [
             (self.routines.any(), "user subroutines"),
             (state.thermal.is_some(), "nodal temperatures and thermal expansion"),
@@ -173,20 +156,56 @@ impl Compiler<'_> {
             (elements.rings.is_some(), "WEIGHTING=AREA"),
             (elements.fields.is_some(), "field variables"),
             (elements.connectors.is_some(), "springs and dashpots"),
-            (elements.interfaces.is_some() || !model.cohesive_sections.is_empty(), "cohesive elements"),
+            (!model.cohesive_sections.is_empty(), "cohesive elements"),
             (self.cohesive_behaviors().next().is_some(), "*COHESIVE BEHAVIOR"),
             (!model.constraints.ties.is_empty(), "*TIE"),
-            (!model.targets.is_empty() || loads().any(|load| cavity(&load.kind)), "*TARGET and user-defined loads"),
-            (model.steps.iter().any(|step| !step.fields.is_empty()), "*FIELD"),
-            (state.dofs.bodies.iter().any(crate::state::BodyState::is_spatial), "oblique rigid bodies"),
+            (!model.targets.is_empty(), "*TARGET"),
+            (loads().any(|load| is_users(&load.kind)), "user-defined loads"),
+            (state.dofs.bodies.iter().any(BodyState::is_spatial), "oblique rigid bodies"),
             (contacts().any(|pair| pair.law.is_soft() || pair.penalty.is_some()), "soft contact"),
             (contacts().any(|pair| pair.clearance.is_some()), "initial clearances of contact"),
-            (linked(), "equations, couplings, masses and rigid bodies at nodes of the body"),
-            (loads().any(|load| pushes(&load.kind)), "*CLOAD on nodes of the body"),
-            (held.clone().any(moves), "prescribed displacements other than zero of nodes of the body"),
-            (requests.clone().any(single), "histories of single elements of the body"),
         ];
-        let (_, what) = found.into_iter().find(|(is_there, _)| *is_there)?;
-        Some((format!("*REMESH cannot be combined with {what}"), "remove one of the two, or use *ADAPTIVE MESH"))
+        found.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
+    }
+
+    /// Returns what excludes new meshes at the nodes or elements of a body.
+    fn excluded_by_nodes(&self, used: &dyn Fn(usize) -> Option<usize>) -> Option<&'static str> {
+        let model = self.model;
+        let requests = model.steps.iter().flat_map(|step| &step.outputs);
+        let is_single = |request: &&OutputRequest| {
+            let of_elements = request.kind == OutputKind::History && request.card == OutputCard::Element;
+            of_elements && request.statistics.is_empty()
+        };
+        let shown = requests.filter(is_single).filter_map(|request| match request.region {
+            OutputRegion::Elements(id) => Some(&model.element_sets[id].members),
+            _ => None,
+        });
+        let mut shown = shown.flatten().flat_map(|e| model.mesh.elements[*e].nodes.iter());
+        let moves = |boundary: &&BoundaryCondition| {
+            boundary.kind == MotionKind::Displacement && (boundary.value != 0.0 || boundary.user)
+        };
+        let held = model.steps.iter().flat_map(|step| &step.boundaries).filter(moves);
+        let pushed = model.steps.iter().flat_map(|step| &step.loads).filter_map(|load| match &load.kind {
+            LoadKind::Concentrated { nodes, .. } => Some(nodes),
+            _ => None,
+        });
+        let terms = model.constraints.equations.iter().flat_map(|equation| equation.terms.iter().map(|term| term.0));
+        let links = model.constraints.links.iter().flat_map(|link| link.nodes.iter().chain([&link.reference]).copied());
+        let masses = model.discrete.masses.iter().map(|mass| mass.node);
+        let rigid = model.rigid_bodies.iter().flat_map(|body| body.nodes.iter().chain([&body.reference]).copied());
+        let is_used = |node: usize| used(node).is_some();
+        let found = [
+            (shown.any(|node| is_used(*node)), "histories of single elements of the body"),
+            (
+                terms.chain(links).chain(masses).chain(rigid).any(is_used),
+                "equations, couplings, masses and rigid bodies at nodes of the body",
+            ),
+            (pushed.flatten().any(|node| is_used(*node)), "*CLOAD on nodes of the body"),
+            (
+                held.flat_map(|boundary| &boundary.nodes).any(|node| is_used(*node)),
+                "prescribed displacements of nodes of the body other than zero",
+            ),
+        ];
+        found.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
     }
 }

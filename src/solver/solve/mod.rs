@@ -43,8 +43,8 @@ use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
 pub use outcome::{BodyExit, BodyRest, ImpactEnd, Outcome, PenetrationSummary, StepSummary};
 pub use position::RunPosition;
-pub use restart::{CheckpointInterval, LOST, RunControl, lost};
 use remesh::{DetachedRun, NextMesh, plan_of_revisions};
+pub use restart::{CheckpointInterval, LOST, RunControl, lost};
 use restart::{Checkpointer, RunCursor, begin_step, restore, saved_revisions};
 use run::SolverRun;
 

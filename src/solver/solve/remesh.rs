@@ -131,11 +131,7 @@ pub(super) fn plan_of_revisions(plan: &Plan, revisions: &[MeshRevision]) -> Opti
     compiled(&model, &plan.routines, revisions).ok()
 }
 
-fn compiled(
-    model: &Model,
-    routines: &Routines,
-    revisions: &[MeshRevision],
-) -> Result<(Box<Plan>, State), String> {
+fn compiled(model: &Model, routines: &Routines, revisions: &[MeshRevision]) -> Result<(Box<Plan>, State), String> {
     let (mut plan, mut state, diagnostics) = plan::compile(model, routines);
     match diagnostics.iter().find(|finding| finding.severity == crate::deck::Severity::Error) {
         Some(error) => Err(format!("{}: {}", error.code, error.message)),
@@ -187,11 +183,7 @@ impl SolverRun<'_> {
     ///
     /// # Errors
     /// If the model with the new mesh cannot be planned or evaluated.
-    pub(super) fn next_mesh(
-        &mut self,
-        body: usize,
-        observing: &mut RunOutput,
-    ) -> Result<Option<NextMesh>, HaltReason> {
+    pub(super) fn next_mesh(&mut self, body: usize, observing: &mut RunOutput) -> Result<Option<NextMesh>, HaltReason> {
         let Some(remesh) = &self.plan.remesh else { return Ok(None) };
         let Some((old, revision)) = self.revision(body, &remesh.model) else {
             let quality = &mut self.remesh.bodies[body];

@@ -12,9 +12,9 @@ use super::position::RunPosition;
 use super::routines::UserSession;
 use super::{BodyRest, Outcome, Sink, SinkError, SolverRun, StepSummary};
 use crate::plan::StepPlan;
+use crate::remesh::MeshRevision;
 use crate::state::Instant;
 use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields, persist_struct};
-use crate::remesh::MeshRevision;
 use crate::state::halt::HaltReason;
 use crate::user::{AnalysisMoment, SavedMemory};
 
