@@ -2,15 +2,15 @@
 
 use std::collections::HashMap;
 
-use super::outline::{OutlinePoint, distance, divide, loops};
+use super::outline::{BoundaryEdge, OutlinePoint, distance, divide, loops};
 use super::triangulation::{TriangleMesh, fill};
 use super::{BodyMesh, INSIDE, MeshRevision, RevisedSide};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::sorted_boxes::SortedBoxes;
 
-/// Edge of the divided triangles over the wanted edge of squares, so that three quadrilaterals of a triangle have almost
-/// the area of three squares.
-const EDGE: f64 = 1.2;
+/// Edges of the divided triangles over the wanted edge of squares. With the first one, three quadrilaterals of a triangle
+/// have almost the area of three squares; the others follow a more curved outline.
+const EDGES: [f64; 4] = [1.2, 1.0, 0.8, 0.6];
 /// Largest change of the wanted edge per distance.
 const GRADING: f64 = 0.3;
 /// Smallest ratio of the corner triangles of an element to half its area.
@@ -22,17 +22,29 @@ const SWEEPS: usize = 6;
 /// no mesh with valid elements is found.
 pub fn mesh_anew(old: &BodyMesh, kept: &[bool], body: usize) -> Option<MeshRevision> {
     let graded = BodyMesh { sizes: graded_sizes(old), ..old.clone() };
-    let all: Vec<Vec<OutlinePoint>> = loops(old)?.iter().map(|edges| divide(&graded, edges, kept, EDGE)).collect();
-    let field = SizeField::new(&graded);
+    let (loops, field) = (loops(old)?, SizeField::new(&graded));
+    EDGES.iter().find_map(|factor| mesh_with(&graded, (&loops, kept), &field, *factor)).map(|mut revision| {
+        revision.body = body;
+        revision
+    })
+}
+
+/// Meshes a body with edges of the wanted lengths times a factor.
+fn mesh_with(
+    graded: &BodyMesh,
+    (loops, kept): (&[Vec<BoundaryEdge>], &[bool]),
+    field: &SizeField<'_>,
+    factor: f64,
+) -> Option<MeshRevision> {
+    let all: Vec<Vec<OutlinePoint>> = loops.iter().map(|edges| divide(graded, edges, kept, factor)).collect();
     let (mut coarse, mut edges) = (Vec::new(), Vec::new());
     for points in &all {
         let (first, count) = (coarse.len() as u32, points.len() as u32 / 2);
         coarse.extend(points.iter().step_by(2).map(|p| p.place));
         edges.extend((0..count).map(|i| [first + i, first + (i + 1) % count]));
     }
-    let triangles = fill(&coarse, &edges, &|place| 2.0 * EDGE * field.size(place))?;
+    let triangles = fill(&coarse, &edges, &|place| 2.0 * factor * field.size(place))?;
     let mut revision = divided(&triangles, &all);
-    revision.body = body;
     let on_boundary: Vec<bool> = revision.parents.iter().map(|parents| parents[0] != INSIDE).collect();
     (0..SWEEPS).for_each(|_| improve(&mut revision.mesh, &on_boundary));
     let mesh = &mut revision.mesh;
