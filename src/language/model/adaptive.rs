@@ -44,7 +44,7 @@ impl ModelBuilder<'_> {
         state.adaptive.push(AdaptiveMesh { span, set, elements, frequency, sweeps, initial_sweeps, controls });
     }
 
-    /// Reads a body that is meshed anew.
+    /// Reads a body that is remeshed.
     pub(super) fn remeshing(&mut self, card: &Card) {
         let Some(word) = card.value("ELSET") else { return };
         let Some(elements) = self.element_members(word) else { return };

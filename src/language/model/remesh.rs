@@ -19,7 +19,7 @@ enum MemberList<'a> {
     Faces(&'a mut Vec<(usize, ElementSide)>),
 }
 
-/// A body of the model that can be meshed anew, in its own numbering.
+/// A body of the model that can be remeshed, in its own numbering.
 pub struct ModelBody {
     /// Index of its `*REMESH` card.
     pub index: usize,

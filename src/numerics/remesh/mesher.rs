@@ -18,9 +18,9 @@ const FLAT: f64 = 0.05;
 /// Sweeps that improve the shapes of the quadrilaterals.
 const SWEEPS: usize = 6;
 
-/// Meshes a body anew. Nodes of the boundary that are `kept` remain. Returns `None` if its outline touches itself, or if
+/// Remeshes a body. Nodes of the boundary that are `kept` remain. Returns `None` if its outline touches itself, or if
 /// no mesh with valid elements is found.
-pub fn mesh_anew(old: &BodyMesh, kept: &[bool], body: usize) -> Option<MeshRevision> {
+pub fn new_mesh(old: &BodyMesh, kept: &[bool], body: usize) -> Option<MeshRevision> {
     let graded = BodyMesh { sizes: graded_sizes(old), ..old.clone() };
     let (loops, field) = (loops(old)?, SizeField::new(&graded));
     EDGES.iter().find_map(|factor| mesh_with(&graded, (&loops, kept), &field, *factor)).map(|mut revision| {
@@ -260,7 +260,7 @@ fn improve(mesh: &mut BodyMesh, on_boundary: &[bool]) {
 
 #[cfg(test)]
 mod tests {
-    use super::{mesh_anew, shape, sharpest};
+    use super::{new_mesh, shape, sharpest};
     use crate::remesh::BodyMesh;
 
     fn block(n: u32, m: u32, place: impl Fn(f64, f64) -> [f64; 2]) -> BodyMesh {
@@ -292,7 +292,7 @@ mod tests {
     fn a_block_is_filled_with_valid_elements_of_the_wanted_size() {
         let old = block(8, 16, |x, y| [x, 2.0 * y]);
         let kept = vec![false; old.points.len()];
-        let new = mesh_anew(&old, &kept, 0).expect("a mesh");
+        let new = new_mesh(&old, &kept, 0).expect("a mesh");
         assert!((area(&new.mesh) - 2.0).abs() < 1e-12);
         let count = new.mesh.quads.len();
         assert!((100..260).contains(&count), "{count} elements");
@@ -309,7 +309,7 @@ mod tests {
             [x * wide, 4.0 * y]
         });
         let kept = vec![false; old.points.len()];
-        let new = mesh_anew(&old, &kept, 0).expect("a mesh");
+        let new = new_mesh(&old, &kept, 0).expect("a mesh");
         assert!(new.mesh.quads.iter().all(|quad| shape(quad, &new.mesh.points) > 0.1));
         let angle = sharpest(&new.mesh.quads, |n| new.mesh.points[n as usize]).to_degrees();
         assert!(angle > 10.0, "{angle} degrees");

@@ -1,4 +1,4 @@
-//! New meshes of bodies during a run: the outline of a deformed body is divided anew, its inside is filled with
+//! New meshes of bodies during a run: the outline of a deformed body is divided again, its inside is filled with
 //! quadrilaterals, and masses, momentum and element variables are moved to them.
 
 pub mod mesher;
@@ -20,7 +20,7 @@ pub struct BodyMesh {
     pub sizes: Vec<f64>,
 }
 
-/// Side of a new element on the boundary of its body, and the side of an old element on which it lies.
+/// Side of a new element on the boundary of its body, and the side of an old element on which it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RevisedSide {
     /// Index of the new element, and number of its side from 0.
@@ -36,7 +36,7 @@ pub struct MeshRevision {
     pub body: usize,
     /// Nodes and elements.
     pub mesh: BodyMesh,
-    /// For each new node the two old nodes between which it lies, twice the same one at the place of this node;
+    /// For each new node the two old nodes between which it is, twice the same one at the place of this node;
     /// [`INSIDE`] for nodes inside the body.
     pub parents: Vec<[u32; 2]>,
     /// Sides on the boundary.

@@ -26,7 +26,7 @@ pub struct BoundaryEdge {
 pub struct OutlinePoint {
     /// Place `[r, z]`.
     pub place: [f64; 2],
-    /// The two old nodes between which it lies, twice the same at an old node.
+    /// The two old nodes between which it is, twice the same at an old node.
     pub parents: [u32; 2],
     /// Old side on which the edge to the next point of the loop begins.
     pub side: (u32, u8),
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn kept_nodes_remain_and_new_nodes_lie_on_old_edges() {
+    fn kept_nodes_remain_and_new_nodes_are_on_old_edges() {
         let (mesh, kept) = block(5, 8, |i, j| i == 5 && j == 3);
         let all = loops(&mesh).unwrap_or_default();
         let points = divide(&mesh, &all[0], &kept, 1.3);

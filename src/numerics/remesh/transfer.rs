@@ -296,7 +296,7 @@ mod tests {
     use crate::kernel::lanes::{PACK, Pack};
     use crate::kernel::quad;
     use crate::remesh::BodyMesh;
-    use crate::remesh::mesher::mesh_anew;
+    use crate::remesh::mesher::new_mesh;
     use crate::remesh::overlap::{common_parts, ring};
 
     /// Returns a block on the axis with distorted elements, and the mesh that replaces it.
@@ -317,7 +317,7 @@ mod tests {
             }
         }
         let kept = vec![false; mesh.points.len()];
-        let new = mesh_anew(&mesh, &kept, 0).expect("a mesh");
+        let new = new_mesh(&mesh, &kept, 0).expect("a mesh");
         [mesh, new.mesh]
     }
 

@@ -111,7 +111,7 @@ pub struct Plan {
     pub rows: GeneralLedgerRows,
     /// Numbers, materials and sets of nodes and elements, for frames.
     pub labels: FrameLabels,
-    /// Bodies that are meshed anew; `None` without `*REMESH`.
+    /// Bodies that are remeshed; `None` without `*REMESH`.
     pub remesh: Option<Box<RemeshPlan>>,
     /// Whether elements may release energy that was not supplied by loads: gases, explosives, initial stress, thermal
     /// expansion, variable moduli, user materials.

@@ -1,4 +1,4 @@
-//! Bodies of the plan that are meshed anew (`*REMESH`), and combinations that are not supported.
+//! Bodies of the plan that are remeshed (`*REMESH`), and combinations that are not supported.
 
 use std::collections::HashSet;
 
@@ -14,7 +14,7 @@ use crate::remesh::BodyMesh;
 use crate::remesh::outline::loops;
 use crate::state::{BodyState, EffectId};
 
-/// Bodies that are meshed anew, and the model from which their plans are compiled.
+/// Bodies that are remeshed, and the model from which their plans are compiled.
 pub struct RemeshPlan {
     /// The model of this plan.
     pub model: Model,
@@ -22,7 +22,7 @@ pub struct RemeshPlan {
     pub bodies: Vec<RemeshedBody>,
 }
 
-/// A body that is meshed anew, with its own numbering of nodes and elements ([`ModelBody`]).
+/// A body that is remeshed, with its own numbering of nodes and elements ([`ModelBody`]).
 pub struct RemeshedBody {
     /// Ledger row.
     pub id: EffectId,
@@ -72,7 +72,7 @@ impl Compiler<'_> {
         let places: Vec<(usize, usize)> = card.elements.iter().map(|e| self.places.elements[e]).collect();
         let group = places[0].0;
         let Some(transfer) = state.elements.groups[group].extensions().transfer() else {
-            let message = "moduli that depend on field variables, WEIGHTING=AREA and SUBZONAL=YES are not supported in bodies that are meshed anew";
+            let message = "moduli that depend on field variables, WEIGHTING=AREA and SUBZONAL=YES are not supported in bodies that are remeshed";
             let finding = Diagnostic::error("P072", message).at(card.span, "this body");
             return self.diagnostics.refuse(finding.help("use another material or other section controls"));
         };
@@ -95,7 +95,7 @@ impl Compiler<'_> {
         })
     }
 
-    /// Returns why a body cannot be meshed anew, and what could be.
+    /// Returns why a body cannot be remeshed, and what could be.
     fn unsupported_remeshing(
         &self,
         card: &Remeshing,

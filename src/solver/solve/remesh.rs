@@ -16,7 +16,7 @@ use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::model::Model;
 use crate::model::remesh::{ModelBody, revised};
 use crate::plan::{self, Plan, RemeshedBody, State};
-use crate::remesh::mesher::{mesh_anew, sharpest};
+use crate::remesh::mesher::{new_mesh, sharpest};
 use crate::remesh::overlap::common_parts;
 use crate::remesh::transfer::{BodyMotion, MeshTransfer, interpolated};
 use crate::remesh::{BodyMesh, MeshRevision};
@@ -33,7 +33,7 @@ const PAUSE: u64 = 5;
 /// Quality of the mesh of a body when it was made.
 #[derive(Clone, Debug, Default)]
 struct MeshQuality {
-    /// Angle below which the body is meshed anew, radians.
+    /// Angle below which the body is remeshed, radians.
     limit: f64,
     /// Stable time increment; 0 if it is not known yet.
     increment: f64,
@@ -179,7 +179,7 @@ impl SolverRun<'_> {
         is_short || sharpest(&body.quads, |n| nodes[body.nodes[n as usize]].place()) < quality.limit
     }
 
-    /// Meshes a body anew and continues with the plan of the new mesh; `None` if no valid mesh is found.
+    /// Remeshes a body and continues with the plan of the new mesh; `None` if no valid mesh is found.
     ///
     /// # Errors
     /// If the model with the new mesh cannot be planned or evaluated.
@@ -232,7 +232,7 @@ impl SolverRun<'_> {
         };
         let points = planned.nodes.iter().map(|n| self.state.dofs.nodes[*n].place()).collect();
         let old = BodyMesh { points, quads: planned.quads.clone(), sizes };
-        let mut new = mesh_anew(&old, &of_model.kept(model), body)?;
+        let mut new = new_mesh(&old, &of_model.kept(model), body)?;
         let moved: Vec<[f64; 2]> = planned.nodes.iter().map(|n| self.state.dofs.nodes.displacement(*n)).collect();
         new.displacements = interpolated(&old, &moved, &new.mesh.points);
         Some((old, new))

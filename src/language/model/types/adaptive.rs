@@ -47,7 +47,7 @@ impl Default for AdaptiveControls {
     }
 }
 
-/// A body that is meshed anew during the run (`*REMESH`).
+/// A body that is remeshed during the run (`*REMESH`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remeshing {
     /// Source position of the keyword line.
