@@ -48,7 +48,7 @@ fn mesh_with(
     let on_boundary: Vec<bool> = revision.parents.iter().map(|parents| parents[0] != INSIDE).collect();
     (0..SWEEPS).for_each(|_| improve(&mut revision.mesh, &on_boundary));
     let mesh = &mut revision.mesh;
-    if mesh.quads.is_empty() || mesh.quads.iter().any(|quad| !(shape(quad, &mesh.points) > FLAT)) {
+    if mesh.quads.is_empty() || !mesh.quads.iter().all(|quad| shape(quad, &mesh.points) > FLAT) {
         return None;
     }
     for quad in &mesh.quads {
@@ -136,7 +136,8 @@ fn divided(triangles: &TriangleMesh, all: &[Vec<OutlinePoint>]) -> MeshRevision 
     let mut revision = MeshRevision::default();
     // Nodes of the outline first, in the order of the loops.
     let (mut of_corner, mut middles) = (Vec::new(), HashMap::new());
-    let (mut sides_of, mut next): (HashMap<[u32; 2], (u32, u8)>, HashMap<u32, u32>) = Default::default();
+    let mut sides_of: HashMap<[u32; 2], (u32, u8)> = HashMap::new();
+    let mut next: HashMap<u32, u32> = HashMap::new();
     for points in all {
         let first = revision.parents.len() as u32;
         let (count, corners) = (points.len() as u32, of_corner.len() as u32);

@@ -25,7 +25,7 @@ const SLIVER: f64 = 1e-12;
 pub fn common_parts(old: &BodyMesh, new: &BodyMesh) -> Vec<CommonPart> {
     let cells: Vec<[[f64; 2]; 4]> = new.quads.iter().map(|quad| places(new, quad)).collect();
     let mut boxes = SortedBoxes::with_capacity(cells.len());
-    boxes.sort(cells.iter().map(|cell| box_of(cell)).zip(0..));
+    boxes.sort(cells.iter().map(box_of).zip(0..));
     let mut parts: Vec<CommonPart> = Vec::new();
     let (mut near, mut polygon, mut work) = (Vec::new(), Vec::new(), Vec::new());
     for (e, quad) in (0..).zip(&old.quads) {

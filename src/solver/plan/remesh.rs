@@ -147,7 +147,7 @@ impl Compiler<'_> {
             matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. } | LoadKind::UserBody { .. })
         };
         let found = [
-            (self.routines.any(), "user subroutines"),
+            (!self.called_routines.is_empty() || self.routines.events.is_some(), "user subroutines"),
             (state.thermal.is_some(), "nodal temperatures and thermal expansion"),
             (elements.groups.iter().any(|group| group.properties().deletable), "deletion of elements"),
             (model.steps.iter().any(|step| !step.mass_scalings.is_empty()), "mass scaling"),
