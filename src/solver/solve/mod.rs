@@ -13,6 +13,7 @@ mod guard;
 mod increment;
 mod limits;
 mod masses;
+mod mesh_quality;
 mod observe;
 mod outcome;
 mod penetrations;

@@ -4,8 +4,9 @@
 use super::body_forces::BodyForces;
 use super::energy::EnergyBalance;
 use super::increment::IncrementController;
+use super::mesh_quality::RemeshMonitor;
 use super::observe::RunOutput;
-use super::outcome::{MeshChanges, Outcome};
+use super::outcome::Outcome;
 use super::position::RunPosition;
 use super::restart::begin_step;
 use super::run::SolverRun;
@@ -21,7 +22,7 @@ use crate::remesh::overlap::common_parts;
 use crate::remesh::transfer::{BodyMotion, MeshTransfer, interpolated};
 use crate::remesh::{BodyMesh, MeshRevision};
 use crate::state::Instant;
-use crate::state::archive::{Persist, StateArchive, persist_struct};
+use crate::state::archive::{Persist, StateArchive};
 use crate::state::halt::HaltReason;
 use crate::user::Routines;
 
@@ -29,46 +30,6 @@ use crate::user::Routines;
 const WORSE: f64 = 0.5;
 /// Checks without a new mesh after one could not be made, in units of the interval of checks.
 const PAUSE: u64 = 5;
-
-/// Quality of the mesh of a body when it was made.
-#[derive(Clone, Debug, Default)]
-struct MeshQuality {
-    /// Angle below which the body is remeshed, radians.
-    limit: f64,
-    /// Stable time increment; 0 if it is not known yet.
-    increment: f64,
-    /// Increment before which the mesh is not checked.
-    next: u64,
-    /// Number of new meshes.
-    count: u64,
-}
-
-/// New meshes of a run.
-#[derive(Debug, Default)]
-pub(super) struct RemeshMonitor {
-    /// All new meshes, in their order. They are in the header of a checkpoint.
-    pub(super) revisions: Vec<MeshRevision>,
-    bodies: Vec<MeshQuality>,
-    /// Whether a mesh that could not be made has been reported.
-    reported: bool,
-}
-
-persist_struct!(MeshQuality { limit, increment, next, count });
-persist_struct!(RemeshMonitor { bodies, reported } derived { revisions });
-
-impl RemeshMonitor {
-    pub(super) fn new(plan: &Plan) -> RemeshMonitor {
-        let bodies = plan.remesh.iter().flat_map(|remesh| &remesh.bodies);
-        let quality = |body: &RemeshedBody| MeshQuality { limit: body.angle, ..MeshQuality::default() };
-        RemeshMonitor { bodies: bodies.map(quality).collect(), ..RemeshMonitor::default() }
-    }
-
-    /// Returns the number of new meshes of each ledger row.
-    pub(super) fn counts(&self, plan: &Plan) -> Vec<MeshChanges> {
-        let bodies = plan.remesh.iter().flat_map(|remesh| &remesh.bodies).zip(&self.bodies);
-        bodies.map(|(body, quality)| MeshChanges { row: body.id, count: quality.count }).collect()
-    }
-}
 
 /// A run between two plans.
 pub(super) struct DetachedRun {
