@@ -4,7 +4,7 @@
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
 
-use revolve_numerics::{kernel, platform, state, variables};
+use revolve_numerics::{kernel, platform, remesh, state, variables};
 
 #[macro_use]
 pub mod deck;

@@ -31,6 +31,7 @@ pub mod mesh;
 pub mod names;
 #[allow(missing_docs)]
 pub mod platform;
+pub mod remesh;
 pub mod routines;
 #[allow(missing_docs)]
 #[cfg_attr(not(test), warn(clippy::disallowed_methods))]

@@ -5,7 +5,9 @@
 #![allow(rustdoc::private_intra_doc_links)]
 
 use revolve_language::{deck, model, output, user};
-use revolve_numerics::{adaptive, constraint, element, heat, kernel, load, material, mesh, platform, state, variables};
+use revolve_numerics::{
+    adaptive, constraint, element, heat, kernel, load, material, mesh, platform, remesh, state, variables,
+};
 
 pub mod job;
 pub mod overview;

@@ -425,6 +425,15 @@ fn contact_resumes() {
     assert!(energy.contact != 0.0 && energy.friction > 0.0 && energy.plastic > 0.0, "{energy:?}");
 }
 
+/// Checkpoints after new meshes contain them.
+#[test]
+fn new_meshes_resume() {
+    let card = "*Remesh, elset=BAR, angle=59., frequency=5\n*Material, name=COPPER";
+    let deck = fs::read_to_string(project("input/taylor_copper.inp")).expect("the deck");
+    let outcome = assert_resumes("new meshes", &deck.replacen("*Material, name=COPPER", card, 1), Routines::none);
+    assert!(outcome.new_meshes[0].count >= 2, "{:?}", outcome.new_meshes);
+}
+
 /// Surfaces of adaptive meshes that slide in contact: places of nodes, pressures, slip and stored energies.
 #[test]
 fn adaptive_meshes_in_contact_resume() {

@@ -27,7 +27,7 @@ pub const LAYERS: &[(&str, &[&str])] = &[
     ("language", &["output", "resistance"]),
     ("language", &["deck", "probability"]),
     ("numerics", &["adaptive", "heat", "constraint", "load", "element", "material"]),
-    ("numerics", &["mesh", "routines", "variables"]),
+    ("numerics", &["mesh", "remesh", "routines", "variables"]),
     ("numerics", &["state", "names"]),
     ("numerics", &["kernel"]),
     ("numerics", &["platform"]),

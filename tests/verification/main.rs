@@ -48,6 +48,7 @@ mod rates;
 mod reference_nodes;
 mod refinement;
 mod relisting;
+mod remeshing;
 mod resistance;
 mod rigid;
 mod rigid_wall;

@@ -30,6 +30,10 @@ pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
         let lost = summary.energy.advection.unwrap_or(0.0);
         print_out!("adaptive meshes: {changes} changes (NADAPT), kinetic energy lost by transport (ALLADV) {lost:.3e}");
     }
+    if let Some(count) = summary.new_meshes {
+        let lost = summary.energy.advection.unwrap_or(0.0);
+        print_out!("new meshes: {count} (NREMESH), kinetic energy lost by transport (ALLADV) {lost:.3e}");
+    }
     if summary.deleted_elements > 0 {
         print_out!("{} elements were deleted", summary.deleted_elements);
     }

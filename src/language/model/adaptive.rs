@@ -1,10 +1,11 @@
-//! Reads adaptive meshes: `*ADAPTIVE MESH`, `*ADAPTIVE MESH CONTROLS` and `*ADAPTIVE MESH CONSTRAINT`.
+//! Reads adaptive meshes: `*ADAPTIVE MESH`, `*ADAPTIVE MESH CONTROLS`, `*ADAPTIVE MESH CONSTRAINT` and `*REMESH`.
 
 use super::builder::ModelBuilder;
 use super::names::upper;
-use super::types::{AdaptiveControls, AdaptiveMesh};
+use super::types::{AdaptiveControls, AdaptiveMesh, Remeshing};
 use crate::deck::Card;
 use crate::deck::table::adaptive as cards;
+use crate::kernel::lists::sorted_unique;
 
 impl ModelBuilder<'_> {
     /// Reads the controls of adaptive meshes. Weights are normalised to the sum 1.
@@ -41,6 +42,16 @@ impl ModelBuilder<'_> {
         }
         let (span, controls, frequency) = (card.span, AdaptiveControls::default(), frequency as u64);
         state.adaptive.push(AdaptiveMesh { span, set, elements, frequency, sweeps, initial_sweeps, controls });
+    }
+
+    /// Reads a body that is remeshed.
+    pub(super) fn remeshing(&mut self, card: &Card) {
+        let Some(word) = card.value("ELSET") else { return };
+        let Some(elements) = self.element_members(word) else { return };
+        let cards::Remesh { angle, increment, frequency, size } = self.values(card);
+        let (span, set, angle, frequency) = (card.span, upper(&word.text), angle.to_radians(), frequency as u64);
+        let elements = sorted_unique(elements);
+        self.model.remeshings.push(Remeshing { span, set, elements, angle, increment, frequency, size });
     }
 
     /// Reads nodes that move with the material.

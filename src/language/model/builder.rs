@@ -273,6 +273,7 @@ impl<'a> ModelBuilder<'a> {
             "COHESIVE SECTION" => self.cohesive_section(card),
             "SECTION CONTROLS" => self.section_controls(card),
             "EROSION" => self.erosion(card),
+            "REMESH" => self.remeshing(card),
             "RIGID BODY" => self.rigid_body(card),
             "MASS" => self.mass(card),
             "ROTARY INERTIA" => self.rotary_inertia(card),

@@ -5,7 +5,7 @@ use super::types::{
     AdaptiveControls, AmplitudeDefinition, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorLaw,
     ConnectorProperty, CoulombFriction, ElementKind, ElementSide, ErosionCriteria, IncrementControl, InitialKind,
     InteractionId, LinkKind, Load, LoadKind, Model, MotionKind, OutputInterval, OutputRegion, OutputRequest,
-    PrescribedClearance, ShellSection, ShellThinning, SideSelection, Step, SurfaceContact, SurfaceTraction,
+    PrescribedClearance, Remeshing, ShellSection, ShellThinning, SideSelection, Step, SurfaceContact, SurfaceTraction,
     TargetStack,
 };
 use crate::deck::keywords::Keyword;
@@ -26,6 +26,7 @@ impl Model {
             check.bodies();
             check.amplitudes();
             self.erosions.iter().for_each(|e| check.erosion(e));
+            self.remeshings.iter().for_each(|r| check.remeshing(r));
             self.targets.iter().for_each(|t| check.target(t));
             self.discrete.connectors.iter().for_each(|c| check.connector(c));
             check.conditions();
@@ -87,6 +88,17 @@ impl ConsistencyCheck<'_> {
 
     fn elements(&mut self, span: Span, indices: &[usize]) {
         self.indices("M110", span, "element", indices, self.model.mesh.elements.len());
+    }
+
+    fn remeshing(&mut self, remeshing: &Remeshing) {
+        let Remeshing { span, elements, angle, increment, frequency, size, .. } = remeshing;
+        self.elements(*span, elements);
+        self.value(is_ascending(elements), *span, || "the elements of a body must be in ascending order".into());
+        let row = &adaptive::Remesh::ROW;
+        self.in_range(*span, "", row, "ANGLE", Some(angle.to_degrees()));
+        self.in_range(*span, "", row, "INCREMENT", Some(*increment));
+        self.in_range(*span, "", row, "FREQUENCY", Some(*frequency as f64));
+        self.in_range(*span, "", row, "SIZE", *size);
     }
 
     fn erosion(&mut self, erosion: &ErosionCriteria) {

@@ -61,6 +61,7 @@ mod outputs;
 mod parts;
 mod refinement;
 pub mod relisting;
+pub mod remesh;
 pub mod revise;
 mod rubber;
 pub mod scene;

@@ -160,6 +160,11 @@ impl AdaptiveDomain {
         self.smoothing.continue_from(&previous.smoothing);
     }
 
+    /// Takes the history of the domain of the same ledger row with another mesh.
+    pub fn follow(&mut self, previous: &AdaptiveDomain) {
+        (self.first, self.changes) = (previous.first, previous.changes);
+    }
+
     /// Returns the size of all lists in bytes.
     pub fn bytes(&self) -> usize {
         let mesh = self.topology.bytes() + self.smoothing.bytes() + self.active.bytes();

@@ -227,6 +227,10 @@ pub trait ConstraintUpkeep {
     /// Informs it that the mass of a node has changed; `gained` is the increase of kinetic energy along r and z.
     fn masses_changed(&mut self, _node: usize, _gained: [f64; 2]) {}
 
+    /// Takes the history of the same constraint of a model in which bodies had other meshes. `node` returns the index of a
+    /// node in that model; `None` for nodes of new meshes.
+    fn follow_new_mesh(&mut self, _previous: &dyn Constraint, _node: &dyn Fn(usize) -> Option<usize>) {}
+
     /// Allocates for [`Self::follow_meshes`].
     fn reserve_mesh_motion(&mut self) {}
 

@@ -255,6 +255,16 @@ impl ConstraintUpkeep for PrescribedMotion {
             motion.kinetic += gained[motion.axis];
         }
     }
+
+    fn follow_new_mesh(&mut self, previous: &dyn Constraint, node: &dyn Fn(usize) -> Option<usize>) {
+        let Some(previous) = (previous as &dyn Any).downcast_ref::<PrescribedMotion>() else { return };
+        self.bodies.clone_from(&previous.bodies);
+        let known: HashMap<_, _> = previous.nodes.iter().map(|m| ((m.node, m.axis), m.origin)).collect();
+        for motion in &mut self.nodes {
+            let before = node(motion.node).and_then(|n| known.get(&(n, motion.axis)));
+            before.into_iter().for_each(|origin| motion.origin = *origin);
+        }
+    }
 }
 
 impl StoredConstraint for PrescribedMotion {

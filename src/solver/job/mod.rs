@@ -252,6 +252,9 @@ pub struct RunSummary {
     /// Number of changes of adaptive meshes in which nodes moved; `None` without adaptive mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_changes: Option<u64>,
+    /// Number of new meshes of all bodies; `None` without `*REMESH`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub new_meshes: Option<u64>,
     /// Ledger of the simulated effects.
     pub ledger: Ledger,
     /// Notes and warnings of the deck.
@@ -712,6 +715,9 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
     for changes in &outcome.mesh_changes {
         ledger.add_result(changes.row, &format!("NADAPT {}", changes.count));
     }
+    for changes in &outcome.new_meshes {
+        ledger.add_result(changes.row, &format!("NREMESH {}", changes.count));
+    }
     RunSummary {
         interrupted: outcome.halt.as_ref().is_some_and(|h| h.code == "R207"),
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
@@ -731,6 +737,7 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         exits: outcome.exits,
         deleted_elements: outcome.deleted,
         mesh_changes: outcome.mesh_changes.iter().map(|changes| changes.count).reduce(|sum, count| sum + count),
+        new_meshes: outcome.new_meshes.iter().map(|changes| changes.count).reduce(|sum, count| sum + count),
         ledger,
         diagnostics: prepared.diagnostics.findings(&deck.sources),
         scene: prepared.scene.clone(),

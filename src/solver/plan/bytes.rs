@@ -30,6 +30,9 @@ pub(super) fn record_bytes(plan: &mut Plan, state: &State) {
     for domain in changes().flat_map(|c| &c.adaptive).chain([&state.adaptive]).flatten() {
         add(ledger, domain.id, "domain", domain.bytes());
     }
+    for body in plan.remesh.iter().flat_map(|remesh| &remesh.bodies) {
+        add(ledger, body.id, "body", body.bytes());
+    }
     for amplitude in &state.amplitude_routines {
         add(ledger, amplitude.id, "routine", amplitude.bytes());
     }

@@ -35,6 +35,7 @@ mod overlaps;
 mod penalty;
 mod pieces;
 mod places;
+mod remesh;
 pub mod revise;
 mod rigid_bodies_3d;
 mod shells;
@@ -76,6 +77,7 @@ pub use labels::FrameLabels;
 use ledger::{Ledger, UnusedCard};
 pub use outputs::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule};
 pub use places::MeshIndexMap;
+pub use remesh::{RemeshPlan, RemeshedBody};
 pub use solid::SolidPlaces;
 pub use state::State;
 
@@ -109,6 +111,8 @@ pub struct Plan {
     pub rows: GeneralLedgerRows,
     /// Numbers, materials and sets of nodes and elements, for frames.
     pub labels: FrameLabels,
+    /// Bodies that are remeshed; `None` without `*REMESH`.
+    pub remesh: Option<Box<RemeshPlan>>,
     /// Whether elements may release energy that was not supplied by loads: gases, explosives, initial stress, thermal
     /// expansion, variable moduli, user materials.
     pub stores_energy: bool,
@@ -281,6 +285,7 @@ fn compile_with(
     let steps = compiler.steps(&mut state);
     compiler.scale_and_estimate(&mut state);
     compiler.refuse_on_spatial_bodies();
+    let remesh = compiler.remeshing(&mut state);
     compiler.check_complete(!state.elements.is_empty());
     compiler.report_overlaps();
     compiler.list_inert();
@@ -317,6 +322,7 @@ fn compile_with(
         routines,
         rows,
         labels,
+        remesh,
         stores_energy,
         has_equation_of_state,
         expects_dissipation,

@@ -537,7 +537,8 @@ impl Compiler<'_> {
             || self.damaged_interfaces().next().is_some()
             || self.cohesive_behaviors().any(|cohesion| cohesion.evolution.is_some());
         let scales = self.scales_masses();
-        let adapts = self.model.steps.iter().any(|step| !step.adaptive.is_empty());
+        let smooths = self.model.steps.iter().any(|step| !step.adaptive.is_empty());
+        let adapts = smooths || !self.model.remeshings.is_empty();
         let added = scales.then_some(Variable::AddedMass);
         let springs = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
         let walls = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| self.spatial_side(pair).is_some());
@@ -554,7 +555,7 @@ impl Compiler<'_> {
             let lost = walls && *v == Variable::ConstraintWork;
             v.place() == VariablePlace::Energy && (deforms || lost || !v.row().deforming) && available
         };
-        let meshes = [Variable::MeshChanges, Variable::SmallestAngle].into_iter().filter(|_| adapts);
+        let meshes = [Variable::MeshChanges, Variable::SmallestAngle].into_iter().filter(|_| smooths);
         let increments = [Variable::TimeIncrement].into_iter().chain(added).chain(meshes);
         Variable::ALL.iter().copied().filter(is_there).chain(increments).collect()
     }

@@ -13,11 +13,13 @@ mod guard;
 mod increment;
 mod limits;
 mod masses;
+mod mesh_quality;
 mod observe;
 mod outcome;
 mod penetrations;
 mod position;
 mod reaction_means;
+mod remesh;
 mod restart;
 mod routines;
 mod run;
@@ -42,8 +44,9 @@ use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
 pub use outcome::{BodyExit, BodyRest, ImpactEnd, Outcome, PenetrationSummary, StepSummary};
 pub use position::RunPosition;
+use remesh::{DetachedRun, NextMesh, plan_of_revisions};
 pub use restart::{CheckpointInterval, LOST, RunControl, lost};
-use restart::{Checkpointer, RunCursor, begin_step, restore};
+use restart::{Checkpointer, RunCursor, begin_step, restore, saved_revisions};
 use run::SolverRun;
 
 /// Runs a plan from its initial state to the end; rows and frames are passed to `sink`.
@@ -91,29 +94,99 @@ pub fn run_with(
     if plan.steps.is_empty() {
         return Ok((Outcome::default(), state));
     }
-    let mut run = SolverRun::new(plan, state, asked.position);
-    plan.routines.memory.iter().for_each(|memory| memory.begin());
-    let mut observing = RunOutput::new(plan);
-    let (mut first, mut control, mut restored) = (0, None, false);
-    if let Some(kept) = asked.state {
-        let (index, taken_up) = restore(&mut run, &mut observing, kept)?;
-        (first, control, restored) = (index, Some(taken_up), true);
-    }
-    let mut keeping =
-        Checkpointer::new(asked, !run.state.elements.is_empty() && sink.wants_last_instant() && !plan.routines.any());
-    for index in first..plan.steps.len() {
-        let begins = if std::mem::take(&mut restored) { StepStart::Restored } else { StepStart::Step(index) };
-        if let Err(halt) = step(&mut run, begins, &mut control, &mut observing, &mut keeping, sink) {
-            run.step_back();
-            let written = observing.last(&run, sink);
-            run.outcome.halt = Some(written.err().unwrap_or(halt));
-            break;
+    // A saved state with new meshes belongs to the plan of the last one.
+    let revisions = asked.state.map(saved_revisions).unwrap_or_default();
+    let mut replaced = match &revisions[..] {
+        [] => (None, state),
+        meshes => plan_of_revisions(plan, meshes).map(|(plan, state)| (Some(plan), state)).ok_or_else(unfit_meshes)?,
+    };
+    let mut keeping = None;
+    let mut session: Option<RunSession> = None;
+    let mut detached = None;
+    loop {
+        let plan = replaced.0.as_deref().unwrap_or(plan);
+        let mut run = match detached.take() {
+            Some(before) => DetachedRun::attach(before, plan, asked.position),
+            None => SolverRun::new(plan, std::mem::take(&mut replaced.1), asked.position),
+        };
+        let session = match &mut session {
+            Some(session) => session,
+            None => {
+                plan.routines.memory.iter().for_each(|memory| memory.begin());
+                session.insert(RunSession::begin(&mut run, asked)?)
+            }
+        };
+        let keeping = keeping.get_or_insert_with(|| {
+            let holds = !run.state.elements.is_empty() && sink.wants_last_instant() && !plan.routines.any();
+            Checkpointer::new(asked, holds)
+        });
+        match session.run_steps(&mut run, keeping, sink) {
+            None => return Ok(finished(run, begin.elapsed().as_secs_f64(), sink)),
+            Some(NextMesh { plan, run: next }) => {
+                drop(run);
+                (replaced.0, detached) = (Some(plan), Some(next));
+            }
         }
-        if run.user.requested_action == RunAction::EndAnalysis {
-            run.outcome.ended_by_user = true;
-            break;
-        }
     }
+}
+
+fn unfit_meshes() -> UnfitState {
+    UnfitState { reason: "its meshes do not belong to the deck".into() }
+}
+
+/// The part of a run that does not depend on the mesh: the place among the steps, output and increment control.
+struct RunSession {
+    /// Way in which the next step begins.
+    begins: StepStart,
+    control: Option<IncrementController>,
+    observing: RunOutput,
+}
+
+impl RunSession {
+    fn begin(run: &mut SolverRun<'_>, asked: RunControl<'_>) -> Result<RunSession, UnfitState> {
+        let mut observing = RunOutput::new(run.plan);
+        let Some(kept) = asked.state else {
+            return Ok(RunSession { begins: StepStart::Step(0), control: None, observing });
+        };
+        let (index, control) = restore(run, &mut observing, kept)?;
+        Ok(RunSession { begins: StepStart::Within(index), control: Some(control), observing })
+    }
+
+    /// Runs the steps until a body has a new mesh, or to the end.
+    fn run_steps(
+        &mut self,
+        run: &mut SolverRun<'_>,
+        keeping: &mut Checkpointer<'_>,
+        sink: &mut dyn Sink,
+    ) -> Option<NextMesh> {
+        while let StepStart::Step(index) | StepStart::Within(index) = self.begins
+            && index < run.plan.steps.len()
+        {
+            match step(run, self.begins, &mut self.control, &mut self.observing, keeping, sink) {
+                Ok(None) => self.begins = StepStart::Step(index + 1),
+                Ok(Some(next)) => {
+                    self.begins = StepStart::Within(index);
+                    return Some(next);
+                }
+                Err(halt) => {
+                    run.step_back();
+                    let written = self.observing.last(run, sink);
+                    run.outcome.halt = Some(written.err().unwrap_or(halt));
+                    break;
+                }
+            }
+            if run.user.requested_action == RunAction::EndAnalysis {
+                run.outcome.ended_by_user = true;
+                break;
+            }
+        }
+        None
+    }
+}
+
+/// Completes the outcome of a run.
+fn finished(mut run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, State) {
+    let plan = run.plan;
     run.timing.position.iter().for_each(|position| position.end());
     if run.outcome.halt.is_none() {
         run.outcome.halt = run.check_final_drift().err();
@@ -126,13 +199,14 @@ pub fn run_with(
     show_warnings(&mut run, sink);
     run.outcome.digest = run.digest();
     run.outcome.deleted = run.state.elements.deleted();
+    run.outcome.new_meshes = run.remesh.counts(plan);
     let energy = run.energy();
     let SolverRun { mut outcome, state: end, timing, .. } = run;
     outcome.energy = energy;
     outcome.mesh_changes.extend(end.adaptive.iter().map(adaptive_meshes::changes_of));
-    outcome.seconds = begin.elapsed().as_secs_f64();
+    outcome.seconds = seconds;
     outcome.effect_seconds = timing.seconds(plan, outcome.seconds - outcome.checkpoint_seconds);
-    Ok((outcome, end))
+    (outcome, end)
 }
 
 /// Returns the frame of the initial state, and the state unchanged.
@@ -160,8 +234,8 @@ fn show_warnings(run: &mut SolverRun<'_>, sink: &mut dyn Sink) {
 enum StepStart {
     /// At its beginning; index from 0.
     Step(usize),
-    /// Within the step, from a saved state.
-    Restored,
+    /// Within the step with this index, from a saved state or with a new mesh.
+    Within(usize),
 }
 
 /// Runs one step; `control` continues from step to step. Each increment is [`SolverRun::evaluate`] followed by
@@ -173,15 +247,15 @@ fn step(
     observing: &mut RunOutput,
     keeping: &mut Checkpointer<'_>,
     sink: &mut dyn Sink,
-) -> Result<(), HaltReason> {
+) -> Result<Option<NextMesh>, HaltReason> {
     let mut changes = false;
     if let StepStart::Step(index) = begins {
         changes = begin_step(run, index, observing, control);
     }
-    let Some(control) = control else { return Ok(()) };
+    let Some(control) = control else { return Ok(None) };
     keeping.begin(run.step, &run.now);
     let begun = match begins {
-        StepStart::Restored => run.resume_routines().and_then(|()| run.advance(control)),
+        StepStart::Within(_) => run.resume_routines().and_then(|()| run.advance(control)),
         StepStart::Step(_) => run.begin_routines().and_then(|()| run.begin_nodes(changes)),
     };
     let end = begun.and_then(|()| increments(run, control, observing, keeping, sink));
@@ -198,7 +272,7 @@ fn increments(
     observing: &mut RunOutput,
     keeping: &mut Checkpointer<'_>,
     sink: &mut dyn Sink,
-) -> Result<(), HaltReason> {
+) -> Result<Option<NextMesh>, HaltReason> {
     run.evaluate_step_start()?;
     loop {
         if !run.complete {
@@ -208,7 +282,13 @@ fn increments(
         show_warnings(run, sink);
         observing.show(run, sink)?;
         if run.is_over() {
-            return run.end_routines();
+            return run.end_routines().map(|()| None);
+        }
+        // Before a checkpoint, so that a resumed run does not check the same mesh again.
+        if let Some(body) = run.body_to_mesh()
+            && let Some(next) = run.next_mesh(body, observing)?
+        {
+            return Ok(Some(next));
         }
         keeping.write_if_due(&mut RunCursor { run, observing, control }, sink)?;
         run.advance(control)?;

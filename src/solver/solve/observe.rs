@@ -106,6 +106,11 @@ impl OutputSchedule {
         self.advance(0.0, increment);
     }
 
+    /// Takes the next instants of a schedule of the same step.
+    fn follow(&mut self, previous: &OutputSchedule) {
+        (self.next_time, self.next_increment) = (previous.next_time, previous.next_increment);
+    }
+
     pub(super) fn due(&self, time: f64, increment: u64) -> bool {
         time >= self.next_time || increment >= self.next_increment
     }
@@ -205,6 +210,16 @@ impl RunOutput {
         self.reactions.begin_step(run);
         self.first = increment == 0;
         self.next_time = 0.0;
+    }
+
+    /// Takes the schedules and sums of the output of the mesh that has been replaced. Means of reactions begin again.
+    pub(super) fn follow(&mut self, previous: RunOutput, now: &Instant) {
+        self.field.follow(&previous.field);
+        self.history.follow(&previous.history);
+        self.reactions.begin_row(now.total_time);
+        let RunOutput { row, contact, pace, next_time, next_increment, shown, .. } = previous;
+        (self.row, self.contact, self.pace) = (row, contact, pace);
+        (self.next_time, self.next_increment, self.shown, self.first) = (next_time, next_increment, shown, false);
     }
 
     /// Adds the impulses of the motion that has led to a new instant, before that instant is evaluated.

@@ -38,6 +38,8 @@ pub struct Outcome {
     pub deleted: usize,
     /// Changes of the adaptive meshes of each ledger row. During a run only those of domains that have ended.
     pub mesh_changes: Vec<MeshChanges>,
+    /// Number of new meshes of each body of `*REMESH`.
+    pub new_meshes: Vec<MeshChanges>,
     /// Warnings issued during the run; each begins with its code.
     pub warnings: Vec<String>,
     /// Increments over all steps.

@@ -12,6 +12,7 @@ use super::position::RunPosition;
 use super::routines::UserSession;
 use super::{BodyRest, Outcome, Sink, SinkError, SolverRun, StepSummary};
 use crate::plan::StepPlan;
+use crate::remesh::MeshRevision;
 use crate::state::Instant;
 use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields, persist_struct};
 use crate::state::halt::HaltReason;
@@ -227,14 +228,15 @@ pub(super) struct RunCursor<'r, 'p> {
     pub control: &'r mut IncrementController,
 }
 
-/// Header of a saved state: index of the step, and memory of the user subroutines.
+/// Header of a saved state: index of the step, memory of the user subroutines, and the meshes that bodies had.
 #[derive(Default)]
 struct CheckpointHead {
     step: usize,
     routines: SavedMemory,
+    revisions: Vec<MeshRevision>,
 }
 
-persist_struct!(CheckpointHead { step, routines });
+persist_struct!(CheckpointHead { step, routines, revisions });
 
 /// Returns descriptions of the user memory that a saved state does not contain; empty if it is complete.
 pub fn lost(state: &[u8]) -> Vec<String> {
@@ -243,13 +245,22 @@ pub fn lost(state: &[u8]) -> Vec<String> {
     head.routines.lost
 }
 
+/// Returns the new meshes that bodies had when a state was saved.
+pub(super) fn saved_revisions(state: &[u8]) -> Vec<MeshRevision> {
+    let mut head = CheckpointHead::default();
+    head.persist(&mut StateArchive::reader(state));
+    head.revisions
+}
+
 impl RunCursor<'_, '_> {
     /// Writes header and state.
     fn write(&mut self, bytes: &mut Vec<u8>) {
         let mut archive = StateArchive::writer(bytes);
         let routines = self.run.plan.routines.memory.as_ref().map(|memory| memory.save()).unwrap_or_default();
-        let mut head = CheckpointHead { step: self.run.now.step as usize - 1, routines };
+        let revisions = std::mem::take(&mut self.run.remesh.revisions);
+        let mut head = CheckpointHead { step: self.run.now.step as usize - 1, routines, revisions };
         head.persist(&mut archive);
+        self.run.remesh.revisions = head.revisions;
         self.run.outcome.lost = head.routines.lost;
         self.visit(&mut archive);
     }
@@ -293,13 +304,14 @@ impl Persist for SolverRun<'_> {
             limiting,
             balance,
             watch,
+            remesh,
             threads: _,
             kinetic: _,
             timing: _,
             outcome,
         } = self;
         persist_fields!(archive; now, previous_instant, previous_dt, last_increment, complete, user);
-        persist_fields!(archive; body_forces, limiting, balance, watch, state, outcome);
+        persist_fields!(archive; body_forces, limiting, balance, watch, remesh, state, outcome);
     }
 }
 
@@ -318,7 +330,7 @@ persist_struct!(BodyForces { values: fixed } derived { slots, order_by_body, loa
 persist_struct!(MeshChanges { row, count });
 
 persist_struct!(Outcome { steps, rests, increments, warnings, mesh_changes } derived {
-    halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits, deleted, seconds, checkpoint_seconds, digest, lost,
+    new_meshes, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits, deleted, seconds, checkpoint_seconds, digest, lost,
     effect_seconds
 });
 
@@ -385,7 +397,8 @@ pub(super) fn restore(
     let mut archive = StateArchive::reader(state);
     let mut head = CheckpointHead::default();
     head.persist(&mut archive);
-    let CheckpointHead { step: index, routines } = head;
+    let CheckpointHead { step: index, routines, revisions } = head;
+    run.remesh.revisions = revisions;
     if index >= run.plan.steps.len() {
         return Err(UnfitState { reason: "it is incomplete".into() });
     }

@@ -5,6 +5,7 @@ use super::central_difference;
 use super::energy::{Energy, EnergyBalance};
 use super::increment::{Increment, IncrementContext, IncrementController, IncrementEnd};
 use super::limits::{IncrementLimiter, IncrementLimits};
+use super::mesh_quality::RemeshMonitor;
 use super::outcome::{BodyRest, Outcome, StepSummary};
 use super::position::RunPosition;
 use super::routines::UserSession;
@@ -55,6 +56,8 @@ pub(super) struct SolverRun<'a> {
     pub(super) balance: EnergyBalance,
     /// Monitors that issue warnings.
     pub(super) watch: RunMonitor,
+    /// New meshes of bodies.
+    pub(super) remesh: RemeshMonitor,
     /// Whether other threads may be used.
     pub(super) threads: bool,
     /// Work array for the kinetic energies of chunks of nodes.
@@ -81,6 +84,7 @@ impl<'a> SolverRun<'a> {
             limiting: None,
             balance: EnergyBalance::start(&state.dofs),
             watch: RunMonitor::default(),
+            remesh: RemeshMonitor::new(plan),
             threads: rayon::current_num_threads() > 1,
             kinetic: central_difference::chunk_energies(&state.dofs.nodes),
             timing: EffectTiming::new(plan.ledger.effects.len(), position),
@@ -281,7 +285,7 @@ impl<'a> SolverRun<'a> {
         Ok(())
     }
 
-    fn evaluate_forces(&mut self) -> Result<(), HaltReason> {
+    pub(super) fn evaluate_forces(&mut self) -> Result<(), HaltReason> {
         if !self.state.elements.is_empty() {
             self.evaluate_nodes()?;
         }
@@ -479,7 +483,7 @@ impl<'a> SolverRun<'a> {
         )
     }
 
-    fn accelerate(&mut self) -> Result<(), HaltReason> {
+    pub(super) fn accelerate(&mut self) -> Result<(), HaltReason> {
         let mut start = 0;
         for b in 0..self.state.dofs.bodies.len() {
             let body = &mut self.state.dofs.bodies[b];
@@ -597,7 +601,7 @@ impl<'a> SolverRun<'a> {
     }
 
     /// Passes the current velocity to loads when central differences start.
-    fn show_own_velocity(&mut self) {
+    pub(super) fn show_own_velocity(&mut self) {
         self.state.dofs.bodies.iter_mut().for_each(BodyState::show_own_velocity);
     }
 

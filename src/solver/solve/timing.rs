@@ -28,7 +28,27 @@ pub(super) struct EffectTiming<'a> {
     pub position: Option<&'a RunPosition>,
 }
 
+/// Measured times of a run, s: of each row and of all timed increments, and of output.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TimeSums {
+    rows: Vec<f64>,
+    sampled: f64,
+    output: f64,
+}
+
 impl<'a> EffectTiming<'a> {
+    /// Returns the times so far.
+    pub fn sums(&self) -> TimeSums {
+        TimeSums { rows: self.rows.clone(), sampled: self.sampled, output: self.output }
+    }
+
+    /// Adds the times of the same run with another mesh.
+    pub fn add(&mut self, before: &TimeSums) {
+        self.rows.iter_mut().zip(&before.rows).for_each(|(row, seconds)| *row += seconds);
+        self.sampled += before.sampled;
+        self.output += before.output;
+    }
+
     /// Timers for this number of rows.
     pub fn new(rows: usize, position: Option<&'a RunPosition>) -> Self {
         let looks = (0..8).map(|_| Stopwatch::now().elapsed().as_secs_f64());

@@ -2,7 +2,7 @@
 
 use super::card;
 use crate::deck::keywords::Keyword;
-use crate::deck::value::{COUNT, INTEGER, NOT_NEGATIVE, NUMBER, TEXT, variant, word};
+use crate::deck::value::{COUNT, INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEXT, variant, word};
 
 card!(AdaptiveMesh: "ADAPTIVE MESH", "Moves the nodes of a set of elements to better places during the step, and transports material through the mesh", (step), {
     "ELSET" (TEXT.required()) "Elements of the domain: CAX4R, CAX4RT, CAX3 and CAX3T of one section",
@@ -34,5 +34,13 @@ card!(AdaptiveMeshConstraint: "ADAPTIVE MESH CONSTRAINT", "Nodes that an adaptiv
     "motions of the mesh that are prescribed in space are not supported": "AMPLITUDE", "TYPE", "USER", "UNCOUPLED";
 }, [(rows ["node or set" read "Nodes that move with the material"])]);
 
+card!(Remesh: extension "REMESH", "Remeshes a body during the run whenever its elements become too distorted, and transports material to the new mesh", (), {
+    "ELSET" (TEXT.required()) "All elements of the body: CAX4R and CAX3 of one section, without common nodes with other elements",
+    angle: f64 = "ANGLE" (POSITIVE.below(60.0).or(15.0)) "Smallest angle of the elements in degrees below which the body is remeshed, unless the last mesh had a similar one",
+    increment: f64 = "INCREMENT" (NUMBER.from(0.0).below(1.0).or(0.3)) "Fraction of the stable time increment after the last mesh below which the body is remeshed; 0 does not limit it",
+    frequency: usize = "FREQUENCY" (COUNT.or(10.0)) "Increments between two checks of the mesh",
+    size: Option<f64> = "SIZE" (POSITIVE) "Edge length of new elements; default: the square root of the area that the elements had at the start at the same material",
+}, []);
+
 /// Keywords of adaptive meshes.
-pub const CARDS: &[Keyword] = &[AdaptiveMesh::ROW, AdaptiveMeshControls::ROW, AdaptiveMeshConstraint::ROW];
+pub const CARDS: &[Keyword] = &[AdaptiveMesh::ROW, AdaptiveMeshControls::ROW, AdaptiveMeshConstraint::ROW, Remesh::ROW];

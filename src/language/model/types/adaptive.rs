@@ -46,3 +46,22 @@ impl Default for AdaptiveControls {
         }
     }
 }
+
+/// A body that is remeshed during the run (`*REMESH`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Remeshing {
+    /// Source position of the keyword line.
+    pub span: Span,
+    /// Name of the element set, in capitals.
+    pub set: String,
+    /// Element indices in ascending order.
+    pub elements: Vec<usize>,
+    /// Smallest angle of the elements, radians.
+    pub angle: f64,
+    /// Fraction of the stable time increment after the last mesh; 0 for no limit.
+    pub increment: f64,
+    /// Increments between two checks.
+    pub frequency: u64,
+    /// Edge length of new elements; `None` for that of the mesh at the start.
+    pub size: Option<f64>,
+}

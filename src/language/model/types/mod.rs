@@ -84,6 +84,8 @@ pub struct Model {
     pub cohesive_sections: Vec<CohesiveSection>,
     /// Criteria for element deletion (`*EROSION`).
     pub erosions: Vec<ErosionCriteria>,
+    /// Bodies that are remeshed (`*REMESH`).
+    pub remeshings: Vec<Remeshing>,
     /// Amplitudes in deck order.
     pub amplitudes: Vec<Amplitude>,
     /// Rigid bodies in deck order.

@@ -1,0 +1,338 @@
+//! A model with a new mesh of a body: sets, surfaces, loads and all other lists of nodes, elements and faces follow it.
+
+use std::collections::HashSet;
+
+use super::name::EntityName;
+use super::types::{
+    ContactDomain, Element, ElementKind, ElementSide, GeneralContact, LoadKind, Mesh, Model, OutputKind, OutputRegion,
+    SideSelection, Step, SurfaceContact, SurfaceTraction,
+};
+use crate::kernel::lists::sorted_unique;
+use crate::remesh::outline::{BoundaryEdge, loops};
+use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
+
+/// A list of the model that refers to nodes, elements or faces.
+enum MemberList<'a> {
+    Node(&'a mut usize),
+    Nodes(&'a mut Vec<usize>),
+    Elements(&'a mut Vec<usize>),
+    Faces(&'a mut Vec<(usize, ElementSide)>),
+}
+
+/// A body of the model that can be remeshed, in its own numbering.
+pub struct ModelBody {
+    /// Index of its `*REMESH` card.
+    pub index: usize,
+    /// Nodes of the model, ascending.
+    pub nodes: Vec<usize>,
+    /// Nodes of the body at the corners of its elements.
+    pub quads: Vec<[u32; 4]>,
+}
+
+impl ModelBody {
+    /// Returns the body of a `*REMESH` card.
+    pub fn new(model: &Model, body: usize) -> ModelBody {
+        let elements = &model.remeshings[body].elements;
+        let nodes: Vec<usize> =
+            sorted_unique(elements.iter().flat_map(|e| model.mesh.elements[*e].nodes.iter().copied()));
+        let own = |node: usize| nodes.binary_search(&node).unwrap_or_default() as u32;
+        let quads = elements.iter().flat_map(|e| model.mesh.cells(*e)).map(|cell| cell.map(own)).collect();
+        ModelBody { index: body, nodes, quads }
+    }
+
+    fn position(&self, node: usize) -> Option<u32> {
+        self.nodes.binary_search(&node).ok().map(|at| at as u32)
+    }
+
+    /// Returns the square roots of the areas of the elements at the start.
+    pub fn sizes(&self, mesh: &Mesh) -> Vec<f64> {
+        let area = |quad: &[u32; 4]| {
+            let [a, b, c, d] = quad.map(|n| mesh.points[self.nodes[n as usize]]);
+            0.5 * ((c[0] - a[0]) * (d[1] - b[1]) - (c[1] - a[1]) * (d[0] - b[0]))
+        };
+        self.quads.iter().map(|quad| area(quad).sqrt()).collect()
+    }
+
+    /// Returns which nodes of the body must remain in a new mesh: nodes that the model names one by one, ends of sets
+    /// and surfaces along the boundary, and nodes where the boundary leaves the axis.
+    pub fn kept(&self, model: &Model) -> Vec<bool> {
+        let mut kept = vec![false; self.nodes.len()];
+        let mesh = BodyMesh { points: Vec::new(), quads: self.quads.clone(), sizes: Vec::new() };
+        let all = loops(&mesh).unwrap_or_default();
+        let edges: Vec<[&BoundaryEdge; 2]> = all
+            .iter()
+            .flat_map(|list| (0..list.len()).map(move |at| [&list[(at + list.len() - 1) % list.len()], &list[at]]))
+            .collect();
+        let elements = &model.remeshings[self.index].elements;
+        let face = |edge: &BoundaryEdge| (elements[edge.side.0 as usize], ElementSide::Face(edge.side.1 + 1));
+        let on_axis = |n: u32| model.mesh.points[self.nodes[n as usize]][0] == 0.0;
+        let mut keep_ends = |is_in: &dyn Fn(&BoundaryEdge) -> bool, has: &dyn Fn(u32) -> bool| {
+            for [before, after] in &edges {
+                let (node, both) = (after.ends[0], [is_in(before), is_in(after)]);
+                if both[0] != both[1] || has(node) && !both[0] {
+                    kept[node as usize] = true;
+                }
+            }
+        };
+        keep_ends(&|edge| edge.ends.iter().all(|n| on_axis(*n)), &on_axis);
+        let mut copy = model.clone();
+        let mut single = Vec::new();
+        visit_lists(&mut copy, &mut |list| match list {
+            MemberList::Node(node) => single.extend(self.position(*node)),
+            MemberList::Nodes(list) => {
+                let mut has = vec![false; self.nodes.len()];
+                list.iter().filter_map(|n| self.position(*n)).for_each(|at| has[at as usize] = true);
+                if has.contains(&true) {
+                    keep_ends(&|edge| edge.ends.iter().all(|n| has[*n as usize]), &|n| has[n as usize]);
+                }
+            }
+            MemberList::Faces(list) => keep_ends(&|edge| list.contains(&face(edge)), &|_| false),
+            MemberList::Elements(_) => {}
+        });
+        single.extend(nodes_of_histories(model).filter_map(|node| self.position(node)));
+        single.into_iter().for_each(|at| kept[at as usize] = true);
+        kept
+    }
+}
+
+/// Returns the nodes whose own values histories show.
+pub fn nodes_of_histories(model: &Model) -> impl Iterator<Item = usize> {
+    let requests = model.steps.iter().flat_map(|step| &step.outputs);
+    let single = requests.filter(|request| request.kind == OutputKind::History && request.statistics.is_empty());
+    single.flat_map(|request| match request.region {
+        OutputRegion::Nodes(id) => model.node_sets[id].members.clone(),
+        _ => Vec::new(),
+    })
+}
+
+/// Returns the model with a new mesh of a body. Nodes and elements of other bodies keep their names and their order, and
+/// those of the new mesh follow.
+pub fn revised(model: &Model, revision: &MeshRevision) -> Model {
+    let body = ModelBody::new(model, revision.body);
+    let relation = MeshRelation::new(model, &body, revision);
+    let mut new = model.clone();
+    new.mesh = relation.mesh(model, &body, revision).into();
+    visit_lists(&mut new, &mut |list| match list {
+        MemberList::Node(node) => *node = relation.node(*node),
+        MemberList::Nodes(list) => relation.follow_nodes(list, &body, revision),
+        MemberList::Elements(list) => relation.follow_elements(list, model, revision),
+        MemberList::Faces(list) => relation.follow_faces(list, model, revision),
+    });
+    new
+}
+
+/// New indices of the nodes and elements of other bodies, and the first ones of the new mesh.
+struct MeshRelation {
+    nodes: Vec<usize>,
+    elements: Vec<usize>,
+    first_node: usize,
+    first_element: usize,
+}
+
+/// Marks what the new mesh does not have.
+const GONE: usize = usize::MAX;
+
+impl MeshRelation {
+    fn new(model: &Model, body: &ModelBody, revision: &MeshRevision) -> MeshRelation {
+        let mut nodes = vec![0; model.mesh.points.len()];
+        let mut elements = vec![0; model.mesh.elements.len()];
+        body.nodes.iter().for_each(|node| nodes[*node] = GONE);
+        model.remeshings[revision.body].elements.iter().for_each(|e| elements[*e] = GONE);
+        let number = |list: &mut [usize]| {
+            list.iter_mut().filter(|place| **place != GONE).zip(0..).map(|(place, next)| *place = next).count()
+        };
+        let (first_node, first_element) = (number(&mut nodes), number(&mut elements));
+        // Nodes at the places of old ones.
+        for (new, parents) in revision.parents.iter().enumerate().filter(|(_, [a, b])| a == b && *a != INSIDE) {
+            nodes[body.nodes[parents[0] as usize]] = first_node + new;
+        }
+        MeshRelation { nodes, elements, first_node, first_element }
+    }
+
+    fn node(&self, node: usize) -> usize {
+        if self.nodes[node] == GONE { self.first_node } else { self.nodes[node] }
+    }
+
+    fn follow_nodes(&self, list: &mut Vec<usize>, body: &ModelBody, revision: &MeshRevision) {
+        let mut has = vec![false; body.nodes.len()];
+        list.iter().filter_map(|n| body.position(*n)).for_each(|at| has[at as usize] = true);
+        let whole = !has.contains(&false);
+        let others = list.iter().filter(|n| body.position(**n).is_none()).map(|n| self.nodes[*n]);
+        let is_member = |parents: &[u32; 2]| {
+            if parents[0] == INSIDE { whole } else { parents.iter().all(|p| has[*p as usize]) }
+        };
+        let new = revision.parents.iter().enumerate().filter(|(_, parents)| is_member(parents));
+        *list = others.chain(new.map(|(new, _)| self.first_node + new)).collect();
+    }
+
+    fn follow_elements(&self, list: &mut Vec<usize>, model: &Model, revision: &MeshRevision) {
+        let own = &model.remeshings[revision.body].elements;
+        let mut has = vec![false; own.len()];
+        list.iter().filter_map(|e| own.binary_search(e).ok()).for_each(|at| has[at] = true);
+        let others = list.iter().map(|e| self.elements[*e]).filter(|e| *e != GONE);
+        let new = revision.origins.iter().enumerate().filter(|(_, origin)| has[**origin as usize]);
+        *list = others.chain(new.map(|(new, _)| self.first_element + new)).collect();
+    }
+
+    fn follow_faces(&self, list: &mut Vec<(usize, ElementSide)>, model: &Model, revision: &MeshRevision) {
+        let own = &model.remeshings[revision.body].elements;
+        let has: HashSet<(usize, ElementSide)> = list.iter().copied().collect();
+        let others = list.iter().map(|(e, side)| (self.elements[*e], *side)).filter(|(e, _)| *e != GONE);
+        let old = |(e, side): (u32, u8)| (own[e as usize], ElementSide::Face(side + 1));
+        let new = revision.sides.iter().filter(|side| has.contains(&old(side.old)));
+        let new = new.map(|side| (self.first_element + side.new.0 as usize, ElementSide::Face(side.new.1 + 1)));
+        *list = others.chain(new).collect();
+    }
+
+    fn mesh(&self, model: &Model, body: &ModelBody, revision: &MeshRevision) -> Mesh {
+        let old = &*model.mesh;
+        let own = &model.remeshings[revision.body].elements;
+        let like = &old.elements[own[0]];
+        let scope = like.name.rsplit_once('.').map_or("", |(scope, _)| scope);
+        let above = |names: &mut dyn Iterator<Item = &EntityName>| {
+            let label =
+                |name: &EntityName| name.rsplit_once('.').map_or(&**name, |(_, label)| label).parse().unwrap_or(0);
+            names.map(label).max().unwrap_or(0_i64)
+        };
+        let (mut node_label, mut element_label) =
+            (above(&mut old.node_names.iter()), above(&mut old.elements.iter().map(|e| &e.name)));
+        let mut mesh = Mesh::default();
+        for node in (0..old.points.len()).filter(|node| body.position(*node).is_none()) {
+            mesh.points.push(old.points[node]);
+            mesh.node_names.push(old.node_names[node].clone());
+        }
+        for (place, parents) in revision.mesh.points.iter().zip(&revision.parents) {
+            mesh.points.push(*place);
+            mesh.node_names.push(if parents[0] == parents[1] && parents[0] != INSIDE {
+                old.node_names[body.nodes[parents[0] as usize]].clone()
+            } else {
+                node_label += 1;
+                EntityName::of_label(scope, node_label)
+            });
+        }
+        for (_, element) in old.elements.iter().enumerate().filter(|(e, _)| self.elements[*e] != GONE) {
+            let nodes: Vec<usize> = element.nodes.iter().map(|node| self.nodes[*node]).collect();
+            mesh.elements.push(Element { nodes: nodes[..].into(), ..element.clone() });
+        }
+        for quad in &revision.mesh.quads {
+            element_label += 1;
+            let nodes = quad.map(|n| self.first_node + n as usize);
+            let name = EntityName::of_label(scope, element_label);
+            mesh.elements.push(Element { name, kind: ElementKind::Cax4r, nodes: nodes[..].into(), span: like.span });
+        }
+        mesh
+    }
+}
+
+/// Passes all lists of nodes, elements and faces to `visit`, except the elements of the mesh.
+fn visit_lists(model: &mut Model, visit: &mut dyn FnMut(MemberList<'_>)) {
+    let Model { node_sets, element_sets, surfaces, sections, shell_sections, cohesive_sections, erosions, .. } = model;
+    node_sets.values_mut().for_each(|set| visit(MemberList::Nodes(&mut set.members)));
+    element_sets.values_mut().for_each(|set| visit(MemberList::Elements(&mut set.members)));
+    for surface in surfaces.faces.values_mut() {
+        visit(MemberList::Faces(&mut surface.faces));
+        visit(MemberList::Elements(&mut surface.free_face_elements));
+    }
+    surfaces.nodes.values_mut().for_each(|nodes| visit(MemberList::Nodes(nodes)));
+    let references = surfaces.analytical.values_mut().filter_map(|surface| surface.reference.as_mut());
+    references.for_each(|node| visit(MemberList::Node(node)));
+    sections.iter_mut().for_each(|section| visit(MemberList::Elements(&mut section.elements)));
+    shell_sections.iter_mut().for_each(|section| visit(MemberList::Elements(&mut section.elements)));
+    cohesive_sections.iter_mut().for_each(|section| visit(MemberList::Elements(&mut section.elements)));
+    erosions.iter_mut().filter_map(|e| e.elements.as_mut()).for_each(|list| visit(MemberList::Elements(list)));
+    let Model { remeshings, rigid_bodies, attitudes, discrete, constraints, initial_conditions, steps, .. } = model;
+    remeshings.iter_mut().for_each(|remeshing| visit(MemberList::Elements(&mut remeshing.elements)));
+    for body in rigid_bodies {
+        visit(MemberList::Node(&mut body.reference));
+        visit(MemberList::Elements(&mut body.elements));
+        visit(MemberList::Nodes(&mut body.nodes));
+    }
+    attitudes.iter_mut().for_each(|attitude| visit(MemberList::Node(&mut attitude.reference)));
+    discrete.masses.iter_mut().for_each(|mass| visit(MemberList::Node(&mut mass.node)));
+    discrete.inertias.iter_mut().for_each(|inertia| visit(MemberList::Node(&mut inertia.node)));
+    discrete.connectors.iter_mut().for_each(|connector| visit(MemberList::Elements(&mut connector.elements)));
+    let terms = constraints.equations.iter_mut().flat_map(|equation| &mut equation.terms);
+    terms.for_each(|term| visit(MemberList::Node(&mut term.0)));
+    for link in &mut constraints.links {
+        visit(MemberList::Node(&mut link.reference));
+        link.nodes.iter_mut().for_each(|node| visit(MemberList::Node(node)));
+    }
+    for tie in &mut constraints.ties {
+        visit(MemberList::Nodes(&mut tie.slaves));
+        visit(MemberList::Faces(&mut tie.masters));
+        tie.chosen.iter_mut().for_each(|nodes| visit(MemberList::Nodes(nodes)));
+    }
+    for condition in initial_conditions {
+        visit(if condition.kind.applies_to_elements() {
+            MemberList::Elements(&mut condition.members)
+        } else {
+            MemberList::Nodes(&mut condition.members)
+        });
+    }
+    steps.iter_mut().for_each(|step| visit_step(step, visit));
+}
+
+fn visit_step(step: &mut Step, visit: &mut dyn FnMut(MemberList<'_>)) {
+    step.boundaries.iter_mut().for_each(|boundary| visit(MemberList::Nodes(&mut boundary.nodes)));
+    step.loads.iter_mut().for_each(|load| visit_load(&mut load.kind, visit));
+    step.fields.iter_mut().for_each(|field| visit(MemberList::Nodes(&mut field.nodes)));
+    step.surface_contacts.iter_mut().for_each(|contact| visit_contact(contact, visit));
+    step.general_contact.iter_mut().for_each(|general| visit_general(general, visit));
+    let scaled = step.mass_scalings.iter_mut().filter_map(|scaling| scaling.elements.as_mut());
+    scaled.for_each(|list| visit(MemberList::Elements(list)));
+    step.adaptive.iter_mut().for_each(|mesh| visit(MemberList::Elements(&mut mesh.elements)));
+    step.adaptive_fixed.iter_mut().for_each(|(_, nodes)| visit(MemberList::Nodes(nodes)));
+}
+
+fn visit_sides(sides: &mut SideSelection, visit: &mut dyn FnMut(MemberList<'_>)) {
+    visit(MemberList::Faces(&mut sides.faces));
+    visit(MemberList::Elements(&mut sides.free_face_elements));
+}
+
+fn visit_contact(contact: &mut SurfaceContact, visit: &mut dyn FnMut(MemberList<'_>)) {
+    contact.sides.iter_mut().for_each(|sides| visit_sides(sides, visit));
+    contact.analytical.iter_mut().for_each(|side| visit(MemberList::Nodes(&mut side.nodes)));
+}
+
+fn visit_general(general: &mut GeneralContact, visit: &mut dyn FnMut(MemberList<'_>)) {
+    let GeneralContact { included, excluded, assigned, clearances, penalties, roles, .. } = general;
+    let domains =
+        included.iter_mut().map(|i| &mut i.0).chain(excluded).chain(assigned.iter_mut().map(|a| &mut a.domains));
+    let more = clearances.iter_mut().map(|c| &mut c.0).chain(penalties.iter_mut().map(|p| &mut p.0));
+    for domain in domains.chain(more).chain(roles.iter_mut().map(|role| &mut role.0)).flatten() {
+        if let ContactDomain::Surface(sides) = domain {
+            visit_sides(sides, visit);
+        }
+    }
+}
+
+fn visit_load(kind: &mut LoadKind, visit: &mut dyn FnMut(MemberList<'_>)) {
+    match kind {
+        LoadKind::Concentrated { nodes, .. } | LoadKind::NodalHeat { nodes, .. } => visit(MemberList::Nodes(nodes)),
+        LoadKind::Gravity { elements, .. } => {
+            elements.iter_mut().for_each(|list| visit(MemberList::Elements(list)));
+        }
+        LoadKind::Body { elements, .. } | LoadKind::UserBody { elements, .. } | LoadKind::BodyHeat { elements, .. } => {
+            visit(MemberList::Elements(elements));
+        }
+        LoadKind::Traction { sides, law } => {
+            visit_sides(sides, visit);
+            if let SurfaceTraction::Viscous { reference: Some(node) } = law {
+                visit(MemberList::Node(node));
+            }
+        }
+        LoadKind::Pressure(sides)
+        | LoadKind::SurfaceHeat(sides)
+        | LoadKind::Blast { sides, .. }
+        | LoadKind::User { sides, .. }
+        | LoadKind::Cavity { sides, .. }
+        | LoadKind::Film { sides, .. } => visit_sides(sides, visit),
+    }
+}
+
+/// Returns whether a body has a node that elements outside it use.
+pub fn is_shared(model: &Model, body: &ModelBody) -> bool {
+    let own = &model.remeshings[body.index].elements;
+    let others = (0..model.mesh.elements.len()).filter(|e| own.binary_search(e).is_err());
+    others.flat_map(|e| model.mesh.elements[e].nodes.iter()).any(|node| body.position(*node).is_some())
+}

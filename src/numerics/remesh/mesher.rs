@@ -1,0 +1,320 @@
+//! New quadrilaterals inside the outline of a body: triangles of twice the size, each divided into three.
+
+use std::collections::HashMap;
+
+use super::outline::{BoundaryEdge, OutlinePoint, distance, divide, loops};
+use super::triangulation::{TriangleMesh, fill};
+use super::{BodyMesh, INSIDE, MeshRevision, RevisedSide};
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::sorted_boxes::SortedBoxes;
+
+/// Edges of the divided triangles over the wanted edge of squares. With the first one, three quadrilaterals of a triangle
+/// have almost the area of three squares; the others follow a more curved outline.
+const EDGES: [f64; 4] = [1.2, 1.0, 0.8, 0.6];
+/// Largest change of the wanted edge per distance.
+const GRADING: f64 = 0.3;
+/// Smallest ratio of the corner triangles of an element to half its area.
+const FLAT: f64 = 0.05;
+/// Sweeps that improve the shapes of the quadrilaterals.
+const SWEEPS: usize = 6;
+
+/// Remeshes a body. Nodes of the boundary that are `kept` remain. Returns `None` if its outline touches itself, or if
+/// no mesh with valid elements is found.
+pub fn new_mesh(old: &BodyMesh, kept: &[bool], body: usize) -> Option<MeshRevision> {
+    let graded = BodyMesh { sizes: graded_sizes(old), ..old.clone() };
+    let (loops, field) = (loops(old)?, SizeField::new(&graded));
+    EDGES.iter().find_map(|factor| mesh_with(&graded, (&loops, kept), &field, *factor)).map(|mut revision| {
+        revision.body = body;
+        revision
+    })
+}
+
+/// Meshes a body with edges of the wanted lengths times a factor.
+fn mesh_with(
+    graded: &BodyMesh,
+    (loops, kept): (&[Vec<BoundaryEdge>], &[bool]),
+    field: &SizeField<'_>,
+    factor: f64,
+) -> Option<MeshRevision> {
+    let all: Vec<Vec<OutlinePoint>> = loops.iter().map(|edges| divide(graded, edges, kept, factor)).collect();
+    let (mut coarse, mut edges) = (Vec::new(), Vec::new());
+    for points in &all {
+        let (first, count) = (coarse.len() as u32, points.len() as u32 / 2);
+        coarse.extend(points.iter().step_by(2).map(|p| p.place));
+        edges.extend((0..count).map(|i| [first + i, first + (i + 1) % count]));
+    }
+    let triangles = fill(&coarse, &edges, &|place| 2.0 * factor * field.size(place))?;
+    let mut revision = divided(&triangles, &all);
+    let on_boundary: Vec<bool> = revision.parents.iter().map(|parents| parents[0] != INSIDE).collect();
+    (0..SWEEPS).for_each(|_| improve(&mut revision.mesh, &on_boundary));
+    let mesh = &mut revision.mesh;
+    if mesh.quads.is_empty() || !mesh.quads.iter().all(|quad| shape(quad, &mesh.points) > FLAT) {
+        return None;
+    }
+    for quad in &mesh.quads {
+        let middle = middle_of(quad, &mesh.points);
+        let origin = field.element(middle);
+        revision.origins.push(origin);
+        mesh.sizes.push(graded.sizes[origin as usize]);
+    }
+    Some(revision)
+}
+
+fn middle_of(quad: &[u32; 4], points: &[[f64; 2]]) -> [f64; 2] {
+    let at = quad.inline_map(|n| points[n as usize]);
+    [0, 1].inline_map(|i: usize| 0.25 * ((at[0][i] + at[1][i]) + (at[2][i] + at[3][i])))
+}
+
+/// Limits the change of sizes between neighbours.
+fn graded_sizes(mesh: &BodyMesh) -> Vec<f64> {
+    let mut sizes = mesh.sizes.clone();
+    let middles: Vec<[f64; 2]> = mesh.quads.iter().map(|quad| middle_of(quad, &mesh.points)).collect();
+    let mut around: Vec<Vec<u32>> = vec![Vec::new(); mesh.points.len()];
+    for (e, quad) in mesh.quads.iter().enumerate() {
+        quad.iter().for_each(|n| around[*n as usize].push(e as u32));
+    }
+    loop {
+        let mut changes = false;
+        for (e, quad) in mesh.quads.iter().enumerate() {
+            for other in quad.iter().flat_map(|n| &around[*n as usize]) {
+                let other = *other as usize;
+                let most = sizes[other] + GRADING * distance(middles[e], middles[other]);
+                if sizes[e] > most * (1.0 + 1e-9) {
+                    (sizes[e], changes) = (most, true);
+                }
+            }
+        }
+        if !changes {
+            return sizes;
+        }
+    }
+}
+
+/// Sizes at places: those of the old element with the nearest middle.
+struct SizeField<'a> {
+    mesh: &'a BodyMesh,
+    middles: Vec<[f64; 2]>,
+    boxes: SortedBoxes,
+    /// Distance within which the nearest element is searched first.
+    reach: f64,
+}
+
+impl SizeField<'_> {
+    fn new(mesh: &BodyMesh) -> SizeField<'_> {
+        let middles: Vec<[f64; 2]> = mesh.quads.iter().map(|quad| middle_of(quad, &mesh.points)).collect();
+        let mut boxes = SortedBoxes::with_capacity(middles.len());
+        boxes.sort(middles.iter().map(|middle| [*middle, *middle]).zip(0..));
+        let reach = mesh.sizes.iter().copied().fold(f64::INFINITY, f64::min);
+        SizeField { mesh, middles, boxes, reach }
+    }
+
+    fn element(&self, place: [f64; 2]) -> u32 {
+        let mut reach = self.reach;
+        for _ in 0..40 {
+            let mut nearest = (f64::INFINITY, 0);
+            self.boxes.near([place, place], reach, |e| {
+                let apart = distance(self.middles[e as usize], place);
+                if (apart, e) < nearest {
+                    nearest = (apart, e);
+                }
+            });
+            if nearest.0 <= reach {
+                return nearest.1;
+            }
+            reach *= 2.0;
+        }
+        0
+    }
+
+    fn size(&self, place: [f64; 2]) -> f64 {
+        self.mesh.sizes[self.element(place) as usize]
+    }
+}
+
+/// Divides each triangle into three quadrilaterals.
+fn divided(triangles: &TriangleMesh, all: &[Vec<OutlinePoint>]) -> MeshRevision {
+    let mut revision = MeshRevision::default();
+    // Nodes of the outline first, in the order of the loops.
+    let (mut of_corner, mut middles) = (Vec::new(), HashMap::new());
+    let mut sides_of: HashMap<[u32; 2], (u32, u8)> = HashMap::new();
+    let mut next: HashMap<u32, u32> = HashMap::new();
+    for points in all {
+        let first = revision.parents.len() as u32;
+        let (count, corners) = (points.len() as u32, of_corner.len() as u32);
+        for (i, point) in (0..).zip(points) {
+            let (own, following) = (first + i, first + (i + 1) % count);
+            revision.mesh.points.push(point.place);
+            revision.parents.push(point.parents);
+            sides_of.insert([own, following], point.side);
+            next.insert(own, following);
+            if i % 2 == 0 {
+                of_corner.push(own);
+                middles.insert([corners + i / 2, corners + (i / 2 + 1) % (count / 2)], own + 1);
+            }
+        }
+    }
+    let inside = |revision: &mut MeshRevision, place: [f64; 2]| {
+        revision.mesh.points.push(place);
+        revision.parents.push([INSIDE; 2]);
+        revision.parents.len() as u32 - 1
+    };
+    for place in &triangles.points[of_corner.len()..] {
+        let node = inside(&mut revision, *place);
+        of_corner.push(node);
+    }
+    for triangle in &triangles.triangles {
+        let at = triangle.inline_map(|n| triangles.points[n as usize]);
+        let centre = [0, 1].inline_map(|i: usize| (at[0][i] + at[1][i] + at[2][i]) / 3.0);
+        let centre = inside(&mut revision, centre);
+        let halves = [0, 1, 2].inline_map(|i: usize| {
+            let (a, b) = (triangle[i], triangle[(i + 1) % 3]);
+            if let Some(node) = middles.get(&[a, b]).or_else(|| middles.get(&[b, a])) {
+                return *node;
+            }
+            let ends = [a, b].inline_map(|n| triangles.points[n as usize]);
+            let place = [0, 1].inline_map(|k: usize| 0.5 * (ends[0][k] + ends[1][k]));
+            let node = inside(&mut revision, place);
+            middles.insert([a, b], node);
+            node
+        });
+        for i in 0..3 {
+            let corner = of_corner[triangle[i] as usize];
+            revision.mesh.quads.push([corner, halves[i], centre, halves[(i + 2) % 3]]);
+        }
+    }
+    for (e, quad) in (0..).zip(&revision.mesh.quads) {
+        for side in 0..4 {
+            let ends = [quad[side], quad[(side + 1) % 4]];
+            if next.get(&ends[0]) == Some(&ends[1]) {
+                revision.sides.push(RevisedSide { new: (e, side as u8), old: sides_of[&ends] });
+            }
+        }
+    }
+    revision
+}
+
+/// Returns the smallest corner triangle over half the area of a quadrilateral, 1 for a parallelogram.
+fn shape(quad: &[u32; 4], points: &[[f64; 2]]) -> f64 {
+    let at = quad.inline_map(|n| points[n as usize]);
+    let twice = |i: usize| {
+        let [a, b, c] = [at[(i + 3) % 4], at[i], at[(i + 1) % 4]];
+        (c[0] - b[0]) * (a[1] - b[1]) - (c[1] - b[1]) * (a[0] - b[0])
+    };
+    let corners = [0, 1, 2, 3].inline_map(twice);
+    let area = 0.5 * (corners[0] + corners[2]);
+    let smallest = corners.iter().copied().fold(f64::INFINITY, f64::min);
+    if area > 0.0 { smallest / area } else { -1.0 }
+}
+
+/// Returns the smallest sine of the angles of an element; negative if it is not convex.
+fn sine(quad: &[u32; 4], place: impl Fn(u32) -> [f64; 2]) -> f64 {
+    let at = quad.inline_map(place);
+    let is_triangle = quad[2] == quad[3];
+    let count = if is_triangle { 3 } else { 4 };
+    let mut least: f64 = 1.0;
+    for i in 0..count {
+        let [a, b, c] = [at[(i + count - 1) % count], at[i], at[(i + 1) % count]];
+        let twice = (c[0] - b[0]) * (a[1] - b[1]) - (c[1] - b[1]) * (a[0] - b[0]);
+        least = least.min(twice / (distance(a, b) * distance(b, c)));
+    }
+    least
+}
+
+/// Returns the smallest angle of elements, or the smallest difference of an angle from 180 degrees, radians; negative if
+/// an element is not convex.
+pub fn sharpest(quads: &[[u32; 4]], place: impl Fn(u32) -> [f64; 2]) -> f64 {
+    libm::asin(quads.iter().map(|quad| sine(quad, &place)).fold(1.0, f64::min))
+}
+
+/// Moves nodes inside to the middle of their neighbours where this improves the worst element around them.
+fn improve(mesh: &mut BodyMesh, on_boundary: &[bool]) {
+    let mut around: Vec<Vec<u32>> = vec![Vec::new(); mesh.points.len()];
+    for (e, quad) in mesh.quads.iter().enumerate() {
+        quad.iter().for_each(|n| around[*n as usize].push(e as u32));
+    }
+    for n in 0..mesh.points.len() {
+        if on_boundary[n] {
+            continue;
+        }
+        let worst = |points: &[[f64; 2]]| {
+            around[n]
+                .iter()
+                .map(|e| sine(&mesh.quads[*e as usize], |n| points[n as usize]))
+                .fold(f64::INFINITY, f64::min)
+        };
+        let (mut sum, mut count) = ([0.0; 2], 0.0);
+        for quad in around[n].iter().map(|e| &mesh.quads[*e as usize]) {
+            for i in (0..4).filter(|i| quad[*i] as usize == n) {
+                for other in [quad[(i + 1) % 4], quad[(i + 3) % 4]] {
+                    let place = mesh.points[other as usize];
+                    (sum, count) = ([sum[0] + place[0], sum[1] + place[1]], count + 1.0);
+                }
+            }
+        }
+        let (before, old) = (worst(&mesh.points), mesh.points[n]);
+        mesh.points[n] = sum.inline_map(|x| x / count);
+        if worst(&mesh.points) <= before {
+            mesh.points[n] = old;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{new_mesh, shape, sharpest};
+    use crate::remesh::BodyMesh;
+
+    fn block(n: u32, m: u32, place: impl Fn(f64, f64) -> [f64; 2]) -> BodyMesh {
+        let mut mesh = BodyMesh::default();
+        for j in 0..=m {
+            for i in 0..=n {
+                mesh.points.push(place(f64::from(i) / f64::from(n), f64::from(j) / f64::from(m)));
+            }
+        }
+        for j in 0..m {
+            for i in 0..n {
+                let a = i + j * (n + 1);
+                mesh.quads.push([a, a + 1, a + n + 2, a + n + 1]);
+                mesh.sizes.push(1.0 / f64::from(n));
+            }
+        }
+        mesh
+    }
+
+    fn area(mesh: &BodyMesh) -> f64 {
+        let twice = |quad: &[u32; 4]| {
+            let [a, b, c, d] = quad.map(|n| mesh.points[n as usize]);
+            (c[0] - a[0]) * (d[1] - b[1]) - (c[1] - a[1]) * (d[0] - b[0])
+        };
+        0.5 * mesh.quads.iter().map(twice).sum::<f64>()
+    }
+
+    #[test]
+    fn a_block_is_filled_with_valid_elements_of_the_wanted_size() {
+        let old = block(8, 16, |x, y| [x, 2.0 * y]);
+        let kept = vec![false; old.points.len()];
+        let new = new_mesh(&old, &kept, 0).expect("a mesh");
+        assert!((area(&new.mesh) - 2.0).abs() < 1e-12);
+        let count = new.mesh.quads.len();
+        assert!((100..260).contains(&count), "{count} elements");
+        let angle = sharpest(&new.mesh.quads, |n| new.mesh.points[n as usize]).to_degrees();
+        assert!(angle > 30.0, "{angle} degrees");
+        assert_eq!(new.sides.len(), new.parents.iter().filter(|p| p[0] != super::INSIDE).count());
+    }
+
+    #[test]
+    fn a_mushroom_is_filled_with_valid_elements() {
+        // A foot three times as wide as the shaft, with strongly flattened elements.
+        let old = block(10, 40, |x, y| {
+            let wide = 1.0 + 2.0 / (1.0 + (60.0 * (y - 0.08)) * (60.0 * (y - 0.08)).abs() + 1.0).abs();
+            [x * wide, 4.0 * y]
+        });
+        let kept = vec![false; old.points.len()];
+        let new = new_mesh(&old, &kept, 0).expect("a mesh");
+        assert!(new.mesh.quads.iter().all(|quad| shape(quad, &new.mesh.points) > 0.1));
+        let angle = sharpest(&new.mesh.quads, |n| new.mesh.points[n as usize]).to_degrees();
+        assert!(angle > 10.0, "{angle} degrees");
+        // The outline is kept to second order.
+        assert!((area(&new.mesh) / area(&old) - 1.0).abs() < 0.01);
+    }
+}

@@ -1,0 +1,55 @@
+//! New meshes of bodies during a run: the outline of a deformed body is divided again, its inside is filled with
+//! quadrilaterals, and masses, momentum and element variables are moved to them.
+
+pub mod mesher;
+pub mod outline;
+pub mod overlap;
+pub mod transfer;
+mod triangulation;
+
+use crate::state::archive::persist_struct;
+
+/// Quadrilaterals of a body with its own numbering of nodes. The last two nodes of a triangle are the same.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BodyMesh {
+    /// Places `[r, z]` of the nodes.
+    pub points: Vec<[f64; 2]>,
+    /// Nodes of each element, counter-clockwise.
+    pub quads: Vec<[u32; 4]>,
+    /// Length of the edges that a mesh should have at the place of each element.
+    pub sizes: Vec<f64>,
+}
+
+/// Side of a new element on the boundary of its body, and the side of an old element on which it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RevisedSide {
+    /// Index of the new element, and number of its side from 0.
+    pub new: (u32, u8),
+    /// Index of the old element, and number of its side from 0.
+    pub old: (u32, u8),
+}
+
+/// A new mesh of a body, with what relates it to the mesh that it replaces.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshRevision {
+    /// Index of the body among those that can have new meshes.
+    pub body: usize,
+    /// Nodes and elements.
+    pub mesh: BodyMesh,
+    /// For each new node the two old nodes between which it is, twice the same one at the place of this node;
+    /// [`INSIDE`] for nodes inside the body.
+    pub parents: Vec<[u32; 2]>,
+    /// Sides on the boundary.
+    pub sides: Vec<RevisedSide>,
+    /// Displacement of each new node: that of the material at its place since the start.
+    pub displacements: Vec<[f64; 2]>,
+    /// For each new element the old element at its centre.
+    pub origins: Vec<u32>,
+}
+
+/// Marks nodes that are not on the boundary.
+pub const INSIDE: u32 = u32::MAX;
+
+persist_struct!(BodyMesh { points, quads, sizes });
+persist_struct!(RevisedSide { new, old });
+persist_struct!(MeshRevision { body, mesh, parents, sides, displacements, origins });

@@ -1,0 +1,190 @@
+//! Outline of a body: loops of boundary edges, and their division into edges of given lengths.
+
+use std::collections::HashMap;
+
+use super::BodyMesh;
+use crate::kernel::lanes::InlineMap;
+
+/// Cosine of the change of direction from which on a boundary node is a corner, 30 degrees.
+const CORNER: f64 = 0.866_025_403_784_438_6;
+/// Corners nearer to each other than this fraction of the edge length become one.
+const NEAR: f64 = 0.5;
+/// Fraction of an edge within which a new node takes the place of an old one.
+const SNAP: f64 = 0.3;
+
+/// An edge on the boundary; the body is on its left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoundaryEdge {
+    /// Nodes of the body.
+    pub ends: [u32; 2],
+    /// Index of the element, and number of its side from 0.
+    pub side: (u32, u8),
+}
+
+/// A node of the divided outline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutlinePoint {
+    /// Place `[r, z]`.
+    pub place: [f64; 2],
+    /// The two old nodes between which it is, twice the same at an old node.
+    pub parents: [u32; 2],
+    /// Old side on which the edge to the next point of the loop begins.
+    pub side: (u32, u8),
+}
+
+/// Returns the closed loops of boundary edges; `None` if the boundary touches itself in a node.
+pub fn loops(mesh: &BodyMesh) -> Option<Vec<Vec<BoundaryEdge>>> {
+    let mut open: HashMap<[u32; 2], BoundaryEdge> = HashMap::new();
+    for (e, quad) in mesh.quads.iter().enumerate() {
+        for side in 0..4 {
+            let ends = [quad[side], quad[(side + 1) % 4]];
+            if ends[0] != ends[1] && open.remove(&[ends[1], ends[0]]).is_none() {
+                open.insert(ends, BoundaryEdge { ends, side: (e as u32, side as u8) });
+            }
+        }
+    }
+    let mut edges: Vec<BoundaryEdge> = open.into_values().collect();
+    edges.sort_unstable_by_key(|edge| edge.ends);
+    if edges.windows(2).any(|pair| pair[0].ends[0] == pair[1].ends[0]) {
+        return None;
+    }
+    let mut used = vec![false; edges.len()];
+    let mut all = Vec::new();
+    for first in 0..edges.len() {
+        let (mut list, mut at) = (Vec::new(), first);
+        while !std::mem::replace(&mut used[at], true) {
+            list.push(edges[at]);
+            at = edges.binary_search_by_key(&edges[at].ends[1], |edge| edge.ends[0]).ok()?;
+        }
+        if !list.is_empty() {
+            all.push(list);
+        }
+    }
+    Some(all)
+}
+
+/// Divides a loop into an even number of edges of about `factor` times the sizes of the elements. Corners, and the nodes
+/// that are `kept`, remain. Every second node is a corner of the triangles from which the mesh is made.
+pub fn divide(mesh: &BodyMesh, edges: &[BoundaryEdge], kept: &[bool], factor: f64) -> Vec<OutlinePoint> {
+    let starts = ends_of_runs(mesh, edges, kept);
+    let mut points = Vec::new();
+    for (i, &start) in starts.iter().enumerate() {
+        let end = if i + 1 < starts.len() { starts[i + 1] } else { starts[0] + edges.len() };
+        let run: Vec<BoundaryEdge> = (start..end).map(|at| edges[at % edges.len()]).collect();
+        divide_run(mesh, &run, factor, &mut points);
+    }
+    points
+}
+
+/// Returns the positions of nodes that must remain, at least one.
+fn ends_of_runs(mesh: &BodyMesh, edges: &[BoundaryEdge], kept: &[bool]) -> Vec<usize> {
+    let count = edges.len();
+    let sharpness = |at: usize| cosine_between(mesh, [&edges[(at + count - 1) % count], &edges[at]]);
+    let is_kept = |at: usize| kept[edges[at].ends[0] as usize];
+    let mut corners: Vec<usize> = (0..count).filter(|&at| !is_kept(at) && sharpness(at) < CORNER).collect();
+    corners.sort_by(|a, b| sharpness(*a).total_cmp(&sharpness(*b)).then(a.cmp(b)));
+    let mut all: Vec<usize> = (0..count).filter(|&at| is_kept(at)).collect();
+    for corner in corners {
+        let place = |at: usize| mesh.points[edges[at].ends[0] as usize];
+        let size = mesh.sizes[edges[corner].side.0 as usize];
+        if all.iter().all(|&other| distance(place(corner), place(other)) > NEAR * size) {
+            all.push(corner);
+        }
+    }
+    if all.is_empty() {
+        all.push(0);
+    }
+    all.sort_unstable();
+    all
+}
+
+fn cosine_between(mesh: &BodyMesh, pair: [&BoundaryEdge; 2]) -> f64 {
+    let [a, b] = pair.inline_map(|edge| {
+        let [from, to] = edge.ends.inline_map(|n| mesh.points[n as usize]);
+        [to[0] - from[0], to[1] - from[1]]
+    });
+    let lengths = ((a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1])).sqrt();
+    if lengths > 0.0 { (a[0] * b[0] + a[1] * b[1]) / lengths } else { 1.0 }
+}
+
+/// Returns the distance between two points.
+pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    ((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])).sqrt()
+}
+
+/// Divides the edges between two nodes that remain; the last node is the first one of the next run.
+fn divide_run(mesh: &BodyMesh, run: &[BoundaryEdge], factor: f64, points: &mut Vec<OutlinePoint>) {
+    // Lengths in units of the wanted edge, summed up to the start of each edge.
+    let mut sums = vec![0.0];
+    for edge in run {
+        let [a, b] = edge.ends.inline_map(|n| mesh.points[n as usize]);
+        let size = factor * mesh.sizes[edge.side.0 as usize];
+        sums.push(sums[sums.len() - 1] + distance(a, b) / size);
+    }
+    let total = sums[run.len()];
+    let count = 2 * ((0.5 * total).round() as usize).max(1);
+    let step = total / count as f64;
+    for i in 0..count {
+        let wanted = i as f64 * step;
+        let nearest = sums.partition_point(|sum| *sum < wanted);
+        let nodes = [nearest.saturating_sub(1), nearest].into_iter().filter(|at| *at < run.len());
+        let snapped = nodes.filter(|&at| (at > 0 || i == 0) && (sums[at] - wanted).abs() <= SNAP * step);
+        if let Some(at) = snapped.min_by(|a, b| (sums[*a] - wanted).abs().total_cmp(&(sums[*b] - wanted).abs())) {
+            let node = run[at].ends[0];
+            points.push(OutlinePoint { place: mesh.points[node as usize], parents: [node; 2], side: run[at].side });
+            continue;
+        }
+        let at = (sums.partition_point(|sum| *sum <= wanted) - 1).min(run.len() - 1);
+        let share = (wanted - sums[at]) / (sums[at + 1] - sums[at]);
+        let [a, b] = run[at].ends.inline_map(|n| mesh.points[n as usize]);
+        let place = [0, 1].inline_map(|k: usize| a[k] + share * (b[k] - a[k]));
+        points.push(OutlinePoint { place, parents: run[at].ends, side: run[at].side });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{divide, loops};
+    use crate::remesh::BodyMesh;
+
+    /// Returns a rectangle of n by m elements.
+    fn block(n: u32, m: u32, kept: impl Fn(u32, u32) -> bool) -> (BodyMesh, Vec<bool>) {
+        let mut mesh = BodyMesh::default();
+        let mut keep = Vec::new();
+        for j in 0..=m {
+            for i in 0..=n {
+                mesh.points.push([f64::from(i), f64::from(j)]);
+                keep.push(kept(i, j));
+            }
+        }
+        for j in 0..m {
+            for i in 0..n {
+                let a = i + j * (n + 1);
+                mesh.quads.push([a, a + 1, a + n + 2, a + n + 1]);
+                mesh.sizes.push(1.0);
+            }
+        }
+        (mesh, keep)
+    }
+
+    #[test]
+    fn a_uniform_outline_keeps_its_nodes() {
+        let (mesh, kept) = block(4, 6, |_, _| false);
+        let all = loops(&mesh).unwrap_or_default();
+        assert_eq!((all.len(), all[0].len()), (1, 20));
+        let points = divide(&mesh, &all[0], &kept, 1.0);
+        assert_eq!(points.len(), 20);
+        assert!(points.iter().all(|p| p.parents[0] == p.parents[1]));
+    }
+
+    #[test]
+    fn kept_nodes_remain_and_new_nodes_are_on_old_edges() {
+        let (mesh, kept) = block(5, 8, |i, j| i == 5 && j == 3);
+        let all = loops(&mesh).unwrap_or_default();
+        let points = divide(&mesh, &all[0], &kept, 1.3);
+        assert!(points.len().is_multiple_of(2));
+        assert!(points.iter().any(|p| p.place == [5.0, 3.0] && p.parents == [23, 23]));
+        let is_on_edge = |p: [f64; 2]| p[0] == 0.0 || p[0] == 5.0 || p[1] == 0.0 || p[1] == 8.0;
+        assert!(points.iter().all(|p| is_on_edge(p.place)));
+    }
+}

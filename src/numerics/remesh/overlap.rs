@@ -1,0 +1,160 @@
+//! Common parts of old and new elements of a body: the ring that each pair of elements shares.
+
+use super::BodyMesh;
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes};
+
+/// The part of an old element that is in a new one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CommonPart {
+    /// Index of the old element.
+    pub old: u32,
+    /// Index of the new element.
+    pub new: u32,
+    /// Share of the old element; the shares of each old element add up to 1.
+    pub share: f64,
+    /// Centre of volume `[r, z]`.
+    pub centre: [f64; 2],
+}
+
+/// Parts below this fraction of the volume of an old element are rounding errors of its boundary.
+const SLIVER: f64 = 1e-12;
+
+/// Returns the common parts of two meshes of a body, by old element. Outlines may differ a little: what is outside the
+/// new one is distributed over the parts of its element.
+pub fn common_parts(old: &BodyMesh, new: &BodyMesh) -> Vec<CommonPart> {
+    let cells: Vec<[[f64; 2]; 4]> = new.quads.iter().map(|quad| places(new, quad)).collect();
+    let mut boxes = SortedBoxes::with_capacity(cells.len());
+    boxes.sort(cells.iter().map(box_of).zip(0..));
+    let mut parts: Vec<CommonPart> = Vec::new();
+    let (mut near, mut polygon, mut work) = (Vec::new(), Vec::new(), Vec::new());
+    for (e, quad) in (0..).zip(&old.quads) {
+        let (own, first) = (places(old, quad), parts.len());
+        near.clear();
+        boxes.near(box_of(&own), 0.0, |n| near.push(n));
+        near.sort_unstable();
+        let mut whole = 0.0;
+        for triangle in halves(own) {
+            whole += ring(&triangle).0;
+        }
+        for &n in &near {
+            let (mut volume, mut moment) = (0.0, [0.0; 2]);
+            for a in halves(own) {
+                for b in halves(cells[n as usize]) {
+                    clip(&a, &b, &mut polygon, &mut work);
+                    let (part, centre) = ring(&polygon);
+                    if part > 0.0 {
+                        volume += part;
+                        moment = [0, 1].inline_map(|i: usize| moment[i] + part * centre[i]);
+                    }
+                }
+            }
+            if volume > SLIVER * whole {
+                parts.push(CommonPart { old: e, new: n, share: volume, centre: moment.inline_map(|x| x / volume) });
+            }
+        }
+        if parts.len() == first {
+            let middle = own.iter().fold([0.0; 2], |sum, p| [sum[0] + 0.25 * p[0], sum[1] + 0.25 * p[1]]);
+            parts.push(CommonPart { old: e, new: nearest(&cells, middle), share: 1.0, centre: middle });
+        }
+        let sum: f64 = parts[first..].iter().map(|part| part.share).sum();
+        parts[first..].iter_mut().for_each(|part| part.share /= sum);
+    }
+    parts
+}
+
+/// Returns the corners of an element.
+pub(super) fn places(mesh: &BodyMesh, quad: &[u32; 4]) -> [[f64; 2]; 4] {
+    quad.inline_map(|n| mesh.points[n as usize])
+}
+
+fn box_of(corners: &[[f64; 2]; 4]) -> BoundingBox {
+    corners.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], p| {
+        [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
+    })
+}
+
+fn nearest(cells: &[[[f64; 2]; 4]], place: [f64; 2]) -> u32 {
+    let apart = |cell: &[[f64; 2]; 4]| {
+        let middle = cell.iter().fold([0.0; 2], |sum, p| [sum[0] + 0.25 * p[0], sum[1] + 0.25 * p[1]]);
+        super::outline::distance(middle, place)
+    };
+    let found = (0..).zip(cells).min_by(|a, b| apart(a.1).total_cmp(&apart(b.1)));
+    found.map_or(0, |(index, _)| index)
+}
+
+/// Divides a quadrilateral into two triangles of positive area, also if one of its angles exceeds 180 degrees.
+fn halves(at: [[f64; 2]; 4]) -> [[[f64; 2]; 3]; 2] {
+    let twice = |[a, b, c]: [[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    let first = [[at[0], at[1], at[2]], [at[0], at[2], at[3]]];
+    let second = [[at[0], at[1], at[3]], [at[1], at[2], at[3]]];
+    let smallest = |pair: &[[[f64; 2]; 3]; 2]| twice(pair[0]).min(twice(pair[1]));
+    if smallest(&second) > smallest(&first) { second } else { first }
+}
+
+/// Cuts a triangle with another one (Sutherland and Hodgman 1974); both are counter-clockwise.
+fn clip(triangle: &[[f64; 2]; 3], other: &[[f64; 2]; 3], polygon: &mut Vec<[f64; 2]>, work: &mut Vec<[f64; 2]>) {
+    polygon.clear();
+    polygon.extend(triangle);
+    for i in 0..3 {
+        let ([a, b], count) = ([other[i], other[(i + 1) % 3]], polygon.len());
+        let inside = |p: [f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+        work.clear();
+        for k in 0..count {
+            let (p, q) = (polygon[k], polygon[(k + 1) % count]);
+            let (own, next) = (inside(p), inside(q));
+            if own >= 0.0 {
+                work.push(p);
+            }
+            if own * next < 0.0 {
+                let share = own / (own - next);
+                work.push([0, 1].inline_map(|i: usize| p[i] + share * (q[i] - p[i])));
+            }
+        }
+        std::mem::swap(polygon, work);
+        if polygon.len() < 3 {
+            polygon.clear();
+            return;
+        }
+    }
+}
+
+/// Returns volume over 2π and centre of volume of the ring with a polygon as its section.
+pub(super) fn ring(polygon: &[[f64; 2]]) -> (f64, [f64; 2]) {
+    let Some(&base) = polygon.first() else { return (0.0, [0.0; 2]) };
+    let (mut volume, mut along_r, mut along_z) = (0.0, 0.0, 0.0);
+    for i in 1..polygon.len() - 1 {
+        // Integrals over the triangle from the first corner: r, r², r z with z from the base.
+        let [a, b, c] = [base, polygon[i], polygon[i + 1]];
+        let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        let sum = a[0] + b[0] + c[0];
+        let [y, w] = [b[1] - a[1], c[1] - a[1]];
+        volume += twice * sum / 6.0;
+        along_r += twice * (sum * sum + a[0] * a[0] + b[0] * b[0] + c[0] * c[0]) / 24.0;
+        along_z += twice * (sum * (y + w) + b[0] * y + c[0] * w) / 24.0;
+    }
+    if volume > 0.0 { (volume, [along_r / volume, base[1] + along_z / volume]) } else { (0.0, base) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{clip, ring};
+
+    /// Reference: a rectangle with the centre 2 (r² + r s + s²) / (3 (r + s)).
+    #[test]
+    fn ring_of_a_rectangle() {
+        let (volume, [r, z]) = ring(&[[1.0, 5.0], [2.0, 5.0], [2.0, 9.0], [1.0, 9.0]]);
+        assert!((volume - 6.0).abs() < 1e-14 && (r - 14.0 / 9.0).abs() < 1e-14 && (z - 7.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn cut_of_two_triangles_is_symmetric() {
+        let (a, b) = ([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]], [[1.0, -1.0], [3.0, 3.0], [-1.0, 2.0]]);
+        let (mut first, mut second, mut work) = (Vec::new(), Vec::new(), Vec::new());
+        clip(&a, &b, &mut first, &mut work);
+        clip(&b, &a, &mut second, &mut work);
+        let (first, second) = (ring(&first), ring(&second));
+        assert!((first.0 - second.0).abs() < 1e-13 && first.0 > 0.0);
+        assert!((first.1[0] - second.1[0]).abs() < 1e-13 && (first.1[1] - second.1[1]).abs() < 1e-13);
+    }
+}

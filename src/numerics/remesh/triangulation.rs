@@ -1,0 +1,172 @@
+//! Triangles inside a polygon with given sizes: constrained Delaunay triangulation whose circumcentres are added until
+//! all triangles are small and well shaped (Ruppert 1995, J. Algorithms 18, 548, without division of the boundary).
+
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+
+use super::outline::distance;
+use crate::kernel::lanes::InlineMap;
+
+/// Circumradius, in units of the wanted edge, above which a triangle is divided; that of an equilateral one is 0.577.
+const LARGE: f64 = 0.72;
+/// Circumradius over the shortest edge above which a triangle is divided if it is not small, 26 degrees.
+const SLENDER: f64 = 1.15;
+/// Smallest distances of a new point from the boundary and from other points, in units of the wanted edge.
+const FROM_BOUNDARY: f64 = 0.45;
+const APART: f64 = 0.62;
+/// Largest number of rounds of added points.
+const ROUNDS: usize = 60;
+/// Rounds in which points move to the middle of their neighbours.
+const SMOOTHINGS: usize = 4;
+
+/// Points and triangles; the points of the polygon are first.
+pub(super) struct TriangleMesh {
+    pub points: Vec<[f64; 2]>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Edges of closed polygons.
+struct Boundary<'a> {
+    points: &'a [[f64; 2]],
+    edges: &'a [[u32; 2]],
+}
+
+impl Boundary<'_> {
+    fn ends(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
+        self.edges.iter().map(|edge| edge.inline_map(|n| self.points[n as usize]))
+    }
+
+    /// Returns whether a point is inside, by the even-odd rule along r.
+    fn encloses(&self, p: [f64; 2]) -> bool {
+        let crosses = |[a, b]: &[[f64; 2]; 2]| {
+            (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        };
+        self.ends().filter(crosses).count() % 2 == 1
+    }
+
+    fn is_near(&self, p: [f64; 2], reach: f64) -> bool {
+        self.ends().any(|[a, b]| {
+            let (t, d) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
+            let at = ((d[0] * t[0] + d[1] * t[1]) / (t[0] * t[0] + t[1] * t[1])).clamp(0.0, 1.0);
+            distance([a[0] + at * t[0], a[1] + at * t[1]], p) < reach
+        })
+    }
+}
+
+type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
+
+/// Fills closed polygons with triangles whose edges have about the length `size` of a place; `None` if the polygons
+/// touch or cross each other.
+pub(super) fn fill(boundary: &[[f64; 2]], edges: &[[u32; 2]], size: &dyn Fn([f64; 2]) -> f64) -> Option<TriangleMesh> {
+    let polygon = Boundary { points: boundary, edges };
+    let mut points = boundary.to_vec();
+    let mut delaunay = triangulated(&points, edges)?;
+    for _ in 0..ROUNDS {
+        let added = wanted_points(&delaunay, &points, &polygon, size);
+        if added.is_empty() {
+            break;
+        }
+        for p in added {
+            add(&mut delaunay, p, points.len())?;
+            points.push(p);
+        }
+    }
+    for _ in 0..SMOOTHINGS {
+        smooth(&triangles(&delaunay, &points, &polygon), boundary.len(), &mut points);
+        delaunay = triangulated(&points, edges)?;
+    }
+    let triangles = triangles(&delaunay, &points, &polygon);
+    Some(TriangleMesh { points, triangles })
+}
+
+/// Adds a point, which gets the next index.
+fn add(delaunay: &mut Delaunay, [r, z]: [f64; 2], index: usize) -> Option<()> {
+    let added = delaunay.insert(Point2::new(r, z)).ok()?;
+    (added.index() == index).then_some(())
+}
+
+fn triangulated(points: &[[f64; 2]], edges: &[[u32; 2]]) -> Option<Delaunay> {
+    let mut delaunay = Delaunay::new();
+    for (index, point) in points.iter().enumerate() {
+        add(&mut delaunay, *point, index)?;
+    }
+    for edge in edges {
+        let [from, to] = edge.inline_map(|n| spade::handles::FixedVertexHandle::from_index(n as usize));
+        if !delaunay.can_add_constraint(from, to) {
+            return None;
+        }
+        delaunay.add_constraint(from, to);
+        // An edge through another point would be divided.
+        delaunay.get_edge_from_neighbors(from, to)?;
+    }
+    Some(delaunay)
+}
+
+fn triangles(delaunay: &Delaunay, points: &[[f64; 2]], polygon: &Boundary<'_>) -> Vec<[u32; 3]> {
+    let all = delaunay.inner_faces().map(|face| face.vertices().map(|v| v.fix().index() as u32));
+    let middle = |t: &[u32; 3]| {
+        let [a, b, c] = t.inline_map(|n| points[n as usize]);
+        [0, 1].inline_map(|i: usize| (a[i] + b[i] + c[i]) / 3.0)
+    };
+    all.filter(|t| polygon.encloses(middle(t))).collect()
+}
+
+/// Returns the circumcentre and the circumradius of a triangle.
+fn circumcircle([a, b, c]: [[f64; 2]; 3]) -> ([f64; 2], f64) {
+    let ([p, q], [s, t]) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+    let twice = 2.0 * (p * t - q * s);
+    let (first, second) = (p * p + q * q, s * s + t * t);
+    let [r, z] = [(t * first - q * second) / twice, (p * second - s * first) / twice];
+    ([a[0] + r, a[1] + z], (r * r + z * z).sqrt())
+}
+
+/// Returns circumcentres of large and slender triangles with distances from each other and from all points; the worst
+/// triangles first.
+fn wanted_points(
+    delaunay: &Delaunay,
+    points: &[[f64; 2]],
+    polygon: &Boundary<'_>,
+    size: &dyn Fn([f64; 2]) -> f64,
+) -> Vec<[f64; 2]> {
+    let mut wanted: Vec<(f64, [f64; 2], f64)> = Vec::new();
+    for triangle in triangles(delaunay, points, polygon) {
+        let corners = triangle.inline_map(|n| points[n as usize]);
+        let (centre, radius) = circumcircle(corners);
+        let length = size([0, 1].inline_map(|i: usize| (corners[0][i] + corners[1][i] + corners[2][i]) / 3.0));
+        let sides = [0, 1, 2].inline_map(|i: usize| distance(corners[i], corners[(i + 1) % 3]));
+        let shortest = sides[0].min(sides[1]).min(sides[2]);
+        let is_bad = radius > LARGE * length || radius > SLENDER * shortest && radius > 0.5 * length;
+        if is_bad && centre.iter().all(|x| x.is_finite()) {
+            wanted.push((radius / length, centre, length));
+        }
+    }
+    wanted.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1[0].total_cmp(&b.1[0])).then(a.1[1].total_cmp(&b.1[1])));
+    let mut added: Vec<[f64; 2]> = Vec::new();
+    for (_, centre, length) in wanted {
+        let is_free = |list: &[[f64; 2]]| list.iter().all(|p| distance(*p, centre) > APART * length);
+        if is_free(&added)
+            && is_free(points)
+            && polygon.encloses(centre)
+            && !polygon.is_near(centre, FROM_BOUNDARY * length)
+        {
+            added.push(centre);
+        }
+    }
+    added
+}
+
+/// Moves all points inside to the middle of the triangles around them.
+fn smooth(triangles: &[[u32; 3]], fixed: usize, points: &mut [[f64; 2]]) {
+    let mut sums = vec![([0.0; 2], 0.0); points.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.inline_map(|n| points[n as usize]);
+        let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        for n in triangle {
+            let (sum, weight) = &mut sums[*n as usize];
+            *sum = [0, 1].inline_map(|i: usize| sum[i] + area * (a[i] + b[i] + c[i]) / 3.0);
+            *weight += area;
+        }
+    }
+    for (point, (sum, weight)) in points.iter_mut().zip(sums).skip(fixed).filter(|(_, (_, weight))| *weight > 0.0) {
+        *point = sum.inline_map(|x| x / weight);
+    }
+}

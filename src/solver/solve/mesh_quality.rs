@@ -1,0 +1,46 @@
+//! Quality of the meshes of bodies that are remeshed, and their new meshes so far.
+
+use super::outcome::MeshChanges;
+use crate::plan::{Plan, RemeshedBody};
+use crate::remesh::MeshRevision;
+use crate::state::archive::persist_struct;
+
+/// Quality of the mesh of a body when it was made.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MeshQuality {
+    /// Angle below which the body is remeshed, radians.
+    pub(super) limit: f64,
+    /// Stable time increment; 0 if it is not known yet.
+    pub(super) increment: f64,
+    /// Increment before which the mesh is not checked.
+    pub(super) next: u64,
+    /// Number of new meshes.
+    pub(super) count: u64,
+}
+
+/// New meshes of a run.
+#[derive(Debug, Default)]
+pub(super) struct RemeshMonitor {
+    /// All new meshes, in their order. They are in the header of a checkpoint.
+    pub(super) revisions: Vec<MeshRevision>,
+    pub(super) bodies: Vec<MeshQuality>,
+    /// Whether a mesh that could not be made has been reported.
+    pub(super) reported: bool,
+}
+
+persist_struct!(MeshQuality { limit, increment, next, count });
+persist_struct!(RemeshMonitor { bodies, reported } derived { revisions });
+
+impl RemeshMonitor {
+    pub(super) fn new(plan: &Plan) -> RemeshMonitor {
+        let bodies = plan.remesh.iter().flat_map(|remesh| &remesh.bodies);
+        let quality = |body: &RemeshedBody| MeshQuality { limit: body.angle, ..MeshQuality::default() };
+        RemeshMonitor { bodies: bodies.map(quality).collect(), ..RemeshMonitor::default() }
+    }
+
+    /// Returns the number of new meshes of each ledger row.
+    pub(super) fn counts(&self, plan: &Plan) -> Vec<MeshChanges> {
+        let bodies = plan.remesh.iter().flat_map(|remesh| &remesh.bodies).zip(&self.bodies);
+        bodies.map(|(body, quality)| MeshChanges { row: body.id, count: quality.count }).collect()
+    }
+}
