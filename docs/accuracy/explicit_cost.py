@@ -67,7 +67,9 @@ def calculix(folder: Path, end: float) -> tuple[float, int]:
     """Return seconds and increments of a run of CalculiX."""
     (folder / "slab.inp").write_text(slab(end))
     begin = time.perf_counter()
-    subprocess.run(["ccx", "slab"], cwd=folder, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"})
+    subprocess.run(
+        ["ccx", "slab"], cwd=folder, check=True, capture_output=True, env=os.environ | {"OMP_NUM_THREADS": "1"}
+    )
     seconds = time.perf_counter() - begin
     return seconds, (folder / "slab.dat").read_text().count("displacements")
 
