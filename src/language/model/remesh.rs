@@ -4,8 +4,8 @@ use std::collections::HashSet;
 
 use super::name::EntityName;
 use super::types::{
-    ContactDomain, Element, ElementKind, ElementSide, GeneralContact, LoadKind, Mesh, Model, OutputKind, OutputRegion,
-    SideSelection, Step, SurfaceContact, SurfaceTraction,
+    ContactDomain, Element, ElementKind, ElementSide, GeneralContact, LoadKind, MemberSet, Mesh, Model, NodeSetId,
+    OutputKind, OutputRegion, SideSelection, Step, SurfaceContact, SurfaceTraction,
 };
 use crate::kernel::lists::sorted_unique;
 use crate::remesh::outline::{BoundaryEdge, loops};
@@ -118,7 +118,26 @@ pub fn revised(model: &Model, revision: &MeshRevision) -> Model {
         MemberList::Elements(list) => relation.follow_elements(list, model, revision),
         MemberList::Faces(list) => relation.follow_faces(list, model, revision),
     });
+    keep_history_nodes(&mut new, model, &relation);
     new
+}
+
+/// Added to the name of a node set for the nodes of its histories.
+const OF_HISTORIES: &str = " (histories)";
+
+/// Gives histories of single nodes the nodes that they had before; their sets also have new nodes.
+fn keep_history_nodes(new: &mut Model, old: &Model, relation: &MeshRelation) {
+    let Model { steps, node_sets, .. } = new;
+    for request in steps.iter_mut().flat_map(|step| &mut step.outputs) {
+        let OutputRegion::Nodes(id) = &mut request.region else { continue };
+        if request.kind != OutputKind::History || !request.statistics.is_empty() {
+            continue;
+        }
+        let Some((name, MemberSet { members, span })) = old.node_sets.get_index(id.index()) else { continue };
+        let name = if name.ends_with(OF_HISTORIES) { name.clone() } else { format!("{name}{OF_HISTORIES}") };
+        let members = sorted_unique(members.iter().map(|node| relation.node(*node)));
+        *id = NodeSetId::new(node_sets.insert_full(name, MemberSet { members, span: *span }).0);
+    }
 }
 
 /// New indices of the nodes and elements of other bodies, and the first ones of the new mesh.
