@@ -89,11 +89,13 @@ pub(super) fn plan_of_revisions(plan: &Plan, revisions: &[MeshRevision]) -> Opti
         }
         model = revised(&model, revision);
     }
-    compiled(&model, &plan.routines, revisions).ok()
+    compiled(&model, revisions).ok()
 }
 
-fn compiled(model: &Model, routines: &Routines, revisions: &[MeshRevision]) -> Result<(Box<Plan>, State), String> {
-    let (mut plan, mut state, diagnostics) = plan::compile(model, routines);
+/// Plans a model with new meshes. No user subroutine is called in such a model; those of the first plan are in use until
+/// its run ends.
+fn compiled(model: &Model, revisions: &[MeshRevision]) -> Result<(Box<Plan>, State), String> {
+    let (mut plan, mut state, diagnostics) = plan::compile(model, &Routines::none());
     match diagnostics.iter().find(|finding| finding.severity == crate::deck::Severity::Error) {
         Some(error) => Err(format!("{}: {}", error.code, error.message)),
         None => {
@@ -159,7 +161,7 @@ impl SolverRun<'_> {
         let failed = |reason: String| HaltReason { code: "R210", reason };
         let model = revised(&remesh.model, &revision);
         self.remesh.revisions.push(revision);
-        let (plan, state) = compiled(&model, &self.plan.routines, &self.remesh.revisions)
+        let (plan, state) = compiled(&model, &self.remesh.revisions)
             .map_err(|error| failed(format!("the model with a new mesh cannot be planned: {error}")))?;
         if plan.column_names() != self.plan.column_names() {
             return Err(failed("the new mesh does not have all nodes and elements of the histories".into()));
