@@ -125,7 +125,7 @@ pub fn revised(model: &Model, revision: &MeshRevision) -> Model {
 /// Added to the name of a node set for the nodes of its histories.
 const OF_HISTORIES: &str = " (histories)";
 
-/// Gives histories of single nodes the nodes that they had before; their sets also have new nodes.
+/// Gives histories of single nodes the nodes that they had before; their sets may also have new nodes.
 fn keep_history_nodes(new: &mut Model, old: &Model, relation: &MeshRelation) {
     let Model { steps, node_sets, .. } = new;
     for request in steps.iter_mut().flat_map(|step| &mut step.outputs) {
@@ -134,8 +134,11 @@ fn keep_history_nodes(new: &mut Model, old: &Model, relation: &MeshRelation) {
             continue;
         }
         let Some((name, MemberSet { members, span })) = old.node_sets.get_index(id.index()) else { continue };
-        let name = if name.ends_with(OF_HISTORIES) { name.clone() } else { format!("{name}{OF_HISTORIES}") };
         let members = sorted_unique(members.iter().map(|node| relation.node(*node)));
+        if node_sets[id.index()].members == members {
+            continue;
+        }
+        let name = if name.ends_with(OF_HISTORIES) { name.clone() } else { format!("{name}{OF_HISTORIES}") };
         *id = NodeSetId::new(node_sets.insert_full(name, MemberSet { members, span: *span }).0);
     }
 }
