@@ -1,5 +1,6 @@
 //! Names of nodes and elements. Short names, which are nearly all, are stored inline.
 
+use std::collections::HashMap;
 use std::fmt;
 use std::io::Write as _;
 use std::ops::Deref;
@@ -47,6 +48,36 @@ impl EntityName {
             NameStorage::Short(..) => 0,
             NameStorage::Long(text) => size_of::<String>() + text.capacity(),
         }
+    }
+}
+
+/// Labels of new nodes or elements: above the largest label of their part instance.
+#[derive(Default)]
+pub(super) struct NewLabels {
+    largest: HashMap<String, i64>,
+}
+
+impl NewLabels {
+    /// Creates labels above those of existing names.
+    pub(super) fn above<'a>(names: impl Iterator<Item = &'a EntityName>) -> NewLabels {
+        let mut labels = NewLabels::default();
+        for name in names {
+            let (scope, label) = name.rsplit_once('.').unwrap_or(("", name));
+            let label = label.parse().unwrap_or(0);
+            match labels.largest.get_mut(scope) {
+                Some(largest) => *largest = label.max(*largest),
+                None => drop(labels.largest.insert(scope.to_owned(), label)),
+            }
+        }
+        labels
+    }
+
+    /// Returns the name of the next node or element in the part instance of `like`.
+    pub(super) fn next(&mut self, like: &EntityName) -> EntityName {
+        let scope = like.rsplit_once('.').map_or("", |(scope, _)| scope);
+        let Some(largest) = self.largest.get_mut(scope) else { return like.clone() };
+        *largest = largest.saturating_add(1);
+        EntityName::of_label(scope, *largest)
     }
 }
 

@@ -2,12 +2,13 @@
 
 use std::collections::HashSet;
 
-use super::name::EntityName;
+use super::name::NewLabels;
 use super::types::{
     ContactDomain, Element, ElementKind, ElementSide, GeneralContact, LoadKind, MemberSet, Mesh, Model, NodeSetId,
     OutputKind, OutputRegion, SideSelection, Step, SurfaceContact, SurfaceTraction,
 };
 use crate::kernel::lists::sorted_unique;
+use crate::kernel::quad;
 use crate::remesh::outline::{BoundaryEdge, loops};
 use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
 
@@ -46,11 +47,9 @@ impl ModelBody {
 
     /// Returns the square roots of the areas of the elements at the start.
     pub fn sizes(&self, mesh: &Mesh) -> Vec<f64> {
-        let area = |quad: &[u32; 4]| {
-            let [a, b, c, d] = quad.map(|n| mesh.points[self.nodes[n as usize]]);
-            0.5 * ((c[0] - a[0]) * (d[1] - b[1]) - (c[1] - a[1]) * (d[0] - b[0]))
-        };
-        self.quads.iter().map(|quad| area(quad).sqrt()).collect()
+        let at = |quad: &[u32; 4]| quad.map(|n| mesh.points[self.nodes[n as usize]]);
+        let area = |at: [[f64; 2]; 4]| quad::section(at.map(|p| p[0]), at.map(|p| p[1]));
+        self.quads.iter().map(|quad| area(at(quad)).sqrt()).collect()
     }
 
     /// Returns which nodes of the body must remain in a new mesh: nodes that the model names one by one, ends of sets
@@ -210,14 +209,8 @@ impl MeshRelation {
         let old = &*model.mesh;
         let own = &model.remeshings[revision.body].elements;
         let like = &old.elements[own[0]];
-        let scope = like.name.rsplit_once('.').map_or("", |(scope, _)| scope);
-        let above = |names: &mut dyn Iterator<Item = &EntityName>| {
-            let label =
-                |name: &EntityName| name.rsplit_once('.').map_or(&**name, |(_, label)| label).parse().unwrap_or(0);
-            names.map(label).max().unwrap_or(0_i64)
-        };
-        let (mut node_label, mut element_label) =
-            (above(&mut old.node_names.iter()), above(&mut old.elements.iter().map(|e| &e.name)));
+        let mut node_labels = NewLabels::above(old.node_names.iter());
+        let mut element_labels = NewLabels::above(old.elements.iter().map(|e| &e.name));
         let mut mesh = Mesh::default();
         for node in (0..old.points.len()).filter(|node| body.position(*node).is_none()) {
             mesh.points.push(old.points[node]);
@@ -228,8 +221,7 @@ impl MeshRelation {
             mesh.node_names.push(if parents[0] == parents[1] && parents[0] != INSIDE {
                 old.node_names[body.nodes[parents[0] as usize]].clone()
             } else {
-                node_label += 1;
-                EntityName::of_label(scope, node_label)
+                node_labels.next(&old.node_names[body.nodes[0]])
             });
         }
         for (_, element) in old.elements.iter().enumerate().filter(|(e, _)| self.elements[*e] != GONE) {
@@ -237,9 +229,8 @@ impl MeshRelation {
             mesh.elements.push(Element { nodes: nodes[..].into(), ..element.clone() });
         }
         for quad in &revision.mesh.quads {
-            element_label += 1;
             let nodes = quad.map(|n| self.first_node + n as usize);
-            let name = EntityName::of_label(scope, element_label);
+            let name = element_labels.next(&like.name);
             mesh.elements.push(Element { name, kind: ElementKind::Cax4r, nodes: nodes[..].into(), span: like.span });
         }
         mesh

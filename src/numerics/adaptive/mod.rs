@@ -5,9 +5,7 @@
 mod active;
 mod geometry;
 mod limiter;
-pub mod loops;
 mod momentum;
-mod shape;
 pub mod smoothing;
 mod temperatures;
 #[cfg(test)]
@@ -18,17 +16,17 @@ pub mod transport;
 use crate::element::elements::Elements;
 use crate::element::group::{ArrivedElements, ElementGroup};
 use crate::heat::field::TemperatureField;
+use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad;
+use crate::kernel::shape::smallest_angle;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 use active::ActiveParts;
-use loops::DomainLoops;
 use momentum::MomentumTransport;
-use shape::smallest_angle;
 use smoothing::{MeshGrading, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
 use temperatures::TemperatureTransport;
 use topology::DomainTopology;
@@ -208,7 +206,7 @@ impl AdaptiveDomain {
     /// Finds new places of the nodes if the mesh is due to change.
     pub fn find_new_places(
         &mut self,
-        loops: DomainLoops,
+        loops: ChunkLoops,
         elements: &Elements,
         nodes: &Nodes,
         surroundings: &dyn Surroundings,
@@ -269,7 +267,7 @@ impl AdaptiveDomain {
     /// along r and z at the same velocity.
     pub fn change(
         &mut self,
-        (half, loops): (f64, DomainLoops),
+        (half, loops): (f64, ChunkLoops),
         elements: &mut Elements,
         (dofs, mut field): (&mut Dofs, Option<&mut TemperatureField>),
         changed: &mut dyn FnMut(usize, [f64; 2]),
@@ -296,7 +294,7 @@ impl AdaptiveDomain {
     /// Finds new places by smoothing.
     fn find_places(
         &mut self,
-        (sweeps, loops): (usize, DomainLoops),
+        (sweeps, loops): (usize, ChunkLoops),
         elements: &Elements,
         nodes: &Nodes,
         surroundings: &dyn Surroundings,
@@ -354,7 +352,7 @@ impl AdaptiveDomain {
     }
 
     /// Cuts displacements that are too long, and returns the number of transports in which nodes reach the new places.
-    fn limit_displacements(&mut self, loops: DomainLoops) -> usize {
+    fn limit_displacements(&mut self, loops: ChunkLoops) -> usize {
         let [start, end, ..] = &mut self.places;
         let share = self.transport.measure(loops, (&self.topology, &self.active), [start, end]);
         let count = (share / LARGEST_SHARE).ceil().max(1.0);
@@ -369,7 +367,7 @@ impl AdaptiveDomain {
     }
 
     /// Sets the places at both ends of one part of the displacements, and measures the transport between them.
-    fn begin_part(&mut self, (part, parts): (usize, usize), loops: DomainLoops) {
+    fn begin_part(&mut self, (part, parts): (usize, usize), loops: ChunkLoops) {
         let [start, end, from, to] = &mut self.places;
         for (place, part) in [(from, part), (to, part + 1)] {
             let share = part as f64 / parts as f64;
@@ -389,7 +387,7 @@ impl AdaptiveDomain {
     }
 
     /// Transports masses, momentum and variables over one part of the displacements.
-    fn transport_part(&mut self, (part, parts): (usize, usize), loops: DomainLoops) {
+    fn transport_part(&mut self, (part, parts): (usize, usize), loops: ChunkLoops) {
         self.begin_part((part, parts), loops);
         let domain = (&self.topology, &self.active);
         self.transport.move_masses(loops, domain, &mut self.mass);
@@ -408,7 +406,7 @@ impl AdaptiveDomain {
     }
 
     /// Finds the masses of corners and nodes after a part of the displacements.
-    fn find_masses(&mut self, loops: DomainLoops) {
+    fn find_masses(&mut self, loops: ChunkLoops) {
         let [_, _, _, to] = &self.places;
         let ([before, after], mass, changes) = (&mut self.corner_mass, &self.mass, &self.active.changes);
         let (topology, before) = (&self.topology, &*before);

@@ -6,11 +6,12 @@
 
 use super::active::ActiveParts;
 use super::limiter::{larger, smaller};
-use super::loops::DomainLoops;
-use super::topology::{DomainEdge, DomainTopology, is_triangle};
+use super::topology::{DomainEdge, DomainTopology};
 use super::transport::{EdgeFlux, TransportOrder};
+use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
+use crate::kernel::shape::is_triangle;
 
 /// Mass that passes along an edge to its first node.
 #[derive(Clone, Copy, Debug, Default)]
@@ -64,7 +65,7 @@ impl MomentumTransport {
     /// Finds the masses that pass between nodes, from those between elements and from the corner masses before and after.
     pub fn measure(
         &mut self,
-        loops: DomainLoops,
+        loops: ChunkLoops,
         (domain, active): (&DomainTopology, &ActiveParts),
         between: &[EdgeFlux],
         [before, after]: [&[[f64; 4]]; 2],
@@ -102,7 +103,7 @@ impl MomentumTransport {
     /// Moves velocities; `after` are the nodal masses after the motion.
     pub fn move_velocity(
         &mut self,
-        loops: DomainLoops,
+        loops: ChunkLoops,
         (domain, active): (&DomainTopology, &ActiveParts),
         values: &mut [[f64; 2]],
         after: &[f64],
@@ -132,7 +133,7 @@ impl MomentumTransport {
     /// Finds the corrections of second order, and the range of each node.
     fn limit(
         &mut self,
-        loops: DomainLoops,
+        loops: ChunkLoops,
         (domain, active): (&DomainTopology, &ActiveParts),
         given: &[[f64; 2]],
         after: &[f64],

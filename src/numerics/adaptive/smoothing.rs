@@ -1,10 +1,10 @@
 //! Motion of the nodes of an adaptive mesh domain: smoothing inside, and sliding along its boundary.
 
-use super::loops::DomainLoops;
-use super::shape::corner_shape;
-use super::topology::{BoundaryNode, DomainTopology, is_triangle};
+use super::topology::{BoundaryNode, DomainTopology};
+use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
+use crate::kernel::shape::{corner_shape, is_triangle, twice_area};
 use crate::state::archive::persist_struct;
 
 /// Weights of the smoothing methods; they sum to 1.
@@ -269,7 +269,7 @@ impl MeshSmoothing {
     /// Moves the nodes once; motions that are prescribed along r or z keep this coordinate.
     pub fn sweep(
         &mut self,
-        loops: DomainLoops,
+        loops: ChunkLoops,
         domain: &DomainTopology,
         prescribed: &[[bool; 2]],
         surroundings: &dyn Surroundings,
@@ -404,7 +404,8 @@ impl MeshSmoothing {
                 BoundaryContact::Pressed => 0.0,
                 BoundaryContact::Apart(gap) => gap,
             };
-            let off = cross(line[0], line[1], self.target[next as usize]).abs() / length(vector(line[0], line[1]));
+            let off =
+                twice_area([line[0], line[1], self.target[next as usize]]).abs() / length(vector(line[0], line[1]));
             if !(gap < near && off < near && slides(next)) {
                 break;
             }
@@ -449,7 +450,7 @@ impl MeshSmoothing {
     }
 
     /// Finds new places of the nodes inside the domain; other nodes keep theirs.
-    fn smooth_inside(&mut self, loops: DomainLoops, domain: &DomainTopology, places: &[[f64; 2]]) {
+    fn smooth_inside(&mut self, loops: ChunkLoops, domain: &DomainTopology, places: &[[f64; 2]]) {
         let MeshSmoothing { weights, grading, now, parts, target, .. } = self;
         if grading.is_none() && weights.volumetric != 0.0 {
             loops.each(parts, |start, list| {
@@ -642,11 +643,11 @@ fn slide([before, own, after]: [[f64; 2]; 3], (share, part): (f64, f64), corner_
     let along = chord.inline_map(|x| x / l);
     let step = part * (share * l2 - (1.0 - share) * l1);
     let place = [own[0] + step * along[0], own[1] + step * along[1]];
-    let ring = |own: [f64; 2]| 0.5 * cross(before, own, after) * (before[0] + own[0] + after[0]);
+    let ring = |own: [f64; 2]| 0.5 * twice_area([before, own, after]) * (before[0] + own[0] + after[0]);
     let across = [along[1], -along[0]];
     let (kept, now) = (ring(own), ring(place));
     // dV/dx of the ring: half the chord times the sum of radii, plus the area times the radial part of x.
-    let slope = 0.5 * l * (before[0] + place[0] + after[0]) + 0.5 * cross(before, place, after) * across[0];
+    let slope = 0.5 * l * (before[0] + place[0] + after[0]) + 0.5 * twice_area([before, place, after]) * across[0];
     if slope.abs() <= 1e-3 * l * l {
         return place;
     }
@@ -678,7 +679,7 @@ fn keep_volume(before: &[[f64; 2]], after: &mut [[f64; 2]], line: [[f64; 2]; 2],
     let (lost, last) = (sign * (volume(before) - volume(after)), after.len() - 1);
     let shape = |list: &[[f64; 2]], i: usize| {
         let [a, b, c] = [list[i - 1], list[i], list[i + 1]];
-        let (chord, off) = (vector(a, c), cross(line[0], line[1], b).abs() / length(vector(line[0], line[1])));
+        let (chord, off) = (vector(a, c), twice_area([line[0], line[1], b]).abs() / length(vector(line[0], line[1])));
         let (l, weight) = (length(chord), (2.0 * off / length(chord)).min(1.0));
         ([sign * chord[1] / l, -sign * chord[0] / l], weight, weight * l * (a[0] + b[0] + c[0]))
     };
@@ -712,7 +713,7 @@ fn turn_cosine([before, own, after]: [[f64; 2]; 3]) -> f64 {
 /// Returns whether three nodes of the boundary are on a line, but for rounding.
 fn is_straight([before, own, after]: [[f64; 2]; 3]) -> bool {
     let chord = [after[0] - before[0], after[1] - before[1]];
-    cross(before, own, after).abs() <= 1e-9 * (chord[0] * chord[0] + chord[1] * chord[1])
+    twice_area([before, own, after]).abs() <= 1e-9 * (chord[0] * chord[0] + chord[1] * chord[1])
 }
 
 /// Returns the new place of a node whose motion is prescribed along r or z: it moves only if its neighbours have the
@@ -730,11 +731,6 @@ fn keep(prescribed: [bool; 2], [before, own, after]: [[f64; 2]; 3], place: [f64;
         }
     }
     kept
-}
-
-/// Returns twice the area of a triangle, positive for a point on the right of the chord from `a` to `c`.
-fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 persist_struct!(MeshSmoothing { deferred: fixed } derived {

@@ -2,10 +2,10 @@
 //! content is conserved to rounding, and no temperature leaves the range of its neighbours.
 
 use super::active::ActiveParts;
-use super::loops::DomainLoops;
 use super::momentum::MomentumTransport;
 use super::topology::DomainTopology;
 use crate::heat::field::TemperatureField;
+use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lists::heap_bytes;
 
 /// Heat of the nodes of a domain.
@@ -49,7 +49,7 @@ impl TemperatureTransport {
     pub fn advance(
         &mut self,
         momentum: &mut MomentumTransport,
-        loops: DomainLoops,
+        loops: ChunkLoops,
         (domain, active): (&DomainTopology, &ActiveParts),
         [before, after]: [&[f64]; 2],
     ) {

@@ -3,17 +3,17 @@
 use super::active::ActiveParts;
 use super::corner_masses;
 use super::geometry::centre;
-use super::loops::DomainLoops;
 use super::momentum::MomentumTransport;
-use super::shape::smallest_angle;
 use super::smoothing::{BoundaryContact, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
 use super::topology::DomainTopology;
 use super::transport::{ElementTransport, TransportOrder};
 use crate::element::constants::{ElementConstants, HourglassControl};
 use crate::element::group::QuadGroup;
 use crate::kernel::bulk_viscosity::BulkViscosity;
+use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::{PACK, Pack};
 use crate::kernel::quad;
+use crate::kernel::shape::smallest_angle;
 use crate::material::plasticity::ElasticOnly;
 use crate::material::volumetric::ConstantBulkModulus;
 use crate::material::von_mises::VonMises;
@@ -95,7 +95,7 @@ fn smooth([r, z]: [f64; 2]) -> f64 {
     1.0 + (4.0 * r + 1.0).sin() * (3.0 * z).cos()
 }
 
-const LOOPS: DomainLoops = DomainLoops { arch: pulp::Arch::Scalar, threads: false };
+const LOOPS: ChunkLoops = ChunkLoops { arch: pulp::Arch::Scalar, threads: false };
 
 /// Moves a mesh through a vortex and back, and returns mass, values, and the means at the last places.
 fn turn(section: &Section, inner: f64, order: TransportOrder, last: f64, value: fn([f64; 2]) -> f64) -> [Vec<f64>; 4] {
@@ -103,7 +103,7 @@ fn turn(section: &Section, inner: f64, order: TransportOrder, last: f64, value: 
 }
 
 fn turn_with(
-    loops: DomainLoops,
+    loops: ChunkLoops,
     section: &Section,
     inner: f64,
     (order, last): (TransportOrder, f64),
@@ -134,8 +134,8 @@ fn transport_has_the_same_bits_with_threads() {
     let section = Section::new(40, 1.0);
     let with = |loops| turn_with(loops, &section, 1.0, (TransportOrder::Second, 0.5), smooth);
     let expected = with(LOOPS);
-    assert_eq!(with(DomainLoops { arch: pulp::Arch::new(), threads: true }), expected);
-    assert_eq!(with(DomainLoops { threads: true, ..LOOPS }), expected);
+    assert_eq!(with(ChunkLoops { arch: pulp::Arch::new(), threads: true }), expected);
+    assert_eq!(with(ChunkLoops { threads: true, ..LOOPS }), expected);
 }
 
 /// Elements away from the nodes that move keep their mass and values.

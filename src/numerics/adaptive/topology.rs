@@ -6,6 +6,7 @@ use std::ops::Range;
 use crate::element::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::{heap_bytes, sorted_pair, sorted_unique};
+use crate::kernel::shape::elements_around;
 
 /// Edge of an element from corner `nodes[0]` to `nodes[1]` with the element `left` on its left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,7 +109,7 @@ impl DomainTopology {
         let nodes = sorted_unique(global.iter().flatten().copied());
         let place: HashMap<u32, u32> = nodes.iter().enumerate().map(|(i, n)| (*n, i as u32)).collect();
         let corners: Vec<[u32; 4]> = global.iter().map(|c| c.inline_map(|n| place[&n])).collect();
-        let around = around(&corners, nodes.len());
+        let around = elements_around(&corners, nodes.len());
         let (edges, sides) = edges(&corners);
         let outer: Vec<[u32; 2]> =
             edges.iter().filter(|e| !e.is_inner() && e.nodes[0] != e.nodes[1]).map(|e| e.nodes).collect();
@@ -134,20 +135,6 @@ impl DomainTopology {
         let nodes = heap_bytes(&self.elements) + heap_bytes(&self.nodes) + heap_bytes(&self.corners);
         lists + nodes + heap_bytes(&self.edges) + heap_bytes(&self.boundary) + heap_bytes(&self.inside)
     }
-}
-
-/// Returns whether an element with these corners is a triangle.
-pub fn is_triangle(corners: &[u32; 4]) -> bool {
-    corners[2] == corners[3]
-}
-
-fn around(corners: &[[u32; 4]], count: usize) -> Vec<Vec<u32>> {
-    let mut around = vec![Vec::new(); count];
-    for (e, corners) in corners.iter().enumerate() {
-        let count = if is_triangle(corners) { 3 } else { 4 };
-        corners[..count].iter().for_each(|n| around[*n as usize].push(e as u32));
-    }
-    around
 }
 
 fn edges_at(edges: &[DomainEdge], count: usize) -> Vec<Vec<u32>> {

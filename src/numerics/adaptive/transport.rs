@@ -7,8 +7,8 @@ use pulp::NullaryFnOnce;
 use super::active::ActiveParts;
 use super::geometry::{centre, share_of_first, swept};
 use super::limiter::{ElementFlow, larger, smaller};
-use super::loops::DomainLoops;
 use super::topology::{DomainEdge, DomainTopology, ElementSide};
+use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad;
@@ -87,7 +87,7 @@ impl ElementTransport {
     /// that an element loses.
     pub fn measure(
         &mut self,
-        loops: DomainLoops,
+        loops: ChunkLoops,
         (domain, active): (&DomainTopology, &ActiveParts),
         [before, after]: [&[[f64; 2]]; 2],
     ) -> f64 {
@@ -123,7 +123,7 @@ impl ElementTransport {
     /// Moves masses, given before the motion, through the measured rings.
     pub fn move_masses(
         &mut self,
-        loops: DomainLoops,
+        loops: ChunkLoops,
         (domain, active): (&DomainTopology, &ActiveParts),
         masses: &mut [f64],
     ) {
@@ -167,7 +167,7 @@ impl ElementTransport {
     /// Moves variables, per mass, with the masses that [`Self::move_masses`] has moved.
     pub fn move_variables(
         &mut self,
-        loops: DomainLoops,
+        loops: ChunkLoops,
         (domain, active): (&DomainTopology, &ActiveParts),
         values: &mut [Pack],
     ) {

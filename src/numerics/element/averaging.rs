@@ -5,6 +5,7 @@ use super::group::ElementGroup;
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad::dilation;
+use crate::kernel::shape::is_triangle;
 use crate::state::nodes::Nodes;
 
 /// Averaging of the triangles of one group.
@@ -24,7 +25,6 @@ pub struct DilationAveraging {
 impl DilationAveraging {
     /// Creates the averaging for the triangles of a group; `None` if there are none.
     pub fn new(corners: &[[u32; 4]]) -> Option<DilationAveraging> {
-        let is_triangle = |c: &[u32; 4]| c[2] == c[3];
         let found = corners.iter().enumerate().filter(|(_, c)| is_triangle(c));
         let nodes: Vec<u32> = sorted_unique(found.clone().flat_map(|(_, c)| c[..3].to_vec()));
         let place = |node: &u32| nodes.partition_point(|n| n < node) as u32;

@@ -2,10 +2,10 @@
 //! ABAQUS/Explicit uses by default (Analysis User's Guide, "Explicit dynamic analysis", "Stable time increment
 //! estimator"). It is below the bound of single elements, most of all for square elements.
 //!
-//! The eigenvalue is computed by Lanczos' method ([`super::lanczos`]), and increased by the expected error. Until the
-//! next estimate it is increased with the largest strain increment of any element, so
-//! that it remains a bound. After too much deformation it is replaced by the bound of single elements, and computed
-//! again when the gain is likely to exceed its cost.
+//! The eigenvalue is computed by Lanczos' method ([`super::lanczos`]), and increased by the expected error. Until the next
+//! estimate it is increased with the largest strain increment of any element, so that it remains a bound. After too much
+//! deformation it is replaced by the bound of single elements, and computed again when the gain is likely to exceed its
+//! cost.
 
 use pulp::Arch;
 

@@ -6,7 +6,7 @@ use pulp::Arch;
 use sprs::CsMatI;
 
 use super::group::{ElementGroup, ElementStiffness};
-use crate::kernel::chunks::{chunks_of, sum_of_chunks};
+use crate::kernel::chunks::{ChunkLoops, chunks_of};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::topology::ElementNodes;
 use crate::state::nodes::Nodes;
@@ -66,8 +66,8 @@ impl SparseOperator {
         }
     }
 
-    /// Replaces the rows from `first` on of a vector by `factor` times the product minus the vector times `share`. Returns
-    /// the scalar product of these rows with `vector`.
+    /// Replaces rows of a vector, from `first` on, by `factor` times the product minus the vector times `share`. Returns the
+    /// scalar product of the new rows with those of `vector`.
     #[inline(always)]
     fn multiply(&self, first: usize, vector: &[[f64; 2]], [factor, share]: [f64; 2], rows: &mut [[f64; 2]]) -> f64 {
         let (starts, columns) = (self.pairs.indptr(), self.pairs.indices());
@@ -169,13 +169,13 @@ impl LanczosVectors {
     fn tridiagonal(&mut self, operator: &SparseOperator, arch: Arch) -> ([f64; STEPS], [f64; STEPS], usize) {
         let (mut diagonal, mut off_diagonal) = ([0.0; STEPS], [0.0; STEPS]);
         let LanczosVectors { before, now, parts } = self;
+        let loops = ChunkLoops::new(arch);
         before.fill([0.0; 2]);
         scatter(now);
         let (mut norm, mut norm_before) = (square_of(now).sqrt(), 1.0);
         for step in 0..STEPS {
             let factors = [1.0 / norm, norm / norm_before];
-            let product = sum_of_chunks(
-                arch,
+            let product = loops.sum(
                 before,
                 parts,
                 #[inline(always)]
@@ -183,8 +183,7 @@ impl LanczosVectors {
             );
             diagonal[step] = product / norm;
             let share = diagonal[step] / norm;
-            let square = sum_of_chunks(
-                arch,
+            let square = loops.sum(
                 before,
                 parts,
                 #[inline(always)]

@@ -1,5 +1,5 @@
-//! Loops over lists of nodes in chunks of fixed size, compiled for the instruction set of the run and distributed over the
-//! threads of the current pool. Results do not depend on the number of threads.
+//! Loops over long lists, of nodes, elements or edges, in chunks of fixed size: compiled for the instruction set of the run
+//! and distributed over threads. Results do not depend on the number of threads.
 
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -14,50 +14,80 @@ pub fn chunks_of(items: usize) -> usize {
     items.div_ceil(CHUNK)
 }
 
-/// Calls `of_chunk` with the index of the first item of each chunk, and the chunk. Returns the sum of its values in the
-/// order of the chunks; `parts` is a work array with one entry for each chunk. The closure, and functions that it calls,
-/// must be marked `#[inline(always)]`: functions that are not inlined are compiled for the base instruction set.
-pub fn sum_of_chunks<T: Send>(
-    arch: Arch,
-    list: &mut [T],
-    parts: &mut [f64],
-    of_chunk: impl Fn(usize, &mut [T]) -> f64 + Sync,
-) -> f64 {
-    let chunk = |(index, (items, part)): (usize, (&mut [T], &mut f64))| {
-        *part = arch.dispatch(ChunkLoop { first: index * CHUNK, items, of_chunk: &of_chunk });
-    };
-    if uses_threads(list) {
-        list.par_chunks_mut(CHUNK).zip(&mut *parts).enumerate().for_each(chunk);
-    } else {
-        list.chunks_mut(CHUNK).zip(&mut *parts).enumerate().for_each(chunk);
+/// Instruction set and threads of loops. Closures, and functions that they call, must be marked `#[inline(always)]` to be
+/// compiled for this instruction set; others are compiled for the base set.
+#[derive(Clone, Copy, Debug)]
+pub struct ChunkLoops {
+    pub arch: Arch,
+    /// Whether loops are distributed over the threads of the current pool.
+    pub threads: bool,
+}
+
+impl ChunkLoops {
+    /// Creates loops on all threads of the current pool.
+    pub fn new(arch: Arch) -> ChunkLoops {
+        ChunkLoops { arch, threads: rayon::current_num_threads() > 1 }
     }
-    parts.iter().sum()
-}
 
-/// Calls `of_chunk` as [`sum_of_chunks`] does, without a sum.
-pub fn for_chunks<T: Send>(arch: Arch, list: &mut [T], of_chunk: impl Fn(usize, &mut [T]) + Sync) {
-    let chunk = |(index, items): (usize, &mut [T])| {
-        arch.dispatch(ChunkLoop { first: index * CHUNK, items, of_chunk: &of_chunk });
-    };
-    if uses_threads(list) {
-        list.par_chunks_mut(CHUNK).enumerate().for_each(chunk);
-    } else {
-        list.chunks_mut(CHUNK).enumerate().for_each(chunk);
+    /// Calls `of_chunk` with the index of the first item of each chunk, and the chunk.
+    pub fn each<T: Send>(&self, list: &mut [T], of_chunk: impl Fn(usize, &mut [T]) + Sync) {
+        let chunk = |(index, items)| self.run(index, items, &of_chunk);
+        if self.uses_threads(list) {
+            list.par_chunks_mut(CHUNK).enumerate().for_each(chunk);
+        } else {
+            list.chunks_mut(CHUNK).enumerate().for_each(chunk);
+        }
+    }
+
+    /// Calls `of_chunk` as [`Self::each`] does. Returns the sum of its values in the order of the chunks; `parts` is a work
+    /// array with one entry for each chunk.
+    pub fn sum<T: Send>(
+        &self,
+        list: &mut [T],
+        parts: &mut [f64],
+        of_chunk: impl Fn(usize, &mut [T]) -> f64 + Sync,
+    ) -> f64 {
+        let chunk = |(index, (items, part)): (usize, (&mut [T], &mut f64))| *part = self.run(index, items, &of_chunk);
+        if self.uses_threads(list) {
+            list.par_chunks_mut(CHUNK).zip(&mut *parts).enumerate().for_each(chunk);
+        } else {
+            list.chunks_mut(CHUNK).zip(&mut *parts).enumerate().for_each(chunk);
+        }
+        parts.iter().sum()
+    }
+
+    /// Calls `of_chunk` as [`Self::each`] does, and combines its results. `combine` must not depend on the order.
+    pub fn combined<T: Send, R: Send + Sync + Copy>(
+        &self,
+        list: &mut [T],
+        (start, combine): (R, impl Fn(R, R) -> R + Sync + Send),
+        of_chunk: impl Fn(usize, &mut [T]) -> R + Sync,
+    ) -> R {
+        let chunk = |(index, items)| self.run(index, items, &of_chunk);
+        if self.uses_threads(list) {
+            list.par_chunks_mut(CHUNK).enumerate().map(chunk).reduce(|| start, combine)
+        } else {
+            list.chunks_mut(CHUNK).enumerate().map(chunk).fold(start, combine)
+        }
+    }
+
+    fn run<T, R>(&self, index: usize, items: &mut [T], of_chunk: &impl Fn(usize, &mut [T]) -> R) -> R {
+        self.arch.dispatch(ChunkCall { first: index * CHUNK, items, of_chunk })
+    }
+
+    fn uses_threads<T>(&self, list: &[T]) -> bool {
+        self.threads && list.len() >= PARALLEL
     }
 }
 
-fn uses_threads<T>(list: &[T]) -> bool {
-    list.len() >= PARALLEL && rayon::current_num_threads() > 1
-}
-
-/// The loop over a chunk.
-struct ChunkLoop<'a, T, F> {
+/// The call for a chunk.
+struct ChunkCall<'a, T, F> {
     first: usize,
     items: &'a mut [T],
     of_chunk: &'a F,
 }
 
-impl<T, R, F: Fn(usize, &mut [T]) -> R> WithSimd for ChunkLoop<'_, T, F> {
+impl<T, R, F: Fn(usize, &mut [T]) -> R> WithSimd for ChunkCall<'_, T, F> {
     type Output = R;
 
     #[inline(always)]

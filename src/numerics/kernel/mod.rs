@@ -30,6 +30,7 @@ pub mod quad;
 pub mod real;
 pub mod return_mapping;
 pub mod rotation;
+pub mod shape;
 pub mod shell;
 pub mod six_node_triangle;
 pub mod solid;

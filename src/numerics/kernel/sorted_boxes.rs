@@ -11,6 +11,13 @@ pub fn bounding_box([a, b]: [[f64; 2]; 2]) -> BoundingBox {
     [[a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]]
 }
 
+/// Returns the box of several points.
+pub fn box_of(points: &[[f64; 2]]) -> BoundingBox {
+    points.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], p| {
+        [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
+    })
+}
+
 /// Boxes with an index each, sorted by their lower end along r or z: the direction in which the boxes extend farther.
 #[derive(Clone, Debug, Default)]
 pub struct SortedBoxes {

@@ -2,10 +2,11 @@
 
 use std::collections::HashMap;
 
-use super::outline::{BoundaryEdge, OutlinePoint, distance, divide, loops};
-use super::triangulation::{TriangleMesh, fill};
+use super::outline::{BoundaryEdge, OutlinePoint, divide, loops};
+use super::triangulation::{TriangleMesh, fill, middle as middle_of_triangle};
 use super::{BodyMesh, INSIDE, MeshRevision, RevisedSide};
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::shape::{corner_shape, distance, elements_around, middle, smallest_sine};
 use crate::kernel::sorted_boxes::SortedBoxes;
 
 /// Edges of the divided triangles over the wanted edge of squares. With the first one, three quadrilaterals of a triangle
@@ -21,8 +22,9 @@ const SWEEPS: usize = 6;
 /// Remeshes a body. Nodes of the boundary that are `kept` remain. Returns `None` if its outline touches itself, or if
 /// no mesh with valid elements is found.
 pub fn new_mesh(old: &BodyMesh, kept: &[bool], body: usize) -> Option<MeshRevision> {
-    let graded = BodyMesh { sizes: graded_sizes(old), ..old.clone() };
-    let (loops, field) = (loops(old)?, SizeField::new(&graded));
+    let middles: Vec<[f64; 2]> = old.quads.iter().map(|quad| middle(old.corners(quad))).collect();
+    let graded = BodyMesh { sizes: graded_sizes(old, &middles), ..old.clone() };
+    let (loops, field) = (loops(old)?, SizeField::new(&graded, &middles));
     EDGES.iter().find_map(|factor| mesh_with(&graded, (&loops, kept), &field, *factor)).map(|mut revision| {
         revision.body = body;
         revision
@@ -46,33 +48,23 @@ fn mesh_with(
     let triangles = fill(&coarse, &edges, &|place| 2.0 * factor * field.size(place))?;
     let mut revision = divided(&triangles, &all);
     let on_boundary: Vec<bool> = revision.parents.iter().map(|parents| parents[0] != INSIDE).collect();
-    (0..SWEEPS).for_each(|_| improve(&mut revision.mesh, &on_boundary));
+    improve(&mut revision.mesh, &on_boundary);
     let mesh = &mut revision.mesh;
-    if mesh.quads.is_empty() || !mesh.quads.iter().all(|quad| shape(quad, &mesh.points) > FLAT) {
+    if mesh.quads.is_empty() || !mesh.quads.iter().all(|quad| corner_shape(quad, &mesh.points) > FLAT) {
         return None;
     }
     for quad in &mesh.quads {
-        let middle = middle_of(quad, &mesh.points);
-        let origin = field.element(middle);
+        let origin = field.element(middle(quad.inline_map(|n| mesh.points[n as usize])));
         revision.origins.push(origin);
         mesh.sizes.push(graded.sizes[origin as usize]);
     }
     Some(revision)
 }
 
-fn middle_of(quad: &[u32; 4], points: &[[f64; 2]]) -> [f64; 2] {
-    let at = quad.inline_map(|n| points[n as usize]);
-    [0, 1].inline_map(|i: usize| 0.25 * ((at[0][i] + at[1][i]) + (at[2][i] + at[3][i])))
-}
-
 /// Limits the change of sizes between neighbours.
-fn graded_sizes(mesh: &BodyMesh) -> Vec<f64> {
+fn graded_sizes(mesh: &BodyMesh, middles: &[[f64; 2]]) -> Vec<f64> {
     let mut sizes = mesh.sizes.clone();
-    let middles: Vec<[f64; 2]> = mesh.quads.iter().map(|quad| middle_of(quad, &mesh.points)).collect();
-    let mut around: Vec<Vec<u32>> = vec![Vec::new(); mesh.points.len()];
-    for (e, quad) in mesh.quads.iter().enumerate() {
-        quad.iter().for_each(|n| around[*n as usize].push(e as u32));
-    }
+    let around = elements_around(&mesh.quads, mesh.points.len());
     loop {
         let mut changes = false;
         for (e, quad) in mesh.quads.iter().enumerate() {
@@ -92,20 +84,19 @@ fn graded_sizes(mesh: &BodyMesh) -> Vec<f64> {
 
 /// Sizes at places: those of the old element with the nearest middle.
 struct SizeField<'a> {
-    mesh: &'a BodyMesh,
-    middles: Vec<[f64; 2]>,
+    sizes: &'a [f64],
+    middles: &'a [[f64; 2]],
     boxes: SortedBoxes,
     /// Distance within which the nearest element is searched first.
     reach: f64,
 }
 
 impl SizeField<'_> {
-    fn new(mesh: &BodyMesh) -> SizeField<'_> {
-        let middles: Vec<[f64; 2]> = mesh.quads.iter().map(|quad| middle_of(quad, &mesh.points)).collect();
+    fn new<'a>(mesh: &'a BodyMesh, middles: &'a [[f64; 2]]) -> SizeField<'a> {
         let mut boxes = SortedBoxes::with_capacity(middles.len());
         boxes.sort(middles.iter().map(|middle| [*middle, *middle]).zip(0..));
         let reach = mesh.sizes.iter().copied().fold(f64::INFINITY, f64::min);
-        SizeField { mesh, middles, boxes, reach }
+        SizeField { sizes: &mesh.sizes, middles, boxes, reach }
     }
 
     fn element(&self, place: [f64; 2]) -> u32 {
@@ -127,7 +118,7 @@ impl SizeField<'_> {
     }
 
     fn size(&self, place: [f64; 2]) -> f64 {
-        self.mesh.sizes[self.element(place) as usize]
+        self.sizes[self.element(place) as usize]
     }
 }
 
@@ -163,8 +154,7 @@ fn divided(triangles: &TriangleMesh, all: &[Vec<OutlinePoint>]) -> MeshRevision 
         of_corner.push(node);
     }
     for triangle in &triangles.triangles {
-        let at = triangle.inline_map(|n| triangles.points[n as usize]);
-        let centre = [0, 1].inline_map(|i: usize| (at[0][i] + at[1][i] + at[2][i]) / 3.0);
+        let centre = middle_of_triangle(triangle.inline_map(|n| triangles.points[n as usize]));
         let centre = inside(&mut revision, centre);
         let halves = [0, 1, 2].inline_map(|i: usize| {
             let (a, b) = (triangle[i], triangle[(i + 1) % 3]);
@@ -193,75 +183,50 @@ fn divided(triangles: &TriangleMesh, all: &[Vec<OutlinePoint>]) -> MeshRevision 
     revision
 }
 
-/// Returns the smallest corner triangle over half the area of a quadrilateral, 1 for a parallelogram.
-fn shape(quad: &[u32; 4], points: &[[f64; 2]]) -> f64 {
-    let at = quad.inline_map(|n| points[n as usize]);
-    let twice = |i: usize| {
-        let [a, b, c] = [at[(i + 3) % 4], at[i], at[(i + 1) % 4]];
-        (c[0] - b[0]) * (a[1] - b[1]) - (c[1] - b[1]) * (a[0] - b[0])
-    };
-    let corners = [0, 1, 2, 3].inline_map(twice);
-    let area = 0.5 * (corners[0] + corners[2]);
-    let smallest = corners.iter().copied().fold(f64::INFINITY, f64::min);
-    if area > 0.0 { smallest / area } else { -1.0 }
-}
-
-/// Returns the smallest sine of the angles of an element; negative if it is not convex.
-fn sine(quad: &[u32; 4], place: impl Fn(u32) -> [f64; 2]) -> f64 {
-    let at = quad.inline_map(place);
-    let is_triangle = quad[2] == quad[3];
-    let count = if is_triangle { 3 } else { 4 };
-    let mut least: f64 = 1.0;
-    for i in 0..count {
-        let [a, b, c] = [at[(i + count - 1) % count], at[i], at[(i + 1) % count]];
-        let twice = (c[0] - b[0]) * (a[1] - b[1]) - (c[1] - b[1]) * (a[0] - b[0]);
-        least = least.min(twice / (distance(a, b) * distance(b, c)));
-    }
-    least
-}
-
 /// Returns the smallest angle of elements, or the smallest difference of an angle from 180 degrees, radians; negative if
 /// an element is not convex.
 pub fn sharpest(quads: &[[u32; 4]], place: impl Fn(u32) -> [f64; 2]) -> f64 {
-    libm::asin(quads.iter().map(|quad| sine(quad, &place)).fold(1.0, f64::min))
+    libm::asin(quads.iter().map(|quad| smallest_sine(quad, &place)).fold(1.0, f64::min))
 }
 
-/// Moves nodes inside to the middle of their neighbours where this improves the worst element around them.
+/// Moves nodes inside to the middle of their neighbours where this improves the worst element around them, in several
+/// sweeps.
 fn improve(mesh: &mut BodyMesh, on_boundary: &[bool]) {
-    let mut around: Vec<Vec<u32>> = vec![Vec::new(); mesh.points.len()];
-    for (e, quad) in mesh.quads.iter().enumerate() {
-        quad.iter().for_each(|n| around[*n as usize].push(e as u32));
-    }
-    for n in 0..mesh.points.len() {
-        if on_boundary[n] {
-            continue;
+    let around = elements_around(&mesh.quads, mesh.points.len());
+    for _ in 0..SWEEPS {
+        for n in (0..mesh.points.len()).filter(|n| !on_boundary[*n]) {
+            improve_node(mesh, n, &around[n]);
         }
-        let worst = |points: &[[f64; 2]]| {
-            around[n]
-                .iter()
-                .map(|e| sine(&mesh.quads[*e as usize], |n| points[n as usize]))
-                .fold(f64::INFINITY, f64::min)
-        };
-        let (mut sum, mut count) = ([0.0; 2], 0.0);
-        for quad in around[n].iter().map(|e| &mesh.quads[*e as usize]) {
-            for i in (0..4).filter(|i| quad[*i] as usize == n) {
-                for other in [quad[(i + 1) % 4], quad[(i + 3) % 4]] {
-                    let place = mesh.points[other as usize];
-                    (sum, count) = ([sum[0] + place[0], sum[1] + place[1]], count + 1.0);
-                }
+    }
+}
+
+/// Moves a node to the middle of its neighbours in the elements around it if this improves the worst of them.
+fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
+    let BodyMesh { points, quads, .. } = mesh;
+    let elements = || around.iter().map(|e| &quads[*e as usize]);
+    let worst = |points: &[[f64; 2]]| {
+        elements().map(|quad| smallest_sine(quad, |n| points[n as usize])).fold(f64::INFINITY, f64::min)
+    };
+    let (mut sum, mut count) = ([0.0; 2], 0.0);
+    for quad in elements() {
+        for i in (0..4).filter(|i| quad[*i] as usize == n) {
+            for other in [quad[(i + 1) % 4], quad[(i + 3) % 4]] {
+                let place = points[other as usize];
+                (sum, count) = ([sum[0] + place[0], sum[1] + place[1]], count + 1.0);
             }
         }
-        let (before, old) = (worst(&mesh.points), mesh.points[n]);
-        mesh.points[n] = sum.inline_map(|x| x / count);
-        if worst(&mesh.points) <= before {
-            mesh.points[n] = old;
-        }
+    }
+    let (before, old) = (worst(points), points[n]);
+    points[n] = sum.inline_map(|x| x / count);
+    if worst(points) <= before {
+        points[n] = old;
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{new_mesh, shape, sharpest};
+    use super::{new_mesh, sharpest};
+    use crate::kernel::shape::corner_shape;
     use crate::remesh::BodyMesh;
 
     fn block(n: u32, m: u32, place: impl Fn(f64, f64) -> [f64; 2]) -> BodyMesh {
@@ -311,7 +276,7 @@ mod tests {
         });
         let kept = vec![false; old.points.len()];
         let new = new_mesh(&old, &kept, 0).expect("a mesh");
-        assert!(new.mesh.quads.iter().all(|quad| shape(quad, &new.mesh.points) > 0.1));
+        assert!(new.mesh.quads.iter().all(|quad| corner_shape(quad, &new.mesh.points) > 0.1));
         let angle = sharpest(&new.mesh.quads, |n| new.mesh.points[n as usize]).to_degrees();
         assert!(angle > 10.0, "{angle} degrees");
         // The outline is kept to second order.

@@ -7,6 +7,7 @@ pub mod overlap;
 pub mod transfer;
 mod triangulation;
 
+use crate::kernel::lanes::InlineMap;
 use crate::state::archive::persist_struct;
 
 /// Quadrilaterals of a body with its own numbering of nodes. The last two nodes of a triangle are the same.
@@ -18,6 +19,13 @@ pub struct BodyMesh {
     pub quads: Vec<[u32; 4]>,
     /// Length of the edges that a mesh should have at the place of each element.
     pub sizes: Vec<f64>,
+}
+
+impl BodyMesh {
+    /// Returns the corners of an element.
+    pub fn corners(&self, quad: &[u32; 4]) -> [[f64; 2]; 4] {
+        quad.inline_map(|n| self.points[n as usize])
+    }
 }
 
 /// Side of a new element on the boundary of its body, and the side of an old element on which it is.

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::BodyMesh;
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::shape::distance;
 
 /// Cosine of the change of direction from which on a boundary node is a corner, 30 degrees.
 const CORNER: f64 = 0.866_025_403_784_438_6;
@@ -105,11 +106,6 @@ fn cosine_between(mesh: &BodyMesh, pair: [&BoundaryEdge; 2]) -> f64 {
     });
     let lengths = ((a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1])).sqrt();
     if lengths > 0.0 { (a[0] * b[0] + a[1] * b[1]) / lengths } else { 1.0 }
-}
-
-/// Returns the distance between two points.
-pub(super) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    ((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])).sqrt()
 }
 
 /// Divides the edges between two nodes that remain; the last node is the first one of the next run.

@@ -2,7 +2,8 @@
 
 use super::BodyMesh;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes};
+use crate::kernel::shape::{distance, halves, middle, twice_area};
+use crate::kernel::sorted_boxes::{SortedBoxes, box_of};
 
 /// The part of an old element that is in a new one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,24 +24,24 @@ const SLIVER: f64 = 1e-12;
 /// Returns the common parts of two meshes of a body, by old element. Outlines may differ a little: what is outside the
 /// new one is distributed over the parts of its element.
 pub fn common_parts(old: &BodyMesh, new: &BodyMesh) -> Vec<CommonPart> {
-    let cells: Vec<[[f64; 2]; 4]> = new.quads.iter().map(|quad| places(new, quad)).collect();
+    let cells: Vec<[[f64; 2]; 4]> = new.quads.iter().map(|quad| new.corners(quad)).collect();
     let mut boxes = SortedBoxes::with_capacity(cells.len());
-    boxes.sort(cells.iter().map(box_of).zip(0..));
+    boxes.sort(cells.iter().map(|cell| box_of(cell)).zip(0..));
     let mut parts: Vec<CommonPart> = Vec::new();
     let (mut near, mut polygon, mut work) = (Vec::new(), Vec::new(), Vec::new());
     for (e, quad) in (0..).zip(&old.quads) {
-        let (own, first) = (places(old, quad), parts.len());
+        let (own, first) = (old.corners(quad), parts.len());
         near.clear();
         boxes.near(box_of(&own), 0.0, |n| near.push(n));
         near.sort_unstable();
         let mut whole = 0.0;
-        for triangle in halves(own) {
+        for triangle in triangles_of(own) {
             whole += ring(&triangle).0;
         }
         for &n in &near {
             let (mut volume, mut moment) = (0.0, [0.0; 2]);
-            for a in halves(own) {
-                for b in halves(cells[n as usize]) {
+            for a in triangles_of(own) {
+                for b in triangles_of(cells[n as usize]) {
                     clip(&a, &b, &mut polygon, &mut work);
                     let (part, centre) = ring(&polygon);
                     if part > 0.0 {
@@ -54,8 +55,8 @@ pub fn common_parts(old: &BodyMesh, new: &BodyMesh) -> Vec<CommonPart> {
             }
         }
         if parts.len() == first {
-            let middle = own.iter().fold([0.0; 2], |sum, p| [sum[0] + 0.25 * p[0], sum[1] + 0.25 * p[1]]);
-            parts.push(CommonPart { old: e, new: nearest(&cells, middle), share: 1.0, centre: middle });
+            let centre = middle(own);
+            parts.push(CommonPart { old: e, new: nearest(&cells, centre), share: 1.0, centre });
         }
         let sum: f64 = parts[first..].iter().map(|part| part.share).sum();
         parts[first..].iter_mut().for_each(|part| part.share /= sum);
@@ -63,33 +64,15 @@ pub fn common_parts(old: &BodyMesh, new: &BodyMesh) -> Vec<CommonPart> {
     parts
 }
 
-/// Returns the corners of an element.
-pub(super) fn places(mesh: &BodyMesh, quad: &[u32; 4]) -> [[f64; 2]; 4] {
-    quad.inline_map(|n| mesh.points[n as usize])
-}
-
-fn box_of(corners: &[[f64; 2]; 4]) -> BoundingBox {
-    corners.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], p| {
-        [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
-    })
-}
-
 fn nearest(cells: &[[[f64; 2]; 4]], place: [f64; 2]) -> u32 {
-    let apart = |cell: &[[f64; 2]; 4]| {
-        let middle = cell.iter().fold([0.0; 2], |sum, p| [sum[0] + 0.25 * p[0], sum[1] + 0.25 * p[1]]);
-        super::outline::distance(middle, place)
-    };
+    let apart = |cell: &[[f64; 2]; 4]| distance(middle(*cell), place);
     let found = (0..).zip(cells).min_by(|a, b| apart(a.1).total_cmp(&apart(b.1)));
     found.map_or(0, |(index, _)| index)
 }
 
-/// Divides a quadrilateral into two triangles of positive area, also if one of its angles exceeds 180 degrees.
-fn halves(at: [[f64; 2]; 4]) -> [[[f64; 2]; 3]; 2] {
-    let twice = |[a, b, c]: [[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    let first = [[at[0], at[1], at[2]], [at[0], at[2], at[3]]];
-    let second = [[at[0], at[1], at[3]], [at[1], at[2], at[3]]];
-    let smallest = |pair: &[[[f64; 2]; 3]; 2]| twice(pair[0]).min(twice(pair[1]));
-    if smallest(&second) > smallest(&first) { second } else { first }
+/// Returns two triangles that make up an element.
+fn triangles_of(at: [[f64; 2]; 4]) -> [[[f64; 2]; 3]; 2] {
+    halves(at).inline_map(|list| list.inline_map(|i| at[i]))
 }
 
 /// Cuts a triangle with another one (Sutherland and Hodgman 1974); both are counter-clockwise.
@@ -98,7 +81,7 @@ fn clip(triangle: &[[f64; 2]; 3], other: &[[f64; 2]; 3], polygon: &mut Vec<[f64;
     polygon.extend(triangle);
     for i in 0..3 {
         let ([a, b], count) = ([other[i], other[(i + 1) % 3]], polygon.len());
-        let inside = |p: [f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+        let inside = |p: [f64; 2]| twice_area([a, b, p]);
         work.clear();
         for k in 0..count {
             let (p, q) = (polygon[k], polygon[(k + 1) % count]);
@@ -126,7 +109,7 @@ pub(super) fn ring(polygon: &[[f64; 2]]) -> (f64, [f64; 2]) {
     for i in 1..polygon.len() - 1 {
         // Integrals over the triangle from the first corner: r, r², r z with z from the base.
         let [a, b, c] = [base, polygon[i], polygon[i + 1]];
-        let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        let twice = twice_area([a, b, c]);
         let sum = a[0] + b[0] + c[0];
         let [y, w] = [b[1] - a[1], c[1] - a[1]];
         volume += twice * sum / 6.0;

@@ -2,10 +2,11 @@
 //! range of their neighbours, are integrated over the common parts of old and new elements.
 
 use super::BodyMesh;
-use super::overlap::{CommonPart, places};
+use super::overlap::CommonPart;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::quad;
-use crate::kernel::sorted_boxes::SortedBoxes;
+use crate::kernel::shape::{halves, middle, twice_area};
+use crate::kernel::sorted_boxes::{SortedBoxes, box_of};
 
 /// Masses and velocities of a body.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -77,7 +78,7 @@ impl<'a> MeshTransfer<'a> {
             sums[part.new as usize] += mass;
         }
         let corners = |(quad, mass): (&[u32; 4], f64)| {
-            let shares = quad::corner_masses(places(self.new, quad), 1.0);
+            let shares = quad::corner_masses(self.new.corners(quad), 1.0);
             let sum = (shares[0] + shares[1]) + (shares[2] + shares[3]);
             shares.inline_map(|share| mass * share / sum)
         };
@@ -122,14 +123,9 @@ impl<'a> MeshTransfer<'a> {
                 (sums[0][l], sums[1][l]) = (sums[0][l] + r * difference, sums[1][l] + z * difference);
             }
         }
-        let determinant = rr * zz - rz * rz;
-        if determinant <= 1e-9 * (rr + zz) * (rr + zz) {
-            return [[0.0; PACK]; 2];
-        }
         let mut gradient = [[0.0; PACK]; 2];
         for l in 0..PACK {
-            let (r, z) = (sums[0][l], sums[1][l]);
-            let along = [(zz * r - rz * z) / determinant, (rr * z - rz * r) / determinant];
+            let along = fitted([rr, zz, rz], [sums[0][l], sums[1][l]]);
             let share = self.share(e, along, [low[l] - own[l], high[l] - own[l]]);
             (gradient[0][l], gradient[1][l]) = (share * along[0], share * along[1]);
         }
@@ -180,7 +176,7 @@ impl<'a> MeshTransfer<'a> {
     fn momentum_of_elements(&self, motion: &BodyMotion) -> Vec<[f64; 2]> {
         let mut sums = vec![[0.0; 2]; self.new.quads.len()];
         for (e, quad) in self.old.quads.iter().enumerate() {
-            let (at, masses) = (places(self.old, quad), &motion.masses[e]);
+            let (at, masses) = (self.old.corners(quad), &motion.masses[e]);
             let corners = quad.inline_map(|n| motion.velocities[n as usize]);
             for axis in 0..2 {
                 let of = corners.inline_map(|v| v[axis]);
@@ -201,18 +197,15 @@ impl<'a> MeshTransfer<'a> {
 
 /// Returns the values of a field of the nodes of a mesh at places; those outside take values of the nearest element.
 pub fn interpolated(mesh: &BodyMesh, values: &[[f64; 2]], at: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let triangles: Vec<([u32; 3], [[f64; 2]; 3])> = (mesh.quads.iter())
-        .flat_map(|quad| halves_of(mesh, quad))
-        .map(|nodes| (nodes, nodes.inline_map(|n| mesh.points[n as usize])))
-        .collect();
+    let triangles: Vec<_> = mesh.quads.iter().flat_map(|quad| triangles_of(mesh, quad)).collect();
     let mut boxes = SortedBoxes::with_capacity(triangles.len());
-    boxes.sort(triangles.iter().map(|(_, corners)| bounds(corners)).zip(0..));
+    boxes.sort(triangles.iter().map(|(_, corners)| box_of(corners)).zip(0..));
     let value = |place: [f64; 2]| {
         let mut reach = 0.0;
         let mut best = (f64::NEG_INFINITY, u32::MAX, [0.0; 3]);
         while best.1 == u32::MAX {
             boxes.near([place, place], reach, |t| {
-                let weights = barycentric(&triangles[t as usize].1, place);
+                let weights = barycentric(triangles[t as usize].1, place);
                 let least = weights[0].min(weights[1]).min(weights[2]);
                 if least > best.0 || least == best.0 && t < best.1 {
                     best = (least, t, weights);
@@ -228,46 +221,36 @@ pub fn interpolated(mesh: &BodyMesh, values: &[[f64; 2]], at: &[[f64; 2]]) -> Ve
     at.iter().map(|place| value(*place)).collect()
 }
 
-/// Returns the nodes of two triangles of positive area that make up an element.
-fn halves_of(mesh: &BodyMesh, quad: &[u32; 4]) -> Vec<[u32; 3]> {
-    let [a, b, c, d] = *quad;
-    let twice = |t: [u32; 3]| {
-        let [a, b, c] = t.inline_map(|n| mesh.points[n as usize]);
-        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-    };
-    let (first, second) = ([[a, b, c], [a, c, d]], [[a, b, d], [b, c, d]]);
-    let least = |pair: [[u32; 3]; 2]| twice(pair[0]).min(twice(pair[1]));
-    let pair = if c != d && least(second) > least(first) { second } else { first };
-    pair.into_iter().filter(|t| twice(*t) > 0.0).collect()
+/// Returns the nodes of the triangles of positive area that make up an element.
+fn triangles_of(mesh: &BodyMesh, quad: &[u32; 4]) -> impl Iterator<Item = ([u32; 3], [[f64; 2]; 3])> {
+    let at = mesh.corners(quad);
+    let pair = halves(at).inline_map(|list| (list.inline_map(|i| quad[i]), list.inline_map(|i| at[i])));
+    pair.into_iter().filter(|(_, corners)| twice_area(*corners) > 0.0)
 }
 
-fn bounds(corners: &[[f64; 2]; 3]) -> [[f64; 2]; 2] {
-    corners.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], p| {
-        [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
-    })
-}
-
-fn barycentric([a, b, c]: &[[f64; 2]; 3], p: [f64; 2]) -> [f64; 3] {
-    let twice = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    let whole = twice(*a, *b, *c);
-    let weights = [twice(p, *b, *c), twice(*a, p, *c), twice(*a, *b, p)];
-    weights.inline_map(|w| w / whole)
+fn barycentric([a, b, c]: [[f64; 2]; 3], p: [f64; 2]) -> [f64; 3] {
+    let whole = twice_area([a, b, c]);
+    [[p, b, c], [a, p, c], [a, b, p]].inline_map(|part| twice_area(part) / whole)
 }
 
 /// Returns the gradient of a linear field by least squares over the corners of an element.
 fn slope(at: [[f64; 2]; 4], of: [f64; 4]) -> [f64; 2] {
-    let mean = |i: usize| 0.25 * ((at[0][i] + at[1][i]) + (at[2][i] + at[3][i]));
-    let (middle, value) = ([mean(0), mean(1)], 0.25 * ((of[0] + of[1]) + (of[2] + of[3])));
+    let (middle, value) = (middle(at), 0.25 * ((of[0] + of[1]) + (of[2] + of[3])));
     let [mut rr, mut zz, mut rz, mut first, mut second] = [0.0; 5];
     for (place, of) in at.iter().zip(of) {
         let (r, z, d) = (place[0] - middle[0], place[1] - middle[1], of - value);
         (rr, zz, rz, first, second) = (rr + r * r, zz + z * z, rz + r * z, first + r * d, second + z * d);
     }
+    fitted([rr, zz, rz], [first, second])
+}
+
+/// Returns the gradient that solves the normal equations of least squares; zero if all places are on one line.
+fn fitted([rr, zz, rz]: [f64; 3], [r, z]: [f64; 2]) -> [f64; 2] {
     let determinant = rr * zz - rz * rz;
     if determinant <= 1e-9 * (rr + zz) * (rr + zz) {
         return [0.0; 2];
     }
-    [(zz * first - rz * second) / determinant, (rr * second - rz * first) / determinant]
+    [(zz * r - rz * z) / determinant, (rr * z - rz * r) / determinant]
 }
 
 /// Returns the elements with a common side.

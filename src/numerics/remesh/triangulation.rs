@@ -3,8 +3,8 @@
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
-use super::outline::distance;
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::shape::{distance, twice_area};
 
 /// Circumradius, in units of the wanted edge, above which a triangle is divided; that of an equilateral one is 0.577.
 const LARGE: f64 = 0.72;
@@ -103,11 +103,12 @@ fn triangulated(points: &[[f64; 2]], edges: &[[u32; 2]]) -> Option<Delaunay> {
 
 fn triangles(delaunay: &Delaunay, points: &[[f64; 2]], polygon: &Boundary<'_>) -> Vec<[u32; 3]> {
     let all = delaunay.inner_faces().map(|face| face.vertices().map(|v| v.fix().index() as u32));
-    let middle = |t: &[u32; 3]| {
-        let [a, b, c] = t.inline_map(|n| points[n as usize]);
-        [0, 1].inline_map(|i: usize| (a[i] + b[i] + c[i]) / 3.0)
-    };
-    all.filter(|t| polygon.encloses(middle(t))).collect()
+    all.filter(|t| polygon.encloses(middle(t.inline_map(|n| points[n as usize])))).collect()
+}
+
+/// Returns the mean of the corners of a triangle.
+pub(super) fn middle([a, b, c]: [[f64; 2]; 3]) -> [f64; 2] {
+    [0, 1].inline_map(|i: usize| (a[i] + b[i] + c[i]) / 3.0)
 }
 
 /// Returns the circumcentre and the circumradius of a triangle.
@@ -131,7 +132,7 @@ fn wanted_points(
     for triangle in triangles(delaunay, points, polygon) {
         let corners = triangle.inline_map(|n| points[n as usize]);
         let (centre, radius) = circumcircle(corners);
-        let length = size([0, 1].inline_map(|i: usize| (corners[0][i] + corners[1][i] + corners[2][i]) / 3.0));
+        let length = size(middle(corners));
         let sides = [0, 1, 2].inline_map(|i: usize| distance(corners[i], corners[(i + 1) % 3]));
         let shortest = sides[0].min(sides[1]).min(sides[2]);
         let is_bad = radius > LARGE * length || radius > SLENDER * shortest && radius > 0.5 * length;
@@ -158,8 +159,8 @@ fn wanted_points(
 fn smooth(triangles: &[[u32; 3]], fixed: usize, points: &mut [[f64; 2]]) {
     let mut sums = vec![([0.0; 2], 0.0); points.len()];
     for triangle in triangles {
-        let [a, b, c] = triangle.inline_map(|n| points[n as usize]);
-        let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        let at = triangle.inline_map(|n| points[n as usize]);
+        let (area, [a, b, c]) = (twice_area(at), at);
         for n in triangle {
             let (sum, weight) = &mut sums[*n as usize];
             *sum = [0, 1].inline_map(|i: usize| sum[i] + area * (a[i] + b[i] + c[i]) / 3.0);

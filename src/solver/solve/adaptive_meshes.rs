@@ -4,12 +4,12 @@
 use super::outcome::MeshChanges;
 use super::run::SolverRun;
 use crate::adaptive::AdaptiveDomain;
-use crate::adaptive::loops::DomainLoops;
 use crate::adaptive::smoothing::{BoundaryContact, Surroundings};
 use crate::constraint::contact::curve::PointCarrier;
 use crate::constraint::{Constraint, ConstraintUpkeep, ContactResults, MeshMotion};
 use crate::element::elements::Elements;
 use crate::heat::ThermalState;
+use crate::kernel::chunks::ChunkLoops;
 use crate::load::SceneChange;
 use crate::plan::State;
 use crate::state::dofs::Dofs;
@@ -159,7 +159,7 @@ impl SolverRun<'_> {
 
     fn find_new_places(&mut self) {
         let State { adaptive, elements, dofs, constraints, .. } = &mut self.state;
-        let loops = DomainLoops { arch: elements.arch(), threads: self.threads };
+        let loops = ChunkLoops::new(elements.arch());
         for domain in adaptive {
             let clock = self.timing.start(domain.id);
             domain.find_new_places(loops, elements, &dofs.nodes, &ContactSurroundings { constraints, dofs });
@@ -170,7 +170,7 @@ impl SolverRun<'_> {
     fn change_meshes(&mut self, dt: f64) {
         let State { adaptive, elements, dofs, constraints, loads, thermal, .. } = &mut self.state;
         let half = 0.5 * (dt + dofs.nodes.previous_dt);
-        let loops = DomainLoops { arch: elements.arch(), threads: self.threads };
+        let loops = ChunkLoops::new(elements.arch());
         let mut has_changed = false;
         for domain in adaptive {
             let clock = self.timing.start(domain.id);

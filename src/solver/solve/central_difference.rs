@@ -1,7 +1,7 @@
 //! Central differences for nodes: accelerations from forces, velocities at mid-increment, displacements (ABAQUS Theory
 //! Guide 2.4.5). Rigid bodies are integrated in `state`.
 
-use crate::kernel::chunks::{chunks_of, for_chunks, sum_of_chunks};
+use crate::kernel::chunks::{ChunkLoops, chunks_of};
 use crate::kernel::lanes::InlineMap;
 
 use crate::element::elements::Elements;
@@ -15,8 +15,7 @@ pub(super) fn accelerate_nodes(elements: &Elements, dofs: &mut Dofs, parts: &mut
     let Dofs { nodes, energies, .. } = dofs;
     let mut acceleration = std::mem::take(&mut nodes.acceleration);
     let pass = NodePass { elements, nodes };
-    energies.kinetic = sum_of_chunks(
-        elements.arch(),
+    energies.kinetic = ChunkLoops::new(elements.arch()).sum(
         &mut acceleration,
         parts,
         #[inline(always)]
@@ -99,8 +98,7 @@ pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64) {
     }
     let half = 0.5 * (dt + dofs.nodes.previous_dt);
     let (nodes, accelerations) = dofs.nodes.motion_mut();
-    for_chunks(
-        elements.arch(),
+    ChunkLoops::new(elements.arch()).each(
         nodes,
         #[inline(always)]
         |first, nodes| {

@@ -34,7 +34,6 @@ const PAUSE: u64 = 5;
 /// A run between two plans.
 pub(super) struct DetachedRun {
     state: State,
-    step: usize,
     now: Instant,
     previous_instant: Instant,
     last_increment: f64,
@@ -50,21 +49,19 @@ pub(super) struct DetachedRun {
 impl DetachedRun {
     /// Continues the run with its plan.
     pub(super) fn attach<'a>(self, plan: &'a Plan, position: Option<&'a RunPosition>) -> SolverRun<'a> {
-        let DetachedRun { state, step, now, previous_instant, last_increment, velocity_extrapolation, .. } = self;
-        let DetachedRun { body_forces, balance, watch, remesh, seconds, outcome, .. } = self;
-        let mut run = SolverRun::new(plan, state, position);
-        run.timing.add(&seconds);
+        let mut run = SolverRun::new(plan, self.state, position);
+        run.timing.add(&self.seconds);
         SolverRun {
-            step: &plan.steps[step],
-            now,
-            previous_instant,
-            last_increment,
-            velocity_extrapolation,
-            body_forces,
-            balance,
-            watch,
-            remesh,
-            outcome,
+            step: &plan.steps[self.now.step as usize - 1],
+            now: self.now,
+            previous_instant: self.previous_instant,
+            last_increment: self.last_increment,
+            velocity_extrapolation: self.velocity_extrapolation,
+            body_forces: self.body_forces,
+            balance: self.balance,
+            watch: self.watch,
+            remesh: self.remesh,
+            outcome: self.outcome,
             complete: true,
             ..run
         }
@@ -355,21 +352,18 @@ impl SolverRun<'_> {
     }
 
     fn detach(self) -> DetachedRun {
-        let SolverRun { state, now, previous_instant, last_increment, velocity_extrapolation, .. } = self;
-        let SolverRun { body_forces, balance, watch, remesh, timing, outcome, .. } = self;
         DetachedRun {
-            seconds: timing.sums(),
-            state,
-            step: now.step as usize - 1,
-            now,
-            previous_instant,
-            last_increment,
-            velocity_extrapolation,
-            body_forces,
-            balance,
-            watch,
-            remesh,
-            outcome,
+            state: self.state,
+            now: self.now,
+            previous_instant: self.previous_instant,
+            last_increment: self.last_increment,
+            velocity_extrapolation: self.velocity_extrapolation,
+            body_forces: self.body_forces,
+            balance: self.balance,
+            watch: self.watch,
+            remesh: self.remesh,
+            seconds: self.timing.sums(),
+            outcome: self.outcome,
         }
     }
 }

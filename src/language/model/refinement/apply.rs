@@ -1,7 +1,5 @@
 //! Refinement of the mesh of a deck: reading in two passes, sets, and names of new nodes and elements.
 
-use std::collections::HashMap;
-
 use super::lattice;
 use super::mesh::RefinedMesh;
 use super::pass::ReadPass;
@@ -11,7 +9,7 @@ use crate::kernel::lists::sorted_unique;
 use crate::model::budget::BudgetedItem;
 use crate::model::builder::ModelBuilder;
 use crate::model::coarsening::apply::regions;
-use crate::model::name::EntityName;
+use crate::model::name::{EntityName, NewLabels};
 use crate::model::relisting::edits::DeckEdits;
 use crate::model::types::{Element, ElementSide, Model, OutputKind, OutputRegion};
 use crate::platform::PortableMath as _;
@@ -127,35 +125,6 @@ impl ModelBuilder<'_> {
                 *members = vec![refined.middle_child[first]];
             }
         }
-    }
-}
-
-/// Labels of new nodes or elements: above the largest label of their part instance.
-#[derive(Default)]
-struct NewLabels {
-    largest: HashMap<String, i64>,
-}
-
-impl NewLabels {
-    fn above<'a>(names: impl Iterator<Item = &'a EntityName>) -> NewLabels {
-        let mut labels = NewLabels::default();
-        for name in names {
-            let (scope, label) = name.rsplit_once('.').unwrap_or(("", name));
-            let label = label.parse().unwrap_or(0);
-            match labels.largest.get_mut(scope) {
-                Some(largest) => *largest = label.max(*largest),
-                None => drop(labels.largest.insert(scope.to_owned(), label)),
-            }
-        }
-        labels
-    }
-
-    /// Returns the name of the next node or element in the part instance of `like`.
-    fn next(&mut self, like: &EntityName) -> EntityName {
-        let scope = like.rsplit_once('.').map_or("", |(scope, _)| scope);
-        let Some(largest) = self.largest.get_mut(scope) else { return like.clone() };
-        *largest = largest.saturating_add(1);
-        EntityName::of_label(scope, *largest)
     }
 }
 
