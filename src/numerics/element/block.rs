@@ -9,6 +9,7 @@ use super::constants::ElementConstants;
 use super::control::{EnhancedInput, HourglassScheme, PatternSpring};
 use super::eroded::ErodedLanes;
 use super::forces::CornerForceUpdate;
+use super::motion::BlockMotion;
 use super::subzonal::SubzonalPressures;
 use crate::element::record::{BlockRecord, RecordUpdate};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
@@ -125,6 +126,8 @@ pub struct TaskWorkspace {
     /// mid-increment, and the volumes, in [`UNIT`].
     pub(super) turned: Lanes,
     pub(super) middle: Lanes,
+    /// Geometry and motion of the block.
+    pub(super) motion: BlockMotion,
     /// Weight of each lane: 1, or 0 for lanes without an active element.
     pub(super) weight: Lanes,
     /// Kinematics of the block, and the resulting stress update.
@@ -614,7 +617,7 @@ persist_struct!(TaskState {
 });
 
 // The other fields are scratch memory of one pass; the sums stay valid while a task is quiescent.
-persist_struct!(TaskWorkspace { sums, task } derived { stress, recorded, r, z, v_r, v_z, turned, middle, weight, strain, block, at, own_rate, cap, arch, deformed } then TaskWorkspace::persist_work);
+persist_struct!(TaskWorkspace { sums, task } derived { stress, recorded, r, z, v_r, v_z, motion, turned, middle, weight, strain, block, at, own_rate, cap, arch, deformed } then TaskWorkspace::persist_work);
 
 impl TaskWorkspace {
     fn persist_work(&mut self, archive: &mut StateArchive<'_>) {

@@ -5,11 +5,12 @@ use pulp::{Simd, WithSimd};
 use super::block::{ControlStresses, TaskWorkspace};
 use super::constants::{CHANGE, ElementConstants, damped};
 use super::control::{HourglassScheme, LaneKinematics};
+use super::motion::{LaneMotion, MotionInput, wave};
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
 use crate::kernel::bulk_viscosity::slow_rate;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, Lanes};
 use crate::kernel::pack::{Pack, PackPosition};
-use crate::kernel::quad::{QuadOperators, SquareSums, UNIT, at_corners, dot3};
+use crate::kernel::quad::{QuadOperators, UNIT, at_corners, dot3};
 use crate::kernel::real::Real;
 
 /// Largest ratio of the squared frequency of an hourglass pattern to that of the strains. The value 1/4 leaves the
@@ -38,8 +39,16 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool> Wi
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let factors = ForceFactors::new::<VARY>((self.constants, self.dt), self.scratch);
+        let input = MotionInput::new(self.constants, self.inverse_mass);
+        // Roots and divisions take long. While those of a pack are computed, a core begins with the motion of the next
+        // pack, which does not depend on them.
         for index in 0..PackPosition::<S>::COUNT {
-            self.add_pack(&factors, PackPosition::new(simd, index));
+            self.scratch.measure_motion::<S, AREA, VARY>(&input, PackPosition::new(simd, index));
+        }
+        for index in 0..PackPosition::<S>::COUNT {
+            let at = PackPosition::new(simd, index);
+            let motion = self.scratch.motion::<S, VARY>(&input, at);
+            self.add_pack(&factors, &motion, at);
         }
     }
 }
@@ -49,9 +58,8 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
 {
     /// Computes the corner forces of stress, bulk viscosity and hourglass control, and the stable time increment.
     #[inline(always)]
-    fn add_pack<S: Simd>(&mut self, factors: &ForceFactors, at: PackPosition<S>) {
-        let lane = self.motion(factors, at);
-        let viscosity = self.bulk_viscosity(factors, &lane, at);
+    fn add_pack<S: Simd>(&mut self, factors: &ForceFactors, lane: &LaneMotion<Pack<S>>, at: PackPosition<S>) {
+        let viscosity = self.bulk_viscosity(factors, lane, at);
         let shape = lane.shape;
         let rate = [dot3(shape, lane.along[0]), dot3(shape, lane.along[1])];
         let mut hourglass = [at.splat(0.0); 2];
@@ -59,45 +67,12 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
             let (v_r, squares) = (lane.v_r, lane.squares);
             self.control.store_pack(at, &LaneKinematics { g: &lane.g, per: lane.per, shape, rate, v_r, squares });
         } else {
-            hourglass = self.hourglass_stress(factors, &lane, rate, at);
+            hourglass = self.hourglass_stress(factors, lane, rate, at);
         }
         let stress = self.viscous_stress(&viscosity, at);
         let [along_r, along_z] = corner_forces::<_, AREA>(&lane.g, stress, shape, hourglass);
         self.store_forces(along_r, along_z, at);
-        self.add_rate(factors, &lane, &viscosity, at);
-    }
-
-    /// Returns geometry and motion of a pack: the operators, the bound of the highest frequency and the hourglass pattern in
-    /// the current configuration.
-    #[inline(always)]
-    fn motion<S: Simd>(&self, factors: &ForceFactors, at: PackPosition<S>) -> LaneMotion<Pack<S>> {
-        let TaskWorkspace { r, z, v_r, v_z, stress, .. } = &*self.scratch;
-        let modulus = if VARY { factors.shear43 + at.load(&stress.bulk) } else { at.splat(factors.modulus) };
-        let (r, z, inverse_mass) = (at.load_all(r), at.load_all(z), at.load_all(self.inverse_mass));
-        let (v_r, [_, w1, w2, w3]) = (at.load_all(v_r), at.load_all(v_z));
-        let g = QuadOperators::of::<AREA>(r, z);
-        // ω² ≤ c_d² ρ V Σ (b_r² + b_z² + b_θ²)/m; this is the sum.
-        let all = SquareSums::of_gradient(g.r).plus(SquareSums::of_gradient(g.z)).plus(SquareSums::of_hoop(g.hoop));
-        let squares = all.weighted(inverse_mass);
-        let pattern = g.pattern([r[3], z[3]]);
-        let light = SquareSums::of_gradient(pattern).weighted(inverse_mass);
-        let root = (UNIT * modulus * squares * g.volume).root();
-        // ω = root / V. One division yields 1/V, 1/ω and the mass that moves with the pattern.
-        let inverse = 1.0 / (g.volume * (root * light));
-        let inverse_root = inverse * (g.volume * light);
-        let per = inverse * (root * light);
-        let square = dot3(g.r, g.r) + dot3(g.z, g.z);
-        // Bulk viscosity (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"); it is not part of the stored
-        // stress. The length is 2 c/ω, so that the linear coefficient is the fraction of critical damping in the
-        // highest mode, also in flat elements: ρ c times the length is then 2 (K + 4/3 G)/ω.
-        let mut period = g.volume * inverse_root;
-        if AREA {
-            // From the plane section only: the hoop term would disturb spherical symmetry.
-            period = g.volume / (UNIT * modulus * square * at.load(&self.inverse_mass[0]) * g.volume).root();
-        }
-        let along = [[v_r[1], v_r[2], v_r[3]], [w1, w2, w3]];
-        let shape = pattern.inline_map(|part| per * part);
-        LaneMotion { g, v_r, along, shape, modulus, squares, square, root, inverse, per, omega: root * per, period }
+        self.add_rate(factors, lane, &viscosity, at);
     }
 
     /// Stores the corner forces of a pack: the arguments with opposite sign.
@@ -250,8 +225,6 @@ struct ForceFactors {
     dt: f64,
     /// One over the previous increment; 0 at the start.
     per_dt: f64,
-    shear43: f64,
-    modulus: f64,
     /// Longitudinal modulus over the bulk modulus.
     pressing: f64,
     /// Linear coefficient of bulk viscosity, and the square of the quadratic one.
@@ -277,13 +250,11 @@ struct ForceFactors {
 impl ForceFactors {
     #[inline(always)]
     fn new<const VARY: bool>((constants, dt): (&ElementConstants, f64), scratch: &TaskWorkspace) -> Self {
-        let ([shear43, modulus], viscosity) = (wave(constants), &constants.bulk_viscosity);
+        let ([_, modulus], viscosity) = (wave(constants), &constants.bulk_viscosity);
         let per_dt = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         ForceFactors {
             dt,
             per_dt,
-            shear43,
-            modulus,
             pressing: modulus / constants.bulk,
             linear: viscosity.linear,
             quadratic2: viscosity.quadratic * viscosity.quadratic,
@@ -296,39 +267,6 @@ impl ForceFactors {
             starts: VARY && per_dt == 0.0,
             begins: viscosity.filters() && per_dt == 0.0,
         }
-    }
-}
-
-/// Geometry and motion of a lane, or of a pack of lanes.
-struct LaneMotion<T> {
-    g: QuadOperators<T>,
-    /// Velocities along r, combined by [`sums`](crate::kernel::quad::sums).
-    v_r: [T; 4],
-    /// Combined velocities along r and z without the mean.
-    along: [[T; 3]; 2],
-    /// Hourglass pattern in base vectors.
-    shape: [T; 3],
-    /// Modulus of longitudinal waves.
-    modulus: T,
-    /// Sum of the squares of all operators over the corner masses, and the sum of squares without the hoop operator.
-    squares: T,
-    square: T,
-    /// Highest frequency times the volume, and a common inverse: 1/V and 1/ω follow from it without another division.
-    root: T,
-    inverse: T,
-    /// One over the volume.
-    per: T,
-    omega: T,
-    /// One over the frequency that bulk viscosity damps.
-    period: T,
-}
-
-impl<T: Real> LaneMotion<T> {
-    /// Returns the volumetric strain rate of the current velocities.
-    #[inline(always)]
-    fn dilation_rate(&self) -> T {
-        let (g, [along_r, along_z], [ring, first, second, _]) = (&self.g, self.along, self.v_r);
-        (dot3(g.r, along_r) + dot3(g.z, along_z) + dot3(g.hoop, [ring, first, second])) / g.volume
     }
 }
 
@@ -370,10 +308,4 @@ fn corner_forces<T: Real, const AREA: bool>(
         stressed_z(2) + f_z * shape[2],
     ]);
     [along_r, along_z]
-}
-
-/// Returns 4/3 of the shear modulus, and the longitudinal modulus K + 4/3 G.
-fn wave(constants: &ElementConstants) -> [f64; 2] {
-    let shear43 = 4.0 / 3.0 * constants.shear;
-    [shear43, constants.bulk + shear43]
 }

@@ -27,6 +27,7 @@ mod lanczos;
 pub mod lengths;
 pub mod mass_scaling;
 mod middle;
+mod motion;
 pub mod parts;
 pub mod pattern;
 pub mod predefined;
