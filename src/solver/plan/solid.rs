@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::user_material::calls_routines_at_points;
 use super::{Compiler, MeshIndexMap, State, numbering};
-use crate::deck::Diagnostic;
+use crate::deck::{Diagnostic, Span};
 use crate::element::damping::{RayleighDamping, RayleighFactors};
 use crate::element::distortion::DistortionControl;
 use crate::element::elements::Elements;
@@ -20,6 +20,7 @@ use crate::model::{
     EosKind, FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition,
     RayleighCoefficients, SolidSection, Step,
 };
+use crate::state::EffectId;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
 use crate::variables::Variable;
@@ -55,6 +56,14 @@ impl SolidPlaces {
 }
 
 impl Compiler<'_> {
+    /// Sets the places of the elements of a group, and returns its ledger row.
+    fn place_elements(&mut self, elements: &[usize], group: usize, row: (Span, &'static str)) -> EffectId {
+        for (i, &e) in elements.iter().enumerate() {
+            self.places.elements.insert(e, (group, i));
+        }
+        self.ledger_rows.get(&row).copied().unwrap_or_default()
+    }
+
     /// Creates the nodes and element groups of all deformable bodies; empty if there are none.
     pub(super) fn solids(&mut self) -> State {
         let model = self.model;
@@ -75,10 +84,7 @@ impl Compiler<'_> {
         for (section, elements) in &sections {
             let Some(list) = self.connectivity(elements, &nodes) else { continue };
             let Some(group) = self.group(section, elements, &list, &nodes, &mut mass) else { continue };
-            for (i, &e) in elements.iter().enumerate() {
-                self.places.elements.insert(e, (groups.len(), i));
-            }
-            ids.push(self.ledger_rows.get(&(section.span, "deformable elements")).copied().unwrap_or_default());
+            ids.push(self.place_elements(elements, groups.len(), (section.span, "deformable elements")));
             controlled.extend(self.distortion_control(section, elements.len()).map(|ratio| (groups.len(), ratio)));
             damped.push(self.damping(section, elements.len()));
             averagings.push(self.averaging(section, list.quadrilaterals()));
@@ -87,18 +93,12 @@ impl Compiler<'_> {
         }
         for (section, elements) in &shells {
             let Some(group) = self.shells(section, elements, &nodes, &mut mass) else { continue };
-            for (i, &e) in elements.iter().enumerate() {
-                self.places.elements.insert(e, (groups.len(), i));
-            }
-            ids.push(self.ledger_rows.get(&(section.span, "shells")).copied().unwrap_or_default());
+            ids.push(self.place_elements(elements, groups.len(), (section.span, "shells")));
             groups.push(group);
         }
         for (section, elements) in &interfaces {
             let Some(group) = self.cohesive_group(section, elements, &nodes, &mut mass) else { continue };
-            for (i, &e) in elements.iter().enumerate() {
-                self.places.elements.insert(e, (groups.len(), i));
-            }
-            ids.push(self.ledger_rows.get(&(section.span, "cohesive elements")).copied().unwrap_or_default());
+            ids.push(self.place_elements(elements, groups.len(), (section.span, "cohesive elements")));
             groups.push(group);
         }
         self.check_steps_alike();
