@@ -107,7 +107,7 @@ fn triangles(delaunay: &Delaunay, points: &[[f64; 2]], polygon: &Boundary<'_>) -
 }
 
 /// Returns the mean of the corners of a triangle.
-pub(super) fn middle([a, b, c]: [[f64; 2]; 3]) -> [f64; 2] {
+fn middle([a, b, c]: [[f64; 2]; 3]) -> [f64; 2] {
     [0, 1].inline_map(|i: usize| (a[i] + b[i] + c[i]) / 3.0)
 }
 
