@@ -42,7 +42,8 @@ fn mesh_with(
     field: &SizeField<'_>,
     factor: f64,
 ) -> Option<MeshRevision> {
-    let all: Vec<Vec<OutlinePoint>> = loops.iter().map(|edges| divide(graded, edges, kept, factor)).collect();
+    let mut all: Vec<Vec<OutlinePoint>> = loops.iter().map(|edges| divide(graded, edges, kept, factor)).collect();
+    repair_points(&mut all, &graded.sizes, kept);
     let (mut boundary, mut edges) = (Vec::new(), Vec::new());
     for points in &all {
         let (first, count) = (boundary.len() as u32, points.len() as u32);
@@ -63,6 +64,32 @@ fn mesh_with(
         mesh.sizes.push(graded.sizes[origin as usize]);
     }
     Some(revision)
+}
+
+/// Repairs a divided outline, whose chords may cross where the outline itself does not.
+fn repair_points(all: &mut [Vec<OutlinePoint>], sizes: &[f64], kept: &[bool]) {
+    let points: Vec<OutlinePoint> = all.iter().flatten().copied().collect();
+    let places = points.iter().map(|p| p.place).collect();
+    let mut outline = BodyMesh { points: places, quads: Vec::new(), sizes: sizes.to_vec() };
+    let (mut first, mut loops) = (0, Vec::new());
+    for list in &*all {
+        let count = list.len() as u32;
+        let edge = |(i, point): (u32, &OutlinePoint)| BoundaryEdge {
+            ends: [first + i, first + (i + 1) % count],
+            side: point.side,
+        };
+        loops.push((0..).zip(list).map(edge).collect());
+        first += count;
+    }
+    let is_kept = |p: &OutlinePoint| p.parents[0] == p.parents[1] && kept[p.parents[0] as usize];
+    repair(&mut outline, &mut loops, &points.iter().map(is_kept).collect::<Vec<bool>>());
+    for (list, edges) in all.iter_mut().zip(loops) {
+        let point = |edge: &BoundaryEdge| {
+            let n = edge.ends[0] as usize;
+            OutlinePoint { place: outline.points[n], parents: points[n].parents, side: edge.side }
+        };
+        *list = edges.iter().map(point).collect();
+    }
 }
 
 /// Limits the change of sizes between neighbours.
