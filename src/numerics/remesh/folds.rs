@@ -81,7 +81,9 @@ fn move_node(
     }
     for (n, weight) in weights {
         let step = weight / sum * (depth + GAP * size);
-        points[n as usize] = [0, 1].inline_map(|i: usize| points[n as usize][i] + step * normal[i]);
+        let [r, z] = points[n as usize];
+        // A node off the axis stays off it.
+        points[n as usize] = [(r + step * normal[0]).max(0.5 * r), z + step * normal[1]];
     }
     true
 }
