@@ -9,6 +9,7 @@ use super::types::{
 };
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
+use crate::kernel::shape::is_triangle;
 use crate::remesh::outline::{BoundaryEdge, loops};
 use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
 
@@ -63,7 +64,10 @@ impl ModelBody {
             .flat_map(|list| (0..list.len()).map(move |at| [&list[(at + list.len() - 1) % list.len()], &list[at]]))
             .collect();
         let elements = &model.remeshings[self.index].elements;
-        let face = |edge: &BoundaryEdge| (elements[edge.side.0 as usize], ElementSide::Face(edge.side.1 + 1));
+        let face = |edge: &BoundaryEdge| {
+            let (e, side) = edge.side;
+            (elements[e as usize], face_of(&self.quads[e as usize], side))
+        };
         let on_axis = |n: u32| model.mesh.points[self.nodes[n as usize]][0] == 0.0;
         let mut keep_ends = |is_in: &dyn Fn(&BoundaryEdge) -> bool, has: &dyn Fn(u32) -> bool| {
             for [before, after] in &edges {
@@ -115,10 +119,15 @@ pub fn revised(model: &Model, revision: &MeshRevision) -> Model {
         MemberList::Node(node) => *node = relation.node(*node),
         MemberList::Nodes(list) => relation.follow_nodes(list, &body, revision),
         MemberList::Elements(list) => relation.follow_elements(list, model, revision),
-        MemberList::Faces(list) => relation.follow_faces(list, model, revision),
+        MemberList::Faces(list) => relation.follow_faces(list, model, (&body, revision)),
     });
     keep_history_nodes(&mut new, model, &relation);
     new
+}
+
+/// Returns the face of a side of an element; the third side of a triangle is that from its last corner, its fourth one.
+fn face_of(quad: &[u32; 4], side: u8) -> ElementSide {
+    ElementSide::Face(if is_triangle(quad) { side.min(2) + 1 } else { side + 1 })
 }
 
 /// Added to the name of a node set for the nodes of its histories.
@@ -195,13 +204,21 @@ impl MeshRelation {
         *list = others.chain(new.map(|(new, _)| self.first_element + new)).collect();
     }
 
-    fn follow_faces(&self, list: &mut Vec<(usize, ElementSide)>, model: &Model, revision: &MeshRevision) {
+    fn follow_faces(
+        &self,
+        list: &mut Vec<(usize, ElementSide)>,
+        model: &Model,
+        (body, revision): (&ModelBody, &MeshRevision),
+    ) {
         let own = &model.remeshings[revision.body].elements;
         let has: HashSet<(usize, ElementSide)> = list.iter().copied().collect();
         let others = list.iter().map(|(e, side)| (self.elements[*e], *side)).filter(|(e, _)| *e != GONE);
-        let old = |(e, side): (u32, u8)| (own[e as usize], ElementSide::Face(side + 1));
+        let old = |(e, side): (u32, u8)| (own[e as usize], face_of(&body.quads[e as usize], side));
         let new = revision.sides.iter().filter(|side| has.contains(&old(side.old)));
-        let new = new.map(|side| (self.first_element + side.new.0 as usize, ElementSide::Face(side.new.1 + 1)));
+        let new = new.map(|side| {
+            let (e, at) = (side.new.0 as usize, side.new.1);
+            (self.first_element + e, face_of(&revision.mesh.quads[e], at))
+        });
         *list = others.chain(new).collect();
     }
 
@@ -231,7 +248,8 @@ impl MeshRelation {
         for quad in &revision.mesh.quads {
             let nodes = quad.map(|n| self.first_node + n as usize);
             let name = element_labels.next(&like.name);
-            mesh.elements.push(Element { name, kind: ElementKind::Cax4r, nodes: nodes[..].into(), span: like.span });
+            let (kind, count) = if is_triangle(quad) { (ElementKind::Cax3, 3) } else { (ElementKind::Cax4r, 4) };
+            mesh.elements.push(Element { name, kind, nodes: nodes[..count].into(), span: like.span });
         }
         mesh
     }

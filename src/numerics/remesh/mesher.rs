@@ -1,21 +1,23 @@
-//! New quadrilaterals inside the outline of a body: triangles of twice the size, each divided into three.
+//! New elements inside the outline of a body: triangles, of which most are paired to quadrilaterals.
 
 use std::collections::HashMap;
 
+use super::folds::repair;
 use super::outline::{BoundaryEdge, OutlinePoint, divide, loops};
-use super::triangulation::{TriangleMesh, fill, middle as middle_of_triangle};
+use super::pairing::elements;
+use super::triangulation::{TriangleMesh, fill};
 use super::{BodyMesh, INSIDE, MeshRevision, RevisedSide};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::{corner_shape, distance, elements_around, middle, smallest_sine};
 use crate::kernel::sorted_boxes::SortedBoxes;
 
-/// Edges of the divided triangles over the wanted edge of squares. With the first one, three quadrilaterals of a triangle
-/// have almost the area of three squares; the others follow a more curved outline.
-const EDGES: [f64; 4] = [1.2, 1.0, 0.8, 0.6];
+/// Edges of the triangles over the wanted edge of squares. With the first one, two triangles have the area of a square; the
+/// others follow a more curved outline.
+const EDGES: [f64; 4] = [1.07, 0.9, 0.75, 0.6];
 /// Largest change of the wanted edge per distance.
 const GRADING: f64 = 0.3;
 /// Smallest ratio of the corner triangles of an element to half its area.
-const FLAT: f64 = 0.05;
+const FLAT: f64 = 0.02;
 /// Sweeps that improve the shapes of the quadrilaterals.
 const SWEEPS: usize = 6;
 
@@ -23,8 +25,10 @@ const SWEEPS: usize = 6;
 /// no mesh with valid elements is found.
 pub fn new_mesh(old: &BodyMesh, kept: &[bool], body: usize) -> Option<MeshRevision> {
     let middles: Vec<[f64; 2]> = old.quads.iter().map(|quad| middle(old.corners(quad))).collect();
-    let graded = BodyMesh { sizes: graded_sizes(old, &middles), ..old.clone() };
-    let (loops, field) = (loops(old)?, SizeField::new(&graded, &middles));
+    let mut graded = BodyMesh { sizes: graded_sizes(old, &middles), ..old.clone() };
+    let mut loops = loops(old)?;
+    repair(&mut graded, &mut loops, kept);
+    let field = SizeField::new(&graded, &middles);
     EDGES.iter().find_map(|factor| mesh_with(&graded, (&loops, kept), &field, *factor)).map(|mut revision| {
         revision.body = body;
         revision
@@ -38,15 +42,16 @@ fn mesh_with(
     field: &SizeField<'_>,
     factor: f64,
 ) -> Option<MeshRevision> {
-    let all: Vec<Vec<OutlinePoint>> = loops.iter().map(|edges| divide(graded, edges, kept, factor)).collect();
-    let (mut coarse, mut edges) = (Vec::new(), Vec::new());
+    let mut all: Vec<Vec<OutlinePoint>> = loops.iter().map(|edges| divide(graded, edges, kept, factor)).collect();
+    repair_points(&mut all, &graded.sizes, kept);
+    let (mut boundary, mut edges) = (Vec::new(), Vec::new());
     for points in &all {
-        let (first, count) = (coarse.len() as u32, points.len() as u32 / 2);
-        coarse.extend(points.iter().step_by(2).map(|p| p.place));
+        let (first, count) = (boundary.len() as u32, points.len() as u32);
+        boundary.extend(points.iter().map(|p| p.place));
         edges.extend((0..count).map(|i| [first + i, first + (i + 1) % count]));
     }
-    let triangles = fill(&coarse, &edges, &|place| 2.0 * factor * field.size(place))?;
-    let mut revision = divided(&triangles, &all);
+    let triangles = fill(&boundary, &edges, &|place| factor * field.size(place))?;
+    let mut revision = filled(triangles, &all);
     let on_boundary: Vec<bool> = revision.parents.iter().map(|parents| parents[0] != INSIDE).collect();
     improve(&mut revision.mesh, &on_boundary);
     let mesh = &mut revision.mesh;
@@ -59,6 +64,32 @@ fn mesh_with(
         mesh.sizes.push(graded.sizes[origin as usize]);
     }
     Some(revision)
+}
+
+/// Repairs a divided outline, whose chords may cross where the outline itself does not.
+fn repair_points(all: &mut [Vec<OutlinePoint>], sizes: &[f64], kept: &[bool]) {
+    let points: Vec<OutlinePoint> = all.iter().flatten().copied().collect();
+    let places = points.iter().map(|p| p.place).collect();
+    let mut outline = BodyMesh { points: places, quads: Vec::new(), sizes: sizes.to_vec() };
+    let (mut first, mut loops) = (0, Vec::new());
+    for list in &*all {
+        let count = list.len() as u32;
+        let edge = |(i, point): (u32, &OutlinePoint)| BoundaryEdge {
+            ends: [first + i, first + (i + 1) % count],
+            side: point.side,
+        };
+        loops.push((0..).zip(list).map(edge).collect());
+        first += count;
+    }
+    let is_kept = |p: &OutlinePoint| p.parents[0] == p.parents[1] && kept[p.parents[0] as usize];
+    repair(&mut outline, &mut loops, &points.iter().map(is_kept).collect::<Vec<bool>>());
+    for (list, edges) in all.iter_mut().zip(loops) {
+        let point = |edge: &BoundaryEdge| {
+            let n = edge.ends[0] as usize;
+            OutlinePoint { place: outline.points[n], parents: points[n].parents, side: edge.side }
+        };
+        *list = edges.iter().map(point).collect();
+    }
 }
 
 /// Limits the change of sizes between neighbours.
@@ -122,61 +153,24 @@ impl SizeField<'_> {
     }
 }
 
-/// Divides each triangle into three quadrilaterals.
-fn divided(triangles: &TriangleMesh, all: &[Vec<OutlinePoint>]) -> MeshRevision {
+/// Makes elements of triangles, whose first points are those of the outline.
+fn filled(triangles: TriangleMesh, all: &[Vec<OutlinePoint>]) -> MeshRevision {
     let mut revision = MeshRevision::default();
-    // Nodes of the outline first, in the order of the loops.
-    let (mut of_corner, mut middles) = (Vec::new(), HashMap::new());
-    let mut sides_of: HashMap<[u32; 2], (u32, u8)> = HashMap::new();
-    let mut next: HashMap<u32, u32> = HashMap::new();
+    let mut outline: HashMap<[u32; 2], (u32, u8)> = HashMap::new();
     for points in all {
-        let first = revision.parents.len() as u32;
-        let (count, corners) = (points.len() as u32, of_corner.len() as u32);
+        let (first, count) = (revision.parents.len() as u32, points.len() as u32);
         for (i, point) in (0..).zip(points) {
-            let (own, following) = (first + i, first + (i + 1) % count);
-            revision.mesh.points.push(point.place);
             revision.parents.push(point.parents);
-            sides_of.insert([own, following], point.side);
-            next.insert(own, following);
-            if i % 2 == 0 {
-                of_corner.push(own);
-                middles.insert([corners + i / 2, corners + (i / 2 + 1) % (count / 2)], own + 1);
-            }
+            outline.insert([first + i, first + (i + 1) % count], point.side);
         }
     }
-    let inside = |revision: &mut MeshRevision, place: [f64; 2]| {
-        revision.mesh.points.push(place);
-        revision.parents.push([INSIDE; 2]);
-        revision.parents.len() as u32 - 1
-    };
-    for place in &triangles.points[of_corner.len()..] {
-        let node = inside(&mut revision, *place);
-        of_corner.push(node);
-    }
-    for triangle in &triangles.triangles {
-        let centre = middle_of_triangle(triangle.inline_map(|n| triangles.points[n as usize]));
-        let centre = inside(&mut revision, centre);
-        let halves = [0, 1, 2].inline_map(|i: usize| {
-            let (a, b) = (triangle[i], triangle[(i + 1) % 3]);
-            if let Some(node) = middles.get(&[a, b]).or_else(|| middles.get(&[b, a])) {
-                return *node;
-            }
-            let ends = [a, b].inline_map(|n| triangles.points[n as usize]);
-            let place = [0, 1].inline_map(|k: usize| 0.5 * (ends[0][k] + ends[1][k]));
-            let node = inside(&mut revision, place);
-            middles.insert([a, b], node);
-            node
-        });
-        for i in 0..3 {
-            let corner = of_corner[triangle[i] as usize];
-            revision.mesh.quads.push([corner, halves[i], centre, halves[(i + 2) % 3]]);
-        }
-    }
+    revision.parents.resize(triangles.points.len(), [INSIDE; 2]);
+    revision.mesh.quads = elements(&triangles);
+    revision.mesh.points = triangles.points;
     for (e, quad) in (0..).zip(&revision.mesh.quads) {
         for side in 0..4 {
-            let ends = [quad[side], quad[(side + 1) % 4]];
-            if next.get(&ends[0]) == Some(&ends[1]) {
-                revision.sides.push(RevisedSide { new: (e, side as u8), old: sides_of[&ends] });
+            if let Some(old) = outline.get(&[quad[side], quad[(side + 1) % 4]]) {
+                revision.sides.push(RevisedSide { new: (e, side as u8), old: *old });
             }
         }
     }
@@ -210,7 +204,7 @@ fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
     let (mut sum, mut count) = ([0.0; 2], 0.0);
     for quad in elements() {
         for i in (0..4).filter(|i| quad[*i] as usize == n) {
-            for other in [quad[(i + 1) % 4], quad[(i + 3) % 4]] {
+            for other in [quad[(i + 1) % 4], quad[(i + 3) % 4]].into_iter().filter(|other| *other as usize != n) {
                 let place = points[other as usize];
                 (sum, count) = ([sum[0] + place[0], sum[1] + place[1]], count + 1.0);
             }
@@ -226,7 +220,7 @@ fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
 #[cfg(test)]
 mod tests {
     use super::{new_mesh, sharpest};
-    use crate::kernel::shape::corner_shape;
+    use crate::kernel::shape::{corner_shape, is_triangle};
     use crate::remesh::BodyMesh;
 
     fn block(n: u32, m: u32, place: impl Fn(f64, f64) -> [f64; 2]) -> BodyMesh {
@@ -261,7 +255,9 @@ mod tests {
         let new = new_mesh(&old, &kept, 0).expect("a mesh");
         assert!((area(&new.mesh) - 2.0).abs() < 1e-12);
         let count = new.mesh.quads.len();
-        assert!((100..260).contains(&count), "{count} elements");
+        assert!((100..160).contains(&count), "{count} elements");
+        let triangles = new.mesh.quads.iter().filter(|quad| is_triangle(quad)).count();
+        assert!(10 * triangles < count, "{triangles} triangles");
         let angle = sharpest(&new.mesh.quads, |n| new.mesh.points[n as usize]).to_degrees();
         assert!(angle > 30.0, "{angle} degrees");
         assert_eq!(new.sides.len(), new.parents.iter().filter(|p| p[0] != super::INSIDE).count());

@@ -1,9 +1,11 @@
 //! New meshes of bodies during a run: the outline of a deformed body is divided again, its inside is filled with
-//! quadrilaterals, and masses, momentum and element variables are moved to them.
+//! elements, most of them quadrilaterals, and masses, momentum and element variables are moved to them.
 
+mod folds;
 pub mod mesher;
 pub mod outline;
 pub mod overlap;
+mod pairing;
 pub mod transfer;
 mod triangulation;
 

@@ -13,6 +13,11 @@ const SLENDER: f64 = 1.15;
 /// Smallest distances of a new point from the boundary and from other points, in units of the wanted edge.
 const FROM_BOUNDARY: f64 = 0.45;
 const APART: f64 = 0.62;
+/// Coordinates below this one are zero; the library accepts none between zero and 2e-43.
+const SMALLEST: f64 = 1e-40;
+/// Smallest ratio of the area of a triangle to the square of its longest side. Flatter ones are between the polygon and a
+/// straight line.
+const FLATTEST: f64 = 1e-9;
 /// Largest number of rounds of added points.
 const ROUNDS: usize = 60;
 /// Rounds in which points move to the middle of their neighbours.
@@ -78,8 +83,9 @@ pub(super) fn fill(boundary: &[[f64; 2]], edges: &[[u32; 2]], size: &dyn Fn([f64
     Some(TriangleMesh { points, triangles })
 }
 
-/// Adds a point, which gets the next index.
-fn add(delaunay: &mut Delaunay, [r, z]: [f64; 2], index: usize) -> Option<()> {
+/// Adds a point, which gets the next index. Coordinates that are too small for the library are zero.
+fn add(delaunay: &mut Delaunay, place: [f64; 2], index: usize) -> Option<()> {
+    let [r, z] = place.inline_map(|x| if x.abs() < SMALLEST { 0.0 } else { x });
     let added = delaunay.insert(Point2::new(r, z)).ok()?;
     (added.index() == index).then_some(())
 }
@@ -103,11 +109,16 @@ fn triangulated(points: &[[f64; 2]], edges: &[[u32; 2]]) -> Option<Delaunay> {
 
 fn triangles(delaunay: &Delaunay, points: &[[f64; 2]], polygon: &Boundary<'_>) -> Vec<[u32; 3]> {
     let all = delaunay.inner_faces().map(|face| face.vertices().map(|v| v.fix().index() as u32));
-    all.filter(|t| polygon.encloses(middle(t.inline_map(|n| points[n as usize])))).collect()
+    all.filter(|t| {
+        let [a, b, c] = t.inline_map(|n| points[n as usize]);
+        let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+        twice_area([a, b, c]) > 2.0 * FLATTEST * longest * longest && polygon.encloses(middle([a, b, c]))
+    })
+    .collect()
 }
 
 /// Returns the mean of the corners of a triangle.
-pub(super) fn middle([a, b, c]: [[f64; 2]; 3]) -> [f64; 2] {
+fn middle([a, b, c]: [[f64; 2]; 3]) -> [f64; 2] {
     [0, 1].inline_map(|i: usize| (a[i] + b[i] + c[i]) / 3.0)
 }
 
@@ -169,5 +180,22 @@ fn smooth(triangles: &[[u32; 3]], fixed: usize, points: &mut [[f64; 2]]) {
     }
     for (point, (sum, weight)) in points.iter_mut().zip(sums).skip(fixed).filter(|(_, (_, weight))| *weight > 0.0) {
         *point = sum.inline_map(|x| x / weight);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fill;
+    use crate::kernel::shape::twice_area;
+
+    /// A wave has reached the rim of a square: displacements of 1e-54, and a side that is bent by rounding.
+    #[test]
+    fn tiny_coordinates_and_bent_sides_do_not_matter() {
+        let points = [[1.0, 0.0], [2.0, -3.4e-54], [2.0 - 1e-15, 0.5], [2.0, 1.0], [1.0, 1.0], [1.0 + 1e-16, 0.5]];
+        let edges: Vec<[u32; 2]> = (0..6).map(|i| [i, (i + 1) % 6]).collect();
+        let mesh = fill(&points, &edges, &|_| 0.5).expect("triangles");
+        let areas: Vec<f64> =
+            mesh.triangles.iter().map(|t| 0.5 * twice_area(t.map(|n| mesh.points[n as usize]))).collect();
+        assert!((areas.iter().sum::<f64>() - 1.0).abs() < 1e-12 && areas.iter().all(|a| *a > 0.01), "{areas:?}");
     }
 }
