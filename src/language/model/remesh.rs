@@ -231,7 +231,8 @@ impl MeshRelation {
         for quad in &revision.mesh.quads {
             let nodes = quad.map(|n| self.first_node + n as usize);
             let name = element_labels.next(&like.name);
-            mesh.elements.push(Element { name, kind: ElementKind::Cax4r, nodes: nodes[..].into(), span: like.span });
+            let kind = if like.kind.is_thermal() { ElementKind::Cax4rt } else { ElementKind::Cax4r };
+            mesh.elements.push(Element { name, kind, nodes: nodes[..].into(), span: like.span });
         }
         mesh
     }
