@@ -434,6 +434,41 @@ fn new_meshes_resume() {
     assert!(outcome.new_meshes[0].count >= 2, "{:?}", outcome.new_meshes);
 }
 
+/// New meshes of bodies in contact with friction: pressures, slip and stored energies; also with temperatures, mass scaling
+/// and deleted elements.
+#[test]
+fn new_meshes_of_bodies_in_contact_resume() {
+    let remesh = |name: &str| format!("*Remesh, elset={name}.SOLID, frequency=10, angle=1., increment=0.9999999\n");
+    let bodies = |law: &str, cards: &str| {
+        let text = punch_and_block(12, 8e-6, law, cards);
+        text.replacen("*Surface Interaction", &(remesh("PUNCH") + &remesh("BLOCK") + "*Surface Interaction"), 1)
+    };
+    let friction = "*Friction\n 0.3,\n";
+    let warm = bodies(friction, "")
+        .replace("CAX4R", "CAX4RT")
+        .replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit")
+        .replace("*Elastic", "*Conductivity\n 100.,\n*Specific Heat\n 4e8,\n*Expansion\n 2e-5,\n*Elastic")
+        .replace("*Friction", "*Gap Conductance\n 0.5, 0.\n 0.1, 0.05\n*Friction");
+    for (name, text) in [
+        ("friction", bodies(friction, "")),
+        ("soft", bodies("*Surface Behavior, pressure-overclosure=LINEAR\n 1e6,\n", "")),
+        ("warm", warm),
+        (
+            "scaled",
+            bodies(
+                friction,
+                "*Fixed Mass Scaling, factor=2.\n*Variable Mass Scaling, type=BELOW MIN, dt=2e-8, frequency=7\n",
+            ),
+        ),
+        ("eroded", bodies("", "").replacen("*Remesh", "*Erosion, plastic strain=0.25\n*Remesh", 1)),
+    ] {
+        let outcome = assert_resumes(name, &text, Routines::none);
+        println!("{name}: {:?} new meshes, {} deleted", outcome.new_meshes, outcome.deleted);
+        assert_eq!(outcome.halt, None);
+        assert!(outcome.new_meshes.iter().map(|changes| changes.count).sum::<u64>() >= 2, "{name}");
+    }
+}
+
 /// Surfaces of adaptive meshes that slide in contact: places of nodes, pressures, slip and stored energies.
 #[test]
 fn adaptive_meshes_in_contact_resume() {

@@ -57,6 +57,31 @@ fn observed_orders_match_the_methods() {
     }
 }
 
+/// A Taylor bar with new meshes on three meshes; SIZE follows the mesh. The lengths differ by less than 1 % from coarse to
+/// fine and converge: the estimated limit is that without new meshes within 0.1 %, and the noise is measured by default.
+#[test]
+fn new_meshes_converge() {
+    let bar = std::fs::read_to_string(crate::common::project("input/taylor_copper.inp")).expect("the deck");
+    let limits = ["", "*Remesh, elset=BAR, angle=40., frequency=5\n", "*Remesh, elset=BAR, angle=40., size=0.4e-3\n"]
+        .map(|card| {
+            let text = bar.replacen("*Material, name=COPPER", &format!("{card}*Material, name=COPPER"), 1);
+            let source = |overrides: &ParameterOverrides| revolve::deck::read_text("case.inp", &text, overrides);
+            let measure = Quantity::parse("final(COOR2@TIP)").expect("a quantity");
+            let axes = settings::axes(&["mesh=0.5,1,2".to_owned()], &[]).expect("levels");
+            let mut bench = StudyRunner::new(&source, &[], None, &measure, 1, &|| {});
+            let study = refinement::grid(&mut bench, &axes, None).expect("a study");
+            let values: Vec<f64> = study.rows.iter().map(|row| row.value.expect("a value")).collect();
+            let estimate =
+                study.rows.last().and_then(|row| row.estimates.last()).copied().flatten().expect("an estimate");
+            println!("{card}: {values:?}, limit {:e}, order {:?}", estimate.limit, estimate.order);
+            assert!((values[0] / values[2] - 1.0).abs() < 0.01 && (values[1] / values[2] - 1.0).abs() < 0.003);
+            let is_sensitive = causes::is_sensitive(&revolve::model::build(&source(&[]).0).0);
+            assert_eq!(is_sensitive, !card.is_empty());
+            estimate.limit
+        });
+    assert!(limits.iter().all(|limit| (limit / limits[0] - 1.0).abs() < 1e-3), "{limits:?}");
+}
+
 /// Returns the deck of Lamé's cylinder of radii 10 and 20 mm under 1 MPa with `n` by `m` listed skewed elements.
 fn lame_cylinder(n: usize, m: usize) -> String {
     let place = |i: usize, j: usize| {

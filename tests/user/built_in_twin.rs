@@ -97,6 +97,36 @@ fn agree(deck: impl Fn(&str) -> String, tolerance: f64) -> [revolve::solve::Outc
     [expected, got]
 }
 
+/// State variables move to new meshes as the plastic strain of the built-in law does. Energies agree within 2e-4: the built-in
+/// law returns a transferred stress to the yield surface on the new mesh, the subroutine is called in the next increment.
+#[test]
+fn new_meshes_match_the_built_in_law() {
+    let deck = |material: &str| {
+        let text = bar([5, 20], "", material, 8e-6, "").replacen(
+            "*Initial Conditions",
+            "*Remesh, elset=SOLID, angle=1., increment=0.9999, frequency=20\n*Initial Conditions",
+            1,
+        );
+        let from = text.find("*Element Output, elset=FOOT").expect("output of an element");
+        let to = from + text[from..].find("*End Step").expect("the end of the step");
+        format!("{}{}", &text[..from], &text[to..])
+    };
+    let routines = [Routines::none(), Routines::none().with_material(LinearHardeningMaterial)];
+    let decks = [BUILT_IN, BY_USER].map(deck);
+    let runs = [0, 1].map(|k| common::run(&decks[k], &[], &routines[k]));
+    let counts = runs.each_ref().map(|(outcome, _)| outcome.new_meshes[0].count);
+    assert_eq!(runs.each_ref().map(|(outcome, _)| outcome.halt.clone()), [None, None]);
+    println!("{counts:?} new meshes");
+    assert!(counts[0] >= 3 && counts[0] == counts[1], "{counts:?}");
+    for name in ["DT", "ALLIE", "ALLPD", "ALLSE", "ALLAE", "ALLKE"] {
+        let [a, b] = [0, 1].map(|k| columns(&decks[k], &runs[k].1, &routines[k], name));
+        let largest = a.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let apart = a.iter().zip(&b).fold(0.0, |most: f64, (x, y)| most.max((x - y).abs()));
+        println!("{name}: largest {largest:e}, relative difference {:.1e}", apart / largest);
+        assert!(a.len() == b.len() && largest > 0.0 && apart <= 2e-4 * largest, "{name}: {apart:e} of {largest:e}");
+    }
+}
+
 /// Different order of sums over a few hundred increments: 1e-9.
 #[test]
 fn global_estimate_matches_the_built_in_law() {

@@ -49,6 +49,8 @@ mod reference_nodes;
 mod refinement;
 mod relisting;
 mod remeshing;
+mod remeshing_contact;
+mod remeshing_effects;
 mod resistance;
 mod rigid;
 mod rigid_wall;

@@ -52,7 +52,7 @@ pub struct StudyCommand {
     #[arg(long, value_name = "ERROR")]
     target: Option<String>,
     /// Number of runs with small perturbations of initial velocities and nodal coordinates, from which the noise of the
-    /// quantity follows (default: 8 runs if the deck has contact, failure or element deletion; 0 omits them).
+    /// quantity follows (default: 8 runs if the deck has contact, failure, element deletion or new meshes; 0 omits them).
     #[arg(long, value_name = "N", conflicts_with = "ablate")]
     jitter: Option<u16>,
     /// Omit one effect at a time and report which effects change the quantity by more than its error. --refine then

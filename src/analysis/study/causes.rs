@@ -3,10 +3,10 @@
 use super::settings::deforms;
 use crate::model::{LoadKind, MaterialDefinition, Model};
 
-/// Returns whether results can change by more than the size of a small perturbation: with contact, failure or element
-/// deletion.
+/// Returns whether results can change by more than the size of a small perturbation: with contact, failure, element
+/// deletion or new meshes.
 pub fn is_sensitive(model: &Model) -> bool {
-    has_contact(model) || has_failure(model)
+    has_contact(model) || has_failure(model) || has_new_meshes(model)
 }
 
 /// Returns the properties of a model that can limit the order of convergence, as words.
@@ -18,6 +18,7 @@ pub fn limits_of_order(model: &Model) -> Vec<&'static str> {
     let all = [
         (has_contact(model), "contact (first touch)"),
         (has_failure(model), "failure or element deletion"),
+        (has_new_meshes(model), "new meshes (*REMESH)"),
         (point_loads, "concentrated forces"),
         (viscosity, "linear bulk viscosity at discontinuities (order 0.5)"),
     ];
@@ -26,6 +27,10 @@ pub fn limits_of_order(model: &Model) -> Vec<&'static str> {
 
 fn has_contact(model: &Model) -> bool {
     model.steps.iter().any(|step| step.has_contact())
+}
+
+fn has_new_meshes(model: &Model) -> bool {
+    !model.remeshings.is_empty()
 }
 
 fn has_failure(model: &Model) -> bool {

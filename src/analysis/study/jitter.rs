@@ -11,7 +11,7 @@ use super::settings::StudyAxis;
 use super::table::duration;
 use crate::model::Model;
 
-/// Number of perturbed runs of a model with contact, failure or element deletion.
+/// Number of perturbed runs of a model with contact, failure, element deletion or new meshes.
 pub const DEFAULT_RUNS: usize = 8;
 /// Number and level of the perturbed runs of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,8 @@ pub struct NoiseRequest {
 }
 
 impl NoiseRequest {
-    /// Creates the request for `--jitter`; without it, models with contact, failure or element deletion are perturbed.
+    /// Creates the request for `--jitter`; without it, models with contact, failure, element deletion or new
+    /// meshes are perturbed.
     pub fn new(jitter: Option<usize>, model: &Model) -> NoiseRequest {
         let default = if is_sensitive(model) { DEFAULT_RUNS } else { 0 };
         let end = model.steps.iter().map(|step| step.duration).sum();

@@ -51,6 +51,14 @@ impl MeshScaling {
     /// Largest number of parts of an edge.
     pub const FINEST: f64 = 1000.0;
 
+    /// Returns the factor on the lengths of edges.
+    pub fn edge_factor(self) -> f64 {
+        match self {
+            MeshScaling::Refine(parts) => 1.0 / parts as f64,
+            MeshScaling::Coarsen(edges) => edges as f64,
+        }
+    }
+
     /// Returns the refinement for a whole number of parts, the coarsening for the inverse of one; `None` for other values.
     pub fn from_factor(value: f64) -> Option<MeshScaling> {
         let whole =

@@ -48,7 +48,12 @@ impl ModelBuilder<'_> {
     pub(super) fn remeshing(&mut self, card: &Card) {
         let Some(word) = card.value("ELSET") else { return };
         let Some(elements) = self.element_members(word) else { return };
-        let cards::Remesh { angle, increment, frequency, size } = self.values(card);
+        let cards::Remesh { angle, increment, frequency, mut size } = self.values(card);
+        // The length of edges follows a refined or coarsened mesh.
+        if let (Some(size), Some(scaling), Some(word)) = (&mut size, self.deck.mesh_scaling, card.value("SIZE")) {
+            *size *= scaling.edge_factor();
+            self.edit_number(word, *size);
+        }
         let (span, set, angle, frequency) = (card.span, upper(&word.text), angle.to_radians(), frequency as u64);
         let elements = sorted_unique(elements);
         self.model.remeshings.push(Remeshing { span, set, elements, angle, increment, frequency, size });

@@ -248,7 +248,12 @@ impl MeshRelation {
         for quad in &revision.mesh.quads {
             let nodes = quad.map(|n| self.first_node + n as usize);
             let name = element_labels.next(&like.name);
-            let (kind, count) = if is_triangle(quad) { (ElementKind::Cax3, 3) } else { (ElementKind::Cax4r, 4) };
+            let (kind, count) = match (is_triangle(quad), like.kind.is_thermal()) {
+                (false, false) => (ElementKind::Cax4r, 4),
+                (false, true) => (ElementKind::Cax4rt, 4),
+                (true, false) => (ElementKind::Cax3, 3),
+                (true, true) => (ElementKind::Cax3t, 3),
+            };
             mesh.elements.push(Element { name, kind, nodes: nodes[..count].into(), span: like.span });
         }
         mesh

@@ -17,7 +17,7 @@ use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struc
 /// Suffix of the file.
 pub const CHECKPOINT: &str = ".checkpoint";
 /// The last byte is the number of the format.
-const MAGIC: [u8; 8] = *b"REVOLVE\x08";
+const MAGIC: [u8; 8] = *b"REVOLVE\x09";
 const SUM: usize = 32;
 
 /// Identity of the job that a state belongs to. Each part is a hexadecimal hash, or the data itself.

@@ -219,6 +219,18 @@ pub trait MeshMotion {
     fn shift(&mut self, node: usize, by: [f64; 2]);
 }
 
+/// Place of a node in a previous mesh of its body.
+#[derive(Clone, Copy, Debug)]
+pub struct PreviousPlace {
+    /// Nodes of the previous model between which it is; twice the same one at the place of this node.
+    pub nodes: [usize; 2],
+    /// Distance from the first node, as a fraction of that between both.
+    pub share: f64,
+}
+
+/// Returns the place of a node of a model with a new mesh in the previous model; `None` inside a new mesh.
+pub type NodeRelation<'a> = dyn Fn(usize) -> Option<PreviousPlace> + 'a;
+
 /// Changes of the model that a constraint follows, and its warnings.
 pub trait ConstraintUpkeep {
     /// Informs it that elements with these corner nodes have been deleted.
@@ -227,9 +239,14 @@ pub trait ConstraintUpkeep {
     /// Informs it that the mass of a node has changed; `gained` is the increase of kinetic energy along r and z.
     fn masses_changed(&mut self, _node: usize, _gained: [f64; 2]) {}
 
-    /// Takes the history of the same constraint of a model in which bodies had other meshes. `node` returns the index of a
-    /// node in that model; `None` for nodes of new meshes.
-    fn follow_new_mesh(&mut self, _previous: &dyn Constraint, _node: &dyn Fn(usize) -> Option<usize>) {}
+    /// Takes the history of the same constraint of a model in which bodies had other meshes.
+    fn follow_new_mesh(&mut self, _previous: &dyn Constraint, _nodes: &NodeRelation<'_>, _dofs: &Dofs) {}
+
+    /// Adds the impulses of half an increment to the velocities at the middle of the previous increment. With them and the
+    /// accelerations the velocities are those at the current instant. Returns the kinetic energy that they add.
+    fn complete_velocities(&mut self, _dofs: &mut Dofs) -> f64 {
+        0.0
+    }
 
     /// Allocates for [`Self::follow_meshes`].
     fn reserve_mesh_motion(&mut self) {}

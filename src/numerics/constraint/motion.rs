@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::collections::HashMap;
 
-use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, StoredConstraint};
+use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, NodeRelation, StoredConstraint};
 use crate::kernel::lists::MemoryUse;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
@@ -256,12 +256,13 @@ impl ConstraintUpkeep for PrescribedMotion {
         }
     }
 
-    fn follow_new_mesh(&mut self, previous: &dyn Constraint, node: &dyn Fn(usize) -> Option<usize>) {
+    fn follow_new_mesh(&mut self, previous: &dyn Constraint, nodes: &NodeRelation<'_>, _dofs: &Dofs) {
         let Some(previous) = (previous as &dyn Any).downcast_ref::<PrescribedMotion>() else { return };
         self.bodies.clone_from(&previous.bodies);
         let known: HashMap<_, _> = previous.nodes.iter().map(|m| ((m.node, m.axis), m.origin)).collect();
         for motion in &mut self.nodes {
-            let before = node(motion.node).and_then(|n| known.get(&(n, motion.axis)));
+            let same = nodes(motion.node).filter(|place| place.nodes[0] == place.nodes[1]);
+            let before = same.and_then(|place| known.get(&(place.nodes[0], motion.axis)));
             before.into_iter().for_each(|origin| motion.origin = *origin);
         }
     }

@@ -51,7 +51,7 @@ impl UserMotion {
         dofs: &Dofs,
         reaction: &dyn Fn(Dof) -> f64,
         user_amplitudes: &mut [SampledAmplitude],
-        user: &mut LockedRoutines<'_>,
+        user: &mut LockedRoutines,
     ) -> Result<(), HaltReason> {
         let Some(routine) = user.motion.as_deref_mut() else { return Ok(()) };
         let amplitude = self.amplitude.amplitude(&AmplitudeClock { now: *arrival, user_amplitudes });

@@ -316,4 +316,12 @@ impl<M: Material> UserCalls for QuadGroup<M> {
     fn failure(&self) -> Option<HaltReason> {
         self.calls.as_ref()?.failure.clone()
     }
+
+    fn moduli(&self) -> [f64; 2] {
+        [self.constants.bulk, self.constants.shear]
+    }
+
+    fn set_moduli(&mut self, [bulk, shear]: [f64; 2]) {
+        (self.constants.bulk, self.constants.shear) = (bulk, shear);
+    }
 }

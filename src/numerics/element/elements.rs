@@ -81,6 +81,8 @@ pub struct Elements {
     pending: bool,
     /// Boundaries of deleted elements, and the number that the loads of this step have processed.
     pub(super) deleted: (Vec<ElementNodes>, usize),
+    /// Number of elements deleted from meshes that have been replaced since.
+    deleted_before: usize,
     /// Failure of a user subroutine in the last update.
     pub failure: Option<HaltReason>,
 }
@@ -281,7 +283,34 @@ impl Elements {
 
     /// Returns the number of deleted elements.
     pub fn deleted(&self) -> usize {
-        self.deleted.0.len()
+        self.deleted_before + self.deleted.0.len()
+    }
+
+    /// Takes the deleted elements of a model in which a group had another mesh; `node` returns the node that one of that
+    /// model has become. The boundaries of deleted elements of this group are no longer known.
+    pub fn follow_deletions(&mut self, previous: &Elements, group: usize, node: impl Fn(u32) -> Option<u32>) {
+        let moved = |boundary: &ElementNodes| {
+            let mut moved = *boundary;
+            for n in moved.iter_mut() {
+                *n = node(*n)?;
+            }
+            Some(moved)
+        };
+        self.deleted.0.clear();
+        self.deleted.0.extend(previous.deleted.0.iter().filter_map(moved));
+        self.deleted.1 = self.deleted.0.len();
+        self.deleted_before = previous.deleted() - self.deleted.0.len();
+        if let (Some(own), Some(before)) = (&mut self.erosion, &previous.erosion) {
+            own.follow_new_mesh(before, group);
+        }
+        if let (Some(own), Some(before)) = (&mut self.removed, &previous.removed) {
+            own.follow_new_mesh(before, (group, self.deleted.0.len()), node);
+        }
+    }
+
+    /// Returns the boundaries of the deleted elements.
+    pub fn deleted_boundaries(&self) -> &[ElementNodes] {
+        &self.deleted.0
     }
 
     /// Returns the boundaries of elements deleted since the last call in this step.
@@ -425,7 +454,7 @@ fn add(totals: &GroupTotals, energies: &mut EnergyTotals) {
 // Characteristic lengths are stored in the groups; fields depend on the time only. Corner forces of quiescent elements
 // are saved because their zeros have signs, which affect the accelerations.
 persist_struct!(Elements {
-    limit, active_nodes, pending, deleted, uses_frequency, connectors: present, damping: present, distortion: present, erosion: present,
+    limit, active_nodes, pending, deleted, deleted_before, uses_frequency, connectors: present, damping: present, distortion: present, erosion: present,
     removed: present, masses: present, frequency: present, rings: present, groups: each, corners
 } derived { ids, deformed, interfaces, averagings, lengths, fields, arch, gather, failure } then Elements::check_deleted);
 

@@ -110,6 +110,15 @@ impl ErosionControl {
         groups
     }
 
+    /// Takes which elements have met criteria in a model in which a group had another mesh.
+    pub(super) fn follow_new_mesh(&mut self, previous: &ErosionControl, group: usize) {
+        for (own, before) in self.list.iter_mut().zip(&previous.list) {
+            let of_others = before.elements.iter().zip(&before.due).filter(|((g, _), _)| *g != group);
+            let own = own.elements.iter().zip(&mut own.due).filter(|((g, _), _)| *g != group);
+            own.zip(of_others).for_each(|((_, due), (_, before))| *due = *before);
+        }
+    }
+
     pub fn bytes(&self) -> usize {
         let each = |w: &MonitoredElements| size_of_val(w) + size_of_val(&*w.elements) + w.due.capacity();
         self.list.iter().map(each).sum()

@@ -310,6 +310,10 @@ pub trait UserCalls {
     fn probe(&mut self, nodes: &[Node], now: &Instant, user: PointRoutines<'_>) -> Result<(), HaltReason>;
     /// Returns the failure of the subroutine in the last update.
     fn failure(&self) -> Option<HaltReason>;
+    /// Returns the largest bulk and shear modulus of all elements.
+    fn moduli(&self) -> [f64; 2];
+    /// Takes these moduli from the same group with another mesh.
+    fn set_moduli(&mut self, moduli: [f64; 2]);
 }
 
 /// Input of the update of a group.

@@ -81,6 +81,15 @@ impl StepMassScaling {
     }
 }
 
+/// Masses without scaling and factors of a group with a new mesh, in the order of its elements.
+#[derive(Clone, Debug, Default)]
+pub struct ArrivedScaling {
+    /// Corner masses without scaling.
+    pub masses: Vec<[f64; 4]>,
+    /// Factor of fixed requests, and product of all factors.
+    pub factors: Vec<[f64; 2]>,
+}
+
 /// Masses without scaling, and the factors on them. All lists are allocated here, so that nothing allocates inside an
 /// increment.
 #[derive(Clone, Debug)]
@@ -145,9 +154,9 @@ impl ScaledMasses {
     }
 }
 
-// Unscaled masses and the set of unscaled nodes follow from the plan; scaled masses are recomputed.
+// The set of unscaled nodes follows from the plan; scaled masses are recomputed.
 persist_struct!(ScaledMasses {
-    fixed: fixed_lists, factors: fixed_lists, applied: fixed_lists, added
+    nodes: fixed, elements: fixed_lists, fixed: fixed_lists, factors: fixed_lists, applied: fixed_lists, original, added
 } derived {
-    nodes, elements, unscaled, sums, original
+    unscaled, sums
 });

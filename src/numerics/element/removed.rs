@@ -73,6 +73,27 @@ impl DeletionRecord {
         self.internal += work;
     }
 
+    /// Takes the deletions of a model in which a group had another mesh; `node` returns the node that one of that model has
+    /// become. `seen` elements are deleted in this model.
+    pub(super) fn follow_new_mesh(
+        &mut self,
+        previous: &DeletionRecord,
+        (group, seen): (usize, usize),
+        node: impl Fn(u32) -> Option<u32>,
+    ) {
+        for (g, (own, before)) in self.counted.iter_mut().zip(&previous.counted).enumerate() {
+            if g != group {
+                own.clone_from(before);
+            }
+        }
+        for (n, around) in previous.around.iter().enumerate() {
+            node(n as u32).into_iter().for_each(|own| self.around[own as usize] = *around);
+        }
+        self.points.clear();
+        self.points.extend(previous.points.iter().filter_map(|n| node(*n)));
+        (self.mass, self.internal, self.seen) = (previous.mass, previous.internal, seen);
+    }
+
     /// Adds the elements deleted since the last call.
     fn count(&mut self, groups: &[Box<dyn ElementGroup>], deleted: usize) {
         if std::mem::replace(&mut self.seen, deleted) == deleted {

@@ -2,7 +2,7 @@
 //! increment limit.
 
 use super::elements::Elements;
-use super::mass_scaling::{ScaledMasses, ScalingRequest, ScalingTarget, StepMassScaling};
+use super::mass_scaling::{ArrivedScaling, ScaledMasses, ScalingRequest, ScalingTarget, StepMassScaling};
 use crate::kernel::topology::PerNode;
 use crate::state::Instant;
 use crate::state::dofs::Dofs;
@@ -54,6 +54,42 @@ impl Elements {
     /// Returns the factor of mass scaling on the mass of an element; `None` without mass scaling.
     pub fn mass_factor(&self, group: usize, element: usize) -> Option<f64> {
         Some(self.masses.as_deref()?.applied[group][element])
+    }
+
+    /// Returns the factors of an element: of fixed requests, and the product of all; `None` without mass scaling.
+    pub fn scaling_of(&self, group: usize, element: usize) -> Option<[f64; 2]> {
+        let masses = self.masses.as_deref()?;
+        Some([masses.fixed[group][element], masses.factors[group][element]])
+    }
+
+    /// Sets the masses of the elements of a group to those without scaling.
+    pub fn remove_scaling(&mut self, group: usize) {
+        let Some(masses) = &self.masses else { return };
+        for (e, plain) in masses.elements[group].iter().enumerate() {
+            self.groups[group].extensions().settings().set_masses(e, plain);
+        }
+    }
+
+    /// Takes the factors of a model in which a group had another mesh, and scales the masses of its new elements.
+    pub fn follow_scaling(&mut self, previous: &Elements, group: usize, arrived: &ArrivedScaling) {
+        let (Some(masses), Some(before)) = (&mut self.masses, &previous.masses) else { return };
+        for g in (0..self.groups.len()).filter(|g| *g != group) {
+            masses.fixed[g].clone_from(&before.fixed[g]);
+            masses.factors[g].clone_from(&before.factors[g]);
+            masses.applied[g].clone_from(&before.applied[g]);
+        }
+        (masses.original, masses.added) = (before.original, before.added);
+        let own = &mut self.groups[group];
+        for e in 0..own.len() {
+            own.nodes(e).into_iter().for_each(|n| masses.nodes[n as usize] = 0.0);
+        }
+        for (e, (plain, [fixed, all])) in arrived.masses.iter().zip(&arrived.factors).enumerate() {
+            let nodes = own.nodes(e);
+            masses.elements[group][e] = (*plain).into();
+            nodes.into_iter().zip(plain).for_each(|(n, mass)| masses.nodes[n as usize] += mass);
+            (masses.fixed[group][e], masses.factors[group][e], masses.applied[group][e]) = (*fixed, *all, *all);
+            own.extensions().settings().set_masses(e, &masses.scaled(group, e, &nodes, *all));
+        }
     }
 
     /// Scales the masses if due, before the forces of this instant are computed. Calls `changed` for every node whose

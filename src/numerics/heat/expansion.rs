@@ -97,6 +97,17 @@ impl ThermalStrains {
         }
     }
 
+    /// Takes the applied strains of the other groups of a model in which a group had another mesh.
+    pub fn follow_new_mesh(&mut self, previous: &ThermalStrains, index: usize) {
+        let lists = self.list.iter().zip(self.strains.iter_mut().zip(&previous.strains));
+        lists.filter(|(own, _)| own.group != index).for_each(|(_, (strains, before))| strains.clone_from(before));
+    }
+
+    /// Returns the strains of a group; `None` if it does not expand.
+    pub fn of_group(&mut self, index: usize) -> Option<&mut Vec<f64>> {
+        self.list.iter().zip(&mut self.strains).find(|e| e.0.group == index).map(|e| e.1)
+    }
+
     pub(super) fn bytes(&self) -> usize {
         self.strains.iter().chain(&self.scratch).map(heap_bytes).sum()
     }

@@ -395,7 +395,7 @@ impl TemperatureField {
     }
 
     /// Returns the heat that a node contains at a temperature: the integral of its capacity.
-    pub(crate) fn content_at(&self, node: usize, temperature: f64) -> f64 {
+    pub fn content_at(&self, node: usize, temperature: f64) -> f64 {
         if self.masses.is_empty() {
             return self.capacity[node] * temperature;
         }
@@ -410,7 +410,7 @@ impl TemperatureField {
     }
 
     /// Returns the masses at the corners of an element; zero if it does not conduct.
-    pub(crate) fn masses_of(&self, group: usize, element: usize) -> [f64; 4] {
+    pub fn masses_of(&self, group: usize, element: usize) -> [f64; 4] {
         self.conductors.find(group, element).map_or([0.0; 4], |found| found.0.masses)
     }
 
@@ -464,7 +464,7 @@ impl TemperatureField {
     }
 
     /// Sets the temperature of a node from the heat that it contains after a transport.
-    pub(crate) fn set_content(&mut self, node: usize, content: f64) {
+    pub fn set_content(&mut self, node: usize, content: f64) {
         if self.masses.is_empty() {
             self.temperature[node] = content / self.capacity[node];
             return;
@@ -493,6 +493,21 @@ impl TemperatureField {
                 }
             }
         }
+    }
+
+    /// Takes temperatures and heat of the field of a model in which a body had another mesh. `node` returns the index of a
+    /// node in that model.
+    pub fn follow_new_mesh(&mut self, previous: &TemperatureField, node: impl Fn(usize) -> Option<usize>) {
+        for (n, temperature) in self.temperature.iter_mut().enumerate() {
+            node(n).into_iter().for_each(|before| *temperature = previous.temperature[before]);
+        }
+        let known = || previous.now.held.iter().flat_map(|held| &held.nodes);
+        for held in self.now.held.iter_mut().flat_map(|held| &mut held.nodes) {
+            if let Some(before) = node(held.node).and_then(|n| known().find(|known| known.node == n)) {
+                (held.made, held.reaction) = (before.made, before.reaction);
+            }
+        }
+        self.energies = previous.energies;
     }
 
     /// Returns the heat since the start of the analysis.

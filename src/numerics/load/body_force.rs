@@ -58,7 +58,7 @@ impl Load for BodyForceLoad {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        _: &mut LockedRoutines<'_>,
+        _: &mut LockedRoutines,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         let magnitude = self.magnitude.at(&scene.clock);
@@ -121,7 +121,7 @@ impl Load for CentrifugalLoad {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        _: &mut LockedRoutines<'_>,
+        _: &mut LockedRoutines,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         if let LoadForces::OnNodes(forces) = forces {

@@ -53,7 +53,7 @@ impl Load for ConcentratedLoad {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        _: &mut LockedRoutines<'_>,
+        _: &mut LockedRoutines,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         let magnitude = self.magnitude.at(&scene.clock);

@@ -36,7 +36,7 @@ impl Load for GravityLoad {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        _: &mut LockedRoutines<'_>,
+        _: &mut LockedRoutines,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         let acceleration = self.acceleration.at(&scene.clock);

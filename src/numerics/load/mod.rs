@@ -225,7 +225,7 @@ pub trait Load: LoadOutput + CopyLoad + Persist + Send + Sync {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        user: &mut LockedRoutines<'_>,
+        user: &mut LockedRoutines,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason>;
 

@@ -71,7 +71,7 @@ impl Load for PressureLoad {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        _: &mut LockedRoutines<'_>,
+        _: &mut LockedRoutines,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         self.current = self.magnitude.at(&scene.clock);

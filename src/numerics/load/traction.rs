@@ -173,7 +173,7 @@ impl Load for TractionLoad {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        _: &mut LockedRoutines<'_>,
+        _: &mut LockedRoutines,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         let magnitude = self.magnitude.at(&scene.clock);

@@ -42,7 +42,7 @@ impl SubroutineAmplitude {
         increment: f64,
         dofs: &Dofs,
         user_amplitudes: &mut [SampledAmplitude],
-        user: &mut LockedRoutines<'_>,
+        user: &mut LockedRoutines,
     ) -> Result<RunAction, HaltReason> {
         let Some(routine) = user.amplitude.as_deref_mut() else { return Ok(RunAction::Continue) };
         for (value, sensor) in self.sensor_values.iter_mut().zip(&self.sensors) {

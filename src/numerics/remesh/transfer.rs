@@ -71,6 +71,34 @@ impl<'a> MeshTransfer<'a> {
         MeshTransfer { old, new, part_mass, centres, beside: neighbours(old), parts, first, mass }
     }
 
+    /// Returns the transfer with other masses of the old elements.
+    #[must_use]
+    pub fn with_masses(self, masses: &[[f64; 4]]) -> MeshTransfer<'a> {
+        MeshTransfer::new([self.old, self.new], self.parts, masses)
+    }
+
+    /// Returns the old mesh.
+    pub fn old_mesh(&self) -> &'a BodyMesh {
+        self.old
+    }
+
+    /// Returns the new mesh.
+    pub fn new_mesh(&self) -> &'a BodyMesh {
+        self.new
+    }
+
+    /// Returns the means of values of the old elements over the parts of each new element, weighted with their masses.
+    pub fn means<const N: usize>(&self, values: &[[f64; N]]) -> Vec<[f64; N]> {
+        let (mut sums, mut total) = (vec![[0.0; N]; self.new.quads.len()], vec![0.0; self.new.quads.len()]);
+        for (part, mass) in self.parts.iter().zip(&self.part_mass) {
+            let value = &values[part.old as usize];
+            sums[part.new as usize].iter_mut().zip(value).for_each(|(sum, value)| *sum += mass * value);
+            total[part.new as usize] += mass;
+        }
+        sums.iter_mut().zip(total).for_each(|(sum, mass)| sum.iter_mut().for_each(|x| *x /= mass));
+        sums
+    }
+
     /// Returns the masses of the new elements at their corners.
     pub fn masses(&self) -> Vec<[f64; 4]> {
         let mut sums = vec![0.0; self.new.quads.len()];

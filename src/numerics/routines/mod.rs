@@ -5,7 +5,7 @@ pub mod host;
 pub mod law;
 mod saved_memory;
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use crate::state::Instant;
 use crate::state::halt::HaltReason;
@@ -501,7 +501,13 @@ pub trait UserLengths: Send {
 
 /// A user subroutine with one state for all callers, as one VDLOAD serves a whole ABAQUS job. A run locks its
 /// subroutines for its whole duration; another run of the same subroutines waits.
-pub struct SharedRoutine<T: ?Sized>(Arc<Mutex<T>>);
+pub struct SharedRoutine<T: ?Sized>(Arc<RoutineSlot<T>>);
+
+/// Place of a user subroutine that no run has locked.
+struct RoutineSlot<T: ?Sized> {
+    routine: Mutex<Option<Box<T>>>,
+    returned: Condvar,
+}
 
 impl<T: ?Sized> Clone for SharedRoutine<T> {
     fn clone(&self) -> Self {
@@ -510,9 +516,52 @@ impl<T: ?Sized> Clone for SharedRoutine<T> {
 }
 
 impl<T: ?Sized> SharedRoutine<T> {
+    fn new(routine: Box<T>) -> Self {
+        SharedRoutine(Arc::new(RoutineSlot { routine: Mutex::new(Some(routine)), returned: Condvar::new() }))
+    }
+
     /// Locks the subroutine, even if it panicked in an earlier run.
-    pub fn lock(&self) -> MutexGuard<'_, T> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    pub fn lock(&self) -> LockedRoutine<T> {
+        let mut slot = self.0.routine.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if let Some(routine) = slot.take() {
+                return LockedRoutine { routine: Some(routine), slot: Some(Arc::clone(&self.0)) };
+            }
+            slot = self.0.returned.wait(slot).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+/// A user subroutine that a run has locked, or none. It passes from one plan of a run to the next.
+pub struct LockedRoutine<T: ?Sized> {
+    routine: Option<Box<T>>,
+    slot: Option<Arc<RoutineSlot<T>>>,
+}
+
+impl<T: ?Sized> Default for LockedRoutine<T> {
+    fn default() -> Self {
+        LockedRoutine { routine: None, slot: None }
+    }
+}
+
+impl<T: ?Sized> LockedRoutine<T> {
+    /// Returns whether there is a subroutine.
+    pub fn is_some(&self) -> bool {
+        self.routine.is_some()
+    }
+
+    /// Returns the subroutine.
+    pub fn as_deref_mut(&mut self) -> Option<&mut T> {
+        self.routine.as_deref_mut()
+    }
+}
+
+impl<T: ?Sized> Drop for LockedRoutine<T> {
+    fn drop(&mut self) {
+        if let Some(slot) = &self.slot {
+            *slot.routine.lock().unwrap_or_else(PoisonError::into_inner) = self.routine.take();
+            slot.returned.notify_one();
+        }
     }
 }
 
@@ -549,14 +598,15 @@ macro_rules! routines {
 
         /// The user subroutines of a job, locked by a run; fields as in [`Routines`].
         #[allow(missing_docs)]
-        pub struct LockedRoutines<'a> {
-            $(pub $field: Option<MutexGuard<'a, dyn $routine + 'static>>,)*
+        #[derive(Default)]
+        pub struct LockedRoutines {
+            $(pub $field: LockedRoutine<dyn $routine>,)*
         }
 
         impl Routines {
             /// Locks all subroutines for a run.
-            pub fn lock(&self) -> LockedRoutines<'_> {
-                LockedRoutines { $($field: self.$field.as_ref().map(SharedRoutine::lock),)* }
+            pub fn lock(&self) -> LockedRoutines {
+                LockedRoutines { $($field: self.$field.as_ref().map(SharedRoutine::lock).unwrap_or_default(),)* }
             }
 
             /// Returns the names of the defined subroutines.
@@ -568,7 +618,7 @@ macro_rules! routines {
                 /// Adds a subroutine of this kind, or replaces it.
                 #[must_use]
                 pub fn $with(mut self, routine: impl $routine + 'static) -> Self {
-                    self.$field = Some(SharedRoutine(Arc::new(Mutex::new(routine))));
+                    self.$field = Some(SharedRoutine::new(Box::new(routine)));
                     self
                 }
             )*
@@ -595,7 +645,7 @@ routines! {
     events: UserEvents, "vexternaldb", with_events;
 }
 
-impl LockedRoutines<'_> {
+impl LockedRoutines {
     /// Returns the subroutines that elements call at their points.
     pub fn at_points(&mut self) -> PointRoutines<'_> {
         PointRoutines {

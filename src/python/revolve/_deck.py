@@ -185,8 +185,8 @@ class Deck:
         ``load-velocity``, ``hourglass`` or ``estimate``.
         ``target`` is the largest allowed error (a relative one is a text such as ``"0.5%"``), ``exact`` the exact
         value. Each setting runs ``repeat`` times, one after the other; its run time is the median. ``jitter`` is the
-        number of runs with small perturbations that measure the noise (default 8 with contact, failure or element
-        deletion, otherwise 0).
+        number of runs with small perturbations that measure the noise (default 8 with contact, failure, element
+        deletion or new meshes, otherwise 0).
         """
         levels = [f"{name}={','.join(_written(v) for v in values)}" for name, values in refine.items()]
         told = _progress.resolved(progress)

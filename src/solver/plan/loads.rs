@@ -445,14 +445,14 @@ impl Compiler<'_> {
             return None;
         };
         self.called_routines.push("vdload");
-        if load.magnitude != 1.0 && !routine.lock().reads_magnitude() {
+        if load.magnitude != 1.0 && routine.lock().as_deref_mut().is_some_and(|load| !load.reads_magnitude()) {
             let what = format!("magnitude {} of {}", load.magnitude, kind_name(&load.kind));
             self.add_unused_card(load.span, what, "VDLOAD defines the load; it is not multiplied by the magnitude");
         }
         let detail = format!("on {name}{}", self.amplitude_name(load));
         let id = self.ledger_row(load.span, effect, count, "points", detail);
         let magnitude = self.magnitude(load.magnitude, load.amplitude);
-        let reads_motion = routine.lock().reads_motion();
+        let reads_motion = routine.lock().as_deref_mut().is_some_and(|load| load.reads_motion());
         Some(UserLoadData { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion })
     }
 

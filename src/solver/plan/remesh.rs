@@ -42,6 +42,9 @@ pub struct RemeshedBody {
     pub increment: f64,
 }
 
+/// User subroutines that continue on new meshes: their state is that of elements and amplitudes.
+const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp"];
+
 impl RemeshedBody {
     /// Returns the size of all lists in bytes.
     pub fn bytes(&self) -> usize {
@@ -77,6 +80,9 @@ impl Compiler<'_> {
             return self.diagnostics.refuse(finding.help("use another material or other section controls"));
         };
         transfer.prepare();
+        if let Some(heat) = state.thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
+            heat.begin_adaptive(group, &state.elements);
+        }
         let detail = format!(
             "new mesh below {} degrees or {} of the stable time increment, checked every {} increments",
             (1e9 * card.angle.to_degrees()).round() / 1e9,
@@ -143,14 +149,17 @@ impl Compiler<'_> {
         let (model, elements) = (self.model, &state.elements);
         let loads = || model.steps.iter().flat_map(|step| &step.loads);
         let contacts = || self.pairs.iter().flat_map(|pairs| pairs.iter());
+        let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
+        let scales = model.steps.iter().any(|step| !step.mass_scalings.is_empty());
         let is_users = |kind: &LoadKind| {
             matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. } | LoadKind::UserBody { .. })
         };
         let found = [
-            (!self.called_routines.is_empty() || self.routines.events.is_some(), "user subroutines"),
-            (state.thermal.is_some(), "nodal temperatures and thermal expansion"),
-            (elements.groups.iter().any(|group| group.properties().deletable), "deletion of elements"),
-            (model.steps.iter().any(|step| !step.mass_scalings.is_empty()), "mass scaling"),
+            (
+                self.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)),
+                "VDLOAD, VDISP and VUCHARLENGTH",
+            ),
+            (heats && scales, "mass scaling together with nodal temperatures"),
             (elements.distortion.is_some(), "DISTORTION CONTROL"),
             (elements.damping.is_some(), "*DAMPING"),
             (elements.rings.is_some(), "WEIGHTING=AREA"),
@@ -162,7 +171,6 @@ impl Compiler<'_> {
             (!model.targets.is_empty(), "*TARGET"),
             (loads().any(|load| is_users(&load.kind)), "user-defined loads"),
             (state.dofs.bodies.iter().any(BodyState::is_spatial), "oblique rigid bodies"),
-            (contacts().any(|pair| pair.law.is_soft() || pair.penalty.is_some()), "soft contact"),
             (contacts().any(|pair| pair.clearance.is_some()), "initial clearances of contact"),
         ];
         found.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)

@@ -44,16 +44,24 @@ impl ContactMeans {
     pub(super) fn add(&mut self, run: &SolverRun<'_>) {
         if !self.pairs.is_empty() && self.added < run.now.increment {
             self.added = run.now.increment;
-            self.add_increment(run);
+            self.add_increment(run, 1.0);
+        }
+    }
+
+    /// Adds the impulses that complete the velocities at this instant, before a new mesh: those of half an increment.
+    pub(super) fn add_completion(&mut self, run: &SolverRun<'_>) {
+        let nodes = &run.state.dofs.nodes;
+        if nodes.half > 0.0 {
+            self.add_increment(run, 0.5 * nodes.previous_dt / nodes.half);
         }
     }
 
     #[inline(never)]
-    fn add_increment(&mut self, run: &SolverRun<'_>) {
+    fn add_increment(&mut self, run: &SolverRun<'_>, part: f64) {
         for pair in &mut self.pairs {
             let Some(found) = run.contacts().find_map(|contact| contact.forces_of_pair(pair.pair)) else { continue };
             for (impulse, force) in pair.impulse.iter_mut().flatten().zip(found.forces.iter().flatten()) {
-                *impulse += found.duration * force;
+                *impulse += part * found.duration * force;
             }
         }
     }

@@ -14,6 +14,7 @@ mod increment;
 mod limits;
 mod masses;
 mod mesh_quality;
+mod new_mesh_state;
 mod observe;
 mod outcome;
 mod penetrations;
@@ -107,7 +108,7 @@ pub fn run_with(
         let plan = replaced.0.as_deref().unwrap_or(plan);
         let mut run = match detached.take() {
             Some(before) => DetachedRun::attach(before, plan, asked.position),
-            None => SolverRun::new(plan, std::mem::take(&mut replaced.1), asked.position),
+            None => SolverRun::new(plan, std::mem::take(&mut replaced.1), asked.position).with_routines(),
         };
         let session = match &mut session {
             Some(session) => session,
@@ -159,13 +160,13 @@ impl RunSession {
         keeping: &mut Checkpointer<'_>,
         sink: &mut dyn Sink,
     ) -> Option<NextMesh> {
-        while let StepStart::Step(index) | StepStart::Within(index) = self.begins
+        while let StepStart::Step(index) | StepStart::Within(index) | StepStart::NewMesh(index) = self.begins
             && index < run.plan.steps.len()
         {
             match step(run, self.begins, &mut self.control, &mut self.observing, keeping, sink) {
                 Ok(None) => self.begins = StepStart::Step(index + 1),
                 Ok(Some(next)) => {
-                    self.begins = StepStart::Within(index);
+                    self.begins = StepStart::NewMesh(index);
                     return Some(next);
                 }
                 Err(halt) => {
@@ -234,8 +235,10 @@ fn show_warnings(run: &mut SolverRun<'_>, sink: &mut dyn Sink) {
 enum StepStart {
     /// At its beginning; index from 0.
     Step(usize),
-    /// Within the step with this index, from a saved state or with a new mesh.
+    /// Within the step with this index, from a saved state.
     Within(usize),
+    /// Within the step with this index, with a new mesh.
+    NewMesh(usize),
 }
 
 /// Runs one step; `control` continues from step to step. Each increment is [`SolverRun::evaluate`] followed by
@@ -256,6 +259,7 @@ fn step(
     keeping.begin(run.step, &run.now);
     let begun = match begins {
         StepStart::Within(_) => run.resume_routines().and_then(|()| run.advance(control)),
+        StepStart::NewMesh(_) => run.advance(control),
         StepStart::Step(_) => run.begin_routines().and_then(|()| run.begin_nodes(changes)),
     };
     let end = begun.and_then(|()| increments(run, control, observing, keeping, sink));

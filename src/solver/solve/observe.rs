@@ -222,6 +222,11 @@ impl RunOutput {
         (self.next_time, self.next_increment, self.shown, self.first) = (next_time, next_increment, shown, false);
     }
 
+    /// Adds the impulses with which contact completes the velocities before a new mesh.
+    pub(super) fn add_completion(&mut self, run: &SolverRun<'_>) {
+        self.contact.add_completion(run);
+    }
+
     /// Adds the impulses of the motion that has led to a new instant, before that instant is evaluated.
     #[inline(always)]
     pub(super) fn add_motion(&mut self, run: &SolverRun<'_>) {

@@ -9,25 +9,21 @@ use super::observe::RunOutput;
 use super::outcome::Outcome;
 use super::position::RunPosition;
 use super::restart::begin_step;
+use super::routines::UserSession;
 use super::run::SolverRun;
 use super::timing::TimeSums;
 use super::watch::RunMonitor;
-use crate::element::group::ArrivedElements;
-use crate::kernel::lanes::{InlineMap, PACK, Pack};
+use crate::kernel::lanes::InlineMap;
 use crate::model::Model;
-use crate::model::remesh::{ModelBody, revised};
+use crate::model::remesh::{ModelBody, nodes_of_histories, revised};
 use crate::plan::{self, Plan, RemeshedBody, State};
 use crate::remesh::mesher::{new_mesh, sharpest};
-use crate::remesh::overlap::common_parts;
-use crate::remesh::transfer::{BodyMotion, MeshTransfer, interpolated};
+use crate::remesh::transfer::interpolated;
 use crate::remesh::{BodyMesh, MeshRevision};
 use crate::state::Instant;
-use crate::state::archive::{Persist, StateArchive};
 use crate::state::halt::HaltReason;
 use crate::user::Routines;
 
-/// An angle at which a new mesh begins, times this factor, is the limit if it is smaller than that of the deck.
-const WORSE: f64 = 0.5;
 /// Checks without a new mesh after one could not be made, in units of the interval of checks.
 const PAUSE: u64 = 5;
 
@@ -38,6 +34,7 @@ pub(super) struct DetachedRun {
     previous_instant: Instant,
     last_increment: f64,
     velocity_extrapolation: f64,
+    user: UserSession,
     body_forces: BodyForces,
     balance: EnergyBalance,
     watch: RunMonitor,
@@ -57,6 +54,7 @@ impl DetachedRun {
             previous_instant: self.previous_instant,
             last_increment: self.last_increment,
             velocity_extrapolation: self.velocity_extrapolation,
+            user: self.user,
             body_forces: self.body_forces,
             balance: self.balance,
             watch: self.watch,
@@ -86,13 +84,12 @@ pub(super) fn plan_of_revisions(plan: &Plan, revisions: &[MeshRevision]) -> Opti
         }
         model = revised(&model, revision);
     }
-    compiled(&model, revisions).ok()
+    compiled(&model, revisions, &plan.routines).ok()
 }
 
-/// Plans a model with new meshes. No user subroutine is called in such a model; those of the first plan are in use until
-/// its run ends.
-fn compiled(model: &Model, revisions: &[MeshRevision]) -> Result<(Box<Plan>, State), String> {
-    let (mut plan, mut state, diagnostics) = plan::compile(model, &Routines::none());
+/// Plans a model with new meshes.
+fn compiled(model: &Model, revisions: &[MeshRevision], routines: &Routines) -> Result<(Box<Plan>, State), String> {
+    let (mut plan, mut state, diagnostics) = plan::compile(model, routines);
     match diagnostics.iter().find(|finding| finding.severity == crate::deck::Severity::Error) {
         Some(error) => Err(format!("{}: {}", error.code, error.message)),
         None => {
@@ -158,7 +155,7 @@ impl SolverRun<'_> {
         let failed = |reason: String| HaltReason { code: "R210", reason };
         let model = revised(&remesh.model, &revision);
         self.remesh.revisions.push(revision);
-        let (plan, state) = compiled(&model, &self.remesh.revisions)
+        let (plan, state) = compiled(&model, &self.remesh.revisions, &self.plan.routines)
             .map_err(|error| failed(format!("the model with a new mesh cannot be planned: {error}")))?;
         if plan.column_names() != self.plan.column_names() {
             return Err(failed("the new mesh does not have all nodes and elements of the histories".into()));
@@ -171,9 +168,11 @@ impl SolverRun<'_> {
         for index in 0..self.now.step as usize {
             begin_step(&mut next, index, &mut output, &mut begun);
         }
+        observing.add_completion(self);
+        let kinetic = self.complete_velocities();
         next.take_over(self, &old, body);
         next.begin_nodes(true)?;
-        next.evaluate_new_mesh(self)?;
+        next.evaluate_new_mesh(kinetic)?;
         output.follow(std::mem::replace(observing, RunOutput::new(&plan)), &next.now);
         *observing = output;
         let run = next.detach();
@@ -191,163 +190,47 @@ impl SolverRun<'_> {
             (None, None) => of_model.sizes(&model.mesh),
         };
         let points = planned.nodes.iter().map(|n| self.state.dofs.nodes[*n].place()).collect();
-        let old = BodyMesh { points, quads: planned.quads.clone(), sizes };
+        let group = &self.state.elements.groups[planned.group];
+        let is_there = |i: &usize| !group.is_deleted(planned.elements[*i] as usize);
+        let living: Vec<usize> = (0..planned.quads.len()).filter(is_there).collect();
+        let mut used = vec![false; planned.nodes.len()];
+        living.iter().flat_map(|i| planned.quads[*i]).for_each(|n| used[n as usize] = true);
+        let is_lost = |node: usize| of_model.nodes.binary_search(&node).is_ok_and(|at| !used[at]);
+        if nodes_of_histories(model).any(is_lost) {
+            return None;
+        }
+        let (quads, sizes) = living.iter().map(|i| (planned.quads[*i], sizes[*i])).unzip();
+        let old = BodyMesh { points, quads, sizes };
         let mut new = new_mesh(&old, &of_model.kept(model), body)?;
+        new.origins.iter_mut().for_each(|origin| *origin = living[*origin as usize] as u32);
+        new.sides.iter_mut().for_each(|side| side.old.0 = living[side.old.0 as usize] as u32);
         let moved: Vec<[f64; 2]> = planned.nodes.iter().map(|n| self.state.dofs.nodes.displacement(*n)).collect();
         new.displacements = interpolated(&old, &moved, &new.mesh.points);
         Some((old, new))
     }
 
-    /// Takes the state of the run with the old mesh.
-    fn take_over(&mut self, old: &mut SolverRun<'_>, mesh: &BodyMesh, body: usize) {
-        let now = old.now;
-        (self.now, self.previous_instant, self.last_increment) = (now, old.previous_instant, old.last_increment);
-        self.balance = old.balance.clone();
-        self.watch = std::mem::take(&mut old.watch);
-        self.outcome = std::mem::take(&mut old.outcome);
-        self.remesh = std::mem::take(&mut old.remesh);
-        self.timing.add(&old.timing.sums());
-        self.body_forces.values.clone_from(&old.body_forces.values);
-        self.take_over_bodies(old);
-        let known = self.take_over_nodes(old, body);
-        let node = |n: usize| known.get(n).copied().flatten();
-        for (constraint, previous) in self.state.constraints.iter_mut().zip(&old.state.constraints) {
-            if let Some(follower) = constraint.upkeep() {
-                follower.follow_new_mesh(&**previous, &node);
-            }
-        }
-        for (group, (own, previous)) in
-            self.state.elements.groups.iter_mut().zip(&mut old.state.elements.groups).enumerate()
-        {
-            if self.plan.remesh.as_ref().is_some_and(|remesh| remesh.bodies[body].group != group) {
-                copy_state(&mut **previous, &mut **own);
-            }
-        }
-        for (own, previous) in self.state.adaptive.iter_mut().zip(&mut old.state.adaptive) {
-            if self.plan.remesh.as_ref().is_some_and(|remesh| remesh.bodies[body].group != own.group()) {
-                copy_state(previous, own);
-            } else {
-                own.follow(previous);
-            }
-        }
-        self.state.dofs.energies = old.state.dofs.energies;
-        let Some(revision) = self.remesh.revisions.pop() else { return };
-        self.move_body(old, (mesh, &revision), body);
-        self.state.elements.wake();
-        let limit = self.plan.remesh.as_ref().map_or(0.0, |remesh| remesh.bodies[body].angle);
-        let angle = sharpest(&revision.mesh.quads, |n| revision.mesh.points[n as usize]);
-        let quality = &mut self.remesh.bodies[body];
-        (quality.limit, quality.increment) = (limit.min(WORSE * angle), 0.0);
-        quality.count += 1;
-        self.remesh.revisions.push(revision);
+    fn kinetic(&self) -> f64 {
+        let dofs = &self.state.dofs;
+        dofs.energies.kinetic + dofs.bodies.iter().map(|body| body.kinetic()).sum::<f64>()
     }
 
-    /// Takes the motion of rigid bodies, with the velocity at this instant.
-    fn take_over_bodies(&mut self, old: &SolverRun<'_>) {
-        let half = 0.5 * old.state.dofs.nodes.previous_dt;
-        for (own, previous) in self.state.dofs.bodies.iter_mut().zip(&old.state.dofs.bodies) {
-            own.clone_from(previous);
-            if !own.prescribed {
-                own.velocity += half * own.contact;
-            }
-            own.contact = 0.0;
-        }
+    /// Completes the velocities at this instant with the impulses of constraints. Returns the kinetic energy.
+    fn complete_velocities(&mut self) -> f64 {
+        let before = self.kinetic();
+        let State { constraints, dofs, .. } = &mut self.state;
+        let followers = constraints.iter_mut().filter_map(|constraint| constraint.upkeep());
+        followers.fold(before, |kinetic, follower| kinetic + follower.complete_velocities(dofs))
     }
 
-    /// Takes places, velocities at this instant and masses of the nodes of other bodies. Returns the old solver node of
-    /// each node that has one.
-    fn take_over_nodes(&mut self, old: &SolverRun<'_>, body: usize) -> Vec<Option<usize>> {
-        let mut known = vec![None; self.state.dofs.nodes.len()];
-        let Some(remesh) = &old.plan.remesh else { return known };
-        let removed = ModelBody::new(&remesh.model, body).nodes;
-        let kept = (0..remesh.model.mesh.points.len()).filter(|node| removed.binary_search(node).is_err());
-        for (new, before) in kept.enumerate() {
-            let (own, previous) = (&self.plan.places, &old.plan.places);
-            let pairs = [
-                (own.nodes.get(&new), previous.nodes.get(&before)),
-                (own.rotations.get(&new), previous.rotations.get(&before)),
-            ];
-            for (own, previous) in pairs {
-                if let (Some(&n), Some(&from)) = (own, previous) {
-                    known[n] = Some(from);
-                    let (nodes, previous) = (&mut self.state.dofs.nodes, &old.state.dofs.nodes);
-                    let [v_r, v_z] = previous.velocity_now(from);
-                    nodes[n] = previous[from];
-                    (nodes[n].v_r, nodes[n].v_z) = (v_r, v_z);
-                    (nodes.mass[n], nodes.inverse_mass[n]) = (previous.mass[from], previous.inverse_mass[from]);
-                }
-            }
-        }
-        known
-    }
-
-    /// Moves masses, velocities and element variables of a body to its new mesh.
-    fn move_body(&mut self, old: &mut SolverRun<'_>, (before, revision): (&BodyMesh, &MeshRevision), body: usize) {
-        let (Some(own), Some(previous)) = (&self.plan.remesh, &old.plan.remesh) else { return };
-        let (own, previous, after) = (&own.bodies[body], &previous.bodies[body], &revision.mesh);
-        let group = &mut old.state.elements.groups[previous.group];
-        let masses = previous.elements.iter().map(|e| {
-            let masses = group.masses(*e as usize);
-            [0, 1, 2, 3].inline_map(|corner: usize| masses[corner])
-        });
-        let velocities = previous.nodes.iter().map(|n| old.state.dofs.nodes.velocity_now(*n)).collect();
-        let motion = BodyMotion { masses: masses.collect(), velocities };
-        let transfer = MeshTransfer::new([before, after], common_parts(before, after), &motion.masses);
-        let mut held = vec![[false; 2]; own.nodes.len()];
-        let forces = self.state.constraints.iter().filter_map(|constraint| constraint.view().forces);
-        let prescribed: std::collections::HashSet<(usize, usize)> = forces.flat_map(|f| f.prescribed()).collect();
-        for (held, n) in held.iter_mut().zip(&own.nodes) {
-            *held = [0, 1].inline_map(|axis| prescribed.contains(&(*n, axis)));
-        }
-        let masses = transfer.masses();
-        let velocities = transfer.velocities(&motion, &masses, &held);
-        let arrived = BodyMotion { masses, velocities };
-        let mass = arrived.node_masses(after);
-        let nodes = &mut self.state.dofs.nodes;
-        for (i, n) in own.nodes.iter().enumerate() {
-            let ([r, z], [v_r, v_z]) = (after.points[i], arrived.velocities[i]);
-            nodes[*n] = crate::state::nodes::Node { r, z, v_r, v_z };
-            (nodes.mass[*n], nodes.inverse_mass[*n]) = (mass[i], 1.0 / mass[i]);
-        }
-        let Some(from) = group.extensions().transfer() else { return };
-        let packs = from.variables().div_ceil(PACK);
-        let count = previous.elements.len();
-        let mut values = vec![vec![Pack::default(); count]; packs];
-        let in_order: Vec<u32> = (0..count as u32).collect();
-        from.read((&in_order, &vec![true; count]), &mut values);
-        let moved: Vec<Vec<Pack>> = values
-            .iter()
-            .map(|list| transfer.values(&previous.elements.iter().map(|e| list[*e as usize]).collect::<Vec<Pack>>()))
-            .collect();
-        // In the order of the group.
-        let count = own.elements.len();
-        let mut sorted = vec![vec![Pack::default(); count]; packs];
-        let (mut masses, mut corners) = (vec![[0.0; 4]; count], vec![[0; 4]; count]);
-        for (i, e) in own.elements.iter().enumerate() {
-            let e = *e as usize;
-            sorted.iter_mut().zip(&moved).for_each(|(list, moved)| list[e] = moved[i]);
-            (masses[e], corners[e]) = (arrived.masses[i], after.quads[i]);
-        }
-        if let Some(into) = self.state.elements.groups[own.group].extensions().transfer() {
-            let arrived = ArrivedElements { masses: &masses, corners: &corners, places: &after.points };
-            let in_order: Vec<u32> = (0..count as u32).collect();
-            into.write((&in_order, &vec![true; count]), &sorted, arrived);
-        }
-    }
-
-    /// Evaluates the forces of the new mesh at the instant at which the old one was left. The loss of kinetic energy is that
-    /// of the transfer.
-    fn evaluate_new_mesh(&mut self, old: &SolverRun<'_>) -> Result<(), HaltReason> {
-        let kinetic = |run: &SolverRun<'_>| {
-            run.state.dofs.energies.kinetic + run.state.dofs.bodies.iter().map(|body| body.kinetic()).sum::<f64>()
-        };
-        let before = kinetic(old);
+    /// Evaluates the forces of the new mesh at the instant at which the old one was left. `before` is the kinetic energy on
+    /// the old mesh; its loss is that of the transfer.
+    fn evaluate_new_mesh(&mut self, before: f64) -> Result<(), HaltReason> {
         self.show_own_velocity();
         self.evaluate_forces()?;
         self.accelerate()?;
         self.balance.take_forces(&self.body_forces.values);
         self.complete = true;
-        self.state.dofs.energies.advection += before - kinetic(self);
+        self.state.dofs.energies.advection += before - self.kinetic();
         Ok(())
     }
 
@@ -358,6 +241,7 @@ impl SolverRun<'_> {
             previous_instant: self.previous_instant,
             last_increment: self.last_increment,
             velocity_extrapolation: self.velocity_extrapolation,
+            user: self.user,
             body_forces: self.body_forces,
             balance: self.balance,
             watch: self.watch,
@@ -366,11 +250,4 @@ impl SolverRun<'_> {
             outcome: self.outcome,
         }
     }
-}
-
-/// Copies the state of an object to another one of the same plan.
-fn copy_state<T: Persist + ?Sized>(from: &mut T, to: &mut T) {
-    let mut bytes = Vec::new();
-    from.persist(&mut StateArchive::writer(&mut bytes));
-    to.persist(&mut StateArchive::reader(&bytes));
 }

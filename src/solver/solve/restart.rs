@@ -315,7 +315,7 @@ impl Persist for SolverRun<'_> {
     }
 }
 
-impl Persist for UserSession<'_> {
+impl Persist for UserSession {
     fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let UserSession { routines: _, requested_action, increment_reported, loss_reported: _, restored_memory: _ } =
             self;

@@ -8,8 +8,9 @@ use crate::state::halt::HaltReason;
 use crate::user::{AnalysisMoment, LockedRoutines, Routines, RunAction, SavedMemory};
 
 /// User subroutines over a run, and the action that they have requested.
-pub(super) struct UserSession<'a> {
-    pub routines: LockedRoutines<'a>,
+#[derive(Default)]
+pub(super) struct UserSession {
+    pub routines: LockedRoutines,
     pub requested_action: RunAction,
     /// Whether the subroutines have been informed that the increment is complete.
     pub increment_reported: bool,
@@ -19,15 +20,9 @@ pub(super) struct UserSession<'a> {
     pub restored_memory: SavedMemory,
 }
 
-impl<'a> UserSession<'a> {
-    pub fn new(routines: &'a Routines) -> Self {
-        UserSession {
-            routines: routines.lock(),
-            requested_action: RunAction::Continue,
-            increment_reported: false,
-            loss_reported: false,
-            restored_memory: SavedMemory::default(),
-        }
+impl UserSession {
+    pub fn new(routines: &Routines) -> Self {
+        UserSession { routines: routines.lock(), ..UserSession::default() }
     }
 }
 
@@ -103,7 +98,7 @@ impl SolverRun<'_> {
     pub(super) fn resume_routines(&mut self) -> Result<(), HaltReason> {
         let (action, kept) = (self.user.requested_action, std::mem::take(&mut self.user.restored_memory));
         self.report_moment(AnalysisMoment::StartAnalysis, 0.0)?;
-        if let (Some(memory), Some(_)) = (&self.plan.routines.memory, &self.user.routines.events) {
+        if let Some(memory) = self.plan.routines.memory.as_ref().filter(|_| self.user.routines.events.is_some()) {
             memory.restore(&kept).map_err(|why| HaltReason { code: "R201", reason: why.reason })?;
         }
         self.user.requested_action = action;

@@ -49,7 +49,7 @@ pub(super) struct SolverRun<'a> {
     pub(super) complete: bool,
     /// Whether a step has begun that may change the forces at this instant.
     pub(super) forces_may_differ: bool,
-    pub(super) user: UserSession<'a>,
+    pub(super) user: UserSession,
     pub(super) body_forces: BodyForces,
     /// Group and element that limited the smallest increment of the step.
     pub(super) limiting: Option<(usize, usize)>,
@@ -79,7 +79,7 @@ impl<'a> SolverRun<'a> {
             previous_stable_increment: f64::INFINITY,
             complete: false,
             forces_may_differ: false,
-            user: UserSession::new(&plan.routines),
+            user: UserSession::default(),
             body_forces: BodyForces::default(),
             limiting: None,
             balance: EnergyBalance::start(&state.dofs),
@@ -91,6 +91,11 @@ impl<'a> SolverRun<'a> {
             outcome: Outcome::default(),
             state,
         }
+    }
+
+    /// Locks the user subroutines for the run.
+    pub(super) fn with_routines(self) -> Self {
+        SolverRun { user: UserSession::new(&self.plan.routines), ..self }
     }
 
     /// Evaluates the current instant.
@@ -273,7 +278,7 @@ impl<'a> SolverRun<'a> {
         if self.state.elements.is_empty() || !changes {
             return Ok(());
         }
-        if self.now.step == 1 {
+        if self.now.increment == 0 {
             self.state.elements.probe(&self.state.dofs.nodes, &self.now, self.user.routines.at_points())?;
         }
         let global = matches!(self.step.control, IncrementControl::Automatic { element_by_element: false, .. });

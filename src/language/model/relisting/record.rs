@@ -34,6 +34,11 @@ impl ModelBuilder<'_> {
         edits.replaced.insert(place, Replacement { end: word.span.end, text, condition });
     }
 
+    /// Records a number that depends on the size of elements.
+    pub(in crate::model) fn edit_number(&mut self, word: &Word, value: f64) {
+        self.replace_word(word, format!("{value:e}"), EditCondition::Always);
+    }
+
     /// Records a reference to elements by a set name or a label.
     pub(in crate::model) fn edit_elements(&mut self, word: &Word, members: &[usize], is_label: bool) {
         let Some(first) = members.first().filter(|_| self.edits.is_some()) else { return };

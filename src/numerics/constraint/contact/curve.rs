@@ -290,8 +290,9 @@ impl FacetCurve {
         self.lift.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Takes the exposed facets of a previous curve with the same facets.
+    /// Takes the exposed facets of a previous curve with the same facets, and the thickness of its body.
     pub fn take_over(&mut self, previous: &FacetCurve) {
+        self.depth.clone_from(&previous.depth);
         self.is_exposed.clone_from(&previous.is_exposed);
         self.has_element.clone_from(&previous.has_element);
         self.neighbors.clone_from(&previous.neighbors);
@@ -524,8 +525,8 @@ impl Persist for FacetNeighbor {
     }
 }
 
-persist_struct!(FacetCurve { is_exposed: fixed, has_element: fixed, neighbors: fixed } derived {
-    facets, lift, depth, is_side_of_line, own, around, exposed, exposed_points, orphans, drops_orphans, tips, corners, kinks, shapes, ordered
+persist_struct!(FacetCurve { is_exposed: fixed, has_element: fixed, neighbors: fixed, depth: fixed } derived {
+    facets, lift, is_side_of_line, own, around, exposed, exposed_points, orphans, drops_orphans, tips, corners, kinks, shapes, ordered
 } then FacetCurve::list_again);
 
 impl FacetCurve {

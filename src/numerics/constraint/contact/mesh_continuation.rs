@@ -14,6 +14,22 @@ pub(super) struct KeyShare {
     pub(super) share: f64,
 }
 
+/// Place of a key between two keys of a previous contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct KeyPlace {
+    pub(super) keys: [usize; 2],
+    /// Distance from the first key, as a fraction of that between both.
+    pub(super) share: f64,
+}
+
+impl KeyPlace {
+    /// Returns the value at the place from those of the keys.
+    pub(super) fn value(&self, value: impl Fn(usize) -> f64) -> f64 {
+        let own = value(self.keys[0]);
+        if self.share == 0.0 { own } else { mix(own, value(self.keys[1]), self.share) }
+    }
+}
+
 /// Contact at the start of a change of meshes, and work arrays.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MeshContinuation {

@@ -44,7 +44,8 @@ use self::stored_energy::StoredEnergy;
 use self::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
 use super::bonds::MergedDofs;
 use super::{
-    Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, MeshMotion, StoredConstraint,
+    Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, MeshMotion, NodeRelation,
+    StoredConstraint,
 };
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lists::MemoryUse;
@@ -120,6 +121,11 @@ impl ContactPair {
     /// Creates a pair of a curve and an analytical surface.
     pub fn in_front_of(id: EffectId, number: usize, own: usize, analytical: usize, length: f64) -> ContactPair {
         ContactPair { analytical: Some(analytical), ..ContactPair::new(id, number, [own, own], length) }
+    }
+
+    /// Returns whether the pair and one of a previous contact are the same pair of the deck.
+    fn continues(&self, previous: &ContactPair) -> bool {
+        (self.number, self.first) == (previous.number, previous.first)
     }
 
     /// Returns the key of a point of the own curve; [`NONE`] for other points.
@@ -714,7 +720,7 @@ impl ContactConstraint {
                 nodes.acceleration[n][*axis] += change / half;
             }
         }
-        let springs = self.add_row_work();
+        let springs = self.add_row_work(1.0);
         if let Some(exchange) = &mut self.contact_heat {
             let (rows, means) = (&self.rows, &self.means);
             let rate =
@@ -726,14 +732,60 @@ impl ContactConstraint {
         energies.friction -= work[1];
     }
 
-    /// Adds the work of each row to the energy of its pair. Returns the work of penalty springs.
-    fn add_row_work(&mut self) -> f64 {
+    /// Adds the impulses of half an increment to the velocities at mid-increment, and their work: the impulse times the
+    /// mean of the velocities at the current instant before and after it. Returns the work on free degrees of freedom.
+    fn complete_velocities(&mut self, dofs: &mut Dofs) -> f64 {
+        let (mut work, mut gained) = ([0.0; 2], 0.0);
+        self.means.fill(0.0);
+        let Dofs { bodies, nodes, energies, .. } = dofs;
+        if self.half == 0.0 || nodes.previous_dt == 0.0 {
+            return 0.0;
+        }
+        let part = 0.5 * nodes.previous_dt / self.half;
+        for i in self.near.dofs.iter().map(|i| *i as usize) {
+            let ((dof, prescribed), [normal, slip]) = (self.dofs[i], self.impulses[i].inline_map(|j| part * j));
+            let change = self.motion.inverse_mass[i] * (normal + slip);
+            let before = match dof {
+                Dof::Node(n, axis) => {
+                    let before = nodes.velocity_now(n)[axis];
+                    *nodes[n].velocity(axis) += change;
+                    before
+                }
+                Dof::Body(b) => {
+                    bodies[b].velocity += change;
+                    bodies[b].velocity - change
+                }
+            };
+            let mean = before + 0.5 * change;
+            self.means[i] = mean;
+            if prescribed {
+                energies.external -= (normal + slip) * mean;
+            } else {
+                gained += (normal + slip) * mean;
+            }
+            work[0] += normal * mean;
+            work[1] += slip * mean;
+        }
+        for MergedContactDof { dof, nodes: MergedDofs { nodes: members, axis } } in &self.merged {
+            let change = part * self.motion.inverse_mass[*dof] * (self.impulses[*dof][0] + self.impulses[*dof][1]);
+            members[1..].iter().for_each(|n| *nodes[*n].velocity(*axis) += change);
+        }
+        let springs = self.add_row_work(part);
+        let energies = &mut dofs.energies;
+        energies.penalty -= springs;
+        energies.contact -= work[0] - springs;
+        energies.friction -= work[1];
+        gained
+    }
+
+    /// Adds the work of a part of the impulse of each row to the energy of its pair. Returns the work of penalty springs.
+    fn add_row_work(&mut self, part: f64) -> f64 {
         let ContactConstraint { rows, pairs, curves, places, means, springs, .. } = self;
         let mut of_springs = 0.0;
         for row in rows.rows.iter().filter(|row| row.normal_impulse > 0.0) {
             let at = pair_of(pairs, row.key);
             let rate: f64 = rows.terms_of(row).iter().map(|t| t.normal * means[t.dof as usize]).sum();
-            let (pair, work) = (&mut pairs[at], row.normal_impulse * rate);
+            let (pair, work) = (&mut pairs[at], part * row.normal_impulse * rate);
             pair.absorbed -= work;
             if springs.is_some_and(|first| row.law >= first) {
                 of_springs += work;
@@ -964,8 +1016,9 @@ impl Constraint for ContactConstraint {
     }
 
     fn motion(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>, dt: f64) {
-        self.half = dofs.nodes.half;
-        self.output_share = if self.half == 0.5 * dt { 0.5 } else { 1.0 };
+        // On a new mesh the velocities contain the impulses of half an increment before.
+        let is_first = std::mem::replace(&mut self.half, dofs.nodes.half) == 0.0;
+        self.output_share = if is_first && self.half == 0.5 * dt { 0.5 } else { 1.0 };
         if self.uncovered {
             self.list_points();
         }
@@ -1047,6 +1100,16 @@ impl ConstraintUpkeep for ContactConstraint {
                 *uncovered = true;
             }
         }
+    }
+
+    fn follow_new_mesh(&mut self, previous: &dyn Constraint, nodes: &NodeRelation<'_>, dofs: &Dofs) {
+        if let Some(previous) = (previous as &dyn Any).downcast_ref::<ContactConstraint>() {
+            ContactConstraint::follow_new_mesh(self, previous, nodes, dofs);
+        }
+    }
+
+    fn complete_velocities(&mut self, dofs: &mut Dofs) -> f64 {
+        ContactConstraint::complete_velocities(self, dofs)
     }
 
     fn reserve_mesh_motion(&mut self) {

@@ -1,6 +1,7 @@
 //! Contact output: pressure, shear stress, opening and slip at points; forces and areas of pairs.
 
 use super::curve::{PointCarrier, SurfacePoint};
+use super::mesh_continuation::KeyPlace;
 use super::{ContactConstraint, ContactPair};
 use crate::constraint::{ContactResults, PairForces};
 use crate::kernel::lanes::InlineMap;
@@ -41,9 +42,9 @@ impl ContactOutput {
     }
 
     /// Takes the output of a key from the previous contact.
-    pub(super) fn take_over(&mut self, key: usize, previous: &ContactOutput, other: usize) {
-        self.opening[key] = previous.opening[other];
-        self.slip[key] = previous.slip[other];
+    pub(super) fn take_over(&mut self, key: usize, previous: &ContactOutput, place: KeyPlace) {
+        self.opening[key] = place.value(|other| previous.opening[other]);
+        self.slip[key] = place.value(|other| previous.slip[other]);
     }
 
     /// Returns the accumulated slip of the keys.

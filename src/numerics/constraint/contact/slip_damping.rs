@@ -8,8 +8,10 @@
 //! pressure with a delay of some increments (as measured by Prakash and Clifton; a regularization after Cochard and Rice
 //! 2000, J. Geophys. Res. 105, 25891), so that friction does not drive waves of the length of an element.
 
+use super::mesh_continuation::KeyPlace;
 use super::sweeps::{ContactRow, ContactRows, ContactStep, ContactVelocities};
 use crate::kernel::interaction::InteractionLaw;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::state::archive::persist_struct;
 
@@ -50,12 +52,14 @@ impl SlipDamping {
     }
 
     /// Takes the slip rate of a key from the previous contact.
-    pub(super) fn take_over(&mut self, key: usize, previous: &SlipDamping, other: usize) {
-        if let (Some(own), Some(before)) = (self.slow.get_mut(key), previous.slow.get(other)) {
-            *own = *before;
-            (self.impulse[key], self.stress[key]) = (previous.impulse[other], previous.stress[other]);
-            self.pressure[key] = previous.pressure[other];
+    pub(super) fn take_over(&mut self, key: usize, previous: &SlipDamping, place: KeyPlace) {
+        if self.slow.is_empty() || previous.slow.is_empty() {
+            return;
         }
+        self.slow[key] = place.value(|other| previous.slow[other]);
+        self.impulse[key] = place.value(|other| previous.impulse[other]);
+        self.stress[key] = place.value(|other| previous.stress[other]);
+        self.pressure[key] = [0, 1].inline_map(|part: usize| place.value(|other| previous.pressure[other][part]));
     }
 
     pub(super) fn memory(&self) -> MemoryUse {

@@ -4,6 +4,7 @@
 //! impulses of a row have absorbed, its area `A`, and the energy `W(o)` per area of the law, the overlap is limited to
 //! `A W(o) <= E`. Contact therefore releases at most what it has stored, for any change of area or geometry.
 
+use super::mesh_continuation::KeyPlace;
 use super::sweeps::{ContactInterval, ContactRow, ContactRows, ContactVelocities, closed_overlap};
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lists::MemoryUse;
@@ -25,15 +26,20 @@ impl StoredEnergy {
     }
 
     /// Takes the energy of a key from the previous contact.
-    pub(super) fn take_over(&mut self, key: usize, previous: &StoredEnergy, other: usize) {
-        if let (Some(own), Some(before)) = (self.stored.get_mut(key), previous.stored.get(other)) {
-            *own = *before;
+    pub(super) fn take_over(&mut self, key: usize, previous: &StoredEnergy, place: KeyPlace) {
+        if let Some(own) = self.stored.get_mut(key).filter(|_| !previous.stored.is_empty()) {
+            *own = place.value(|other| previous.stored[other]);
         }
     }
 
     /// Returns the energies of the keys, NaN before the first increment; none without soft laws.
     pub(super) fn values_mut(&mut self) -> &mut [f64] {
         &mut self.stored
+    }
+
+    /// Returns the energies of the keys.
+    pub(super) fn values(&self) -> &[f64] {
+        &self.stored
     }
 
     pub(super) fn memory(&self) -> MemoryUse {

@@ -150,7 +150,7 @@ impl Load for CavityExpansion {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        _: &mut LockedRoutines<'_>,
+        _: &mut LockedRoutines,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         match forces {

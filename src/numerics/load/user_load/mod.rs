@@ -119,7 +119,7 @@ impl SubroutineLoad {
     fn on_nodes(
         &mut self,
         scene: &SceneView<'_>,
-        user: &mut LockedRoutines<'_>,
+        user: &mut LockedRoutines,
         forces: &mut [[f64; 2]],
     ) -> Result<(), HaltReason> {
         let Some(routine) = user.load.as_deref_mut() else { return Ok(()) };
@@ -133,7 +133,7 @@ impl SubroutineLoad {
     fn on_bodies(
         &mut self,
         scene: &SceneView<'_>,
-        user: &mut LockedRoutines<'_>,
+        user: &mut LockedRoutines,
         out: &mut [f64],
     ) -> Result<(), HaltReason> {
         out.fill(0.0);
@@ -181,7 +181,7 @@ impl Load for SubroutineLoad {
     fn apply(
         &mut self,
         scene: &SceneView<'_>,
-        user: &mut LockedRoutines<'_>,
+        user: &mut LockedRoutines,
         forces: &mut LoadForces<'_>,
     ) -> Result<TargetDissipation, HaltReason> {
         match forces {

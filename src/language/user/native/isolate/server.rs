@@ -18,7 +18,7 @@ pub struct RoutineServer {
 
 impl RoutineServer {
     /// Calls a subroutine and writes its results, or the reason of its failure.
-    pub fn answer(&mut self, purpose: TurnPurpose, exchange: &mut CallExchange, routines: &mut LockedRoutines<'_>) {
+    pub fn answer(&mut self, purpose: TurnPurpose, exchange: &mut CallExchange, routines: &mut LockedRoutines) {
         let called = self.call(purpose, &mut exchange.call.read(), routines);
         let called = called.unwrap_or_else(|| Err(LoadFailure::new("the subroutine is not defined")));
         let mut writer = exchange.answer.write();
@@ -36,7 +36,7 @@ impl RoutineServer {
         &mut self,
         purpose: TurnPurpose,
         from: &mut MessageReader<'_>,
-        routines: &mut LockedRoutines<'_>,
+        routines: &mut LockedRoutines,
     ) -> Option<Result<(), LoadFailure>> {
         let answers = &mut self.answers;
         Some(match purpose {
@@ -86,7 +86,7 @@ impl RoutineServer {
     fn amplitude(
         &mut self,
         from: &mut MessageReader<'_>,
-        routines: &mut LockedRoutines<'_>,
+        routines: &mut LockedRoutines,
     ) -> Option<Result<(), LoadFailure>> {
         get!(from; name, now, begins, increment, old, properties, sensor_values, sensors);
         self.sensors.resize(sensors, String::new());
