@@ -137,7 +137,8 @@ fn crossing([a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> Option<[f64; 2]> {
         return None;
     }
     let share = own / (own - end);
-    Some([0, 1].inline_map(|i: usize| a[i] + share * (b[i] - a[i])))
+    // On the axis, rounding must not give a negative radius.
+    Some([(a[0] + share * (b[0] - a[0])).max(0.0), a[1] + share * (b[1] - a[1])])
 }
 
 #[cfg(test)]

@@ -26,6 +26,8 @@ const SWEEPS: usize = 6;
 pub fn new_mesh(old: &BodyMesh, kept: &[bool], body: usize) -> Option<MeshRevision> {
     let middles: Vec<[f64; 2]> = old.quads.iter().map(|quad| middle(old.corners(quad))).collect();
     let mut graded = BodyMesh { sizes: graded_sizes(old, &middles), ..old.clone() };
+    // Nodes of a closing cavity may have passed the axis by a little.
+    graded.points.iter_mut().for_each(|p| p[0] = p[0].max(0.0));
     let mut loops = loops(old)?;
     repair(&mut graded, &mut loops, kept);
     let field = SizeField::new(&graded, &middles);
