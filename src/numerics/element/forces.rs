@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 use super::block::{ControlStresses, TaskWorkspace};
 use super::constants::{CHANGE, ElementConstants, damped};
 use super::control::{HourglassScheme, LaneKinematics};
-use super::motion::{LaneMotion, MotionInput, wave};
+use super::motion::LaneMotion;
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
 use crate::kernel::bulk_viscosity::slow_rate;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, Lanes};
@@ -39,15 +39,18 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool> Wi
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
         let factors = ForceFactors::new::<VARY>((self.constants, self.dt), self.scratch);
-        let input = MotionInput::new(self.constants, self.inverse_mass);
         // Roots and divisions take long. While those of a pack are computed, a core begins with the motion of the next
         // pack, which does not depend on them.
         for index in 0..PackPosition::<S>::COUNT {
-            self.scratch.measure_motion::<S, AREA, VARY>(&input, PackPosition::new(simd, index));
+            let at = PackPosition::new(simd, index);
+            let modulus = self.modulus(at);
+            let TaskWorkspace { r, z, motion, .. } = &mut *self.scratch;
+            motion.measure::<S, AREA>([r, z], self.inverse_mass, modulus, at);
         }
         for index in 0..PackPosition::<S>::COUNT {
             let at = PackPosition::new(simd, index);
-            let motion = self.scratch.motion::<S, VARY>(&input, at);
+            let TaskWorkspace { v_r, v_z, motion, .. } = &*self.scratch;
+            let motion = motion.of_pack([v_r, v_z], self.modulus(at), at);
             self.add_pack(&factors, &motion, at);
         }
     }
@@ -56,6 +59,13 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool> Wi
 impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
     CornerForceUpdate<'_, C, AREA, VARY, EOS>
 {
+    /// Returns the modulus of longitudinal waves of a pack.
+    #[inline(always)]
+    fn modulus<S: Simd>(&self, at: PackPosition<S>) -> Pack<S> {
+        let [shear43, modulus] = wave(self.constants);
+        if VARY { shear43 + at.load(&self.scratch.stress.bulk) } else { at.splat(modulus) }
+    }
+
     /// Computes the corner forces of stress, bulk viscosity and hourglass control, and the stable time increment.
     #[inline(always)]
     fn add_pack<S: Simd>(&mut self, factors: &ForceFactors, lane: &LaneMotion<Pack<S>>, at: PackPosition<S>) {
@@ -308,4 +318,10 @@ fn corner_forces<T: Real, const AREA: bool>(
         stressed_z(2) + f_z * shape[2],
     ]);
     [along_r, along_z]
+}
+
+/// Returns 4/3 of the shear modulus, and the longitudinal modulus K + 4/3 G.
+fn wave(constants: &ElementConstants) -> [f64; 2] {
+    let shear43 = 4.0 / 3.0 * constants.shear;
+    [shear43, constants.bulk + shear43]
 }

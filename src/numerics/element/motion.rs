@@ -3,8 +3,6 @@
 
 use pulp::Simd;
 
-use super::block::TaskWorkspace;
-use super::constants::ElementConstants;
 use crate::kernel::lanes::{InlineMap, Lanes};
 use crate::kernel::pack::{Pack, PackPosition};
 use crate::kernel::quad::{QuadOperators, SquareSums, UNIT, dot3};
@@ -43,7 +41,7 @@ impl<T: Real> LaneMotion<T> {
     }
 }
 
-/// Results of [`TaskWorkspace::measure_motion`] for a block.
+/// Geometry and motion of a block, without velocities.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
 pub(super) struct BlockMotion {
@@ -57,35 +55,21 @@ pub(super) struct BlockMotion {
     sizes: [Lanes; 3],
 }
 
-/// Input of [`TaskWorkspace::measure_motion`] that is the same for all packs.
-pub(super) struct MotionInput<'a> {
-    inverse_mass: &'a [Lanes; 4],
-    shear43: f64,
-    modulus: f64,
-}
-
-impl<'a> MotionInput<'a> {
-    #[inline(always)]
-    pub fn new(constants: &ElementConstants, inverse_mass: &'a [Lanes; 4]) -> Self {
-        let [shear43, modulus] = wave(constants);
-        MotionInput { inverse_mass, shear43, modulus }
-    }
-}
-
-impl TaskWorkspace {
+impl BlockMotion {
     /// Computes the operators of a pack, the bound of its highest frequency and its hourglass pattern, from combined
-    /// coordinates. With `VARY` the modulus follows from the stress update.
+    /// coordinates along r and z and combined inverse masses. `modulus` is that of longitudinal waves.
     ///
     /// A root and a division take long and are not needed before the corner forces: the earlier this is called, the more
     /// work a core has meanwhile.
     #[inline(always)]
-    pub(super) fn measure_motion<S: Simd, const AREA: bool, const VARY: bool>(
+    pub(super) fn measure<S: Simd, const AREA: bool>(
         &mut self,
-        input: &MotionInput<'_>,
+        [r, z]: [&[Lanes; 4]; 2],
+        inverse_mass: &[Lanes; 4],
+        modulus: Pack<S>,
         at: PackPosition<S>,
     ) {
-        let modulus = if VARY { input.shear43 + at.load(&self.stress.bulk) } else { at.splat(input.modulus) };
-        let (r, z, inverse_mass) = (at.load_all(&self.r), at.load_all(&self.z), at.load_all(input.inverse_mass));
+        let (r, z, inverse_mass) = (at.load_all(r), at.load_all(z), at.load_all(inverse_mass));
         let g = QuadOperators::of::<AREA>(r, z);
         // ω² ≤ c_d² ρ V Σ (b_r² + b_z² + b_θ²)/m; this is the sum.
         let all = SquareSums::of_gradient(g.r).plus(SquareSums::of_gradient(g.z)).plus(SquareSums::of_hoop(g.hoop));
@@ -104,38 +88,30 @@ impl TaskWorkspace {
         let mut period = g.volume * inverse_root;
         if AREA {
             // From the plane section only: the hoop term would disturb spherical symmetry.
-            period = g.volume / (UNIT * modulus * square * at.load(&input.inverse_mass[0]) * g.volume).root();
+            period = g.volume / (UNIT * modulus * square * inverse_mass[0] * g.volume).root();
         }
-        let motion = &mut self.motion;
-        at.store_all(g.r, &mut motion.r);
-        at.store_all(g.z, &mut motion.z);
-        at.store_all(g.hoop, &mut motion.hoop);
-        at.store_all(pattern.inline_map(|part| per * part), &mut motion.shape);
-        at.store_all([squares, square, root, inverse], &mut motion.rates);
-        at.store_all([g.volume, per, period], &mut motion.sizes);
+        at.store_all(g.r, &mut self.r);
+        at.store_all(g.z, &mut self.z);
+        at.store_all(g.hoop, &mut self.hoop);
+        at.store_all(pattern.inline_map(|part| per * part), &mut self.shape);
+        at.store_all([squares, square, root, inverse], &mut self.rates);
+        at.store_all([g.volume, per, period], &mut self.sizes);
     }
 
-    /// Returns the results of [`Self::measure_motion`] of a pack with its velocities.
+    /// Returns the results of [`Self::measure`] of a pack with its combined velocities along r and z.
     #[inline(always)]
-    pub(super) fn motion<S: Simd, const VARY: bool>(
+    pub(super) fn of_pack<S: Simd>(
         &self,
-        input: &MotionInput<'_>,
+        [v_r, v_z]: [&[Lanes; 4]; 2],
+        modulus: Pack<S>,
         at: PackPosition<S>,
     ) -> LaneMotion<Pack<S>> {
-        let TaskWorkspace { v_r, v_z, stress, motion, .. } = self;
-        let modulus = if VARY { input.shear43 + at.load(&stress.bulk) } else { at.splat(input.modulus) };
         let (v_r, [_, w1, w2, w3]) = (at.load_all(v_r), at.load_all(v_z));
-        let [squares, square, root, inverse] = at.load_all(&motion.rates);
-        let [volume, per, period] = at.load_all(&motion.sizes);
-        let [r, z, hoop] = [at.load_all(&motion.r), at.load_all(&motion.z), at.load_all(&motion.hoop)];
+        let [squares, square, root, inverse] = at.load_all(&self.rates);
+        let [volume, per, period] = at.load_all(&self.sizes);
+        let [r, z, hoop] = [at.load_all(&self.r), at.load_all(&self.z), at.load_all(&self.hoop)];
         let along = [[v_r[1], v_r[2], v_r[3]], [w1, w2, w3]];
-        let (g, shape) = (QuadOperators { r, z, hoop, volume }, at.load_all(&motion.shape));
+        let (g, shape) = (QuadOperators { r, z, hoop, volume }, at.load_all(&self.shape));
         LaneMotion { g, v_r, along, shape, modulus, squares, square, root, inverse, per, omega: root * per, period }
     }
-}
-
-/// Returns 4/3 of the shear modulus, and the longitudinal modulus K + 4/3 G.
-pub(super) fn wave(constants: &ElementConstants) -> [f64; 2] {
-    let shear43 = 4.0 / 3.0 * constants.shear;
-    [shear43, constants.bulk + shear43]
 }
