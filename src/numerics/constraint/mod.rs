@@ -228,6 +228,18 @@ pub struct PreviousPlace {
     pub share: f64,
 }
 
+impl PreviousPlace {
+    /// Returns the place of a node of the previous model.
+    pub fn at(node: usize) -> PreviousPlace {
+        PreviousPlace { nodes: [node; 2], share: 0.0 }
+    }
+
+    /// Returns the node of the previous model at this place; `None` between two nodes.
+    pub fn node(&self) -> Option<usize> {
+        (self.nodes[0] == self.nodes[1]).then_some(self.nodes[0])
+    }
+}
+
 /// Returns the place of a node of a model with a new mesh in the previous model; `None` inside a new mesh.
 pub type NodeRelation<'a> = dyn Fn(usize) -> Option<PreviousPlace> + 'a;
 

@@ -261,8 +261,8 @@ impl ConstraintUpkeep for PrescribedMotion {
         self.bodies.clone_from(&previous.bodies);
         let known: HashMap<_, _> = previous.nodes.iter().map(|m| ((m.node, m.axis), m.origin)).collect();
         for motion in &mut self.nodes {
-            let same = nodes(motion.node).filter(|place| place.nodes[0] == place.nodes[1]);
-            let before = same.and_then(|place| known.get(&(place.nodes[0], motion.axis)));
+            let same = nodes(motion.node).and_then(|place| place.node());
+            let before = same.and_then(|node| known.get(&(node, motion.axis)));
             before.into_iter().for_each(|origin| motion.origin = *origin);
         }
     }

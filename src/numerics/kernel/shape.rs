@@ -71,6 +71,14 @@ pub fn twice_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
+/// Returns the distance from the first of two ends to the point between both that is nearest to a place, as a fraction of the
+/// distance between the ends; 0 if the ends are the same point.
+pub fn share_between([from, to]: [[f64; 2]; 2], place: [f64; 2]) -> f64 {
+    let [whole, own] = [to, place].inline_map(|to| [to[0] - from[0], to[1] - from[1]]);
+    let square = whole[0] * whole[0] + whole[1] * whole[1];
+    if square > 0.0 { ((own[0] * whole[0] + own[1] * whole[1]) / square).clamp(0.0, 1.0) } else { 0.0 }
+}
+
 /// Returns the distance between two points.
 pub fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     ((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1])).sqrt()

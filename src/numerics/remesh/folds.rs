@@ -173,7 +173,7 @@ mod tests {
         assert!(!crosses(&mesh, &loops[0]) && loops[0].len() < points.len(), "{:?}", mesh.points);
     }
 
-    /// A sheet overlaps the side of the body by 0.1: both move by half of it, with the nodes of the edge in proportion.
+    /// A sheet overlaps the side of the body by 0.1: both move by half of the overlap, the nodes of the edge in proportion.
     #[test]
     fn parts_that_overlap_move_apart() {
         let points = [

@@ -196,7 +196,7 @@ fn improve(mesh: &mut BodyMesh, on_boundary: &[bool]) {
     }
 }
 
-/// Moves a node to the middle of its neighbours in the elements around it if this improves the worst of them.
+/// Moves a node to the middle of its neighbours in the elements around it if this improves the worst element.
 fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
     let BodyMesh { points, quads, .. } = mesh;
     let elements = || around.iter().map(|e| &quads[*e as usize]);

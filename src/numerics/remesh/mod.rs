@@ -1,5 +1,5 @@
 //! New meshes of bodies during a run: the outline of a deformed body is divided again, its inside is filled with
-//! elements, most of them quadrilaterals, and masses, momentum and element variables are moved to them.
+//! elements, mostly quadrilaterals, and masses, momentum and element variables are moved to the new elements.
 
 mod folds;
 pub mod mesher;

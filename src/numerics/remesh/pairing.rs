@@ -9,7 +9,7 @@ use crate::kernel::shape::smallest_sine;
 /// Smallest sine of the angles of a quadrilateral, 30 degrees.
 const SMALLEST: f64 = 0.5;
 
-/// A triangle beside another one, and the quadrilateral of both.
+/// A triangle that has a common edge with another one, and the quadrilateral of both.
 #[derive(Clone, Copy)]
 struct Partner {
     triangle: u32,

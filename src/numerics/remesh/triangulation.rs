@@ -4,7 +4,7 @@
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::shape::{distance, twice_area};
+use crate::kernel::shape::{distance, share_between, twice_area};
 
 /// Circumradius, in units of the wanted edge, above which a triangle is divided; that of an equilateral one is 0.577.
 const LARGE: f64 = 0.72;
@@ -50,9 +50,8 @@ impl Boundary<'_> {
 
     fn is_near(&self, p: [f64; 2], reach: f64) -> bool {
         self.ends().any(|[a, b]| {
-            let (t, d) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
-            let at = ((d[0] * t[0] + d[1] * t[1]) / (t[0] * t[0] + t[1] * t[1])).clamp(0.0, 1.0);
-            distance([a[0] + at * t[0], a[1] + at * t[1]], p) < reach
+            let share = share_between([a, b], p);
+            distance([0, 1].inline_map(|i: usize| a[i] + share * (b[i] - a[i])), p) < reach
         })
     }
 }

@@ -9,6 +9,7 @@ use crate::element::group::ArrivedElements;
 use crate::element::mass_scaling::ArrivedScaling;
 use crate::heat::ThermalState;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
+use crate::kernel::shape::share_between;
 use crate::load::SceneChange;
 use crate::model::remesh::ModelBody;
 use crate::plan::{RemeshedBody, State};
@@ -103,7 +104,7 @@ impl SolverRun<'_> {
             ];
             for (own, previous) in pairs {
                 if let (Some(&n), Some(&from)) = (own, previous) {
-                    known[n] = Some(PreviousPlace { nodes: [from; 2], share: 0.0 });
+                    known[n] = Some(PreviousPlace::at(from));
                     let (nodes, previous) = (&mut self.state.dofs.nodes, &old.state.dofs.nodes);
                     let [v_r, v_z] = previous.velocity_now(from);
                     nodes[n] = previous[from];
@@ -142,7 +143,7 @@ impl SolverRun<'_> {
         for (i, n) in own.nodes.iter().enumerate().filter(|(i, _)| mesh.revision.parents[*i][0] != INSIDE) {
             let parents = mesh.revision.parents[i];
             let ends = parents.inline_map(|parent| mesh.before.points[parent as usize]);
-            let share = share_of_way(ends, mesh.revision.mesh.points[i]);
+            let share = share_between(ends, mesh.revision.mesh.points[i]);
             places[*n] =
                 Some(PreviousPlace { nodes: parents.inline_map(|parent| previous.nodes[parent as usize]), share });
         }
@@ -185,7 +186,7 @@ impl SolverRun<'_> {
         let (Some(thermal), Some(before)) = (&mut self.state.thermal, &mut old.thermal) else { return };
         let ThermalState { heat: heat_before, expansion: expansion_before } = &mut **before;
         if let (Some(heat), Some(before)) = (&mut thermal.heat, &*heat_before) {
-            heat.follow_new_mesh(before, |n| places[n].map(|place| place.nodes[0]));
+            heat.follow_new_mesh(before, |n| places[n].and_then(|place| place.node()));
             heat.take_masses(own.group, &*self.state.elements.groups[own.group]);
             if heat.conducts(own.group) {
                 let of_nodes = BodyMotion { masses: plain.to_vec(), velocities: Vec::new() };
@@ -265,13 +266,12 @@ impl SolverRun<'_> {
         }
     }
 
-    /// Takes which elements of other bodies are deleted. Loads and contact are informed of them again.
+    /// Takes which elements of other bodies are deleted. Loads and contact are informed of these deletions again.
     fn follow_deletions(&mut self, old: &SolverRun<'_>, own: &RemeshedBody, places: &[Option<PreviousPlace>]) {
         if old.state.elements.deleted() == 0 {
             return;
         }
-        let moved =
-            places.iter().enumerate().filter_map(|(n, place)| Some((place.as_ref()?.nodes[0] as u32, n as u32)));
+        let moved = places.iter().enumerate().filter_map(|(n, place)| Some((place.as_ref()?.node()? as u32, n as u32)));
         let known: HashMap<u32, u32> = moved.collect();
         let State { elements, loads, constraints, .. } = &mut self.state;
         elements.follow_deletions(&old.state.elements, own.group, |n| known.get(&n).copied());
@@ -327,13 +327,6 @@ impl LivingElements {
         from.read((&in_order, &vec![true; count]), &mut values);
         values.iter().map(|list| self.elements.iter().map(|e| list[*e as usize]).collect()).collect()
     }
-}
-
-/// Returns the distance of a place from the first of two ends, as a fraction of that between both.
-fn share_of_way([from, to]: [[f64; 2]; 2], place: [f64; 2]) -> f64 {
-    let [way, by] = [to, place].inline_map(|to: [f64; 2]| [to[0] - from[0], to[1] - from[1]]);
-    let length = way[0] * way[0] + way[1] * way[1];
-    if length > 0.0 { ((by[0] * way[0] + by[1] * way[1]) / length).clamp(0.0, 1.0) } else { 0.0 }
 }
 
 /// Copies the state of an object to another one of the same plan.

@@ -30,7 +30,7 @@ impl ContactConstraint {
         for ((dof, _), impulse) in self.dofs.iter().zip(&mut self.impulses) {
             *impulse = known.get(dof).map_or([0.0; 2], |found| **found);
         }
-        self.take_over_pairs(previous, &|node| Some(PreviousPlace { nodes: [node; 2], share: 0.0 }));
+        self.take_over_pairs(previous, &|node| Some(PreviousPlace::at(node)));
         self.take_over_cohesion(previous);
     }
 
