@@ -6,6 +6,7 @@ use super::types::{AdaptiveControls, AdaptiveMesh, Remeshing};
 use crate::deck::Card;
 use crate::deck::table::adaptive as cards;
 use crate::kernel::lists::sorted_unique;
+use crate::remesh::sizes::SizeLimits;
 
 impl ModelBuilder<'_> {
     /// Reads the controls of adaptive meshes. Weights are normalised to the sum 1.
@@ -48,15 +49,34 @@ impl ModelBuilder<'_> {
     pub(super) fn remeshing(&mut self, card: &Card) {
         let Some(word) = card.value("ELSET") else { return };
         let Some(elements) = self.element_members(word) else { return };
-        let cards::Remesh { angle, increment, frequency, mut size } = self.values(card);
-        // The length of edges follows a refined or coarsened mesh.
-        if let (Some(size), Some(scaling), Some(word)) = (&mut size, self.deck.mesh_scaling, card.value("SIZE")) {
-            *size *= scaling.edge_factor();
-            self.edit_number(word, *size);
+        let cards::Remesh {
+            angle,
+            increment,
+            frequency,
+            mut size,
+            mut curvature_angle,
+            mut strain_change,
+            mut minimum_size,
+        } = self.values(card);
+        if minimum_size.is_some() && curvature_angle.is_none() && strain_change.is_none() {
+            self.out_of_range(card.span, "MINIMUM SIZE requires CURVATURE ANGLE or STRAIN CHANGE");
+        }
+        // Lengths of edges, and what they are computed from, follow a refined or coarsened mesh.
+        if let Some(scaling) = self.deck.mesh_scaling {
+            let lengths = [("SIZE", &mut size), ("MINIMUM SIZE", &mut minimum_size)];
+            let ratios = [("CURVATURE ANGLE", &mut curvature_angle), ("STRAIN CHANGE", &mut strain_change)];
+            for (key, value) in lengths.into_iter().chain(ratios) {
+                if let (Some(value), Some(word)) = (value, card.value(key)) {
+                    *value *= scaling.edge_factor();
+                    self.edit_number(word, *value);
+                }
+            }
         }
         let (span, set, angle, frequency) = (card.span, upper(&word.text), angle.to_radians(), frequency as u64);
         let elements = sorted_unique(elements);
-        self.model.remeshings.push(Remeshing { span, set, elements, angle, increment, frequency, size });
+        let curvature_angle = curvature_angle.map(f64::to_radians);
+        let limits = SizeLimits { curvature_angle, strain_change, smallest: minimum_size };
+        self.model.remeshings.push(Remeshing { span, set, elements, angle, increment, frequency, size, limits });
     }
 
     /// Reads nodes that move with the material.

@@ -91,7 +91,7 @@ impl ConsistencyCheck<'_> {
     }
 
     fn remeshing(&mut self, remeshing: &Remeshing) {
-        let Remeshing { span, elements, angle, increment, frequency, size, .. } = remeshing;
+        let Remeshing { span, elements, angle, increment, frequency, size, limits, .. } = remeshing;
         self.elements(*span, elements);
         self.value(is_ascending(elements), *span, || "the elements of a body must be in ascending order".into());
         let row = &adaptive::Remesh::ROW;
@@ -99,6 +99,9 @@ impl ConsistencyCheck<'_> {
         self.in_range(*span, "", row, "INCREMENT", Some(*increment));
         self.in_range(*span, "", row, "FREQUENCY", Some(*frequency as f64));
         self.in_range(*span, "", row, "SIZE", *size);
+        self.in_range(*span, "", row, "CURVATURE ANGLE", limits.curvature_angle.map(f64::to_degrees));
+        self.in_range(*span, "", row, "STRAIN CHANGE", limits.strain_change);
+        self.in_range(*span, "", row, "MINIMUM SIZE", limits.smallest);
     }
 
     fn erosion(&mut self, erosion: &ErosionCriteria) {

@@ -155,6 +155,12 @@ pub trait ConstraintForces {
 
 /// Output variables of surfaces in contact.
 pub trait ContactResults {
+    /// Returns the place that a new node of the outline takes instead of its place on the edge between two nodes: `share` is
+    /// its distance from the first one, as a fraction of the edge.
+    fn place_between(&self, _ends: [usize; 2], _share: f64, _dofs: &Dofs) -> Option<[f64; 2]> {
+        None
+    }
+
     /// Returns the value at a point of a surface; `None` if the point belongs to no contact surface.
     fn value_at_point(&self, carrier: PointCarrier, part: VariableComponent) -> Option<f64>;
 

@@ -5,47 +5,60 @@ use std::collections::HashMap;
 use super::folds::repair;
 use super::outline::{BoundaryEdge, OutlinePoint, divide, loops};
 use super::pairing::elements;
+use super::sizes::{SizeField, graded_sizes};
 use super::triangulation::{TriangleMesh, fill};
 use super::{BodyMesh, INSIDE, MeshRevision, RevisedSide};
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::shape::{corner_shape, distance, elements_around, middle, smallest_sine};
-use crate::kernel::sorted_boxes::SortedBoxes;
+use crate::kernel::shape::{corner_shape, elements_around, middle, share_between, smallest_sine};
 
 /// Edges of the triangles over the wanted edge of squares. With the first one, two triangles have the area of a square; the
 /// others follow a more curved outline.
 const EDGES: [f64; 4] = [1.07, 0.9, 0.75, 0.6];
-/// Largest change of the wanted edge per distance.
-const GRADING: f64 = 0.3;
 /// Smallest ratio of the corner triangles of an element to half its area.
 const FLAT: f64 = 0.02;
 /// Sweeps that improve the shapes of the quadrilaterals.
 const SWEEPS: usize = 6;
 
-/// Remeshes a body. Nodes of the boundary that are `kept` remain. Returns `None` if its outline touches itself, or if
-/// no mesh with valid elements is found.
-pub fn new_mesh(old: &BodyMesh, kept: &[bool], body: usize) -> Option<MeshRevision> {
+/// What a new mesh must keep.
+pub struct OutlineRules<'a> {
+    /// Nodes of the boundary that remain.
+    pub kept: &'a [bool],
+    /// Returns the place of a new node on the edge between two old ones, if it is not on this edge; with its distance
+    /// from the first one, as a fraction of the edge.
+    pub place: &'a dyn Fn([u32; 2], f64) -> Option<[f64; 2]>,
+}
+
+/// Remeshes a body. `limited` are the sizes that elements should have in this mesh only
+/// ([`SizeLimits`](super::sizes::SizeLimits)). Returns `None` if the outline touches itself, or if no mesh with valid
+/// elements is found.
+pub fn new_mesh(old: &BodyMesh, rules: &OutlineRules<'_>, limited: Option<Vec<f64>>) -> Option<MeshRevision> {
     let middles: Vec<[f64; 2]> = old.quads.iter().map(|quad| middle(old.corners(quad))).collect();
-    let mut graded = BodyMesh { sizes: graded_sizes(old, &middles), ..old.clone() };
+    let lasting = graded_sizes(old, &old.sizes, &middles);
+    let sizes = limited.map_or_else(|| lasting.clone(), |limited| graded_sizes(old, &limited, &middles));
+    let mut graded = BodyMesh { sizes, ..old.clone() };
     // Nodes of a closing cavity may have passed the axis by a little.
     graded.points.iter_mut().for_each(|p| p[0] = p[0].max(0.0));
     let mut loops = loops(old)?;
-    repair(&mut graded, &mut loops, kept);
+    repair(&mut graded, &mut loops, rules.kept);
     let field = SizeField::new(&graded, &middles);
-    EDGES.iter().find_map(|factor| mesh_with(&graded, (&loops, kept), &field, *factor)).map(|mut revision| {
-        revision.body = body;
-        revision
-    })
+    let mut revision = EDGES.iter().find_map(|factor| mesh_with(&graded, (&loops, rules), &field, *factor))?;
+    revision.mesh.sizes = revision.origins.iter().map(|origin| lasting[*origin as usize]).collect();
+    Some(revision)
 }
 
 /// Meshes a body with edges of the wanted lengths times a factor.
 fn mesh_with(
     graded: &BodyMesh,
-    (loops, kept): (&[Vec<BoundaryEdge>], &[bool]),
+    (loops, rules): (&[Vec<BoundaryEdge>], &OutlineRules<'_>),
     field: &SizeField<'_>,
     factor: f64,
 ) -> Option<MeshRevision> {
-    let mut all: Vec<Vec<OutlinePoint>> = loops.iter().map(|edges| divide(graded, edges, kept, factor)).collect();
-    repair_points(&mut all, &graded.sizes, kept);
+    let mut all: Vec<Vec<OutlinePoint>> = loops.iter().map(|edges| divide(graded, edges, rules.kept, factor)).collect();
+    for point in all.iter_mut().flatten().filter(|point| point.parents[0] != point.parents[1]) {
+        let share = share_between(point.parents.inline_map(|n| graded.points[n as usize]), point.place);
+        point.place = (rules.place)(point.parents, share).unwrap_or(point.place);
+    }
+    repair_points(&mut all, &graded.sizes, rules.kept);
     let (mut boundary, mut edges) = (Vec::new(), Vec::new());
     for points in &all {
         let (first, count) = (boundary.len() as u32, points.len() as u32);
@@ -60,11 +73,7 @@ fn mesh_with(
     if mesh.quads.is_empty() || !mesh.quads.iter().all(|quad| corner_shape(quad, &mesh.points) > FLAT) {
         return None;
     }
-    for quad in &mesh.quads {
-        let origin = field.element(middle(quad.inline_map(|n| mesh.points[n as usize])));
-        revision.origins.push(origin);
-        mesh.sizes.push(graded.sizes[origin as usize]);
-    }
+    revision.origins = mesh.quads.iter().map(|quad| field.element(middle(mesh.corners(quad)))).collect();
     Some(revision)
 }
 
@@ -91,67 +100,6 @@ fn repair_points(all: &mut [Vec<OutlinePoint>], sizes: &[f64], kept: &[bool]) {
             OutlinePoint { place: outline.points[n], parents: points[n].parents, side: edge.side }
         };
         *list = edges.iter().map(point).collect();
-    }
-}
-
-/// Limits the change of sizes between neighbours.
-fn graded_sizes(mesh: &BodyMesh, middles: &[[f64; 2]]) -> Vec<f64> {
-    let mut sizes = mesh.sizes.clone();
-    let around = elements_around(&mesh.quads, mesh.points.len());
-    loop {
-        let mut changes = false;
-        for (e, quad) in mesh.quads.iter().enumerate() {
-            for other in quad.iter().flat_map(|n| &around[*n as usize]) {
-                let other = *other as usize;
-                let most = sizes[other] + GRADING * distance(middles[e], middles[other]);
-                if sizes[e] > most * (1.0 + 1e-9) {
-                    (sizes[e], changes) = (most, true);
-                }
-            }
-        }
-        if !changes {
-            return sizes;
-        }
-    }
-}
-
-/// Sizes at places: those of the old element with the nearest middle.
-struct SizeField<'a> {
-    sizes: &'a [f64],
-    middles: &'a [[f64; 2]],
-    boxes: SortedBoxes,
-    /// Distance within which the nearest element is searched first.
-    reach: f64,
-}
-
-impl SizeField<'_> {
-    fn new<'a>(mesh: &'a BodyMesh, middles: &'a [[f64; 2]]) -> SizeField<'a> {
-        let mut boxes = SortedBoxes::with_capacity(middles.len());
-        boxes.sort(middles.iter().map(|middle| [*middle, *middle]).zip(0..));
-        let reach = mesh.sizes.iter().copied().fold(f64::INFINITY, f64::min);
-        SizeField { sizes: &mesh.sizes, middles, boxes, reach }
-    }
-
-    fn element(&self, place: [f64; 2]) -> u32 {
-        let mut reach = self.reach;
-        for _ in 0..40 {
-            let mut nearest = (f64::INFINITY, 0);
-            self.boxes.near([place, place], reach, |e| {
-                let apart = distance(self.middles[e as usize], place);
-                if (apart, e) < nearest {
-                    nearest = (apart, e);
-                }
-            });
-            if nearest.0 <= reach {
-                return nearest.1;
-            }
-            reach *= 2.0;
-        }
-        0
-    }
-
-    fn size(&self, place: [f64; 2]) -> f64 {
-        self.sizes[self.element(place) as usize]
     }
 }
 
@@ -221,7 +169,7 @@ fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
 
 #[cfg(test)]
 mod tests {
-    use super::{new_mesh, sharpest};
+    use super::{OutlineRules, new_mesh, sharpest};
     use crate::kernel::shape::{corner_shape, is_triangle};
     use crate::remesh::BodyMesh;
 
@@ -250,11 +198,15 @@ mod tests {
         0.5 * mesh.quads.iter().map(twice).sum::<f64>()
     }
 
+    fn rules(kept: &[bool]) -> OutlineRules<'_> {
+        OutlineRules { kept, place: &|_, _| None }
+    }
+
     #[test]
     fn a_block_is_filled_with_valid_elements_of_the_wanted_size() {
         let old = block(8, 16, |x, y| [x, 2.0 * y]);
         let kept = vec![false; old.points.len()];
-        let new = new_mesh(&old, &kept, 0).expect("a mesh");
+        let new = new_mesh(&old, &rules(&kept), None).expect("a mesh");
         assert!((area(&new.mesh) - 2.0).abs() < 1e-12);
         let count = new.mesh.quads.len();
         assert!((100..160).contains(&count), "{count} elements");
@@ -273,7 +225,7 @@ mod tests {
             [x * wide, 4.0 * y]
         });
         let kept = vec![false; old.points.len()];
-        let new = new_mesh(&old, &kept, 0).expect("a mesh");
+        let new = new_mesh(&old, &rules(&kept), None).expect("a mesh");
         assert!(new.mesh.quads.iter().all(|quad| corner_shape(quad, &new.mesh.points) > 0.1));
         let angle = sharpest(&new.mesh.quads, |n| new.mesh.points[n as usize]).to_degrees();
         assert!(angle > 10.0, "{angle} degrees");

@@ -6,6 +6,7 @@ pub mod mesher;
 pub mod outline;
 pub mod overlap;
 mod pairing;
+pub mod sizes;
 pub mod transfer;
 mod triangulation;
 

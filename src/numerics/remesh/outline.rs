@@ -82,7 +82,7 @@ fn ends_of_runs(mesh: &BodyMesh, edges: &[BoundaryEdge], kept: &[bool]) -> Vec<u
     let count = edges.len();
     let sharpness = |at: usize| cosine_between(mesh, [&edges[(at + count - 1) % count], &edges[at]]);
     let is_kept = |at: usize| kept[edges[at].ends[0] as usize];
-    let mut corners: Vec<usize> = (0..count).filter(|&at| !is_kept(at) && sharpness(at) < CORNER).collect();
+    let mut corners: Vec<usize> = (0..count).filter(|&at| !is_kept(at) && is_corner(sharpness(at))).collect();
     corners.sort_by(|a, b| sharpness(*a).total_cmp(&sharpness(*b)).then(a.cmp(b)));
     let mut all: Vec<usize> = (0..count).filter(|&at| is_kept(at)).collect();
     for corner in corners {
@@ -99,7 +99,13 @@ fn ends_of_runs(mesh: &BodyMesh, edges: &[BoundaryEdge], kept: &[bool]) -> Vec<u
     all
 }
 
-fn cosine_between(mesh: &BodyMesh, pair: [&BoundaryEdge; 2]) -> f64 {
+/// Returns whether two edges with this cosine between their directions have a corner between them.
+pub(super) fn is_corner(cosine: f64) -> bool {
+    cosine < CORNER
+}
+
+/// Returns the cosine between the directions of two edges.
+pub(super) fn cosine_between(mesh: &BodyMesh, pair: [&BoundaryEdge; 2]) -> f64 {
     let [a, b] = pair.inline_map(|edge| {
         let [from, to] = edge.ends.inline_map(|n| mesh.points[n as usize]);
         [to[0] - from[0], to[1] - from[1]]

@@ -273,7 +273,7 @@ fn slope(at: [[f64; 2]; 4], of: [f64; 4]) -> [f64; 2] {
 }
 
 /// Returns the gradient that solves the normal equations of least squares; zero if all places are on one line.
-fn fitted([rr, zz, rz]: [f64; 3], [r, z]: [f64; 2]) -> [f64; 2] {
+pub(super) fn fitted([rr, zz, rz]: [f64; 3], [r, z]: [f64; 2]) -> [f64; 2] {
     let determinant = rr * zz - rz * rz;
     if determinant <= 1e-9 * (rr + zz) * (rr + zz) {
         return [0.0; 2];
@@ -282,7 +282,7 @@ fn fitted([rr, zz, rz]: [f64; 3], [r, z]: [f64; 2]) -> [f64; 2] {
 }
 
 /// Returns the elements with a common side.
-fn neighbours(mesh: &BodyMesh) -> Vec<Vec<u32>> {
+pub(super) fn neighbours(mesh: &BodyMesh) -> Vec<Vec<u32>> {
     let mut sides: Vec<([u32; 2], u32)> = Vec::new();
     for (e, quad) in (0..).zip(&mesh.quads) {
         for i in 0..4 {
@@ -307,7 +307,7 @@ mod tests {
     use crate::kernel::lanes::{PACK, Pack};
     use crate::kernel::quad;
     use crate::remesh::BodyMesh;
-    use crate::remesh::mesher::new_mesh;
+    use crate::remesh::mesher::{OutlineRules, new_mesh};
     use crate::remesh::overlap::{common_parts, ring};
 
     /// Returns a block on the axis with distorted elements, and the mesh that replaces it.
@@ -328,7 +328,8 @@ mod tests {
             }
         }
         let kept = vec![false; mesh.points.len()];
-        let new = new_mesh(&mesh, &kept, 0).expect("a mesh");
+        let rules = OutlineRules { kept: &kept, place: &|_, _| None };
+        let new = new_mesh(&mesh, &rules, None).expect("a mesh");
         [mesh, new.mesh]
     }
 

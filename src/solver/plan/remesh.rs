@@ -13,6 +13,7 @@ use crate::model::{
 use crate::remesh::BodyMesh;
 use crate::remesh::outline::loops;
 use crate::state::{BodyState, EffectId};
+use crate::variables::Variable;
 
 /// Bodies that are remeshed, and the model from which their plans are compiled.
 pub struct RemeshPlan {
@@ -122,6 +123,10 @@ impl Compiler<'_> {
         if group.topology() != ElementTopology::Quadrilateral {
             let message = format!("`{name}` contains elements other than CAX4R and CAX3");
             return Some((message, "give a set of CAX4R or CAX3 elements"));
+        }
+        if card.limits.strain_change.is_some() && group.value(0, Variable::PlasticStrain.into()).is_none() {
+            let message = format!("the material of `{name}` has no equivalent plastic strain (PEEQ)");
+            return Some((message, "remove STRAIN CHANGE, or use a material with plasticity"));
         }
         if is_shared(self.model, body) {
             let message = format!("elements outside `{name}` use nodes of its elements");

@@ -212,19 +212,20 @@ impl RunOutput {
         self.next_time = 0.0;
     }
 
-    /// Takes the schedules and sums of the output of the mesh that has been replaced. Means of reactions begin again.
+    /// Takes the schedules and sums of the output of the mesh that has been replaced.
     pub(super) fn follow(&mut self, previous: RunOutput, now: &Instant) {
         self.field.follow(&previous.field);
         self.history.follow(&previous.history);
-        self.reactions.begin_row(now.total_time);
+        self.reactions.follow(&previous.reactions, now.total_time);
         let RunOutput { row, contact, pace, next_time, next_increment, shown, .. } = previous;
         (self.row, self.contact, self.pace) = (row, contact, pace);
         (self.next_time, self.next_increment, self.shown, self.first) = (next_time, next_increment, shown, false);
     }
 
-    /// Adds the impulses with which contact completes the velocities before a new mesh.
+    /// Adds the impulses with which constraints complete the velocities before a new mesh.
     pub(super) fn add_completion(&mut self, run: &SolverRun<'_>) {
         self.contact.add_completion(run);
+        self.reactions.add_completion(run);
     }
 
     /// Adds the impulses of the motion that has led to a new instant, before that instant is evaluated.

@@ -25,6 +25,8 @@ struct ReactionMean {
     /// Impulse from that middle to the current instant.
     closing: f64,
     mean: f64,
+    /// Total time from which on impulses count: that of the last row or of a new mesh.
+    since: f64,
 }
 
 /// Impulses of the reactions that have history columns, in the order of the degrees of freedom.
@@ -33,8 +35,6 @@ pub(super) struct ReactionMeans {
     reactions: Vec<ReactionMean>,
     /// Last increment whose impulses have been added.
     added: u64,
-    /// Total time of the last row.
-    row_time: f64,
 }
 
 impl ReactionMeans {
@@ -86,11 +86,31 @@ impl ReactionMeans {
 
     /// Computes the means at a row. A second row at the same instant repeats the first one.
     pub(super) fn begin_row(&mut self, total_time: f64) {
-        let interval = total_time - std::mem::replace(&mut self.row_time, total_time);
-        if interval > 0.0 {
-            for reaction in &mut self.reactions {
+        for reaction in &mut self.reactions {
+            let interval = total_time - std::mem::replace(&mut reaction.since, total_time);
+            if interval > 0.0 {
                 reaction.mean = std::mem::take(&mut reaction.impulse) / interval;
             }
+        }
+    }
+
+    /// Adds the impulses with which constraints complete the velocities of bodies before a new mesh: those of half an
+    /// increment.
+    pub(super) fn add_completion(&mut self, run: &SolverRun<'_>) {
+        let nodes = &run.state.dofs.nodes;
+        let is_body = |reaction: &&mut ReactionMean| reaction.prescribed && matches!(reaction.dof, Dof::Body(_));
+        for reaction in self.reactions.iter_mut().filter(is_body).filter(|_| nodes.half > 0.0) {
+            reaction.impulse -= 0.5 * nodes.previous_dt / nodes.half * reaction.of_constraints(run, nodes.half);
+        }
+    }
+
+    /// Continues after a new mesh: with the impulses of bodies since the last row, and those of nodes from now on.
+    pub(super) fn follow(&mut self, previous: &ReactionMeans, total_time: f64) {
+        self.added = previous.added;
+        for reaction in &mut self.reactions {
+            let same = |known: &&ReactionMean| known.dof == reaction.dof && matches!(known.dof, Dof::Body(_));
+            let before = previous.reactions.iter().find(same).map(|known| (known.impulse, known.mean, known.since));
+            (reaction.impulse, reaction.mean, reaction.since) = before.unwrap_or((0.0, 0.0, total_time));
         }
     }
 
@@ -105,7 +125,7 @@ impl ReactionMeans {
 impl ReactionMean {
     fn new(dof: Dof) -> ReactionMean {
         let (prescribed, constraints) = (false, Vec::new());
-        ReactionMean { dof, prescribed, constraints, impulse: 0.0, opening: 0.0, closing: 0.0, mean: 0.0 }
+        ReactionMean { dof, prescribed, constraints, impulse: 0.0, opening: 0.0, closing: 0.0, mean: 0.0, since: 0.0 }
     }
 
     /// Returns the impulse of the last motion until the middle of its increment.
@@ -170,6 +190,6 @@ fn reaction_dof(source: ColumnSource, part: VariableComponent) -> Option<Dof> {
     }
 }
 
-persist_struct!(ReactionMean { impulse, opening, closing, mean } derived { dof, prescribed, constraints });
+persist_struct!(ReactionMean { impulse, opening, closing, mean, since } derived { dof, prescribed, constraints });
 
-persist_struct!(ReactionMeans { reactions: fixed, added, row_time });
+persist_struct!(ReactionMeans { reactions: fixed, added });

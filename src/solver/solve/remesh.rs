@@ -17,12 +17,13 @@ use crate::kernel::lanes::InlineMap;
 use crate::model::Model;
 use crate::model::remesh::{ModelBody, nodes_of_histories, revised};
 use crate::plan::{self, Plan, RemeshedBody, State};
-use crate::remesh::mesher::{new_mesh, sharpest};
+use crate::remesh::mesher::{OutlineRules, new_mesh, sharpest};
 use crate::remesh::transfer::interpolated;
 use crate::remesh::{BodyMesh, MeshRevision};
 use crate::state::Instant;
 use crate::state::halt::HaltReason;
 use crate::user::Routines;
+use crate::variables::Variable;
 
 /// Checks without a new mesh after one could not be made, in units of the interval of checks.
 const PAUSE: u64 = 5;
@@ -201,7 +202,18 @@ impl SolverRun<'_> {
         }
         let (quads, sizes) = living.iter().map(|i| (planned.quads[*i], sizes[*i])).unzip();
         let old = BodyMesh { points, quads, sizes };
-        let mut new = new_mesh(&old, &of_model.kept(model), body)?;
+        let strain = |i: usize| {
+            let element = planned.elements[living[i]] as usize;
+            group.value(element, Variable::PlasticStrain.into()).unwrap_or(0.0)
+        };
+        let limited = model.remeshings[body].limits.apply(&old, strain);
+        let place = |ends: [u32; 2], share| {
+            let nodes = ends.inline_map(|n| planned.nodes[n as usize]);
+            self.contacts().find_map(|contact| contact.place_between(nodes, share, &self.state.dofs))
+        };
+        let rules = OutlineRules { kept: &of_model.kept(model), place: &place };
+        let mut new = new_mesh(&old, &rules, limited)?;
+        new.body = body;
         new.origins.iter_mut().for_each(|origin| *origin = living[*origin as usize] as u32);
         new.sides.iter_mut().for_each(|side| side.old.0 = living[side.old.0 as usize] as u32);
         let moved: Vec<[f64; 2]> = planned.nodes.iter().map(|n| self.state.dofs.nodes.displacement(*n)).collect();

@@ -40,6 +40,9 @@ card!(Remesh: extension "REMESH", "Remeshes a body during the run whenever its e
     increment: f64 = "INCREMENT" (NUMBER.from(0.0).below(1.0).or(0.3)) "Fraction of the stable time increment after the last mesh below which the body is remeshed; 0 does not limit it",
     frequency: usize = "FREQUENCY" (COUNT.or(10.0)) "Increments between two checks of the mesh",
     size: Option<f64> = "SIZE" (POSITIVE) "Edge length of new elements; default: the square root of the area that the elements had at the start at the same material",
+    curvature_angle: Option<f64> = "CURVATURE ANGLE" (POSITIVE.below(90.0)) "Largest angle in degrees that an edge of a curved outline spans; default: curvature has no effect",
+    strain_change: Option<f64> = "STRAIN CHANGE" (POSITIVE) "Largest change of the equivalent plastic strain across an element, for materials with this strain; default: the strain has no effect",
+    minimum_size: Option<f64> = "MINIMUM SIZE" (POSITIVE) "Smallest edge length by CURVATURE ANGLE and STRAIN CHANGE; default: a quarter of the size without them",
 }, []);
 
 /// Keywords of adaptive meshes.

@@ -1,6 +1,7 @@
 //! Adaptive meshes.
 
 use crate::deck::Span;
+use crate::remesh::sizes::SizeLimits;
 
 /// Domain of an adaptive mesh (`*ADAPTIVE MESH`).
 #[derive(Clone, Debug, PartialEq)]
@@ -64,4 +65,6 @@ pub struct Remeshing {
     pub frequency: u64,
     /// Edge length of new elements; `None` for that of the mesh at the start.
     pub size: Option<f64>,
+    /// Limits of the edge length by curvature and strain.
+    pub limits: SizeLimits,
 }

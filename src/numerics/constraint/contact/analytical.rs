@@ -11,6 +11,7 @@ use super::{ContactConstraint, ContactPair};
 use crate::kernel::interaction::PressureOverclosure;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::profile::{ProfileSegment, SurfaceProfile};
+use crate::kernel::shape::distance;
 use crate::state::dofs::Dofs;
 
 /// An analytical surface on a rigid body, in contact with the own curve of a pair.
@@ -56,6 +57,8 @@ struct PointPath {
 const LEAST_SHARE: f64 = 1e-3;
 /// Number of projections onto a profile; one is exact within a segment.
 const PROJECTIONS: usize = 2;
+/// Largest gap or overlap of a node in contact, in units of an edge.
+const TOUCHING: f64 = 0.02;
 /// Largest number of gap updates on arcs.
 const ROUNDS: usize = 12;
 
@@ -66,6 +69,19 @@ impl AnalyticalSurface {
         let rounding = 1e-9 * low[1].abs().max(high[1].abs()).max(high[0] - low[0]);
         let beside = (0..profile.segments.len()).map(|k| profile.reentrant_neighbors(k)).collect();
         AnalyticalSurface { profile, point, rounding, overlap: rounding, lift: Vec::new(), corner_segments: beside }
+    }
+
+    /// Returns the closest place with a distance from the profile of a body that has moved by `lift`.
+    fn place_at(&self, target: f64, mut place: [f64; 2], lift: f64) -> Option<[f64; 2]> {
+        for _ in 0..PROJECTIONS {
+            let nearest = self.profile.nearest(place, lift);
+            if nearest.beyond {
+                return None;
+            }
+            let (normal, off) = (self.profile.segments[nearest.segment].normal(place, lift), nearest.gap - target);
+            place = [0, 1].inline_map(|i| place[i] - off * normal[i]);
+        }
+        Some(place)
     }
 
     /// Returns whether points may be in contact with two segments at once.
@@ -261,18 +277,40 @@ impl ContactConstraint {
         let (Some((analytical, index, key)), None) = (surfaces.next(), surfaces.next()) else { return None };
         let PointCarrier::Body(body, [_, start]) = self.points[analytical.point as usize].carrier else { return None };
         let lift = start + dofs.bodies[body].before.displacement;
-        let zero = analytical.lift[index] + self.gap_offsets.get(key).copied().unwrap_or(0.0);
-        let mut place = place;
-        for _ in 0..PROJECTIONS {
-            let nearest = analytical.profile.nearest(place, lift);
-            if nearest.beyond {
-                return None;
-            }
-            let normal = analytical.profile.segments[nearest.segment].normal(place, lift);
-            let off = nearest.gap - zero;
-            place = [0, 1].inline_map(|i| place[i] - off * normal[i]);
-        }
-        Some(place)
+        analytical.place_at(self.zero_of(analytical, index, key), place, lift)
+    }
+
+    /// Returns the distance from the profile that is gap zero at a point.
+    fn zero_of(&self, analytical: &AnalyticalSurface, index: usize, key: usize) -> f64 {
+        analytical.lift[index] + self.gap_offsets.get(key).copied().unwrap_or(0.0)
+    }
+
+    /// Returns the place of a new node on the edge between two nodes of a surface that is in contact with an analytical
+    /// one: on a curved surface the edge is not on it. Between two nodes in contact the new node has the gap between
+    /// theirs, and others do not overlap. `None` if the node may remain on the edge.
+    pub(super) fn place_between(&self, ends: [usize; 2], share: f64, dofs: &Dofs) -> Option<[f64; 2]> {
+        let at = ends.inline_map(|node| dofs.nodes[node].place());
+        let edge = distance(at[0], at[1]);
+        let start = [0, 1].inline_map(|i: usize| at[0][i] + share * (at[1][i] - at[0][i]));
+        self.pairs.iter().find_map(|pair| {
+            let analytical = &self.analyticals[pair.analytical?];
+            let PointCarrier::Body(body, [_, z]) = self.points[analytical.point as usize].carrier else { return None };
+            let (own, lift) = (&self.curves[pair.own].own, z + dofs.bodies[body].displacement);
+            let is_at = |node: usize| move |point: &u32| self.points[*point as usize].carrier == PointCarrier::Node(node);
+            let [first, second] = ends.inline_map(|node| own.iter().position(is_at(node)));
+            let zeros = [first?, second?].inline_map(|i| self.zero_of(analytical, i, pair.first_key as usize + i));
+            let gap = |place: [f64; 2], zero: f64| {
+                let nearest = analytical.profile.nearest(place, lift);
+                (!nearest.beyond).then_some(nearest.gap - zero)
+            };
+            let zero = zeros[0] + share * (zeros[1] - zeros[0]);
+            let (gaps, own_gap) = ([gap(at[0], zeros[0])?, gap(at[1], zeros[1])?], gap(start, zero)?);
+            let wanted = gaps[0] + share * (gaps[1] - gaps[0]);
+            let touches = gaps.iter().all(|gap| gap.abs() <= TOUCHING * edge);
+            let moves = if touches { own_gap != wanted } else { own_gap < wanted.min(0.0) };
+            let target = zero + if touches { wanted } else { wanted.min(0.0) };
+            if moves { analytical.place_at(target, start, lift) } else { None }
+        })
     }
 
     pub(super) fn keys_of(&self, pair: &ContactPair) -> u32 {

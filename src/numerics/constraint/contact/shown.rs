@@ -150,6 +150,10 @@ impl ContactConstraint {
 }
 
 impl ContactResults for ContactConstraint {
+    fn place_between(&self, ends: [usize; 2], share: f64, dofs: &Dofs) -> Option<[f64; 2]> {
+        ContactConstraint::place_between(self, ends, share, dofs)
+    }
+
     fn value_at_point(&self, carrier: PointCarrier, part: VariableComponent) -> Option<f64> {
         let point = self.shown.point(carrier)?;
         let keys = self.pairs.iter().flat_map(|pair| {
