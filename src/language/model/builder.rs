@@ -355,6 +355,10 @@ impl<'a> ModelBuilder<'a> {
         self.apply_interactions();
         self.complete();
         self.reduce_output_sets();
+        let mesh = &mut *self.model.mesh;
+        mesh.points.shrink_to_fit();
+        mesh.node_names.shrink_to_fit();
+        mesh.elements.shrink_to_fit();
         self.model.origin.bodies_read = !self.missing.bodies;
         (self.model, self.diagnostics)
     }

@@ -175,8 +175,8 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::SizeLimits;
-    use crate::remesh::{BodyMesh, MeshRevision};
     use crate::remesh::mesher::{OutlineRules, new_mesh};
+    use crate::remesh::{BodyMesh, MeshRevision};
 
     /// Returns a mesh of `n` by `m` elements of the size 0.1 with nodes at the places of a function of the unit square.
     fn mesh(n: u32, m: u32, place: impl Fn(f64, f64) -> [f64; 2]) -> BodyMesh {

@@ -23,6 +23,7 @@ pub struct StateArchive<'a> {
 #[derive(Debug)]
 enum ArchiveMode<'a> {
     Write(&'a mut Vec<u8>),
+    Count(&'a mut usize),
     Read(&'a [u8]),
 }
 
@@ -30,6 +31,11 @@ impl<'a> StateArchive<'a> {
     /// Creates an archive that appends to a buffer.
     pub fn writer(buffer: &'a mut Vec<u8>) -> Self {
         StateArchive { mode: ArchiveMode::Write(buffer), fault: None }
+    }
+
+    /// Creates an archive that counts the bytes that a writer would append.
+    pub fn counter(count: &'a mut usize) -> Self {
+        StateArchive { mode: ArchiveMode::Count(count), fault: None }
     }
 
     /// Creates an archive that reads from bytes.
@@ -61,6 +67,7 @@ impl<'a> StateArchive<'a> {
         let length = self.free_length(bytes.len());
         match &mut self.mode {
             ArchiveMode::Write(buffer) => buffer.extend_from_slice(bytes),
+            ArchiveMode::Count(count) => **count += bytes.len(),
             ArchiveMode::Read(rest) => {
                 let (blob, tail) = rest.split_at(length.min(rest.len()));
                 (*bytes, *rest) = (blob.to_vec(), tail);
@@ -84,7 +91,7 @@ impl<'a> StateArchive<'a> {
     /// Returns the number of bytes left to read; unlimited for writing.
     fn remaining(&self) -> usize {
         match &self.mode {
-            ArchiveMode::Write(_) => usize::MAX,
+            ArchiveMode::Write(_) | ArchiveMode::Count(_) => usize::MAX,
             ArchiveMode::Read(rest) => rest.len(),
         }
     }
@@ -93,6 +100,7 @@ impl<'a> StateArchive<'a> {
     fn raw<const N: usize>(&mut self, value: [u8; N]) -> [u8; N] {
         match &mut self.mode {
             ArchiveMode::Write(buffer) => buffer.extend_from_slice(&value),
+            ArchiveMode::Count(count) => **count += N,
             ArchiveMode::Read(rest) => match rest.split_first_chunk() {
                 Some((read, tail)) => {
                     *rest = tail;

@@ -57,9 +57,9 @@ impl StorageEstimate {
             (estimate.largest_frame_bytes, state) = (VtuWriter::largest_length(&frame) as f64 + LISTED, unchanged);
         }
         if restart || plan.steps.iter().any(|step| !step.outputs.restart.is_empty()) {
-            let mut bytes = Vec::new();
-            state.persist(&mut StateArchive::writer(&mut bytes));
-            estimate.restart_bytes = bytes.len() as f64;
+            let mut bytes = 0;
+            state.persist(&mut StateArchive::counter(&mut bytes));
+            estimate.restart_bytes = bytes as f64;
         }
         (estimate, state)
     }

@@ -296,7 +296,8 @@ impl ContactConstraint {
             let analytical = &self.analyticals[pair.analytical?];
             let PointCarrier::Body(body, [_, z]) = self.points[analytical.point as usize].carrier else { return None };
             let (own, lift) = (&self.curves[pair.own].own, z + dofs.bodies[body].displacement);
-            let is_at = |node: usize| move |point: &u32| self.points[*point as usize].carrier == PointCarrier::Node(node);
+            let is_at =
+                |node: usize| move |point: &u32| self.points[*point as usize].carrier == PointCarrier::Node(node);
             let [first, second] = ends.inline_map(|node| own.iter().position(is_at(node)));
             let zeros = [first?, second?].inline_map(|i| self.zero_of(analytical, i, pair.first_key as usize + i));
             let gap = |place: [f64; 2], zero: f64| {
