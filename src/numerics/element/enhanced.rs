@@ -186,7 +186,7 @@ impl AssumedStrains<'_> {
         let squares = lane.squares * (lane.per * lane.per);
         let fast = 3.0 * SLOW * *wave * squares;
         let pattern = SquareSums::of_gradient(lane.shape).weighted(inverse_mass);
-        let most = (*along + transverse.size()) * directions.largest_trace(pattern, squares);
+        let most = (*along + transverse.size()) * directions.largest_trace(pattern, lane.squares);
         if !fast.any_less(MARGIN * factor * most) {
             return factor;
         }

@@ -169,7 +169,7 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2]) -> [[f64; 8]; 
 
 #[cfg(test)]
 mod tests {
-    use super::{AssumedDirections, QuadOperators, UNIT, at_corners, hoop, moduli, ring, stiffness, sums};
+    use super::{AssumedDirections, QuadOperators, SquareSums, UNIT, at_corners, hoop, moduli, ring, stiffness, sums};
     use crate::kernel::quad::dot3;
 
     const R: [f64; 4] = [1.0, 3.2, 2.9, 0.8];
@@ -225,6 +225,11 @@ mod tests {
         let matrix = stiffness([0, 1, 2, 3].map(|i| [R[i], Z[i]]), [bulk, shear]);
         let exact: f64 = (0..8).map(|d| matrix[d][d] * inverse[d / 2]).sum();
         assert!((trace / exact - 1.0).abs() < 1e-13, "{trace} {exact}");
+        let weights = sums(inverse);
+        let operators = SquareSums::of_gradient(g.r).plus(SquareSums::of_gradient(g.z));
+        let operators = operators.plus(SquareSums::of_hoop(g.hoop)).weighted(weights);
+        let bound = directions.largest_trace(SquareSums::of_gradient(shape).weighted(weights), operators);
+        assert!((along + transverse) * bound * UNIT * g.volume / 3.0 > exact, "{bound} {exact}");
     }
 
     /// Forces and strains are work-conjugate.
