@@ -6,7 +6,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::assumed::AssumedStresses;
 use super::constants::ElementConstants;
-use super::control::{EnhancedInput, HourglassScheme, PatternSpring};
+use super::control::{HourglassScheme, PatternSpring};
 use super::eroded::ErodedLanes;
 use super::forces::CornerForceUpdate;
 use super::motion::BlockMotion;
@@ -225,16 +225,17 @@ impl<S: Clone> ElementBlock<S> {
     ) {
         let mut controls = std::mem::take(&mut scratch.task.controls);
         let kept = &mut controls[scratch.at];
-        let enhanced = !scratch.task.enhanced.is_empty();
-        let shares = if enhanced { self.shares(material) } else { [1.0; LANES] };
-        self.update_stress(material, constants, scratch);
-        if enhanced {
-            let mut seen = EnhancedInput::default();
-            self.forces::<M, _>((constants, dt), kept, scratch, corners, &mut seen);
-            self.enhance::<M>((material, shares), (constants, dt), (&seen, nodes), scratch, corners);
+        let mut enhanced = std::mem::take(&mut scratch.task.enhanced);
+        if let Some(stresses) = enhanced.get_mut(scratch.at) {
+            let before = self.shares(material);
+            self.update_stress(material, constants, scratch);
+            let mut control = self.assumed_strains((material, before), constants, stresses, scratch);
+            self.forces::<M, _>((constants, dt), kept, scratch, corners, &mut control);
         } else {
+            self.update_stress(material, constants, scratch);
             self.forces::<M, _>((constants, dt), kept, scratch, corners, &mut PatternSpring);
         }
+        scratch.task.enhanced = enhanced;
         scratch.task.controls = controls;
         if M::EQUATION_OF_STATE {
             scratch.resist_patterns((dt, constants.hourglass.viscosity), nodes, &self.inverse_mass, corners);

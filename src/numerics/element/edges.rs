@@ -1,5 +1,10 @@
 //! Plastic flow of assumed strains at the edges of an element, from the plastic state at its centre.
-#![allow(clippy::needless_range_loop)] // Both fields are treated in parallel, as lanes elsewhere.
+
+use pulp::Simd;
+
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::pack::Pack;
+use crate::kernel::real::Real;
 
 /// Ratio of the full plastic moment of a rectangular section to its first-yield moment.
 const PLASTIC_MOMENT: f64 = 1.5;
@@ -7,62 +12,107 @@ const PLASTIC_MOMENT: f64 = 1.5;
 /// resistance.
 const LEAST_MOMENT: f64 = 0.05;
 
-/// Returns the largest von Mises stress at the edges, given the von Mises stress at the centre and the yield stress
-/// `limit`: interaction of moment and normal force in a perfectly plastic rectangular section.
-#[inline(always)]
-pub(super) fn largest(mises: f64, limit: f64) -> f64 {
-    let used = mises / limit;
-    let rest = 1.0 - used * used;
-    PLASTIC_MOMENT * limit * if rest > LEAST_MOMENT { rest } else { LEAST_MOMENT }
-}
+/// Stresses of both fields: in their direction, and hoop.
+type EdgeStress<T> = [[T; 2]; 2];
 
-/// Plastic state that limits the stresses at the edges of an element.
-pub(super) struct EdgeYield {
+/// Plastic flow at the edges of an element.
+pub(super) struct EdgeFlow<T> {
     /// Deviator at the centre along both directions, and in the hoop direction.
-    pub normal: [f64; 2],
-    pub hoop: f64,
-    /// Ratio of the returned stress to the trial stress at the centre.
-    pub left: f64,
+    pub normal: [T; 2],
+    pub hoop: T,
     /// Moduli of a strain: for the stress in its direction, and for the transverse stress.
-    pub modulus: [f64; 2],
+    pub modulus: [T; 2],
     /// Plastic strain at the centre over its trial stress.
-    pub most: f64,
-    /// Largest von Mises stress of a pattern.
-    pub bound: f64,
+    pub most: T,
 }
 
-impl EdgeYield {
+impl<T: Real> EdgeFlow<T> {
     /// Returns the stresses of both fields after plastic flow. The edge flows along the deviator at the centre, and not
     /// more than the centre does.
     #[inline(always)]
-    pub fn flow(&self, stress: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-        let ([along, transverse], s_h) = (self.modulus, self.hoop);
-        let (mut flow, mut projected, mut norm) = ([[0.0; 2]; 2], [0.0; 2], [0.0; 2]);
-        for p in 0..2 {
-            let (s_t, [t, h]) = (self.normal[p], stress[p]);
-            flow[p] = [along * s_t + transverse * s_h, along * s_h + transverse * s_t];
-            let square = s_t * flow[p][0] + s_h * flow[p][1];
-            norm[p] = if square > 0.0 { square } else { 1.0 };
-            projected[p] = s_t * t + s_h * h;
-        }
-        let both = 1.0 / (norm[0] * norm[1]);
-        let (mut rest, mut size) = (stress, [1.0; 2]);
-        for p in 0..2 {
-            let flowed = projected[p] * norm[1 - p] * both;
-            // NaN, from numbers below the normal range, passes both bounds.
-            let flowed = if flowed < self.most { flowed } else { self.most };
-            let flowed = if flowed > -self.most { flowed } else { -self.most };
-            rest[p] = [stress[p][0] - flowed * flow[p][0], stress[p][1] - flowed * flow[p][1]];
-            let [t, h] = rest[p];
-            size[p] = (t * (t - h) + h * h).sqrt();
-        }
-        let over = [self.left * size[0] > self.bound, self.left * size[1] > self.bound];
-        let per = [if over[0] { size[0] } else { 1.0 }, if over[1] { size[1] } else { 1.0 }];
-        let both = self.bound / (per[0] * per[1]);
-        for p in 0..2 {
-            let scale = if over[p] { both * per[1 - p] } else { self.left };
-            rest[p] = [scale * rest[p][0], scale * rest[p][1]];
-        }
-        rest
+    pub fn apply(&self, stress: EdgeStress<T>) -> EdgeStress<T> {
+        let ([along, transverse], s_h, most) = (self.modulus, self.hoop, self.most);
+        let flow = self.normal.inline_map(
+            #[inline(always)]
+            |s_t| [along * s_t + transverse * s_h, along * s_h + transverse * s_t],
+        );
+        let (zero, one) = (s_h.like(0.0), s_h.like(1.0));
+        let norm = [0, 1].inline_map(
+            #[inline(always)]
+            |p: usize| {
+                let square = self.normal[p] * flow[p][0] + s_h * flow[p][1];
+                zero.if_less(square, square, one)
+            },
+        );
+        let both = one / (norm[0] * norm[1]);
+        [0, 1].inline_map(
+            #[inline(always)]
+            |p: usize| {
+                let [t, h] = stress[p];
+                // NaN, from numbers below the normal range, becomes the bound.
+                let flowed = ((self.normal[p] * t + s_h * h) * norm[1 - p] * both).at_most(most);
+                let flowed = (-most).if_less(flowed, flowed, -most);
+                [t - flowed * flow[p][0], h - flowed * flow[p][1]]
+            },
+        )
+    }
+}
+
+/// Limit of the stresses at the edges of an element: interaction of moment and normal force in a perfectly plastic
+/// rectangular section.
+pub(super) struct EdgeLimit<T> {
+    /// Largest von Mises stress of a pattern times the yield stress.
+    most: T,
+    /// Yield stress.
+    limit: T,
+    /// Ratio of the returned stress to the trial stress at the centre.
+    left: T,
+}
+
+impl<T: Real> EdgeLimit<T> {
+    /// Returns the limit from the von Mises stress at the centre, the yield stress, and the stress fraction that damage
+    /// leaves.
+    #[inline(always)]
+    pub fn new(mises: T, limit: T, share: T, left: T) -> Self {
+        let square = limit * limit;
+        let (rest, least) = (square - mises * mises, square.like(LEAST_MOMENT) * square);
+        EdgeLimit { most: share * square.like(PLASTIC_MOMENT) * least.if_less(rest, rest, least), limit, left }
+    }
+
+    /// Returns the square of the von Mises stress of a field.
+    #[inline(always)]
+    pub fn square([t, h]: [T; 2]) -> T {
+        t * (t - h) + h * h
+    }
+
+    /// Returns the stresses of both fields, reduced to the limit, from the stresses before the return at the centre and
+    /// their squares.
+    #[inline(always)]
+    pub fn apply(&self, stress: EdgeStress<T>, squares: [T; 2]) -> EdgeStress<T> {
+        let (most, left) = (self.most, self.left);
+        let [first, second] = self.products(squares);
+        let (square, one) = (most * most, most.like(1.0));
+        let size = [square.if_less(first, squares[0].root(), one), square.if_less(second, squares[1].root(), one)];
+        let both = most / (self.limit * (size[0] * size[1]));
+        let scale = [square.if_less(first, both * size[1], left), square.if_less(second, both * size[0], left)];
+        let [[t_a, h_a], [t_c, h_c]] = stress;
+        [[scale[0] * t_a, scale[0] * h_a], [scale[1] * t_c, scale[1] * h_c]]
+    }
+
+    /// Returns the squares of the returned stresses times the squared yield stress.
+    #[inline(always)]
+    fn products(&self, squares: [T; 2]) -> [T; 2] {
+        let returned = self.left * self.limit;
+        [squares[0] * (returned * returned), squares[1] * (returned * returned)]
+    }
+}
+
+impl<S: Simd> EdgeLimit<Pack<S>> {
+    /// Returns whether any stress exceeds the limit.
+    #[inline(always)]
+    pub fn is_exceeded(&self, squares: [Pack<S>; 2]) -> bool {
+        let [first, second] = self.products(squares);
+        let square = self.most * self.most;
+        square.any_less(first.if_less(second, second, first))
     }
 }

@@ -1,188 +1,234 @@
 //! Hourglass control by stresses of assumed strains that vary across an element (HOURGLASS=ENHANCED). They have the
 //! bending stiffness of the material and follow its plastic flow.
-#![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
-use pulp::NullaryFnOnce;
+use pulp::Simd;
 
-use super::block::{CornerNodes, ElementBlock, TaskWorkspace};
+use super::assumed::AssumedStresses;
+use super::block::{ControlStresses, ElementBlock, TaskWorkspace};
 use super::constants::ElementConstants;
-use super::control::EnhancedInput;
-use super::edges::{EdgeYield, largest};
-use super::middle::CentroidState;
-use crate::kernel::assumed::AssumedDirections;
-use crate::kernel::lanes::{BlockCornerForces, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
-use crate::kernel::quad::{UNIT, at_corners};
+use super::control::{HourglassScheme, PatternForces, PatternMotion};
+use super::edges::{EdgeFlow, EdgeLimit};
+use crate::kernel::assumed::{AssumedDirections, hoop, moduli, ring};
+use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn};
+use crate::kernel::pack::{Pack, PackPosition};
+use crate::kernel::quad::{SquareSums, UNIT, dot3};
+use crate::kernel::real::Real;
+use crate::kernel::stress::mises;
+use crate::material::increment::StressUpdate;
 use crate::material::{Material, PlasticFlow};
 
-/// Returns the stress fraction that damage leaves in each lane.
-#[inline(always)]
-fn shares<M: Material>(material: &M, state: &M::State) -> Lanes {
-    if M::FAILS { inline_from_fn(|l| material.share(state, l)) } else { [1.0; LANES] }
+/// Largest ratio of the trace of the patterns' squared frequencies to the squared frequency bound of the strains. It
+/// limits the stiffness of folded elements, whose patterns move almost no mass.
+const SLOW: f64 = 0.5;
+/// Factor on the estimate of the trace, so that rounding does not matter.
+const MARGIN: f64 = 1.0 + 1e-6;
+
+/// Assumed strains of a block in an increment.
+pub(super) struct AssumedStrains<'a> {
+    constants: &'a ElementConstants,
+    stresses: &'a mut AssumedStresses,
+    /// Moduli of a strain for the stress in its direction and for the transverse stress, where moduli are constant.
+    moduli: [f64; 2],
+    /// Stress fraction that damage leaves, and its ratio to the previous one.
+    share: Lanes,
+    remains: Lanes,
 }
 
 impl<S: Clone> ElementBlock<S> {
-    /// Returns the stress fraction that damage leaves at the start of the increment.
+    /// Returns the stress fraction that damage leaves.
     #[inline(always)]
     pub(super) fn shares<M: Material<State = S>>(&self, material: &M) -> Lanes {
-        shares(material, &self.state)
+        if M::FAILS { inline_from_fn(|l| material.share(&self.state, l)) } else { [1.0; LANES] }
     }
 
-    /// Adds the stresses and forces of assumed strains for an increment; `before` is the stress fraction left by damage
-    /// at its start.
+    /// Returns the assumed strains after the stress update; `before` is the stress fraction that damage left at the
+    /// start of the increment.
     #[inline(always)]
-    pub(super) fn enhance<M: Material<State = S>>(
+    pub(super) fn assumed_strains<'a, M: Material<State = S>>(
         &self,
         (material, before): (&M, Lanes),
-        (constants, dt): (&ElementConstants, f64),
-        (seen, nodes): (&EnhancedInput, &CornerNodes),
+        constants: &'a ElementConstants,
+        stresses: &'a mut AssumedStresses,
         scratch: &mut TaskWorkspace,
-        corners: &mut BlockCornerForces,
-    ) {
-        let mut middle = CentroidState::of(constants, scratch);
-        if M::FAILS {
-            middle.fail(&before, &shares(material, &self.state));
-        }
-        if M::MODULI_VARY {
-            middle.vary::<M>(constants, scratch);
-        }
+    ) -> AssumedStrains<'a> {
+        let share = self.shares(material);
+        let remains = |l: usize| if before[l] > 0.0 { share[l] / before[l] } else { 0.0 };
+        let remains = if M::FAILS { inline_from_fn(remains) } else { share };
         if matches!(M::FLOW, PlasticFlow::Coupled) {
-            middle.undo_flow(&mut scratch.stress);
+            scratch.stress.undo_flow();
         }
-        let at = scratch.at;
-        if scratch.task.enhanced[at].limit[0] == 0.0
+        if stresses.limit[0] == 0.0
             && let Some(limit) = material.yield_stress(&self.state, constants.shear, scratch.strain.count)
         {
-            scratch.task.enhanced[at].limit = limit;
+            stresses.limit = limit;
         }
-        let (factor, by_area, arch) = (constants.hourglass.enhanced, constants.by_area, scratch.arch);
-        let inverse_mass = &self.inverse_mass;
-        let patterns = AssumedForces { factor, by_area, dt, inverse_mass, seen, middle: &middle, nodes };
-        // The conditions are constants of the material: only one branch is compiled.
-        if M::FAILS && matches!(M::FLOW, PlasticFlow::None) {
-            dispatch_outlined(arch, AddForces::<true, false> { patterns, scratch, corners });
-        } else if M::FAILS {
-            dispatch_outlined(arch, AddForces::<true, true> { patterns, scratch, corners });
-        } else if matches!(M::FLOW, PlasticFlow::None) {
-            dispatch_outlined(arch, AddForces::<false, false> { patterns, scratch, corners });
-        } else {
-            dispatch_outlined(arch, AddForces::<false, true> { patterns, scratch, corners });
-        }
+        let moduli = moduli(constants.bulk, constants.shear);
+        AssumedStrains { constants, stresses, moduli, share, remains }
     }
 }
 
-/// Input of the forces of assumed strains. Materials with the same failure and flow properties share the compiled code.
-struct AssumedForces<'a> {
-    factor: f64,
-    by_area: bool,
-    dt: f64,
-    inverse_mass: &'a [Lanes; 4],
-    seen: &'a EnhancedInput,
-    middle: &'a CentroidState,
-    nodes: &'a CornerNodes,
-}
-
-/// Operation that adds the forces of assumed strains to the corner forces.
-struct AddForces<'a, const FAILS: bool, const FLOWS: bool> {
-    patterns: AssumedForces<'a>,
-    scratch: &'a mut TaskWorkspace,
-    corners: &'a mut BlockCornerForces,
-}
-
-impl<const FAILS: bool, const FLOWS: bool> NullaryFnOnce for AddForces<'_, FAILS, FLOWS> {
-    type Output = ();
-
+impl StressUpdate {
+    /// Restores the trial stress from the plastic strain of coupled flow, and the ratio of returned to trial stress.
     #[inline(always)]
-    fn call(self) {
-        self.patterns.add::<FAILS, FLOWS>(self.scratch, self.corners);
-    }
-}
-
-impl AssumedForces<'_> {
-    /// Updates the stresses of the patterns to the end of the increment, and adds their corner forces. The loop has no
-    /// branches and shares divisions.
-    #[inline(always)]
-    fn add<const FAILS: bool, const FLOWS: bool>(&self, scratch: &mut TaskWorkspace, corners: &mut BlockCornerForces) {
-        let AssumedForces { factor, by_area, dt, inverse_mass, seen, middle, nodes } = *self;
-        // A local copy: possible aliasing within the scratch memory would prevent vectorization.
-        let mut assumed = scratch.task.enhanced[scratch.at];
+    fn undo_flow(&mut self) {
         for l in 0..LANES {
-            let (r, z) = (column(&scratch.r, l), column(&scratch.z, l));
-            let (directions, operators) = (AssumedDirections::of(r, z, seen.ring[l]), seen.operators(l));
-            let modulus = [middle.along[l], middle.transverse[l]];
-            // Squared frequencies, both times three over the volume and the direct modulus: of the strains by the bound
-            // over all corners, of the patterns by their trace.
-            let trace = directions.trace(operators, column(inverse_mass, l), middle.ratio[l]);
-            let slowest = middle.slow[l] * seen.squares[l] / trace;
-            let slowed = if slowest < factor { slowest } else { factor };
-            // A triangle, with two coincident corners, has no pattern.
-            let [of_r, of_z] = nodes.places(l);
-            let triangle = (of_r[2] == of_r[3]) & (of_z[2] == of_z[3]);
-            let mut grows = if triangle { 0.0 } else { dt * slowed };
-            if FAILS {
-                grows *= middle.share[l];
-            }
-            let [along, transverse] = [grows * modulus[0], grows * modulus[1]];
-
-            let strained = directions.along([seen.rate[0][l], seen.rate[1][l]]);
-            let turned = directions.around([seen.hoop_rate[0][l], seen.hoop_rate[1][l]]);
-            let mut stress = [[0.0; 2]; 2];
-            for p in 0..2 {
-                stress[p] = [assumed.stress[p][0][l], assumed.stress[p][1][l]];
-                if FAILS {
-                    stress[p] = [middle.remains[l] * stress[p][0], middle.remains[l] * stress[p][1]];
-                }
-                stress[p][0] += along * strained[p] + transverse * turned[p];
-                stress[p][1] += along * turned[p] + transverse * strained[p];
-            }
-            if FLOWS {
-                let (left, known) = (scratch.stress.returned[l], assumed.limit[l]);
-                let mises = left * middle.trial[l];
-                let unflown = if known > 0.0 { known } else { f64::INFINITY };
-                let limit = if left < 1.0 { mises } else { unflown };
-                let mut bound = largest(mises, limit);
-                if FAILS {
-                    bound *= middle.share[l];
-                }
-                // The yield stress of a molten material is zero, whereas 0 means unknown.
-                let flown = if mises > 0.0 { mises } else { f64::MIN_POSITIVE };
-                assumed.limit[l] = if left < 1.0 { flown } else { known };
-                let yields = EdgeYield {
-                    normal: directions.normal([middle.deviator[0][l], middle.deviator[1][l], middle.deviator[3][l]]),
-                    hoop: middle.deviator[2][l],
-                    left,
-                    modulus,
-                    most: (1.0 - left) * middle.compliance[l],
-                    bound,
-                };
-                stress = yields.flow(stress);
-            }
-            let mut power = 0.0;
-            for p in 0..2 {
-                let [t, h] = stress[p];
-                power += (assumed.stress[p][0][l] + t) * strained[p] + (assumed.stress[p][1][l] + h) * turned[p];
-                assumed.stress[p][0][l] = t;
-                assumed.stress[p][1][l] = h;
-            }
-            let third = UNIT / 3.0 * seen.volume[l];
-            scratch.sums.artificial[l] += 0.5 * dt * scratch.weight[l] * (third * power);
-            let acts = if by_area { third / (4.0 * UNIT * r[0]) } else { third };
-            let [first, second] = stress;
-            let [bent, turned] =
-                directions.forces([acts * first[0], acts * second[0]], [acts * first[1], acts * second[1]]);
-            let (shape, [by_r, by_z]) = operators;
-            let ring = |i: usize| turned[0] * by_r[i] + turned[1] * by_z[i];
-            let along_r = at_corners([
-                ring(0),
-                bent[0] * shape[0] + ring(1),
-                bent[0] * shape[1] + ring(2),
-                bent[0] * shape[2] + ring(3),
-            ]);
-            let along_z = at_corners([0.0, bent[1] * shape[0], bent[1] * shape[1], bent[1] * shape[2]]);
+            let plastic = column(&self.plastic, l);
+            let pressed = (plastic[0] + plastic[1] + plastic[2]) * (1.0 / 3.0);
+            let (end, twice) = (column(&self.deviator, l), 2.0 * self.shear[l]);
+            let normal = |i: usize| end[i] + twice * (plastic[i] - pressed);
+            let trial = [normal(0), normal(1), normal(2), end[3] + twice * plastic[3]];
             for i in 0..4 {
-                corners[i][0][l] -= along_r[i];
-                corners[i][1][l] -= along_z[i];
+                self.deviator[i][l] = trial[i];
             }
+            self.trial[l] = mises(trial);
+            self.returned[l] = if self.flow[l] > 0.0 { mises(end) / self.trial[l] } else { 1.0 };
         }
-        scratch.task.enhanced[scratch.at] = assumed;
+    }
+}
+
+/// Moduli of a pack.
+struct PackModuli<T> {
+    shear: T,
+    /// Modulus of longitudinal waves.
+    wave: T,
+    /// Moduli of a strain for the stress in its direction and for the transverse stress.
+    along: T,
+    transverse: T,
+}
+
+impl HourglassScheme for AssumedStrains<'_> {
+    #[inline(always)]
+    fn resist<S: Simd, const VARY: bool, const EOS: bool>(
+        &mut self,
+        pattern: PatternMotion<'_, S>,
+        _kept: &mut ControlStresses,
+        scratch: &mut TaskWorkspace,
+    ) -> PatternForces<Pack<S>> {
+        let PatternMotion { at, factors, lane, rate, .. } = pattern;
+        let (r, z, zero) = (at.load_all(&scratch.r), at.load_all(&scratch.z), at.splat(0.0));
+        let directions = AssumedDirections::of(r, z, ring(&lane.g, lane.per * lane.per));
+        let moduli = self.moduli::<S, VARY, EOS>(scratch, at);
+        let slowed = self.slowed(&pattern, &directions, &moduli);
+        // A triangle, with two coincident corners, has no pattern.
+        let apart = (r[1] + r[3]).size() + (z[1] + z[3]).size();
+        let grows = at.load(&self.share) * zero.if_less(apart, factors.dt * slowed, zero);
+        let [along, transverse] = [grows * moduli.along, grows * moduli.transverse];
+
+        let g = &lane.g;
+        let (by_r, by_z) = (dot3(g.r, lane.along[0]), dot3(g.z, lane.along[0]));
+        let by_r = by_r - dot3(g.hoop, [lane.v_r[0], lane.v_r[1], lane.v_r[2]]);
+        let (strained, turned) = (directions.along(rate), directions.around([by_r, by_z]));
+        let [first, second] = &self.stresses.stress;
+        let before = [at.load_all(first), at.load_all(second)];
+        let remains = at.load(&self.remains);
+        let grown = [0, 1].inline_map(
+            #[inline(always)]
+            |p: usize| {
+                let ([direct, hoop], [e, h]) = (before[p], [strained[p], turned[p]]);
+                [remains * direct + (along * e + transverse * h), remains * hoop + (along * h + transverse * e)]
+            },
+        );
+        let stress = self.flow(grown, &directions, &moduli, scratch, at);
+        at.store_all(stress[0], &mut self.stresses.stress[0]);
+        at.store_all(stress[1], &mut self.stresses.stress[1]);
+
+        let power = [0, 1].inline_map(
+            #[inline(always)]
+            |p: usize| (before[p][0] + stress[p][0]) * strained[p] + (before[p][1] + stress[p][1]) * turned[p],
+        );
+        let third = UNIT / 3.0 * g.volume;
+        let work = 0.5 * factors.dt * at.load(&scratch.weight) * (third * (power[0] + power[1]));
+        at.add(work, &mut scratch.sums.artificial);
+        let [[direct_a, hoop_a], [direct_c, hoop_c]] = stress;
+        let [pattern, hoop] = directions.forces([third * direct_a, third * direct_c], [third * hoop_a, third * hoop_c]);
+        PatternForces { pattern, hoop: Some(hoop) }
+    }
+}
+
+impl AssumedStrains<'_> {
+    /// Returns the moduli of a pack.
+    #[inline(always)]
+    fn moduli<S: Simd, const VARY: bool, const EOS: bool>(
+        &self,
+        scratch: &TaskWorkspace,
+        at: PackPosition<S>,
+    ) -> PackModuli<Pack<S>> {
+        let ElementConstants { bulk, shear, .. } = *self.constants;
+        if !VARY {
+            let [along, transverse] = self.moduli;
+            let all = [shear, bulk + 4.0 / 3.0 * shear, along, transverse];
+            let [shear, wave, along, transverse] =
+                [at.splat(all[0]), at.splat(all[1]), at.splat(all[2]), at.splat(all[3])];
+            return PackModuli { shear, wave, along, transverse };
+        }
+        let (mut bulk, mut now) = (at.load(&scratch.stress.bulk), at.splat(shear));
+        if !EOS {
+            now = at.load(&scratch.stress.shear);
+            bulk = bulk + 4.0 / 3.0 * (at.splat(shear) - now);
+            bulk = now.if_less(bulk, bulk, now);
+        }
+        let [along, transverse] = moduli(bulk, now);
+        PackModuli { shear: now, wave: bulk + 4.0 / 3.0 * now, along, transverse }
+    }
+
+    /// Returns the factor on the stiffness of the assumed strains. It is lower in folded elements: squared frequencies,
+    /// of the strains by the bound over all corners and of the patterns by their trace, are both times three over the
+    /// volume.
+    #[inline(always)]
+    fn slowed<S: Simd>(
+        &self,
+        PatternMotion { at, lane, inverse_mass, .. }: &PatternMotion<'_, S>,
+        directions: &AssumedDirections<Pack<S>>,
+        PackModuli { wave, along, transverse, .. }: &PackModuli<Pack<S>>,
+    ) -> Pack<S> {
+        let factor = at.splat(self.constants.hourglass.enhanced);
+        let inverse_mass = at.load_all(*inverse_mass);
+        let squares = lane.squares * (lane.per * lane.per);
+        let fast = 3.0 * SLOW * *wave * squares;
+        let pattern = SquareSums::of_gradient(lane.shape).weighted(inverse_mass);
+        let most = (*along + transverse.size()) * directions.largest_trace(pattern, lane.squares);
+        if !fast.any_less(MARGIN * factor * most) {
+            return factor;
+        }
+        let zero = at.splat(0.0);
+        let per = zero.if_less(*along, 1.0 / *along, zero);
+        let trace = directions.trace((lane.shape, hoop(&lane.g)), inverse_mass, *transverse * per);
+        (fast * per / trace).at_most(factor)
+    }
+
+    /// Returns the stresses after plastic flow.
+    #[inline(always)]
+    fn flow<S: Simd>(
+        &mut self,
+        mut stress: [[Pack<S>; 2]; 2],
+        directions: &AssumedDirections<Pack<S>>,
+        moduli: &PackModuli<Pack<S>>,
+        scratch: &TaskWorkspace,
+        at: PackPosition<S>,
+    ) -> [[Pack<S>; 2]; 2] {
+        let (zero, one) = (at.splat(0.0), at.splat(1.0));
+        let (left, known) = (at.load(&scratch.stress.returned), at.load(&self.stresses.limit));
+        let mises = left * at.load(&scratch.stress.trial);
+        if left.any_less(one) {
+            let [rr, zz, around, rz] = at.load_all(&scratch.stress.deviator);
+            let flow = EdgeFlow {
+                normal: directions.normal([rr, zz, rz]),
+                hoop: around,
+                modulus: [moduli.along, moduli.transverse],
+                most: (one - left) * zero.if_less(moduli.shear, 0.5 / moduli.shear, zero),
+            };
+            stress = flow.apply(stress);
+            // The yield stress of a molten material is zero, whereas 0 means unknown.
+            let flown = zero.if_less(mises, mises, at.splat(f64::MIN_POSITIVE));
+            at.store(left.if_less(one, flown, known), &mut self.stresses.limit);
+        }
+        let unflown = zero.if_less(known, known, at.splat(f64::INFINITY));
+        let limit = EdgeLimit::new(mises, left.if_less(one, mises, unflown), at.load(&self.share), left);
+        let squares = [EdgeLimit::square(stress[0]), EdgeLimit::square(stress[1])];
+        if limit.is_exceeded(squares) {
+            return limit.apply(stress, squares);
+        }
+        let [[t_a, h_a], [t_c, h_c]] = stress;
+        [[left * t_a, left * h_a], [left * t_c, left * h_c]]
     }
 }

@@ -4,7 +4,7 @@ use pulp::{Simd, WithSimd};
 
 use super::block::{ControlStresses, TaskWorkspace};
 use super::constants::{CHANGE, ElementConstants, damped};
-use super::control::{HourglassScheme, LaneKinematics};
+use super::control::{HourglassScheme, PatternForces, PatternMotion};
 use super::motion::LaneMotion;
 use super::shock::{BY_DIRECTION, by_direction, principal_compression};
 use crate::kernel::bulk_viscosity::slow_rate;
@@ -12,10 +12,6 @@ use crate::kernel::lanes::{BlockCornerForces, InlineMap, Lanes};
 use crate::kernel::pack::{Pack, PackPosition};
 use crate::kernel::quad::{QuadOperators, UNIT, at_corners, dot3};
 use crate::kernel::real::Real;
-
-/// Largest ratio of the squared frequency of an hourglass pattern to that of the strains. The value 1/4 leaves the
-/// stable time increment of undistorted elements unchanged.
-const SLOW: f64 = 0.25;
 
 /// Operation that computes the corner forces of a block. The code depends on two properties of a material: whether its
 /// moduli vary, and whether it has an equation of state. Materials with the same properties share the compiled code.
@@ -72,15 +68,11 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
         let viscosity = self.bulk_viscosity(factors, lane, at);
         let shape = lane.shape;
         let rate = [dot3(shape, lane.along[0]), dot3(shape, lane.along[1])];
-        let mut hourglass = [at.splat(0.0); 2];
-        if C::ENHANCED {
-            let (v_r, squares) = (lane.v_r, lane.squares);
-            self.control.store_pack(at, &LaneKinematics { g: &lane.g, per: lane.per, shape, rate, v_r, squares });
-        } else {
-            hourglass = self.hourglass_stress(factors, lane, rate, at);
-        }
+        let CornerForceUpdate { control, kept, scratch, inverse_mass, .. } = self;
+        let pattern = PatternMotion { at, factors, lane, rate, inverse_mass };
+        let control = control.resist::<S, VARY, EOS>(pattern, kept, scratch);
         let stress = self.viscous_stress(&viscosity, at);
-        let [along_r, along_z] = corner_forces::<_, AREA>(&lane.g, stress, shape, hourglass);
+        let [along_r, along_z] = corner_forces::<_, AREA>(&lane.g, stress, shape, control);
         self.store_forces(along_r, along_z, at);
         self.add_rate(factors, lane, &viscosity, at);
     }
@@ -167,36 +159,6 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
         [rr, zz, hoop, rz]
     }
 
-    /// Returns the hourglass stresses of a pack along r and z (Flanagan and Belytschko 1981, eqs. 25 to 45) for the
-    /// pattern orthogonal to linear fields. The elastic part may be scaled back with the stress in plastic flow.
-    #[inline(always)]
-    fn hourglass_stress<S: Simd>(
-        &mut self,
-        factors: &ForceFactors,
-        lane: &LaneMotion<Pack<S>>,
-        [q_r, q_z]: [Pack<S>; 2],
-        at: PackPosition<S>,
-    ) -> [Pack<S>; 2] {
-        let dt = factors.dt;
-        let (kept, scratch) = (&mut *self.kept, &mut *self.scratch);
-        let LaneMotion { root, inverse, per, omega, square, .. } = *lane;
-        let volume = lane.g.volume;
-        // The mass that moves with the pattern, a sixteenth of the element mass for a square, vanishes as an element
-        // folds. The stiffness is therefore bounded, so that the pattern's frequency stays below that of the strains,
-        // and damping is a fraction of the critical damping.
-        let moved = root * (volume * (inverse * (root * volume)));
-        let (unbounded, most) = (factors.stiffness * (4.0 * square) * per, SLOW * dt * omega * moved);
-        let spring = unbounded.at_most(most);
-        let dashpot = factors.viscosity2 * moved;
-        let ([old_r, old_z], left) = (at.load_all(&kept.hourglass), at.load(&scratch.stress.returned));
-        let (new_r, new_z) = (left * (old_r + spring * q_r), left * (old_z + spring * q_z));
-        at.store_all([new_r, new_z], &mut kept.hourglass);
-        let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
-        let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);
-        at.add(dt * at.load(&scratch.weight) * power, &mut scratch.sums.artificial);
-        [new_r + drag_r, new_z + drag_z]
-    }
-
     /// Updates the largest rate (two over the stable time increment) with that of a pack. With damping 1/dt = ω/2
     /// (sqrt(1 + ξ²) + ξ) (ABAQUS Analysis User's Guide 6.3.3, "Explicit dynamic analysis"); 1 + ξ²/2 replaces the root
     /// and is never smaller.
@@ -231,8 +193,8 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
 }
 
 /// Factors that are the same for all lanes of a block.
-struct ForceFactors {
-    dt: f64,
+pub(super) struct ForceFactors {
+    pub dt: f64,
     /// One over the previous increment; 0 at the start.
     per_dt: f64,
     /// Longitudinal modulus over the bulk modulus.
@@ -245,8 +207,8 @@ struct ForceFactors {
     /// Filter of the rate in the linear term; 0 without.
     filter: f64,
     /// Hourglass control: stiffness, and twice the fraction of critical damping.
-    stiffness: f64,
-    viscosity2: f64,
+    pub stiffness: f64,
+    pub viscosity2: f64,
     /// Two thirds of the shear viscosity, in the unit of forces.
     shear_viscosity: f64,
     /// Highest frequency of the model.
@@ -299,11 +261,16 @@ fn corner_forces<T: Real, const AREA: bool>(
     g: &QuadOperators<T>,
     [s_rr, s_zz, s_hoop, s_rz]: [T; 4],
     shape: [T; 3],
-    [f_r, f_z]: [T; 2],
+    PatternForces { pattern: [f_r, f_z], hoop }: PatternForces<T>,
 ) -> [[T; 4]; 2] {
     let hoop_r = if AREA { s_hoop - s_rr } else { s_hoop };
     let turned = if AREA { -s_rz * g.hoop[0] } else { s_rz.like(0.0) };
-    let stressed_r = |i: usize| s_rr * g.r[i] + s_rz * g.z[i];
+    // The operators of hoop strains are those of the gradient, minus the hoop operator along r.
+    let (rr_r, rz_r, hoop_r) = match hoop {
+        Some([along_r, along_z]) => (s_rr + along_r, s_rz + along_z, hoop_r - along_r),
+        None => (s_rr, s_rz, hoop_r),
+    };
+    let stressed_r = |i: usize| rr_r * g.r[i] + rz_r * g.z[i];
     let stressed_z = |i: usize| s_zz * g.z[i] + s_rz * g.r[i];
     let along_r = at_corners([
         hoop_r * g.hoop[0],

@@ -26,7 +26,6 @@ pub mod instructions;
 mod lanczos;
 pub mod lengths;
 pub mod mass_scaling;
-mod middle;
 mod motion;
 pub mod parts;
 pub mod pattern;

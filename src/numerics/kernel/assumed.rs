@@ -14,54 +14,56 @@ const FLAT: f64 = 1e-4;
 /// the values at the edge of the element; the mean square is a third of their square. The first entry of a pair belongs
 /// to the first direction.
 #[derive(Clone, Copy, Debug)]
-pub struct AssumedDirections {
+pub struct AssumedDirections<T = f64> {
     /// Twice the lines `[r, z]` between the midpoints of the edges 4-1 and 2-3, and of 1-2 and 3-4.
-    sides: [[f64; 2]; 2],
+    sides: [[T; 2]; 2],
     /// Inverse squares of their lengths, and the lines divided by the squares.
-    per: [f64; 2],
-    dual: [[f64; 2]; 2],
+    per: [T; 2],
+    dual: [[T; 2]; 2],
     /// Factors from displacements along r, combined by [`hoop`], to hoop strains: the transverse line over the mean
     /// radius V/(2πA) and the volume, from grad (v_r/r) = (grad v_r - v_r/r)/r.
-    across: [[f64; 2]; 2],
+    across: [[T; 2]; 2],
+    /// Sum of the squares of `across`.
+    wide: T,
 }
 
-impl AssumedDirections {
+impl<T: Real> AssumedDirections<T> {
     /// Computes the directions from the [`sums`] of r and z and the factor of [`ring`].
     #[inline(always)]
-    pub fn of(r: [f64; 4], z: [f64; 4], ring: f64) -> AssumedDirections {
-        let ([_, a_r, c_r, _], [_, a_z, c_z, _]) = (r, z);
+    pub fn of([_, a_r, c_r, _]: [T; 4], [_, a_z, c_z, _]: [T; 4], ring: T) -> Self {
         let (aa, cc) = (a_r * a_r + a_z * a_z, c_r * c_r + c_z * c_z);
-        let (least_a, least_c) = (FLAT * cc, FLAT * aa);
-        let (aa, cc) = (if aa > least_a { aa } else { least_a }, if cc > least_c { cc } else { least_c });
+        let (least_a, least_c) = (aa.like(FLAT) * cc, aa.like(FLAT) * aa);
+        let (aa, cc) = (least_a.if_less(aa, aa, least_a), least_c.if_less(cc, cc, least_c));
         // One division for both squares.
-        let both = 1.0 / (aa * cc);
+        let both = aa.like(1.0) / (aa * cc);
         let (per_a, per_c) = (cc * both, aa * both);
-        let factor = 0.25 * ring;
+        let factor = ring.like(0.25) * ring;
         AssumedDirections {
             sides: [[a_r, a_z], [c_r, c_z]],
             per: [per_a, per_c],
             dual: [[per_a * a_r, per_a * a_z], [per_c * c_r, per_c * c_z]],
             across: [[factor * c_r, factor * c_z], [factor * a_r, factor * a_z]],
+            wide: (factor * factor) * (aa + cc),
         }
     }
 
     /// Returns the strains in both directions from the pattern's displacement `[r, z]`.
     #[inline(always)]
-    pub fn along(&self, [q_r, q_z]: [f64; 2]) -> [f64; 2] {
+    pub fn along(&self, [q_r, q_z]: [T; 2]) -> [T; 2] {
         let [a, c] = self.dual;
         [a[0] * q_r + a[1] * q_z, c[0] * q_r + c[1] * q_z]
     }
 
     /// Returns the hoop strains of both fields from displacements along r, combined by [`hoop`].
     #[inline(always)]
-    pub fn around(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub fn around(&self, [x, y]: [T; 2]) -> [T; 2] {
         let [a, c] = self.across;
         [a[0] * x + a[1] * y, c[0] * x + c[1] * y]
     }
 
     /// Returns the components of a tensor rr, zz, rz in both directions.
     #[inline(always)]
-    pub fn normal(&self, [rr, zz, rz]: [f64; 3]) -> [f64; 2] {
+    pub fn normal(&self, [rr, zz, rz]: [T; 3]) -> [T; 2] {
         let ([a, c], [dual_a, dual_c]) = (self.sides, self.dual);
         let twice = rz + rz;
         [
@@ -73,8 +75,8 @@ impl AssumedDirections {
     /// Returns the generalised forces of stresses in both directions and hoop stresses: on the hourglass pattern `[r,
     /// z]`, and on the operators of [`hoop`].
     #[inline(always)]
-    pub fn forces(&self, along: [f64; 2], around: [f64; 2]) -> [[f64; 2]; 2] {
-        let sum = |[x, y]: [f64; 2], [a, c]: [[f64; 2]; 2]| [x * a[0] + y * c[0], x * a[1] + y * c[1]];
+    pub fn forces(&self, along: [T; 2], around: [T; 2]) -> [[T; 2]; 2] {
+        let sum = |[x, y]: [T; 2], [a, c]: [[T; 2]; 2]| [x * a[0] + y * c[0], x * a[1] + y * c[1]];
         [sum(along, self.dual), sum(around, self.across)]
     }
 
@@ -83,16 +85,33 @@ impl AssumedDirections {
     /// the ratio n of the transverse to the direct modulus. The stiffness of a direct strain e and a hoop strain h is
     /// (h + n e)² + (1 - n²) e².
     #[inline(always)]
-    pub fn trace(&self, (shape, [by_r, by_z]): ([f64; 3], [[f64; 4]; 2]), inverse: [f64; 4], ratio: f64) -> f64 {
-        let shape = [0.0, shape[0], shape[1], shape[2]];
+    pub fn trace(&self, (shape, [by_r, by_z]): ([T; 3], [[T; 4]; 2]), inverse: [T; 4], ratio: T) -> T {
         let [a, c] = self.across;
         let (n_a, n_c) = (ratio * self.dual[0][0], ratio * self.dual[1][0]);
         // There is no hoop strain along z.
         let rest = (self.per[0] + self.per[1]) - (n_a * n_a + n_c * n_c);
-        let parts =
-            |[b_r, b_z]: [f64; 2], n: f64| [0, 1, 2, 3].inline_map(|i| b_r * by_r[i] + b_z * by_z[i] + n * shape[i]);
-        let both = SquareSums::of(parts(a, n_a)).plus(SquareSums::of(parts(c, n_c)));
-        both.weighted(inverse) + rest * SquareSums::of(shape).weighted(inverse)
+        let [first, second] = [(a, n_a), (c, n_c)].inline_map(
+            #[inline(always)]
+            |([b_r, b_z], n)| {
+                SquareSums::of([
+                    b_r * by_r[0] + b_z * by_z[0],
+                    b_r * by_r[1] + b_z * by_z[1] + n * shape[0],
+                    b_r * by_r[2] + b_z * by_z[2] + n * shape[1],
+                    b_r * by_r[3] + b_z * by_z[3] + n * shape[2],
+                ])
+            },
+        );
+        let both = first.plus(second);
+        both.weighted(inverse) + rest * SquareSums::of_gradient(shape).weighted(inverse)
+    }
+
+    /// Returns an upper bound of the [trace](Self::trace), divided by 1 + |n|, that needs less arithmetic: the
+    /// stiffness is not above (1 + |n|)(h² + e²). Input: sums over the corners of the squared pattern over the mass,
+    /// and of all squared gradient and hoop operators over the mass. A hoop strain is a product of `across` with the
+    /// difference of gradient and hoop operators, whose square is not above twice the sum of their squares.
+    #[inline(always)]
+    pub fn largest_trace(&self, pattern: T, operators: T) -> T {
+        (self.per[0] + self.per[1]) * pattern + self.wide * (operators + operators)
     }
 }
 
@@ -112,9 +131,10 @@ pub fn hoop<T: Real>(g: &QuadOperators<T>) -> [[T; 4]; 2] {
 
 /// Returns the plane stress moduli E/(1 - ν²) and ν E/(1 - ν²) from bulk and shear modulus.
 #[inline(always)]
-pub fn moduli(bulk: f64, shear: f64) -> [f64; 2] {
-    let per = 2.0 * shear / (3.0 * bulk + 4.0 * shear);
-    [2.0 * per * (3.0 * bulk + shear), per * (3.0 * bulk - 2.0 * shear)]
+pub fn moduli<T: Real>(bulk: T, shear: T) -> [T; 2] {
+    let (two, bulk3) = (shear.like(2.0), bulk.like(3.0) * bulk);
+    let per = two * shear / (bulk3 + shear.like(4.0) * shear);
+    [two * per * (bulk3 + shear), per * (bulk3 - two * shear)]
 }
 
 /// Returns the stiffness of the two fields of an element: force per length, for `[r, z]` of each corner in turn.
@@ -149,7 +169,7 @@ pub fn stiffness(corners: [[f64; 2]; 4], [bulk, shear]: [f64; 2]) -> [[f64; 8]; 
 
 #[cfg(test)]
 mod tests {
-    use super::{AssumedDirections, QuadOperators, UNIT, at_corners, hoop, moduli, ring, stiffness, sums};
+    use super::{AssumedDirections, QuadOperators, SquareSums, UNIT, at_corners, hoop, moduli, ring, stiffness, sums};
     use crate::kernel::quad::dot3;
 
     const R: [f64; 4] = [1.0, 3.2, 2.9, 0.8];
@@ -205,6 +225,11 @@ mod tests {
         let matrix = stiffness([0, 1, 2, 3].map(|i| [R[i], Z[i]]), [bulk, shear]);
         let exact: f64 = (0..8).map(|d| matrix[d][d] * inverse[d / 2]).sum();
         assert!((trace / exact - 1.0).abs() < 1e-13, "{trace} {exact}");
+        let weights = sums(inverse);
+        let operators = SquareSums::of_gradient(g.r).plus(SquareSums::of_gradient(g.z));
+        let operators = operators.plus(SquareSums::of_hoop(g.hoop)).weighted(weights);
+        let bound = directions.largest_trace(SquareSums::of_gradient(shape).weighted(weights), operators);
+        assert!((along + transverse) * bound * UNIT * g.volume / 3.0 > exact, "{bound} {exact}");
     }
 
     /// Forces and strains are work-conjugate.

@@ -99,6 +99,12 @@ lane_lists! {
 }
 
 impl<S: Simd> Pack<S> {
+    /// Returns whether any number is less than that of `limit`.
+    #[inline(always)]
+    pub fn any_less(self, limit: Self) -> bool {
+        self.simd.first_true_m64s(self.simd.less_than_f64s(self.lanes, limit.lanes)) < S::F64_LANES
+    }
+
     /// Returns `yes` where the number replaces the largest rate so far, otherwise `no`
     /// ([`crate::element::block::is_larger`]).
     #[inline(always)]

@@ -19,6 +19,8 @@ const ONE: u64 = 0x3ff0_0000_0000_0000;
 const WHOLE: u64 = 0x4330_0000_0000_0000;
 /// 1.5 * 2^52: adding and subtracting it rounds to the nearest integer.
 const NEAREST: f64 = 6_755_399_441_055_744.0;
+/// First value of [`inverse_cbrt`].
+const START: f64 = 1_499_660_000_000_000.0;
 
 /// Returns the natural logarithms. Numbers must be normal and positive; the result is otherwise meaningless.
 #[inline(always)]
@@ -88,9 +90,27 @@ pub fn power(x: &Lanes, n: &Lanes) -> Lanes {
     result
 }
 
+/// Returns x^(-1/3) of a normal positive number; the result is otherwise meaningless. The error is below 1 unit in the
+/// last place.
+#[inline(always)]
+pub fn inverse_cbrt(x: f64) -> f64 {
+    // The bits of a number are almost linear in its logarithm; with START the first value is within 4 % (Kahan
+    // 1991, "Computing a real cube root").
+    let logarithm = f64::from_bits(WHOLE | (x.to_bits() >> 12)) - f64::from_bits(WHOLE);
+    let start = (START - (1.0 / 3.0) * logarithm) + f64::from_bits(WHOLE);
+    let mut y = f64::from_bits(start.to_bits() << 12);
+    // Halley's method for 1/y³ - x, then Newton's.
+    let residual = 1.0 - (x * y) * (y * y);
+    y += y * residual * (1.0 / 3.0 + 2.0 / 9.0 * residual);
+    let residual = 1.0 - (x * y) * (y * y);
+    y += y * residual * (1.0 / 3.0 + 2.0 / 9.0 * residual);
+    let residual = 1.0 - (x * y) * (y * y);
+    y + y * (residual * (1.0 / 3.0))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{LANES, exp, ln, power};
+    use super::{LANES, exp, inverse_cbrt, ln, power};
 
     /// Returns the units in the last place between two numbers.
     fn apart(a: f64, b: f64) -> u64 {
@@ -138,6 +158,21 @@ mod tests {
         }
         println!("ln {}, exp {} units, power {} hundredths of 2 + |n ln x| units", worst[0], worst[1], worst[2]);
         assert!(worst[0] <= 1 && worst[1] <= 1 && worst[2] <= 100, "{worst:?}");
+    }
+
+    #[test]
+    fn inverse_cube_roots_are_accurate_to_one_unit() {
+        let mut worst = 0;
+        for i in 0..400_000 {
+            let part = f64::from(i) / 400_000.0;
+            for x in [0.5 + part, 1.0 + (part - 0.5) * 1e-6, libm::exp(1400.0 * (part - 0.5)), 1.0 + 8.0 * part] {
+                worst = worst.max(apart(inverse_cbrt(x), 1.0 / libm::cbrt(x)));
+            }
+        }
+        println!("inverse cube root: {worst} units");
+        // The reference has a rounding error of one unit as well.
+        assert!(worst <= 2, "{worst}");
+        assert!(apart(inverse_cbrt(8.0), 0.5) <= 1 && apart(inverse_cbrt(libm::exp2(-1020.0)), libm::exp2(340.0)) <= 1);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use crate::kernel::lanes::Lanes;
 use crate::kernel::lanes::{InlineMap, LANES};
-use crate::kernel::transcendental::{exp, ln};
+use crate::kernel::transcendental::inverse_cbrt;
 use crate::material::carried::carried_state;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::strain_energy::{PrincipalResponse, StrainEnergy, VolumetricEnergy};
@@ -58,7 +58,9 @@ impl DeformationState {
         let (b, c) = (0.5 * (strain[3][l] + spin[l]), 0.5 * (strain[3][l] - spin[l]));
         let [rr, rz, zr, zz, hoop] = self.of(l);
         // (1 - h/2)^-1 F, then (1 + h/2) times it.
-        let per = 1.0 / ((1.0 - a) * (1.0 - d) - b * c);
+        let (determinant, shorter) = ((1.0 - a) * (1.0 - d) - b * c, 1.0 - 0.5 * strain[2][l]);
+        let both = 1.0 / (determinant * shorter);
+        let per = shorter * both;
         let (m_rr, m_rz) = (per * ((1.0 - d) * rr + b * zr), per * ((1.0 - d) * rz + b * zz));
         let (m_zr, m_zz) = (per * (c * rr + (1.0 - a) * zr), per * (c * rz + (1.0 - a) * zz));
         [
@@ -66,7 +68,7 @@ impl DeformationState {
             (1.0 + a) * m_rz + b * m_zz,
             c * m_rr + (1.0 + d) * m_zr,
             c * m_rz + (1.0 + d) * m_zz,
-            hoop * (1.0 + 0.5 * strain[2][l]) / (1.0 - 0.5 * strain[2][l]),
+            hoop * (1.0 + 0.5 * strain[2][l]) * (determinant * both),
         ]
     }
 }
@@ -94,19 +96,14 @@ impl Material for NeoHooke {
     ) {
         let (shear, bulk) = (2.0 * self.c10, 2.0 / self.d1);
         state.advance(strain);
-        let mut volume = [0.0; LANES];
         for l in 0..LANES {
             let [rr, rz, zr, zz, hoop] = state.of(l);
-            volume[l] = (rr * zz - rz * zr) * hoop;
-        }
-        // Separate loop: a function call per lane would prevent vectorisation of the other loops.
-        let thirds = volume.inline_map(libm::cbrt);
-        for l in 0..LANES {
-            let ([rr, rz, zr, zz, hoop], j, third) = (state.of(l), volume[l], thirds[l]);
             let left = [rr * rr + rz * rz, zr * zr + zz * zz, hoop * hoop, rr * zr + rz * zz];
             let trace = left[0] + left[1] + left[2];
+            let j = (rr * zz - rz * zr) * hoop;
+            let third = inverse_cbrt(j);
             // J^(-5/3); a volume ratio that is not positive gives NaN, so that the run halts.
-            let scale = if j > 0.0 { shear / (j * third * third) } else { f64::NAN };
+            let scale = if j > 0.0 { shear * ((third * third) * (third * third) * third) } else { f64::NAN };
             for i in 0..3 {
                 update.deviator[i][l] = scale * (left[i] - trace * (1.0 / 3.0));
             }
@@ -171,10 +168,10 @@ impl<E: StrainEnergy> Material for HyperelasticMaterial<E> {
             let per = if radius > 0.0 { 1.0 / radius } else { 0.0 };
             (turn[0][l], turn[1][l]) = (half * per, c * per);
         }
-        let scale = to_the_minus_two_thirds(&volume);
-        for list in &mut squares {
-            for l in 0..LANES {
-                list[l] *= scale[l];
+        for l in 0..LANES {
+            let third = inverse_cbrt(volume[l]);
+            for list in &mut squares {
+                list[l] *= third * third;
             }
         }
         let shape = self.shape.respond(&squares);
@@ -214,16 +211,6 @@ impl<E: StrainEnergy> HyperelasticMaterial<E> {
             update.shear[l] = if mean > softest { mean } else { softest };
         }
     }
-}
-
-/// Returns J^(-2/3) of positive volume ratios.
-#[inline(always)]
-fn to_the_minus_two_thirds(volume: &Lanes) -> Lanes {
-    let mut exponent = ln(volume);
-    for l in 0..LANES {
-        exponent[l] *= -2.0 / 3.0;
-    }
-    exp(&exponent)
 }
 
 /// Smallest wave modulus over the initial one: a softening rubber keeps a finite stable time increment.
