@@ -10,7 +10,9 @@ use crate::adaptive::{AdaptiveDomain, AdaptiveSettings, DomainBoundary};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::lists::sorted_pair;
 use crate::kernel::topology::ElementTopology;
-use crate::model::{AdaptiveMesh, AdaptiveRegion, ElementSide, LoadKind, MotionKind, RegionType, Step};
+use crate::model::{
+    AdaptiveMesh, AdaptiveRegion, BoundaryCondition, ElementSide, LoadKind, MotionKind, RegionType, Step,
+};
 
 /// Default of FREQUENCY, and that with Eulerian boundaries or spatial constraints (ABAQUS Keywords Reference Guide,
 /// `*ADAPTIVE MESH`).
@@ -32,6 +34,7 @@ impl<'a> Compiler<'a> {
             causes(before) == causes(step) && self.cohesive_nodes(index - 1).eq(self.cohesive_nodes(index))
         });
         let absent = step.adaptive.is_empty() && before.is_none_or(|before| before.adaptive.is_empty());
+        self.report_unused_regions(step);
         if unchanged || absent {
             return None;
         }
@@ -44,6 +47,21 @@ impl<'a> Compiler<'a> {
         }
         let mut taken = HashSet::new();
         Some(step.adaptive.iter().filter_map(|mesh| self.adaptive_domain(mesh, index, state, &mut taken)).collect())
+    }
+
+    /// Lists region types and spatial constraints of nodes that no adaptive mesh contains.
+    fn report_unused_regions(&mut self, step: &Step) {
+        let elements = step.adaptive.iter().flat_map(|mesh| &mesh.elements);
+        let nodes: HashSet<usize> = elements.flat_map(|e| self.model.mesh.elements[*e].nodes.iter().copied()).collect();
+        let outside = |list: &[usize]| !list.iter().any(|node| nodes.contains(node));
+        let regions =
+            step.adaptive_regions.iter().filter(|region| outside(&self.nodes_of_region(region).collect::<Vec<_>>()));
+        let regions = regions.map(|region| (region.span, "REGION TYPE"));
+        let motions = step.mesh_motions.iter().filter(|motion| outside(&motion.nodes));
+        let motions = motions.map(|motion| (motion.span, "spatial constraint of a mesh"));
+        for (span, what) in regions.chain(motions).collect::<Vec<_>>() {
+            self.add_unused_card(span, what, "no adaptive mesh contains its nodes");
+        }
     }
 
     fn adaptive_domain(
@@ -224,7 +242,7 @@ impl<'a> Compiler<'a> {
         let mut edges = HashSet::new();
         for region in step.adaptive_regions.iter().filter(|region| region.kind == RegionType::Eulerian) {
             let of_nodes: HashSet<&usize> = region.nodes.iter().collect();
-            let exterior = self.model.mesh.exterior_faces();
+            let exterior = if of_nodes.is_empty() { Vec::new() } else { self.model.mesh.exterior_faces() };
             let between = exterior.iter().filter_map(|(e, side)| self.model.mesh.side_nodes(*e, *side));
             let between = between.filter(|ends| ends.iter().all(|node| of_nodes.contains(node)));
             let of_faces = region.faces.iter().filter_map(|(e, side)| self.model.mesh.side_nodes(*e, *side));
@@ -275,6 +293,18 @@ impl<'a> Compiler<'a> {
             return Some((message, "an Eulerian boundary has no nodes of other elements, links or rigid bodies"));
         }
         let place = |node: usize| self.places.nodes.get(&node).map_or(u32::MAX, |n| *n as u32);
+        let moved = |b: &&BoundaryCondition| b.user || b.kind == MotionKind::Displacement && b.amplitude.is_some();
+        let held: HashSet<(u32, usize)> =
+            motions.iter().flat_map(|m| &m.dofs).map(|(node, axis)| (*node as u32, axis + 1)).collect();
+        let is_held = |b: &&BoundaryCondition| b.nodes.iter().any(|n| held.contains(&(place(*n), usize::from(b.dof))));
+        if let Some(boundary) = step.boundaries.iter().filter(moved).find(is_held) {
+            let message = format!(
+                "a displacement of `{}` is prescribed along the same axis as the place of the mesh: the displacement of a \
+                 node that material passes has no meaning",
+                boundary.set
+            );
+            return Some((message, "prescribe the velocity of the material (*BOUNDARY, TYPE=VELOCITY)"));
+        }
         let is_open = |(e, side): &(usize, ElementSide)| {
             let ends = self.model.mesh.side_nodes(*e, *side);
             ends.is_some_and(|ends| open.contains(&sorted_pair(ends.map(place))))
