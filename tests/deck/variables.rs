@@ -97,6 +97,11 @@ fn scene(variable: Variable, requests: &str) -> String {
     if variable.row().preselected == PreselectRule::AdaptiveMesh {
         return solid.replacen("*Boundary\n", "*Adaptive Mesh, elset=SOLID\n*Boundary\n", 1);
     }
+    if variable.row().preselected == PreselectRule::EulerianBoundary {
+        let held = "*Adaptive Mesh, elset=SOLID\n*Adaptive Mesh Constraint\n J1, 2, 2\n*Boundary\n";
+        let open = "*Surface, name=J1, region type=EULERIAN\n";
+        return solid.replacen("*Boundary\n", held, 1).replacen("*Surface, name=J1\n", open, 1);
+    }
     if variable.row().preselected == PreselectRule::PenaltyContact {
         return pressed(&solid).replace("*Contact Pair", "*Contact Pair, mechanical constraint=PENALTY");
     }

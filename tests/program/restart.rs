@@ -528,6 +528,30 @@ fn adaptive_meshes_resume() {
     assert!(outcome.halt.is_none() && outcome.mesh_changes[0].count > 10, "{:?}", outcome.mesh_changes);
 }
 
+/// Material that flows through two Eulerian boundaries of a mesh whose lower end moves, in two steps: prescribed places,
+/// and what has entered and left, are part of the state.
+#[test]
+fn eulerian_boundaries_resume() {
+    let mesh = "*Amplitude, name=RAMP\n 0., 0., 1., 1.\n*Adaptive Mesh, elset=SOLID\n*Adaptive Mesh Constraint\n J1, 2, 2\n\
+                *Adaptive Mesh Constraint, type=VELOCITY, amplitude=RAMP\n J0, 1, 2, 1e9\n";
+    let text = bar(4, &steel("*Plastic\n 400., 0.\n 500., 0.1\n"), 2e5, 3e-6, mesh)
+        .replace(" J0, 2, 2\n", "")
+        .replace("ALL, 2, -2e5", "ALL, 2, -2e5\n TOP, 2, -1e5")
+        .replace("*Surface, name=J0\n", "*Surface, name=J0, region type=EULERIAN\n")
+        .replace("*Surface, name=J1\n", "*Surface, name=J1, region type=EULERIAN\n")
+        + "*Step\n*Dynamic, Explicit\n , 3e-6\n*End Step\n";
+    let outcome = assert_resumes("Eulerian boundaries", &text, Routines::none);
+    let flow = outcome.energy.flow;
+    assert!(outcome.halt.is_none() && flow.mass_in > 0.0 && flow.mass_out > 0.0, "{flow:?}");
+    let warm = text
+        .replace("*Plastic", "*Specific Heat\n 4.6e8,\n*Conductivity\n 5e4,\n*Plastic")
+        .replace("CAX4R", "CAX4RT")
+        .replacen("*Step\n", "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n*Step\n", 1)
+        .replace("*Dynamic, Explicit", "*Dynamic Temperature-displacement, Explicit");
+    let outcome = assert_resumes("Eulerian boundaries with temperatures", &warm, Routines::none);
+    assert!(outcome.halt.is_none() && outcome.energy.heat.is_some_and(|heat| heat != 0.0), "{:?}", outcome.energy);
+}
+
 /// Elasticity from the stretch of the deformation gradient, which is stored in the state variables.
 struct GradientRecorder;
 

@@ -6,6 +6,7 @@ mod common;
 
 mod adaptive;
 mod adaptive_contact;
+mod adaptive_eulerian;
 mod alike;
 mod area;
 mod bars;

@@ -1,10 +1,14 @@
-//! Reads adaptive meshes: `*ADAPTIVE MESH`, `*ADAPTIVE MESH CONTROLS`, `*ADAPTIVE MESH CONSTRAINT` and `*REMESH`.
+//! Reads adaptive meshes: `*ADAPTIVE MESH`, `*ADAPTIVE MESH CONTROLS`, `*ADAPTIVE MESH CONSTRAINT`, `*REMESH`
+//! and the region types of boundaries.
 
 use super::builder::ModelBuilder;
 use super::names::upper;
-use super::types::{AdaptiveControls, AdaptiveMesh, Remeshing};
-use crate::deck::Card;
+use super::types::{
+    AdaptiveControls, AdaptiveMesh, AdaptiveRegion, BoundaryCondition, ElementSide, Load, LoadKind, MotionKind,
+    RegionType, Remeshing,
+};
 use crate::deck::table::adaptive as cards;
+use crate::deck::{Card, DataLine, Diagnostic};
 use crate::kernel::lists::sorted_unique;
 use crate::remesh::sizes::SizeLimits;
 
@@ -21,6 +25,7 @@ impl ModelBuilder<'_> {
             graded: values.graded,
             corner_angle: values.transition_angle.to_radians(),
             second_order: values.second_order,
+            previous: values.previous,
         };
         self.adaptive_controls.entry(upper(&values.name)).or_insert(controls);
     }
@@ -41,7 +46,8 @@ impl ModelBuilder<'_> {
         if let Some(word) = named {
             state.adaptive_controls_used.push((set.clone(), word));
         }
-        let (span, controls, frequency) = (card.span, AdaptiveControls::default(), frequency as u64);
+        let (span, controls) = (card.span, AdaptiveControls::default());
+        let frequency = frequency.map(|count| count as u64);
         state.adaptive.push(AdaptiveMesh { span, set, elements, frequency, sweeps, initial_sweeps, controls });
     }
 
@@ -79,21 +85,85 @@ impl ModelBuilder<'_> {
         self.model.remeshings.push(Remeshing { span, set, elements, angle, increment, frequency, size, limits });
     }
 
-    /// Reads nodes that move with the material.
+    /// Reads nodes that move with the material, and motions of the mesh that are prescribed in space.
     pub(super) fn adaptive_constraint(&mut self, card: &Card) {
-        let cards::AdaptiveMeshConstraint { new } = self.values(card);
-        let mut nodes = Vec::new();
-        for line in &card.lines {
-            if let Some(word) = line.fields.first() {
-                nodes.extend(self.node_members(word).into_iter().flatten());
-            }
-        }
+        let cards::AdaptiveMeshConstraint { spatial, velocity, new } = self.values(card);
+        let Ok(amplitude) = self.amplitude_of(card) else { return };
         let state = self.state();
         if new && !state.cleared.contains(&"ADAPTIVE MESH CONSTRAINT") {
             state.cleared.push("ADAPTIVE MESH CONSTRAINT");
             state.adaptive_fixed.clear();
+            state.mesh_history.boundaries.clear();
         }
-        state.adaptive_fixed.push((card.span, nodes));
+        let kind = if velocity { MotionKind::Velocity } else { MotionKind::Displacement };
+        let mut fixed = Vec::new();
+        for line in &card.lines {
+            let Some(set) = line.field(0) else { continue };
+            let Some(nodes) = self.node_members(set) else { continue };
+            if !spatial {
+                fixed.extend(nodes);
+                continue;
+            }
+            let Some(([first, last], value)) = self.mesh_dofs(line) else { continue };
+            if value != 0.0 && amplitude.is_none() && !velocity {
+                let message = format!(
+                    "the displacement {value} of the mesh without AMPLITUDE would be a jump: the nodes stay where they are"
+                );
+                let diagnostic = Diagnostic::warning("M140", message).at(line.span, "as ABAQUS/Explicit does");
+                self.diagnostics.push(diagnostic.help("give AMPLITUDE=, or prescribe a velocity"));
+            }
+            let (value, set, span) = (self.scaled(value, amplitude), &set.text, line.span);
+            self.state().mesh_motions.extend((first..=last).map(|dof| BoundaryCondition {
+                nodes: nodes.clone(),
+                set: set.clone(),
+                dof,
+                kind,
+                user: false,
+                value,
+                amplitude,
+                span,
+            }));
+        }
+        if !spatial {
+            self.state().adaptive_fixed.push((card.span, fixed));
+        }
+    }
+
+    /// Returns the degrees of freedom along which a data line prescribes the motion of the mesh, and the value.
+    fn mesh_dofs(&mut self, line: &DataLine) -> Option<([u8; 2], f64)> {
+        let first = self.integer(line, 1, "the degree of freedom")?;
+        let last = line.field(2).map_or(Some(first), |word| word.integer(&mut self.diagnostics))?;
+        if !(1..=2).contains(&first) || !(first..=2).contains(&last) {
+            let message = format!("invalid degrees of freedom {first} to {last} of a mesh: 1 is r, 2 is z");
+            return self.refuse_value(line.span, message);
+        }
+        Some(([first as u8, last as u8], self.number_or(line, 3, 0.0)?))
+    }
+
+    /// Reads `REGION TYPE` of loads that have been added to the list of the step from `first` on.
+    pub(super) fn region_of_loads(&mut self, card: &Card, first: usize) {
+        let of_load = |load: &Load| match &load.kind {
+            LoadKind::Concentrated { nodes, .. } | LoadKind::NodalHeat { nodes, .. } => (Vec::new(), nodes.clone()),
+            kind => (kind.sides().map_or_else(Vec::new, |sides| sides.faces.clone()), Vec::new()),
+        };
+        let (faces, nodes): (Vec<_>, Vec<_>) = self.state().loads[first..].iter().map(of_load).unzip();
+        self.adaptive_region(card, faces.concat(), nodes.concat());
+    }
+
+    /// Reads `REGION TYPE` of a card that acts on these faces and nodes. OP=NEW ends the regions of earlier steps.
+    pub(super) fn adaptive_region(&mut self, card: &Card, faces: Vec<(usize, ElementSide)>, nodes: Vec<usize>) {
+        let (keyword, of_surface) = (card.keyword.name, card.keyword.name == "SURFACE");
+        if !of_surface && self.is_new(card) {
+            let state = self.state();
+            let start = state.span.start;
+            state.adaptive_regions.retain(|region| region.keyword != keyword || region.span.start > start);
+        }
+        let kinds = [RegionType::Lagrangian, RegionType::Sliding, RegionType::Eulerian];
+        let kind = card.read::<Option<usize>>("REGION TYPE").map_or(RegionType::Sliding, |at| kinds[at]);
+        let default = if of_surface { RegionType::Sliding } else { RegionType::Lagrangian };
+        if card.has("REGION TYPE") && kind != default {
+            self.state().adaptive_regions.push(AdaptiveRegion { span: card.span, keyword, kind, faces, nodes });
+        }
     }
 
     /// Assigns controls to the domains of the step.

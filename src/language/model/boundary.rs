@@ -81,6 +81,8 @@ impl ModelBuilder<'_> {
             }
         }
         self.complete_boundaries(from);
+        let nodes = self.state().boundaries[from..].iter().flat_map(|boundary| &boundary.nodes).copied().collect();
+        self.adaptive_region(card, Vec::new(), nodes);
     }
 
     /// Prescribes a temperature (degree of freedom 11). Without amplitude the value is applied at once (ABAQUS Analysis

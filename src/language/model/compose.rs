@@ -195,6 +195,8 @@ impl Step {
             mass_scalings: Vec::new(),
             adaptive: Vec::new(),
             adaptive_fixed: Vec::new(),
+            adaptive_regions: Vec::new(),
+            mesh_motions: Vec::new(),
             energy_limit: None,
             outputs: Vec::new(),
             restart: None,

@@ -478,7 +478,7 @@ impl ConsistencyCheck<'_> {
         for mesh in &step.adaptive {
             self.elements(mesh.span, &mesh.elements);
             let row = &adaptive::AdaptiveMesh::ROW;
-            self.in_range(mesh.span, "", row, "FREQUENCY", Some(mesh.frequency as f64));
+            self.in_range(mesh.span, "", row, "FREQUENCY", mesh.frequency.map(|count| count as f64));
             self.in_range(mesh.span, "", row, "MESH SWEEPS", Some(mesh.sweeps as f64));
             let AdaptiveControls { weights, corner_angle, .. } = mesh.controls;
             let good = weights.iter().all(|w| *w >= 0.0) && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-9;
@@ -487,6 +487,8 @@ impl ConsistencyCheck<'_> {
             self.in_range(mesh.span, "", row, "TRANSITION FEATURE ANGLE", Some(corner_angle.to_degrees()));
         }
         step.adaptive_fixed.iter().for_each(|(span, nodes)| self.nodes(*span, nodes));
+        step.adaptive_regions.iter().for_each(|region| self.nodes(region.span, &region.nodes));
+        step.mesh_motions.iter().for_each(|motion| self.nodes(motion.span, &motion.nodes));
     }
 
     fn analytical_side(&mut self, contact: &SurfaceContact, analytical: &AnalyticalSide) {

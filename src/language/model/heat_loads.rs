@@ -14,6 +14,7 @@ impl ModelBuilder<'_> {
         if self.operation(card, family) {
             self.state().history.loads.retain(|l| load_family(&l.kind) != family);
         }
+        let first = self.state().loads.len();
         for line in &card.lines {
             let parsed = match family {
                 "CFLUX" => self.nodal_heat(line),
@@ -28,6 +29,7 @@ impl ModelBuilder<'_> {
                 self.state().loads.push(Load { kind, magnitude, amplitude, span: line.span });
             }
         }
+        self.region_of_loads(card, first);
     }
 
     fn nodal_heat(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {

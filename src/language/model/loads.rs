@@ -18,6 +18,7 @@ impl ModelBuilder<'_> {
             self.state().history.loads.retain(|l| load_family(&l.kind) != family);
         }
         self.check_load_options(card);
+        let first = self.state().loads.len();
         for line in &card.lines {
             let parsed = match family {
                 "CLOAD" => self.concentrated(line),
@@ -29,6 +30,7 @@ impl ModelBuilder<'_> {
                 self.state().loads.push(Load { kind, magnitude, amplitude, span: line.span });
             }
         }
+        self.region_of_loads(card, first);
     }
 
     /// Reports `TARGET` and `FRICTION` without a CAVITY load, and direction components without GRAV.

@@ -318,6 +318,11 @@ fn visit_step(step: &mut Step, visit: &mut dyn FnMut(MemberList<'_>)) {
     scaled.for_each(|list| visit(MemberList::Elements(list)));
     step.adaptive.iter_mut().for_each(|mesh| visit(MemberList::Elements(&mut mesh.elements)));
     step.adaptive_fixed.iter_mut().for_each(|(_, nodes)| visit(MemberList::Nodes(nodes)));
+    step.mesh_motions.iter_mut().for_each(|motion| visit(MemberList::Nodes(&mut motion.nodes)));
+    for region in &mut step.adaptive_regions {
+        visit(MemberList::Faces(&mut region.faces));
+        visit(MemberList::Nodes(&mut region.nodes));
+    }
 }
 
 fn visit_sides(sides: &mut SideSelection, visit: &mut dyn FnMut(MemberList<'_>)) {

@@ -3,8 +3,8 @@
 use super::builder::ModelBuilder;
 use super::history::{StepHistory, StepTiming};
 use super::types::{
-    AdaptiveMesh, BoundaryCondition, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity, MassScaling,
-    OutputKind, OutputRequest, PrescribedClearance, PrescribedField, RestartRequest, Step, SurfaceContact,
+    AdaptiveMesh, AdaptiveRegion, BoundaryCondition, EnergyLimit, GeneralContact, IncrementControl, Load, LoadVelocity,
+    MassScaling, OutputKind, OutputRequest, PrescribedClearance, PrescribedField, RestartRequest, Step, SurfaceContact,
 };
 use crate::deck::table::steps as cards;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
@@ -45,6 +45,10 @@ pub(super) struct StepState {
     /// Adaptive meshes, and nodes that they do not move.
     pub adaptive: Vec<AdaptiveMesh>,
     pub adaptive_fixed: Vec<(Span, Vec<usize>)>,
+    pub adaptive_regions: Vec<AdaptiveRegion>,
+    /// Motions of adaptive meshes that this step prescribes, and those of earlier steps.
+    pub mesh_motions: Vec<BoundaryCondition>,
+    pub mesh_history: StepHistory,
     /// Sets of the domains of this step with named controls.
     pub adaptive_controls_used: Vec<(String, Word)>,
     pub energy_limit: Option<EnergyLimit>,
@@ -118,6 +122,9 @@ impl ModelBuilder<'_> {
         let loads = state.history.loads(given, &time, &mut self.model, &mut diagnostics);
         let fields = state.history.fields(std::mem::take(&mut state.fields), &time, &self.model);
         state.history.end(&time);
+        let (given, of_mesh) = (std::mem::take(&mut state.mesh_motions), StepTiming { ramp: false, ..time });
+        let mesh_motions = state.mesh_history.boundaries(given, &of_mesh, &mut self.model, &mut diagnostics);
+        state.mesh_history.end(&of_mesh);
         diagnostics.into_iter().for_each(|d| self.diagnostics.push(d));
         state.outputs.splice(0..0, state.earlier_outputs.drain(..));
         self.carried = state.clone();
@@ -132,6 +139,8 @@ impl ModelBuilder<'_> {
             mass_scalings: state.mass_scalings,
             adaptive: state.adaptive,
             adaptive_fixed: state.adaptive_fixed,
+            adaptive_regions: state.adaptive_regions,
+            mesh_motions,
             energy_limit: state.energy_limit,
             outputs: state.outputs,
             restart: state.restart,

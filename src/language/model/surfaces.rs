@@ -10,6 +10,11 @@ use crate::deck::{Card, Diagnostic, Word};
 impl ModelBuilder<'_> {
     pub(super) fn surface(&mut self, card: &Card) {
         let Some(name) = self.required(card, "NAME") else { return };
+        let of_faces = card.value("TYPE").is_none_or(|w| w.is("ELEMENT"));
+        if let Some(parameter) = card.parameters.iter().find(|p| p.name == "REGION TYPE").filter(|_| !of_faces) {
+            let message = "REGION TYPE applies to surfaces of element faces";
+            return self.unsupported(parameter.span, message, "remove it, or give TYPE=ELEMENT");
+        }
         if card.value("TYPE").is_some_and(|w| w.is("NODE")) {
             self.node_surface(card, name);
             return;
@@ -47,6 +52,7 @@ impl ModelBuilder<'_> {
 
     /// Adds faces, and elements whose free faces follow element deletion, to a surface.
     fn add_faces(&mut self, card: &Card, name: &Word, faces: Vec<(usize, ElementSide)>, whole: Vec<usize>) {
+        self.adaptive_region(card, faces.clone(), Vec::new());
         let key = qualified(&self.scope, &name.text);
         let fresh = || ElementSurface {
             name: name.text.clone(),

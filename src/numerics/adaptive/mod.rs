@@ -3,10 +3,12 @@
 //! when the velocities of the next increment are known; no force is evaluated twice.
 
 mod active;
+mod boundary;
 mod geometry;
 mod limiter;
 mod momentum;
 pub mod smoothing;
+pub mod spatial;
 mod temperatures;
 #[cfg(test)]
 mod tests;
@@ -24,10 +26,13 @@ use crate::kernel::shape::smallest_angle;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
+use crate::state::energies::BoundaryFlow;
+use crate::state::magnitude::AmplitudeClock;
 use crate::state::nodes::Nodes;
 use active::ActiveParts;
 use momentum::MomentumTransport;
 use smoothing::{MeshGrading, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
+use spatial::{MeshMotion, SpatialPlaces};
 use temperatures::TemperatureTransport;
 use topology::DomainTopology;
 use transport::{ElementTransport, TransportOrder};
@@ -52,6 +57,19 @@ pub struct AdaptiveSettings {
     /// Angle between the edges of the boundary from which on a node is at a corner, radians.
     pub corner_angle: f64,
     pub order: TransportOrder,
+    /// Whether sweeps start from the places after the previous change of the mesh; otherwise from those of the material.
+    pub returns: bool,
+}
+
+/// Boundaries of a domain, and motions of its nodes that are prescribed in space.
+pub struct DomainBoundary<'a> {
+    /// Whether each node of the solver moves with the material.
+    pub fixed: &'a [bool],
+    /// Whether each node of the solver slides also at the ends of prescribed motions of the material.
+    pub sliding: &'a [bool],
+    /// Returns whether an edge of the boundary, given by its nodes in the solver, is on an Eulerian boundary.
+    pub is_open: &'a dyn Fn([u32; 2]) -> bool,
+    pub motions: Vec<MeshMotion>,
 }
 
 /// A domain of elements of one group with its transport; all arrays are allocated here, so that nothing allocates
@@ -64,6 +82,7 @@ pub struct AdaptiveDomain {
     settings: AdaptiveSettings,
     topology: DomainTopology,
     smoothing: MeshSmoothing,
+    spatial: SpatialPlaces,
     active: ActiveParts,
     transport: ElementTransport,
     momentum: MomentumTransport,
@@ -92,20 +111,22 @@ pub struct AdaptiveDomain {
 
 impl AdaptiveDomain {
     /// Creates a domain from elements of a group, in ascending order; `None` if the group cannot be transported.
-    /// `fixed` is whether each of the `nodes`, at their places at the start, moves with the material.
+    /// `nodes` are at their places at the start.
     pub fn new(
         id: EffectId,
         settings: AdaptiveSettings,
         (index, group): (usize, &mut dyn ElementGroup),
         elements: Vec<u32>,
-        (nodes, fixed): (&Nodes, &[bool]),
+        (nodes, boundary): (&Nodes, DomainBoundary<'_>),
     ) -> Option<AdaptiveDomain> {
-        let topology = DomainTopology::new(group, elements);
+        let topology = DomainTopology::new(group, elements, boundary.is_open);
         let transfer = group.extensions().transfer()?;
         let variables = transfer.variables();
         transfer.prepare();
         let (cells, count) = (topology.corners.len(), topology.nodes.len());
-        let mobility = mobility(&topology, fixed);
+        let mobility = mobility(&topology, boundary.fixed);
+        let slides_at_ends = topology.nodes.iter().map(|n| boundary.sliding.get(*n as usize) == Some(&true)).collect();
+        let spatial = SpatialPlaces::new(&topology, boundary.motions, settings.returns);
         let starts: Vec<[f64; 2]> = topology.nodes.iter().map(|n| nodes[*n as usize].place()).collect();
         let grading = settings.graded.then(|| MeshGrading::new(&topology, &starts));
         let numbers = |count: usize| vec![0.0; count];
@@ -119,8 +140,9 @@ impl AdaptiveDomain {
                 settings.weights,
                 grading,
                 libm::cos(settings.corner_angle),
-                mobility,
+                (mobility, slides_at_ends),
             ),
+            spatial,
             active: ActiveParts::new(&topology),
             transport: ElementTransport::new(&topology, settings.order),
             momentum: MomentumTransport::new(&topology, settings.order),
@@ -156,6 +178,7 @@ impl AdaptiveDomain {
     pub fn continue_from(&mut self, previous: &AdaptiveDomain) {
         (self.first, self.changes) = (previous.first, previous.changes);
         self.smoothing.continue_from(&previous.smoothing);
+        self.spatial.continue_from(&previous.spatial);
     }
 
     /// Takes the history of the domain of the same ledger row with another mesh.
@@ -165,7 +188,7 @@ impl AdaptiveDomain {
 
     /// Returns the size of all lists in bytes.
     pub fn bytes(&self) -> usize {
-        let mesh = self.topology.bytes() + self.smoothing.bytes() + self.active.bytes();
+        let mesh = self.topology.bytes() + self.smoothing.bytes() + self.spatial.bytes() + self.active.bytes();
         let heat = self.temperatures.as_ref().map_or(0, TemperatureTransport::bytes);
         let work = mesh + self.transport.bytes() + self.momentum.bytes() + heat;
         let nodes = self.places.iter().map(heap_bytes).sum::<usize>()
@@ -179,13 +202,19 @@ impl AdaptiveDomain {
     }
 
     /// Takes the degrees of freedom (node and axis) whose motions are prescribed from now on.
-    pub fn begin(&mut self, prescribed: &[(usize, usize)]) {
+    pub fn begin(&mut self, prescribed: &[(usize, usize)], nodes: &Nodes) {
         self.prescribed.fill([false; 2]);
         for (node, axis) in prescribed {
             if let Ok(at) = self.topology.nodes.binary_search(&(*node as u32)) {
                 self.prescribed[at][*axis] = true;
             }
         }
+        self.spatial.begin(&self.topology, &self.prescribed, nodes);
+    }
+
+    /// Advances the prescribed places of the mesh by an increment from the time of the clock on.
+    pub fn advance(&mut self, clock: &AmplitudeClock<'_>, dt: f64) {
+        self.spatial.advance(clock, dt);
     }
 
     /// Returns the number of sweeps that are due at an increment.
@@ -223,9 +252,7 @@ impl AdaptiveDomain {
 
     /// Returns whether the new place of a node may be corrected along r and z.
     pub fn is_free(&self, node: usize) -> [bool; 2] {
-        let free = |at: usize| {
-            self.prescribed[at].inline_map(|prescribed| !prescribed && self.smoothing.is_on_free_boundary(at))
-        };
+        let free = |at: usize| self.spatial.kept[at].inline_map(|kept| !kept && self.smoothing.is_on_free_boundary(at));
         self.position(node).map_or([false; 2], free)
     }
 
@@ -278,12 +305,12 @@ impl AdaptiveDomain {
         }
         let before = self.kinetic();
         self.given_velocity.copy_from_slice(&self.velocity);
-        let transports = self.limit_displacements(loops);
+        let (transports, entered) = (self.limit_displacements(loops), dofs.energies.flow.kinetic);
         for i in 0..transports {
-            self.transport_part((i, transports), loops);
+            self.transport_part((i, transports), loops, &mut dofs.energies.flow);
         }
         self.restore_prescribed();
-        dofs.energies.advection += before - self.kinetic();
+        dofs.energies.advection += before + (dofs.energies.flow.kinetic - entered) - self.kinetic();
         self.write(half, elements, &mut dofs.nodes, changed);
         if let (Some(temperatures), Some(field)) = (&mut self.temperatures, &mut field) {
             field.take_masses(self.group, &*elements.groups[self.group]);
@@ -302,18 +329,22 @@ impl AdaptiveDomain {
         let group = &*elements.groups[self.group];
         let deletable = group.properties().deletable;
         let deleted = |e: u32| deletable && group.is_deleted(e as usize);
-        self.smoothing.restrict(&self.topology, &self.prescribed, deleted);
+        self.smoothing.restrict(&self.topology, (&self.prescribed, &self.spatial), deleted);
         let [start, end, ..] = &mut self.places;
         for (place, n) in start.iter_mut().zip(&self.topology.nodes) {
             *place = nodes[*n as usize].place();
         }
         end.copy_from_slice(start);
-        self.smoothing.add_deferred(end);
+        if !self.spatial.returns() {
+            self.smoothing.add_deferred(end);
+        }
+        self.spatial.place(&self.topology, (start, end), &self.smoothing, surroundings);
         self.smoothing.read_contact(&self.topology, surroundings);
         for _ in 0..sweeps {
-            self.smoothing.sweep(loops, &self.topology, &self.prescribed, surroundings, end);
+            self.smoothing.sweep(loops, &self.topology, &self.spatial, surroundings, end);
         }
-        self.smoothing.defer_short(&self.topology, start, end);
+        self.spatial.remember(end);
+        self.smoothing.defer_short(&self.topology, &self.spatial, start, end);
     }
 
     fn read(&mut self, half: f64, elements: &mut Elements, nodes: &Nodes) {
@@ -387,17 +418,19 @@ impl AdaptiveDomain {
     }
 
     /// Transports masses, momentum and variables over one part of the displacements.
-    fn transport_part(&mut self, (part, parts): (usize, usize), loops: ChunkLoops) {
+    fn transport_part(&mut self, (part, parts): (usize, usize), loops: ChunkLoops, flow: &mut BoundaryFlow) {
         self.begin_part((part, parts), loops);
         let domain = (&self.topology, &self.active);
         self.transport.move_masses(loops, domain, &mut self.mass);
         self.find_masses(loops);
         let domain = (&self.topology, &self.active);
         let [before, after] = &self.corner_mass;
+        boundary::add_flow(flow, &self.topology, self.transport.fluxes(), &self.velocity);
         self.momentum.measure(loops, domain, self.transport.fluxes(), [before, after]);
         self.momentum.move_velocity(loops, domain, &mut self.velocity, &self.node_mass[1]);
         if let Some(temperatures) = &mut self.temperatures {
             let [before, after] = &self.node_mass;
+            temperatures.add_flow(&self.topology, self.transport.fluxes());
             temperatures.advance(&mut self.momentum, loops, domain, [before, after]);
         }
         self.packs.iter_mut().for_each(|values| self.transport.move_variables(loops, domain, values));
@@ -485,7 +518,7 @@ fn mobility(topology: &DomainTopology, fixed: &[bool]) -> Vec<NodeMobility> {
     mobility
 }
 
-persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing } derived {
+persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing, spatial } derived {
     id, group, settings, topology, active, transport, momentum, temperatures, places, velocity, given_velocity, node_mass,
     mass, corner_mass, packs, due_sweeps
 });

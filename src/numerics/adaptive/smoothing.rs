@@ -1,5 +1,6 @@
 //! Motion of the nodes of an adaptive mesh domain: smoothing inside, and sliding along its boundary.
 
+use super::spatial::SpatialPlaces;
 use super::topology::{BoundaryNode, DomainTopology};
 use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::InlineMap;
@@ -51,7 +52,7 @@ impl MeshGrading {
             adjacent.extend(list.iter().map(apart).map(|[r, z]| equal + slope[0] * r + slope[1] * z));
         }
         let mut before = vec![0.5; places.len()];
-        for BoundaryNode { node, before: a, after: b } in &domain.boundary {
+        for BoundaryNode { node, before: a, after: b, .. } in &domain.boundary {
             let length = |n: u32| {
                 let ([r, z], [s, w]) = (places[n as usize], places[*node as usize]);
                 libm::hypot(r - s, z - w)
@@ -110,6 +111,8 @@ pub(super) struct MeshSmoothing {
     pub corner_cosine: f64,
     /// Motions that the domain allows.
     mobility: Vec<NodeMobility>,
+    /// Nodes that slide also at the ends of prescribed motions of the material.
+    slides_at_ends: Vec<bool>,
     /// Motions in the current change of the mesh.
     now: Vec<NodeMobility>,
     /// New positions of a sweep.
@@ -174,7 +177,7 @@ impl MeshSmoothing {
         weights: SmoothingWeights,
         grading: Option<MeshGrading>,
         corner_cosine: f64,
-        mobility: Vec<NodeMobility>,
+        (mobility, slides_at_ends): (Vec<NodeMobility>, Vec<bool>),
     ) -> MeshSmoothing {
         let count = mobility.len();
         let mut boundary_of = vec![INSIDE; count];
@@ -182,7 +185,7 @@ impl MeshSmoothing {
         for (i, node) in domain.boundary.iter().enumerate() {
             boundary_of[node.node as usize] = i as u32;
             let ends = [node.before, node.node, node.after].inline_map(|n: u32| places[n as usize]);
-            if turn_cosine(ends) <= corner_cosine {
+            if node.is_open == [false; 2] && turn_cosine(ends) <= corner_cosine {
                 corners.push(i as u32);
             }
         }
@@ -192,6 +195,7 @@ impl MeshSmoothing {
             corner_cosine,
             now: mobility.clone(),
             mobility,
+            slides_at_ends,
             target: vec![[0.0; 2]; count],
             deferred: vec![[0.0; 2]; count],
             shares: vec![0.0; count],
@@ -217,7 +221,7 @@ impl MeshSmoothing {
     pub fn bytes(&self) -> usize {
         let grading = self.grading.as_ref().map_or(0, |g| 8 * (g.adjacent.capacity() + g.before.capacity()));
         grading
-            + 2 * self.mobility.capacity()
+            + 3 * self.mobility.capacity()
             + 16 * self.target.capacity()
             + 16 * self.deferred.capacity()
             + 8 * self.shares.capacity()
@@ -243,17 +247,37 @@ impl MeshSmoothing {
         self.mobility[node] == NodeMobility::Boundary && !self.is_deleted[node]
     }
 
-    /// Fixes nodes of deleted elements, and nodes at the ends of regions with prescribed motions along r or z.
-    pub fn restrict(&mut self, domain: &DomainTopology, prescribed: &[[bool; 2]], deleted: impl Fn(u32) -> bool) {
+    /// Returns whether a node may move in the current change of the mesh.
+    pub fn slides(&self, node: usize) -> bool {
+        self.now[node] != NodeMobility::Fixed
+    }
+
+    /// Returns whether a node belongs to a deleted element.
+    pub fn is_deleted(&self, node: usize) -> bool {
+        self.is_deleted[node]
+    }
+
+    /// Fixes nodes of deleted elements, nodes at the ends of regions with prescribed motions along r or z, and nodes whose
+    /// place is prescribed.
+    pub fn restrict(
+        &mut self,
+        domain: &DomainTopology,
+        (prescribed, spatial): (&[[bool; 2]], &SpatialPlaces),
+        deleted: impl Fn(u32) -> bool,
+    ) {
         self.now.copy_from_slice(&self.mobility);
         self.is_deleted.fill(false);
         for (now, _) in self.now.iter_mut().zip(prescribed).filter(|n| *n.1 == [true; 2]) {
             *now = NodeMobility::Fixed;
         }
         let own = |n: u32| prescribed[n as usize];
-        for BoundaryNode { node, before, after } in &domain.boundary {
+        for BoundaryNode { node, before, after, .. } in &domain.boundary {
             let alike = (0..2).all(|i| !own(*node)[i] || (own(*before)[i] && own(*after)[i]));
-            if !alike {
+            if !alike && !self.slides_at_ends[*node as usize] {
+                self.now[*node as usize] = NodeMobility::Fixed;
+            }
+            let on_surface = domain.boundary_at(*node).is_some_and(|b| b.is_open != [true; 2]);
+            if spatial.is_held(*node as usize) && on_surface {
                 self.now[*node as usize] = NodeMobility::Fixed;
             }
         }
@@ -271,11 +295,12 @@ impl MeshSmoothing {
         &mut self,
         loops: ChunkLoops,
         domain: &DomainTopology,
-        prescribed: &[[bool; 2]],
+        spatial: &SpatialPlaces,
         surroundings: &dyn Surroundings,
         places: &mut [[f64; 2]],
     ) {
         self.smooth_inside(loops, domain, places);
+        spatial.restore(places, &mut self.target);
         self.hand_over_corners(domain);
         for node in &domain.boundary {
             let n = node.node as usize;
@@ -283,7 +308,7 @@ impl MeshSmoothing {
                 let ends = [node.before, node.node, node.after].inline_map(|n: u32| self.target[n as usize]);
                 let share = self.grading.as_ref().map_or(0.5, |grading| grading.before[n]);
                 let part = if self.keeps_gaps[n] { PART } else { 1.0 };
-                let place = keep(prescribed[n], ends, slide(ends, (share, part), self.corner_cosine));
+                let place = keep(spatial.kept[n], ends, slide(ends, (share, part), self.corner_cosine));
                 let on_surface = |place| surroundings.place_on_surface(domain.nodes[n] as usize, place);
                 self.target[n] = self.keep_contact(node, place, &on_surface).unwrap_or(ends[1]);
             }
@@ -299,7 +324,7 @@ impl MeshSmoothing {
         self.handed.clear();
         self.is_spread.fill(false);
         for at in 0..self.corners.len() {
-            let BoundaryNode { node, before, after } = domain.boundary[self.corners[at] as usize];
+            let BoundaryNode { node, before, after, .. } = domain.boundary[self.corners[at] as usize];
             for (first, opposite) in [(after, before), (before, after)] {
                 if let Some(found) = self.folded_nodes(domain, [opposite, node, first]) {
                     self.hand_over(node, found);
@@ -483,13 +508,22 @@ impl MeshSmoothing {
 
     /// Defers short displacements to later changes of the mesh: nodes inside the domain move when one displacement inside
     /// is long, nodes on the boundary when their own displacement is not short.
-    pub fn defer_short(&mut self, domain: &DomainTopology, start: &[[f64; 2]], end: &mut [[f64; 2]]) {
+    pub fn defer_short(
+        &mut self,
+        domain: &DomainTopology,
+        spatial: &SpatialPlaces,
+        start: &[[f64; 2]],
+        end: &mut [[f64; 2]],
+    ) {
         let (mut longest, mut spread) = (0.0, 0.0);
         for (n, by) in self.deferred.iter_mut().enumerate() {
             *by = vector(start[n], end[n]);
             let square = by[0] * by[0] + by[1] * by[1];
             let share = if square > 0.0 { square / shortest_edge(domain, start, n) } else { 0.0 };
-            self.shares[n] = share;
+            self.shares[n] = if spatial.is_held(n) { f64::INFINITY } else { share };
+            if spatial.is_held(n) {
+                continue;
+            }
             if self.now[n] == NodeMobility::Inside && share > longest {
                 longest = share;
             }
@@ -705,7 +739,7 @@ fn length(v: [f64; 2]) -> f64 {
 }
 
 /// Returns the cosine of the angle by which the boundary turns at a node.
-fn turn_cosine([before, own, after]: [[f64; 2]; 3]) -> f64 {
+pub(super) fn turn_cosine([before, own, after]: [[f64; 2]; 3]) -> f64 {
     let (first, second) = (vector(before, own), vector(own, after));
     (first[0] * second[0] + first[1] * second[1]) / (length(first) * length(second))
 }
@@ -734,7 +768,7 @@ fn keep(prescribed: [bool; 2], [before, own, after]: [[f64; 2]; 3], place: [f64;
 }
 
 persist_struct!(MeshSmoothing { deferred: fixed } derived {
-    weights, grading, corner_cosine, mobility, now, target, shares, parts, corners, handed, is_spread, boundary_of, contact,
+    weights, grading, corner_cosine, mobility, slides_at_ends, now, target, shares, parts, corners, handed, is_spread, boundary_of, contact,
     keeps_gaps, is_deleted, halted
 });
 

@@ -2,8 +2,10 @@
 //! content is conserved to rounding, and no temperature leaves the range of its neighbours.
 
 use super::active::ActiveParts;
+use super::boundary::entering;
 use super::momentum::MomentumTransport;
 use super::topology::DomainTopology;
+use super::transport::EdgeFlux;
 use crate::heat::field::TemperatureField;
 use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lists::heap_bytes;
@@ -17,12 +19,19 @@ pub(super) struct TemperatureTransport {
     masses: Vec<f64>,
     /// Heat of other materials at the nodes, which follow the material.
     rest: Vec<f64>,
+    /// Heat that has entered through Eulerian boundaries in this change of the mesh, less that which has left.
+    entered: f64,
 }
 
 impl TemperatureTransport {
     /// Creates the transport for `count` nodes.
     pub fn new(count: usize) -> TemperatureTransport {
-        TemperatureTransport { values: vec![[0.0; 2]; count], masses: vec![0.0; count], rest: vec![0.0; count] }
+        TemperatureTransport {
+            values: vec![[0.0; 2]; count],
+            masses: vec![0.0; count],
+            rest: vec![0.0; count],
+            entered: 0.0,
+        }
     }
 
     pub fn bytes(&self) -> usize {
@@ -32,6 +41,7 @@ impl TemperatureTransport {
     /// Reads the heat of the nodes; `group` is the element group of the domain.
     pub fn read(&mut self, domain: &DomainTopology, group: usize, field: &TemperatureField) {
         self.masses.fill(0.0);
+        self.entered = 0.0;
         for (e, corners) in domain.elements.iter().zip(&domain.corners) {
             for (n, mass) in corners.iter().zip(field.masses_of(group, *e as usize)) {
                 self.masses[*n as usize] += mass;
@@ -43,6 +53,11 @@ impl TemperatureTransport {
             self.values[i] = [heat, 0.0];
             self.rest[i] = field.content_at(*n as usize, temperature) - self.masses[i] * heat;
         }
+    }
+
+    /// Adds the heat of the material that passes through Eulerian boundaries, which has the temperature of the nodes there.
+    pub fn add_flow(&mut self, domain: &DomainTopology, fluxes: &[EdgeFlux]) {
+        self.entered += entering(domain, fluxes).map(|(node, mass)| mass * self.values[node][0]).sum::<f64>();
     }
 
     /// Moves heat with the masses that `momentum` has measured, with the masses of all nodes before and after.
@@ -63,7 +78,8 @@ impl TemperatureTransport {
     /// Writes the temperatures of nodes whose elements have changed; the capacities of the field are those of the new
     /// masses. Prescribed temperatures stay.
     pub fn write(&mut self, (domain, active): (&DomainTopology, &ActiveParts), field: &mut TemperatureField) {
-        let TemperatureTransport { values, masses, rest } = self;
+        field.add_flow(self.entered);
+        let TemperatureTransport { values, masses, rest, .. } = self;
         let content = |i: usize, values: &[[f64; 2]]| masses[i] * values[i][0] + rest[i];
         field.restore_prescribed(|node| {
             let i = domain.nodes.binary_search(&(node as u32)).ok().filter(|i| active.nodes[*i])?;

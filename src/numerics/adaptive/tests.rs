@@ -5,6 +5,7 @@ use super::corner_masses;
 use super::geometry::centre;
 use super::momentum::MomentumTransport;
 use super::smoothing::{BoundaryContact, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
+use super::spatial::SpatialPlaces;
 use super::topology::DomainTopology;
 use super::transport::{ElementTransport, TransportOrder};
 use crate::element::constants::{ElementConstants, HourglassControl};
@@ -52,7 +53,7 @@ impl Section {
             by_area: false,
         };
         let group = QuadGroup::new(VonMises::new(ElasticOnly, ConstantBulkModulus), constants, 1.0, &elements, &nodes);
-        let topology = DomainTopology::new(&group, (0..elements.len() as u32).collect());
+        let topology = DomainTopology::new(&group, (0..elements.len() as u32).collect(), |_| false);
         Section { topology, places }
     }
 
@@ -172,8 +173,9 @@ fn triangles_become_regular() {
     }
     let weights = SmoothingWeights { volumetric: 1.0, laplacian: 0.0, equipotential: 0.0 };
     let cosine = 30f64.to_radians().cos();
-    let mut smoothing = MeshSmoothing::new((topology, &section.places), weights, None, cosine, mobility);
-    let prescribed = vec![[false; 2]; places.len()];
+    let mut smoothing =
+        MeshSmoothing::new((topology, &section.places), weights, None, cosine, (mobility, vec![false; places.len()]));
+    let spatial = SpatialPlaces::new(topology, Vec::new(), false);
     let volume = |places: &[[f64; 2]]| {
         (0..topology.corners.len()).map(|e| quad::volume(section.corners(e, places))).sum::<f64>()
     };
@@ -184,8 +186,8 @@ fn triangles_become_regular() {
     let before = (least(&places), volume(&places));
     for _ in 0..100 {
         let die = FlatDie(places.iter().map(|[r, _]| [*r, 0.0]).collect());
-        smoothing.restrict(topology, &prescribed, |_| false);
-        smoothing.sweep(LOOPS, topology, &prescribed, &die, &mut places);
+        smoothing.restrict(topology, (&spatial.kept, &spatial), |_| false);
+        smoothing.sweep(LOOPS, topology, &spatial, &die, &mut places);
     }
     assert!(before.0 < 30.0 && least(&places) > 38.0, "{before:?} {}", least(&places));
     assert!((volume(&places) / before.1 - 1.0).abs() < 1e-13);
@@ -322,8 +324,10 @@ fn corners_follow_the_edge_of_contact() {
         topology.inside.iter().map(|i| if *i { NodeMobility::Inside } else { NodeMobility::Boundary }).collect();
     let weights = SmoothingWeights { volumetric: 1.0, laplacian: 0.0, equipotential: 0.0 };
     let cosine = 30f64.to_radians().cos();
-    let mut smoothing = MeshSmoothing::new((topology, &section.places), weights, None, cosine, mobility);
-    let prescribed: Vec<[bool; 2]> = section.places.iter().map(|[r, z]| [*r == 0.0, *z == 0.0]).collect();
+    let mut smoothing =
+        MeshSmoothing::new((topology, &section.places), weights, None, cosine, (mobility, vec![false; places.len()]));
+    let mut spatial = SpatialPlaces::new(topology, Vec::new(), false);
+    spatial.kept = section.places.iter().map(|[r, z]| [*r == 0.0, *z == 0.0]).collect();
     let least = |places: &[[f64; 2]]| {
         let angles = topology.corners.iter().map(|corners| smallest_angle(corners, |n| places[n as usize]));
         angles.fold(f64::INFINITY, f64::min).to_degrees()
@@ -331,9 +335,9 @@ fn corners_follow_the_edge_of_contact() {
     let before = least(&places);
     for _ in 0..200 {
         let die = FlatDie(places.clone());
-        smoothing.restrict(topology, &prescribed, |_| false);
+        smoothing.restrict(topology, (&spatial.kept, &spatial), |_| false);
         smoothing.read_contact(topology, &die);
-        smoothing.sweep(LOOPS, topology, &prescribed, &die, &mut places);
+        smoothing.sweep(LOOPS, topology, &spatial, &die, &mut places);
         assert!(places.iter().all(|[_, z]| *z <= 1.0));
     }
     assert_eq!(places[48], [1.3, 1.0]);

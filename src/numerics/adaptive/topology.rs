@@ -18,12 +18,19 @@ pub struct DomainEdge {
     pub right: u32,
     /// Index of the edge in the lists of both elements.
     pub sides: [u8; 2],
+    /// Whether the edge is on an Eulerian boundary, through which material flows.
+    pub is_open: bool,
 }
 
 impl DomainEdge {
     /// Returns whether the edge is between two elements.
     pub fn is_inner(&self) -> bool {
         self.left != self.right
+    }
+
+    /// Returns whether material can pass through the edge.
+    pub fn is_passed(&self) -> bool {
+        self.is_inner() || self.is_open
     }
 }
 
@@ -43,6 +50,8 @@ pub struct BoundaryNode {
     pub node: u32,
     pub before: u32,
     pub after: u32,
+    /// Whether the edges from `before` and to `after` are on an Eulerian boundary.
+    pub is_open: [bool; 2],
 }
 
 /// Lists of variable length, one after another.
@@ -91,6 +100,8 @@ pub struct DomainTopology {
     /// Edges of each element, from its corner i to the next one.
     pub sides: Vec<[ElementSide; 4]>,
     pub boundary: Vec<BoundaryNode>,
+    /// Edges on Eulerian boundaries.
+    pub open: Vec<u32>,
     /// Edges at each node.
     pub edges_at: PackedLists,
     /// Elements at each node.
@@ -102,24 +113,30 @@ pub struct DomainTopology {
 }
 
 impl DomainTopology {
-    /// Creates the connectivity of elements of a group.
-    pub fn new(group: &dyn ElementGroup, elements: Vec<u32>) -> DomainTopology {
+    /// Creates the connectivity of elements of a group. `is_open` returns whether an edge of the boundary, given by the
+    /// indices of its nodes in the solver, is on an Eulerian boundary.
+    pub fn new(group: &dyn ElementGroup, elements: Vec<u32>, is_open: impl Fn([u32; 2]) -> bool) -> DomainTopology {
         let corners_of = |e: &u32| [0, 1, 2, 3].inline_map(|c| group.nodes(*e as usize)[c]);
         let global: Vec<[u32; 4]> = elements.iter().map(corners_of).collect();
         let nodes = sorted_unique(global.iter().flatten().copied());
         let place: HashMap<u32, u32> = nodes.iter().enumerate().map(|(i, n)| (*n, i as u32)).collect();
         let corners: Vec<[u32; 4]> = global.iter().map(|c| c.inline_map(|n| place[&n])).collect();
         let around = elements_around(&corners, nodes.len());
-        let (edges, sides) = edges(&corners);
-        let outer: Vec<[u32; 2]> =
-            edges.iter().filter(|e| !e.is_inner() && e.nodes[0] != e.nodes[1]).map(|e| e.nodes).collect();
+        let (mut edges, sides) = edges(&corners);
         let mut inside = vec![true; nodes.len()];
-        outer.iter().flatten().for_each(|n| inside[*n as usize] = false);
+        let (mut outer, mut open) = (Vec::new(), Vec::new());
+        for (i, edge) in edges.iter_mut().enumerate().filter(|(_, e)| !e.is_inner() && e.nodes[0] != e.nodes[1]) {
+            edge.is_open = is_open(edge.nodes.inline_map(|n| nodes[n as usize]));
+            open.extend(edge.is_open.then_some(i as u32));
+            edge.nodes.iter().for_each(|n| inside[*n as usize] = false);
+            outer.push((edge.nodes, edge.is_open));
+        }
         DomainTopology {
             edges_at: PackedLists::of(&edges_at(&edges, nodes.len())),
             sides,
             adjacent: PackedLists::of(&adjacent(&corners, nodes.len())),
             boundary: boundary(&outer),
+            open,
             around: PackedLists::of(&around),
             edges,
             inside,
@@ -129,11 +146,21 @@ impl DomainTopology {
         }
     }
 
+    /// Returns the boundary at a node; `None` for nodes inside, and where parts of the boundary meet.
+    pub fn boundary_at(&self, node: u32) -> Option<&BoundaryNode> {
+        self.boundary.binary_search_by_key(&node, |b| b.node).ok().map(|at| &self.boundary[at])
+    }
+
     /// Returns the size of the lists in bytes.
     pub fn bytes(&self) -> usize {
         let lists = heap_bytes(&self.sides) + self.edges_at.bytes() + self.around.bytes() + self.adjacent.bytes();
         let nodes = heap_bytes(&self.elements) + heap_bytes(&self.nodes) + heap_bytes(&self.corners);
-        lists + nodes + heap_bytes(&self.edges) + heap_bytes(&self.boundary) + heap_bytes(&self.inside)
+        lists
+            + nodes
+            + heap_bytes(&self.edges)
+            + heap_bytes(&self.boundary)
+            + heap_bytes(&self.open)
+            + heap_bytes(&self.inside)
     }
 }
 
@@ -177,7 +204,7 @@ fn edges(corners: &[[u32; 4]]) -> (Vec<DomainEdge>, Vec<[ElementSide; 4]>) {
                 sides[e][i] = ElementSide { edge: index, beside: edge.left, is_left: false };
             } else {
                 open.insert(key, index);
-                edges.push(DomainEdge { nodes, left: element, right: element, sides: [i as u8; 2] });
+                edges.push(DomainEdge { nodes, left: element, right: element, sides: [i as u8; 2], is_open: false });
                 sides[e][i] = ElementSide { edge: index, beside: element, is_left: true };
             }
         }
@@ -186,16 +213,18 @@ fn edges(corners: &[[u32; 4]]) -> (Vec<DomainEdge>, Vec<[ElementSide; 4]>) {
 }
 
 /// Returns the nodes with exactly two edges on the boundary.
-fn boundary(outer: &[[u32; 2]]) -> Vec<BoundaryNode> {
-    let mut ends: HashMap<u32, (Vec<u32>, Vec<u32>)> = HashMap::new();
-    for [a, b] in outer {
-        ends.entry(*a).or_default().1.push(*b);
-        ends.entry(*b).or_default().0.push(*a);
+fn boundary(outer: &[([u32; 2], bool)]) -> Vec<BoundaryNode> {
+    let mut ends: HashMap<u32, (Vec<(u32, bool)>, Vec<(u32, bool)>)> = HashMap::new();
+    for ([a, b], is_open) in outer {
+        ends.entry(*a).or_default().1.push((*b, *is_open));
+        ends.entry(*b).or_default().0.push((*a, *is_open));
     }
     let mut list: Vec<BoundaryNode> = ends
         .into_iter()
         .filter_map(|(node, (before, after))| match (&before[..], &after[..]) {
-            ([before], [after]) => Some(BoundaryNode { node, before: *before, after: *after }),
+            ([before], [after]) => {
+                Some(BoundaryNode { node, before: before.0, after: after.0, is_open: [before.1, after.1] })
+            }
             _ => None,
         })
         .collect();

@@ -99,9 +99,14 @@ impl ElementTransport {
                 }
             }
         });
+        let places = &self.places;
         loops.each(&mut self.fluxes, |start, part| {
             for (flux, edge) in part.iter_mut().zip(&domain.edges[start..]) {
                 *flux = measured(edge, active, [before, after]);
+                if edge.is_open && flux.leaves_right() {
+                    // What enters through an Eulerian boundary has the mean values of the element there.
+                    flux.middle = places[edge.left as usize].centre;
+                }
             }
         });
         let ElementTransport { places, fluxes, flows, order, .. } = self;
@@ -202,7 +207,7 @@ impl EdgeFlux {
 
 fn measured(edge: &DomainEdge, active: &ActiveParts, [before, after]: [&[[f64; 2]]; 2]) -> EdgeFlux {
     let [a, b] = edge.nodes.inline_map(|n| n as usize);
-    if !(edge.is_inner() && (active.moves[a] || active.moves[b])) {
+    if !(edge.is_passed() && (active.moves[a] || active.moves[b])) {
         return EdgeFlux::default();
     }
     let (volume, middle) = swept([before[a], before[b]], [after[a], after[b]]);

@@ -480,6 +480,12 @@ impl TemperatureField {
         }
     }
 
+    /// Adds the heat of material that has entered through Eulerian boundaries of adaptive meshes, less that which has left.
+    pub fn add_flow(&mut self, heat: f64) {
+        self.energies.external += heat;
+        self.energies.internal += heat;
+    }
+
     /// Calls `brought` with each node of a prescribed temperature. `brought` returns the heat that the node contains after a
     /// transport; the heat that it lacks at its temperature, which stays, is external.
     pub(crate) fn restore_prescribed(&mut self, mut brought: impl FnMut(usize) -> Option<f64>) {

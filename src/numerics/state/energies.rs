@@ -2,6 +2,19 @@
 
 use super::archive::persist_struct;
 
+/// What has passed through the Eulerian boundaries of adaptive meshes since the start of the analysis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BoundaryFlow {
+    /// Mass that has entered.
+    pub mass_in: f64,
+    /// Mass that has left.
+    pub mass_out: f64,
+    /// Momentum along z that has entered less that which has left.
+    pub momentum: f64,
+    /// Kinetic energy that has entered less that which has left.
+    pub kinetic: f64,
+}
+
 /// Energies since the start of the analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyTotals {
@@ -22,6 +35,8 @@ pub struct EnergyTotals {
     pub distortion: f64,
     /// Kinetic energy lost in the transport of momentum through adaptive meshes.
     pub advection: f64,
+    /// Mass, momentum and kinetic energy that have entered and left through Eulerian boundaries.
+    pub flow: BoundaryFlow,
     /// Work of external forces and prescribed motions.
     pub external: f64,
     /// Energy lost in contact impulses.
@@ -37,12 +52,15 @@ pub struct EnergyTotals {
 }
 
 impl EnergyTotals {
-    /// Returns the sum of stored and dissipated energies, without external work.
+    /// Returns the sum of stored and dissipated energies, without external work, less the energy that has entered through
+    /// Eulerian boundaries.
     pub fn sum(&self) -> f64 {
         let dissipated = self.viscous + self.contact + self.friction + self.cavity + self.distortion + self.advection;
-        self.kinetic + self.internal + self.artificial + dissipated + self.penalty
+        self.kinetic + self.internal + self.artificial + dissipated + self.penalty - self.flow.kinetic
     }
 }
+
+persist_struct!(BoundaryFlow { mass_in, mass_out, momentum, kinetic });
 
 persist_struct!(EnergyTotals {
     kinetic,
@@ -57,6 +75,7 @@ persist_struct!(EnergyTotals {
     cavity,
     distortion,
     advection,
+    flow,
     penalty,
     initial_overlap
 });

@@ -90,6 +90,7 @@ fn by_default(variable: Variable) -> &'static str {
         (_, PreselectRule::PenaltyContact, _) => "with penalty contact",
         (_, PreselectRule::MassScaling, _) => "with mass scaling",
         (_, PreselectRule::AdaptiveMesh, _) => "with adaptive meshes",
+        (_, PreselectRule::EulerianBoundary, _) => "with Eulerian boundaries",
         (_, PreselectRule::Damage, _) => "with a material that can be damaged or fail",
         (VariablePlace::Energy, _, true) | (_, PreselectRule::Deformable, _) => "with deformable bodies",
         (_, PreselectRule::ElementDeletion, _) => "if elements can be deleted",

@@ -12,7 +12,7 @@ use crate::element::values;
 use crate::kernel::lists::heap_bytes;
 use crate::model::{
     ContactPairFilter, ElementSetId, MemberSet, Model, NodeSetId, OutputCard, OutputInterval, OutputKind,
-    OutputPosition, OutputRegion, OutputRequest, Step, SurfaceId,
+    OutputPosition, OutputRegion, OutputRequest, RegionType, Step, SurfaceId,
 };
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
@@ -538,6 +538,8 @@ impl Compiler<'_> {
             || self.cohesive_behaviors().any(|cohesion| cohesion.evolution.is_some());
         let scales = self.scales_masses();
         let smooths = self.model.steps.iter().any(|step| !step.adaptive.is_empty());
+        let eulerian = |step: &Step| step.adaptive_regions.iter().any(|region| region.kind == RegionType::Eulerian);
+        let flows = smooths && self.model.steps.iter().any(eulerian);
         let adapts = smooths || !self.model.remeshings.is_empty();
         let added = scales.then_some(Variable::AddedMass);
         let springs = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
@@ -550,6 +552,7 @@ impl Compiler<'_> {
                 PreselectRule::Damage => damages,
                 PreselectRule::MassScaling => scales,
                 PreselectRule::AdaptiveMesh => adapts,
+                PreselectRule::EulerianBoundary => flows,
                 _ => true,
             };
             let lost = walls && *v == Variable::ConstraintWork;
@@ -608,6 +611,7 @@ impl Compiler<'_> {
             | PreselectRule::PenaltyContact
             | PreselectRule::MassScaling
             | PreselectRule::AdaptiveMesh
+            | PreselectRule::EulerianBoundary
             | PreselectRule::Damage => true,
             PreselectRule::SixDofBody => false,
         }

@@ -13,6 +13,7 @@ use crate::kernel::chunks::ChunkLoops;
 use crate::load::SceneChange;
 use crate::plan::State;
 use crate::state::dofs::Dofs;
+use crate::state::magnitude::AmplitudeClock;
 use crate::variables::{Variable, VariableComponent};
 
 /// Contact of the nodes of a domain, at the start of an increment of which only the motion of bodies has been made.
@@ -105,8 +106,8 @@ impl SolverRun<'_> {
         }
         let forces = self.state.constraints.iter().filter_map(|c| c.view().forces);
         let prescribed: Vec<_> = forces.flat_map(|forces| forces.prescribed()).collect();
-        self.state.adaptive.iter_mut().for_each(|domain| domain.begin(&prescribed));
-        let State { adaptive, elements, thermal, .. } = &mut self.state;
+        let State { adaptive, elements, thermal, dofs, .. } = &mut self.state;
+        adaptive.iter_mut().for_each(|domain| domain.begin(&prescribed, &dofs.nodes));
         if let Some(heat) = thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
             adaptive.iter().for_each(|domain| heat.begin_adaptive(domain.group(), elements));
         }
@@ -139,6 +140,8 @@ impl SolverRun<'_> {
             self.follow_by_constraints(|constraint, dofs, domains| constraint.follow_meshes(dofs, domains));
             self.change_meshes(dt);
         }
+        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
+        self.state.adaptive.iter_mut().for_each(|domain| domain.advance(&clock, dt));
     }
 
     /// Calls constraints before and after new places have been found.

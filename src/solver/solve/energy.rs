@@ -8,10 +8,10 @@ use crate::load::{EnergyAccount, GeneralizedForce};
 use crate::state::BodyState;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
-use crate::state::energies::EnergyTotals;
+use crate::state::energies::{BoundaryFlow, EnergyTotals};
 
 /// Energies at an instant, with ABAQUS names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLADV +
-/// ALLCAV - ALLWK - ALLMW` is constant.
+/// ALLCAV - ALLWK - ALLMW - ALLFKE` is constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Energy {
     /// Kinetic energy ALLKE of nodes and rigid bodies.
@@ -62,6 +62,12 @@ pub struct Energy {
     /// Kinetic energy lost in the transport through adaptive meshes; `None` without such meshes.
     #[serde(rename = "ALLADV", skip_serializing_if = "Option::is_none")]
     pub advection: Option<f64>,
+    /// Kinetic energy that has entered through Eulerian boundaries less that which has left; `None` without flow.
+    #[serde(rename = "ALLFKE", skip_serializing_if = "Option::is_none")]
+    pub inflow: Option<f64>,
+    /// Mass, momentum and kinetic energy that have passed through Eulerian boundaries.
+    #[serde(skip)]
+    pub flow: BoundaryFlow,
     /// Heat from outside; `None` if no temperatures are solved for.
     #[serde(rename = "ALLHF", skip_serializing_if = "Option::is_none")]
     pub heat: Option<f64>,
@@ -333,9 +339,14 @@ impl EnergyBalance {
         energy.contact = solid.contact;
         energy.penalty = (solid.penalty != 0.0).then_some(solid.penalty);
         energy.advection = (solid.advection != 0.0).then_some(solid.advection);
+        energy.flow = solid.flow;
+        energy.inflow = (solid.flow != BoundaryFlow::default()).then_some(solid.flow.kinetic);
         let dissipated =
             energy.friction + energy.cavity + energy.viscous + energy.contact + energy.distortion + solid.advection;
-        energy.total = energy.kinetic + energy.internal + dissipated + solid.penalty - energy.work - self.mass_scaling;
+        energy.total = energy.kinetic + energy.internal + dissipated + solid.penalty
+            - energy.work
+            - self.mass_scaling
+            - solid.flow.kinetic;
         energy.initial += self.solid_initial.unwrap_or(0.0);
         energy.drift = self.drift();
         energy
@@ -345,7 +356,7 @@ impl EnergyBalance {
 // Heat, penalty, damage and deletion are filled in by their owners.
 persist_struct!(Energy {
     kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact, artificial, distortion, total, initial, drift
-} derived { penalty, mass_scaling, added_mass, advection, damage, heat, internal_heat, removed });
+} derived { penalty, mass_scaling, added_mass, advection, inflow, flow, damage, heat, internal_heat, removed });
 
 persist_struct!(ForceWork { force, last, work } derived { body, coordinate, account, external, tied });
 

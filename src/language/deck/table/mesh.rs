@@ -165,7 +165,7 @@ pub const CARDS: &[Keyword] = &[
         "FILLET RADIUS" read "Rounds the corners between segments",
         "NO OFFSET" inert "applies only to shells",
         "NO THICK" inert "applies only to shells",
-        "REGION TYPE" only ["LAGRANGIAN"] "sliding and Eulerian regions of adaptive meshes are not supported",
+        "REGION TYPE" (word(&["LAGRANGIAN", "SLIDING", "EULERIAN"]).or(1.0)) "On the boundary of an adaptive mesh: the ends of the surface move with the material, slide along it, or material flows through the surface",
         "TRIM" refused "surfaces are not trimmed: give the faces",
         "DISCRETIZATION" inert "written by some preprocessors; has no effect",
         "COMBINE" only ["UNION"] "give the faces of the surface",

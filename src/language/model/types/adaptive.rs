@@ -1,5 +1,6 @@
 //! Adaptive meshes.
 
+use super::mesh::ElementSide;
 use crate::deck::Span;
 use crate::remesh::sizes::SizeLimits;
 
@@ -12,8 +13,8 @@ pub struct AdaptiveMesh {
     pub set: String,
     /// Element indices.
     pub elements: Vec<usize>,
-    /// Number of increments between two changes of the mesh.
-    pub frequency: u64,
+    /// Number of increments between two changes of the mesh; `None` for the default.
+    pub frequency: Option<u64>,
     /// Number of sweeps in each change.
     pub sweeps: usize,
     /// Number of sweeps at the start of the first step of the domain.
@@ -33,6 +34,8 @@ pub struct AdaptiveControls {
     pub corner_angle: f64,
     /// Whether the transport is of second order.
     pub second_order: bool,
+    /// Whether sweeps start from the places after the previous change; `None` for the default.
+    pub previous: Option<bool>,
 }
 
 impl Default for AdaptiveControls {
@@ -44,8 +47,36 @@ impl Default for AdaptiveControls {
             graded: false,
             corner_angle: 30f64.to_radians(),
             second_order: true,
+            previous: None,
         }
     }
+}
+
+/// Mesh and material at a part of the boundary of adaptive meshes (`REGION TYPE`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RegionType {
+    /// The ends of the part move with the material.
+    Lagrangian,
+    /// The mesh slides along the surface of the material, also at the ends of the part.
+    Sliding,
+    /// Material flows through the boundary.
+    Eulerian,
+}
+
+/// A part of the boundary of adaptive meshes with another region type than the default of its card: `SLIDING` for
+/// surfaces, `LAGRANGIAN` for loads and boundary conditions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AdaptiveRegion {
+    /// Source position of the keyword line.
+    pub span: Span,
+    /// Keyword of the card.
+    pub keyword: &'static str,
+    /// Region type.
+    pub kind: RegionType,
+    /// Faces of the part.
+    pub faces: Vec<(usize, ElementSide)>,
+    /// Nodes of the part, for conditions at nodes.
+    pub nodes: Vec<usize>,
 }
 
 /// A body that is remeshed during the run (`*REMESH`).

@@ -1,8 +1,8 @@
 //! Analysis steps: procedure, increment control, and the conditions in force.
 
 use super::{
-    AdaptiveMesh, BoundaryCondition, GeneralContact, Load, OutputInterval, OutputRequest, PrescribedField,
-    SurfaceContact,
+    AdaptiveMesh, AdaptiveRegion, BoundaryCondition, GeneralContact, Load, OutputInterval, OutputRequest,
+    PrescribedField, SurfaceContact,
 };
 use crate::deck::Span;
 use crate::kernel::bulk_viscosity::BulkViscosity;
@@ -45,6 +45,10 @@ pub struct Step {
     pub adaptive: Vec<AdaptiveMesh>,
     /// Nodes that adaptive meshes do not move, by card.
     pub adaptive_fixed: Vec<(Span, Vec<usize>)>,
+    /// Parts of the boundaries of adaptive meshes with another region type than the default.
+    pub adaptive_regions: Vec<AdaptiveRegion>,
+    /// Motions of adaptive meshes that are prescribed in space.
+    pub mesh_motions: Vec<BoundaryCondition>,
     /// Energy limits in force.
     pub energy_limit: Option<EnergyLimit>,
     /// Output requests in force.
