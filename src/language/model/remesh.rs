@@ -81,7 +81,10 @@ impl ModelBody {
         let mut copy = model.clone();
         // Initial conditions have no effect after the start, and neither have the ends of their sets.
         for condition in std::mem::take(&mut copy.initial_conditions) {
-            copy.node_sets.values_mut().filter(|set| set.members == condition.members).for_each(|set| set.members.clear());
+            copy.node_sets
+                .values_mut()
+                .filter(|set| set.members == condition.members)
+                .for_each(|set| set.members.clear());
         }
         let mut single = Vec::new();
         visit_lists(&mut copy, &mut |list| match list {
