@@ -258,6 +258,7 @@ fn deformable_examples_do_not_depend_on_steps() {
     for name in [
         "blast_disk",
         "debonding_disc",
+        "forging",
         "long_rod",
         "ogive_meshed",
         "ogive_rod_meshed",

@@ -79,6 +79,13 @@ impl ModelBody {
         };
         keep_ends(&|edge| edge.ends.iter().all(|n| on_axis(*n)), &on_axis);
         let mut copy = model.clone();
+        // Initial conditions have no effect after the start, and neither have the ends of their sets.
+        for condition in std::mem::take(&mut copy.initial_conditions) {
+            copy.node_sets
+                .values_mut()
+                .filter(|set| set.members == condition.members)
+                .for_each(|set| set.members.clear());
+        }
         let mut single = Vec::new();
         visit_lists(&mut copy, &mut |list| match list {
             MemberList::Node(node) => single.extend(self.position(*node)),
@@ -121,6 +128,8 @@ pub fn revised(model: &Model, revision: &MeshRevision) -> Model {
         MemberList::Elements(list) => relation.follow_elements(list, model, revision),
         MemberList::Faces(list) => relation.follow_faces(list, model, (&body, revision)),
     });
+    // Nodes of a condition without a node in the new mesh would be taken for those of a rigid body.
+    new.initial_conditions.retain(|condition| !condition.members.is_empty());
     keep_history_nodes(&mut new, model, &relation);
     new
 }
