@@ -14,6 +14,7 @@ impl IncrementLimit {
     pub const NONE: IncrementLimit = IncrementLimit { time: f64::INFINITY, jump: false };
 
     /// Returns the limit with the smaller time.
+    #[inline]
     #[must_use]
     pub fn earlier(self, other: IncrementLimit) -> IncrementLimit {
         if other.time < self.time { other } else { self }

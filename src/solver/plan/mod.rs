@@ -159,6 +159,12 @@ impl StepPlan {
     pub fn has_drift_limit(&self) -> bool {
         self.energy_limit.is_some_and(|limit| limit.error.is_some())
     }
+
+    /// Returns whether the deck fixes the increments.
+    #[inline]
+    pub fn is_fixed(&self) -> bool {
+        matches!(self.control, IncrementControl::Fixed(_))
+    }
 }
 
 impl Plan {

@@ -2,7 +2,7 @@
 
 use crate::load::{EnergyAccount, GeneralizedForce, VelocityUse};
 use crate::plan::State;
-use crate::state::BodyState;
+use crate::state::{BodyState, EffectId};
 
 /// Generalised forces on rigid bodies: first those of tied nodes, then those of each load.
 #[derive(Default)]
@@ -10,10 +10,10 @@ pub(super) struct BodyForces {
     pub values: Vec<f64>,
     /// Body, coordinate and energy account of each force.
     pub slots: Vec<GeneralizedForce>,
-    /// Indices of the forces in order of their bodies.
-    pub order_by_body: Vec<usize>,
-    /// Index after the last force of each load.
-    pub load_ends: Vec<usize>,
+    /// The forces in order of their bodies: coordinate and index of each.
+    pub order_by_body: Vec<(u32, usize)>,
+    /// Ledger row of each load, and the index after its last force.
+    pub loads: Vec<(EffectId, usize)>,
     /// Number of forces of tied nodes, which come first.
     pub tied: usize,
     /// Index of the first load that resists motion; such loads come last.
@@ -24,18 +24,18 @@ impl BodyForces {
     /// Lists the forces of the effects in force, and marks bodies whose loads read or resist their velocity.
     pub fn begin(&mut self, state: &mut State) {
         self.slots.clear();
-        self.load_ends.clear();
+        self.loads.clear();
         let carried = state.constraints.iter().filter_map(|c| c.view().carried);
         self.slots.extend(carried.map(|carried| GeneralizedForce::along_z(carried.body, EnergyAccount::Tie)));
         self.tied = self.slots.len();
         for load in &state.loads {
             self.slots.extend(load.targets().bodies);
-            self.load_ends.push(self.slots.len());
+            self.loads.push((load.effect(), self.slots.len()));
         }
         self.first_resistance = state.loads.iter().filter(|l| l.velocity_use() != VelocityUse::Resists).count();
         self.values = vec![0.0; self.slots.len()];
-        self.order_by_body = (0..self.slots.len()).collect();
-        self.order_by_body.sort_by_key(|&i| self.slots[i].body);
+        self.order_by_body = self.slots.iter().enumerate().map(|(i, slot)| (slot.coordinate, i)).collect();
+        self.order_by_body.sort_by_key(|&(_, i)| self.slots[i].body);
         self.mark_bodies(state);
     }
 
@@ -58,12 +58,6 @@ impl BodyForces {
         }
     }
 
-    /// Returns the index of the first force of a load.
-    #[inline]
-    pub fn start_of(&self, load: usize) -> usize {
-        load.checked_sub(1).map_or(self.tied, |previous| self.load_ends[previous])
-    }
-
     /// Sets resistances on a body at rest to zero: they balance the other forces and do no work.
     pub fn arrest(&mut self, body: usize) {
         for (slot, force) in self.slots.iter().zip(&mut self.values) {
@@ -73,9 +67,11 @@ impl BodyForces {
         }
     }
 
-    /// Sets the direction in which the other forces would start a body at rest; a resistance acts against it.
-    pub fn turn_resting_bodies(&self, bodies: &mut [BodyState]) {
-        let applied = &self.slots[..self.start_of(self.first_resistance)];
+    /// Sets the direction in which the other forces, which come before the index `end`, would start a body at rest; a
+    /// resistance acts against it.
+    #[inline(never)]
+    pub fn turn_resting_bodies(&self, end: usize, bodies: &mut [BodyState]) {
+        let applied = &self.slots[..end];
         for (b, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.direction == 0.0) {
             let on_body = applied.iter().zip(&self.values).filter(|(s, _)| s.body == b);
             body.probe(on_body.map(|(s, &force)| (s.coordinate, force)));

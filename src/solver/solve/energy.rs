@@ -185,11 +185,22 @@ impl EnergyBalance {
         if internal > small * self.largest { artificial / internal } else { 0.0 }
     }
 
-    /// Returns whether the drift, and the ratio of [`EnergyBalance::artificial_share`], exceed these bounds.
+    /// Returns whether the largest drift of the total energy exceeds a fraction of the largest energy so far.
     #[inline]
-    pub fn exceeds(&self, [drift, artificial]: [f64; 2], small: f64) -> [bool; 2] {
-        let (of_control, internal) = (self.solid.artificial.abs(), self.solid.internal + self.solid.artificial);
-        [self.departure > drift * self.largest, internal > small * self.largest && of_control > artificial * internal]
+    pub fn drifts(&self, bound: f64) -> bool {
+        self.departure > bound * self.largest
+    }
+
+    /// Returns whether the ratio of [`EnergyBalance::artificial_share`] exceeds a bound.
+    pub fn is_artificial(&self, bound: f64, small: f64) -> bool {
+        let (artificial, internal) = (self.solid.artificial.abs(), self.solid.internal + self.solid.artificial);
+        internal > small * self.largest && artificial > bound * internal
+    }
+
+    /// Returns whether the balance includes deformable bodies or contact, so that energies of these can be watched.
+    #[inline]
+    pub fn has_solid(&self) -> bool {
+        self.solid_initial.is_some()
     }
 
     /// Returns the current drift of the total energy, relative to the largest energy so far.
@@ -303,6 +314,7 @@ impl EnergyBalance {
 
     /// Adds the energies of deformable bodies, after the rigid bodies; the work of tied nodes on bodies stays in the
     /// model. Returns the change of the sum since the start.
+    #[inline(never)]
     fn add_nodes(&mut self, energies: &EnergyTotals, deforms: bool) -> f64 {
         self.solid = *energies;
         let sum = energies.sum() + self.tied - energies.external;

@@ -7,7 +7,6 @@ use super::watch::SMALL;
 use crate::constraint::Constraint;
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
-use crate::model::IncrementControl;
 use crate::plan::StepPlan;
 use crate::state::halt::HaltReason;
 use crate::state::magnitude::AmplitudeClock;
@@ -49,7 +48,7 @@ impl SolverRun<'_> {
     /// Warns of stiff loads that end, if they reduced the increment or should have.
     pub(super) fn warn_of_stiff_loads(&mut self, loads: &[Box<dyn Load>]) {
         let alone = self.state.elements.stable_increment();
-        let fixed = matches!(self.step.control, IncrementControl::Fixed(_));
+        let fixed = self.step.is_fixed();
         for load in loads {
             let Some(found) = load.stiffness() else { continue };
             let by = shortened(found.squared, alone);

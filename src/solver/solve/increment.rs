@@ -1,11 +1,8 @@
 //! Choice of the time increment, and of the event at its end.
 
 use super::limits::IncrementLimiter;
-use crate::constraint::Constraint;
+use super::run::SolverRun;
 use crate::element::connector::damped_rate;
-use crate::element::elements::Elements;
-use crate::heat::field::TemperatureField;
-use crate::load::{Load, SceneView};
 use crate::model::IncrementControl;
 use crate::plan::StepPlan;
 use crate::state::archive::persist_struct;
@@ -63,12 +60,13 @@ impl Increment {
         Err(HaltReason { code: "R204", reason })
     }
 
-    fn shorten(&mut self, limit: IncrementLimit, by: IncrementLimiter) {
+    #[inline]
+    fn shorten(&mut self, limit: IncrementLimit, by: impl FnOnce() -> IncrementLimiter) {
         if limit.time < self.length {
             *self = Increment {
                 length: limit.time,
                 end: if limit.jump { IncrementEnd::Jump } else { IncrementEnd::Plain },
-                by,
+                by: by(),
             };
         }
     }
@@ -97,51 +95,29 @@ const SLOW: f64 = 0.1;
 /// Fraction by which the last increment of a step may exceed the chosen length.
 const SLIVER: f64 = 1e-3;
 
-/// Input for the choice of an increment.
-pub struct IncrementContext<'a> {
-    /// Model as loads read it.
-    pub view: SceneView<'a>,
-    /// Deformable elements, for their stable time increment.
-    pub elements: &'a Elements,
-    /// Nodal temperatures, if they are solved for.
-    pub heat: Option<&'a TemperatureField>,
-    /// Loads that are active in the step.
-    pub loads: &'a [Box<dyn Load>],
-    /// Constraints that are active in the step.
-    pub constraints: &'a [Box<dyn Constraint>],
-    /// Length of the previous increment; 0 if central differences of bodies start again.
-    pub previous_dt: f64,
-    /// Time until the end of the step.
-    pub remaining: f64,
-}
-
-impl IncrementContext<'_> {
-    fn bodies(&self) -> &[BodyState] {
-        &self.view.dofs.bodies
-    }
-
+impl SolverRun<'_> {
     /// Returns the sum of the bounds of the squares of frequencies by springs between bodies.
     fn squared_frequency(&self) -> f64 {
-        self.constraints.iter().map(|constraint| constraint.view().squared_frequency).sum()
+        self.state.constraints.iter().map(|constraint| constraint.view().squared_frequency).sum()
     }
 
     /// Returns what limits the stable time increment: the elements, or a constraint whose springs have a higher frequency.
     fn stability_limiter(&self) -> IncrementLimiter {
-        let elements = self.elements.stable_increment();
-        let stiffer =
-            self.constraints.iter().find(|constraint| constraint.view().squared_frequency * elements * elements > 4.0);
+        let elements = self.state.elements.stable_increment();
+        let is_stiffer = |squared: f64| squared * elements * elements > 4.0;
+        let stiffer = self.state.constraints.iter().find(|c| is_stiffer(c.view().squared_frequency));
         stiffer.map_or(IncrementLimiter::Elements, |constraint| IncrementLimiter::Effect(constraint.effect()))
     }
 
-    /// Returns the stable time increment of elements together with springs of constraints, viscous loads and loads that were found to be stiff. The square of the
-    /// highest frequency is at most the sum of the squares of both.
+    /// Returns the stable time increment of elements together with springs of constraints, viscous loads and loads that
+    /// were found to be stiff. The square of the highest frequency is at most the sum of the squares of both.
     fn stable_increment(&self) -> f64 {
-        let elements = self.elements.stable_increment();
+        let elements = self.state.elements.stable_increment();
         let springs = self.squared_frequency();
         let alone = if springs > 0.0 { 1.0 / damped_rate(1.0 / elements, springs, 0.0) } else { elements };
-        let added: f64 = self.loads.iter().filter_map(|load| load.stiffness()).map(|s| s.squared).sum();
+        let added: f64 = self.state.loads.iter().filter_map(|load| load.stiffness()).map(|s| s.squared).sum();
         let undamped = if added > 0.0 { alone / shortened(added, alone) } else { alone };
-        let damping: f64 = self.loads.iter().map(|load| load.damping()).sum();
+        let damping: f64 = self.state.loads.iter().map(|load| load.damping()).sum();
         if damping > 0.0 { 1.0 / damped_rate(1.0 / undamped, 0.0, damping) } else { undamped }
     }
 }
@@ -191,51 +167,53 @@ impl IncrementController {
         *self = IncrementController { free, speed, ..IncrementController::new(step, bodies) };
     }
 
-    /// Returns the next increment.
+    /// Returns the next increment of a run.
     #[inline]
-    pub fn choose(&mut self, scene: &IncrementContext<'_>) -> Increment {
+    pub(super) fn choose(&mut self, run: &SolverRun<'_>) -> Increment {
+        let (state, bodies) = (&run.state, &run.state.dofs.bodies[..]);
         let mut next = Increment { length: f64::INFINITY, end: IncrementEnd::Plain, by: IncrementLimiter::Given };
         match self.fixed {
             Some(length) => next.length = length,
             None => {
-                if scene.bodies().iter().any(|b| !b.tied) {
-                    next.bound(self.automatic(scene) * self.factor, IncrementLimiter::Accuracy);
+                if bodies.iter().any(|b| !b.tied) {
+                    next.bound(self.automatic(bodies, run.previous_dt) * self.factor, IncrementLimiter::Accuracy);
                 }
-                if !scene.elements.is_empty() {
-                    next.bound(scene.stable_increment() * self.factor, scene.stability_limiter());
+                if !state.elements.is_empty() {
+                    next.bound(run.stable_increment() * self.factor, run.stability_limiter());
                 }
-                if let Some(heat) = scene.heat {
+                if let Some(heat) = run.heat() {
                     next.bound(heat.stable_increment() * self.factor, IncrementLimiter::Conduction);
-                    next.shorten(heat.limit(&scene.view.clock), IncrementLimiter::Heat);
+                    next.shorten(heat.limit(&run.clock()), || IncrementLimiter::Heat);
                 }
                 next.bound(self.most, IncrementLimiter::Longest);
-                let loads = scene.loads.iter();
-                loads.for_each(|load| {
-                    next.shorten(load.max_increment(&scene.view), IncrementLimiter::Effect(load.effect()))
-                });
-                let constraints = scene.constraints.iter();
-                constraints.for_each(|c| {
-                    next.shorten(c.max_increment(&scene.view.clock), IncrementLimiter::Effect(c.effect()))
-                });
+                let view = run.view();
+                for load in &state.loads {
+                    next.shorten(load.max_increment(&view), || IncrementLimiter::Effect(load.effect()));
+                }
+                for constraint in &state.constraints {
+                    let limit = constraint.max_increment(&view.clock);
+                    next.shorten(limit, || IncrementLimiter::Effect(constraint.effect()));
+                }
             }
         }
-        self.fit_step(&mut next, scene.remaining);
-        end_at_rest(&mut next, scene.bodies(), SLOW * self.resolution);
+        self.fit_step(&mut next, run.step.duration - run.now.step_time);
+        end_at_rest(&mut next, bodies, SLOW * self.resolution);
         next
     }
 
-    /// Returns the increment from error control: velocity and acceleration may change only by a small fraction.
-    fn automatic(&mut self, scene: &IncrementContext<'_>) -> f64 {
+    /// Returns the increment from error control: velocity and acceleration may change only by a small fraction. The
+    /// previous increment is 0 if central differences of bodies start again.
+    fn automatic(&mut self, bodies: &[BodyState], previous_dt: f64) -> f64 {
         self.free = (GROWTH * self.free).min(self.largest);
-        for (body, speed) in scene.bodies().iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
+        for (body, speed) in bodies.iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
             *speed = speed.max(body.speed());
             let [acceleration, change] = body.acceleration_and_change();
             let scale = speed.max(acceleration * self.largest);
             if body.reads_velocity && acceleration * self.free > self.resolution * scale {
                 self.free = self.resolution * scale / acceleration;
             }
-            let bound = self.resolution * self.resolution * scale * scene.previous_dt;
-            if scene.previous_dt > 0.0 && change * self.free * self.free > bound {
+            let bound = self.resolution * self.resolution * scale * previous_dt;
+            if previous_dt > 0.0 && change * self.free * self.free > bound {
                 self.free = (bound / change).sqrt();
             }
         }

@@ -324,7 +324,7 @@ impl Persist for UserSession {
 }
 
 // The list of forces follows from the effects in force.
-persist_struct!(BodyForces { values: fixed } derived { slots, order_by_body, load_ends, tied, first_resistance });
+persist_struct!(BodyForces { values: fixed } derived { slots, order_by_body, loads, tied, first_resistance });
 
 // Halts and results at the end do not exist yet; run times belong to this process.
 persist_struct!(MeshChanges { row, count });

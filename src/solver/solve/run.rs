@@ -3,7 +3,7 @@
 use super::body_forces::BodyForces;
 use super::central_difference;
 use super::energy::{Energy, EnergyBalance};
-use super::increment::{Increment, IncrementContext, IncrementController, IncrementEnd};
+use super::increment::{Increment, IncrementController, IncrementEnd};
 use super::limits::{IncrementLimiter, IncrementLimits};
 use super::mesh_quality::RemeshMonitor;
 use super::outcome::{BodyRest, Outcome, StepSummary};
@@ -121,7 +121,7 @@ impl<'a> SolverRun<'a> {
     pub(super) fn advance(&mut self, control: &mut IncrementController) -> Result<(), HaltReason> {
         self.timing.resume(self.now.increment);
         self.guard_increment()?;
-        let next = self.choose(control); //     6. length of the next increment
+        let next = control.choose(self); //     6. length of the next increment
         self.remember_stable_increment();
         next.check(&self.now, self.now.increment)?;
         self.call_routines(next)?;
@@ -133,29 +133,27 @@ impl<'a> SolverRun<'a> {
 
     #[inline]
     fn remember_stable_increment(&mut self) {
-        if let IncrementControl::Fixed(_) = self.step.control {
+        if !self.state.elements.is_empty() && self.step.is_fixed() {
             self.previous_stable_increment = self.state.elements.stable_increment();
         }
     }
 
+    /// Returns the current instant with the user amplitudes.
     #[inline]
-    fn choose(&self, control: &mut IncrementController) -> Increment {
-        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
-        control.choose(&IncrementContext {
-            view: SceneView {
-                clock,
-                dofs: &self.state.dofs,
-                velocity_extrapolation: self.velocity_extrapolation,
-                rings: self.state.elements.ring_factors(),
-                element_force: None,
-            },
-            elements: &self.state.elements,
-            heat: self.heat(),
-            loads: &self.state.loads,
-            constraints: &self.state.constraints,
-            previous_dt: self.previous_dt,
-            remaining: self.step.duration - self.now.step_time,
-        })
+    pub(super) fn clock(&self) -> AmplitudeClock<'_> {
+        AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes }
+    }
+
+    /// Returns the model as loads read it to limit the next increment.
+    #[inline]
+    pub(super) fn view(&self) -> SceneView<'_> {
+        SceneView {
+            clock: self.clock(),
+            dofs: &self.state.dofs,
+            velocity_extrapolation: self.velocity_extrapolation,
+            rings: self.state.elements.ring_factors(),
+            element_force: None,
+        }
     }
 
     pub(super) fn name_limiting_element(&mut self) {
@@ -294,34 +292,33 @@ impl<'a> SolverRun<'a> {
         if !self.state.elements.is_empty() {
             self.evaluate_nodes()?;
         }
-        let (first_resistance, loads) = (self.body_forces.first_resistance, self.state.loads.len());
-        self.apply_body_loads(0, first_resistance)?;
-        if first_resistance < loads {
-            self.body_forces.turn_resting_bodies(&mut self.state.dofs.bodies);
-            self.apply_body_loads(first_resistance, loads)?;
-        }
-        Ok(())
+        self.apply_body_loads()
     }
 
-    /// Evaluates the forces on bodies of the loads from `first` to `end`.
+    /// Evaluates the forces of loads on bodies; resistances act against the motion that the other forces cause.
     #[inline]
-    fn apply_body_loads(&mut self, first: usize, end: usize) -> Result<(), HaltReason> {
+    fn apply_body_loads(&mut self) -> Result<(), HaltReason> {
         let State { dofs, loads, user_amplitudes, .. } = &mut self.state;
         let clock = AmplitudeClock { now: self.now, user_amplitudes };
         let velocity_extrapolation = self.velocity_extrapolation;
-        let view = SceneView { clock, dofs, velocity_extrapolation, rings: None, element_force: None };
-        let mut start = self.body_forces.start_of(first);
-        for (load, &end) in loads[first..end].iter_mut().zip(&self.body_forces.load_ends[first..end]) {
-            let started = self.timing.start(load.effect());
+        let mut start = self.body_forces.tied;
+        for (i, load) in loads.iter_mut().enumerate() {
+            if i == self.body_forces.first_resistance && dofs.bodies.iter().any(|body| body.direction == 0.0) {
+                self.body_forces.turn_resting_bodies(start, &mut dofs.bodies);
+            }
+            let view = SceneView { clock, dofs, velocity_extrapolation, rings: None, element_force: None };
+            let (row, end) = self.body_forces.loads[i];
+            let started = self.timing.start(row);
             let forces = &mut self.body_forces.values[start..end];
             load.apply(&view, &mut self.user.routines, &mut LoadForces::OnBodies(forces))?;
-            self.timing.stop(started, load.effect());
+            self.timing.stop(started, row);
             start = end;
         }
         Ok(())
     }
 
     /// Evaluates element stresses, forces of loads and links on nodes, and the forces of tied nodes on bodies.
+    #[inline(never)]
     fn evaluate_nodes(&mut self) -> Result<(), HaltReason> {
         self.scale_masses();
         let fresh = self.state.elements.is_pending();
@@ -494,24 +491,24 @@ impl<'a> SolverRun<'a> {
             let body = &mut self.state.dofs.bodies[b];
             let own = &self.body_forces.order_by_body[start..start + body.slots as usize];
             start += own.len();
-            let forces = own.iter().map(|&i| (self.body_forces.slots[i].coordinate, self.body_forces.values[i]));
+            let forces = own.iter().map(|&(coordinate, i)| (coordinate, self.body_forces.values[i]));
             if body.accelerate(forces) {
                 self.body_forces.arrest(b);
             }
         }
-        if !self.state.elements.is_empty() {
+        let deforms = !self.state.elements.is_empty();
+        if deforms {
             let clock = self.timing.start_gather(self.plan);
             central_difference::accelerate_nodes(&self.state.elements, &mut self.state.dofs, &mut self.kinetic);
             self.timing.stop_gather(clock, self.plan);
         }
-        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
         for constraint in &mut self.state.constraints {
+            let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
             constraint.accelerations(&mut self.state.dofs, &clock);
         }
         self.state.dofs.nodes.work_pending = false;
         // A fixed increment ignores the stable time increment.
-        let automatic = matches!(self.step.control, IncrementControl::Automatic { .. });
-        if !self.state.elements.is_empty() && self.now.increment < STARTING && automatic {
+        if deforms && self.now.increment < STARTING && !self.step.is_fixed() {
             self.state.elements.guard_start(&self.state.dofs.nodes);
         }
         if self.state.dofs.bodies.iter().all(|b| b.acceleration.abs() < f64::INFINITY) {
@@ -554,8 +551,10 @@ impl<'a> SolverRun<'a> {
 
     #[inline]
     fn prescribe_velocities(&mut self) {
-        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
-        self.state.constraints.iter_mut().for_each(|c| c.velocities(&mut self.state.dofs, &clock));
+        for constraint in &mut self.state.constraints {
+            let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
+            constraint.velocities(&mut self.state.dofs, &clock);
+        }
     }
 
     fn make_increment(&mut self, next: Increment) {
@@ -566,15 +565,15 @@ impl<'a> SolverRun<'a> {
             central_difference::advance_nodes(&self.state.elements, &mut self.state.dofs, dt);
             self.state.elements.mark_moved();
         }
-        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
         for constraint in &mut self.state.constraints {
+            let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
             let started = self.timing.start(constraint.effect());
             constraint.motion(&mut self.state.dofs, &clock, dt);
             self.timing.stop(started, constraint.effect());
         }
         if let Some(heat) = self.state.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
             heat.add_exchanged_heat(&self.state.constraints, dt);
-            heat.advance(&clock, dt);
+            heat.advance(&AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes }, dt);
         }
         for body in &mut self.state.dofs.bodies {
             body.show_velocity_after(self.velocity_extrapolation * dt);

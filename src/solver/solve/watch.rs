@@ -135,12 +135,16 @@ impl RunMonitor {
     /// Returns whether no further check is needed.
     #[inline(always)]
     pub(super) fn needs_no_check(&mut self, balance: &EnergyBalance, now: &Instant) -> bool {
-        let unsound = balance.exceeds(SOUND, SMALL);
-        for (since, unsound) in self.unsound.iter_mut().zip(unsound) {
-            if unsound != since.is_some() {
-                *since = unsound.then_some(now.total_time);
-            }
-        }
+        let drifts = balance.drifts(SOUND[0]);
+        note_since(&mut self.unsound[0], drifts, now);
+        let below = balance.has_solid() && self.compare_solid(balance, now);
+        !drifts && !below && now.increment < self.next_look
+    }
+
+    /// Compares the energies of deformable bodies with their values so far. Returns whether one is below zero.
+    #[inline(never)]
+    fn compare_solid(&mut self, balance: &EnergyBalance, now: &Instant) -> bool {
+        note_since(&mut self.unsound[1], balance.is_artificial(SOUND[1], SMALL), now);
         let dissipated = self.dissipated.iter_mut().zip(&mut self.decreases);
         for ((highest, decrease), now) in dissipated.zip(balance.dissipated_in_solid()) {
             *highest = highest.max(now);
@@ -148,8 +152,15 @@ impl RunMonitor {
         }
         self.lowest_strain = self.lowest_strain.min(balance.strain_of_solid());
         let lowest = balance.kinetic_of_solid().min(balance.internal_of_solid());
-        let below = lowest.min(balance.absorbed_by_contact()) < -BELOW_ZERO * balance.largest();
-        !unsound[0] && !below && now.increment < self.next_look
+        lowest.min(balance.absorbed_by_contact()) < -BELOW_ZERO * balance.largest()
+    }
+}
+
+/// Records the total time since which a value has been out of bounds.
+#[inline]
+fn note_since(since: &mut Option<f64>, is_out: bool, now: &Instant) {
+    if is_out != since.is_some() {
+        *since = is_out.then_some(now.total_time);
     }
 }
 

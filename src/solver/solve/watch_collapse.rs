@@ -3,7 +3,6 @@
 
 use super::collapse::{COLLAPSED, CollapseMonitor};
 use super::run::SolverRun;
-use crate::model::IncrementControl;
 use crate::plan::Plan;
 
 /// Ratio of increments from which an element counts among the causes of the collapse.
@@ -21,7 +20,7 @@ impl SolverRun<'_> {
     /// Checks for a collapse; warns at the second successive check that finds one that at least doubles the number of
     /// increments.
     pub(super) fn watch_collapse(&mut self) {
-        if self.state.elements.is_empty() || matches!(self.step.control, IncrementControl::Fixed(_)) {
+        if self.state.elements.is_empty() || self.step.is_fixed() {
             return;
         }
         let (stable, remaining) = (self.state.elements.stable_increment(), self.step.duration - self.now.step_time);

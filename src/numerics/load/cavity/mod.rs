@@ -94,18 +94,25 @@ impl CavityExpansion {
 
     #[inline]
     fn on_bodies(&mut self, scene: &SceneView<'_>, out: &mut [f64]) -> Result<(), HaltReason> {
-        let each = self.forces_of_a_body();
-        let (along_z, in_space) = out.split_at_mut(each * self.noses.len());
-        for (nose, out) in self.noses.iter_mut().zip(along_z.chunks_exact_mut(each)) {
+        let mut written = 0;
+        for nose in &mut self.noses {
             let body = &scene.dofs.bodies[nose.body];
             let Some([normal, tangential]) = nose.resist(&self.stack, body) else {
                 return Err(not_finite(scene, body.velocity_load.abs()));
             };
-            out[0] = normal;
-            if let Some(friction) = out.get_mut(1) {
-                *friction = self.friction * tangential;
+            out[written] = normal;
+            written += 1;
+            if self.friction > 0.0 {
+                out[written] = self.friction * tangential;
+                written += 1;
             }
         }
+        if self.oblique.is_empty() { Ok(()) } else { self.on_oblique_bodies(scene, &mut out[written..]) }
+    }
+
+    #[inline(never)]
+    fn on_oblique_bodies(&mut self, scene: &SceneView<'_>, in_space: &mut [f64]) -> Result<(), HaltReason> {
+        let each = self.forces_of_a_body();
         for (oblique, out) in self.oblique.iter_mut().zip(in_space.chunks_exact_mut(6 * each)) {
             let body = &scene.dofs.bodies[oblique.body];
             let wrenches = oblique.resist(&self.stack, body, scene.clock.now.total_time);
@@ -161,9 +168,14 @@ impl Load for CavityExpansion {
 
     fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
         let bodies = &scene.dofs.bodies;
-        let noses = self.noses.iter().map(|nose| nose.limit(&self.stack, &bodies[nose.body]));
-        let oblique = self.oblique.iter().map(|oblique| oblique.limit(&self.stack, &bodies[oblique.body]));
-        noses.chain(oblique).fold(self.skin.limit(&self.stack, &scene.dofs.nodes), IncrementLimit::earlier)
+        let mut limit = self.skin.limit(&self.stack, &scene.dofs.nodes);
+        for nose in &self.noses {
+            limit = limit.earlier(nose.limit(&self.stack, &bodies[nose.body]));
+        }
+        for oblique in &self.oblique {
+            limit = limit.earlier(oblique.limit(&self.stack, &bodies[oblique.body]));
+        }
+        limit
     }
 
     fn scene_changed(&mut self, change: &SceneChange<'_>) {

@@ -268,7 +268,6 @@ impl NoseResistance {
         direction: f64,
         mut each: impl FnMut(usize, f64),
     ) {
-        let planes = &stack.planes;
         let (low, high) = (facet.low[1] + shift, facet.high[1] + shift);
         let bounded = stack.bounds.is_some();
         let bearing = |layer: usize| stack.effective_area(layer, &facet.shifted(shift));
@@ -279,13 +278,11 @@ impl NoseResistance {
             }
             return;
         }
-        let first = planes.partition_point(|&p| p <= low).max(1);
-        for layer in first - 1..stack.laws.len() {
-            if planes[layer] >= high {
-                break;
+        for (layer, planes) in stack.planes.windows(2).enumerate() {
+            let (from, to) = (planes[0], planes[1]);
+            if low < to && from < high {
+                each(layer, if bounded { bearing(layer) } else { facet.area_between(from - shift, to - shift) });
             }
-            let whole = || facet.area_between(planes[layer] - shift, planes[layer + 1] - shift);
-            each(layer, if bounded { bearing(layer) } else { whole() });
         }
     }
 

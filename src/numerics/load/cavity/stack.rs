@@ -61,8 +61,8 @@ impl LayerStack {
 
     /// Returns the layer that contains an open interval of z, if any.
     pub(super) fn layer_around(&self, low: f64, high: f64) -> Option<usize> {
-        let after = self.planes.partition_point(|&p| p <= low);
-        (after > 0 && after < self.planes.len() && high <= self.planes[after]).then(|| after - 1)
+        let after = self.planes.iter().position(|&p| p > low)?;
+        (after > 0 && high <= self.planes[after]).then(|| after - 1)
     }
 
     /// Returns the resistance stress at a normal velocity, averaged over the area of a facet; 0 outside the layers.
@@ -79,9 +79,9 @@ impl LayerStack {
     /// Returns the distance from `z` in direction `sign` to the next plane that is further than `skip`.
     pub(super) fn distance_ahead(&self, z: f64, sign: f64, skip: f64) -> f64 {
         let next = if sign > 0.0 {
-            self.planes.get(self.planes.partition_point(|&p| p <= z + skip))
+            self.planes.iter().find(|&&p| p > z + skip)
         } else {
-            self.planes.partition_point(|&p| p < z - skip).checked_sub(1).map(|i| &self.planes[i])
+            self.planes.iter().rev().find(|&&p| p < z - skip)
         };
         next.map_or(f64::INFINITY, |p| (p - z) * sign)
     }
