@@ -295,7 +295,11 @@ impl EnergyBalance {
             external += reaction;
         }
         let kinetic = kinetic(dofs);
-        self.largest = self.largest.max(kinetic).max(external.abs());
+        for energy in [kinetic, external.abs()] {
+            if energy > self.largest {
+                self.largest = energy;
+            }
+        }
         (self.kinetic, self.done, self.external, self.tied) = (kinetic, done, external, tied);
         let mut departure = kinetic - self.previous_steps.initial - done;
         // Without deformable bodies, contact still dissipates energy of rigid bodies.
