@@ -191,7 +191,7 @@ impl EnergyBalance {
         internal > small * self.largest && artificial > bound * internal
     }
 
-    /// Returns whether the balance includes deformable bodies or contact, so that energies of these can be watched.
+    /// Returns whether the balance includes deformable bodies or contact, so that their energies can be watched.
     #[inline]
     pub fn has_solid(&self) -> bool {
         self.solid_initial.is_some()
