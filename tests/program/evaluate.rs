@@ -164,6 +164,30 @@ fn table_matches_single_runs_bitwise() {
     agree(&loads, &["min(V2@ALL)"]);
 }
 
+/// Source: a counting allocator. From the second sample on, each sample allocates as often as the one before and leaves
+/// nothing, so a table of any length needs the memory of one sample. A rigid body reuses its plan; a deformable body is
+/// read and planned for each sample.
+#[test]
+fn samples_leave_no_memory() {
+    let bar = std::fs::read_to_string(project("input/taylor_copper.inp")).expect("a deck");
+    let bar = bar.replace("nr = 10", "nr = 4").replace("nz = 50", "nz = 20");
+    let bar = DeckSource::Text("bar.inp".into(), bar);
+    let ogive = DeckSource::File(project("input/ogive.inp"));
+    for (source, name, value, quantity) in
+        [(ogive, "V", 600.0, "final(U2@REF)"), (bar, "speed", 200.0, "final(U1@CORNER)")]
+    {
+        let quantities = vec![Quantity::parse(quantity).expect("a quantity")];
+        let made = SampleEvaluator::new(source, Vec::new(), vec![name.into()], quantities, UserRoutines::Absent);
+        let evaluator = made.expect("an evaluator");
+        let counts = [0; 4].map(|_| {
+            let counted = allocation_counter::measure(|| drop(table(&evaluator, &[value], 1, 1)));
+            println!("{name}: {} allocations, {} bytes at most", counted.count_total, counted.bytes_max);
+            (counted.count_total, counted.bytes_current)
+        });
+        assert!(counts[1..].iter().all(|&(count, bytes)| count == counts[1].0 && bytes == 0), "{name}: {counts:?}");
+    }
+}
+
 #[test]
 fn invalid_evaluations_are_rejected_before_any_run() {
     let source = DeckSource::File(project("input/ogive.inp"));

@@ -67,11 +67,15 @@ impl BodyForces {
         }
     }
 
-    /// Sets the direction in which the other forces, which come before the index `end`, would start a body at rest; a
-    /// resistance acts against it.
-    #[inline(never)]
-    pub fn turn_resting_bodies(&self, end: usize, bodies: &mut [BodyState]) {
-        let applied = &self.slots[..end];
+    /// Returns the index of the first force of a load.
+    #[inline]
+    pub fn start_of(&self, load: usize) -> usize {
+        load.checked_sub(1).map_or(self.tied, |previous| self.loads[previous].1)
+    }
+
+    /// Sets the direction in which the other forces would start a body at rest; a resistance acts against it.
+    pub fn turn_resting_bodies(&self, bodies: &mut [BodyState]) {
+        let applied = &self.slots[..self.start_of(self.first_resistance)];
         for (b, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.direction == 0.0) {
             let on_body = applied.iter().zip(&self.values).filter(|(s, _)| s.body == b);
             body.probe(on_body.map(|(s, &force)| (s.coordinate, force)));

@@ -197,7 +197,7 @@ impl EnergyBalance {
         internal > small * self.largest && artificial > bound * internal
     }
 
-    /// Returns whether the balance includes deformable bodies or contact, so that energies of these can be watched.
+    /// Returns whether the balance includes deformable bodies or contact, so that their energies can be watched.
     #[inline]
     pub fn has_solid(&self) -> bool {
         self.solid_initial.is_some()
@@ -301,7 +301,11 @@ impl EnergyBalance {
             external += reaction;
         }
         let kinetic = kinetic(dofs);
-        self.largest = self.largest.max(kinetic).max(external.abs());
+        for energy in [kinetic, external.abs()] {
+            if energy > self.largest {
+                self.largest = energy;
+            }
+        }
         (self.kinetic, self.done, self.external, self.tied) = (kinetic, done, external, tied);
         let mut departure = kinetic - self.previous_steps.initial - done;
         // Without deformable bodies, contact still dissipates energy of rigid bodies.

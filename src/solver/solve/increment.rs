@@ -1,13 +1,15 @@
 //! Choice of the time increment, and of the event at its end.
 
 use super::limits::IncrementLimiter;
-use super::run::SolverRun;
 use crate::element::connector::damped_rate;
+use crate::heat::field::TemperatureField;
+use crate::load::SceneView;
 use crate::model::IncrementControl;
-use crate::plan::StepPlan;
+use crate::plan::{State, StepPlan};
 use crate::state::archive::persist_struct;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
+use crate::state::magnitude::AmplitudeClock;
 use crate::state::{BodyState, Instant};
 
 /// Event that determines the end of an increment.
@@ -49,15 +51,9 @@ impl Increment {
     ///
     /// # Errors
     /// If the time does not change because of rounding.
-    pub fn check(&self, now: &Instant, increment: u64) -> Result<(), HaltReason> {
-        if now.total_time + self.length > now.total_time {
-            return Ok(());
-        }
-        let reason = format!(
-            "the next increment, {:e}, is too small to change the time {:e} (increment {increment})",
-            self.length, now.total_time
-        );
-        Err(HaltReason { code: "R204", reason })
+    #[inline]
+    pub fn check(&self, now: &Instant) -> Result<(), HaltReason> {
+        if now.total_time + self.length > now.total_time { Ok(()) } else { Err(too_small(self.length, now)) }
     }
 
     #[inline]
@@ -78,6 +74,15 @@ impl Increment {
     }
 }
 
+#[cold]
+fn too_small(length: f64, now: &Instant) -> HaltReason {
+    let Instant { total_time, increment, .. } = now;
+    let reason = format!(
+        "the next increment, {length:e}, is too small to change the time {total_time:e} (increment {increment})"
+    );
+    HaltReason { code: "R204", reason }
+}
+
 /// First automatic increment as a fraction of the largest allowed one, because no forces are known yet.
 const FIRST: f64 = 0.01;
 /// Largest ratio of successive increments.
@@ -95,7 +100,42 @@ const SLOW: f64 = 0.1;
 /// Fraction by which the last increment of a step may exceed the chosen length.
 const SLIVER: f64 = 1e-3;
 
-impl SolverRun<'_> {
+/// Input for the choice of an increment.
+#[derive(Clone, Copy)]
+pub struct IncrementContext<'a> {
+    /// Degrees of freedom, elements, and the effects in force.
+    pub state: &'a State,
+    /// Current instant.
+    pub now: &'a Instant,
+    /// Fraction of the previous increment over which the velocity that loads receive is extrapolated.
+    pub velocity_extrapolation: f64,
+    /// Length of the previous increment; 0 if central differences of bodies start again.
+    pub previous_dt: f64,
+    /// Time until the end of the step.
+    pub remaining: f64,
+}
+
+impl IncrementContext<'_> {
+    #[inline]
+    fn clock(&self) -> AmplitudeClock<'_> {
+        AmplitudeClock { now: *self.now, user_amplitudes: &self.state.user_amplitudes }
+    }
+
+    #[inline]
+    fn view(&self) -> SceneView<'_> {
+        SceneView {
+            clock: self.clock(),
+            dofs: &self.state.dofs,
+            velocity_extrapolation: self.velocity_extrapolation,
+            rings: self.state.elements.ring_factors(),
+            element_force: None,
+        }
+    }
+
+    fn heat(&self) -> Option<&TemperatureField> {
+        self.state.thermal.as_ref()?.heat.as_ref()
+    }
+
     /// Returns the sum of the bounds of the squares of frequencies by springs between bodies.
     fn squared_frequency(&self) -> f64 {
         self.state.constraints.iter().map(|constraint| constraint.view().squared_frequency).sum()
@@ -167,26 +207,22 @@ impl IncrementController {
         *self = IncrementController { free, speed, ..IncrementController::new(step, bodies) };
     }
 
-    /// Returns the next increment of a run.
+    /// Returns the next increment.
     #[inline]
-    pub(super) fn choose(&mut self, run: &SolverRun<'_>) -> Increment {
-        let (state, bodies) = (&run.state, &run.state.dofs.bodies[..]);
+    pub fn choose(&mut self, scene: IncrementContext<'_>) -> Increment {
+        let (state, bodies) = (scene.state, &scene.state.dofs.bodies[..]);
         let mut next = Increment { length: f64::INFINITY, end: IncrementEnd::Plain, by: IncrementLimiter::Given };
         match self.fixed {
             Some(length) => next.length = length,
             None => {
                 if bodies.iter().any(|b| !b.tied) {
-                    next.bound(self.automatic(bodies, run.previous_dt) * self.factor, IncrementLimiter::Accuracy);
+                    next.bound(self.automatic(bodies, scene.previous_dt) * self.factor, IncrementLimiter::Accuracy);
                 }
                 if !state.elements.is_empty() {
-                    next.bound(run.stable_increment() * self.factor, run.stability_limiter());
-                }
-                if let Some(heat) = run.heat() {
-                    next.bound(heat.stable_increment() * self.factor, IncrementLimiter::Conduction);
-                    next.shorten(heat.limit(&run.clock()), || IncrementLimiter::Heat);
+                    next = self.bound_by_elements(next, &scene);
                 }
                 next.bound(self.most, IncrementLimiter::Longest);
-                let view = run.view();
+                let view = scene.view();
                 for load in &state.loads {
                     next.shorten(load.max_increment(&view), || IncrementLimiter::Effect(load.effect()));
                 }
@@ -196,19 +232,35 @@ impl IncrementController {
                 }
             }
         }
-        self.fit_step(&mut next, run.step.duration - run.now.step_time);
+        self.fit_step(&mut next, scene.remaining);
         end_at_rest(&mut next, bodies, SLOW * self.resolution);
+        next
+    }
+
+    /// Returns the increment with the limits of stability, and of heat if temperatures are solved for.
+    #[inline(never)]
+    fn bound_by_elements(&self, mut next: Increment, scene: &IncrementContext<'_>) -> Increment {
+        next.bound(scene.stable_increment() * self.factor, scene.stability_limiter());
+        if let Some(heat) = scene.heat() {
+            next.bound(heat.stable_increment() * self.factor, IncrementLimiter::Conduction);
+            next.shorten(heat.limit(&scene.clock()), || IncrementLimiter::Heat);
+        }
         next
     }
 
     /// Returns the increment from error control: velocity and acceleration may change only by a small fraction. The
     /// previous increment is 0 if central differences of bodies start again.
     fn automatic(&mut self, bodies: &[BodyState], previous_dt: f64) -> f64 {
-        self.free = (GROWTH * self.free).min(self.largest);
+        let grown = GROWTH * self.free;
+        self.free = if grown < self.largest { grown } else { self.largest };
         for (body, speed) in bodies.iter().zip(&mut self.speed).filter(|(b, _)| !b.tied) {
-            *speed = speed.max(body.speed());
+            let now = body.speed();
+            if now > *speed {
+                *speed = now;
+            }
             let [acceleration, change] = body.acceleration_and_change();
-            let scale = speed.max(acceleration * self.largest);
+            let gain = acceleration * self.largest;
+            let scale = if gain > *speed { gain } else { *speed };
             if body.reads_velocity && acceleration * self.free > self.resolution * scale {
                 self.free = self.resolution * scale / acceleration;
             }

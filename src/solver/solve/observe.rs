@@ -236,7 +236,7 @@ impl RunOutput {
 
     /// Writes output that is due: rows and frames by their schedules, at the start of the analysis, and at the end of
     /// each step.
-    #[inline]
+    #[inline(always)]
     pub(super) fn show(&mut self, run: &mut SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         self.contact.add(run);
         self.reactions.add_instant(run);
@@ -246,6 +246,11 @@ impl RunOutput {
         {
             return Ok(());
         }
+        self.show_timed(run, sink)
+    }
+
+    #[inline(never)]
+    fn show_timed(&mut self, run: &mut SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let began = Stopwatch::now();
         let shown = self.show_due(run, sink);
         run.timing.add_output(began.elapsed().as_secs_f64());

@@ -66,18 +66,31 @@ impl ReactionMeans {
     }
 
     /// Computes the impulses of the motion that has led to a new instant, before that instant is evaluated.
+    #[inline(always)]
     pub(super) fn add_motion(&mut self, run: &SolverRun<'_>) {
+        if !self.reactions.is_empty() {
+            self.open(run);
+        }
+    }
+
+    #[inline(never)]
+    fn open(&mut self, run: &SolverRun<'_>) {
         for reaction in &mut self.reactions {
             reaction.opening = reaction.impulse_of_motion(run);
         }
     }
 
     /// Adds the impulses of the increment that leads to the current instant, once.
+    #[inline(always)]
     pub(super) fn add_instant(&mut self, run: &SolverRun<'_>) {
-        if self.reactions.is_empty() || self.added == run.now.increment {
-            return;
+        if !self.reactions.is_empty() && self.added != run.now.increment {
+            self.added = run.now.increment;
+            self.close(run);
         }
-        self.added = run.now.increment;
+    }
+
+    #[inline(never)]
+    fn close(&mut self, run: &SolverRun<'_>) {
         for reaction in &mut self.reactions {
             reaction.closing = reaction.closing_impulse(run);
             reaction.impulse += reaction.opening + reaction.closing;

@@ -238,8 +238,7 @@ impl SolverRun<'_> {
     /// the old mesh; its loss is that of the transfer.
     fn evaluate_new_mesh(&mut self, before: f64) -> Result<(), HaltReason> {
         self.show_own_velocity();
-        self.evaluate_forces()?;
-        self.accelerate()?;
+        self.evaluate_accelerations()?;
         self.balance.take_forces(&self.body_forces.values);
         self.complete = true;
         self.state.dofs.energies.advection += before - self.kinetic();

@@ -1,9 +1,11 @@
 //! A run: the data of an increment, and its seven operations.
 
+use std::ops::Range;
+
 use super::body_forces::BodyForces;
 use super::central_difference;
 use super::energy::{Energy, EnergyBalance};
-use super::increment::{Increment, IncrementController, IncrementEnd};
+use super::increment::{Increment, IncrementContext, IncrementController, IncrementEnd};
 use super::limits::{IncrementLimiter, IncrementLimits};
 use super::mesh_quality::RemeshMonitor;
 use super::outcome::{BodyRest, Outcome, StepSummary};
@@ -121,9 +123,9 @@ impl<'a> SolverRun<'a> {
     pub(super) fn advance(&mut self, control: &mut IncrementController) -> Result<(), HaltReason> {
         self.timing.resume(self.now.increment);
         self.guard_increment()?;
-        let next = control.choose(self); //     6. length of the next increment
+        let next = control.choose(self.context()); // 6. length of the next increment
         self.remember_stable_increment();
-        next.check(&self.now, self.now.increment)?;
+        next.check(&self.now)?;
         self.call_routines(next)?;
         self.make_increment(next); //           7. v(i+1/2), u(i+1), and the velocity that loads receive
         self.record(next);
@@ -138,21 +140,14 @@ impl<'a> SolverRun<'a> {
         }
     }
 
-    /// Returns the current instant with the user amplitudes.
-    #[inline]
-    pub(super) fn clock(&self) -> AmplitudeClock<'_> {
-        AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes }
-    }
-
-    /// Returns the model as loads read it to limit the next increment.
-    #[inline]
-    pub(super) fn view(&self) -> SceneView<'_> {
-        SceneView {
-            clock: self.clock(),
-            dofs: &self.state.dofs,
+    #[inline(always)]
+    fn context(&self) -> IncrementContext<'_> {
+        IncrementContext {
+            state: &self.state,
+            now: &self.now,
             velocity_extrapolation: self.velocity_extrapolation,
-            rings: self.state.elements.ring_factors(),
-            element_force: None,
+            previous_dt: self.previous_dt,
+            remaining: self.step.duration - self.now.step_time,
         }
     }
 
@@ -247,8 +242,7 @@ impl<'a> SolverRun<'a> {
         // Without a previous increment its work is not added twice.
         let previous_dt = std::mem::take(&mut self.previous_dt);
         let bodies = self.state.dofs.bodies.clone();
-        self.evaluate_forces()?;
-        self.accelerate()?;
+        self.evaluate_accelerations()?;
         self.balance.take_forces(&self.body_forces.values);
         let go_on = bodies.iter().zip(&self.state.dofs.bodies).all(|(before, now)| now.has_same_forces(before));
         if go_on {
@@ -288,26 +282,51 @@ impl<'a> SolverRun<'a> {
         Ok(())
     }
 
-    pub(super) fn evaluate_forces(&mut self) -> Result<(), HaltReason> {
+    /// Evaluates forces and accelerations outside the increments: at the start of a step, or on a new mesh.
+    ///
+    /// # Errors
+    /// If a force fails or a value is not finite.
+    #[inline(never)]
+    pub(super) fn evaluate_accelerations(&mut self) -> Result<(), HaltReason> {
+        self.evaluate_forces()?;
+        self.accelerate()
+    }
+
+    #[inline(always)]
+    fn evaluate_forces(&mut self) -> Result<(), HaltReason> {
         if !self.state.elements.is_empty() {
             self.evaluate_nodes()?;
         }
-        self.apply_body_loads()
+        let is_at_rest = |body: &BodyState| body.direction == 0.0;
+        if self.state.dofs.bodies.iter().any(is_at_rest) {
+            self.evaluate_resting_bodies()
+        } else {
+            self.apply_body_loads(0..self.state.loads.len())
+        }
     }
 
-    /// Evaluates the forces of loads on bodies; resistances act against the motion that the other forces cause.
-    #[inline]
-    fn apply_body_loads(&mut self) -> Result<(), HaltReason> {
+    /// Evaluates the forces on bodies of which one is at rest: resistances act against the motion that the other forces
+    /// would start.
+    #[inline(never)]
+    fn evaluate_resting_bodies(&mut self) -> Result<(), HaltReason> {
+        let (first_resistance, loads) = (self.body_forces.first_resistance, self.state.loads.len());
+        self.apply_body_loads(0..first_resistance)?;
+        if first_resistance < loads {
+            self.body_forces.turn_resting_bodies(&mut self.state.dofs.bodies);
+            self.apply_body_loads(first_resistance..loads)?;
+        }
+        Ok(())
+    }
+
+    /// Evaluates the forces of these loads on bodies.
+    #[inline(always)]
+    fn apply_body_loads(&mut self, range: Range<usize>) -> Result<(), HaltReason> {
         let State { dofs, loads, user_amplitudes, .. } = &mut self.state;
         let clock = AmplitudeClock { now: self.now, user_amplitudes };
         let velocity_extrapolation = self.velocity_extrapolation;
-        let mut start = self.body_forces.tied;
-        for (i, load) in loads.iter_mut().enumerate() {
-            if i == self.body_forces.first_resistance && dofs.bodies.iter().any(|body| body.direction == 0.0) {
-                self.body_forces.turn_resting_bodies(start, &mut dofs.bodies);
-            }
-            let view = SceneView { clock, dofs, velocity_extrapolation, rings: None, element_force: None };
-            let (row, end) = self.body_forces.loads[i];
+        let view = SceneView { clock, dofs, velocity_extrapolation, rings: None, element_force: None };
+        let mut start = self.body_forces.start_of(range.start);
+        for (load, &(row, end)) in loads[range.clone()].iter_mut().zip(&self.body_forces.loads[range]) {
             let started = self.timing.start(row);
             let forces = &mut self.body_forces.values[start..end];
             load.apply(&view, &mut self.user.routines, &mut LoadForces::OnBodies(forces))?;
@@ -393,6 +412,7 @@ impl<'a> SolverRun<'a> {
     }
 
     /// Returns group and element that limit the increment.
+    #[inline(never)]
     pub(super) fn limits(&self) -> (usize, usize) {
         let slower = |h: &&TemperatureField| h.stable_increment() < self.state.elements.stable_increment();
         self.heat().filter(slower).map_or_else(|| self.state.elements.limiting(), TemperatureField::limiting)
@@ -485,7 +505,8 @@ impl<'a> SolverRun<'a> {
         )
     }
 
-    pub(super) fn accelerate(&mut self) -> Result<(), HaltReason> {
+    #[inline(always)]
+    fn accelerate(&mut self) -> Result<(), HaltReason> {
         let mut start = 0;
         for b in 0..self.state.dofs.bodies.len() {
             let body = &mut self.state.dofs.bodies[b];
@@ -528,6 +549,7 @@ impl<'a> SolverRun<'a> {
         self.complete = true;
     }
 
+    #[cold]
     fn not_finite(&self) -> HaltReason {
         let b = self.state.dofs.bodies.iter().position(|b| !b.acceleration.is_finite()).unwrap_or_default();
         let (name, time, body) = (&self.plan.bodies[b].name, self.now.total_time, &self.state.dofs.bodies[b]);
@@ -541,6 +563,7 @@ impl<'a> SolverRun<'a> {
         HaltReason { code: "R203", reason }
     }
 
+    #[inline(always)]
     fn correct_velocity(&mut self) {
         if self.previous_dt == 0.0 {
             return;
@@ -561,9 +584,7 @@ impl<'a> SolverRun<'a> {
         let dt = next.length;
         self.state.dofs.bodies.iter_mut().for_each(|body| body.advance(dt));
         if !self.state.elements.is_empty() {
-            self.adapt_meshes(dt);
-            central_difference::advance_nodes(&self.state.elements, &mut self.state.dofs, dt);
-            self.state.elements.mark_moved();
+            self.advance_nodes(dt);
         }
         for constraint in &mut self.state.constraints {
             let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
@@ -571,9 +592,8 @@ impl<'a> SolverRun<'a> {
             constraint.motion(&mut self.state.dofs, &clock, dt);
             self.timing.stop(started, constraint.effect());
         }
-        if let Some(heat) = self.state.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
-            heat.add_exchanged_heat(&self.state.constraints, dt);
-            heat.advance(&AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes }, dt);
+        if self.state.thermal.is_some() {
+            self.advance_temperatures(dt);
         }
         for body in &mut self.state.dofs.bodies {
             body.show_velocity_after(self.velocity_extrapolation * dt);
@@ -590,8 +610,23 @@ impl<'a> SolverRun<'a> {
         }
     }
 
+    #[inline(never)]
+    fn advance_nodes(&mut self, dt: f64) {
+        self.adapt_meshes(dt);
+        central_difference::advance_nodes(&self.state.elements, &mut self.state.dofs, dt);
+        self.state.elements.mark_moved();
+    }
+
+    #[inline(never)]
+    fn advance_temperatures(&mut self, dt: f64) {
+        let Some(heat) = self.state.thermal.as_mut().and_then(|t| t.heat.as_mut()) else { return };
+        heat.add_exchanged_heat(&self.state.constraints, dt);
+        heat.advance(&AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes }, dt);
+    }
+
     /// Starts central differences of bodies again with a half step after rest or a jump of a force, from the velocity
     /// at the current instant.
+    #[inline(never)]
     fn restart_integration(&mut self, end: IncrementEnd) {
         self.state.dofs.bodies.iter_mut().for_each(|body| body.complete_velocity(self.previous_dt));
         self.prescribe_velocities();
@@ -635,7 +670,9 @@ impl<'a> SolverRun<'a> {
                 summary.smallest_increment = length;
                 self.limiting = limiting;
             }
-            summary.largest_increment = summary.largest_increment.max(length);
+            if length > summary.largest_increment {
+                summary.largest_increment = length;
+            }
         }
     }
 }

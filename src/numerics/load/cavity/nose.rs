@@ -270,12 +270,15 @@ impl NoseResistance {
     ) {
         let (low, high) = (facet.low[1] + shift, facet.high[1] + shift);
         let bounded = stack.bounds.is_some();
-        let bearing = |layer: usize| stack.effective_area(layer, &facet.shifted(shift));
+        let bearing = |layer: usize| stack.area_within_bounds(layer, facet, shift);
         if is_level(facet.normal) {
             let ahead = low + direction * self.rounding;
             if let Some(layer) = stack.layer_around(ahead, ahead) {
                 each(layer, if bounded { bearing(layer) } else { facet.area });
             }
+            return;
+        }
+        if NoseResistance::outside(stack, low, high) {
             return;
         }
         for (layer, planes) in stack.planes.windows(2).enumerate() {

@@ -59,6 +59,12 @@ impl LayerStack {
         }
     }
 
+    /// Returns the effective area of a facet, displaced by `shift` along z, in a layer of a bounded stack.
+    #[inline(never)]
+    pub(super) fn area_within_bounds(&self, layer: usize, facet: &Facet, shift: f64) -> f64 {
+        self.effective_area(layer, &facet.shifted(shift))
+    }
+
     /// Returns the layer that contains an open interval of z, if any.
     pub(super) fn layer_around(&self, low: f64, high: f64) -> Option<usize> {
         let after = self.planes.iter().position(|&p| p > low)?;
