@@ -59,11 +59,9 @@ impl SpatialPlaces {
     pub fn continue_from(&mut self, previous: &SpatialPlaces) {
         if self.places.len() == previous.places.len() && self.held.len() == previous.held.len() {
             for (n, place) in self.places.iter_mut().enumerate() {
-                for axis in 0..2 {
-                    if self.held[n][axis] == previous.held[n][axis] {
-                        place[axis] = previous.places[n][axis];
-                    }
-                }
+                let (own, before, from) = (self.held[n], previous.held[n], previous.places[n]);
+                *place =
+                    [0, 1].inline_map(|axis: usize| if own[axis] == before[axis] { from[axis] } else { place[axis] });
             }
         }
     }
@@ -136,11 +134,7 @@ impl SpatialPlaces {
     /// Remembers the places after a change of the mesh along the axes that are not prescribed.
     pub fn remember(&mut self, end: &[[f64; 2]]) {
         for ((place, end), held) in self.places.iter_mut().zip(end).zip(&self.held) {
-            for axis in 0..2 {
-                if !held[axis] {
-                    place[axis] = end[axis];
-                }
-            }
+            *place = [0, 1].inline_map(|axis: usize| if held[axis] { place[axis] } else { end[axis] });
         }
     }
 }
