@@ -3,8 +3,8 @@
 use std::collections::{BTreeSet, HashSet};
 
 use super::{Compiler, State};
+use crate::adaptive::held_places::MeshMotion;
 use crate::adaptive::smoothing::SmoothingWeights;
-use crate::adaptive::spatial::MeshMotion;
 use crate::adaptive::transport::TransportOrder;
 use crate::adaptive::{AdaptiveDomain, AdaptiveSettings, DomainBoundary};
 use crate::deck::{Diagnostic, Span};
