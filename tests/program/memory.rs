@@ -197,7 +197,8 @@ fn nothing_allocates_inside_an_increment_of_cohesive_surfaces() {
     assert_eq!(long.1, short.1);
 }
 
-/// Waves in blocks with adaptive meshes, one with nodal temperatures and thermal strains and one of a user material.
+/// Waves in blocks with adaptive meshes, one with nodal temperatures and thermal strains, the same with an Eulerian boundary
+/// that moves in space, and one of a user material.
 #[test]
 fn nothing_allocates_inside_an_increment_of_adaptive_meshes() {
     let mesh = grid(6, 8, false, |i, j| [i as f64, j as f64]);
@@ -207,15 +208,20 @@ fn nothing_allocates_inside_an_increment_of_adaptive_meshes() {
         1.0,
         "*Plastic\n 100., 0.\n*Conductivity\n 0.1,\n*Specific Heat\n 1., 0.\n 2., 90.\n*Expansion\n 1e-5,\n",
     );
+    let (coupled, procedure) = (mesh.replace("CAX4R", "CAX4RT"), "*Dynamic Temperature-displacement, Explicit");
+    let open = coupled.replace("*Surface, name=J0\n", "*Surface, name=J0, region type=EULERIAN\n");
+    let held = "*Adaptive Mesh Constraint, type=VELOCITY\n J0, 1, 2, 0.1\n";
     let blocks = [
-        (mesh.replace("CAX4R", "CAX4RT"), warm.as_str(), "*Dynamic Temperature-displacement, Explicit"),
-        (mesh.clone(), OF_THE_USER, "*Dynamic, Explicit"),
+        (coupled, warm.as_str(), procedure, ""),
+        (open, warm.as_str(), procedure, held),
+        (mesh, OF_THE_USER, "*Dynamic, Explicit", ""),
     ];
-    for (mesh, material, procedure) in blocks {
+    for (mesh, material, procedure, constraint) in blocks {
         let deck = |time: &str| {
             format!(
                 "{mesh}{material}*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n J0, 60.\n*Initial Conditions, type=VELOCITY\n I1, 2, 20.\n*Step\n{procedure}\n , {time}\n"
-            ) + "*Adaptive Mesh, elset=SOLID, frequency=2\n*Boundary\n J1, 2, 2\n*Output, history, number interval=1\n*Energy Output\n ALLIE\n*End Step\n"
+            ) + constraint
+                + "*Adaptive Mesh, elset=SOLID, frequency=2\n*Boundary\n J1, 2, 2\n*Output, history, number interval=1\n*Energy Output\n ALLIE\n*End Step\n"
         };
         let count = |time: &str| count_run(&deck(time), &Routines::none().with_material(ConstantStress));
         // Allocations made once per process.

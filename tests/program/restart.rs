@@ -529,7 +529,7 @@ fn adaptive_meshes_resume() {
 }
 
 /// Material that flows through two Eulerian boundaries of a mesh whose lower end moves, in two steps: prescribed places,
-/// and what has entered and left, are part of the state.
+/// and masses and energies that have entered and left, are part of the state.
 #[test]
 fn eulerian_boundaries_resume() {
     let mesh = "*Amplitude, name=RAMP\n 0., 0., 1., 1.\n*Adaptive Mesh, elset=SOLID\n*Adaptive Mesh Constraint\n J1, 2, 2\n\

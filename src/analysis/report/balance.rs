@@ -31,7 +31,7 @@ const VISIBLE: f64 = 1e-4;
 
 /// Returns the history columns of the balance.
 pub fn columns() -> impl Iterator<Item = &'static str> {
-    STORED.into_iter().chain(DISSIPATED).map(|c| c.0).chain(["ALLIE", "ALLWK", "ETOTAL"])
+    STORED.into_iter().chain(DISSIPATED).map(|c| c.0).chain(["ALLIE", "ALLWK", "ALLFKE", "ETOTAL"])
 }
 
 /// Returns the balance of a history; `None` if it has fewer than two energies.
@@ -80,22 +80,28 @@ fn unlisted_internal_energy(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Ve
     Some(rest)
 }
 
+/// Returns the energy from outside: work of loads and prescribed motions, and kinetic energy through Eulerian boundaries.
+fn from_outside(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
+    let mut sum = of("ALLWK")?;
+    sum.iter_mut().zip(of("ALLFKE").unwrap_or_default()).for_each(|(sum, flow)| *sum += flow);
+    Some(sum)
+}
+
 /// Returns the part of the total energy for which the history has no column; `None` without ETOTAL and ALLWK.
 fn unlisted_energy(of: &impl Fn(&str) -> Option<Vec<f64>>, parts: &[(&str, Vec<f64>)]) -> Option<Vec<f64>> {
-    // ETOTAL is the sum of all stored and dissipated energies minus ALLWK.
+    // ETOTAL is the sum of all stored and dissipated energies minus the energy from outside.
     let mut rest = of("ETOTAL")?;
-    rest.iter_mut().zip(of("ALLWK")?).for_each(|(rest, work)| *rest += work);
+    rest.iter_mut().zip(from_outside(of)?).for_each(|(rest, work)| *rest += work);
     for (_, part) in parts {
         rest.iter_mut().zip(part).for_each(|(rest, part)| *rest -= part);
     }
     Some(rest)
 }
 
-/// Returns the total energy at the start plus the work of loads and prescribed motions; the areas must add up to it.
+/// Returns the total energy at the start plus the energy from outside; the areas must add up to it.
 fn supplied(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
     let initial = *of("ETOTAL")?.first()?;
-    let work = of("ALLWK")?;
-    Some(work.into_iter().map(|work| initial + work).collect())
+    Some(from_outside(of)?.into_iter().map(|work| initial + work).collect())
 }
 
 #[cfg(test)]

@@ -87,7 +87,7 @@ impl ModelBuilder<'_> {
 
     /// Reads nodes that move with the material, and motions of the mesh that are prescribed in space.
     pub(super) fn adaptive_constraint(&mut self, card: &Card) {
-        let cards::AdaptiveMeshConstraint { spatial, velocity, new } = self.values(card);
+        let cards::AdaptiveMeshConstraint { in_space, velocity, new } = self.values(card);
         let Ok(amplitude) = self.amplitude_of(card) else { return };
         let state = self.state();
         if new && !state.cleared.contains(&"ADAPTIVE MESH CONSTRAINT") {
@@ -100,7 +100,7 @@ impl ModelBuilder<'_> {
         for line in &card.lines {
             let Some(set) = line.field(0) else { continue };
             let Some(nodes) = self.node_members(set) else { continue };
-            if !spatial {
+            if !in_space {
                 fixed.extend(nodes);
                 continue;
             }
@@ -124,7 +124,7 @@ impl ModelBuilder<'_> {
                 span,
             }));
         }
-        if !spatial {
+        if !in_space {
             self.state().adaptive_fixed.push((card.span, fixed));
         }
     }

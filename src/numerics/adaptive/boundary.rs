@@ -1,4 +1,4 @@
-//! What passes through Eulerian boundaries.
+//! Flow of mass, momentum and energy through Eulerian boundaries.
 
 use super::topology::DomainTopology;
 use super::transport::EdgeFlux;
@@ -17,7 +17,7 @@ pub(super) fn entering<'a>(
     })
 }
 
-/// Adds what passes through the edges with the velocities of their nodes: mass that enters has the velocity of the
+/// Adds the flow through the edges with the velocities of their nodes: mass that enters has the velocity of the
 /// material at the boundary, as mass that leaves.
 pub(super) fn add_flow(total: &mut BoundaryFlow, domain: &DomainTopology, fluxes: &[EdgeFlux], velocity: &[[f64; 2]]) {
     for edge in &domain.open {

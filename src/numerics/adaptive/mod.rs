@@ -5,10 +5,10 @@
 mod active;
 mod boundary;
 mod geometry;
+pub mod held_places;
 mod limiter;
 mod momentum;
 pub mod smoothing;
-pub mod spatial;
 mod temperatures;
 #[cfg(test)]
 mod tests;
@@ -30,9 +30,9 @@ use crate::state::energies::BoundaryFlow;
 use crate::state::magnitude::AmplitudeClock;
 use crate::state::nodes::Nodes;
 use active::ActiveParts;
+use held_places::{HeldPlaces, MeshMotion};
 use momentum::MomentumTransport;
 use smoothing::{MeshGrading, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
-use spatial::{MeshMotion, SpatialPlaces};
 use temperatures::TemperatureTransport;
 use topology::DomainTopology;
 use transport::{ElementTransport, TransportOrder};
@@ -82,7 +82,7 @@ pub struct AdaptiveDomain {
     settings: AdaptiveSettings,
     topology: DomainTopology,
     smoothing: MeshSmoothing,
-    spatial: SpatialPlaces,
+    held_places: HeldPlaces,
     active: ActiveParts,
     transport: ElementTransport,
     momentum: MomentumTransport,
@@ -126,7 +126,7 @@ impl AdaptiveDomain {
         let (cells, count) = (topology.corners.len(), topology.nodes.len());
         let mobility = mobility(&topology, boundary.fixed);
         let slides_at_ends = topology.nodes.iter().map(|n| boundary.sliding.get(*n as usize) == Some(&true)).collect();
-        let spatial = SpatialPlaces::new(&topology, boundary.motions, settings.returns);
+        let held_places = HeldPlaces::new(&topology, boundary.motions, settings.returns);
         let starts: Vec<[f64; 2]> = topology.nodes.iter().map(|n| nodes[*n as usize].place()).collect();
         let grading = settings.graded.then(|| MeshGrading::new(&topology, &starts));
         let numbers = |count: usize| vec![0.0; count];
@@ -142,7 +142,7 @@ impl AdaptiveDomain {
                 libm::cos(settings.corner_angle),
                 (mobility, slides_at_ends),
             ),
-            spatial,
+            held_places,
             active: ActiveParts::new(&topology),
             transport: ElementTransport::new(&topology, settings.order),
             momentum: MomentumTransport::new(&topology, settings.order),
@@ -178,7 +178,7 @@ impl AdaptiveDomain {
     pub fn continue_from(&mut self, previous: &AdaptiveDomain) {
         (self.first, self.changes) = (previous.first, previous.changes);
         self.smoothing.continue_from(&previous.smoothing);
-        self.spatial.continue_from(&previous.spatial);
+        self.held_places.continue_from(&previous.held_places);
     }
 
     /// Takes the history of the domain of the same ledger row with another mesh.
@@ -188,7 +188,7 @@ impl AdaptiveDomain {
 
     /// Returns the size of all lists in bytes.
     pub fn bytes(&self) -> usize {
-        let mesh = self.topology.bytes() + self.smoothing.bytes() + self.spatial.bytes() + self.active.bytes();
+        let mesh = self.topology.bytes() + self.smoothing.bytes() + self.held_places.bytes() + self.active.bytes();
         let heat = self.temperatures.as_ref().map_or(0, TemperatureTransport::bytes);
         let work = mesh + self.transport.bytes() + self.momentum.bytes() + heat;
         let nodes = self.places.iter().map(heap_bytes).sum::<usize>()
@@ -209,12 +209,12 @@ impl AdaptiveDomain {
                 self.prescribed[at][*axis] = true;
             }
         }
-        self.spatial.begin(&self.topology, &self.prescribed, nodes);
+        self.held_places.begin(&self.topology, &self.prescribed, nodes);
     }
 
     /// Advances the prescribed places of the mesh by an increment from the time of the clock on.
     pub fn advance(&mut self, clock: &AmplitudeClock<'_>, dt: f64) {
-        self.spatial.advance(clock, dt);
+        self.held_places.advance(clock, dt);
     }
 
     /// Returns the number of sweeps that are due at an increment.
@@ -252,7 +252,8 @@ impl AdaptiveDomain {
 
     /// Returns whether the new place of a node may be corrected along r and z.
     pub fn is_free(&self, node: usize) -> [bool; 2] {
-        let free = |at: usize| self.spatial.kept[at].inline_map(|kept| !kept && self.smoothing.is_on_free_boundary(at));
+        let free =
+            |at: usize| self.held_places.kept[at].inline_map(|kept| !kept && self.smoothing.is_on_free_boundary(at));
         self.position(node).map_or([false; 2], free)
     }
 
@@ -329,22 +330,22 @@ impl AdaptiveDomain {
         let group = &*elements.groups[self.group];
         let deletable = group.properties().deletable;
         let deleted = |e: u32| deletable && group.is_deleted(e as usize);
-        self.smoothing.restrict(&self.topology, (&self.prescribed, &self.spatial), deleted);
+        self.smoothing.restrict(&self.topology, (&self.prescribed, &self.held_places), deleted);
         let [start, end, ..] = &mut self.places;
         for (place, n) in start.iter_mut().zip(&self.topology.nodes) {
             *place = nodes[*n as usize].place();
         }
         end.copy_from_slice(start);
-        if !self.spatial.returns() {
+        if !self.held_places.returns() {
             self.smoothing.add_deferred(end);
         }
-        self.spatial.place(&self.topology, (start, end), &self.smoothing, surroundings);
+        self.held_places.place(&self.topology, (start, end), &self.smoothing, surroundings);
         self.smoothing.read_contact(&self.topology, surroundings);
         for _ in 0..sweeps {
-            self.smoothing.sweep(loops, &self.topology, &self.spatial, surroundings, end);
+            self.smoothing.sweep(loops, &self.topology, &self.held_places, surroundings, end);
         }
-        self.spatial.remember(end);
-        self.smoothing.defer_short(&self.topology, &self.spatial, start, end);
+        self.held_places.remember(end);
+        self.smoothing.defer_short(&self.topology, &self.held_places, start, end);
     }
 
     fn read(&mut self, half: f64, elements: &mut Elements, nodes: &Nodes) {
@@ -518,7 +519,7 @@ fn mobility(topology: &DomainTopology, fixed: &[bool]) -> Vec<NodeMobility> {
     mobility
 }
 
-persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing, spatial } derived {
+persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing, held_places } derived {
     id, group, settings, topology, active, transport, momentum, temperatures, places, velocity, given_velocity, node_mass,
     mass, corner_mass, packs, due_sweeps
 });

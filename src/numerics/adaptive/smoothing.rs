@@ -1,6 +1,6 @@
 //! Motion of the nodes of an adaptive mesh domain: smoothing inside, and sliding along its boundary.
 
-use super::spatial::SpatialPlaces;
+use super::held_places::HeldPlaces;
 use super::topology::{BoundaryNode, DomainTopology};
 use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::InlineMap;
@@ -262,7 +262,7 @@ impl MeshSmoothing {
     pub fn restrict(
         &mut self,
         domain: &DomainTopology,
-        (prescribed, spatial): (&[[bool; 2]], &SpatialPlaces),
+        (prescribed, held_places): (&[[bool; 2]], &HeldPlaces),
         deleted: impl Fn(u32) -> bool,
     ) {
         self.now.copy_from_slice(&self.mobility);
@@ -277,7 +277,7 @@ impl MeshSmoothing {
                 self.now[*node as usize] = NodeMobility::Fixed;
             }
             let on_surface = domain.boundary_at(*node).is_some_and(|b| b.is_open != [true; 2]);
-            if spatial.is_held(*node as usize) && on_surface {
+            if held_places.is_held(*node as usize) && on_surface {
                 self.now[*node as usize] = NodeMobility::Fixed;
             }
         }
@@ -295,12 +295,12 @@ impl MeshSmoothing {
         &mut self,
         loops: ChunkLoops,
         domain: &DomainTopology,
-        spatial: &SpatialPlaces,
+        held_places: &HeldPlaces,
         surroundings: &dyn Surroundings,
         places: &mut [[f64; 2]],
     ) {
         self.smooth_inside(loops, domain, places);
-        spatial.restore(places, &mut self.target);
+        held_places.restore(places, &mut self.target);
         self.hand_over_corners(domain);
         for node in &domain.boundary {
             let n = node.node as usize;
@@ -308,7 +308,7 @@ impl MeshSmoothing {
                 let ends = [node.before, node.node, node.after].inline_map(|n: u32| self.target[n as usize]);
                 let share = self.grading.as_ref().map_or(0.5, |grading| grading.before[n]);
                 let part = if self.keeps_gaps[n] { PART } else { 1.0 };
-                let place = keep(spatial.kept[n], ends, slide(ends, (share, part), self.corner_cosine));
+                let place = keep(held_places.kept[n], ends, slide(ends, (share, part), self.corner_cosine));
                 let on_surface = |place| surroundings.place_on_surface(domain.nodes[n] as usize, place);
                 self.target[n] = self.keep_contact(node, place, &on_surface).unwrap_or(ends[1]);
             }
@@ -511,7 +511,7 @@ impl MeshSmoothing {
     pub fn defer_short(
         &mut self,
         domain: &DomainTopology,
-        spatial: &SpatialPlaces,
+        held_places: &HeldPlaces,
         start: &[[f64; 2]],
         end: &mut [[f64; 2]],
     ) {
@@ -520,8 +520,8 @@ impl MeshSmoothing {
             *by = vector(start[n], end[n]);
             let square = by[0] * by[0] + by[1] * by[1];
             let share = if square > 0.0 { square / shortest_edge(domain, start, n) } else { 0.0 };
-            self.shares[n] = if spatial.is_held(n) { f64::INFINITY } else { share };
-            if spatial.is_held(n) {
+            self.shares[n] = if held_places.is_held(n) { f64::INFINITY } else { share };
+            if held_places.is_held(n) {
                 continue;
             }
             if self.now[n] == NodeMobility::Inside && share > longest {

@@ -3,9 +3,9 @@
 use super::active::ActiveParts;
 use super::corner_masses;
 use super::geometry::centre;
+use super::held_places::HeldPlaces;
 use super::momentum::MomentumTransport;
 use super::smoothing::{BoundaryContact, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
-use super::spatial::SpatialPlaces;
 use super::topology::DomainTopology;
 use super::transport::{ElementTransport, TransportOrder};
 use crate::element::constants::{ElementConstants, HourglassControl};
@@ -175,7 +175,7 @@ fn triangles_become_regular() {
     let cosine = 30f64.to_radians().cos();
     let mut smoothing =
         MeshSmoothing::new((topology, &section.places), weights, None, cosine, (mobility, vec![false; places.len()]));
-    let spatial = SpatialPlaces::new(topology, Vec::new(), false);
+    let held_places = HeldPlaces::new(topology, Vec::new(), false);
     let volume = |places: &[[f64; 2]]| {
         (0..topology.corners.len()).map(|e| quad::volume(section.corners(e, places))).sum::<f64>()
     };
@@ -186,8 +186,8 @@ fn triangles_become_regular() {
     let before = (least(&places), volume(&places));
     for _ in 0..100 {
         let die = FlatDie(places.iter().map(|[r, _]| [*r, 0.0]).collect());
-        smoothing.restrict(topology, (&spatial.kept, &spatial), |_| false);
-        smoothing.sweep(LOOPS, topology, &spatial, &die, &mut places);
+        smoothing.restrict(topology, (&held_places.kept, &held_places), |_| false);
+        smoothing.sweep(LOOPS, topology, &held_places, &die, &mut places);
     }
     assert!(before.0 < 30.0 && least(&places) > 38.0, "{before:?} {}", least(&places));
     assert!((volume(&places) / before.1 - 1.0).abs() < 1e-13);
@@ -326,8 +326,8 @@ fn corners_follow_the_edge_of_contact() {
     let cosine = 30f64.to_radians().cos();
     let mut smoothing =
         MeshSmoothing::new((topology, &section.places), weights, None, cosine, (mobility, vec![false; places.len()]));
-    let mut spatial = SpatialPlaces::new(topology, Vec::new(), false);
-    spatial.kept = section.places.iter().map(|[r, z]| [*r == 0.0, *z == 0.0]).collect();
+    let mut held_places = HeldPlaces::new(topology, Vec::new(), false);
+    held_places.kept = section.places.iter().map(|[r, z]| [*r == 0.0, *z == 0.0]).collect();
     let least = |places: &[[f64; 2]]| {
         let angles = topology.corners.iter().map(|corners| smallest_angle(corners, |n| places[n as usize]));
         angles.fold(f64::INFINITY, f64::min).to_degrees()
@@ -335,9 +335,9 @@ fn corners_follow_the_edge_of_contact() {
     let before = least(&places);
     for _ in 0..200 {
         let die = FlatDie(places.clone());
-        smoothing.restrict(topology, (&spatial.kept, &spatial), |_| false);
+        smoothing.restrict(topology, (&held_places.kept, &held_places), |_| false);
         smoothing.read_contact(topology, &die);
-        smoothing.sweep(LOOPS, topology, &spatial, &die, &mut places);
+        smoothing.sweep(LOOPS, topology, &held_places, &die, &mut places);
         assert!(places.iter().all(|[_, z]| *z <= 1.0));
     }
     assert_eq!(places[48], [1.3, 1.0]);

@@ -214,14 +214,14 @@ fn edges(corners: &[[u32; 4]]) -> (Vec<DomainEdge>, Vec<[ElementSide; 4]>) {
 
 /// Returns the nodes with exactly two edges on the boundary.
 fn boundary(outer: &[([u32; 2], bool)]) -> Vec<BoundaryNode> {
-    let mut ends: HashMap<u32, (Vec<(u32, bool)>, Vec<(u32, bool)>)> = HashMap::new();
+    let mut ends: HashMap<u32, [Vec<(u32, bool)>; 2]> = HashMap::new();
     for ([a, b], is_open) in outer {
-        ends.entry(*a).or_default().1.push((*b, *is_open));
-        ends.entry(*b).or_default().0.push((*a, *is_open));
+        ends.entry(*a).or_default()[1].push((*b, *is_open));
+        ends.entry(*b).or_default()[0].push((*a, *is_open));
     }
     let mut list: Vec<BoundaryNode> = ends
         .into_iter()
-        .filter_map(|(node, (before, after))| match (&before[..], &after[..]) {
+        .filter_map(|(node, [before, after])| match (&before[..], &after[..]) {
             ([before], [after]) => {
                 Some(BoundaryNode { node, before: before.0, after: after.0, is_open: [before.1, after.1] })
             }

@@ -2,7 +2,7 @@
 
 use super::archive::persist_struct;
 
-/// What has passed through the Eulerian boundaries of adaptive meshes since the start of the analysis.
+/// Flow through the Eulerian boundaries of adaptive meshes since the start of the analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BoundaryFlow {
     /// Mass that has entered.

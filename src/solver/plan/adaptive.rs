@@ -3,8 +3,8 @@
 use std::collections::{BTreeSet, HashSet};
 
 use super::{Compiler, State};
+use crate::adaptive::held_places::MeshMotion;
 use crate::adaptive::smoothing::SmoothingWeights;
-use crate::adaptive::spatial::MeshMotion;
 use crate::adaptive::transport::TransportOrder;
 use crate::adaptive::{AdaptiveDomain, AdaptiveSettings, DomainBoundary};
 use crate::deck::{Diagnostic, Span};
@@ -315,7 +315,8 @@ impl<'a> Compiler<'a> {
             let message = "a surface in contact contains an Eulerian boundary".to_string();
             return Some((message, "give contact a surface without the faces through which material flows"));
         }
-        if !self.model.remeshings.is_empty() && !(open.is_empty() && motions.is_empty()) {
+        let is_spatial = !open.is_empty() || !motions.is_empty();
+        if is_spatial && !self.model.remeshings.is_empty() {
             let message = "*REMESH cannot be combined with Eulerian boundaries or spatial constraints".to_string();
             return Some((message, "use one of the two"));
         }

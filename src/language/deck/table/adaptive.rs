@@ -7,7 +7,7 @@ use crate::deck::value::{COUNT, INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEXT, v
 card!(AdaptiveMesh: "ADAPTIVE MESH", "Moves the nodes of a set of elements to better places during the step, and transports material through the mesh", (step), {
     "ELSET" (TEXT.required()) "Elements of the domain: CAX4R, CAX4RT, CAX3 and CAX3T of one section",
     "CONTROLS" read "Name of *ADAPTIVE MESH CONTROLS",
-    frequency: Option<usize> = "FREQUENCY" (COUNT) "Increments between two changes of the mesh; default 10, or 1 with Eulerian boundaries or spatial constraints",
+    frequency: Option<usize> = "FREQUENCY" (COUNT) "Increments between two changes of the mesh; default 10, or 1 with Eulerian boundaries or constraints in space",
     sweeps: usize = "MESH SWEEPS" (COUNT.or(1.0)) "Sweeps in each change",
     initial_sweeps: usize = "INITIAL MESH SWEEPS" (INTEGER.from(0.0).or(5.0)) "Sweeps at the start of the first step in which the domain is active",
     new: bool = "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW ends all domains of earlier steps",
@@ -22,14 +22,14 @@ card!(AdaptiveMeshControls: "ADAPTIVE MESH CONTROLS", "Smoothing and transport o
     "CURVATURE REFINEMENT" only ["1", "0"] "meshes are smoothed towards equal elements, also at curved boundaries",
     previous: Option<bool> = "MESHING PREDICTOR" (word(&["CURRENT", "PREVIOUS"])) "Places from which sweeps start: those that the material has reached, or those after the previous change of the mesh (default with Eulerian boundaries)",
     "GEOMETRIC ENHANCEMENT" inert "a sweep never flattens the corner of an element, with YES and with NO",
-    "MESH CONSTRAINT ANGLE" inert "at boundaries that material does not cross, a spatial constraint moves nodes along the boundary only",
+    "MESH CONSTRAINT ANGLE" inert "at boundaries that material does not cross, a constraint in space moves nodes along the boundary only",
     "MOMENTUM ADVECTION" inert "momentum moves with the masses that pass between nodes, in all methods",
 }, weights: [f64; 3] = [
     (lines ["weight of volume smoothing" (NOT_NEGATIVE.or(1.0)), "weight of Laplacian smoothing" (NOT_NEGATIVE.or(0.0)), "weight of equipotential smoothing" (NOT_NEGATIVE.or(0.0))]),
 ]);
 
 card!(AdaptiveMeshConstraint: "ADAPTIVE MESH CONSTRAINT", "Motion of nodes of an adaptive mesh that is prescribed in space, or that of the material", (step), {
-    spatial: bool = "CONSTRAINT TYPE" (word(&["LAGRANGIAN", "SPATIAL"]).or(1.0)) "SPATIAL: the motion of the mesh is prescribed; LAGRANGIAN: the nodes move with the material",
+    in_space: bool = "CONSTRAINT TYPE" (word(&["LAGRANGIAN", "SPATIAL"]).or(1.0)) "SPATIAL: the motion of the mesh is prescribed; LAGRANGIAN: the nodes move with the material",
     "AMPLITUDE" read "Amplitude of the values. A displacement without amplitude is ignored: the nodes stay where they are",
     velocity: bool = "TYPE" (word(&["DISPLACEMENT", "VELOCITY"]).or(0.0)) "Quantity that is prescribed: the displacement of the mesh since the constraint began, or its velocity",
     new: bool = "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW ends all constraints of earlier steps",

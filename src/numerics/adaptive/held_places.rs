@@ -23,7 +23,7 @@ pub struct MeshMotion {
 
 /// Prescribed places of the nodes of a domain.
 #[derive(Clone, Debug)]
-pub(super) struct SpatialPlaces {
+pub(super) struct HeldPlaces {
     /// Motions, with the positions of their nodes in the domain.
     motions: Vec<MeshMotion>,
     /// Whether the place of each node along r and z is prescribed.
@@ -36,9 +36,9 @@ pub(super) struct SpatialPlaces {
     places: Vec<[f64; 2]>,
 }
 
-impl SpatialPlaces {
+impl HeldPlaces {
     /// Creates the places from motions of nodes that are given by their index in the solver.
-    pub fn new(domain: &DomainTopology, mut motions: Vec<MeshMotion>, returns: bool) -> SpatialPlaces {
+    pub fn new(domain: &DomainTopology, mut motions: Vec<MeshMotion>, returns: bool) -> HeldPlaces {
         let count = domain.nodes.len();
         let mut held = vec![[false; 2]; count];
         for motion in &mut motions {
@@ -47,7 +47,7 @@ impl SpatialPlaces {
             motion.dofs.iter().for_each(|(node, axis)| held[*node][*axis] = true);
         }
         let size = if returns || !motions.is_empty() { count } else { 0 };
-        SpatialPlaces { motions, held, kept: vec![[false; 2]; count], returns, places: vec![[f64::NAN; 2]; size] }
+        HeldPlaces { motions, held, kept: vec![[false; 2]; count], returns, places: vec![[f64::NAN; 2]; size] }
     }
 
     pub fn bytes(&self) -> usize {
@@ -56,14 +56,12 @@ impl SpatialPlaces {
     }
 
     /// Takes the places of a previous step that continue.
-    pub fn continue_from(&mut self, previous: &SpatialPlaces) {
+    pub fn continue_from(&mut self, previous: &HeldPlaces) {
         if self.places.len() == previous.places.len() && self.held.len() == previous.held.len() {
             for (n, place) in self.places.iter_mut().enumerate() {
-                for axis in 0..2 {
-                    if self.held[n][axis] == previous.held[n][axis] {
-                        place[axis] = previous.places[n][axis];
-                    }
-                }
+                let (own, before, from) = (self.held[n], previous.held[n], previous.places[n]);
+                *place =
+                    [0, 1].inline_map(|axis: usize| if own[axis] == before[axis] { from[axis] } else { place[axis] });
             }
         }
     }
@@ -136,11 +134,7 @@ impl SpatialPlaces {
     /// Remembers the places after a change of the mesh along the axes that are not prescribed.
     pub fn remember(&mut self, end: &[[f64; 2]]) {
         for ((place, end), held) in self.places.iter_mut().zip(end).zip(&self.held) {
-            for axis in 0..2 {
-                if !held[axis] {
-                    place[axis] = end[axis];
-                }
-            }
+            *place = [0, 1].inline_map(|axis: usize| if held[axis] { place[axis] } else { end[axis] });
         }
     }
 }
@@ -214,4 +208,4 @@ fn on_surface(
     best
 }
 
-persist_struct!(SpatialPlaces { places: fixed } derived { motions, held, kept, returns });
+persist_struct!(HeldPlaces { places: fixed } derived { motions, held, kept, returns });
