@@ -77,8 +77,8 @@ impl StressUpdate {
             let (end, twice) = (column(&self.deviator, l), 2.0 * self.shear[l]);
             let normal = |i: usize| end[i] + twice * (plastic[i] - pressed);
             let trial = [normal(0), normal(1), normal(2), end[3] + twice * plastic[3]];
-            for i in 0..4 {
-                self.deviator[i][l] = trial[i];
+            for (list, value) in self.deviator.iter_mut().zip(trial) {
+                list[l] = value;
             }
             self.trial[l] = mises(trial);
             self.returned[l] = if self.flow[l] > 0.0 { mises(end) / self.trial[l] } else { 1.0 };
