@@ -6,9 +6,8 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::assumed::AssumedStresses;
 use super::constants::ElementConstants;
-use super::control::{HourglassScheme, PatternSpring};
 use super::eroded::ErodedLanes;
-use super::forces::CornerForceUpdate;
+use super::forces::{CornerForceUpdate, HourglassScheme, PatternSpring};
 use super::motion::BlockMotion;
 use super::subzonal::SubzonalPressures;
 use crate::element::record::{BlockRecord, RecordUpdate};

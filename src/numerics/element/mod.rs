@@ -9,7 +9,6 @@ pub mod cohesive;
 pub mod compatible;
 pub mod connector;
 pub mod constants;
-mod control;
 pub mod damping;
 mod deletion;
 pub mod distortion;
