@@ -253,8 +253,11 @@ pub(super) fn saved_revisions(state: &[u8]) -> Vec<MeshRevision> {
 }
 
 impl RunCursor<'_, '_> {
-    /// Writes header and state.
+    /// Writes header and state. The memory is reserved first, so that a buffer that grows does not take twice as much.
     fn write(&mut self, bytes: &mut Vec<u8>) {
+        let mut length = 0;
+        self.visit(&mut StateArchive::counter(&mut length));
+        bytes.reserve_exact(length);
         let mut archive = StateArchive::writer(bytes);
         let routines = self.run.plan.routines.memory.as_ref().map(|memory| memory.save()).unwrap_or_default();
         let revisions = std::mem::take(&mut self.run.remesh.revisions);
