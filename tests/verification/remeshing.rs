@@ -109,8 +109,8 @@ fn a_weak_rod_reaches_the_depth_of_the_model() {
 ///
 /// The flow is not steady, because the wall thickens as it converges, and the zone of collision grows. The difference is of
 /// the order of thickness over radius, a tenth and a twentieth at the place of the node that is observed. Tolerance: 1.2
-/// times this ratio of `V0 cot(22.5 deg)` for the jet; 1.2 times of `V0` for the slug. With half the thickness both
-/// differences must be below 0.7 of those before.
+/// times this ratio of `V0 cot(22.5 deg)` for the jet; 1.2 times of `V0` for the slug. Both
+/// differences with half the thickness must be below 0.7 times those with the whole thickness.
 #[test]
 fn a_conical_liner_forms_the_jet_and_the_slug_of_the_steady_theory() {
     let deck = std::fs::read_to_string(common::project("input/jet.inp")).expect("the deck");

@@ -3,7 +3,7 @@
 
 use super::BodyMesh;
 use super::outline::{BoundaryEdge, cosine_between, is_corner, loops};
-use super::transfer::{fitted, neighbours};
+use super::transfer::{fitted_gradient, neighbours};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::{distance, elements_around, middle, twice_area};
 use crate::kernel::sorted_boxes::SortedBoxes;
@@ -65,8 +65,8 @@ fn middle_of(mesh: &BodyMesh, edge: &BoundaryEdge) -> [f64; 2] {
     [0, 1].inline_map(|i: usize| 0.5 * (a[i] + b[i]))
 }
 
-/// Returns the point of the outline at a distance from the middle of an edge, ahead of it or before it; a corner if one is
-/// nearer.
+/// Returns the point of the outline at a distance from the middle of an edge, in the direction of the loop (`ahead`) or
+/// against it; a corner if one is nearer.
 fn point_along(mesh: &BodyMesh, edges: &[BoundaryEdge], mut at: usize, (ahead, mut rest): (bool, f64)) -> [f64; 2] {
     let (count, end) = (edges.len(), usize::from(ahead));
     let mut from = middle_of(mesh, &edges[at]);
@@ -91,13 +91,11 @@ fn point_along(mesh: &BodyMesh, edges: &[BoundaryEdge], mut at: usize, (ahead, m
 fn limit_by_gradient(mesh: &BodyMesh, values: &[f64], change: f64, limits: &mut [f64]) {
     let middles: Vec<[f64; 2]> = mesh.quads.iter().map(|quad| middle(mesh.corners(quad))).collect();
     for (e, others) in neighbours(mesh).iter().enumerate() {
-        let [mut rr, mut zz, mut rz, mut first, mut second] = [0.0; 5];
-        for other in others.iter().map(|other| *other as usize) {
-            let [r, z] = [0, 1].inline_map(|i: usize| middles[other][i] - middles[e][i]);
-            let d = values[other] - values[e];
-            (rr, zz, rz, first, second) = (rr + r * r, zz + z * z, rz + r * z, first + r * d, second + z * d);
-        }
-        let [along_r, along_z] = fitted([rr, zz, rz], [first, second]);
+        let difference = |other: &u32| {
+            let other = *other as usize;
+            ([0, 1].inline_map(|i: usize| middles[other][i] - middles[e][i]), values[other] - values[e])
+        };
+        let [along_r, along_z] = fitted_gradient(others.iter().map(difference));
         limits[e] = limits[e].min(change / (along_r * along_r + along_z * along_z).sqrt());
     }
 }

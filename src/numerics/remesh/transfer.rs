@@ -264,16 +264,20 @@ fn barycentric([a, b, c]: [[f64; 2]; 3], p: [f64; 2]) -> [f64; 3] {
 /// Returns the gradient of a linear field by least squares over the corners of an element.
 fn slope(at: [[f64; 2]; 4], of: [f64; 4]) -> [f64; 2] {
     let (middle, value) = (middle(at), 0.25 * ((of[0] + of[1]) + (of[2] + of[3])));
+    fitted_gradient(at.iter().zip(of).map(|(place, of)| ([place[0] - middle[0], place[1] - middle[1]], of - value)))
+}
+
+/// Returns the gradient by least squares over distances and differences of a value.
+pub(super) fn fitted_gradient(differences: impl Iterator<Item = ([f64; 2], f64)>) -> [f64; 2] {
     let [mut rr, mut zz, mut rz, mut first, mut second] = [0.0; 5];
-    for (place, of) in at.iter().zip(of) {
-        let (r, z, d) = (place[0] - middle[0], place[1] - middle[1], of - value);
+    for ([r, z], d) in differences {
         (rr, zz, rz, first, second) = (rr + r * r, zz + z * z, rz + r * z, first + r * d, second + z * d);
     }
     fitted([rr, zz, rz], [first, second])
 }
 
 /// Returns the gradient that solves the normal equations of least squares; zero if all places are on one line.
-pub(super) fn fitted([rr, zz, rz]: [f64; 3], [r, z]: [f64; 2]) -> [f64; 2] {
+fn fitted([rr, zz, rz]: [f64; 3], [r, z]: [f64; 2]) -> [f64; 2] {
     let determinant = rr * zz - rz * rz;
     if determinant <= 1e-9 * (rr + zz) * (rr + zz) {
         return [0.0; 2];

@@ -266,7 +266,7 @@ impl SolverRun<'_> {
         }
     }
 
-    /// Takes which elements of other bodies are deleted. Loads and contact are informed of these deletions again.
+    /// Takes which elements of other bodies are deleted, and informs loads and contact about the deleted elements again.
     fn follow_deletions(&mut self, old: &SolverRun<'_>, own: &RemeshedBody, places: &[Option<PreviousPlace>]) {
         if old.state.elements.deleted() == 0 {
             return;

@@ -318,7 +318,7 @@ impl<'a> SolverRun<'a> {
         Ok(())
     }
 
-    /// Evaluates the forces of these loads on bodies.
+    /// Evaluates the forces on bodies of a range of loads.
     #[inline(always)]
     fn apply_body_loads(&mut self, range: Range<usize>) -> Result<(), HaltReason> {
         let State { dofs, loads, user_amplitudes, .. } = &mut self.state;
