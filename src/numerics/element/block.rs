@@ -14,6 +14,7 @@ use crate::element::record::{BlockRecord, RecordUpdate};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::prefetch::request;
 use crate::kernel::quad::{QuadOperators, UNIT, at_corners, sums};
 use crate::material::carried::carried_state;
 use crate::material::increment::{StrainIncrement, StressUpdate};
@@ -486,6 +487,15 @@ impl TaskWorkspace {
         self.strain.moduli = ElasticModuli { bulk: constants.bulk, shear: constants.shear };
         self.strain.viscosity = constants.shear_viscosity;
         (self.cap, self.deformed) = (cap, [[0.0; LANES]; 2]);
+    }
+
+    /// Requests the hourglass and viscous stresses of a block of the task, if it has so many.
+    #[inline(always)]
+    pub(super) fn prefetch_controls(&self, index: usize) {
+        if let Some(ControlStresses { hourglass, viscous, slow_dilation }) = self.task.controls.get(index) {
+            let lists = [&hourglass[0], &hourglass[1], viscous, slow_dilation];
+            lists.iter().for_each(|list| request(&list[..], 0, LANES));
+        }
     }
 
     /// Updates the record of the block `index` of the task.

@@ -195,7 +195,17 @@ impl<M: Material> QuadGroup<M> {
     }
 
     fn pass_with_calls(&mut self, pass: ElementPass<'_>) -> Result<(), CallFailure> {
-        let ElementPass { nodes, dt, before: _, now, threads, mut user, corners, dilation_correction: _ } = pass;
+        let ElementPass {
+            nodes,
+            dt,
+            before: _,
+            now,
+            threads,
+            mut user,
+            corners,
+            dilation_correction: _,
+            prefetches: _,
+        } = pass;
         let QuadGroup { material, constants, count, blocks, tasks, calls, arch, cap, .. } = self;
         let (Some(calls), Some(of_material)) = (calls.as_deref_mut(), material.calls()) else { return Ok(()) };
         let input = &PassInput::<M> {

@@ -24,6 +24,7 @@ use super::removed::DeletionRecord;
 use super::rings::RingFactors;
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
+use crate::kernel::prefetch::PrefetchChoice;
 use crate::kernel::topology::{ElementNodes, ElementTopology};
 use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::NodalAssembly;
@@ -35,6 +36,11 @@ use crate::state::halt::HaltReason;
 use crate::state::magnitude::AmplitudeClock;
 use crate::state::nodes::{NodeAccelerations, Nodes};
 use crate::state::{EffectId, Instant};
+
+/// Number of elements from which prefetching is tried: smaller models fit into second-level caches.
+const LARGE: usize = 16_000;
+/// Pieces of nodes by which forces are requested before they are summed.
+const AHEAD: usize = 2;
 
 /// Deformable elements of a model, and everything that acts through them; nodes are stored separately.
 #[derive(Clone, Default)]
@@ -83,6 +89,7 @@ pub struct Elements {
     pub(super) deleted: (Vec<ElementNodes>, usize),
     /// Number of elements deleted from meshes that have been replaced since.
     deleted_before: usize,
+    prefetch: PrefetchChoice,
     /// Failure of a user subroutine in the last update.
     pub failure: Option<HaltReason>,
 }
@@ -108,7 +115,9 @@ impl Elements {
     /// Creates the elements from groups with their ledger rows, for nodes in the initial configuration.
     pub fn new(groups: Vec<Box<dyn ElementGroup>>, ids: Vec<EffectId>, gather: NodalAssembly, nodes: usize) -> Self {
         let blocks: usize = groups.iter().map(|g| g.force_blocks()).sum();
+        let small = groups.iter().map(|g| g.len()).sum::<usize>() < LARGE;
         let mut elements = Elements {
+            prefetch: if small { PrefetchChoice::never() } else { PrefetchChoice::default() },
             active_nodes: ActiveNodes::new(nodes, &groups),
             // One additional block, which stays zero.
             corners: CornerForces::new(blocks + 1),
@@ -211,6 +220,7 @@ impl Elements {
         let mut interface = (GroupTotals::default(), 0);
         self.deformed = 0.0;
         let GroupTiming { mut seconds, mark } = timing;
+        let started = self.prefetch.start();
         for (i, group) in self.groups.iter_mut().enumerate() {
             if let Some(mark) = mark {
                 mark.store(self.ids[i], Relaxed);
@@ -232,6 +242,7 @@ impl Elements {
                 user,
                 corners,
                 dilation_correction,
+                prefetches: self.prefetch.is_on(),
             });
             first += blocks;
             group.extensions().deletion().newly_deleted(&mut self.deleted.0);
@@ -248,6 +259,7 @@ impl Elements {
                 seconds[self.ids[i]] += clock.elapsed().as_secs_f64();
             }
         }
+        self.prefetch.stop(started);
         self.add_interface_limit(interface);
         self.count_removed();
         if let Some(rings) = &mut self.rings {
@@ -352,6 +364,9 @@ impl Elements {
     /// rings.
     #[inline(always)]
     pub fn nodal_forces(&self, first: usize, forces: &mut [[f64; 2]]) {
+        if self.prefetch.is_on() {
+            self.gather.prefetch(first + AHEAD * forces.len(), forces.len(), &self.corners);
+        }
         self.gather.sum(first, &self.corners, forces);
         if let Some(rings) = &self.rings {
             for (force, ring) in forces.iter_mut().zip(&rings.factors[first..]) {
@@ -456,7 +471,7 @@ fn add(totals: &GroupTotals, energies: &mut EnergyTotals) {
 persist_struct!(Elements {
     limit, active_nodes, pending, deleted, deleted_before, uses_frequency, connectors: present, damping: present, distortion: present, erosion: present,
     removed: present, masses: present, frequency: present, rings: present, groups: each, corners
-} derived { ids, deformed, interfaces, averagings, lengths, fields, arch, gather, failure } then Elements::check_deleted);
+} derived { ids, deformed, interfaces, averagings, lengths, fields, arch, gather, prefetch, failure } then Elements::check_deleted);
 
 impl Elements {
     fn check_deleted(&mut self, archive: &mut StateArchive<'_>) {

@@ -14,6 +14,7 @@ use crate::element::record::{BlockRecord, ElementRecord};
 use crate::element::subzonal::SubzonalPressures;
 use crate::kernel::cohesive;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, Pack, dispatch_outlined};
+use crate::kernel::prefetch::{request, request_entry};
 use crate::kernel::quad;
 use crate::kernel::shell::ShellFrame;
 use crate::kernel::topology::{ElementNodes, ElementTopology, MOST_NODES, PerNode};
@@ -334,6 +335,8 @@ pub struct ElementPass<'a> {
     pub corners: &'a mut [BlockCornerForces],
     /// Averaged minus own volumetric strain increment of each element, block by block; `None` without averaging.
     pub dilation_correction: Option<&'a [Lanes]>,
+    /// Whether data of later blocks are requested in advance; groups may ignore it.
+    pub prefetches: bool,
 }
 
 impl Clone for Box<dyn ElementGroup> {
@@ -579,7 +582,7 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
         if M::CALLS {
             return self.update_with_calls(pass);
         }
-        let ElementPass { nodes, dt, before, now, threads, corners, dilation_correction, .. } = pass;
+        let ElementPass { nodes, dt, before, now, threads, corners, dilation_correction, prefetches, .. } = pass;
         let pass = PassContext {
             material: &*self.material,
             constants: &self.constants,
@@ -590,6 +593,7 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
             time: now.total_time,
             cap: self.cap,
             dilation_correction,
+            prefetches,
         };
         let arch = self.arch;
         let run = |index,
@@ -885,7 +889,11 @@ struct PassContext<'a, M> {
     time: f64,
     cap: f64,
     dilation_correction: Option<&'a [Lanes]>,
+    prefetches: bool,
 }
+
+/// Blocks by which stresses and corner forces are requested before their update, and nodes, whose indices must be known.
+const AHEAD: [usize; 2] = [2, 1];
 
 /// Update of the blocks of one task.
 struct QuadTask<'a, M: Material> {
@@ -897,17 +905,37 @@ struct QuadTask<'a, M: Material> {
     scratch: &'a mut TaskWorkspace,
 }
 
+impl<M: Material> QuadTask<'_, M> {
+    /// Requests what later blocks than this one read and write. Blocks of a group follow each other in memory, also across
+    /// tasks.
+    #[inline(always)]
+    fn prefetch(&self, block: usize) {
+        let [blocks, nodes] = AHEAD;
+        let size = size_of::<ElementBlock<M::State>>() / size_of::<f64>();
+        request(self.blocks[block].stress.as_flattened(), blocks * size, size);
+        request(self.corners[block].as_flattened().as_flattened(), blocks * 8 * LANES, 8 * LANES);
+        self.scratch.prefetch_controls(block + blocks);
+        let Some(next) = self.blocks.get(block + nodes) else { return };
+        for &node in [next.nodes[0], next.nodes[2]].as_flattened().iter().step_by(2) {
+            request_entry(self.pass.nodes, node as usize);
+        }
+    }
+}
+
 impl<M: Material> NullaryFnOnce for QuadTask<'_, M> {
     type Output = ();
 
     /// Updates the blocks of the task. It is inlined into a function compiled for the selected instruction set.
     #[inline(always)]
     fn call(self) {
-        let scratch = self.scratch;
         let pass = self.pass;
-        scratch.begin(self.arch, pass.cap, pass.dt, pass.constants);
+        self.scratch.begin(self.arch, pass.cap, pass.dt, pass.constants);
         let mut places = CornerNodes::default();
-        for (i, block) in self.blocks.iter_mut().enumerate() {
+        for i in 0..self.blocks.len() {
+            if pass.prefetches {
+                self.prefetch(i);
+            }
+            let (block, scratch) = (&mut self.blocks[i], &mut *self.scratch);
             let index = self.index * TASK + i;
             scratch.prepare(index, i, pass.count - index * LANES);
             places.collect(pass.nodes, &block.nodes);
@@ -1027,6 +1055,7 @@ mod tests {
                     user: PointRoutines::default(),
                     corners: &mut corners,
                     dilation_correction: None,
+                    prefetches: !matches!(arch, Arch::Scalar),
                 })
             });
             let totals = totals.last().expect("totals");

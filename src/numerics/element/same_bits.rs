@@ -98,6 +98,7 @@ fn moved(mut quads: impl ElementGroup, mut nodes: Vec<Node>, corners: &mut Corne
             user: PointRoutines::default(),
             corners: corners.slots(0..blocks),
             dilation_correction: None,
+            prefetches: true,
         });
         plastic += totals.plastic;
         let sums = [totals.internal, totals.plastic, totals.viscous, totals.artificial, totals.rate];

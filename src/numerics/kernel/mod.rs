@@ -25,6 +25,7 @@ pub mod moduli;
 pub mod pack;
 pub mod plane_return;
 pub mod plane_stress;
+pub mod prefetch;
 pub mod profile;
 pub mod quad;
 pub mod real;

@@ -4,6 +4,7 @@
 use super::corner_forces::CornerForces;
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
+use crate::kernel::prefetch::request;
 use crate::kernel::topology::ElementNodes;
 
 /// Corner slots stored inline; most nodes of a quadrilateral mesh have at most four.
@@ -65,6 +66,17 @@ impl NodalAssembly {
         for &(node, slot) in self.more[begin..].iter().take_while(|m| (m.0 as usize) < last) {
             let (force, more) = (&mut forces[node as usize - first], pair(slot));
             *force = [force[0] + more[0], force[1] + more[1]];
+        }
+    }
+
+    /// Requests the corner forces of the `count` nodes from `first` on, if there are so many. Successive nodes usually have
+    /// successive slots, so that the slots of one node in eight cover all cache lines.
+    #[inline(always)]
+    pub fn prefetch(&self, first: usize, count: usize, corners: &CornerForces) {
+        let Some(nodes) = self.slots.get(first..first + count) else { return };
+        for &slot in nodes.iter().step_by(8).flatten() {
+            request(corners.values(), slot as usize, 1);
+            request(corners.values(), slot as usize + LANES, 1);
         }
     }
 
