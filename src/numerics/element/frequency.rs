@@ -8,6 +8,7 @@
 //! cost.
 
 use pulp::Arch;
+use rayon::prelude::*;
 
 use super::group::ElementGroup;
 use super::lanczos::{LanczosVectors, SparseOperator};
@@ -147,13 +148,15 @@ fn masses_of_elements(groups: &[Box<dyn ElementGroup>], nodes: usize) -> Vec<f64
     masses
 }
 
+/// Elements that a thread processes together.
+const CHUNK: usize = 512;
+
 /// Returns one over the stable time increment of single elements.
 fn rate_by_elements(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> f64 {
-    let alive = |group: &dyn ElementGroup, e: &usize| !group.is_deleted(*e);
     let of_group = |group: &dyn ElementGroup| {
-        let elements = (0..group.len()).filter(|e| alive(group, e));
+        let elements = (0..group.len()).into_par_iter().with_min_len(CHUNK).filter(|e| !group.is_deleted(*e));
         let rate = |e| group.stable_rate(e, None, nodes.as_slice()).unwrap_or(0.0);
-        elements.map(rate).fold(0.0, f64::max)
+        elements.map(rate).reduce(|| 0.0, f64::max)
     };
     groups.iter().map(|group| of_group(&**group)).fold(0.0, f64::max)
 }

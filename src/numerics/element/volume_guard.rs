@@ -1,7 +1,10 @@
 //! Limit of the time increment by the relative volume change of elements.
 
+use rayon::prelude::*;
+
 use super::constants::CHANGE;
 use super::elements::Elements;
+use super::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
 use crate::state::nodes::Nodes;
@@ -10,40 +13,67 @@ use crate::state::nodes::Nodes;
 /// zero before the first increment, and suddenly released loads change them most.
 pub const STARTING: u64 = 100;
 
+/// Elements that a thread processes together.
+const CHUNK: usize = 512;
+
 impl Elements {
     /// Limits the time increment by the rate of volume change of elements and by the accelerations at this instant:
     /// over the increment dt the rate is g + a (dt0 + dt)/2, where dt0 is the previous increment.
     pub fn guard_start(&mut self, nodes: &Nodes) {
-        let half = 0.5 * nodes.previous_dt;
         for group in 0..self.groups.len() {
             // Shells limit the increment by their own rates.
             if !self.groups[group].is_solid() {
                 continue;
             }
-            for element in 0..self.groups[group].len() {
-                if moves_along_z(&self.groups[group].nodes(element), nodes) || self.groups[group].is_deleted(element) {
-                    continue;
+            let (elements, least) = (&*self.groups[group], self.limit.0.rate);
+            let of_chunk = |chunk: usize| {
+                let mut largest = (0, least);
+                for element in chunk * CHUNK..elements.len().min((chunk + 1) * CHUNK) {
+                    if let Some(rate) = larger_rate(elements, element, nodes, largest.1) {
+                        largest = (element, rate);
+                    }
                 }
-                let (mut volume, mut growing) = (0.0, [0.0; 2]);
-                for cell in self.groups[group].cells(element) {
-                    let corners = cell.inline_map(|n| n as usize);
-                    let at = corners.inline_map(|n| nodes[n]);
-                    let g = quad::gradient(at.inline_map(|n| n.r), at.inline_map(|n| n.z));
-                    let growth = |of: &dyn Fn(usize) -> [f64; 2]| {
-                        let part = |i: usize| (g.r[i] + g.hoop[i]) * of(i)[0] + g.z[i] * of(i)[1];
-                        (part(0) + part(1)) + (part(2) + part(3))
-                    };
-                    volume += g.volume;
-                    growing[0] += growth(&|i| [at[i].v_r, at[i].v_z]);
-                    growing[1] += growth(&|i| nodes.acceleration[corners[i]]);
-                }
-                let [rate, acceleration] = growing.inline_map(|growth| growth / volume);
-                let first = (rate + half * acceleration).abs();
-                let root = (first * first + 2.0 * CHANGE * acceleration.abs()).sqrt();
-                self.raise_limit(group, element, (first + root) / (2.0 * CHANGE));
-            }
+                largest
+            };
+            let chunks = (0..elements.len().div_ceil(CHUNK)).into_par_iter();
+            // The first of equal rates, for any number of threads.
+            let (element, rate) = chunks
+                .map(of_chunk)
+                .reduce(|| (0, least), |before, after| if after.1 > before.1 { after } else { before });
+            self.raise_limit(group, element, rate);
         }
     }
+}
+
+/// Returns the rate by which an element limits the increment, if it is larger than `most`.
+fn larger_rate(group: &dyn ElementGroup, element: usize, nodes: &Nodes, most: f64) -> Option<f64> {
+    if moves_along_z(&group.nodes(element), nodes) {
+        return None;
+    }
+    let (mut volume, mut growing) = (0.0, [0.0; 2]);
+    for cell in group.cells(element) {
+        let corners = cell.inline_map(|n| n as usize);
+        let at = corners.inline_map(|n| nodes[n]);
+        let g = quad::gradient(at.inline_map(|n| n.r), at.inline_map(|n| n.z));
+        let growth = |of: &dyn Fn(usize) -> [f64; 2]| {
+            let part = |i: usize| (g.r[i] + g.hoop[i]) * of(i)[0] + g.z[i] * of(i)[1];
+            (part(0) + part(1)) + (part(2) + part(3))
+        };
+        volume += g.volume;
+        growing[0] += growth(&|i| [at[i].v_r, at[i].v_z]);
+        growing[1] += growth(&|i| nodes.acceleration[corners[i]]);
+    }
+    let half = 0.5 * nodes.previous_dt;
+    // Whether the rate below is smaller than `most`, without divisions and roots, and with a margin for rounding.
+    let first = (growing[0] + half * growing[1]).abs();
+    if growing[1].abs() < 2.0 * most * ((1.0 - 1e-9) * CHANGE * most * volume - first) {
+        return None;
+    }
+    let [rate, acceleration] = growing.inline_map(|growth| growth / volume);
+    let first = (rate + half * acceleration).abs();
+    let root = (first * first + 2.0 * CHANGE * acceleration.abs()).sqrt();
+    let rate = (first + root) / (2.0 * CHANGE);
+    (rate > most && !group.is_deleted(element)).then_some(rate)
 }
 
 /// Returns whether nodes have equal velocities along z only, and no acceleration: the volume between them does not change.
