@@ -25,6 +25,7 @@ impl TaskQuiescence {
             let mut nodes: Vec<u32> = part.as_flattened().to_vec();
             nodes.sort_unstable();
             nodes.dedup();
+            nodes.shrink_to_fit();
             TaskQuiescence { nodes, quiescent: false }
         };
         elements.chunks(TASK * LANES).map(task).collect()
