@@ -24,7 +24,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 pub use history::{ColumnSummary, HistorySummary, RunHistory};
-pub use whole::{AtomicFile, write_durable, write_whole};
+pub use whole::{AtomicFile, unnamed_file, write_durable, write_whole};
 
 /// Suffix of the history file.
 pub const HISTORY: &str = "_history.csv";

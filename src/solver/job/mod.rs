@@ -4,6 +4,7 @@ mod memory;
 mod setup;
 mod status;
 
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,13 +21,13 @@ use crate::element::group::TASK;
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::kernel::lanes::LANES;
 use crate::model::{self, DeckUnits, EntityName, Model, scene::SceneOutline};
-use crate::output::checkpoint::{CHECKPOINT, Checkpoint, JobIdentity, hash};
+use crate::output::checkpoint::{CHECKPOINT, Checkpoint, JobIdentity, hash, hash_mesh};
 use crate::output::lock::{FolderLock, LockError};
 use crate::output::pvd::{FrameWriter, WrittenFrame, missing_frames};
 use crate::output::sums::{Checksums, SUMS, sum};
 use crate::output::{
-    FramePoints, HISTORY, HistorySummary, JobFiles, OutputFrame, RunHistory, SETUP, write_summary, write_whole,
-    write_with_sums,
+    FramePoints, HISTORY, HistorySummary, JobFiles, OutputFrame, RunHistory, SETUP, unnamed_file, write_summary,
+    write_whole, write_with_sums,
 };
 use crate::overview::DeckOverview;
 use crate::plan::ledger::Ledger;
@@ -116,13 +117,10 @@ impl PreparedJob {
         let files = self.deck.sources.files().iter().map(|f| f.text.as_bytes());
         let parameters = self.deck.parameters.iter().map(|(name, value)| format!("{name} = {value:?}"));
         let mesh = &self.plan.mesh;
-        let points: Vec<u8> = mesh.points.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-        let corners = mesh.elements.iter().flat_map(|e| [e.nodes.len()].into_iter().chain(e.nodes.iter().copied()));
-        let corners: Vec<u8> = corners.flat_map(usize::to_le_bytes).collect();
         JobIdentity {
             deck: self.composed.clone().unwrap_or_else(|| hash(files)),
             parameters: parameters.collect::<Vec<_>>().join(", "),
-            mesh: hash([&points[..], &corners[..]]),
+            mesh: hash_mesh(&mesh.points, mesh.elements.iter().map(|e| &e.nodes[..])),
             user: user.into(),
         }
     }
@@ -505,6 +503,10 @@ impl Sink for FileSink<'_> {
         self.wanted != FrameOutput::Absent
     }
 
+    fn unnamed_file(&mut self) -> Option<File> {
+        unnamed_file(&self.job.path(CHECKPOINT)).ok()
+    }
+
     fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
         self.frames.write(frame)?;
         if self.history_written.elapsed() >= STALE {
@@ -539,8 +541,8 @@ impl Sink for FileSink<'_> {
         let mut frames = self.frames.frames().to_vec();
         persist_shown(&mut frames, &mut self.history, &mut StateArchive::writer(&mut shown));
         let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
-        let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: state.to_vec() };
-        Ok(checkpoint.write(&self.job.path(CHECKPOINT))?)
+        let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: Vec::new() };
+        Ok(checkpoint.write(&self.job.path(CHECKPOINT), state)?)
     }
 }
 
