@@ -71,8 +71,8 @@ pub struct PreparedJob {
     pub units: Option<DeckUnits>,
     /// Whether user subroutines are present.
     has_routines: bool,
-    /// Hash of a model that is composed in Rust; `None` for a deck.
-    composed: Option<String>,
+    /// Hash of a model that is composed in Rust, or of a deck whose texts are released.
+    known_hash: Option<String>,
 }
 
 /// Reads a deck file, validates it and plans the analysis.
@@ -106,6 +106,18 @@ impl PreparedJob {
         Ok(())
     }
 
+    fn hash_of_texts(&self) -> String {
+        hash(self.deck.sources.files().iter().map(|file| file.text.as_bytes()))
+    }
+
+    /// Frees the texts of the deck before a run, unless diagnostics refer to them. Their hash remains.
+    pub fn release_texts(&mut self) {
+        if self.diagnostics.is_empty() {
+            self.known_hash = Some(self.known_hash.take().unwrap_or_else(|| self.hash_of_texts()));
+            Arc::make_mut(&mut self.deck.sources).release_texts(|_| true);
+        }
+    }
+
     /// Returns the largest number of threads that the run can use.
     pub fn most_threads(&self) -> usize {
         self.plan.mesh.elements.len().div_ceil(TASK * LANES).max(1)
@@ -114,11 +126,10 @@ impl PreparedJob {
     /// Returns the identity that a checkpoint must have for a restart of this job; `user` is the hash of the user
     /// subroutines.
     pub fn identity(&self, user: &str) -> JobIdentity {
-        let files = self.deck.sources.files().iter().map(|f| f.text.as_bytes());
         let parameters = self.deck.parameters.iter().map(|(name, value)| format!("{name} = {value:?}"));
         let mesh = &self.plan.mesh;
         JobIdentity {
-            deck: self.composed.clone().unwrap_or_else(|| hash(files)),
+            deck: self.known_hash.clone().unwrap_or_else(|| self.hash_of_texts()),
             parameters: parameters.collect::<Vec<_>>().join(", "),
             mesh: hash_mesh(&mesh.points, mesh.elements.iter().map(|e| &e.nodes[..])),
             user: user.into(),
@@ -187,7 +198,7 @@ fn prepared_model(
 /// Plans a model that is composed in Rust.
 pub fn prepare_model(model: &Model, routines: &Routines) -> PreparedJob {
     let prepared = planned(Deck::default(), model, Diagnostics::default(), routines);
-    PreparedJob { composed: Some(hash([format!("{model:?}").as_bytes()])), ..prepared }
+    PreparedJob { known_hash: Some(hash([format!("{model:?}").as_bytes()])), ..prepared }
 }
 
 fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &Routines) -> PreparedJob {
@@ -201,7 +212,7 @@ fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &R
     diagnostics.merge_repeats();
     let (title, scene, has_routines) = (model.settings.title.clone(), SceneOutline::of(model), routines.any());
     let units = model.settings.units.clone();
-    PreparedJob { title, scene, units, deck, plan, state, diagnostics, has_routines, composed: None }
+    PreparedJob { title, scene, units, deck, plan, state, diagnostics, has_routines, known_hash: None }
 }
 
 /// Summary of a run, the contents of `<job>.json`. The keys are stable.
