@@ -863,10 +863,10 @@ fn last_valid_increment_of_a_large_model_is_written_after_a_failure() {
             JobFiles { folder: folder.path().join(interval.split(' ').next().expect("a word")), name: "test".into() };
         let summary = job::run_to_files(&prepared, &job, &mut |_| {}).expect("a run");
         let mut files: Vec<PathBuf> =
-            std::fs::read_dir(&job.folder).expect("a folder").map(|e| e.expect("a file").path()).collect();
+            fs::read_dir(&job.folder).expect("a folder").map(|e| e.expect("a file").path()).collect();
         files.sort();
         files.retain(|path| path.extension().is_some_and(|ending| ending == "vtu"));
-        let last = std::fs::read(files.last().expect("a frame")).expect("a file");
+        let last = fs::read(files.last().expect("a frame")).expect("a file");
         (summary.reason.expect("a halt"), summary.digest, files.len(), last)
     };
     let (last, every) = (run("number interval=1"), run("frequency=1"));

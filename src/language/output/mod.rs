@@ -19,6 +19,7 @@ pub mod vtu;
 pub mod whole;
 
 use std::io;
+use std::ops::Index;
 use std::path::PathBuf;
 
 use serde::Serialize;
@@ -108,13 +109,21 @@ impl CellList {
 
     /// Iterates over the point indices of each cell.
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
-        let start = |cell: usize| cell.checked_sub(1).map_or(0, |before| self.ends[before] as usize);
-        (0..self.len()).map(move |cell| &self.corners[start(cell)..self.ends[cell] as usize])
+        (0..self.len()).map(|cell| &self[cell])
     }
 
     /// Returns the point indices of all cells.
     pub fn corners(&self) -> &[u32] {
         &self.corners
+    }
+}
+
+impl Index<usize> for CellList {
+    type Output = [u32];
+
+    fn index(&self, cell: usize) -> &[u32] {
+        let start = cell.checked_sub(1).map_or(0, |previous| self.ends[previous]);
+        &self.corners[start as usize..self.ends[cell] as usize]
     }
 }
 
