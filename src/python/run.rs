@@ -119,7 +119,7 @@ impl Run {
             Some(start as i64)
         });
         let starts: Vec<i64> = starts.collect();
-        let corners: Vec<i64> = frame.cells.iter().flatten().map(|&n| n as i64).collect();
+        let corners: Vec<i64> = frame.cells.corners().iter().map(|&n| i64::from(n)).collect();
         let shown = PyDict::new(py);
         shown.set_item("time", frame.time)?;
         shown.set_item("increment", frame.increment)?;

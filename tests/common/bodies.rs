@@ -66,8 +66,8 @@ impl DeckRun {
     pub fn nodes(&self, instance: &str) -> Vec<[usize; 2]> {
         let prefix = format!("{instance}.");
         let names = &self.prepared.plan.mesh.node_names;
-        let own = self.prepared.plan.places.nodes.iter().filter(|(node, _)| names[**node].starts_with(&prefix));
-        own.map(|(&node, &place)| [node, place]).collect()
+        let own = self.prepared.plan.places.nodes.iter().filter(|(node, _)| names[*node].starts_with(&prefix));
+        own.map(|(node, &place)| [node, place]).collect()
     }
 
     /// Returns the final axial momentum of all deformable and rigid bodies.

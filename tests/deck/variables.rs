@@ -417,7 +417,7 @@ fn nodal_positions_ignore_deleted_elements() {
         let [mises, status] = ["MISES", "STATUS"].map(|n| &field(&frame.cell_fields, n).expect(n).values);
         let points = &field(&frame.point_fields, "MISES").expect("MISES").values;
         for (node, value) in points.iter().enumerate() {
-            let around = (0..frame.cells.len()).filter(|c| frame.cells[*c].contains(&node));
+            let around = (0..frame.cells.len()).filter(|c| frame.cells[*c].contains(&(node as u32)));
             let all: Vec<usize> = around.collect();
             let there: Vec<usize> = all.iter().copied().filter(|c| status[*c] == 1.0).collect();
             let mean = there.iter().map(|e| mises[*e]).sum::<f64>() / there.len() as f64;

@@ -312,7 +312,7 @@ fn checkpoints() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("job.checkpoint");
     let whole = readers::checkpoints::whole(states[0].clone());
-    whole.clone().write(&path).expect("a file");
+    whole.clone().write(&path, &states[0]).expect("a file");
     let bytes = std::fs::read(&path).expect("bytes");
     let input = (any::<bool>(), any::<u32>(), any::<u32>(), any::<u8>(), changes());
     fuzz("checkpoints", &input, |(mended, at, length, value, changes)| {

@@ -9,9 +9,9 @@ use revolve::internals::constants::{ElementConstants, HourglassControl};
 use revolve::internals::group::{ElementGroup, QuadGroup};
 use revolve::internals::volumetric::ConstantBulkModulus;
 use revolve::internals::von_mises::VonMises;
-use revolve::job;
+use revolve::job::{self, JobOptions};
 use revolve::model::{self, Mesh, Model};
-use revolve::output::RunHistory;
+use revolve::output::{JobFiles, RunHistory};
 use revolve::plan;
 use revolve::plan::ledger::{Ledger, LedgerRow};
 use revolve::user::{LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Routines, UserLoad, UserMaterial};
@@ -394,6 +394,44 @@ fn memory_per_listed_node_is_small() {
     let (bytes, times) = (counted.bytes_max / elements, counted.count_total);
     println!("{} bytes of text, at most {bytes} bytes an element, {times} allocations", text.len() as u64 / elements);
     assert!(elements == u64::try_from(n * n).expect("a number") && bytes < 400 && times < elements / 20);
+}
+
+/// A bar whose nodes and elements are generated, with constant increments and with the global estimate. Source: bytes
+/// allocated at most while it is read, planned and run with result files. The state for a return after a halt is in a
+/// file.
+#[test]
+fn memory_of_a_run_per_element_is_small() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = JobFiles { folder: folder.path().into(), name: "bar".into() };
+    for (increment, most) in [(", direct user control\n 1e-9,", 500), ("\n ,", 700)] {
+        let text =
+            "*Parameter\n row = 301\n right = row\n left = 1 + 300*row\n corner = left + 300\n above = row + 2\n \
+                    beside = row + 1\n*Node, nset=LEFT\n 1, 0., 0.\n*Node\n <right>, 3e-3, 0.\n <left>, 0., 3e-3\n \
+                    <corner>, 3e-3, 3e-3\n*Ngen, nset=FOOT\n 1, <right>, 1\n*Ngen, nset=TOP\n <left>, <corner>, 1\n\
+                    *Nfill, nset=BAR\n FOOT, TOP, 300, <row>\n*Element, type=CAX4R\n 1, 1, 2, <above>, <beside>\n\
+                    *Elgen, elset=SOLID\n 1, 300, 1, 1, 300, <row>, 300\n"
+                .to_owned()
+                + &material(117e9, 0.35, 8930.0, "*Plastic\n 400e6, 0.\n")
+                + "*Initial Conditions, type=VELOCITY\n BAR, 2, -227.\n"
+                + &format!("*Step\n*Dynamic, Explicit{increment} 3e-9\n*Boundary\n FOOT, 2, 2\n")
+                + "*Output, history, number interval=1\n*Energy Output\n ETOTAL\n*End Step\n";
+        let mut planned = 0;
+        let counted = allocation_counter::measure(|| {
+            let mut prepared = None;
+            let planning = allocation_counter::measure(|| {
+                prepared = Some(job::prepare_text("bar.inp", &text, &[], &Routines::none()));
+            });
+            planned = planning.bytes_max / 90_000;
+            let mut prepared = prepared.expect("a plan");
+            assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
+            let state = Some(std::mem::take(&mut prepared.state));
+            let options = JobOptions { state, ..JobOptions::default() };
+            assert_eq!(job::run_with(&prepared, &files, options, &mut |_| {}).expect("a run").reason, None);
+        });
+        let bytes = counted.bytes_max / 90_000;
+        println!("{increment:?}: at most {planned} bytes an element in planning, {bytes} in all");
+        assert!(bytes <= most, "{bytes} bytes an element");
+    }
 }
 
 /// 40 identical steps need no more memory than one: bytes of the ledger, of plan and state, and allocated in planning.

@@ -4,7 +4,7 @@
 //! Source: the uninterrupted run. Tolerance: none.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use revolve::job::{self, JobOptions, RestartRequirement};
@@ -845,6 +845,34 @@ fn last_valid_increment_is_written_after_a_failure() {
         assert!(control.is_empty() || halt.code != "R209" && increment > 5000, "{halt:?} {increment}");
         assert_eq!(outcome.digest, every.digest);
     }
+}
+
+/// The state of a large model is stored in a file during the run; the folder does not contain it.
+#[test]
+fn last_valid_increment_of_a_large_model_is_written_after_a_failure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |interval: &str| {
+        let deck = grid(3, 30_000, false, |i, j| [1.0 + i as f64, j as f64])
+            + &material(1000.0, 0.3, 1.0, "*Plastic\n 1., 0.\n")
+            + &format!(
+                "*Initial Conditions, type=VELOCITY\n 6, 1, 4000.\n*Step\n*Dynamic, Explicit, element by element\n , 1.\n\
+                 *Output, field, {interval}\n*Node Output\n U, V\n*End Step\n"
+            );
+        let prepared = prepared(&deck, &[], &Routines::none());
+        let job =
+            JobFiles { folder: folder.path().join(interval.split(' ').next().expect("a word")), name: "test".into() };
+        let summary = job::run_to_files(&prepared, &job, &mut |_| {}).expect("a run");
+        let mut files: Vec<PathBuf> =
+            fs::read_dir(&job.folder).expect("a folder").map(|e| e.expect("a file").path()).collect();
+        files.sort();
+        files.retain(|path| path.extension().is_some_and(|ending| ending == "vtu"));
+        let last = fs::read(files.last().expect("a frame")).expect("a file");
+        (summary.reason.expect("a halt"), summary.digest, files.len(), last)
+    };
+    let (last, every) = (run("number interval=1"), run("frequency=1"));
+    println!("{}: {} frames", last.0, every.2);
+    assert!((&last.0, &last.1, &last.3) == (&every.0, &every.1, &every.3), "{} and {}", last.0, every.0);
+    assert!(last.2 == 2 && every.2 > 2);
 }
 
 /// The internal checkpoint is from a time when a part of the body was at rest; the whole body moves when it fails.

@@ -183,8 +183,8 @@ fn frames_are_those_of_the_run() {
     let mesh = words(&view.get("mesh").2);
     let [points, cells] = [mesh[0], mesh[1]].map(|n| u32::from_le_bytes(n) as usize);
     assert_eq!((points, cells, mesh.len()), (4 * 13, 36, 2 + 6 * 36));
-    let corners: Vec<usize> = mesh[2..2 + 4 * cells].iter().map(|n| u32::from_le_bytes(*n) as usize).collect();
-    assert_eq!(corners, memory.frames[0].cells.concat());
+    let corners: Vec<u32> = mesh[2..2 + 4 * cells].iter().map(|n| u32::from_le_bytes(*n)).collect();
+    assert_eq!(corners, memory.frames[0].cells.corners());
     assert!(mesh[2 + 5 * cells..].iter().all(|n| u32::from_le_bytes(*n) == 1), "one material");
     for index in [0, 7, 20] {
         let frame = &memory.frames[index];

@@ -113,7 +113,7 @@ fn free_nodes(ran: &DeckRun) -> Vec<usize> {
         .filter(|e| status.get(*e) == Some(&1.0))
         .flat_map(|e| plan.mesh.elements[e].nodes.iter().copied())
         .collect();
-    plan.places.nodes.keys().copied().filter(|n| !held.contains(n)).collect()
+    plan.places.nodes.keys().filter(|n| !held.contains(n)).collect()
 }
 
 /// Energies of elements without damage, whose sum is the internal energy.

@@ -104,7 +104,7 @@ fn thick_cylinder_thermal_stress_matches_closed_form() {
         let stress = &frame.cell_fields.iter().find(|f| f.name == "S").expect("S").values;
         let mut worst: f64 = 0.0;
         for (cell, s) in frame.cells.iter().zip(stress.chunks(4)) {
-            let r = cell.iter().map(|&p| frame.points[p][0]).sum::<f64>() / cell.len() as f64;
+            let r = cell.iter().map(|&p| frame.points[p as usize][0]).sum::<f64>() / cell.len() as f64;
             let expected = exact(r);
             worst = (0..3).map(|k| (s[k] - expected[k]).abs() / alpha).fold(worst, f64::max);
         }

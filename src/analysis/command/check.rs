@@ -2,6 +2,7 @@
 
 use std::error::Error;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use crate::deck::Finding;
@@ -64,7 +65,10 @@ impl CheckCommand {
         if let Some(overview) = overview.as_mut().filter(|_| !quiet) {
             let (plan, state) = (&prepared.plan, std::mem::take(&mut prepared.state));
             let (sizes, state) = StorageEstimate::of(plan, state, true, false);
-            // The trial run takes the state itself, without a copy, which could be large.
+            // Only diagnostics need the texts. The trial run takes the state itself, without a copy.
+            if prepared.diagnostics.is_empty() {
+                Arc::make_mut(&mut prepared.deck.sources).release_texts(|_| true);
+            }
             overview.effort = if self.no_look { None } else { overview::measure(plan, state, TRIAL_TIME) };
             overview.output = Some(sizes.with_effort(plan, overview.effort.as_ref()));
         }

@@ -181,7 +181,7 @@ impl SweepPart<'_> {
     /// Writes the part file atomically.
     pub fn write(&self, job: &JobFiles, cases: &Range<usize>, results: &SweepResults) -> Result<PathBuf, StudyError> {
         let path = SweepPart::job(job, cases).path(".csv");
-        let written = whole::write_durable(&path, self.text(cases, results).as_bytes());
+        let written = whole::write_durable(&path, &[self.text(cases, results).as_bytes()]);
         written.map_err(|e| StudyError::Setting(e.to_string()))?;
         Ok(path)
     }

@@ -125,7 +125,7 @@ impl PieceList {
         let nodes = state.dofs.nodes.len();
         let mut sets = DisjointSets::new(nodes + state.dofs.bodies.len());
         for (mesh_node, body) in plan.places.tied.iter() {
-            if let Some(node) = plan.places.nodes.get(mesh_node) {
+            if let Some(node) = plan.places.nodes.get(&mesh_node) {
                 sets.unite(*node, nodes + body);
             }
         }

@@ -17,7 +17,7 @@ use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struc
 /// Suffix of the file.
 pub const CHECKPOINT: &str = ".checkpoint";
 /// The last byte is the number of the format.
-const MAGIC: [u8; 8] = *b"REVOLVE\x09";
+const MAGIC: [u8; 8] = *b"REVOLVE\x0a";
 const SUM: usize = 32;
 
 /// Identity of the job that a state belongs to. Each part is a hexadecimal hash, or the data itself.
@@ -55,7 +55,23 @@ pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
         hash.update((piece.len() as u64).to_le_bytes());
         hash.update(piece);
     }
+    hexadecimal(hash)
+}
+
+fn hexadecimal(hash: Hash) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Returns the hexadecimal SHA-256 of coordinates and node lists of elements.
+pub fn hash_mesh<'a>(points: &[[f64; 2]], elements: impl IntoIterator<Item = &'a [usize]>) -> String {
+    let mut hash = Hash::new();
+    hash.update((points.len() as u64).to_le_bytes());
+    points.iter().flatten().for_each(|x| hash.update(x.to_le_bytes()));
+    for nodes in elements {
+        hash.update((nodes.len() as u64).to_le_bytes());
+        nodes.iter().for_each(|node| hash.update((*node as u64).to_le_bytes()));
+    }
+    hexadecimal(hash)
 }
 
 persist_struct!(JobIdentity { deck, parameters, mesh, user });
@@ -70,18 +86,22 @@ impl Persist for Checkpoint {
 }
 
 impl Checkpoint {
-    /// Writes the file and waits until it is on the disk.
+    /// Writes the file with this state in place of its own, which needs no copy of it, and waits until the file is on the
+    /// disk.
     ///
     /// # Errors
     /// If it cannot be written; the message contains the path.
-    pub fn write(&mut self, path: &Path) -> io::Result<()> {
-        let mut bytes = Vec::with_capacity(self.state.len() + self.shown.len() + 1024);
-        bytes.extend(MAGIC);
-        bytes.extend([0; SUM]);
-        self.persist(&mut StateArchive::writer(&mut bytes));
-        let sum = Hash::hash(&bytes[MAGIC.len() + SUM..]);
-        bytes[MAGIC.len()..MAGIC.len() + SUM].copy_from_slice(&sum);
-        write_durable(path, &bytes)
+    pub fn write(&mut self, path: &Path, state: &[u8]) -> io::Result<()> {
+        let mut head = Vec::new();
+        let mut archive = StateArchive::writer(&mut head);
+        let Checkpoint { version, identity, now, shown, state: _ } = self;
+        persist_fields!(&mut archive; version, identity, now);
+        archive.blob(shown);
+        state.len().persist(&mut archive);
+        let mut hash = Hash::new();
+        hash.update(&head);
+        hash.update(state);
+        write_durable(path, &[&MAGIC, &hash.finalize(), &head, state])
     }
 
     /// Reads a file; `None` if it does not exist.
@@ -189,7 +209,7 @@ mod tests {
         let identity = JobIdentity { deck: "d".into(), parameters: "V = 600".into(), ..JobIdentity::default() };
         let version = env!("CARGO_PKG_VERSION").to_owned();
         let mut checkpoint = Checkpoint { version, identity, state: vec![1, 2, 3], ..Checkpoint::default() };
-        checkpoint.write(&path).expect("written");
+        checkpoint.write(&path, &[1, 2, 3]).expect("written");
         assert_eq!(Checkpoint::read(&path).expect("whole"), Some(checkpoint.clone()));
         let bytes = std::fs::read(&path).expect("bytes");
         for at in 0..bytes.len() {
@@ -202,7 +222,7 @@ mod tests {
             assert_eq!(Checkpoint::read(&path).expect_err("flipped").code, expected, "{at}");
         }
         checkpoint.version = "0.0.0".into();
-        checkpoint.write(&path).expect("written");
+        checkpoint.write(&path, &[]).expect("written");
         assert_eq!(Checkpoint::read(&path).expect_err("old").code, "K002");
     }
 

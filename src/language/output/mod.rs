@@ -19,12 +19,13 @@ pub mod vtu;
 pub mod whole;
 
 use std::io;
+use std::ops::Index;
 use std::path::PathBuf;
 
 use serde::Serialize;
 
 pub use history::{ColumnSummary, HistorySummary, RunHistory};
-pub use whole::{AtomicFile, write_durable, write_whole};
+pub use whole::{AtomicFile, unnamed_file, write_durable, write_whole};
 
 /// Suffix of the history file.
 pub const HISTORY: &str = "_history.csv";
@@ -61,7 +62,7 @@ pub struct OutputFrame {
     /// Initial third coordinates; empty likewise.
     pub third_at_start: Vec<f64>,
     /// Cells as point indices: 1 = vertex, 2 = line, 3 = triangle, 4 = quadrilateral.
-    pub cells: Vec<Vec<usize>>,
+    pub cells: CellList,
     /// Whether the element of each cell is deleted; empty if none is.
     pub deleted: Vec<bool>,
     /// Arrays with one value or vector per point.
@@ -74,6 +75,64 @@ pub struct OutputFrame {
     pub point_labels: Vec<EntityLabels>,
     /// Labels of cells, constant over time.
     pub cell_labels: Vec<EntityLabels>,
+}
+
+/// Point indices of cells, in one list.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct CellList {
+    corners: Vec<u32>,
+    /// End of each cell in `corners`.
+    ends: Vec<u32>,
+}
+
+impl CellList {
+    /// Creates an empty list with memory for a number of quadrilaterals.
+    pub fn with_capacity(count: usize) -> CellList {
+        CellList { corners: Vec::with_capacity(4 * count), ends: Vec::with_capacity(count) }
+    }
+
+    /// Adds a cell.
+    pub fn push(&mut self, corners: impl IntoIterator<Item = usize>) {
+        self.corners.extend(corners.into_iter().map(|point| point as u32));
+        self.ends.push(self.corners.len() as u32);
+    }
+
+    /// Returns the number of cells.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Returns whether there are no cells.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// Iterates over the point indices of each cell.
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
+        (0..self.len()).map(|cell| &self[cell])
+    }
+
+    /// Returns the point indices of all cells.
+    pub fn corners(&self) -> &[u32] {
+        &self.corners
+    }
+}
+
+impl Index<usize> for CellList {
+    type Output = [u32];
+
+    fn index(&self, cell: usize) -> &[u32] {
+        let start = cell.checked_sub(1).map_or(0, |previous| self.ends[previous]);
+        &self.corners[start as usize..self.ends[cell] as usize]
+    }
+}
+
+impl FromIterator<Vec<usize>> for CellList {
+    fn from_iter<I: IntoIterator<Item = Vec<usize>>>(cells: I) -> CellList {
+        let mut list = CellList::default();
+        cells.into_iter().for_each(|cell| list.push(cell));
+        list
+    }
 }
 
 /// Integer labels of points or cells: node and element numbers of the deck, materials, members of sets.

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use std::{fs, io};
 
 use super::checkpoint::CHECKPOINT;
-use super::sums::{Checksums, SUMS, sum};
+use super::sums::{Checksums, SUMS, SummedWriter};
 use super::vtu::{VtuWriter, escape};
-use super::whole::{remove, unfinished};
+use super::whole::{AtomicFile, remove, unfinished};
 use super::{FramePoints, HISTORY, JobFiles, OutputFrame, SETUP, STATUS, write_whole};
 
 /// Files of a job other than frames.
@@ -92,9 +92,11 @@ impl FrameWriter {
     /// # Errors
     /// If a file cannot be written.
     pub fn write(&mut self, frame: &OutputFrame) -> io::Result<()> {
-        let text = self.vtu.text(frame);
-        write_whole(&self.job.path(&ending(self.frames.len())), text.as_bytes())?;
-        self.frames.push((frame.time, sum(text.as_bytes())));
+        let mut out = SummedWriter::new(AtomicFile::begin(&self.job.path(&ending(self.frames.len())))?);
+        self.vtu.write(frame, &mut out)?;
+        let (file, sum) = out.finish();
+        file.finish()?;
+        self.frames.push((frame.time, sum));
         write_whole(&self.job.path(".pvd"), self.list().as_bytes())
     }
 

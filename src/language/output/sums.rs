@@ -1,7 +1,7 @@
 //! Checksum file of a job, `<job>.sfv`: one line with name and CRC-32 for each file, as cksfv and rhash read it.
 
 use std::fmt::Write as _;
-use std::io;
+use std::io::{self, Write};
 use std::path::Path;
 
 use flate2::Crc;
@@ -21,6 +21,43 @@ pub fn sum(bytes: &[u8]) -> u32 {
     let mut crc = Crc::new();
     crc.update(bytes);
     crc.sum()
+}
+
+/// Writer that computes length and CRC-32 of what it passes on.
+pub struct SummedWriter<W> {
+    out: W,
+    crc: Crc,
+    length: u64,
+}
+
+impl<W: Write> SummedWriter<W> {
+    /// Creates a writer that passes everything on to `out`.
+    pub fn new(out: W) -> SummedWriter<W> {
+        SummedWriter { out, crc: Crc::new(), length: 0 }
+    }
+
+    /// Returns the number of bytes.
+    pub fn length(&self) -> u64 {
+        self.length
+    }
+
+    /// Ends writing. Returns the destination and the checksum.
+    pub fn finish(self) -> (W, u32) {
+        (self.out, self.crc.sum())
+    }
+}
+
+impl<W: Write> Write for SummedWriter<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.out.write(bytes)?;
+        self.crc.update(&bytes[..count]);
+        self.length += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
 }
 
 /// Checksums by file name in one folder.

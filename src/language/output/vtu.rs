@@ -1,12 +1,13 @@
 //! VTU files: one frame as VTK XML with inline base64 and zlib (VTK File Formats, "XML File Formats").
 
 use std::fmt::Write as _;
+use std::io::{self, Write};
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use flate2::{Compress, Compression, FlushCompress};
 
-use super::{EntityLabels, FieldArray, FramePoints, OutputFrame};
+use super::{CellList, EntityLabels, FieldArray, FramePoints, OutputFrame};
 
 /// Bytes of an uncompressed block; resetting the compressor costs as much as compressing some tens of KiB.
 const BLOCK: usize = 1 << 20;
@@ -22,7 +23,8 @@ pub struct VtuWriter {
     points: FramePoints,
     compressor: Compress,
     text: String,
-    bytes: Vec<u8>,
+    /// Uncompressed block.
+    block: Vec<u8>,
     packed: Vec<u8>,
 }
 
@@ -44,7 +46,7 @@ impl VtuWriter {
     /// Creates a writer of current or of initial coordinates.
     pub fn new(points: FramePoints) -> Self {
         let compressor = Compress::new(Compression::fast(), true);
-        VtuWriter { points, compressor, text: String::new(), bytes: Vec::new(), packed: Vec::new() }
+        VtuWriter { points, compressor, text: String::new(), block: Vec::new(), packed: Vec::new() }
     }
 
     /// Returns an upper bound of the length of a frame's text: the length without compression.
@@ -58,7 +60,7 @@ impl VtuWriter {
             let names: usize = field.component_names.iter().map(|name| name.len() + 20).sum();
             array(field.values.len() / field.components.max(1) * padded * 8) + (2 * field.name.len() + names) as u64
         };
-        let corners: usize = frame.cells.iter().map(Vec::len).sum();
+        let corners = frame.cells.corners().len();
         let fields = frame.point_fields.iter().chain(&frame.cell_fields).map(field).sum::<u64>();
         let labels = frame.point_labels.iter().chain(&frame.cell_labels);
         let labels: u64 = labels.map(|label| array(4 * label.values.len()) + label.name.len() as u64).sum();
@@ -66,8 +68,19 @@ impl VtuWriter {
         fields + labels + 2 * array(24 * points) + array(8 * corners) + array(8 * cells) + 2 * array(cells) + 1000
     }
 
-    /// Returns the text of a frame. r becomes x, z becomes y, and direction 3 becomes z.
-    pub fn text(&mut self, frame: &OutputFrame) -> &str {
+    /// Returns the text of a frame.
+    pub fn text(&mut self, frame: &OutputFrame) -> String {
+        let mut text = Vec::new();
+        // Writing to memory cannot fail, and the text is valid.
+        let _ = self.write(frame, &mut text);
+        String::from_utf8(text).unwrap_or_default()
+    }
+
+    /// Writes the text of a frame, one array at a time. r becomes x, z becomes y, and direction 3 becomes z.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(&mut self, frame: &OutputFrame, out: &mut dyn Write) -> io::Result<()> {
         self.text.clear();
         self.line(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
@@ -81,17 +94,25 @@ impl VtuWriter {
         let (points, cells) = (frame.points.len(), frame.cells.len());
         self.line("</FieldData>");
         let _ = writeln!(self.text, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
-        self.point_data(frame);
-        self.cell_data(frame);
+        self.point_data(frame, out)?;
+        self.cell_data(frame, out)?;
         self.line("<Points>");
         let places = if reference { &frame.start } else { &frame.points };
         let third = if reference { &frame.third_at_start } else { &frame.third };
         let places = places.iter().enumerate().flat_map(|(i, p)| [p[0], p[1], third.get(i).copied().unwrap_or(0.0)]);
         self.array("Float64", "Points", " NumberOfComponents=\"3\"", places.flat_map(f64::to_le_bytes));
         self.line("</Points>");
-        self.topology(&frame.cells, &frame.deleted);
+        self.flush(out)?;
+        self.topology(&frame.cells, &frame.deleted, out)?;
         self.line("</Piece>\n</UnstructuredGrid>\n</VTKFile>");
-        &self.text
+        self.flush(out)
+    }
+
+    /// Writes the text so far.
+    fn flush(&mut self, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(self.text.as_bytes())?;
+        self.text.clear();
+        Ok(())
     }
 
     fn line(&mut self, line: &str) {
@@ -100,26 +121,27 @@ impl VtuWriter {
     }
 
     /// Writes arrays over points; with initial coordinates U is always included.
-    fn point_data(&mut self, frame: &OutputFrame) {
+    fn point_data(&mut self, frame: &OutputFrame, out: &mut dyn Write) -> io::Result<()> {
         self.line("<PointData>");
-        frame.point_fields.iter().for_each(|field| self.field(field));
+        frame.point_fields.iter().try_for_each(|field| self.field(field, out))?;
         if self.points == FramePoints::Reference && frame.point_fields.iter().all(|field| field.name != "U") {
             let third = |i: usize| Some(frame.third.get(i)? - frame.third_at_start.get(i)?);
             let pairs = frame.points.iter().zip(&frame.start).enumerate();
             let moved = pairs.flat_map(|(i, (p, q))| [p[0] - q[0], p[1] - q[1]].into_iter().chain(third(i)));
             let components = if frame.third.is_empty() { 2 } else { 3 };
             let component_names = (1..=components).map(|i| format!("U{i}")).collect();
-            self.field(&FieldArray { name: "U".into(), components, component_names, values: moved.collect() });
+            self.field(&FieldArray { name: "U".into(), components, component_names, values: moved.collect() }, out)?;
         }
-        frame.point_labels.iter().for_each(|label| self.label(label));
+        frame.point_labels.iter().try_for_each(|label| self.label(label, out))?;
         self.line("</PointData>");
+        Ok(())
     }
 
     /// Writes arrays over cells. Cells of deleted elements are hidden (VTK's blanking: HIDDENCELL of `vtkGhostType`).
-    fn cell_data(&mut self, frame: &OutputFrame) {
+    fn cell_data(&mut self, frame: &OutputFrame, out: &mut dyn Write) -> io::Result<()> {
         self.line("<CellData>");
-        frame.cell_fields.iter().for_each(|field| self.field(field));
-        frame.cell_labels.iter().for_each(|label| self.label(label));
+        frame.cell_fields.iter().try_for_each(|field| self.field(field, out))?;
+        frame.cell_labels.iter().try_for_each(|label| self.label(label, out))?;
         if !frame.deleted.is_empty() {
             self.array(
                 "UInt8",
@@ -129,15 +151,17 @@ impl VtuWriter {
             );
         }
         self.line("</CellData>");
+        Ok(())
     }
 
-    fn label(&mut self, label: &EntityLabels) {
+    fn label(&mut self, label: &EntityLabels, out: &mut dyn Write) -> io::Result<()> {
         self.array("Int32", &escape(&label.name), "", label.values.iter().flat_map(|v| v.to_le_bytes()));
+        self.flush(out)
     }
 
     /// Writes one array. Vectors in the plane get a third component, and symmetric tensors (rr, zz, hoop, rz) the two
     /// components that are zero in a body of revolution. VTK's filters then recognise both: XX, YY, ZZ, XY, YZ, XZ.
-    fn field(&mut self, field: &FieldArray) {
+    fn field(&mut self, field: &FieldArray, out: &mut dyn Write) -> io::Result<()> {
         let tensor = field.components == 4 && field.component_names.last().is_some_and(|name| name.ends_with("12"));
         let padded = field.components == 2 || tensor;
         let components = if tensor {
@@ -170,15 +194,16 @@ impl VtuWriter {
         } else {
             self.array("Float64", &name, &attributes, field.values.iter().flat_map(|v| v.to_le_bytes()));
         }
+        self.flush(out)
     }
 
     /// Writes cells. The cell of a deleted element is reduced to one point, because its nodes may be far apart and not
     /// every VTK filter respects hidden cells (vtkGeometryFilter of 9.7 draws those of unstructured grids).
-    fn topology(&mut self, cells: &[Vec<usize>], deleted: &[bool]) {
+    fn topology(&mut self, cells: &CellList, deleted: &[bool], out: &mut dyn Write) -> io::Result<()> {
         let connectivity = cells.iter().enumerate().flat_map(|(c, cell)| {
             let point = cell.first().filter(|_| deleted.get(c) == Some(&true)).copied();
             let order = if cell.len() == QUADRATIC.len() { &QUADRATIC[..] } else { &IN_ORDER[..cell.len()] };
-            order.iter().map(move |&i| point.unwrap_or(cell[i]) as i64)
+            order.iter().map(move |&i| i64::from(point.unwrap_or(cell[i])))
         });
         let offsets = cells.iter().scan(0, |sum, cell| {
             *sum += cell.len() as i64;
@@ -188,26 +213,33 @@ impl VtuWriter {
             cells.iter().map(|c| if c.len() == QUADRATIC.len() { 22 } else { [1, 3, 5, 9][c.len().clamp(1, 4) - 1] });
         self.line("<Cells>");
         self.array("Int64", "connectivity", "", connectivity.flat_map(i64::to_le_bytes));
+        self.flush(out)?;
         self.array("Int64", "offsets", "", offsets.flat_map(i64::to_le_bytes));
         self.array("UInt8", "types", "", types);
         self.line("</Cells>");
+        Ok(())
     }
 
     fn array(&mut self, kind: &str, name: &str, attributes: &str, bytes: impl IntoIterator<Item = u8>) {
         let _ = write!(self.text, "<DataArray type=\"{kind}\" Name=\"{name}\"{attributes} format=\"binary\">");
-        self.bytes.clear();
-        self.bytes.extend(bytes);
-        self.pack();
+        self.pack(bytes.into_iter());
         self.line("</DataArray>");
     }
 
     /// Writes the header (number of blocks, block size, size of a last partial block, compressed sizes) and the blocks,
     /// each in base64.
-    fn pack(&mut self) {
-        let blocks = self.bytes.len().div_ceil(BLOCK);
-        let mut header = vec![blocks as u64, BLOCK as u64, (self.bytes.len() % BLOCK) as u64];
+    fn pack(&mut self, mut bytes: impl Iterator<Item = u8>) {
+        let mut header = vec![0, BLOCK as u64, 0];
         self.packed.clear();
-        for block in self.bytes.chunks(BLOCK) {
+        loop {
+            self.block.clear();
+            self.block.extend(bytes.by_ref().take(BLOCK));
+            if self.block.is_empty() {
+                break;
+            }
+            let block = &self.block;
+            header[0] += 1;
+            header[2] = (block.len() % BLOCK) as u64;
             let start = self.packed.len();
             // Capacity for a block that does not compress: zlib adds a few bytes to every 16 KiB (RFC 1950, RFC 1951).
             self.packed.reserve(block.len() + block.len() / 1024 + 64);

@@ -19,21 +19,21 @@ const RANDOM: usize = 6;
 /// # Errors
 /// If it cannot be written; the message contains the path.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write(path, bytes, false)
+    write(path, &[bytes], false)
 }
 
-/// Writes like [`write_whole`] and waits until the file is on the disk, so that it survives a power failure.
+/// Writes parts like [`write_whole`] and waits until the file is on the disk, so that it survives a power failure.
 ///
 /// # Errors
 /// If it cannot be written; the message contains the path.
-pub fn write_durable(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    write(path, bytes, true)
+pub fn write_durable(path: &Path, parts: &[&[u8]]) -> io::Result<()> {
+    write(path, parts, true)
 }
 
-fn write(path: &Path, bytes: &[u8], durable: bool) -> io::Result<()> {
+fn write(path: &Path, parts: &[&[u8]], durable: bool) -> io::Result<()> {
     let write = || -> io::Result<()> {
         let mut whole = AtomicFile::open(path)?;
-        whole.file.write_all(bytes)?;
+        parts.iter().try_for_each(|part| whole.file.write_all(part))?;
         if durable {
             whole.file.sync_all()?;
         }
@@ -46,6 +46,11 @@ fn write(path: &Path, bytes: &[u8], durable: bool) -> io::Result<()> {
 
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn temporary_name(path: &Path, letters: &str) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    folder_of(path).join(format!("{MARK}{name}-{letters}"))
 }
 
 fn cannot_write(path: &Path, error: &io::Error) -> io::Error {
@@ -69,9 +74,8 @@ impl AtomicFile {
     }
 
     fn open(path: &Path) -> io::Result<AtomicFile> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
         let (file, temporary) = unique(|letters| {
-            let temporary = folder_of(path).join(format!("{MARK}{name}-{letters}"));
+            let temporary = temporary_name(path, letters);
             // Result files may be read by other users, as usual.
             let file = readable_by_all(OpenOptions::new().write(true).create_new(true)).open(&temporary)?;
             Ok((file, TemporaryFile(temporary)))
@@ -123,6 +127,20 @@ impl Drop for TemporaryFile {
     fn drop(&mut self) {
         let _ = std::fs::remove_file(&self.0);
     }
+}
+
+/// Creates a file without a name in the folder of `path`, for data that would take much memory. It exists until it is
+/// closed. If the process is killed before the name is removed, that is a temporary name of `path`.
+///
+/// # Errors
+/// If it cannot be created, or not be removed from the folder while it is open.
+pub fn unnamed_file(path: &Path) -> io::Result<File> {
+    let (file, temporary) = unique(|letters| {
+        let temporary = temporary_name(path, letters);
+        let file = OpenOptions::new().read(true).write(true).create_new(true).open(&temporary)?;
+        Ok((file, temporary))
+    })?;
+    std::fs::remove_file(temporary).map(|()| file)
 }
 
 /// Temporary folder; it is removed with its contents on drop.

@@ -113,7 +113,19 @@ pub(super) struct ControlStresses {
     pub(super) slow_dilation: Lanes,
 }
 
-/// Scratch memory and state of one task.
+/// Sums of the last pass and state of one task, stored between passes.
+#[derive(Clone, Debug, Default)]
+pub struct StoredTask {
+    /// With the sums of [`StressUpdate`].
+    sums: LaneSums,
+    /// See [`TaskWorkspace`].
+    deformed: [Lanes; 2],
+    /// Number of elements that the material deleted in the last pass.
+    pub(super) deleted: usize,
+    pub(super) task: TaskState,
+}
+
+/// Scratch memory of a thread, with the state of the task that it updates.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
 pub struct TaskWorkspace {
@@ -416,36 +428,7 @@ impl TaskWorkspace {
 
     /// Creates the scratch memory of a task of `blocks` blocks. Frequencies are not capped.
     pub fn new(constants: &ElementConstants, blocks: usize) -> Self {
-        let enhanced = if constants.hourglass.enhanced == 0.0 { 0 } else { blocks };
-        TaskWorkspace {
-            cap: f64::INFINITY,
-            task: TaskState {
-                controls: vec![ControlStresses::default(); blocks],
-                enhanced: vec![AssumedStresses::default(); enhanced],
-                ..TaskState::default()
-            },
-            ..TaskWorkspace::default()
-        }
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        let TaskState { controls, enhanced, subzones, records, eroded, own_rates } = &self.task;
-        heap_bytes(controls)
-            + heap_bytes(enhanced)
-            + heap_bytes(subzones)
-            + heap_bytes(records)
-            + heap_bytes(eroded)
-            + heap_bytes(own_rates)
-    }
-
-    /// Allocates the state of deletion by `*EROSION` for `blocks` blocks.
-    pub(super) fn make_erodible(&mut self, blocks: usize) {
-        self.task.eroded = vec![ErodedLanes::default(); blocks];
-    }
-
-    /// Allocates the rates of elements for `blocks` blocks.
-    pub(super) fn store_rates(&mut self, blocks: usize) {
-        self.task.own_rates.resize(blocks, [0.0; LANES]);
+        TaskWorkspace { cap: f64::INFINITY, task: TaskState::new(constants, blocks), ..TaskWorkspace::default() }
     }
 
     /// Stores the rates of the current block if a list for them exists.
@@ -509,13 +492,6 @@ impl TaskWorkspace {
         arch.dispatch(RecordUpdate { record, flow, spins, dt, increment, update });
     }
 
-    /// Adds work of the stress, and loss by damage, to the record of a lane in the block `index`, if records exist.
-    pub(super) fn add_to_record(&mut self, index: usize, lane: usize, energies: [f64; 2]) {
-        if let Some(record) = self.task.records.get_mut(index) {
-            record.add_to_lane(lane, energies);
-        }
-    }
-
     /// Returns the sums of the pass that records take: work of the stress, of hourglass control, loss by damage, and
     /// dissipation by plastic flow and damage.
     fn energy_sums(&self) -> [Lanes; 4] {
@@ -551,19 +527,82 @@ impl TaskWorkspace {
     }
 }
 
-impl TaskWorkspace {
-    /// Adds the sums of a block that was updated with other scratch memory.
+impl StoredTask {
+    /// Creates the state of a task of `blocks` blocks.
+    pub(super) fn new(constants: &ElementConstants, blocks: usize) -> StoredTask {
+        StoredTask { task: TaskState::new(constants, blocks), ..StoredTask::default() }
+    }
+
+    /// Returns the sums of the pass, and the squares of the largest strain increment and volume change.
+    pub(super) fn parts(&self) -> (LaneSums, [Lanes; 2]) {
+        (self.sums, self.deformed)
+    }
+
+    /// Exchanges the state with that of the scratch memory, before and after an update.
+    #[inline(always)]
+    pub(super) fn exchange(&mut self, scratch: &mut TaskWorkspace) {
+        std::mem::swap(&mut self.task, &mut scratch.task);
+    }
+
+    /// Stores the sums of a pass.
+    #[inline(always)]
+    pub(super) fn set_sums(&mut self, scratch: &TaskWorkspace) {
+        ((self.sums, self.deformed), self.deleted) = (scratch.parts(), scratch.stress.deleted);
+    }
+
+    /// Resets the sums at the start of a pass.
+    pub(super) fn clear_sums(&mut self) {
+        (self.sums, self.deformed, self.deleted) = (LaneSums::default(), [[0.0; LANES]; 2], 0);
+    }
+
+    /// Adds the sums of a block that was updated with its own scratch memory.
     pub(super) fn add_sums(&mut self, block: &TaskWorkspace) {
-        self.sums.add(&block.sums);
+        let (sums, deformed) = block.parts();
+        self.sums.add(&sums);
         for l in 0..LANES {
-            self.stress.internal[l] += block.stress.internal[l];
-            self.stress.dissipated[l] += block.stress.dissipated[l];
-            self.stress.damaged[l] += block.stress.damaged[l];
-            for (most, list) in self.deformed.iter_mut().zip(&block.deformed) {
+            for (most, list) in self.deformed.iter_mut().zip(&deformed) {
                 most[l] = larger(list[l], most[l]);
             }
         }
-        self.stress.deleted += block.stress.deleted;
+        self.deleted += block.stress.deleted;
+    }
+}
+
+impl TaskState {
+    fn new(constants: &ElementConstants, blocks: usize) -> TaskState {
+        let enhanced = if constants.hourglass.enhanced == 0.0 { 0 } else { blocks };
+        TaskState {
+            controls: vec![ControlStresses::default(); blocks],
+            enhanced: vec![AssumedStresses::default(); enhanced],
+            ..TaskState::default()
+        }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        let TaskState { controls, enhanced, subzones, records, eroded, own_rates } = self;
+        heap_bytes(controls)
+            + heap_bytes(enhanced)
+            + heap_bytes(subzones)
+            + heap_bytes(records)
+            + heap_bytes(eroded)
+            + heap_bytes(own_rates)
+    }
+
+    /// Allocates the state of deletion by `*EROSION` for `blocks` blocks.
+    pub(super) fn make_erodible(&mut self, blocks: usize) {
+        self.eroded = vec![ErodedLanes::default(); blocks];
+    }
+
+    /// Allocates the rates of elements for `blocks` blocks.
+    pub(super) fn store_rates(&mut self, blocks: usize) {
+        self.own_rates.resize(blocks, [0.0; LANES]);
+    }
+
+    /// Adds work of the stress, and loss by damage, to the record of a lane in the block `index`, if records exist.
+    pub(super) fn add_to_record(&mut self, index: usize, lane: usize, energies: [f64; 2]) {
+        if let Some(record) = self.records.get_mut(index) {
+            record.add_to_lane(lane, energies);
+        }
     }
 }
 
@@ -625,6 +664,9 @@ persist_struct!(TaskState {
     enhanced: fixed,
     subzones: fixed
 });
+
+// The sums stay valid while a task is quiescent.
+persist_struct!(StoredTask { sums, task } derived { deformed, deleted });
 
 // The other fields are scratch memory of one pass; the sums stay valid while a task is quiescent.
 persist_struct!(TaskWorkspace { sums, task } derived { stress, recorded, r, z, v_r, v_z, motion, turned, middle, weight, strain, block, at, own_rate, cap, arch, deformed } then TaskWorkspace::persist_work);

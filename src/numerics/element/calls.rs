@@ -5,7 +5,7 @@
 use pulp::Arch;
 use rayon::prelude::*;
 
-use super::block::{CornerNodes, ElementBlock, TaskWorkspace};
+use super::block::{CornerNodes, ElementBlock, StoredTask, TaskWorkspace};
 use super::constants::ElementConstants;
 use super::eroded::ErodedLanes;
 use super::group::{ElementPass, GroupTotals, PARALLEL, QuadGroup, TASK, UserCalls};
@@ -74,7 +74,7 @@ impl UserCallBuffers {
 /// Data of one task in one phase.
 struct TaskPhase<'a, S> {
     blocks: &'a mut [ElementBlock<S>],
-    task: &'a mut TaskWorkspace,
+    task: &'a mut StoredTask,
     scratch: &'a mut [BlockScratch],
     points: &'a mut [PointArguments],
     corners: &'a mut [BlockCornerForces],
@@ -97,17 +97,17 @@ impl<M: Material> PassInput<'_, M> {
     /// Computes the kinematics of a task, and stores the arguments of its calls.
     fn measure(&self, index: usize, phase: TaskPhase<'_, M::State>) {
         let TaskPhase { blocks, task, scratch, points, .. } = phase;
-        task.begin(self.arch, self.cap, self.dt, self.constants);
+        task.clear_sums();
         for (i, (block, BlockScratch { work, nodes })) in blocks.iter_mut().zip(scratch).enumerate() {
             let number = index * TASK + i;
-            std::mem::swap(&mut work.task, &mut task.task);
+            task.exchange(work);
             work.begin(self.arch, self.cap, self.dt, self.constants);
             work.prepare(number, i, self.count - number * LANES);
             nodes.collect(self.nodes, &block.nodes);
             self.material.begin(&mut block.state, self.now.total_time);
             block.mask(self.material, nodes, work);
             block.measure_strain::<M>(self.constants, self.dt, nodes, work);
-            std::mem::swap(&mut work.task, &mut task.task);
+            task.exchange(work);
             let corners = |l: usize| nodes.places(l);
             let StrainIncrement { strain, spin, volume, .. } = work.strain;
             let shown = BlockKinematics { strain, spin, volume, corners: &corners };
@@ -120,7 +120,7 @@ impl<M: Material> PassInput<'_, M> {
         let TaskPhase { blocks, task, scratch, points, corners } = phase;
         let each = blocks.iter_mut().zip(scratch).zip(corners).enumerate();
         for (i, ((block, BlockScratch { work, nodes }), corners)) in each {
-            std::mem::swap(&mut work.task, &mut task.task);
+            task.exchange(work);
             self.calls.scatter(&points[i / CALL_BLOCKS], i % CALL_BLOCKS, &mut block.state);
             let eroded = work.task.eroded.get(i).is_some_and(ErodedLanes::any);
             let increment = (self.constants, self.dt);
@@ -129,7 +129,7 @@ impl<M: Material> PassInput<'_, M> {
                 let increment = (work.strain.spin, self.dt);
                 work.update_record(self.arch, i, M::FLOW, increment);
             }
-            std::mem::swap(&mut work.task, &mut task.task);
+            task.exchange(work);
             task.add_sums(work);
         }
     }
@@ -160,7 +160,7 @@ impl<S> PointAccess for BlockPointAccess<'_, S> {
 fn spread<S: Send>(
     threads: bool,
     blocks: &mut [ElementBlock<S>],
-    tasks: &mut [TaskWorkspace],
+    tasks: &mut [StoredTask],
     corners: &mut [BlockCornerForces],
     calls: &mut UserCallBuffers,
     phase: impl Fn(usize, TaskPhase<'_, S>) + Sync,
@@ -286,7 +286,7 @@ impl<M: Material> PassInput<'_, M> {
         &self,
         first: usize,
         blocks: &[ElementBlock<M::State>],
-        tasks: &[TaskWorkspace],
+        tasks: &[StoredTask],
         calls: &mut UserCallBuffers,
         user: &mut PointRoutines<'_>,
     ) -> Result<(), CallFailure> {

@@ -238,7 +238,7 @@ mod tests {
             }
         }
         let quads = QuadGroup::new(VonMises::new(ElasticOnly, ConstantBulkModulus), CONSTANTS, 1.0, &elements, &nodes);
-        let gather = NodalAssembly::new(count, &[(1, elements.iter().map(|e| (*e).into()).collect())]);
+        let gather = NodalAssembly::new(count, &[(1, elements.iter().map(|e| (*e).into()))]);
         (Elements::new(vec![Box::new(quads)], vec![0], gather, count), Nodes::new(nodes, mass))
     }
 

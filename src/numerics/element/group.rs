@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use crate::element::block::{CornerNodes, ElementBlock, LaneSums, TaskWorkspace, across, is_larger};
+use crate::element::block::{CornerNodes, ElementBlock, LaneSums, StoredTask, TaskWorkspace, across, is_larger};
 use crate::element::calls::UserCallBuffers;
 use crate::element::constants::{ElementConstants, damped};
 use crate::element::quiescent::TaskQuiescence;
@@ -354,7 +354,7 @@ pub struct QuadGroup<M: Material> {
     pub(super) constants: ElementConstants,
     pub(super) count: usize,
     pub(super) blocks: Vec<ElementBlock<M::State>>,
-    pub(super) tasks: Vec<TaskWorkspace>,
+    pub(super) tasks: Vec<StoredTask>,
     /// Buffers of user subroutines; `None` without user subroutines.
     pub(super) calls: Option<Box<UserCallBuffers>>,
     pub(super) arch: Arch,
@@ -376,8 +376,8 @@ impl<M: Material> QuadGroup<M> {
     /// Adds subzonal pressures for elements in the initial configuration.
     #[must_use]
     pub fn with_subzones(mut self, elements: &[[u32; 4]], nodes: &[Node]) -> Self {
-        for (scratch, part) in self.tasks.iter_mut().zip(elements.chunks(TASK * LANES)) {
-            scratch.task.subzones = part.chunks(LANES).map(|block| SubzonalPressures::of(block, nodes)).collect();
+        for (stored, part) in self.tasks.iter_mut().zip(elements.chunks(TASK * LANES)) {
+            stored.task.subzones = part.chunks(LANES).map(|block| SubzonalPressures::of(block, nodes)).collect();
         }
         self
     }
@@ -399,7 +399,7 @@ impl<M: Material> QuadGroup<M> {
             material: Arc::new(material),
             constants,
             count: elements.len(),
-            tasks: blocks.chunks(TASK).map(|part| TaskWorkspace::new(&constants, part.len())).collect(),
+            tasks: blocks.chunks(TASK).map(|part| StoredTask::new(&constants, part.len())).collect(),
             blocks,
             arch: Arch::new(),
             quiescence: TaskQuiescence::of_tasks(elements),
@@ -480,7 +480,7 @@ impl<M: Material> QuadGroup<M> {
         let ElementConstants { bulk, shear, bulk_viscosity, .. } = self.constants;
         let xi = bulk_viscosity.linear * (bulk + 4.0 / 3.0 * shear) / bulk;
         let still = self.cap * damped(xi);
-        let totals = totals(self.tasks.iter().map(TaskWorkspace::parts), |task| {
+        let totals = totals(self.tasks.iter().map(StoredTask::parts), |task| {
             if self.quiescence[task].quiescent { still } else { f64::INFINITY }
         });
         GroupTotals { rate: self.constants.with_assumed(totals.rate, self.cap), ..totals }
@@ -596,15 +596,15 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
             prefetches,
         };
         let arch = self.arch;
-        let run = |index,
-                   blocks: &mut [ElementBlock<M::State>],
-                   corners: &mut [BlockCornerForces],
-                   scratch: &mut TaskWorkspace,
-                   resting: &mut TaskQuiescence| {
+        let run = |scratch: &mut TaskWorkspace,
+                   (index, blocks): (usize, &mut [ElementBlock<M::State>]),
+                   (stored, resting): (&mut StoredTask, &mut TaskQuiescence),
+                   corners: &mut [BlockCornerForces]| {
             if resting.quiescent && dilation_correction.is_none() && resting.is_still(nodes) {
                 return;
             }
-            let task = QuadTask { pass: &pass, arch, index, blocks: &mut *blocks, corners: &mut *corners, scratch };
+            let task =
+                QuadTask { pass: &pass, arch, index, blocks: &mut *blocks, corners: &mut *corners, stored, scratch };
             dispatch_outlined(arch, task);
             // With dt = 0 nothing has been added to the sums, so they stay valid while the task is quiescent. The
             // pressure of an equation of state is not part of the stress that is checked here.
@@ -616,16 +616,17 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
                 && resting.is_still(nodes);
         };
         if !threads || self.count < PARALLEL {
-            let parts = self.blocks.chunks_mut(TASK).zip(self.tasks.iter_mut().zip(&mut self.quiescence)).enumerate();
-            let each = |((i, (blocks, (own, resting))), corners)| run(i, blocks, corners, own, resting);
-            parts.zip(corners.chunks_mut(TASK)).for_each(each);
+            let scratch = &mut TaskWorkspace::default();
+            let stored = self.tasks.iter_mut().zip(&mut self.quiescence);
+            let parts = self.blocks.chunks_mut(TASK).enumerate().zip(stored);
+            parts.zip(corners.chunks_mut(TASK)).for_each(|((blocks, own), corners)| run(scratch, blocks, own, corners));
         } else {
-            let parts = self.tasks.par_iter_mut().zip(&mut self.quiescence);
-            let parts = self.blocks.par_chunks_mut(TASK).zip(parts).enumerate();
-            let each = |((i, (blocks, (own, resting))), corners): ((_, (&mut [_], (&mut _, &mut _))), _)| {
-                run(i, blocks, corners, own, resting);
-            };
-            parts.zip(corners.par_chunks_mut(TASK)).for_each(each);
+            let stored = self.tasks.par_iter_mut().zip(&mut self.quiescence);
+            let parts = self.blocks.par_chunks_mut(TASK).enumerate().zip(stored);
+            let parts = parts.zip(corners.par_chunks_mut(TASK));
+            parts.for_each_init(TaskWorkspace::default, |scratch, ((blocks, own), corners)| {
+                run(scratch, blocks, own, corners);
+            });
         }
         self.totals()
     }
@@ -677,7 +678,7 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
     }
 
     fn bytes(&self) -> usize {
-        let kept: usize = self.tasks.iter().map(TaskWorkspace::bytes).sum();
+        let kept: usize = self.tasks.iter().map(|stored| stored.task.bytes()).sum();
         let quiescence: usize = self.quiescence.iter().map(TaskQuiescence::bytes).sum();
         let states: usize = self.blocks.iter().map(|block| self.material.bytes(&block.state)).sum();
         let calls = self.calls.as_ref().map_or(0, |calls| calls.bytes());
@@ -756,15 +757,15 @@ impl<M: Material> GroupSettings for QuadGroup<M> {
 
     fn keep_rates(&mut self) {
         if Self::HOLDS_PRESSURE && !M::EQUATION_OF_STATE {
-            for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
-                scratch.store_rates(blocks.len());
+            for (stored, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+                stored.task.store_rates(blocks.len());
             }
         }
     }
 
     fn follow(&mut self) {
-        for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
-            scratch.task.records = vec![BlockRecord::default(); blocks.len()];
+        for (stored, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            stored.task.records = vec![BlockRecord::default(); blocks.len()];
         }
     }
 
@@ -779,10 +780,10 @@ impl<M: Material> GroupSettings for QuadGroup<M> {
 
 impl<M: Material> GroupDeletion for QuadGroup<M> {
     fn make_erodible(&mut self) {
-        for (scratch, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
-            scratch.make_erodible(blocks.len());
+        for (stored, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            stored.task.make_erodible(blocks.len());
             if Self::HOLDS_PRESSURE {
-                scratch.store_rates(blocks.len());
+                stored.task.store_rates(blocks.len());
             }
         }
     }
@@ -799,7 +800,7 @@ impl<M: Material> GroupDeletion for QuadGroup<M> {
     }
 
     fn newly_deleted(&mut self, deleted: &mut Vec<ElementNodes>) {
-        if !M::FAILS || self.tasks.iter().all(|scratch| scratch.stress.deleted == 0) {
+        if !M::FAILS || self.tasks.iter().all(|stored| stored.deleted == 0) {
             return;
         }
         let mut listed = std::mem::take(&mut self.listed);
@@ -871,7 +872,7 @@ impl<M: Material> ElementTemperatures for QuadGroup<M> {
             let corners = corners.inline_map(|n| n.as_array());
             let done = 0.5 * pressure * quad::volume_change(corners, dt, self.constants.by_area);
             work += done;
-            self.tasks[e / (TASK * LANES)].add_to_record(e / LANES % TASK, lane, [done, 0.0]);
+            self.tasks[e / (TASK * LANES)].task.add_to_record(e / LANES % TASK, lane, [done, 0.0]);
         }
         work
     }
@@ -902,6 +903,7 @@ struct QuadTask<'a, M: Material> {
     index: usize,
     blocks: &'a mut [ElementBlock<M::State>],
     corners: &'a mut [BlockCornerForces],
+    stored: &'a mut StoredTask,
     scratch: &'a mut TaskWorkspace,
 }
 
@@ -929,6 +931,7 @@ impl<M: Material> NullaryFnOnce for QuadTask<'_, M> {
     #[inline(always)]
     fn call(self) {
         let pass = self.pass;
+        self.stored.exchange(self.scratch);
         self.scratch.begin(self.arch, pass.cap, pass.dt, pass.constants);
         let mut places = CornerNodes::default();
         for i in 0..self.blocks.len() {
@@ -948,6 +951,8 @@ impl<M: Material> NullaryFnOnce for QuadTask<'_, M> {
                 scratch.update_record(self.arch, i, M::FLOW, increment);
             }
         }
+        self.stored.exchange(self.scratch);
+        self.stored.set_sums(self.scratch);
     }
 }
 

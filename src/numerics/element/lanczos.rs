@@ -126,6 +126,7 @@ fn pattern(groups: &[Box<dyn ElementGroup>], count: usize) -> NodePairs {
         columns.extend_from_slice(&list);
         starts.push(columns.len() as u32);
     }
+    columns.shrink_to_fit();
     let no_values = vec![(); columns.len()];
     NodePairs::new((count, count), starts, columns, no_values)
 }

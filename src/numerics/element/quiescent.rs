@@ -21,11 +21,13 @@ pub(super) struct TaskQuiescence {
 impl TaskQuiescence {
     /// Creates the states of the tasks of a group, all active.
     pub fn of_tasks<const N: usize>(elements: &[[u32; N]]) -> Vec<TaskQuiescence> {
+        let mut nodes = Vec::new();
         let task = |part: &[[u32; N]]| {
-            let mut nodes: Vec<u32> = part.as_flattened().to_vec();
+            nodes.clear();
+            nodes.extend_from_slice(part.as_flattened());
             nodes.sort_unstable();
             nodes.dedup();
-            TaskQuiescence { nodes, quiescent: false }
+            TaskQuiescence { nodes: nodes.clone(), quiescent: false }
         };
         elements.chunks(TASK * LANES).map(task).collect()
     }

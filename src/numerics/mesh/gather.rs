@@ -22,13 +22,16 @@ pub struct NodalAssembly {
 impl NodalAssembly {
     /// Creates the assembly for `count` nodes. Each group gives its number of corner force blocks per element block,
     /// and its elements; it starts with a new block.
-    pub fn new(count: usize, groups: &[(usize, Vec<ElementNodes>)]) -> Self {
+    pub fn new<G>(count: usize, groups: &[(usize, G)]) -> Self
+    where
+        G: ExactSizeIterator<Item = ElementNodes> + Clone,
+    {
         let blocks: usize = groups.iter().map(|(per, g)| per * g.len().div_ceil(LANES)).sum();
         let empty = CornerForces::index(blocks, 0, 0) as u32;
         let mut gather = NodalAssembly { slots: vec![[empty; SLOTS]; count], more: Vec::new() };
         let mut block = 0;
         for (per, elements) in groups {
-            for (e, nodes) in elements.iter().enumerate() {
+            for (e, nodes) in elements.clone().enumerate() {
                 for (c, &node) in nodes.iter().enumerate() {
                     let slot = CornerForces::index(block + e / LANES * per + c / 4, e % LANES, c % 4) as u32;
                     match gather.slots[node as usize].iter_mut().find(|s| **s == empty) {

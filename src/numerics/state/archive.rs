@@ -4,6 +4,9 @@
 //! [`persist_struct`] destructures a type without `..`: a new field does not compile until it is listed as state or as
 //! derived. Data that follow from the plan are not state; reading requires an object created from the same plan.
 
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+
 /// Error: bytes that are not a state of the plan for which they are read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{reason}")]
@@ -23,6 +26,7 @@ pub struct StateArchive<'a> {
 #[derive(Debug)]
 enum ArchiveMode<'a> {
     Write(&'a mut Vec<u8>),
+    Stream(&'a mut BufWriter<File>),
     Count(&'a mut usize),
     Read(&'a [u8]),
 }
@@ -31,6 +35,11 @@ impl<'a> StateArchive<'a> {
     /// Creates an archive that appends to a buffer.
     pub fn writer(buffer: &'a mut Vec<u8>) -> Self {
         StateArchive { mode: ArchiveMode::Write(buffer), fault: None }
+    }
+
+    /// Creates an archive that writes to a file. [`StateArchive::finish`] returns a failure.
+    pub fn stream(file: &'a mut BufWriter<File>) -> Self {
+        StateArchive { mode: ArchiveMode::Stream(file), fault: None }
     }
 
     /// Creates an archive that counts the bytes that a writer would append.
@@ -67,6 +76,10 @@ impl<'a> StateArchive<'a> {
         let length = self.free_length(bytes.len());
         match &mut self.mode {
             ArchiveMode::Write(buffer) => buffer.extend_from_slice(bytes),
+            ArchiveMode::Stream(file) => {
+                let written = file.write_all(bytes);
+                self.reject_unwritten(written);
+            }
             ArchiveMode::Count(count) => **count += bytes.len(),
             ArchiveMode::Read(rest) => {
                 let (blob, tail) = rest.split_at(length.min(rest.len()));
@@ -75,11 +88,15 @@ impl<'a> StateArchive<'a> {
         }
     }
 
-    /// Ends reading.
+    /// Ends reading, or writing to a file.
     ///
     /// # Errors
-    /// Why the bytes are not a state of the plan.
+    /// Why the bytes are not a state of the plan, or why the file cannot be written.
     pub fn finish(mut self) -> Result<(), UnfitState> {
+        if let ArchiveMode::Stream(file) = &mut self.mode {
+            let written = file.flush();
+            self.reject_unwritten(written);
+        }
         if let ArchiveMode::Read(rest) = self.mode
             && !rest.is_empty()
         {
@@ -88,10 +105,16 @@ impl<'a> StateArchive<'a> {
         self.fault.map_or(Ok(()), |reason| Err(UnfitState { reason }))
     }
 
+    fn reject_unwritten(&mut self, written: std::io::Result<()>) {
+        if let Err(why) = written {
+            self.reject(|| why.to_string());
+        }
+    }
+
     /// Returns the number of bytes left to read; unlimited for writing.
     fn remaining(&self) -> usize {
         match &self.mode {
-            ArchiveMode::Write(_) | ArchiveMode::Count(_) => usize::MAX,
+            ArchiveMode::Write(_) | ArchiveMode::Stream(_) | ArchiveMode::Count(_) => usize::MAX,
             ArchiveMode::Read(rest) => rest.len(),
         }
     }
@@ -100,6 +123,10 @@ impl<'a> StateArchive<'a> {
     fn raw<const N: usize>(&mut self, value: [u8; N]) -> [u8; N] {
         match &mut self.mode {
             ArchiveMode::Write(buffer) => buffer.extend_from_slice(&value),
+            ArchiveMode::Stream(file) => {
+                let written = file.write_all(&value);
+                self.reject_unwritten(written);
+            }
             ArchiveMode::Count(count) => **count += N,
             ArchiveMode::Read(rest) => match rest.split_first_chunk() {
                 Some((read, tail)) => {

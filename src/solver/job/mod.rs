@@ -4,6 +4,7 @@ mod memory;
 mod setup;
 mod status;
 
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,13 +21,13 @@ use crate::element::group::TASK;
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::kernel::lanes::LANES;
 use crate::model::{self, DeckUnits, EntityName, Model, scene::SceneOutline};
-use crate::output::checkpoint::{CHECKPOINT, Checkpoint, JobIdentity, hash};
+use crate::output::checkpoint::{CHECKPOINT, Checkpoint, JobIdentity, hash, hash_mesh};
 use crate::output::lock::{FolderLock, LockError};
 use crate::output::pvd::{FrameWriter, WrittenFrame, missing_frames};
 use crate::output::sums::{Checksums, SUMS, sum};
 use crate::output::{
-    FramePoints, HISTORY, HistorySummary, JobFiles, OutputFrame, RunHistory, SETUP, write_summary, write_whole,
-    write_with_sums,
+    FramePoints, HISTORY, HistorySummary, JobFiles, OutputFrame, RunHistory, SETUP, unnamed_file, write_summary,
+    write_whole, write_with_sums,
 };
 use crate::overview::DeckOverview;
 use crate::plan::ledger::Ledger;
@@ -70,8 +71,8 @@ pub struct PreparedJob {
     pub units: Option<DeckUnits>,
     /// Whether user subroutines are present.
     has_routines: bool,
-    /// Hash of a model that is composed in Rust; `None` for a deck.
-    composed: Option<String>,
+    /// Hash of a model that is composed in Rust, or of a deck whose texts are released.
+    known_hash: Option<String>,
 }
 
 /// Reads a deck file, validates it and plans the analysis.
@@ -105,6 +106,18 @@ impl PreparedJob {
         Ok(())
     }
 
+    fn hash_of_texts(&self) -> String {
+        hash(self.deck.sources.files().iter().map(|file| file.text.as_bytes()))
+    }
+
+    /// Frees the texts of the deck before a run, unless diagnostics refer to them. Their hash remains.
+    pub fn release_texts(&mut self) {
+        if self.diagnostics.is_empty() {
+            self.known_hash = Some(self.known_hash.take().unwrap_or_else(|| self.hash_of_texts()));
+            Arc::make_mut(&mut self.deck.sources).release_texts(|_| true);
+        }
+    }
+
     /// Returns the largest number of threads that the run can use.
     pub fn most_threads(&self) -> usize {
         self.plan.mesh.elements.len().div_ceil(TASK * LANES).max(1)
@@ -113,16 +126,12 @@ impl PreparedJob {
     /// Returns the identity that a checkpoint must have for a restart of this job; `user` is the hash of the user
     /// subroutines.
     pub fn identity(&self, user: &str) -> JobIdentity {
-        let files = self.deck.sources.files().iter().map(|f| f.text.as_bytes());
         let parameters = self.deck.parameters.iter().map(|(name, value)| format!("{name} = {value:?}"));
         let mesh = &self.plan.mesh;
-        let points: Vec<u8> = mesh.points.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-        let corners = mesh.elements.iter().flat_map(|e| [e.nodes.len()].into_iter().chain(e.nodes.iter().copied()));
-        let corners: Vec<u8> = corners.flat_map(usize::to_le_bytes).collect();
         JobIdentity {
-            deck: self.composed.clone().unwrap_or_else(|| hash(files)),
+            deck: self.known_hash.clone().unwrap_or_else(|| self.hash_of_texts()),
             parameters: parameters.collect::<Vec<_>>().join(", "),
-            mesh: hash([&points[..], &corners[..]]),
+            mesh: hash_mesh(&mesh.points, mesh.elements.iter().map(|e| &e.nodes[..])),
             user: user.into(),
         }
     }
@@ -189,7 +198,7 @@ fn prepared_model(
 /// Plans a model that is composed in Rust.
 pub fn prepare_model(model: &Model, routines: &Routines) -> PreparedJob {
     let prepared = planned(Deck::default(), model, Diagnostics::default(), routines);
-    PreparedJob { composed: Some(hash([format!("{model:?}").as_bytes()])), ..prepared }
+    PreparedJob { known_hash: Some(hash([format!("{model:?}").as_bytes()])), ..prepared }
 }
 
 fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &Routines) -> PreparedJob {
@@ -203,7 +212,7 @@ fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &R
     diagnostics.merge_repeats();
     let (title, scene, has_routines) = (model.settings.title.clone(), SceneOutline::of(model), routines.any());
     let units = model.settings.units.clone();
-    PreparedJob { title, scene, units, deck, plan, state, diagnostics, has_routines, composed: None }
+    PreparedJob { title, scene, units, deck, plan, state, diagnostics, has_routines, known_hash: None }
 }
 
 /// Summary of a run, the contents of `<job>.json`. The keys are stable.
@@ -505,6 +514,10 @@ impl Sink for FileSink<'_> {
         self.wanted != FrameOutput::Absent
     }
 
+    fn unnamed_file(&mut self) -> Option<File> {
+        unnamed_file(&self.job.path(CHECKPOINT)).ok()
+    }
+
     fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
         self.frames.write(frame)?;
         if self.history_written.elapsed() >= STALE {
@@ -539,8 +552,8 @@ impl Sink for FileSink<'_> {
         let mut frames = self.frames.frames().to_vec();
         persist_shown(&mut frames, &mut self.history, &mut StateArchive::writer(&mut shown));
         let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
-        let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: state.to_vec() };
-        Ok(checkpoint.write(&self.job.path(CHECKPOINT))?)
+        let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: Vec::new() };
+        Ok(checkpoint.write(&self.job.path(CHECKPOINT), state)?)
     }
 }
 

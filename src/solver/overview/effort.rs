@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::output::OutputFrame;
 use crate::output::history::row_length;
+use crate::output::sums::SummedWriter;
 use crate::output::vtu::VtuWriter;
 use crate::plan::{Plan, State};
 use crate::solve::{self, Instant, Progress, RunControl, Sink, SinkError};
@@ -39,6 +40,8 @@ pub struct RunEstimate {
 
 /// Sink that interrupts a run after a given wall-clock time.
 struct TrialRun<'a> {
+    /// Whether the deck requests frames.
+    frames: bool,
     begin: Stopwatch,
     length: Duration,
     stop: &'a AtomicUsize,
@@ -72,7 +75,7 @@ impl Sink for TrialRun<'_> {
     fn wants_frames(&self) -> bool {
         let wanted = self.output_time < FRAME_TIME || FRAME_SHARE * self.output_time < self.begin.elapsed();
         self.skipped.set(self.skipped.get() || !wanted);
-        wanted
+        self.frames && wanted
     }
 
     fn wants_last_instant(&self) -> bool {
@@ -82,7 +85,9 @@ impl Sink for TrialRun<'_> {
     fn frame(&mut self, frame: &OutputFrame) -> Result<(), SinkError> {
         let begin = Stopwatch::now();
         let [number, bytes] = &mut self.written[0];
-        self.last_frame = self.vtu.text(frame).len() as f64;
+        let mut out = SummedWriter::new(std::io::sink());
+        self.vtu.write(frame, &mut out)?;
+        self.last_frame = out.length() as f64;
         (*number, *bytes) = (*number + 1.0, *bytes + self.last_frame);
         self.output_time += begin.elapsed();
         Ok(())
@@ -117,6 +122,7 @@ pub fn measure(plan: &Plan, state: State, length: Duration) -> Option<RunEstimat
     }
     let stop = AtomicUsize::new(0);
     let mut look = TrialRun {
+        frames: plan.steps.iter().any(|step| !step.outputs.field.is_empty()),
         begin: Stopwatch::now(),
         length,
         stop: &stop,

@@ -278,7 +278,7 @@ impl<'a> Compiler<'a> {
         (motions, open): (&[MeshMotion], &HashSet<[u32; 2]>),
     ) -> Option<(String, &'static str)> {
         let name = |n: usize| {
-            let found = self.places.nodes.iter().find(|(_, place)| **place == n).map(|(node, _)| *node);
+            let found = self.places.nodes.iter().find(|(_, place)| **place == n).map(|(node, _)| node);
             found.map_or_else(String::new, |node| self.model.mesh.node_names[node].to_string())
         };
         if let Some(n) = motions.iter().flat_map(|m| &m.dofs).map(|dof| dof.0).filter(|n| others[*n]).min() {

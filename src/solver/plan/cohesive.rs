@@ -203,7 +203,7 @@ impl<'a> Compiler<'a> {
         let (mesh, mass) = (&self.model.mesh, &state.dofs.nodes.mass);
         let search = self.inertia_search();
         let (mut springs, mut bare): (Vec<InterfaceSpring>, Vec<usize>) = Default::default();
-        for (&e, &(group, element)) in self.places.elements.iter() {
+        for (e, &(group, element)) in self.places.elements.iter() {
             let Some(stiffness) = state.elements.groups[group].interface_stiffness(element) else { continue };
             for (stiffness, pair) in stiffness.into_iter().zip(PAIRS) {
                 let ends = pair.map(|i| mesh.elements[e].nodes[i]);

@@ -111,14 +111,14 @@ impl Compiler<'_> {
 
     /// Returns whether the motion of a node without mass is prescribed in all steps.
     fn is_always_prescribed(&self, place: usize, axis: usize) -> bool {
-        let Some(node) = self.places.nodes.iter().find(|n| *n.1 == place).map(|n| *n.0) else { return false };
+        let Some(node) = self.places.nodes.iter().find(|n| *n.1 == place).map(|n| n.0) else { return false };
         let prescribes = |b: &BoundaryCondition| usize::from(b.dof) == axis + 1 && b.nodes.contains(&node);
         let on_axis = axis == 0 && self.model.mesh.points[node][0] == 0.0;
         on_axis || self.model.steps.iter().all(|step| step.boundaries.iter().any(prescribes))
     }
 
     fn refuse_massless_end(&mut self, place: usize) {
-        let Some(node) = self.places.nodes.iter().find(|n| *n.1 == place).map(|n| *n.0) else { return };
+        let Some(node) = self.places.nodes.iter().find(|n| *n.1 == place).map(|n| n.0) else { return };
         let mesh = &self.model.mesh;
         let name = &mesh.node_names[node];
         let message = format!("a spring or dashpot is attached to node {name}, which has no mass");

@@ -188,8 +188,7 @@ impl Compiler<'_> {
     ) {
         let mesh = &self.model.mesh;
         let own: HashSet<usize> = facets.iter().map(|f| f.1).collect();
-        let solids: Vec<usize> =
-            self.places.elements.keys().copied().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
+        let solids: Vec<usize> = self.places.elements.keys().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
         for piece in pieces(mesh, &solids).iter().filter(|p| p.iter().any(|e| own.contains(e))) {
             let edges = |e: usize| {
                 let nodes = &mesh.elements[e].nodes;

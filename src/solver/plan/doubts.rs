@@ -178,7 +178,7 @@ impl<'m> Compiler<'m> {
         let plain = |c: &InitialCondition| matches!(c.kind, InitialKind::Velocity(..) | InitialKind::Temperature(_));
         let everywhere = |c: &InitialCondition| {
             let members: HashSet<usize> = c.members.iter().copied().collect();
-            self.places.nodes.keys().all(|n| members.contains(n))
+            self.places.nodes.keys().all(|n| members.contains(&n))
         };
         if !free || !model.initial_conditions.iter().all(plain) {
             return;

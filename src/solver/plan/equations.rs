@@ -60,7 +60,7 @@ impl Compiler<'_> {
     fn refuse_conflicting_motion(&mut self, step: &Step, first: Span, nodes: [usize; 2], axis: usize) {
         let name = |place: usize| {
             let found = self.places.nodes.iter().find(|n| *n.1 == place);
-            found.map_or("", |n| self.model.mesh.node_names[*n.0].as_str())
+            found.map_or("", |n| self.model.mesh.node_names[n.0].as_str())
         };
         let [a, b] = nodes.map(name);
         let along = ["r", "z"][axis];

@@ -58,7 +58,7 @@ impl Compiler<'_> {
         let at_start = |&&(g, e): &&(usize, usize)| criteria.are_met(&*state.elements.groups[g], e, nodes);
         let Some(&place) = elements.iter().find(at_start) else { return };
         let found = self.places.elements.iter().find(|e| *e.1 == place);
-        let name = found.map_or("", |(&e, _)| &self.model.mesh.elements[e].name);
+        let name = found.map_or("", |(e, _)| &self.model.mesh.elements[e].name);
         let message = format!("element {name} meets an erosion criterion at the start");
         let finding = Diagnostic::error("P070", message).at(card.span, "this card");
         self.diagnostics.push(finding.help("give another limit, or an ELSET without this element"));

@@ -170,10 +170,15 @@ impl Compiler<'_> {
     fn check_edges(&mut self) {
         let mesh = &self.model.mesh;
         let elements = self.model.sections.iter().flat_map(|s| s.elements.iter().map(|&e| &mesh.elements[e]));
-        let sides: Vec<_> = elements.map(|element| (element, side_lengths(element, &mesh.points))).collect();
-        if sides.is_empty() {
+        let sides = elements.map(|element| (element, side_lengths(element, &mesh.points)));
+        let extremes = sides.clone().fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], (_, [shortest, longest])| {
+            [least.min(shortest), most.max(longest)]
+        });
+        // Large meshes of similar elements need no lists.
+        if extremes[1] <= LARGEST_ELONGATION * extremes[0] {
             return;
         }
+        let sides: Vec<_> = sides.collect();
         let mut longest: Vec<f64> = sides.iter().map(|(_, [_, most])| *most).collect();
         let middle = longest.len() / 2;
         let median = *longest.select_nth_unstable_by(middle, f64::total_cmp).1;

@@ -57,15 +57,17 @@ impl FrameLabels {
     }
 
     /// Returns the labels of the points and cells of a frame, given their mesh nodes and elements.
-    pub fn of_frame(&self, mesh: &Mesh, nodes: &[usize], elements: &[usize]) -> (Vec<EntityLabels>, Vec<EntityLabels>) {
+    pub fn of_frame(&self, mesh: &Mesh, nodes: &[u32], elements: &[u32]) -> (Vec<EntityLabels>, Vec<EntityLabels>) {
         let label = |name: &str, values: Vec<i32>| EntityLabels { name: name.into(), values };
-        let mut points = vec![label("NODE", nodes.iter().map(|&n| number(&mesh.node_names[n], n)).collect())];
-        let of = |kind: &str, (name, members): &(String, Vec<u32>), count: usize, items: &[usize]| {
+        let of_node = |n: usize| number(&mesh.node_names[n], n);
+        let mut points = vec![label("NODE", nodes.iter().map(|&n| of_node(n as usize)).collect())];
+        let of = |kind: &str, (name, members): &(String, Vec<u32>), count: usize, items: &[u32]| {
             label(&format!("{kind} {name}"), marks(members, count, items))
         };
         points.extend(self.node_sets.iter().map(|set| of("NSET", set, mesh.points.len(), nodes)));
-        let numbers = elements.iter().map(|&e| number(&mesh.elements[e].name, e)).collect();
-        let materials = elements.iter().map(|&e| self.materials[e]).collect();
+        let of_element = |e: usize| number(&mesh.elements[e].name, e);
+        let numbers = elements.iter().map(|&e| of_element(e as usize)).collect();
+        let materials = elements.iter().map(|&e| self.materials[e as usize]).collect();
         let mut cells = vec![label("ELEMENT", numbers), label("MATERIAL", materials)];
         cells.extend(self.element_sets.iter().map(|set| of("ELSET", set, mesh.elements.len(), elements)));
         (points, cells)
@@ -85,8 +87,8 @@ fn number(name: &str, place: usize) -> i32 {
 }
 
 /// Returns 1 for members of a set and 0 for other items.
-fn marks(members: &[u32], count: usize, items: &[usize]) -> Vec<i32> {
-    let mut of_all = vec![0; count];
-    members.iter().for_each(|&member| of_all[member as usize] = 1);
-    items.iter().map(|&item| of_all[item]).collect()
+fn marks(members: &[u32], count: usize, items: &[u32]) -> Vec<i32> {
+    let mut of_all = vec![false; count];
+    members.iter().for_each(|&member| of_all[member as usize] = true);
+    items.iter().map(|&item| i32::from(of_all[item as usize])).collect()
 }

@@ -70,7 +70,7 @@ impl Compiler<'_> {
 
     fn element_name(&self, group: usize, element: usize) -> &str {
         let found = self.places.elements.iter().find(|e| *e.1 == (group, element));
-        found.map_or("", |(&e, _)| &self.model.mesh.elements[e].name)
+        found.map_or("", |(e, _)| &self.model.mesh.elements[e].name)
     }
 
     /// Returns whether each node keeps its mass: nodes of rigid bodies, equations and links. Empty if there are none.

@@ -184,7 +184,7 @@ impl Plan {
     }
 
     fn mesh_element(&self, group: usize, element: usize) -> Option<usize> {
-        self.places.elements.iter().find(|e| *e.1 == (group, element)).map(|e| *e.0)
+        self.places.elements.iter().find(|e| *e.1 == (group, element)).map(|e| e.0)
     }
 }
 

@@ -171,7 +171,7 @@ impl<'a> Compiler<'a> {
     fn axis(&mut self, step: &Step, nodes: &HashSet<Dof>, list: &mut ConstraintList<'a>) {
         let mesh = &self.model.mesh;
         let on_axis = |n: &usize| mesh.points[*n][0] == 0.0;
-        let free = self.places.nodes.keys().filter(|n| on_axis(n)).filter_map(|n| self.places.free_node(*n));
+        let free = self.places.nodes.keys().filter(|n| on_axis(n)).filter_map(|n| self.places.free_node(n));
         // Rotations are zero on the axis, where a shell would have a kink otherwise, and on rigid bodies.
         let carried = |n: &usize| self.places.tied.contains_key(n);
         let turning: Vec<usize> =

@@ -104,8 +104,8 @@ impl Compiler<'_> {
         self.check_steps_alike();
         self.point_masses(&mut mass);
         self.tie(&mut mass);
-        let listed = |g: &dyn ElementGroup| (g.topology().force_blocks(), (0..g.len()).map(|e| g.nodes(e)).collect());
-        let gather = NodalAssembly::new(nodes.len(), &groups.iter().map(|g| listed(&**g)).collect::<Vec<_>>());
+        let listed = groups.iter().map(|g| (g.topology().force_blocks(), (0..g.len()).map(|e| g.nodes(e))));
+        let gather = NodalAssembly::new(nodes.len(), &listed.collect::<Vec<_>>());
         let mut elements = Elements::new(groups, ids, gather, nodes.len());
         elements.lengths = lengths;
         let nodes = Nodes::new(nodes, mass);
@@ -146,9 +146,9 @@ impl Compiler<'_> {
     fn place_nodes<'e>(&mut self, sections: impl Iterator<Item = &'e Vec<usize>>) -> Vec<Node> {
         let mesh = &self.model.mesh;
         self.places.nodes = numbering::nodes(sections.flatten().copied(), self.linked_nodes(), mesh);
-        self.places.tied = self.places.nodes.keys().filter_map(|n| Some((*n, *self.body_of_node.get(n)?))).collect();
+        self.places.tied = self.places.nodes.keys().filter_map(|n| Some((n, *self.body_of_node.get(&n)?))).collect();
         let mut nodes = vec![Node::default(); self.places.nodes.len()];
-        for (&n, &place) in self.places.nodes.iter() {
+        for (n, &place) in self.places.nodes.iter() {
             nodes[place] = Node { r: mesh.points[n][0], z: mesh.points[n][1], ..Node::default() };
         }
         nodes
@@ -304,7 +304,9 @@ impl Compiler<'_> {
             let around = |&e: &usize| Some(mesh.elements[e].nodes.first_chunk::<6>()?.map(node));
             Connectivity::SixNodeTriangles(elements.iter().filter_map(around).collect())
         } else {
-            Connectivity::Quadrilaterals(elements.iter().flat_map(|&e| mesh.cells(e)).map(|c| c.map(node)).collect())
+            let mut cells = Vec::with_capacity(elements.len());
+            cells.extend(elements.iter().flat_map(|&e| mesh.cells(e)).map(|cell| cell.map(node)));
+            Connectivity::Quadrilaterals(cells)
         })
     }
 
@@ -353,7 +355,7 @@ impl Compiler<'_> {
         }
         let mut values = Vec::new();
         for (e, &(group, i)) in self.places.elements.iter() {
-            let nodes = &self.model.mesh.elements[*e].nodes;
+            let nodes = &self.model.mesh.elements[e].nodes;
             values.clear();
             values.extend(nodes.iter().filter_map(|n| nodal.get(n)));
             if values.len() == nodes.len() {

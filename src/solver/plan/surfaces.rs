@@ -61,7 +61,7 @@ impl Compiler<'_> {
             let sides = (1..=count).filter(move |_| deforms).map(ElementSide::Face);
             sides.filter_map(move |s| Some(mesh.side_nodes(element, s)?.map(|n| self.places.nodes[&n])))
         };
-        let all: HashSet<[usize; 2]> = self.places.elements.keys().flat_map(|&e| faces_of(e)).collect();
+        let all: HashSet<[usize; 2]> = self.places.elements.keys().flat_map(|e| faces_of(e)).collect();
         let own = sides.free_face_elements.iter().flat_map(|&e| faces_of(e).map(move |face| (face, e)));
         // A face that is also given by its side is loaded from the start.
         let named: HashSet<(usize, ElementSide)> = sides.faces.iter().copied().collect();

@@ -10,7 +10,7 @@ impl Compiler<'_> {
     pub(super) fn tie(&mut self, mass: &mut [f64]) {
         let mut by_body: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (node, &body) in self.places.tied.iter() {
-            by_body.entry(body).or_default().push(self.places.nodes[node]);
+            by_body.entry(body).or_default().push(self.places.nodes[&node]);
         }
         for (body, mut nodes) in by_body {
             nodes.sort_unstable();

@@ -182,7 +182,7 @@ mod tests {
             if awake {
                 quads.keep_awake(count as u32 - 1);
             }
-            let gather = NodalAssembly::new(count, &[(1, self.elements.iter().map(|e| (*e).into()).collect())]);
+            let gather = NodalAssembly::new(count, &[(1, self.elements.iter().map(|e| (*e).into()))]);
             let elements = Elements::new(vec![Box::new(quads)], vec![0], gather, count);
             let dofs = Dofs { nodes: Nodes::new(self.nodes.clone(), mass), ..Dofs::default() };
             FreeBody { parts: chunk_energies(&dofs.nodes), dofs, elements }

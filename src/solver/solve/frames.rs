@@ -11,8 +11,8 @@ use crate::constraint::{Constraint, ContactResults, reaction};
 use crate::element::parts::PartTotals;
 use crate::element::values;
 use crate::model::OutputPosition;
-use crate::output::{FieldArray, OutputFrame};
-use crate::plan::{ColumnSource, FrameField, HistoryColumn, IntegratedSection};
+use crate::output::{CellList, FieldArray, OutputFrame};
+use crate::plan::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, SolidPlaces};
 use crate::state::dofs::{Dof, Dofs};
 use crate::variables::statistic::Statistic;
 use crate::variables::{Variable, VariableComponent, VariablePlace};
@@ -248,38 +248,43 @@ impl SolverRun<'_> {
 pub(super) fn frame(run: &SolverRun<'_>) -> OutputFrame {
     let mesh = &run.plan.mesh;
     let mut frame = OutputFrame { time: run.now.total_time, increment: run.now.increment, ..OutputFrame::default() };
-    let mut point_of_node = vec![usize::MAX; mesh.points.len()];
-    let mut of_point = Vec::new();
-    for (&node, &place) in run.plan.places.nodes.iter() {
-        point_of_node[node] = frame.points.len();
+    let places = &run.plan.places;
+    let mut point_of_node = vec![u32::MAX; mesh.points.len()];
+    let mut of_point = PointOwners::with_capacity(places.nodes.len());
+    frame.points.reserve_exact(places.nodes.len());
+    for (node, &place) in places.nodes.iter() {
+        point_of_node[node] = frame.points.len() as u32;
         frame.points.push(run.state.dofs.nodes[place].place());
-        of_point.push((PointOwner::Node(place, run.plan.places.rotations.get(&node).copied()), node));
+        of_point.push(node, None);
     }
-    let mut elements: Vec<usize> = run.plan.places.elements.keys().copied().collect();
+    let mut elements: Vec<u32> = places.elements.keys().map(|e| e as u32).collect();
     for (b, body) in run.plan.bodies.iter().enumerate().filter(|(b, _)| run.state.dofs.bodies[*b].stations().is_none())
     {
-        for &node in body.nodes.iter().filter(|n| !run.plan.places.tied.contains_key(n)) {
+        for &node in body.nodes.iter().filter(|n| !places.tied.contains_key(n)) {
             let [r, z] = mesh.points[node];
-            point_of_node[node] = frame.points.len();
+            point_of_node[node] = frame.points.len() as u32;
             frame.points.push([r, z + run.state.dofs.bodies[b].displacement]);
-            of_point.push((PointOwner::Body(b, node), node));
+            of_point.push(node, Some(b));
         }
-        elements.extend(body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete()));
+        let shown = body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete());
+        elements.extend(shown.map(|e| *e as u32));
     }
-    let corners = |e: usize| mesh.elements[e].nodes.iter().map(|&n| point_of_node[n]).collect();
-    frame.cells = elements.iter().map(|&e| corners(e)).collect();
+    frame.cells = CellList::with_capacity(elements.len());
+    for &e in &elements {
+        frame.cells.push(mesh.elements[e as usize].nodes.iter().map(|&n| point_of_node[n] as usize));
+    }
+    drop(point_of_node);
     add_surfaces(run, &mut frame, &mut elements, &mut of_point);
-    let solid: Vec<(usize, usize)> = run.plan.places.elements.values().copied().collect();
     let is_deleted_element = |&(group, e): &(usize, usize)| run.state.elements.groups[group].is_deleted(e);
-    if solid.iter().any(is_deleted_element) {
-        frame.deleted = solid.iter().map(is_deleted_element).collect();
+    if places.elements.values().any(is_deleted_element) {
+        frame.deleted = places.elements.values().map(is_deleted_element).collect();
         frame.deleted.resize(elements.len(), false);
     }
     for field in &run.plan.fields {
         let values = match (field.variable().place(), field.position) {
             (VariablePlace::Node, _) => of_nodes(run, field, &of_point),
-            (_, OutputPosition::Element) => of_elements(run, field, &solid, elements.len()),
-            (_, OutputPosition::Nodes) => averaged_at_nodes(run, field, &solid, &frame),
+            (_, OutputPosition::Element) => of_elements(run, field, elements.len()),
+            (_, OutputPosition::Nodes) => averaged_at_nodes(run, field, &frame),
         };
         let list = if field.is_on_points() { &mut frame.point_fields } else { &mut frame.cell_fields };
         list.push(if in_space(run, field) {
@@ -289,11 +294,9 @@ pub(super) fn frame(run: &SolverRun<'_>) -> OutputFrame {
         });
     }
     frame.cell_fields.extend(facet_fields(run, &elements));
-    let nodes: Vec<usize> = of_point.iter().map(|point| point.1).collect();
-    let planar = nodes.len() - frame.start.len();
-    let start = nodes[..planar].iter().map(|&n| mesh.points[n]);
+    let start = of_point.planar.iter().map(|(node, _)| mesh.points[*node as usize]);
     frame.start = start.chain(std::mem::take(&mut frame.start)).collect();
-    (frame.point_labels, frame.cell_labels) = run.plan.labels.of_frame(mesh, &nodes, &elements);
+    (frame.point_labels, frame.cell_labels) = run.plan.labels.of_frame(mesh, &of_point.nodes(), &elements);
     frame
 }
 
@@ -308,13 +311,39 @@ enum PointOwner {
     Space(SpatialPoint),
 }
 
+/// Owners of all points of a frame, in a form that needs little memory.
+struct PointOwners {
+    /// Mesh node of each point in the plane of the mesh, and its rigid body, if it is not a node of a deformable body.
+    planar: Vec<(u32, Option<u32>)>,
+    /// The points after these.
+    spatial: Vec<SpatialPoint>,
+}
+
+impl PointOwners {
+    fn with_capacity(count: usize) -> PointOwners {
+        PointOwners { planar: Vec::with_capacity(count), spatial: Vec::new() }
+    }
+
+    fn push(&mut self, node: usize, body: Option<usize>) {
+        self.planar.push((node as u32, body.map(|body| body as u32)));
+    }
+
+    fn iter(&self, places: &SolidPlaces) -> impl Iterator<Item = PointOwner> {
+        let owner = |&(node, body): &(u32, Option<u32>)| match (node as usize, body) {
+            (node, Some(body)) => PointOwner::Body(body as usize, node),
+            (node, None) => PointOwner::Node(places.nodes[&node], places.rotations.get(&node).copied()),
+        };
+        self.planar.iter().map(owner).chain(self.spatial.iter().map(|point| PointOwner::Space(*point)))
+    }
+
+    /// Returns the mesh nodes of all points.
+    fn nodes(&self) -> Vec<u32> {
+        self.planar.iter().map(|(node, _)| *node).chain(self.spatial.iter().map(|point| point.node as u32)).collect()
+    }
+}
+
 /// Adds the surfaces of bodies with six degrees of freedom, after all points and cells in the plane of the mesh.
-fn add_surfaces(
-    run: &SolverRun<'_>,
-    frame: &mut OutputFrame,
-    elements: &mut Vec<usize>,
-    of_point: &mut Vec<(PointOwner, usize)>,
-) {
+fn add_surfaces(run: &SolverRun<'_>, frame: &mut OutputFrame, elements: &mut Vec<u32>, of_point: &mut PointOwners) {
     let (planar, surfaces) = (frame.points.len(), run.surfaces());
     if surfaces.points.is_empty() {
         return;
@@ -325,10 +354,10 @@ fn add_surfaces(
         frame.third.push(z);
         frame.start.push([start[0], start[1]]);
         frame.third_at_start.push(start[2]);
-        of_point.push((PointOwner::Space(point), point.node));
+        of_point.spatial.push(point);
     }
-    frame.cells.extend(surfaces.cells.into_iter().map(|cell| cell.into_iter().map(|p| planar + p).collect()));
-    elements.extend(surfaces.elements);
+    surfaces.cells.into_iter().for_each(|cell| frame.cells.push(cell.into_iter().map(|p| planar + p)));
+    elements.extend(surfaces.elements.into_iter().map(|e| e as u32));
 }
 
 /// Returns the third component of a vector, used if a body has six degrees of freedom.
@@ -348,19 +377,14 @@ fn in_space(run: &SolverRun<'_>, field: &FrameField) -> bool {
 }
 
 /// Returns an array of vectors over points, with the component along direction 3 added.
-fn array_in_space(
-    field: &FrameField,
-    values: Vec<f64>,
-    run: &SolverRun<'_>,
-    of_point: &[(PointOwner, usize)],
-) -> FieldArray {
+fn array_in_space(field: &FrameField, values: Vec<f64>, run: &SolverRun<'_>, of_point: &PointOwners) -> FieldArray {
     let flat = array(field, values);
-    let more = |owner: &PointOwner| match (owner, third(field.variable())) {
-        (PointOwner::Space(point), Some(variable)) => run.point_value(point, variable.into()),
+    let more = |owner: PointOwner| match (owner, third(field.variable())) {
+        (PointOwner::Space(point), Some(variable)) => run.point_value(&point, variable.into()),
         _ => 0.0,
     };
-    let pairs = flat.values.chunks_exact(2).zip(of_point);
-    let values = pairs.flat_map(|(pair, (owner, _))| [pair[0], pair[1], more(owner)]).collect();
+    let pairs = flat.values.chunks_exact(2).zip(of_point.iter(&run.plan.places));
+    let values = pairs.flat_map(|(pair, owner)| [pair[0], pair[1], more(owner)]).collect();
     let component_names = flat.component_names.into_iter().chain([format!("{}3", field.name)]).collect();
     FieldArray { components: 3, component_names, values, ..flat }
 }
@@ -372,8 +396,8 @@ fn array(field: &FrameField, values: Vec<f64>) -> FieldArray {
 }
 
 /// Returns a nodal variable over points. The reaction force of a rigid body belongs to its reference node.
-fn of_nodes(run: &SolverRun<'_>, field: &FrameField, of_point: &[(PointOwner, usize)]) -> Vec<f64> {
-    let value = |owner: &PointOwner, part: VariableComponent| match *owner {
+fn of_nodes(run: &SolverRun<'_>, field: &FrameField, of_point: &PointOwners) -> Vec<f64> {
+    let value = |owner: PointOwner, part: VariableComponent| match owner {
         PointOwner::Body(b, node) if part.variable == Variable::Reaction && node != run.plan.bodies[b].reference => 0.0,
         PointOwner::Body(b, node) => run.body_value(b, node, part),
         PointOwner::Node(_, rotation) if part.variable.is_of_rotations() => {
@@ -382,35 +406,36 @@ fn of_nodes(run: &SolverRun<'_>, field: &FrameField, of_point: &[(PointOwner, us
         PointOwner::Node(n, _) => run.node_value(n, part),
         PointOwner::Space(point) => run.point_value(&point, part),
     };
-    let value = &value;
-    of_point.iter().flat_map(|(owner, _)| field.parts.iter().map(move |part| value(owner, *part))).collect()
+    let mut values = Vec::with_capacity((of_point.planar.len() + of_point.spatial.len()) * field.parts.len());
+    for owner in of_point.iter(&run.plan.places) {
+        values.extend(field.parts.iter().map(|part| value(owner, *part)));
+    }
+    values
 }
 
-/// Returns an element variable over cells; those of deformable elements (group and element) come first. Cells without
+/// Returns an element variable over cells; those of deformable elements come first. Cells without
 /// the variable, such as those of rigid bodies, are NaN. ParaView excludes NaN from ranges and draws it in a separate
 /// colour.
-fn of_elements(run: &SolverRun<'_>, field: &FrameField, solid: &[(usize, usize)], cells: usize) -> Vec<f64> {
-    let value = &|place, part: &VariableComponent| run.element_value(place, *part);
-    let mut values: Vec<f64> = solid.iter().flat_map(|&e| field.parts.iter().map(move |p| value(e, p))).collect();
+fn of_elements(run: &SolverRun<'_>, field: &FrameField, cells: usize) -> Vec<f64> {
+    let mut values = Vec::with_capacity(cells * field.parts.len());
+    for place in run.plan.places.elements.values() {
+        values.extend(field.parts.iter().map(|part| run.element_value(*place, *part)));
+    }
     values.resize(cells * field.parts.len(), f64::NAN);
     values
 }
 
 /// Returns a variable of integration points over points: the unweighted mean over the adjacent elements that have it
 /// and are not deleted. An element has one integration point, whose value is used at all its corners.
-fn averaged_at_nodes(
-    run: &SolverRun<'_>,
-    field: &FrameField,
-    solid: &[(usize, usize)],
-    frame: &OutputFrame,
-) -> Vec<f64> {
-    let of_elements = of_elements(run, field, solid, solid.len());
+fn averaged_at_nodes(run: &SolverRun<'_>, field: &FrameField, frame: &OutputFrame) -> Vec<f64> {
+    let solid = &run.plan.places.elements;
+    let of_elements = of_elements(run, field, solid.len());
     let width = field.parts.len();
     let (mut sums, mut counts) = (vec![0.0; width * frame.points.len()], vec![0_u32; frame.points.len()]);
     let is_there = |&(group, e): &(usize, usize)| !run.state.elements.groups[group].is_deleted(e);
-    let elements = solid.iter().zip(of_elements.chunks(width)).zip(&frame.cells);
+    let elements = solid.values().zip(of_elements.chunks(width)).zip(frame.cells.iter());
     for ((_, values), corners) in elements.filter(|((e, v), _)| is_there(e) && v.iter().all(|x| !x.is_nan())) {
-        for &point in corners {
+        for point in corners.iter().map(|point| *point as usize) {
             counts[point] += 1;
             sums[width * point..].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         }
@@ -424,7 +449,7 @@ fn averaged_at_nodes(
 
 /// Returns the output of loads on facets. Values of several loads on a facet are combined as the variable requires; for
 /// the faces of one deformable element the mean is used.
-fn facet_fields(run: &SolverRun<'_>, elements: &[usize]) -> Vec<FieldArray> {
+fn facet_fields(run: &SolverRun<'_>, elements: &[u32]) -> Vec<FieldArray> {
     let shown: Vec<_> = run.state.loads.iter().filter_map(|load| load.fields(&run.state.dofs)).collect();
     if shown.is_empty() {
         return Vec::new();
@@ -432,7 +457,7 @@ fn facet_fields(run: &SolverRun<'_>, elements: &[usize]) -> Vec<FieldArray> {
     // First cell of each element, and its number of cells: a body with six degrees of freedom has one for each station.
     let mut cells_of_element = vec![(usize::MAX, 0); run.plan.mesh.elements.len()];
     for (cell, &element) in elements.iter().enumerate() {
-        let (first, count) = &mut cells_of_element[element];
+        let (first, count) = &mut cells_of_element[element as usize];
         (*first, *count) = ((*first).min(cell), *count + 1);
     }
     let facet_variables = Variable::ALL.iter().filter(|v| v.place() == VariablePlace::Facet);

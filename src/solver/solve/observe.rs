@@ -1,5 +1,6 @@
 //! Output schedule of history rows, frames and progress. Output never changes the motion.
 
+use std::fs::File;
 use std::time::{Duration, Instant as Stopwatch};
 
 use thiserror::Error;
@@ -54,9 +55,13 @@ pub trait Sink {
     fn wants_frames(&self) -> bool {
         false
     }
-    /// Returns whether the sink needs the last complete instant after a halt, for which states are stored in memory.
+    /// Returns whether the sink needs the last complete instant after a halt, for which states are stored.
     fn wants_last_instant(&self) -> bool {
         self.wants_frames()
+    }
+    /// Returns a file without a name for a large state; `None` if it must be stored in memory.
+    fn unnamed_file(&mut self) -> Option<File> {
+        None
     }
     /// Receives a frame.
     ///

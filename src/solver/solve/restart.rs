@@ -1,6 +1,8 @@
 //! Checkpoints: their schedule, continuing a run from one, and the return to the last complete instant before a halt. A
 //! [`Sink`] stores the bytes; `state::archive` defines the format.
 
+use std::fs::File;
+use std::io::{BufWriter, Read as _, Seek as _};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant as Stopwatch};
 
@@ -40,9 +42,10 @@ pub struct RunControl<'a> {
     pub position: Option<&'a RunPosition>,
 }
 
-/// Increments between states that are stored in memory for [`Checkpointer::rewind`]; storing one costs about ten
-/// increments.
+/// Increments between states that are stored for [`Checkpointer::rewind`]; storing one costs about ten increments.
 const HELD_EVERY: u64 = 4096;
+/// Largest number of bytes of a state that is stored in memory if the sink has a file for it.
+const MOST_IN_MEMORY: usize = 1 << 24;
 /// Approximate time between two readings of the clock; one reading costs as much as an increment of a small model.
 const LOOK: Duration = Duration::from_millis(5);
 
@@ -59,21 +62,23 @@ pub(super) struct Checkpointer<'a> {
     /// Increments between readings of the clock, and the increment of the next one.
     stride: u64,
     next_look: u64,
-    /// Whether states are stored in memory for the return to the last complete instant, and the increment of the next
-    /// one.
+    /// Whether states are stored for the return to the last complete instant, and the increment of the next one.
     holds: bool,
     next_held: u64,
     /// Time before which no checkpoint is due, unless `next_increment` is reached.
     next_time: f64,
     next_increment: u64,
+    /// State in memory: of the last checkpoint, or the stored one.
     state: Vec<u8>,
-    /// Whether the state in memory is one of this step.
+    /// File of the stored state, if it is large.
+    file: Option<BufWriter<File>>,
+    /// Whether the stored state is one of this step.
     has_state: bool,
 }
 
 impl<'a> Checkpointer<'a> {
-    /// Creates the checkpointer of a run. `holds` states whether states are stored in memory, which requires frames and
-    /// deformable bodies, and excludes user subroutines, which would be called twice.
+    /// Creates the checkpointer of a run. `holds` states whether states are stored for a return to an earlier instant,
+    /// which requires frames and deformable bodies, and excludes user subroutines, which would be called twice.
     pub(super) fn new(control: RunControl<'a>, holds: bool) -> Self {
         let now = Stopwatch::now();
         Checkpointer {
@@ -89,6 +94,7 @@ impl<'a> Checkpointer<'a> {
             next_time: 0.0,
             next_increment: 0,
             state: Vec::new(),
+            file: None,
             has_state: false,
         }
     }
@@ -136,20 +142,49 @@ impl<'a> Checkpointer<'a> {
         if due {
             at.run.announce_checkpoint()?;
         }
-        if due || self.holds && now.increment >= self.next_held {
-            self.state.clear();
-            at.write(&mut self.state);
-            self.has_state = true;
+        let stores = self.holds && (due || now.increment >= self.next_held);
+        if stores {
+            self.store(at, sink);
             self.next_held = now.increment + HELD_EVERY;
         }
         if due {
+            if !stores || self.file.is_some() {
+                at.write(&mut self.state);
+            }
             sink.keep(&self.state, &now).map_err(output_failure)?;
+            if self.file.is_some() {
+                self.state = Vec::new();
+            }
             at.run.warn_of_lost_memory(sink);
             self.kept = Stopwatch::now();
             at.run.outcome.checkpoint_seconds += begin.elapsed().as_secs_f64();
         }
         self.plan_ahead(&now);
         if signal == 0 { Ok(()) } else { Err(interrupted(signal, &now)) }
+    }
+
+    /// Stores the state for a return to this instant: a large one in a file of the sink, if there is one.
+    fn store(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink) {
+        if self.file.is_none() && at.length() > MOST_IN_MEMORY {
+            self.file = sink.unnamed_file().map(BufWriter::new);
+        }
+        self.has_state = match &mut self.file {
+            Some(file) => file.rewind().is_ok() && at.write_to(file).is_ok(),
+            None => {
+                at.write(&mut self.state);
+                true
+            }
+        };
+    }
+
+    /// Returns the stored state.
+    fn stored(&mut self) -> &[u8] {
+        if let Some(file) = &mut self.file {
+            self.state.clear();
+            // An incomplete state does not fit.
+            let _ = file.rewind().and_then(|()| file.get_mut().read_to_end(&mut self.state));
+        }
+        &self.state
     }
 
     fn is_due(&mut self, now: &Instant) -> bool {
@@ -177,17 +212,17 @@ impl<'a> Checkpointer<'a> {
         self.kept.elapsed() >= time
     }
 
-    /// Returns to the last complete instant after a halt within an increment: restores the state in memory and repeats
-    /// the increments since then.
+    /// Returns to the last complete instant after a halt within an increment: restores the stored state and repeats the
+    /// increments since then.
     pub(super) fn rewind(&mut self, at: &mut RunCursor<'_, '_>) {
         if at.run.complete || !self.has_state || !self.holds {
             return;
         }
         let last = at.run.now.increment - 1;
-        let mut archive = StateArchive::reader(&self.state);
+        let mut archive = StateArchive::reader(self.stored());
         CheckpointHead::default().persist(&mut archive);
         at.visit(&mut archive);
-        // The state was written by this run, so it fits.
+        // The state was written by this run, so it fits unless its file cannot be read.
         let mut fits = archive.finish().is_ok();
         while fits && at.run.now.increment < last {
             fits = at.repeat().is_ok();
@@ -253,19 +288,38 @@ pub(super) fn saved_revisions(state: &[u8]) -> Vec<MeshRevision> {
 }
 
 impl RunCursor<'_, '_> {
-    /// Writes header and state. The memory is reserved first, so that a buffer that grows does not take twice as much.
+    /// Replaces bytes by header and state. The memory is reserved first, so that a buffer that grows does not take twice
+    /// as much.
     fn write(&mut self, bytes: &mut Vec<u8>) {
+        let mut routines = self.run.plan.routines.memory.as_ref().map(|memory| memory.save()).unwrap_or_default();
+        let mut length = 0;
+        self.visit_with_head(&mut routines, &mut StateArchive::counter(&mut length));
+        bytes.clear();
+        bytes.reserve_exact(length);
+        self.visit_with_head(&mut routines, &mut StateArchive::writer(bytes));
+        self.run.outcome.lost = routines.lost;
+    }
+
+    /// Writes header and state to a file. There is no memory of user subroutines.
+    fn write_to(&mut self, file: &mut BufWriter<File>) -> Result<(), UnfitState> {
+        let mut archive = StateArchive::stream(file);
+        self.visit_with_head(&mut SavedMemory::default(), &mut archive);
+        archive.finish()
+    }
+
+    /// Returns the number of bytes of the state without its header.
+    fn length(&mut self) -> usize {
         let mut length = 0;
         self.visit(&mut StateArchive::counter(&mut length));
-        bytes.reserve_exact(length);
-        let mut archive = StateArchive::writer(bytes);
-        let routines = self.run.plan.routines.memory.as_ref().map(|memory| memory.save()).unwrap_or_default();
-        let revisions = std::mem::take(&mut self.run.remesh.revisions);
-        let mut head = CheckpointHead { step: self.run.now.step as usize - 1, routines, revisions };
-        head.persist(&mut archive);
-        self.run.remesh.revisions = head.revisions;
-        self.run.outcome.lost = head.routines.lost;
-        self.visit(&mut archive);
+        length
+    }
+
+    fn visit_with_head(&mut self, routines: &mut SavedMemory, archive: &mut StateArchive<'_>) {
+        let (step, revisions) = (self.run.now.step as usize - 1, std::mem::take(&mut self.run.remesh.revisions));
+        let mut head = CheckpointHead { step, routines: std::mem::take(routines), revisions };
+        head.persist(archive);
+        (*routines, self.run.remesh.revisions) = (head.routines, head.revisions);
+        self.visit(archive);
     }
 
     /// Visits everything that changes in a run. The rest follows from the plan and the start of the step.

@@ -102,7 +102,7 @@ impl<S: Clone> TriangleBlock<S> {
         }
         for (p, (point, done)) in self.points.iter_mut().zip(&work.points).enumerate() {
             let share: Lanes = inline_from_fn(|l| missing[l] * point.mass[l] / mass[l]);
-            (0..LANES).for_each(|l| scratch.add_to_record(POINTS * at + p, l, [share[l], 0.0]));
+            (0..LANES).for_each(|l| scratch.task.add_to_record(POINTS * at + p, l, [share[l], 0.0]));
             let heat = inline_from_fn(|l| done.heat[l] + share[l]);
             material.add_heat(&mut point.state, &heat, &point.mass);
         }
@@ -184,7 +184,7 @@ impl<S: Clone> TriangleBlock<S> {
                 let double = |i: usize| done.strain[i][l] * stress[i];
                 let undone = 0.5 * volume * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
                 scratch.stress.internal[l] -= undone;
-                scratch.add_to_record(POINTS * at + p, l, [-undone, 0.0]);
+                scratch.task.add_to_record(POINTS * at + p, l, [-undone, 0.0]);
                 let share = material.share(&point.state, l);
                 if share > 0.0 {
                     let (mises, mean) = (mises(stress), (stress[0] + stress[1] + stress[2]) / 3.0);
@@ -194,7 +194,7 @@ impl<S: Clone> TriangleBlock<S> {
                     let lost = volume * stored - undone;
                     scratch.stress.dissipated[l] += lost;
                     scratch.stress.damaged[l] += lost;
-                    scratch.add_to_record(POINTS * at + p, l, [0.0, lost]);
+                    scratch.task.add_to_record(POINTS * at + p, l, [0.0, lost]);
                 }
                 point.stress.iter_mut().for_each(|s| s[l] = 0.0);
             }

@@ -301,7 +301,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
     }
 
     fn bytes(&self) -> usize {
-        let of = |task: &TriangleTask| task.scratch.bytes() + size_of::<WorkArrays>() + task.quiescence.bytes();
+        let of = |task: &TriangleTask| task.scratch.task.bytes() + size_of::<WorkArrays>() + task.quiescence.bytes();
         size_of_val(&*self.blocks)
             + size_of_val(&*self.tasks)
             + self.tasks.iter().map(of).sum::<usize>()
@@ -464,7 +464,7 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
             for (p, done) in done.into_iter().enumerate() {
                 work += done;
                 let (task, at) = (&mut self.tasks[e / (TASK * LANES)], e / LANES % TASK);
-                task.scratch.add_to_record(POINTS * at + p, lane, [done, 0.0]);
+                task.scratch.task.add_to_record(POINTS * at + p, lane, [done, 0.0]);
             }
         }
         work
