@@ -855,7 +855,7 @@ fn last_valid_increment_of_a_large_model_is_written_after_a_failure() {
         let deck = grid(3, 30_000, false, |i, j| [1.0 + i as f64, j as f64])
             + &material(1000.0, 0.3, 1.0, "*Plastic\n 1., 0.\n")
             + &format!(
-                "*Initial Conditions, type=VELOCITY\n 6, 1, 4000.\n*Step\n*Dynamic, Explicit, element by element\n , 1.\n\
+                "*Initial Conditions, type=VELOCITY\n 6, 1, 4000.\n*Step\n*Dynamic, Explicit, direct user control\n 5.e-5, 1.\n\
                  *Output, field, {interval}\n*Node Output\n U, V\n*End Step\n"
             );
         let prepared = prepared(&deck, &[], &Routines::none());
