@@ -403,7 +403,7 @@ fn memory_per_listed_node_is_small() {
 fn memory_of_a_run_per_element_is_small() {
     let folder = tempfile::tempdir().expect("a folder");
     let files = JobFiles { folder: folder.path().into(), name: "bar".into() };
-    for (increment, most) in [(", direct user control\n 1e-9,", 500), ("\n ,", 700)] {
+    for (increment, most) in [(", direct user control\n 1e-9,", 520), ("\n ,", 720)] {
         let text =
             "*Parameter\n row = 301\n right = row\n left = 1 + 300*row\n corner = left + 300\n above = row + 2\n \
                     beside = row + 1\n*Node, nset=LEFT\n 1, 0., 0.\n*Node\n <right>, 3e-3, 0.\n <left>, 0., 3e-3\n \

@@ -294,7 +294,7 @@ pub(super) fn frame(run: &SolverRun<'_>) -> OutputFrame {
         });
     }
     frame.cell_fields.extend(facet_fields(run, &elements));
-    let start = of_point.planar.iter().map(|(node, _)| mesh.points[*node as usize]);
+    let start = of_point.in_plane.iter().map(|(node, _)| mesh.points[*node as usize]);
     frame.start = start.chain(std::mem::take(&mut frame.start)).collect();
     (frame.point_labels, frame.cell_labels) = run.plan.labels.of_frame(mesh, &of_point.nodes(), &elements);
     frame
@@ -314,18 +314,18 @@ enum PointOwner {
 /// Owners of all points of a frame, in a form that needs little memory.
 struct PointOwners {
     /// Mesh node of each point in the plane of the mesh, and its rigid body, if it is not a node of a deformable body.
-    planar: Vec<(u32, Option<u32>)>,
+    in_plane: Vec<(u32, Option<u32>)>,
     /// The points after these.
-    spatial: Vec<SpatialPoint>,
+    on_surfaces: Vec<SpatialPoint>,
 }
 
 impl PointOwners {
     fn with_capacity(count: usize) -> PointOwners {
-        PointOwners { planar: Vec::with_capacity(count), spatial: Vec::new() }
+        PointOwners { in_plane: Vec::with_capacity(count), on_surfaces: Vec::new() }
     }
 
     fn push(&mut self, node: usize, body: Option<usize>) {
-        self.planar.push((node as u32, body.map(|body| body as u32)));
+        self.in_plane.push((node as u32, body.map(|body| body as u32)));
     }
 
     fn iter(&self, places: &SolidPlaces) -> impl Iterator<Item = PointOwner> {
@@ -333,30 +333,34 @@ impl PointOwners {
             (node, Some(body)) => PointOwner::Body(body as usize, node),
             (node, None) => PointOwner::Node(places.nodes[&node], places.rotations.get(&node).copied()),
         };
-        self.planar.iter().map(owner).chain(self.spatial.iter().map(|point| PointOwner::Space(*point)))
+        self.in_plane.iter().map(owner).chain(self.on_surfaces.iter().map(|point| PointOwner::Space(*point)))
     }
 
     /// Returns the mesh nodes of all points.
     fn nodes(&self) -> Vec<u32> {
-        self.planar.iter().map(|(node, _)| *node).chain(self.spatial.iter().map(|point| point.node as u32)).collect()
+        self.in_plane
+            .iter()
+            .map(|(node, _)| *node)
+            .chain(self.on_surfaces.iter().map(|point| point.node as u32))
+            .collect()
     }
 }
 
 /// Adds the surfaces of bodies with six degrees of freedom, after all points and cells in the plane of the mesh.
 fn add_surfaces(run: &SolverRun<'_>, frame: &mut OutputFrame, elements: &mut Vec<u32>, of_point: &mut PointOwners) {
-    let (planar, surfaces) = (frame.points.len(), run.surfaces());
+    let (in_plane, surfaces) = (frame.points.len(), run.surfaces());
     if surfaces.points.is_empty() {
         return;
     }
-    (frame.third, frame.third_at_start) = (vec![0.0; planar], vec![0.0; planar]);
+    (frame.third, frame.third_at_start) = (vec![0.0; in_plane], vec![0.0; in_plane]);
     for (point, [x, y, z], start) in surfaces.points {
         frame.points.push([x, y]);
         frame.third.push(z);
         frame.start.push([start[0], start[1]]);
         frame.third_at_start.push(start[2]);
-        of_point.spatial.push(point);
+        of_point.on_surfaces.push(point);
     }
-    surfaces.cells.into_iter().for_each(|cell| frame.cells.push(cell.into_iter().map(|p| planar + p)));
+    surfaces.cells.into_iter().for_each(|cell| frame.cells.push(cell.into_iter().map(|p| in_plane + p)));
     elements.extend(surfaces.elements.into_iter().map(|e| e as u32));
 }
 
@@ -406,7 +410,7 @@ fn of_nodes(run: &SolverRun<'_>, field: &FrameField, of_point: &PointOwners) -> 
         PointOwner::Node(n, _) => run.node_value(n, part),
         PointOwner::Space(point) => run.point_value(&point, part),
     };
-    let mut values = Vec::with_capacity((of_point.planar.len() + of_point.spatial.len()) * field.parts.len());
+    let mut values = Vec::with_capacity((of_point.in_plane.len() + of_point.on_surfaces.len()) * field.parts.len());
     for owner in of_point.iter(&run.plan.places) {
         values.extend(field.parts.iter().map(|part| value(owner, *part)));
     }
