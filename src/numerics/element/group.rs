@@ -1,6 +1,7 @@
 //! Interface of element groups, and the group of quadrilaterals: its blocks, dispatched to the instruction set of the
 //! machine and distributed over threads.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use pulp::{Arch, NullaryFnOnce};
@@ -348,6 +349,11 @@ impl Clone for Box<dyn ElementGroup> {
 /// Number of elements above which parallel updates are faster.
 pub(super) const PARALLEL: usize = 1000;
 
+thread_local! {
+    /// Scratch memory of the tasks that a thread updates one after the other.
+    static SCRATCH: RefCell<TaskWorkspace> = RefCell::default();
+}
+
 /// Quadrilaterals of one material, with volume or area weighting.
 pub struct QuadGroup<M: Material> {
     pub(super) material: Arc<M>,
@@ -596,16 +602,16 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
             prefetches,
         };
         let arch = self.arch;
-        let run = |scratch: &mut TaskWorkspace,
-                   (index, blocks): (usize, &mut [ElementBlock<M::State>]),
+        let run = |(index, blocks): (usize, &mut [ElementBlock<M::State>]),
                    (stored, resting): (&mut StoredTask, &mut TaskQuiescence),
                    corners: &mut [BlockCornerForces]| {
             if resting.quiescent && dilation_correction.is_none() && resting.is_still(nodes) {
                 return;
             }
-            let task =
-                QuadTask { pass: &pass, arch, index, blocks: &mut *blocks, corners: &mut *corners, stored, scratch };
-            dispatch_outlined(arch, task);
+            SCRATCH.with_borrow_mut(|scratch| {
+                let (blocks, corners) = (&mut *blocks, &mut *corners);
+                dispatch_outlined(arch, QuadTask { pass: &pass, arch, index, blocks, corners, stored, scratch });
+            });
             // With dt = 0 nothing has been added to the sums, so they stay valid while the task is quiescent. The
             // pressure of an equation of state is not part of the stress that is checked here.
             resting.quiescent = dt == 0.0
@@ -616,17 +622,13 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
                 && resting.is_still(nodes);
         };
         if !threads || self.count < PARALLEL {
-            let scratch = &mut TaskWorkspace::default();
             let stored = self.tasks.iter_mut().zip(&mut self.quiescence);
             let parts = self.blocks.chunks_mut(TASK).enumerate().zip(stored);
-            parts.zip(corners.chunks_mut(TASK)).for_each(|((blocks, own), corners)| run(scratch, blocks, own, corners));
+            parts.zip(corners.chunks_mut(TASK)).for_each(|((blocks, own), corners)| run(blocks, own, corners));
         } else {
             let stored = self.tasks.par_iter_mut().zip(&mut self.quiescence);
             let parts = self.blocks.par_chunks_mut(TASK).enumerate().zip(stored);
-            let parts = parts.zip(corners.par_chunks_mut(TASK));
-            parts.for_each_init(TaskWorkspace::default, |scratch, ((blocks, own), corners)| {
-                run(scratch, blocks, own, corners);
-            });
+            parts.zip(corners.par_chunks_mut(TASK)).for_each(|((blocks, own), corners)| run(blocks, own, corners));
         }
         self.totals()
     }
