@@ -169,7 +169,8 @@ impl<'a> Checkpointer<'a> {
             self.file = sink.unnamed_file().map(BufWriter::new);
         }
         self.has_state = match &mut self.file {
-            Some(file) => file.rewind().is_ok() && at.write_to(file).is_ok(),
+            // A later state may be shorter.
+            Some(file) => file.rewind().is_ok() && file.get_ref().set_len(0).is_ok() && at.write_to(file).is_ok(),
             None => {
                 at.write(&mut self.state);
                 true
