@@ -426,6 +426,57 @@ impl TaskWorkspace {
         self.middle = *volume;
     }
 
+    /// Fills all lists with values that are not numbers.
+    #[cfg(test)]
+    pub(super) fn spoil(&mut self) {
+        let (list, lists) = ([f64::NAN; LANES], [[f64::NAN; LANES]; 4]);
+        (self.r, self.z, self.v_r, self.v_z, self.recorded, self.deformed) =
+            (lists, lists, lists, lists, lists, [list; 2]);
+        (self.turned, self.middle, self.weight, self.own_rate, self.motion) =
+            (list, list, list, list, BlockMotion::spoilt());
+        let sums = LaneSums {
+            internal: list,
+            plastic: list,
+            damaged: list,
+            viscous: list,
+            artificial: list,
+            rate: list,
+            limiting: list,
+        };
+        self.sums = sums;
+        let strain = StrainIncrement {
+            strain: lists,
+            carried: lists,
+            spin: list,
+            volume: list,
+            current_volume: list,
+            mass: list,
+            viscous: list,
+            dt: f64::NAN,
+            moduli: ElasticModuli { bulk: f64::NAN, shear: f64::NAN },
+            viscosity: f64::NAN,
+            count: LANES,
+            averaging: Some(list),
+        };
+        self.strain = strain;
+        self.stress = StressUpdate {
+            mean: list,
+            deviator: lists,
+            trial: list,
+            flow: list,
+            plastic: lists,
+            returned: list,
+            bulk: list,
+            shear: list,
+            heat: list,
+            sheared: list,
+            internal: list,
+            dissipated: list,
+            damaged: list,
+            deleted: 7,
+        };
+    }
+
     /// Creates the scratch memory of a task of `blocks` blocks. Frequencies are not capped.
     pub fn new(constants: &ElementConstants, blocks: usize) -> Self {
         TaskWorkspace { cap: f64::INFINITY, task: TaskState::new(constants, blocks), ..TaskWorkspace::default() }
@@ -466,9 +517,9 @@ impl TaskWorkspace {
         self.arch = arch;
         self.sums = LaneSums::default();
         self.stress.begin();
-        self.strain.dt = dt;
-        self.strain.moduli = ElasticModuli { bulk: constants.bulk, shear: constants.shear };
-        self.strain.viscosity = constants.shear_viscosity;
+        let moduli = ElasticModuli { bulk: constants.bulk, shear: constants.shear };
+        self.strain =
+            StrainIncrement { dt, moduli, viscosity: constants.shear_viscosity, ..StrainIncrement::default() };
         (self.cap, self.deformed) = (cap, [[0.0; LANES]; 2]);
     }
 

@@ -354,6 +354,12 @@ thread_local! {
     static SCRATCH: RefCell<TaskWorkspace> = RefCell::default();
 }
 
+/// Fills the scratch memory of the thread with numbers that no update may use.
+#[cfg(test)]
+pub(super) fn spoil_scratch() {
+    SCRATCH.with_borrow_mut(TaskWorkspace::spoil);
+}
+
 /// Quadrilaterals of one material, with volume or area weighting.
 pub struct QuadGroup<M: Material> {
     pub(super) material: Arc<M>,

@@ -3,6 +3,8 @@
 
 use pulp::Simd;
 
+#[cfg(test)]
+use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::{InlineMap, Lanes};
 use crate::kernel::pack::{Pack, PackPosition};
 use crate::kernel::quad::{QuadOperators, SquareSums, UNIT, dot3};
@@ -56,6 +58,20 @@ pub(super) struct BlockMotion {
 }
 
 impl BlockMotion {
+    /// Returns values that are not numbers.
+    #[cfg(test)]
+    pub(super) fn spoilt() -> BlockMotion {
+        let list = [f64::NAN; LANES];
+        BlockMotion {
+            r: [list; 3],
+            z: [list; 3],
+            hoop: [list; 3],
+            shape: [list; 3],
+            rates: [list; 4],
+            sizes: [list; 3],
+        }
+    }
+
     /// Computes the operators of a pack, the bound of its highest frequency and its hourglass pattern, from combined
     /// coordinates along r and z and combined inverse masses. `modulus` is that of longitudinal waves.
     ///

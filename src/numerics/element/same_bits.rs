@@ -1,9 +1,10 @@
-//! Tests that every combination of material laws gives the same bits on every instruction set.
+//! Tests that every combination of material laws gives the same bits on every instruction set, and with any numbers in
+//! scratch memory.
 
 use pulp::Arch;
 
 use crate::element::constants::{ElementConstants, HourglassControl};
-use crate::element::group::{ElementGroup, ElementPass, QuadGroup};
+use crate::element::group::{ElementGroup, ElementPass, QuadGroup, spoil_scratch};
 use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, RateFactor, StaticYield};
 use crate::kernel::heating::PlasticHeating;
@@ -64,7 +65,8 @@ fn run<M: Material>(material: M, arch: Arch, enhanced: f64) -> CompositionResult
     if M::EQUATION_OF_STATE {
         quads = quads.with_subzones(&elements, &nodes);
     }
-    moved(quads, nodes, &mut CornerForces::new(elements.len().div_ceil(LANES)))
+    let corners = &mut CornerForces::new(elements.len().div_ceil(LANES));
+    moved(quads, nodes, corners, !matches!(arch, Arch::Scalar))
 }
 
 fn constants(enhanced: f64) -> ElementConstants {
@@ -78,7 +80,13 @@ fn constants(enhanced: f64) -> ElementConstants {
     }
 }
 
-fn moved(mut quads: impl ElementGroup, mut nodes: Vec<Node>, corners: &mut CornerForces) -> CompositionResult {
+/// Moves a group over some increments. `spoils`: scratch memory contains other numbers before each.
+fn moved(
+    mut quads: impl ElementGroup,
+    mut nodes: Vec<Node>,
+    corners: &mut CornerForces,
+    spoils: bool,
+) -> CompositionResult {
     let (elements, blocks) = (quads.len(), quads.len().div_ceil(LANES));
     for e in 0..elements {
         let state = quads.extensions().initial_state();
@@ -89,6 +97,9 @@ fn moved(mut quads: impl ElementGroup, mut nodes: Vec<Node>, corners: &mut Corne
     let (mut bits, mut plastic) = (Vec::new(), 0.0);
     for _ in 0..20 {
         nodes.iter_mut().for_each(|n| (n.r, n.z) = (n.r + DT * n.v_r, n.z + DT * n.v_z));
+        if spoils {
+            spoil_scratch();
+        }
         let totals = quads.update(ElementPass {
             nodes: &nodes,
             dt: DT,

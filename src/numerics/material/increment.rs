@@ -86,12 +86,10 @@ impl StrainIncrement {
 }
 
 impl StressUpdate {
-    /// Resets the sums of a task.
+    /// Resets sums and results at the start of a task: materials do not set results that are zero.
     #[inline(always)]
     pub fn begin(&mut self) {
-        (self.internal, self.dissipated, self.deleted) = ([0.0; LANES], [0.0; LANES], 0);
-        self.damaged = [0.0; LANES];
-        self.returned = [1.0; LANES];
+        *self = StressUpdate { returned: [1.0; LANES], ..StressUpdate::default() };
     }
 
     /// Computes the factor that returns the deviator to the yield surface from [`StressUpdate::flow`].
