@@ -31,6 +31,7 @@ fn time_pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut CornerF
             user: PointRoutines::default(),
             corners: corners.slots(0..group.len().div_ceil(LANES)),
             dilation_correction: None,
+            prefetches: false,
         });
     }
     *best = best.min(begin.elapsed().as_secs_f64() * 1e9 / (4 * group.len()) as f64);
