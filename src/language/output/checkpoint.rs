@@ -86,8 +86,8 @@ impl Persist for Checkpoint {
 }
 
 impl Checkpoint {
-    /// Writes the file with this state in place of its own, which needs no copy of it, and waits until the file is on the
-    /// disk.
+    /// Writes the file with the given state, without a copy of it, and waits until the file is on the disk. The field
+    /// `state` is not used.
     ///
     /// # Errors
     /// If it cannot be written; the message contains the path.

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::group::ElementGroup;
 use super::lanczos::{LanczosVectors, SparseOperator};
+use crate::kernel::chunks::CHUNK;
 use crate::state::EffectId;
 use crate::state::archive::persist_struct;
 use crate::state::nodes::Nodes;
@@ -147,9 +148,6 @@ fn masses_of_elements(groups: &[Box<dyn ElementGroup>], nodes: usize) -> Vec<f64
     }
     masses
 }
-
-/// Elements that a thread processes together.
-const CHUNK: usize = 512;
 
 /// Returns one over the stable time increment of single elements.
 fn rate_by_elements(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> f64 {

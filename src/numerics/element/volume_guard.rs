@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::constants::CHANGE;
 use super::elements::Elements;
 use super::group::ElementGroup;
+use crate::kernel::chunks::{CHUNK, chunks_of};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
 use crate::state::nodes::Nodes;
@@ -12,9 +13,6 @@ use crate::state::nodes::Nodes;
 /// Number of increments at the start of an analysis in which accelerations also limit the time increment. Rates are
 /// zero before the first increment, and suddenly released loads change them most.
 pub const STARTING: u64 = 100;
-
-/// Elements that a thread processes together.
-const CHUNK: usize = 512;
 
 impl Elements {
     /// Limits the time increment by the rate of volume change of elements and by the accelerations at this instant:
@@ -35,7 +33,7 @@ impl Elements {
                 }
                 largest
             };
-            let chunks = (0..elements.len().div_ceil(CHUNK)).into_par_iter();
+            let chunks = (0..chunks_of(elements.len())).into_par_iter();
             // The first of equal rates, for any number of threads.
             let (element, rate) = chunks
                 .map(of_chunk)

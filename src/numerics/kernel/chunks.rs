@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// Number of items from which loops use several threads.
 const PARALLEL: usize = 1000;
 /// Items of a chunk.
-const CHUNK: usize = 512;
+pub const CHUNK: usize = 512;
 
 /// Returns the number of chunks of a list.
 pub fn chunks_of(items: usize) -> usize {
