@@ -30,6 +30,7 @@ fn time_pass(group: &mut dyn ElementGroup, nodes: &[Node], corners: &mut CornerF
             threads: false,
             user: PointRoutines::default(),
             corners: corners.slots(0..group.len().div_ceil(LANES)),
+            tiles: None,
             dilation_correction: None,
             prefetches: false,
         });

@@ -203,6 +203,7 @@ impl<M: Material> QuadGroup<M> {
             threads,
             mut user,
             corners,
+            tiles: _,
             dilation_correction: _,
             prefetches: _,
         } = pass;

@@ -22,6 +22,7 @@ use super::predefined::PredefinedFields;
 use super::quiescent::ActiveNodes;
 use super::removed::DeletionRecord;
 use super::rings::RingFactors;
+use super::tiles::Tiles;
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::prefetch::PrefetchChoice;
@@ -80,8 +81,11 @@ pub struct Elements {
     pub(super) masses: Option<Box<ScaledMasses>>,
     /// Instruction set of the loops over nodes.
     pub(super) arch: Arch,
+    /// Corner forces and their assembly at nodes; with tiles those that are stored, and of shared nodes.
     corners: CornerForces,
     gather: NodalAssembly,
+    /// Tiles in which other corner forces are summed; `None` if all are stored.
+    tiles: Option<Box<Tiles>>,
     active_nodes: ActiveNodes,
     /// Whether the strains of the previous increment have not been computed yet.
     pending: bool,
@@ -137,6 +141,24 @@ impl Elements {
         self.deleted.0.reserve_exact(fragile.saturating_sub(self.deleted.0.len()));
         if let Some(removed) = &mut self.removed {
             removed.make_room();
+        }
+    }
+
+    /// Sums corner forces in tiles, if the model is large and no element can be deleted by `*EROSION`. `read` are the
+    /// elements, as group and index, whose corner forces are read. Called when the model is complete.
+    pub fn tile(&mut self, read: impl Iterator<Item = (usize, usize)>) {
+        if self.count() >= LARGE && self.erosion.is_none() {
+            let read = read.flat_map(|(group, element)| self.blocks_of(group, element)).collect();
+            self.tile_by(read, None);
+        }
+    }
+
+    /// Sums corner forces in tiles with a number of tasks, except those of the blocks `read`.
+    pub(super) fn tile_by(&mut self, read: Vec<usize>, length: Option<usize>) {
+        let tiles = Tiles::new(&self.groups, &self.gather, read.into_iter(), length);
+        if let Some((tiles, gather)) = tiles {
+            self.corners = CornerForces::new(tiles.stored() + 1);
+            (self.gather, self.tiles) = (gather, Some(Box::new(tiles)));
         }
     }
 
@@ -227,7 +249,9 @@ impl Elements {
             }
             let clock = seconds.as_ref().map(|_| std::time::Instant::now());
             let blocks = group.force_blocks();
-            let corners = self.corners.slots(first..first + blocks);
+            let all = first..first + blocks;
+            let stored = self.tiles.as_ref().map_or(all.clone(), |tiles| tiles.stored_among(&all));
+            let corners = self.corners.slots(stored);
             let nodes = dofs.nodes.as_slice();
             let user = user.lend();
             let before = NodeAccelerations { accelerations: &dofs.nodes.acceleration, half: dofs.nodes.half };
@@ -241,6 +265,7 @@ impl Elements {
                 threads,
                 user,
                 corners,
+                tiles: self.tiles.as_mut().and_then(|tiles| tiles.pass(i)),
                 dilation_correction,
                 prefetches: self.prefetch.is_on(),
             });
@@ -364,10 +389,14 @@ impl Elements {
     /// rings.
     #[inline(always)]
     pub fn nodal_forces(&self, first: usize, forces: &mut [[f64; 2]]) {
-        if self.prefetch.is_on() {
-            self.gather.prefetch(first + AHEAD * forces.len(), forces.len(), &self.corners);
+        if let Some(tiles) = &self.tiles {
+            tiles.sum(first, (&self.gather, &self.corners), forces);
+        } else {
+            if self.prefetch.is_on() {
+                self.gather.prefetch(first + AHEAD * forces.len(), forces.len(), &self.corners);
+            }
+            self.gather.sum(first, &self.corners, forces);
         }
-        self.gather.sum(first, &self.corners, forces);
         if let Some(rings) = &self.rings {
             for (force, ring) in forces.iter_mut().zip(&rings.factors[first..]) {
                 *force = [ring * force[0], ring * force[1]];
@@ -394,7 +423,8 @@ impl Elements {
         let before: usize = self.groups[..group].iter().map(|g| g.force_blocks()).sum();
         let per = self.groups[group].topology().force_blocks();
         let first = before + per * (element / LANES);
-        first..first + per
+        let all = first..first + per;
+        self.tiles.as_ref().map_or(all.clone(), |tiles| tiles.stored_among(&all))
     }
 
     /// Returns the force of an element on one of its nodes, counted in the order of its topology.
@@ -413,7 +443,8 @@ impl Elements {
 
     /// Returns the sum of the corner forces of a node, without the factors of area weighting.
     pub fn nodal_force(&self, node: usize) -> [f64; 2] {
-        self.gather.node_force(node, &self.corners)
+        let gather = (&self.gather, &self.corners);
+        self.tiles.as_ref().map_or_else(|| gather.0.node_force(node, gather.1), |tiles| tiles.node_force(node, gather))
     }
 
     /// Returns whether any of the [`super::quiescent::FEW`] nodes from `first` on needs an update.
@@ -454,7 +485,8 @@ impl Elements {
     /// Returns the bytes that belong to no single group: corner forces, and the connectivity from corners to nodes.
     pub fn bytes_of_gather(&self) -> usize {
         let deleted = heap_bytes(&self.deleted.0);
-        self.corners.bytes() + self.gather.bytes() + self.active_nodes.bytes() + deleted
+        let tiles = self.tiles.as_ref().map_or(0, |tiles| tiles.bytes());
+        self.corners.bytes() + self.gather.bytes() + self.active_nodes.bytes() + deleted + tiles
     }
 }
 
@@ -470,7 +502,7 @@ fn add(totals: &GroupTotals, energies: &mut EnergyTotals) {
 // are saved because their zeros have signs, which affect the accelerations.
 persist_struct!(Elements {
     limit, active_nodes, pending, deleted, deleted_before, uses_frequency, connectors: present, damping: present, distortion: present, erosion: present,
-    removed: present, masses: present, frequency: present, rings: present, groups: each, corners
+    removed: present, masses: present, frequency: present, rings: present, groups: each, corners, tiles: present
 } derived { ids, deformed, interfaces, averagings, lengths, fields, arch, gather, prefetch, failure } then Elements::check_deleted);
 
 impl Elements {

@@ -13,6 +13,7 @@ use crate::element::constants::{ElementConstants, damped};
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::{BlockRecord, ElementRecord};
 use crate::element::subzonal::SubzonalPressures;
+use crate::element::tiles::{TilePass, TileTasks, blocks_in_ring, with_ring};
 use crate::kernel::cohesive;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, Pack, dispatch_outlined};
 use crate::kernel::prefetch::{request, request_entry};
@@ -20,7 +21,7 @@ use crate::kernel::quad;
 use crate::kernel::shell::ShellFrame;
 use crate::kernel::topology::{ElementNodes, ElementTopology, MOST_NODES, PerNode};
 use crate::material::{BlockStart, Material, PlasticFlow, PointValue};
-use crate::mesh::corner_forces::are_zero;
+use crate::mesh::corner_forces::{CornerForces, are_zero};
 use crate::routines::PointRoutines;
 use crate::state::Instant;
 use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
@@ -67,6 +68,8 @@ pub struct GroupProperties {
     pub holds_pressure: bool,
     /// Number of field variables that elements store.
     pub fields: usize,
+    /// Whether corner forces may be stored for a part of the elements only.
+    pub tiles: bool,
 }
 
 /// Properties of cohesive elements; groups of other elements have none.
@@ -332,8 +335,10 @@ pub struct ElementPass<'a> {
     pub threads: bool,
     /// User subroutines that are called at points.
     pub user: PointRoutines<'a>,
-    /// Destination of the corner forces of the group.
+    /// Destination of the corner forces of the group that are stored.
     pub corners: &'a mut [BlockCornerForces],
+    /// Tiles in which corner forces are summed; `None` if all are stored.
+    pub tiles: Option<TilePass<'a>>,
     /// Averaged minus own volumetric strain increment of each element, block by block; `None` without averaging.
     pub dilation_correction: Option<&'a [Lanes]>,
     /// Whether data of later blocks are requested in advance; groups may ignore it.
@@ -579,6 +584,8 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
             damped: self.constants.damps(),
             holds_pressure: Self::HOLDS_PRESSURE,
             fields: self.material.calls().map_or(0, |calls| calls.fields()),
+            // Equations of state use the corner forces of the previous pass.
+            tiles: !M::CALLS && !M::EQUATION_OF_STATE,
         }
     }
 
@@ -594,7 +601,7 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
         if M::CALLS {
             return self.update_with_calls(pass);
         }
-        let ElementPass { nodes, dt, before, now, threads, corners, dilation_correction, prefetches, .. } = pass;
+        let ElementPass { nodes, dt, before, now, threads, corners, tiles, dilation_correction, prefetches, .. } = pass;
         let pass = PassContext {
             material: &*self.material,
             constants: &self.constants,
@@ -606,12 +613,16 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
             cap: self.cap,
             dilation_correction,
             prefetches,
+            tiled: tiles.is_some(),
         };
         let arch = self.arch;
         let run = |(index, blocks): (usize, &mut [ElementBlock<M::State>]),
                    (stored, resting): (&mut StoredTask, &mut TaskQuiescence),
                    corners: &mut [BlockCornerForces]| {
             if resting.quiescent && dilation_correction.is_none() && resting.is_still(nodes) {
+                if pass.tiled {
+                    corners.fill(BlockCornerForces::default());
+                }
                 return;
             }
             SCRATCH.with_borrow_mut(|scratch| {
@@ -627,7 +638,11 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
                 && blocks.iter().all(|b| b.stress.as_flattened().iter().all(|x| *x == 0.0))
                 && resting.is_still(nodes);
         };
-        if !threads || self.count < PARALLEL {
+        let threads = threads && self.count >= PARALLEL;
+        if let Some(tiles) = tiles {
+            let QuadGroup { blocks, tasks, quiescence, .. } = self;
+            TaskLists { blocks, tasks, quiescence, tiles: tiles.all(corners) }.update(threads, &run);
+        } else if !threads {
             let stored = self.tasks.iter_mut().zip(&mut self.quiescence);
             let parts = self.blocks.chunks_mut(TASK).enumerate().zip(stored);
             parts.zip(corners.chunks_mut(TASK)).for_each(|((blocks, own), corners)| run(blocks, own, corners));
@@ -886,6 +901,55 @@ impl<M: Material> ElementTemperatures for QuadGroup<M> {
     }
 }
 
+/// Lists of the tasks of some tiles.
+struct TaskLists<'a, S> {
+    blocks: &'a mut [ElementBlock<S>],
+    tasks: &'a mut [StoredTask],
+    quiescence: &'a mut [TaskQuiescence],
+    tiles: TileTasks<'a>,
+}
+
+impl<S: Send> TaskLists<'_, S> {
+    /// Updates the tasks by `run`, on several threads if permitted. Tiles are divided among threads by halves.
+    fn update<F>(self, threads: bool, run: &F)
+    where
+        F: Fn((usize, &mut [ElementBlock<S>]), (&mut StoredTask, &mut TaskQuiescence), &mut [BlockCornerForces]) + Sync,
+    {
+        let Some(count) = self.tiles.half() else { return with_ring(|ring| self.update_tile(ring, run)) };
+        let (first, second) = self.split(count);
+        if threads {
+            rayon::join(|| first.update(threads, run), || second.update(threads, run));
+        } else {
+            first.update(threads, run);
+            second.update(threads, run);
+        }
+    }
+
+    fn update_tile<F>(mut self, ring: &mut CornerForces, run: &F)
+    where
+        F: Fn((usize, &mut [ElementBlock<S>]), (&mut StoredTask, &mut TaskQuiescence), &mut [BlockCornerForces]),
+    {
+        let own = self.tasks.iter_mut().zip(self.quiescence);
+        for (task, (blocks, own)) in self.tiles.tasks.clone().zip(self.blocks.chunks_mut(TASK).zip(own)) {
+            let corners = ring.slots(blocks_in_ring(task, blocks.len()));
+            run((task, blocks), own, corners);
+            self.tiles.complete(task, ring);
+        }
+    }
+
+    /// Divides the tasks after the first `count`.
+    fn split(self, count: usize) -> (Self, Self) {
+        let TaskLists { blocks, tasks, quiescence, tiles } = self;
+        let blocks = blocks.split_at_mut(count * TASK);
+        let (tasks, quiescence) = (tasks.split_at_mut(count), quiescence.split_at_mut(count));
+        let tiles = tiles.split(count);
+        (
+            TaskLists { blocks: blocks.0, tasks: tasks.0, quiescence: quiescence.0, tiles: tiles.0 },
+            TaskLists { blocks: blocks.1, tasks: tasks.1, quiescence: quiescence.1, tiles: tiles.1 },
+        )
+    }
+}
+
 /// Input that all blocks of a pass share.
 struct PassContext<'a, M> {
     material: &'a M,
@@ -899,6 +963,8 @@ struct PassContext<'a, M> {
     cap: f64,
     dilation_correction: Option<&'a [Lanes]>,
     prefetches: bool,
+    /// Whether corner forces are in a ring.
+    tiled: bool,
 }
 
 /// Blocks by which stresses and corner forces are requested before their update, and nodes, whose indices must be known.
@@ -923,7 +989,9 @@ impl<M: Material> QuadTask<'_, M> {
         let [blocks, nodes] = AHEAD;
         let size = size_of::<ElementBlock<M::State>>() / size_of::<f64>();
         request(self.blocks[block].stress.as_flattened(), blocks * size, size);
-        request(self.corners[block].as_flattened().as_flattened(), blocks * 8 * LANES, 8 * LANES);
+        if !self.pass.tiled {
+            request(self.corners[block].as_flattened().as_flattened(), blocks * 8 * LANES, 8 * LANES);
+        }
         self.scratch.prefetch_controls(block + blocks);
         let Some(next) = self.blocks.get(block + nodes) else { return };
         for &node in [next.nodes[0], next.nodes[2]].as_flattened().iter().step_by(2) {
@@ -1067,6 +1135,7 @@ mod tests {
                     threads: false,
                     user: PointRoutines::default(),
                     corners: &mut corners,
+                    tiles: None,
                     dilation_correction: None,
                     prefetches: !matches!(arch, Arch::Scalar),
                 })

@@ -42,6 +42,7 @@ pub mod six_node;
 pub mod solid_groups;
 mod strain;
 mod subzonal;
+mod tiles;
 pub mod transfer;
 pub mod values;
 pub mod volume_guard;

@@ -108,6 +108,7 @@ fn moved(
             threads: false,
             user: PointRoutines::default(),
             corners: corners.slots(0..blocks),
+            tiles: None,
             dilation_correction: None,
             prefetches: true,
         });

@@ -65,6 +65,16 @@ impl CornerForces {
         block * BLOCK + corner * 2 * LANES + lane
     }
 
+    /// Returns the block of an index, and the index within the block.
+    pub fn place(index: u32) -> (usize, usize) {
+        (index as usize / BLOCK, index as usize % BLOCK)
+    }
+
+    /// Returns whether there are no blocks.
+    pub fn is_empty(&self) -> bool {
+        self.values().is_empty()
+    }
+
     /// Returns the force `[r, z]` on a corner of an element.
     pub fn of(&self, block: usize, lane: usize, corner: usize) -> [f64; 2] {
         let index = CornerForces::index(block, lane, corner);

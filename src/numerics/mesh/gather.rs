@@ -8,7 +8,7 @@ use crate::kernel::prefetch::request;
 use crate::kernel::topology::ElementNodes;
 
 /// Corner slots stored inline; most nodes of a quadrilateral mesh have at most four.
-const SLOTS: usize = 4;
+pub const SLOTS: usize = 4;
 
 /// Corner slots of each node, in fixed order.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +17,8 @@ pub struct NodalAssembly {
     slots: Vec<[u32; SLOTS]>,
     /// Additional slots, as pairs of node and slot.
     more: Vec<(u32, u32)>,
+    /// The slot of zeros.
+    empty: u32,
 }
 
 impl NodalAssembly {
@@ -28,7 +30,7 @@ impl NodalAssembly {
     {
         let blocks: usize = groups.iter().map(|(per, g)| per * g.len().div_ceil(LANES)).sum();
         let empty = CornerForces::index(blocks, 0, 0) as u32;
-        let mut gather = NodalAssembly { slots: vec![[empty; SLOTS]; count], more: Vec::new() };
+        let mut gather = NodalAssembly { slots: vec![[empty; SLOTS]; count], more: Vec::new(), empty };
         let mut block = 0;
         for (per, elements) in groups {
             for (e, nodes) in elements.clone().enumerate() {
@@ -44,6 +46,31 @@ impl NodalAssembly {
         }
         gather.more.sort_unstable();
         gather
+    }
+
+    /// Creates the assembly of some of these nodes for corner forces in `blocks` other blocks; `map` returns the new index
+    /// of a slot.
+    pub fn of_nodes(&self, nodes: &[u32], blocks: usize, map: impl Fn(u32) -> u32) -> Self {
+        let empty = CornerForces::index(blocks, 0, 0) as u32;
+        let mut part = NodalAssembly { slots: vec![[empty; SLOTS]; nodes.len()], more: Vec::new(), empty };
+        for (at, (&node, slots)) in nodes.iter().zip(&mut part.slots).enumerate() {
+            let mut own = self.slots(node as usize).map(&map);
+            slots.iter_mut().zip(&mut own).for_each(|(to, slot)| *to = slot);
+            part.more.extend(own.map(|slot| (at as u32, slot)));
+        }
+        part
+    }
+
+    /// Returns the number of nodes.
+    pub fn len(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Returns the corner slots of a node in the order of summation.
+    pub fn slots(&self, node: usize) -> impl Iterator<Item = u32> {
+        let first = self.more.partition_point(|m| (m.0 as usize) < node);
+        let more = self.more[first..].iter().take_while(move |m| m.0 as usize == node).map(|m| m.1);
+        self.slots[node].iter().copied().filter(|slot| *slot != self.empty).chain(more)
     }
 
     pub fn node_force(&self, node: usize, corners: &CornerForces) -> [f64; 2] {

@@ -304,6 +304,8 @@ fn compile_with(
     }
     state.user_amplitudes = vec![SampledAmplitude::default(); compiler.user_amplitude_count];
     state.amplitude_routines = compiler.amplitudes;
+    let read = compiler.sections.iter().flat_map(|section| &section.corners);
+    state.elements.tile(read.map(|&(group, element, _)| (group, element)));
     let Compiler { ledger, bodies, places, sections, sets, expressions, diagnostics: found, .. } = compiler;
     let (labels, sets) = (FrameLabels::of(model), sets.into_iter().collect());
     diagnostics.append(found);

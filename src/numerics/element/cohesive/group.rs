@@ -218,6 +218,7 @@ impl ElementGroup for CohesiveGroup {
             damped: false,
             holds_pressure: true,
             fields: 0,
+            tiles: false,
         }
     }
 

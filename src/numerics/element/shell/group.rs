@@ -168,6 +168,7 @@ impl ElementGroup for ShellGroup {
             damped: true,
             holds_pressure: false,
             fields: 0,
+            tiles: false,
         }
     }
 

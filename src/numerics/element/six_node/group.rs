@@ -191,6 +191,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
             damped: self.constants.damps(),
             holds_pressure: Self::HOLDS_PRESSURE,
             fields: 0,
+            tiles: false,
         }
     }
 
