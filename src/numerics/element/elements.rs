@@ -22,7 +22,7 @@ use super::predefined::PredefinedFields;
 use super::quiescent::ActiveNodes;
 use super::removed::DeletionRecord;
 use super::rings::RingFactors;
-use super::tiles::Tiles;
+use super::tiles::{TILE, Tiles};
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::prefetch::PrefetchChoice;
@@ -40,6 +40,8 @@ use crate::state::{EffectId, Instant};
 
 /// Number of elements from which prefetching is tried: smaller models fit into second-level caches.
 const LARGE: usize = 16_000;
+/// Number of elements from which corner forces are summed in tiles: those of smaller models fit into second-level caches.
+const TILED: usize = 131_072;
 /// Pieces of nodes by which forces are requested before they are summed.
 const AHEAD: usize = 2;
 
@@ -144,18 +146,19 @@ impl Elements {
         }
     }
 
-    /// Sums corner forces in tiles, if the model is large and no element can be deleted by `*EROSION`. `read` are the
-    /// elements, as group and index, whose corner forces are read. Called when the model is complete.
+    /// Sums corner forces in tiles, if the model is large and no element can be deleted by `*EROSION`, which reads corner
+    /// forces. `read` are the elements, as group and index, whose corner forces are read otherwise. Called when the model
+    /// is complete.
     pub fn tile(&mut self, read: impl Iterator<Item = (usize, usize)>) {
-        if self.count() >= LARGE && self.erosion.is_none() {
-            let read = read.flat_map(|(group, element)| self.blocks_of(group, element)).collect();
-            self.tile_by(read, None);
+        if self.count() >= TILED && self.erosion.is_none() {
+            self.tile_by(read, TILE);
         }
     }
 
-    /// Sums corner forces in tiles with a number of tasks, except those of the blocks `read`.
-    pub(super) fn tile_by(&mut self, read: Vec<usize>, length: Option<usize>) {
-        let tiles = Tiles::new(&self.groups, &self.gather, read.into_iter(), length);
+    /// Sums corner forces in tiles of `length` tasks, unless too many nodes belong to several tiles.
+    pub fn tile_by(&mut self, read: impl Iterator<Item = (usize, usize)>, length: usize) {
+        let read = read.flat_map(|(group, element)| self.blocks_of(group, element));
+        let tiles = Tiles::new(&self.groups, &self.gather, read, length);
         if let Some((tiles, gather)) = tiles {
             self.corners = CornerForces::new(tiles.stored() + 1);
             (self.gather, self.tiles) = (gather, Some(Box::new(tiles)));

@@ -637,6 +637,10 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
                 && are_zero(corners)
                 && blocks.iter().all(|b| b.stress.as_flattened().iter().all(|x| *x == 0.0))
                 && resting.is_still(nodes);
+            if resting.quiescent {
+                // Zeros of one sign, as above.
+                corners.fill(BlockCornerForces::default());
+            }
         };
         let threads = threads && self.count >= PARALLEL;
         if let Some(tiles) = tiles {

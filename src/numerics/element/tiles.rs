@@ -16,10 +16,10 @@ use crate::state::archive::{Persist, StateArchive};
 
 /// Tasks of a ring: 4 096 elements, or 256 kB.
 const RING: usize = 16;
-/// Number of tiles into which a group is divided, if they are as large as [`TILE`] permits.
-const TILES: usize = 16;
 /// Tasks of a tile. Small tiles have many nodes in common with others, large ones are too few for many threads.
-const TILE: Range<usize> = 16..64;
+pub(super) const TILE: usize = 32;
+/// Tiles are used if at most one node in this number is shared.
+const UNSHARED: usize = 4;
 
 thread_local! {
     /// The ring of a thread, and a block of zeros.
@@ -79,14 +79,13 @@ struct GroupBlocks {
 }
 
 impl GroupBlocks {
-    /// Returns the blocks of each group.
-    fn of(groups: &[Box<dyn ElementGroup>], length: Option<usize>) -> Vec<GroupBlocks> {
+    /// Returns the blocks of each group; `length` is the number of tasks of a tile.
+    fn of(groups: &[Box<dyn ElementGroup>], length: usize) -> Vec<GroupBlocks> {
         let mut first = 0;
         let mut group = |group: &Box<dyn ElementGroup>| {
             let blocks = first..first + group.force_blocks();
             first = blocks.end;
-            let chosen = blocks.len().div_ceil(TASK * TILES).clamp(TILE.start, TILE.end);
-            GroupBlocks { blocks, length: group.properties().tiles.then_some(length.unwrap_or(chosen)) }
+            GroupBlocks { blocks, length: group.properties().tiles.then_some(length) }
         };
         groups.iter().map(&mut group).collect()
     }
@@ -122,16 +121,15 @@ struct CompletedNode {
 
 impl Tiles {
     /// Creates the tiles of groups whose corner forces are assembled by `gather`, and the assembly of stored corner forces
-    /// at shared nodes. `always` are blocks that are stored in any case. `length` is the number of tasks of a tile if it is
-    /// not chosen by the size of the groups. Returns `None` if no group has tiles.
+    /// at shared nodes. `always` are blocks that are stored in any case; `length` is the number of tasks of a tile.
+    /// Returns `None` if too many nodes are shared.
     pub fn new(
         groups: &[Box<dyn ElementGroup>],
         gather: &NodalAssembly,
         always: impl Iterator<Item = usize>,
-        length: Option<usize>,
+        length: usize,
     ) -> Option<(Tiles, NodalAssembly)> {
         let parts = GroupBlocks::of(groups, length);
-        parts.iter().find(|part| part.length.is_some())?;
         let blocks = parts.last().map_or(0, |part| part.blocks.end);
         let mut is_stored = vec![false; blocks];
         let whole = parts.iter().filter(|part| part.length.is_none()).flat_map(|part| part.blocks.clone());
@@ -154,6 +152,9 @@ impl Tiles {
                 shared.push(node as u32);
                 gather.slots(node).for_each(|slot| is_stored[CornerForces::place(slot).0] = true);
             }
+        }
+        if shared.len() * UNSHARED > nodes {
+            return None;
         }
         let stored: Vec<u32> = (0..blocks as u32).filter(|block| is_stored[*block as usize]).collect();
         let gather = gather.of_nodes(&shared, stored.len(), |slot| {
