@@ -348,6 +348,35 @@ fn large_body_resumes_on_any_number_of_threads() {
     }
 }
 
+/// A model that is large enough for tiles of corner forces has the bits of one without tiles, on any number of threads and
+/// after a restart. Corner forces are stored for all elements if some can be deleted by `*EROSION`.
+#[test]
+fn large_model_in_tiles_resumes() {
+    let text = fs::read_to_string(project("input/taylor_copper.inp")).expect("the deck");
+    let text = text.replace(" , 80.e-6", " , 60.e-9").replace("field, number interval=20", "field, number interval=1");
+    let stored = text.replace("*Step,", "*Erosion, plastic strain=9.\n*Step,");
+    let with = |text: &str, threads: usize, control: RunControl<'_>| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let settings = [("nr", "128"), ("nz", "1024")];
+            let prepared = prepared(text, &settings, &Routines::none());
+            let mut keeper = CheckpointRecorder::default();
+            let ran = solve::run_with(&prepared.plan, prepared.state, &mut keeper, control).expect("the state fits");
+            assert!(ran.0.increments > 12, "{:?}", ran.0);
+            (frames(&keeper.shown, 0), rows(&keeper.shown, 0).last().cloned(), keeper.states)
+        })
+    };
+    let whole = with(&stored, 2, RunControl::default());
+    let every = Some(CheckpointInterval::Increments(6));
+    let tiled = with(&text, 1, RunControl { every, ..RunControl::default() });
+    assert!(tiled.1 == whole.1 && tiled.0.last() == whole.0.last(), "tiles change the results");
+    let state = Some(&*tiled.2[0].0);
+    for threads in [2, 5] {
+        let resumed = with(&text, threads, RunControl { state, ..RunControl::default() });
+        assert!(resumed.1 == whole.1 && resumed.0.last() == whole.0.last(), "{threads} threads");
+    }
+}
+
 const WALL: &str = "*Node, nset=ANVIL\n 800, 0., 0.\n*Surface, type=SEGMENTS, name=WALL\n START, 0., 0.\n LINE, 100., 0.\n\
      *Rigid Body, ref node=800, analytical surface=WALL\n*Surface Interaction, name=ROUGH\n*Friction\n 0.2\n";
 

@@ -127,7 +127,8 @@ impl PlaneElastic {
     #[inline(always)]
     fn unknowns(&self, yields: &PlaneYield<'_>, count: usize) -> Lanes {
         let trial = yields.trial;
-        let at_rest = yields.law.at_rest(trial.strain, trial.temperature, &yields.softening);
+        let [static_yield, ..] = yields.law.static_yield(trial.strain, trial.temperature, &yields.softening);
+        let at_rest = yields.law.at_rest(&static_yield, trial.temperature);
         let [stress, slope] = yields.mises(&ZERO);
         let (mut x, mut open, mut flows) = (ZERO, [false; LANES], false);
         for l in 0..LANES {

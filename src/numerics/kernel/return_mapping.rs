@@ -5,6 +5,9 @@
 //! Cowper and Symonds, and iterates that start above the root remain above it, also at the onset of flow, where the
 //! slope with respect to dp is unbounded.
 //!
+//! The first iteration expands the static yield stress about the strain before the increment, where its value is needed in
+//! any case.
+//!
 //! Each lane iterates until its own residual converges, independently of the other lanes. A lane that has not converged
 //! after some iterations uses the bracketed secants of [`plastic_increment`].
 #![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
@@ -38,11 +41,13 @@ const ZERO: Lanes = [0.0; LANES];
 const ROUNDS: usize = 8;
 /// Converged residual, relative to the trial stress.
 const ENOUGH: f64 = 1e-11;
-/// Relative change of the plastic strain increment below which an iteration is the last: for Newton's method (also
-/// Halley's method on a linear law), whose error is of second order, and for Halley's method, whose error is of third
-/// order. If the rate crosses the Johnson-Cook reference rate in the last iteration, the error is a fraction c of the
-/// change.
-const SHORT: [f64; 2] = [1e-7, 2e-4];
+/// Relative change of the plastic strain increment below which an iteration is the last with Newton's method (also
+/// Halley's method on a linear law), whose error is of second order.
+const SHORT: f64 = 1e-7;
+/// Bound of the relative error after an iteration of Halley's method over the cube of the relative change. It is at most
+/// 0.12 for yield stresses that are linear in the logarithm of the rate. If the rate crosses the Johnson-Cook reference
+/// rate in the last iteration, the error is a fraction c of the change.
+const CUBIC: f64 = 0.25;
 /// Smallest ratio of successive plastic strain increments in an iteration.
 const LEAST: f64 = 0.02;
 
@@ -51,7 +56,8 @@ const LEAST: f64 = 0.02;
 pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize) -> Lanes {
     let TrialState { stress, strain, temperature, rate, shear3, dt } = trial;
     let softening = law.softening(temperature);
-    let at_rest = law.at_rest(strain, temperature, &softening);
+    let base = law.static_yield(strain, temperature, &softening);
+    let at_rest = law.at_rest(&base[0], temperature);
     let mut flows = false;
     for l in 0..count {
         flows |= stress[l] > at_rest[l];
@@ -68,9 +74,17 @@ pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize)
         let warm = rate[l] * dt;
         increment[l] = if warm > 0.0 && warm < highest[l] { warm } else { highest[l] };
     }
+    let mut rates = ZERO;
+    (0..LANES).for_each(|l| rates[l] = increment[l] * per_dt);
+    let expanded = expand(&base, strain, &increment);
+    let [yields, slope, bend] = law.at_rate(expanded, &rates, temperature, per_dt);
+    for l in 0..LANES {
+        let residual = stress[l] - shear3 * increment[l] - yields[l];
+        let [next, _] = improve(residual, [slope[l], bend[l]], increment[l], (shear3, highest[l]));
+        increment[l] = if open[l] { next } else { increment[l] };
+    }
     for _ in 0..ROUNDS {
         let mut tried = ZERO;
-        let mut rates = ZERO;
         for l in 0..LANES {
             tried[l] = strain[l] + increment[l];
             rates[l] = increment[l] * per_dt;
@@ -81,18 +95,13 @@ pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize)
             let residual = stress[l] - shear3 * increment[l] - yields[l];
             let enough = residual.abs() <= ENOUGH * stress[l];
             open[l] &= !enough;
-            let (dp, per) = (increment[l], shear3 + slope[l]);
-            let newton = residual / per;
-            let bends = 2.0 * per * per + residual * bend[l];
-            let halley = 2.0 * residual * per / (if bends > per * per { bends } else { per * per });
-            // From above the root: 1/(1 - x) is not below exp(x).
-            let steep = residual < 0.0 && slope[l] > shear3;
-            let next = if steep { dp * dp / (dp - newton) } else { dp + halley };
-            let next = if next > LEAST * dp { next } else { LEAST * dp };
-            let next = if next < highest[l] { next } else { highest[l] };
+            let dp = increment[l];
+            let [next, newton] = improve(residual, [slope[l], bend[l]], dp, (shear3, highest[l]));
             increment[l] = if open[l] { next } else { dp };
-            let short = if slope[l] > shear3 || bend[l] == 0.0 { SHORT[0] } else { SHORT[1] };
-            open[l] &= newton.abs() > short * dp;
+            let change = newton.abs();
+            let cubic = CUBIC * shear3 * (change * change) * change > ENOUGH * stress[l] * (dp * dp);
+            let quadratic = change > SHORT * dp;
+            open[l] &= if slope[l] > shear3 || bend[l] == 0.0 { quadratic } else { cubic };
             left |= open[l];
         }
         if !left {
@@ -105,6 +114,34 @@ pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize)
     increment
 }
 
+/// Returns an improved plastic strain increment and the change by Newton's method. `slope` and `bend` are derivatives of
+/// the yield stress at the increment `dp`.
+#[inline(always)]
+fn improve(residual: f64, [slope, bend]: [f64; 2], dp: f64, (shear3, highest): (f64, f64)) -> [f64; 2] {
+    let per = shear3 + slope;
+    let newton = residual / per;
+    let bends = 2.0 * per * per + residual * bend;
+    let halley = 2.0 * residual * per / (if bends > per * per { bends } else { per * per });
+    // From above the root: 1/(1 - x) is not below exp(x).
+    let steep = residual < 0.0 && slope > shear3;
+    let next = if steep { dp * dp / (dp - newton) } else { dp + halley };
+    let next = if next > LEAST * dp { next } else { LEAST * dp };
+    [if next < highest { next } else { highest }, newton]
+}
+
+/// Expands the static yield stress at a strain by an increment, as far as the increment is small compared with the strain.
+#[inline(always)]
+fn expand([value, slope, bend]: &CurveLanes, strain: &Lanes, increment: &Lanes) -> CurveLanes {
+    let [mut expanded, mut steep, mut bends] = [ZERO; 3];
+    for l in 0..LANES {
+        let dp = if increment[l] < 0.5 * strain[l] { increment[l] } else { 0.0 };
+        expanded[l] = value[l] + (slope[l] + 0.5 * bend[l] * dp) * dp;
+        steep[l] = if dp > 0.0 { slope[l] + bend[l] * dp } else { 0.0 };
+        bends[l] = if dp > 0.0 { bend[l] } else { 0.0 };
+    }
+    [expanded, steep, bends]
+}
+
 impl FlowStress {
     /// Returns the temperature factor of a Johnson-Cook yield stress; 1 for tables.
     #[inline(always)]
@@ -115,10 +152,10 @@ impl FlowStress {
         }
     }
 
-    /// Returns the yield stress at zero rate.
+    /// Returns the yield stress at zero rate from the static one.
     #[inline(always)]
-    pub(super) fn at_rest(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> Lanes {
-        let [mut value, ..] = self.static_yield(strain, temperature, softening);
+    pub(super) fn at_rest(&self, static_yield: &Lanes, temperature: &Lanes) -> Lanes {
+        let mut value = *static_yield;
         if let Some(RateFactor::Ratio(tables)) = &self.factor {
             let [ratio, ..] = tables.lanes(&ZERO, temperature);
             (0..LANES).for_each(|l| value[l] *= ratio[l]);
@@ -126,8 +163,9 @@ impl FlowStress {
         value
     }
 
+    /// Returns the static yield stress and its derivatives with respect to strain.
     #[inline(always)]
-    fn static_yield(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> CurveLanes {
+    pub(super) fn static_yield(&self, strain: &Lanes, temperature: &Lanes, softening: &Lanes) -> CurveLanes {
         match &self.base {
             StaticYield::JohnsonCook(law) => law.lanes(strain, softening),
             StaticYield::Tables(tables) => tables.lanes(strain, temperature),
@@ -145,7 +183,13 @@ impl FlowStress {
         softening: &Lanes,
         per_dt: f64,
     ) -> CurveLanes {
-        let [mut value, mut slope, mut bend] = self.static_yield(strain, temperature, softening);
+        self.at_rate(self.static_yield(strain, temperature, softening), rate, temperature, per_dt)
+    }
+
+    /// Multiplies a static yield stress by the rate factor; the rate increases by `per_dt` per unit of strain.
+    #[inline(always)]
+    fn at_rate(&self, static_yield: CurveLanes, rate: &Lanes, temperature: &Lanes, per_dt: f64) -> CurveLanes {
+        let [mut value, mut slope, mut bend] = static_yield;
         if let Some(factor) = &self.factor {
             let [times, grows, bends] = factor.lanes(rate, temperature);
             for l in 0..LANES {
