@@ -1,5 +1,6 @@
-//! Logarithm and exponential of all lanes, in branch-free plain arithmetic: compilers vectorize it, and every
-//! instruction set gives the same bits.
+//! Logarithm and exponential in branch-free plain arithmetic: compilers vectorize loops over lanes, and every instruction
+//! set gives the same bits. A loop over lanes should contain all of the arithmetic on a lane: compilers unroll short loops,
+//! and then vectorize only parts of them.
 //!
 //! Both reduce the argument and evaluate a polynomial (Tang 1989 and 1990, ACM Trans. Math. Softw. 15, 144 and 16, 378;
 //! the coefficients are those of the minimax polynomials published with Sun's fdlibm, `e_log.c` and `e_exp.c`). Errors
@@ -22,70 +23,70 @@ const NEAREST: f64 = 6_755_399_441_055_744.0;
 /// First value of [`inverse_cbrt`].
 const START: f64 = 1_499_660_000_000_000.0;
 
-/// Returns the natural logarithms. Numbers must be normal and positive; the result is otherwise meaningless.
+/// Returns the natural logarithm. The number must be normal and positive; the result is otherwise meaningless.
+#[inline(always)]
+pub fn ln_of(x: f64) -> f64 {
+    let bits = x.to_bits();
+    // x = 2^k m with m between sqrt(1/2) and sqrt(2).
+    let biased = bits.wrapping_sub(ROOT_HALF).wrapping_add(ONE) >> 52;
+    let k = f64::from_bits(WHOLE | biased) - f64::from_bits(WHOLE | 1023);
+    let f = f64::from_bits(bits.wrapping_sub(biased << 52).wrapping_add(ONE)) - 1.0;
+    let s = f / (2.0 + f);
+    let z = s * s;
+    let w = z * z;
+    let odd = w * (3.999_999_999_940_942e-1 + w * (2.222_219_843_214_978_4e-1 + w * 1.531_383_769_920_937_3e-1));
+    let even = z
+        * (6.666_666_666_666_735e-1
+            + w * (2.857_142_874_366_239e-1 + w * (1.818_357_216_161_805e-1 + w * 1.479_819_860_511_658_6e-1)));
+    let square = 0.5 * f * f;
+    k * LN2[0] - ((square - (s * (square + (even + odd)) + k * LN2[1])) - f)
+}
+
+/// Returns the exponential; the argument is limited to the range of normal results.
+#[inline(always)]
+pub fn exp_of(x: f64) -> f64 {
+    let x = if x > 709.0 { 709.0 } else { x };
+    let x = if x < -708.0 { -708.0 } else { x };
+    // x = k ln 2 + r.
+    let near = x * LOG2_E + NEAREST;
+    let k = near - NEAREST;
+    let (high, low) = (x - k * LN2[0], k * LN2[1]);
+    let r = high - low;
+    let z = r * r;
+    let p = z
+        * (1.666_666_666_666_66e-1
+            + z * (-2.777_777_777_701_559_3e-3
+                + z * (6.613_756_321_437_934e-5 + z * (-1.653_390_220_546_525_2e-6 + z * 4.138_136_797_057_238_5e-8))));
+    let c = r - p;
+    let y = 1.0 - ((low - (r * c) / (2.0 - c)) - high);
+    // The last bits of `near` are those of k.
+    y * f64::from_bits(near.to_bits().wrapping_add(1023) << 52)
+}
+
+/// Returns the power x^n of a positive number, and 0 for other numbers.
+#[inline(always)]
+pub fn power_of(x: f64, n: f64) -> f64 {
+    let positive = x >= f64::MIN_POSITIVE;
+    let power = exp_of(n * ln_of(if positive { x } else { 1.0 }));
+    if positive { power } else { 0.0 }
+}
+
+/// Returns the natural logarithms; see [`ln_of`].
 #[inline(always)]
 pub fn ln(x: &Lanes) -> Lanes {
     let mut result = [0.0; LANES];
     for l in 0..LANES {
-        let bits = x[l].to_bits();
-        // x = 2^k m with m between sqrt(1/2) and sqrt(2).
-        let biased = bits.wrapping_sub(ROOT_HALF).wrapping_add(ONE) >> 52;
-        let k = f64::from_bits(WHOLE | biased) - f64::from_bits(WHOLE | 1023);
-        let f = f64::from_bits(bits.wrapping_sub(biased << 52).wrapping_add(ONE)) - 1.0;
-        let s = f / (2.0 + f);
-        let z = s * s;
-        let w = z * z;
-        let odd = w * (3.999_999_999_940_942e-1 + w * (2.222_219_843_214_978_4e-1 + w * 1.531_383_769_920_937_3e-1));
-        let even = z
-            * (6.666_666_666_666_735e-1
-                + w * (2.857_142_874_366_239e-1 + w * (1.818_357_216_161_805e-1 + w * 1.479_819_860_511_658_6e-1)));
-        let square = 0.5 * f * f;
-        result[l] = k * LN2[0] - ((square - (s * (square + (even + odd)) + k * LN2[1])) - f);
+        result[l] = ln_of(x[l]);
     }
     result
 }
 
-/// Returns the exponentials; arguments are limited to the range of normal results.
+/// Returns the exponentials; see [`exp_of`].
 #[inline(always)]
 pub fn exp(x: &Lanes) -> Lanes {
     let mut result = [0.0; LANES];
     for l in 0..LANES {
-        let x = if x[l] > 709.0 { 709.0 } else { x[l] };
-        let x = if x < -708.0 { -708.0 } else { x };
-        // x = k ln 2 + r.
-        let near = x * LOG2_E + NEAREST;
-        let k = near - NEAREST;
-        let (high, low) = (x - k * LN2[0], k * LN2[1]);
-        let r = high - low;
-        let z = r * r;
-        let p = z
-            * (1.666_666_666_666_66e-1
-                + z * (-2.777_777_777_701_559_3e-3
-                    + z * (6.613_756_321_437_934e-5
-                        + z * (-1.653_390_220_546_525_2e-6 + z * 4.138_136_797_057_238_5e-8))));
-        let c = r - p;
-        let y = 1.0 - ((low - (r * c) / (2.0 - c)) - high);
-        // The last bits of `near` are those of k.
-        let scale = f64::from_bits(near.to_bits().wrapping_add(1023) << 52);
-        result[l] = y * scale;
-    }
-    result
-}
-
-/// Returns the powers x^n of positive numbers, and 0 for other numbers.
-#[inline(always)]
-pub fn power(x: &Lanes, n: &Lanes) -> Lanes {
-    let mut safe = *x;
-    for l in 0..LANES {
-        safe[l] = if x[l] >= f64::MIN_POSITIVE { x[l] } else { 1.0 };
-    }
-    let mut exponent = ln(&safe);
-    for l in 0..LANES {
-        exponent[l] *= n[l];
-    }
-    let mut result = exp(&exponent);
-    for l in 0..LANES {
-        result[l] = if x[l] >= f64::MIN_POSITIVE { result[l] } else { 0.0 };
+        result[l] = exp_of(x[l]);
     }
     result
 }
@@ -110,7 +111,7 @@ pub fn inverse_cbrt(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{LANES, exp, inverse_cbrt, ln, power};
+    use super::{LANES, exp, inverse_cbrt, ln, power_of};
 
     /// Returns the units in the last place between two numbers.
     fn apart(a: f64, b: f64) -> u64 {
@@ -147,7 +148,7 @@ mod tests {
             let n = [0.28, 0.5, 1.03, 0.01, 2.0, 0.2, 1.0 / 6.0, 0.001];
             let [x, y, n] = [x, y, n].map(|list| std::array::from_fn(|l| list[l % 8]));
             let (logs, exps) = (ln(&x), exp(&y));
-            let powers = power(&x, &n);
+            let powers: [f64; LANES] = std::array::from_fn(|l| power_of(x[l], n[l]));
             for l in 0..LANES {
                 worst[0] = worst[0].max(apart(logs[l], libm::log(x[l])));
                 worst[1] = worst[1].max(apart(exps[l], libm::exp(y[l])));
@@ -177,8 +178,7 @@ mod tests {
 
     #[test]
     fn powers_of_nonpositive_numbers_are_zero() {
-        let mut x = [0.0; LANES];
-        x[..5].copy_from_slice(&[0.0, -1.0, f64::NAN, 5e-324, 1.0]);
-        assert_eq!(power(&x, &[0.3; LANES])[..5], [0.0, 0.0, 0.0, 0.0, 1.0]);
+        let powers = [0.0, -1.0, f64::NAN, 5e-324, 1.0].map(|x| power_of(x, 0.3));
+        assert_eq!(powers, [0.0, 0.0, 0.0, 0.0, 1.0]);
     }
 }
