@@ -1,8 +1,8 @@
 //! Equations of state: pressure as a function of density and specific energy, and the energy update of an increment.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
-use crate::kernel::lanes::Lanes;
-use crate::kernel::lanes::{InlineMap, LANES};
+use crate::kernel::lanes::{LANES, Lanes};
+use crate::kernel::transcendental::ln_of;
 use crate::material::volumetric::PressureUpdate;
 
 /// Pressure at one density, linear in the specific energy e (energy per mass): p = cold + per_energy e.
@@ -18,10 +18,48 @@ pub struct EosLine {
     pub energy_slope: f64,
 }
 
+/// Pressure lines of a block; see [`EosLine`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EosLines {
+    cold: Lanes,
+    per_energy: Lanes,
+    cold_slope: Lanes,
+    energy_slope: Lanes,
+}
+
+impl EosLines {
+    #[inline(always)]
+    fn set(&mut self, l: usize, line: EosLine) {
+        self.cold[l] = line.cold;
+        self.per_energy[l] = line.per_energy;
+        self.cold_slope[l] = line.cold_slope;
+        self.energy_slope[l] = line.energy_slope;
+    }
+
+    #[inline(always)]
+    fn of(&self, l: usize) -> EosLine {
+        EosLine {
+            cold: self.cold[l],
+            per_energy: self.per_energy[l],
+            cold_slope: self.cold_slope[l],
+            energy_slope: self.energy_slope[l],
+        }
+    }
+}
+
 /// An equation of state that is linear in the specific energy.
 pub trait EosLaw: Send + Sync + 'static {
     /// Returns the pressure line at a density.
     fn curve(&self, density: f64) -> EosLine;
+    /// Returns the pressure lines of a block.
+    #[inline(always)]
+    fn curves(&self, densities: &Lanes) -> EosLines {
+        let mut lines = EosLines::default();
+        for l in 0..LANES {
+            lines.set(l, self.curve(densities[l]));
+        }
+        lines
+    }
     /// Returns the ambient pressure: it is not part of the stress, but the gas works against it.
     fn ambient(&self) -> f64 {
         0.0
@@ -111,16 +149,6 @@ pub struct Tabulated {
 }
 
 impl Tabulated {
-    /// Returns value and slope of both functions at a volumetric strain.
-    fn at(&self, strain: f64) -> [[f64; 2]; 2] {
-        let after = self.rows.partition_point(|row| row[2] > strain).clamp(1, self.rows.len() - 1);
-        let (a, b) = (self.rows[after - 1], self.rows[after]);
-        [0, 1].inline_map(|i| {
-            let slope = (b[i] - a[i]) / (b[2] - a[2]);
-            [a[i] + slope * (strain - a[2]), slope]
-        })
-    }
-
     /// Returns the largest bulk modulus of the table at zero energy.
     fn stiffest(&self) -> f64 {
         self.rows.windows(2).map(|w| (w[1][0] - w[0][0]) / (w[0][2] - w[1][2])).fold(0.0, f64::max)
@@ -129,15 +157,44 @@ impl Tabulated {
 
 impl EosLaw for Tabulated {
     fn curve(&self, density: f64) -> EosLine {
-        let [[cold, cold_slope], [factor, slope]] = self.at(libm::log(self.density / density));
-        // d(strain)/d(rho) = -1/rho.
-        let per = -1.0 / density;
-        EosLine {
-            cold,
-            per_energy: self.density * factor,
-            cold_slope: per * cold_slope,
-            energy_slope: per * self.density * slope,
+        self.curves(&[density; LANES]).of(0)
+    }
+
+    /// Returns NaN for densities that are not positive numbers.
+    #[inline(always)]
+    fn curves(&self, densities: &Lanes) -> EosLines {
+        let mut strain = [0.0; LANES];
+        let mut lines = EosLines { cold: [f64::NAN; LANES], ..EosLines::default() };
+        for l in 0..LANES {
+            let ratio = self.density / densities[l];
+            let log = ln_of(ratio);
+            strain[l] = if ratio >= f64::MIN_POSITIVE && ratio <= f64::MAX { log } else { f64::NAN };
         }
+        // Each interval overwrites the lanes at smaller strains.
+        let mut above = f64::INFINITY;
+        for rows in self.rows.windows(2) {
+            let (a, b) = (rows[0], rows[1]);
+            let per = 1.0 / (b[2] - a[2]);
+            let [steep, rising] = [(b[0] - a[0]) * per, (b[1] - a[1]) * per];
+            for l in 0..LANES {
+                let after = strain[l] - a[2];
+                let line = [a[0] + steep * after, a[1] + rising * after];
+                let here = strain[l] < above;
+                lines.cold[l] = if here { line[0] } else { lines.cold[l] };
+                lines.per_energy[l] = if here { line[1] } else { lines.per_energy[l] };
+                lines.cold_slope[l] = if here { steep } else { lines.cold_slope[l] };
+                lines.energy_slope[l] = if here { rising } else { lines.energy_slope[l] };
+            }
+            above = b[2];
+        }
+        for l in 0..LANES {
+            // d(strain)/d(rho) = -1/rho.
+            let per = -1.0 / densities[l];
+            lines.per_energy[l] *= self.density;
+            lines.cold_slope[l] *= per;
+            lines.energy_slope[l] *= per * self.density;
+        }
+        lines
     }
 
     fn floor(&self) -> f64 {
@@ -177,9 +234,13 @@ pub(super) fn advance(
 #[inline(always)]
 pub(super) fn advance_block(law: &impl EosLaw, energy: &mut Lanes, mut update: PressureUpdate<'_>) {
     let (ambient, floor) = (law.ambient(), law.floor());
+    let mut densities = [0.0; LANES];
     for l in 0..LANES {
-        let curve = law.curve(update.mass[l] / update.volume[l]);
-        energy[l] = advance(&mut update, l, curve, energy[l], [ambient, floor]);
+        densities[l] = update.mass[l] / update.volume[l];
+    }
+    let lines = law.curves(&densities);
+    for l in 0..LANES {
+        energy[l] = advance(&mut update, l, lines.of(l), energy[l], [ambient, floor]);
     }
 }
 

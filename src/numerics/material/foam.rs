@@ -60,76 +60,103 @@ struct FoamReturn {
     hardening: f64,
 }
 
-impl FoamMaterial {
-    /// Returns the squared shape factors beta² of the flow potential sqrt(q² + beta² p²) and alpha² of the yield
-    /// surface sqrt(q² + alpha² (p - p0)²).
-    fn shapes(&self) -> [f64; 2] {
-        match self.growth {
+/// Yield surface and flow potential of a foam.
+struct FoamSurface<'a> {
+    law: &'a FoamMaterial,
+    /// Squared shape factors beta² of the flow potential sqrt(q² + beta² p²) and alpha² of the yield surface
+    /// sqrt(q² + alpha² (p - p0)²).
+    beta2: f64,
+    alpha2: f64,
+    /// Half axis along the von Mises stress: over that along the pressure (volumetric hardening), over the yield stress in
+    /// uniaxial compression (isotropic hardening).
+    half: f64,
+    /// Strength in hydrostatic tension; used for volumetric hardening.
+    drawn: f64,
+}
+
+impl FoamSurface<'_> {
+    fn new(law: &FoamMaterial) -> FoamSurface<'_> {
+        match law.growth {
             FoamHardening::Volumetric { compression: k, tension } => {
-                [4.5, 9.0 * k * k / ((3.0 * tension + k) * (3.0 - k))]
+                let alpha2 = 9.0 * k * k / ((3.0 * tension + k) * (3.0 - k));
+                let drawn = tension * law.hardening.value(0.0) / k;
+                FoamSurface { law, beta2: 4.5, alpha2, half: alpha2.sqrt(), drawn }
             }
             FoamHardening::Isotropic { compression: k, ratio } => {
-                [4.5 * (1.0 - 2.0 * ratio) / (1.0 + ratio), 9.0 * k * k / (9.0 - k * k)]
+                let alpha2 = 9.0 * k * k / (9.0 - k * k);
+                let beta2 = 4.5 * (1.0 - 2.0 * ratio) / (1.0 + ratio);
+                FoamSurface { law, beta2, alpha2, half: (1.0 + alpha2 / 9.0).sqrt(), drawn: 0.0 }
             }
         }
     }
 
     /// Returns the centre of the yield surface on the pressure axis and its half axis along the von Mises stress, for a
     /// yield stress in uniaxial compression.
-    fn surface(&self, uniaxial: f64, alpha2: f64) -> [f64; 2] {
-        match self.growth {
-            FoamHardening::Volumetric { compression, tension } => {
-                let drawn = tension * self.hardening.value(0.0) / compression;
+    fn axes(&self, uniaxial: f64) -> [f64; 2] {
+        let FoamSurface { alpha2, half, drawn, .. } = *self;
+        match self.law.growth {
+            FoamHardening::Volumetric { .. } => {
                 // The ellipse passes through hydrostatic tension and uniaxial compression.
                 let pressed =
                     uniaxial * (uniaxial * (1.0 / alpha2 + 1.0 / 9.0) + drawn / 3.0) / (drawn + uniaxial / 3.0);
-                [0.5 * (pressed - drawn), alpha2.sqrt() * 0.5 * (pressed + drawn)]
+                [0.5 * (pressed - drawn), half * 0.5 * (pressed + drawn)]
             }
-            FoamHardening::Isotropic { .. } => [0.0, uniaxial * (1.0 + alpha2 / 9.0).sqrt()],
+            FoamHardening::Isotropic { .. } => [0.0, uniaxial * half],
         }
     }
 
     /// Returns the state for a ratio `share` of the von Mises stress to that of the trial, and its yield function:
     /// positive outside the surface.
     fn at(&self, share: f64, [pressure, mises]: [f64; 2], before: f64, dt: f64) -> (FoamReturn, f64) {
-        let [bulk, shear] = self.moduli;
-        let [beta2, alpha2] = self.shapes();
+        let FoamSurface { law, beta2, alpha2, half, .. } = *self;
+        let [bulk, shear] = law.moduli;
         // With the plastic multiplier x: q = q_trial/(1 + 3 G x), p = p_trial/(1 + beta² K x).
         let flow = (1.0 / share - 1.0) / (3.0 * shear);
         let (p, q) = (pressure / (1.0 + beta2 * bulk * flow), mises * share);
         let potential = (q * q + beta2 * p * p).sqrt();
-        let hardening = match self.growth {
+        let hardening = match law.growth {
             FoamHardening::Volumetric { .. } => beta2 * flow * p,
             FoamHardening::Isotropic { .. } => {
-                let yielding = (q * q + alpha2 * p * p).sqrt() / (1.0 + alpha2 / 9.0).sqrt();
+                let yielding = (q * q + alpha2 * p * p).sqrt() / half;
                 if yielding > 0.0 { flow * potential * potential / yielding } else { 0.0 }
             }
         };
-        let mut uniaxial = self.hardening.value(before + hardening);
-        if let (Some(rate), true) = (&self.rate, dt > 0.0) {
+        let mut uniaxial = law.hardening.value(before + hardening);
+        if let (Some(rate), true) = (&law.rate, dt > 0.0) {
             // The rate of the axial strain in uniaxial compression.
-            let axial = match self.growth {
+            let axial = match law.growth {
                 FoamHardening::Volumetric { .. } => 1.5_f64.sqrt() * flow * potential,
                 FoamHardening::Isotropic { .. } => hardening,
             };
             uniaxial *= rate.at(axial / dt, 0.0);
         }
-        let [centre, half] = self.surface(uniaxial, alpha2);
+        let [centre, half] = self.axes(uniaxial);
         let away = p - centre;
         let outside = (q * q + alpha2 * away * away).sqrt() - half;
         (FoamReturn { pressure: p, mises: q, flow, hardening }, outside)
+    }
+
+    /// Returns a ratio of the von Mises stresses below that of the return, if the yield surface is nearly plane up to there:
+    /// hardening only increases the ratio. `outside` is the yield function of the trial.
+    fn without_hardening(&self, [pressure, mises]: [f64; 2], before: f64, outside: f64) -> f64 {
+        let FoamSurface { law: FoamMaterial { moduli: [bulk, shear], hardening, .. }, beta2, alpha2, .. } = *self;
+        let [centre, _] = self.axes(hardening.value(before));
+        let away = pressure - centre;
+        let by_share = mises * mises + alpha2 * away * pressure * beta2 * bulk / (3.0 * shear);
+        let share = 1.0 - 1.1 * outside * (mises * mises + alpha2 * away * away).sqrt() / by_share;
+        if share > 0.5 && share < 1.0 { share } else { 0.5 }
     }
 
     /// Returns a trial stress to the yield surface, by the Illinois method for the ratio of the von Mises stresses
     /// between 0 and 1 (Dowell and Jarratt 1971, BIT 11, 168); `None` for an elastic trial.
     fn flow(&self, trial: [f64; 2], before: f64, dt: f64) -> Option<FoamReturn> {
         let (start, mut high) = self.at(1.0, trial, before, dt);
-        let size = high + self.hardening.value(before);
+        let size = high + self.law.hardening.value(before);
         // A NaN is not returned, so that the run halts.
         if high.is_nan() || high <= 1e-14 * size {
             return None;
         }
-        let (mut upper, mut lower) = (1.0, 0.5);
+        let (mut upper, mut lower) = (1.0, self.without_hardening(trial, before, high));
         let mut found = start;
         let mut low = 0.0;
         for _ in 0..200 {
@@ -182,12 +209,13 @@ impl Material for FoamMaterial {
         strain: &StrainIncrement,
         update: &mut StressUpdate,
     ) {
-        let [beta2, _] = self.shapes();
+        let surface = FoamSurface::new(self);
+        let beta2 = surface.beta2;
         for l in 0..LANES {
             let s = [0, 1, 2, 3].inline_map(|i| update.deviator[i][l]);
             let mises = (1.5 * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) + 3.0 * s[3] * s[3]).sqrt();
             let trial = [-update.mean[l], mises];
-            let flown = self.flow(trial, state.strain[l], strain.dt);
+            let flown = surface.flow(trial, state.strain[l], strain.dt);
             let FoamReturn { pressure, mises: q, flow, hardening } =
                 flown.unwrap_or(FoamReturn { pressure: trial[0], mises, flow: 0.0, hardening: 0.0 });
             let factor = if q < mises { q / mises } else { 1.0 };
@@ -221,7 +249,7 @@ persist_struct!(FoamState { strain });
 
 #[cfg(test)]
 mod tests {
-    use super::{FoamHardening, FoamMaterial};
+    use super::{FoamHardening, FoamMaterial, FoamSurface};
     use crate::kernel::hardening::LinearTable;
 
     fn foam(growth: FoamHardening) -> FoamMaterial {
@@ -239,8 +267,8 @@ mod tests {
             (FoamHardening::Isotropic { compression: k, ratio: 0.2 }, p_c),
         ] {
             let law = foam(growth);
-            let [_, alpha2] = law.shapes();
-            let [centre, half] = law.surface(6.0, alpha2);
+            let surface = FoamSurface::new(&law);
+            let ([centre, half], alpha2) = (surface.axes(6.0), surface.alpha2);
             for [p, q] in [[2.0, 6.0], [p_c, 0.0], [-tension, 0.0]] {
                 let outside = (q * q + alpha2 * (p - centre) * (p - centre)).sqrt() - half;
                 assert!(outside.abs() < 1e-12, "{growth:?} {p} {q}: {outside}");
@@ -257,13 +285,14 @@ mod tests {
             FoamHardening::Isotropic { compression: 1.7, ratio: -0.2 },
         ] {
             let law = foam(growth);
+            let surface = FoamSurface::new(&law);
             for trial in [[20.0, 60.0], [-30.0, 0.0], [6.0, 0.0], [300.0, 10.0], [-30.0, 40.0], [2.1, 6.3]] {
-                let Some(flown) = law.flow(trial, 0.05, 1.0) else { panic!("{growth:?} {trial:?} flows") };
+                let Some(flown) = surface.flow(trial, 0.05, 1.0) else { panic!("{growth:?} {trial:?} flows") };
                 let share = 1.0 / (1.0 + 3.0 * law.moduli[1] * flown.flow);
-                let (_, outside) = law.at(share, trial, 0.05, 1.0);
+                let (_, outside) = surface.at(share, trial, 0.05, 1.0);
                 assert!(outside.abs() < 1e-9 && flown.flow > 0.0, "{growth:?} {trial:?}: {outside:e}");
             }
-            assert_eq!(law.flow([1.0, 2.0], 0.0, 1.0), None);
+            assert_eq!(surface.flow([1.0, 2.0], 0.0, 1.0), None);
         }
     }
 }
