@@ -22,7 +22,7 @@ use super::predefined::PredefinedFields;
 use super::quiescent::ActiveNodes;
 use super::removed::DeletionRecord;
 use super::rings::RingFactors;
-use super::tiles::{TILE, Tiles};
+use super::tiles::{Tiles, tile_length};
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::prefetch::PrefetchChoice;
@@ -151,12 +151,13 @@ impl Elements {
     /// is complete.
     pub fn tile(&mut self, read: impl Iterator<Item = (usize, usize)>) {
         if self.count() >= TILED && self.erosion.is_none() {
-            self.tile_by(read, TILE);
+            self.tile_by(read, tile_length);
         }
     }
 
-    /// Sums corner forces in tiles of `length` tasks, unless too many nodes belong to several tiles.
-    pub fn tile_by(&mut self, read: impl Iterator<Item = (usize, usize)>, length: usize) {
+    /// Sums corner forces in tiles, unless too many nodes belong to several tiles; `length` returns the number of tasks of a
+    /// tile from that of its group.
+    pub fn tile_by(&mut self, read: impl Iterator<Item = (usize, usize)>, length: impl Fn(usize) -> usize) {
         let read = read.flat_map(|(group, element)| self.blocks_of(group, element));
         let tiles = Tiles::new(&self.groups, &self.gather, read, length);
         if let Some((tiles, gather)) = tiles {

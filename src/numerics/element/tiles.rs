@@ -16,8 +16,10 @@ use crate::state::archive::{Persist, StateArchive};
 
 /// Tasks of a ring: 4 096 elements, or 256 kB.
 const RING: usize = 16;
-/// Tasks of a tile. Small tiles have many nodes in common with others, large ones are too few for many threads.
-pub(super) const TILE: usize = 32;
+/// Smallest and largest number of tasks of a tile, and the number of tiles of a group between. Small tiles have many nodes
+/// in common with others; many threads need many tiles.
+const TILE: [usize; 2] = [16, 64];
+const TILES: usize = 32;
 /// Tiles are used if at most one node in this number is shared.
 const UNSHARED: usize = 4;
 
@@ -79,13 +81,14 @@ struct GroupBlocks {
 }
 
 impl GroupBlocks {
-    /// Returns the blocks of each group; `length` is the number of tasks of a tile.
-    fn of(groups: &[Box<dyn ElementGroup>], length: usize) -> Vec<GroupBlocks> {
+    /// Returns the blocks of each group; `length` returns the number of tasks of a tile from that of the group.
+    fn of(groups: &[Box<dyn ElementGroup>], length: impl Fn(usize) -> usize) -> Vec<GroupBlocks> {
         let mut first = 0;
         let mut group = |group: &Box<dyn ElementGroup>| {
             let blocks = first..first + group.force_blocks();
             first = blocks.end;
-            GroupBlocks { blocks, length: group.properties().tiles.then_some(length) }
+            let length = group.properties().tiles.then(|| length(blocks.len().div_ceil(TASK)));
+            GroupBlocks { blocks, length }
         };
         groups.iter().map(&mut group).collect()
     }
@@ -112,6 +115,11 @@ impl GroupBlocks {
     }
 }
 
+/// Returns the number of tasks of a tile for a group with a number of tasks.
+pub(super) fn tile_length(tasks: usize) -> usize {
+    (tasks / TILES).clamp(TILE[0], TILE[1])
+}
+
 /// Node that a task completes.
 #[derive(Clone, Copy)]
 struct CompletedNode {
@@ -121,13 +129,13 @@ struct CompletedNode {
 
 impl Tiles {
     /// Creates the tiles of groups whose corner forces are assembled by `gather`, and the assembly of stored corner forces
-    /// at shared nodes. `always` are blocks that are stored in any case; `length` is the number of tasks of a tile.
-    /// Returns `None` if too many nodes are shared.
+    /// at shared nodes. `always` are blocks that are stored in any case; `length` returns the number
+    /// of tasks of a tile from that of its group. Returns `None` if too many nodes are shared.
     pub fn new(
         groups: &[Box<dyn ElementGroup>],
         gather: &NodalAssembly,
         always: impl Iterator<Item = usize>,
-        length: usize,
+        length: impl Fn(usize) -> usize,
     ) -> Option<(Tiles, NodalAssembly)> {
         let parts = GroupBlocks::of(groups, length);
         let blocks = parts.last().map_or(0, |part| part.blocks.end);

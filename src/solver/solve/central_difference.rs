@@ -267,7 +267,7 @@ mod tests {
             let mut free = mesh.free(BulkViscosity::default(), false);
             if let Some(tasks) = tasks {
                 let bytes = free.elements.bytes_of_gather();
-                free.elements.tile_by([(0, 2000)].into_iter(), tasks);
+                free.elements.tile_by([(0, 2000)].into_iter(), |_| tasks);
                 assert!(free.elements.bytes_of_gather() < bytes);
             }
             let mut bits = Vec::new();
