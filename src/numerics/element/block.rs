@@ -22,6 +22,9 @@ use crate::material::{Material, PlasticFlow};
 use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 use crate::state::nodes::{Node, NodeAccelerations};
 
+/// Blocks of one task of a thread. The number is fixed, so that sums do not depend on the number of threads.
+pub const TASK: usize = 16;
+
 /// A block of [`LANES`] elements; each quantity is an array over lanes.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]

@@ -5,10 +5,10 @@
 use pulp::Arch;
 use rayon::prelude::*;
 
-use super::block::{CornerNodes, ElementBlock, StoredTask, TaskWorkspace};
+use super::block::{CornerNodes, ElementBlock, StoredTask, TASK, TaskWorkspace};
 use super::constants::ElementConstants;
 use super::eroded::ErodedLanes;
-use super::group::{ElementPass, GroupTotals, PARALLEL, QuadGroup, TASK, UserCalls};
+use super::group::{ElementPass, GroupTotals, PARALLEL, QuadGroup, UserCalls};
 use super::record::{BlockRecord, ElementRecord};
 use crate::kernel::lanes::{BlockCornerForces, LANES};
 use crate::material::Material;

@@ -159,7 +159,8 @@ impl Elements {
     /// tile from that of its group.
     pub fn tile_by(&mut self, read: impl Iterator<Item = (usize, usize)>, length: impl Fn(usize) -> usize) {
         let read = read.flat_map(|(group, element)| self.blocks_of(group, element));
-        let tiles = Tiles::new(&self.groups, &self.gather, read, length);
+        let groups = self.groups.iter().map(|group| (group.force_blocks(), group.properties().tiles));
+        let tiles = Tiles::new(groups, &self.gather, read, length);
         if let Some((tiles, gather)) = tiles {
             self.corners = CornerForces::new(tiles.stored() + 1);
             (self.gather, self.tiles) = (gather, Some(Box::new(tiles)));
@@ -451,7 +452,7 @@ impl Elements {
         self.tiles.as_ref().map_or_else(|| gather.0.node_force(node, gather.1), |tiles| tiles.node_force(node, gather))
     }
 
-    /// Returns whether any of the [`super::quiescent::FEW`] nodes from `first` on needs an update.
+    /// Returns whether any of the [`crate::kernel::chunks::FEW`] nodes from `first` on needs an update.
     #[inline(always)]
     pub fn has_work(&self, first: usize) -> bool {
         self.active_nodes.has_work(first)

@@ -7,9 +7,9 @@
 
 use rayon::prelude::*;
 
-use super::block::larger;
+use super::block::{TASK, larger};
 use super::elements::Elements;
-use super::group::{ElementGroup, PARALLEL, TASK};
+use super::group::{ElementGroup, PARALLEL};
 use crate::kernel::corners::{is_distorted, largest_shell_strain, largest_strain};
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::sorted_unique;

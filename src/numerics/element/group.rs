@@ -7,7 +7,7 @@ use std::sync::Arc;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use crate::element::block::{CornerNodes, ElementBlock, LaneSums, StoredTask, TaskWorkspace, across, is_larger};
+use crate::element::block::{CornerNodes, ElementBlock, LaneSums, StoredTask, TASK, TaskWorkspace, across, is_larger};
 use crate::element::calls::UserCallBuffers;
 use crate::element::constants::{ElementConstants, damped};
 use crate::element::quiescent::TaskQuiescence;
@@ -28,9 +28,6 @@ use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struc
 use crate::state::halt::HaltReason;
 use crate::state::nodes::{Node, NodeAccelerations};
 use crate::variables::{Variable, VariableComponent};
-
-/// Blocks of one task of a thread. The number is fixed, so that sums do not depend on the number of threads.
-pub const TASK: usize = 16;
 
 /// Energy increments and limits of a group from one update.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

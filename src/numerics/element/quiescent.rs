@@ -1,14 +1,13 @@
 //! Quiescent regions: tasks of stress-free elements whose nodes are at rest, and the nodes that belong only to such
 //! elements, are skipped until a wave or a load reaches them. Skipping does not change any bit of the results.
 
-use super::group::{ElementGroup, TASK};
+use super::block::TASK;
+use super::group::ElementGroup;
+use crate::kernel::chunks::FEW;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lists::heap_bytes;
 use crate::state::archive::{Persist, StateArchive, persist_struct};
 use crate::state::nodes::Node;
-
-/// Number of nodes that are skipped together.
-pub const FEW: usize = 32;
 
 /// Nodes of a task of elements, and whether it is quiescent.
 #[derive(Clone, Debug)]

@@ -6,8 +6,8 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
-use super::group::{ElementGroup, TASK};
-use super::quiescent::FEW;
+use super::block::TASK;
+use crate::kernel::chunks::FEW;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
 use crate::mesh::corner_forces::CornerForces;
@@ -81,16 +81,15 @@ struct GroupBlocks {
 }
 
 impl GroupBlocks {
-    /// Returns the blocks of each group; `length` returns the number of tasks of a tile from that of the group.
-    fn of(groups: &[Box<dyn ElementGroup>], length: impl Fn(usize) -> usize) -> Vec<GroupBlocks> {
+    /// Returns the blocks of each group; see [`Tiles::new`].
+    fn of(groups: impl Iterator<Item = (usize, bool)>, length: impl Fn(usize) -> usize) -> Vec<GroupBlocks> {
         let mut first = 0;
-        let mut group = |group: &Box<dyn ElementGroup>| {
-            let blocks = first..first + group.force_blocks();
+        let group = |(count, tiles): (usize, bool)| {
+            let blocks = first..first + count;
             first = blocks.end;
-            let length = group.properties().tiles.then(|| length(blocks.len().div_ceil(TASK)));
-            GroupBlocks { blocks, length }
+            GroupBlocks { blocks, length: tiles.then(|| length(count.div_ceil(TASK))) }
         };
-        groups.iter().map(&mut group).collect()
+        groups.map(group).collect()
     }
 
     fn task(&self, block: usize) -> usize {
@@ -128,11 +127,11 @@ struct CompletedNode {
 }
 
 impl Tiles {
-    /// Creates the tiles of groups whose corner forces are assembled by `gather`, and the assembly of stored corner forces
+    /// Creates the tiles of groups, given by their numbers of blocks and whether they can have tiles, whose corner forces are assembled by `gather`, and the assembly of stored corner forces
     /// at shared nodes. `always` are blocks that are stored in any case; `length` returns the number
     /// of tasks of a tile from that of its group. Returns `None` if too many nodes are shared.
     pub fn new(
-        groups: &[Box<dyn ElementGroup>],
+        groups: impl Iterator<Item = (usize, bool)>,
         gather: &NodalAssembly,
         always: impl Iterator<Item = usize>,
         length: impl Fn(usize) -> usize,

@@ -1,8 +1,8 @@
 //! Variables of elements that move through a mesh that does not follow the material: read from all elements of an
 //! adaptive mesh domain, and written back after the transport.
 
-use super::block::ElementBlock;
-use super::group::{ArrivedElements, ElementTransfer, QuadGroup, TASK};
+use super::block::{ElementBlock, TASK};
+use super::group::{ArrivedElements, ElementTransfer, QuadGroup};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, PACK, Pack, column};
 use crate::material::Material;
 use crate::material::carried::{ArrivedElement, CarriedState};

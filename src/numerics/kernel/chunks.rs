@@ -9,6 +9,9 @@ const PARALLEL: usize = 1000;
 /// Items of a chunk.
 pub const CHUNK: usize = 512;
 
+/// Number of nodes that are updated or skipped together, a part of a chunk.
+pub const FEW: usize = 32;
+
 /// Returns the number of chunks of a list.
 pub fn chunks_of(items: usize) -> usize {
     items.div_ceil(CHUNK)

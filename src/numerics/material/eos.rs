@@ -20,7 +20,7 @@ pub struct EosLine {
 
 /// Pressure lines of a block; see [`EosLine`].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct EosLines {
+pub(super) struct EosLines {
     cold: Lanes,
     per_energy: Lanes,
     cold_slope: Lanes,
@@ -29,21 +29,9 @@ pub struct EosLines {
 
 impl EosLines {
     #[inline(always)]
-    fn set(&mut self, l: usize, line: EosLine) {
-        self.cold[l] = line.cold;
-        self.per_energy[l] = line.per_energy;
-        self.cold_slope[l] = line.cold_slope;
-        self.energy_slope[l] = line.energy_slope;
-    }
-
-    #[inline(always)]
     fn of(&self, l: usize) -> EosLine {
-        EosLine {
-            cold: self.cold[l],
-            per_energy: self.per_energy[l],
-            cold_slope: self.cold_slope[l],
-            energy_slope: self.energy_slope[l],
-        }
+        let EosLines { cold, per_energy, cold_slope, energy_slope } = self;
+        EosLine { cold: cold[l], per_energy: per_energy[l], cold_slope: cold_slope[l], energy_slope: energy_slope[l] }
     }
 }
 
@@ -51,15 +39,6 @@ impl EosLines {
 pub trait EosLaw: Send + Sync + 'static {
     /// Returns the pressure line at a density.
     fn curve(&self, density: f64) -> EosLine;
-    /// Returns the pressure lines of a block.
-    #[inline(always)]
-    fn curves(&self, densities: &Lanes) -> EosLines {
-        let mut lines = EosLines::default();
-        for l in 0..LANES {
-            lines.set(l, self.curve(densities[l]));
-        }
-        lines
-    }
     /// Returns the ambient pressure: it is not part of the stress, but the gas works against it.
     fn ambient(&self) -> f64 {
         0.0
@@ -149,20 +128,9 @@ pub struct Tabulated {
 }
 
 impl Tabulated {
-    /// Returns the largest bulk modulus of the table at zero energy.
-    fn stiffest(&self) -> f64 {
-        self.rows.windows(2).map(|w| (w[1][0] - w[0][0]) / (w[0][2] - w[1][2])).fold(0.0, f64::max)
-    }
-}
-
-impl EosLaw for Tabulated {
-    fn curve(&self, density: f64) -> EosLine {
-        self.curves(&[density; LANES]).of(0)
-    }
-
-    /// Returns NaN for densities that are not positive numbers.
+    /// Returns the pressure lines of a block; NaN for densities that are not positive numbers.
     #[inline(always)]
-    fn curves(&self, densities: &Lanes) -> EosLines {
+    fn lines(&self, densities: &Lanes) -> EosLines {
         let mut strain = [0.0; LANES];
         let mut lines = EosLines { cold: [f64::NAN; LANES], ..EosLines::default() };
         for l in 0..LANES {
@@ -197,8 +165,22 @@ impl EosLaw for Tabulated {
         lines
     }
 
-    fn floor(&self) -> f64 {
-        1e-6 * self.stiffest()
+    /// Returns the largest bulk modulus of the table at zero energy.
+    fn stiffest(&self) -> f64 {
+        self.rows.windows(2).map(|w| (w[1][0] - w[0][0]) / (w[0][2] - w[1][2])).fold(0.0, f64::max)
+    }
+
+    /// Updates pressures and energies of a block.
+    #[inline(always)]
+    pub(super) fn advance_block(&self, energy: &mut Lanes, mut update: PressureUpdate<'_>) {
+        let mut densities = [0.0; LANES];
+        for l in 0..LANES {
+            densities[l] = update.mass[l] / update.volume[l];
+        }
+        let (lines, floor) = (self.lines(&densities), 1e-6 * self.stiffest());
+        for l in 0..LANES {
+            energy[l] = advance(&mut update, l, lines.of(l), energy[l], [0.0, floor]);
+        }
     }
 }
 
@@ -234,13 +216,9 @@ pub(super) fn advance(
 #[inline(always)]
 pub(super) fn advance_block(law: &impl EosLaw, energy: &mut Lanes, mut update: PressureUpdate<'_>) {
     let (ambient, floor) = (law.ambient(), law.floor());
-    let mut densities = [0.0; LANES];
     for l in 0..LANES {
-        densities[l] = update.mass[l] / update.volume[l];
-    }
-    let lines = law.curves(&densities);
-    for l in 0..LANES {
-        energy[l] = advance(&mut update, l, lines.of(l), energy[l], [ambient, floor]);
+        let curve = law.curve(update.mass[l] / update.volume[l]);
+        energy[l] = advance(&mut update, l, curve, energy[l], [ambient, floor]);
     }
 }
 

@@ -64,7 +64,7 @@ impl VolumetricLaw for EquationOfState {
         match self {
             EquationOfState::IdealGas(law) => advance_block(law, &mut state.energy, update),
             EquationOfState::UsUp(law) => advance_block(law, &mut state.energy, update),
-            EquationOfState::Tabulated(law) => advance_block(law, &mut state.energy, update),
+            EquationOfState::Tabulated(law) => law.advance_block(&mut state.energy, update),
             EquationOfState::Explosive(law) => {
                 if let Some(burn) = &state.burn {
                     law.advance_block(burn, &mut state.energy, update);

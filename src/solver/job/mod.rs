@@ -17,7 +17,7 @@ use thiserror::Error;
 
 use crate::deck::files::STANDARD_INPUT;
 use crate::deck::{self, Deck, Diagnostic, Diagnostics, Finding, Severity};
-use crate::element::group::TASK;
+use crate::element::block::TASK;
 pub use crate::element::instructions::{Instructions, UnknownInstructions};
 use crate::kernel::lanes::LANES;
 use crate::model::{self, DeckUnits, EntityName, Model, scene::SceneOutline};

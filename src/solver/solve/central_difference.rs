@@ -1,11 +1,10 @@
 //! Central differences for nodes: accelerations from forces, velocities at mid-increment, displacements (ABAQUS Theory
 //! Guide 2.4.5). Rigid bodies are integrated in `state`.
 
-use crate::kernel::chunks::{ChunkLoops, chunks_of};
+use crate::kernel::chunks::{ChunkLoops, FEW, chunks_of};
 use crate::kernel::lanes::InlineMap;
 
 use crate::element::elements::Elements;
-use crate::element::quiescent::FEW;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 

@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use super::block::TriangleBlock;
 use super::triangles::{FORCE_BLOCKS, TriangleIncrement, WorkArrays, operators_at, places};
-use crate::element::block::TaskWorkspace;
+use crate::element::block::{TASK, TaskWorkspace};
 use crate::element::constants::{ElementConstants, damped};
 use crate::element::group::{
     ElementGroup, ElementPass, ElementStiffness, ElementTemperatures, GroupDeletion, GroupExtensions, GroupProperties,
-    GroupSettings, GroupTotals, InitialState, InterfaceElements, PARALLEL, TASK, list_deleted, totals,
+    GroupSettings, GroupTotals, InitialState, InterfaceElements, PARALLEL, list_deleted, totals,
 };
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::BlockRecord;
