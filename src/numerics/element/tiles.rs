@@ -206,8 +206,8 @@ impl Tiles {
     }
 
     /// Writes the forces of the nodes from `first` on, a multiple of [`FEW`]; `gather` is the assembly of stored corner
-    /// forces.
-    #[inline(always)]
+    /// forces. It is not inlined, so that the loop over nodes of models without tiles stays short.
+    #[inline(never)]
     pub fn sum(&self, first: usize, gather: (&NodalAssembly, &CornerForces), forces: &mut [[f64; 2]]) {
         forces.copy_from_slice(&self.forces[first..first + forces.len()]);
         let chunk = first / FEW;
