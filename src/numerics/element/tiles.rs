@@ -127,9 +127,10 @@ struct CompletedNode {
 }
 
 impl Tiles {
-    /// Creates the tiles of groups, given by their numbers of blocks and whether they can have tiles, whose corner forces are assembled by `gather`, and the assembly of stored corner forces
-    /// at shared nodes. `always` are blocks that are stored in any case; `length` returns the number
-    /// of tasks of a tile from that of its group. Returns `None` if too many nodes are shared.
+    /// Creates the tiles of groups, given by their numbers of blocks and whether they can have tiles, and the assembly of
+    /// stored corner forces at shared nodes. `gather` is the assembly of all corner forces; `always` are blocks that are
+    /// stored in any case; `length` returns the number of tasks of a tile from that of its group. Returns `None` if too
+    /// many nodes are shared.
     pub fn new(
         groups: impl Iterator<Item = (usize, bool)>,
         gather: &NodalAssembly,
