@@ -143,19 +143,19 @@ impl Tiles {
         let whole = parts.iter().filter(|part| part.length.is_none()).flat_map(|part| part.blocks.clone());
         whole.chain(always).for_each(|block| is_stored[block] = true);
 
-        let nodes = gather.len();
+        let nodes = gather.nodes();
         let zeros = CornerForces::index(RING * TASK, 0, 0) as u16;
         let (mut slots, mut shared) = (vec![[zeros; SLOTS]; nodes], Vec::new());
         let mut ends: Vec<Vec<u32>> = parts.iter().map(|p| vec![0; p.blocks.len().div_ceil(TASK)]).collect();
         let mut last = CompletedNode { group: 0, task: 0 };
-        for node in 0..nodes {
+        for (node, slots) in slots.iter_mut().enumerate() {
             let completed = completing(&parts, gather, node);
             let in_order = completed.filter(|c| (c.group, c.task) >= (last.group, last.task));
             if let Some(completed) = in_order {
                 last = completed;
                 ends[last.group][last.task] = node as u32 + 1;
                 let own = gather.slots(node).map(|slot| parts[last.group].ring_slot(slot));
-                slots[node].iter_mut().zip(own).for_each(|(to, slot)| *to = slot);
+                slots.iter_mut().zip(own).for_each(|(to, slot)| *to = slot);
             } else {
                 shared.push(node as u32);
                 gather.slots(node).for_each(|slot| is_stored[CornerForces::place(slot).0] = true);

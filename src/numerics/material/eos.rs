@@ -135,8 +135,8 @@ impl Tabulated {
         let mut lines = EosLines { cold: [f64::NAN; LANES], ..EosLines::default() };
         for l in 0..LANES {
             let ratio = self.density / densities[l];
-            let log = ln_of(ratio);
-            strain[l] = if ratio >= f64::MIN_POSITIVE && ratio <= f64::MAX { log } else { f64::NAN };
+            let log = if ratio >= f64::MIN_POSITIVE { ln_of(ratio) } else { f64::NAN };
+            strain[l] = if ratio <= f64::MAX { log } else { f64::NAN };
         }
         // Each interval overwrites the lanes at smaller strains.
         let mut above = f64::INFINITY;

@@ -62,7 +62,7 @@ impl NodalAssembly {
     }
 
     /// Returns the number of nodes.
-    pub fn len(&self) -> usize {
+    pub fn nodes(&self) -> usize {
         self.slots.len()
     }
 
