@@ -86,7 +86,7 @@ impl Persist for Checkpoint {
 }
 
 impl Checkpoint {
-    /// Writes the file with the given state, without a copy of it, and waits until the file is on the disk. The field
+    /// Writes the file with the given state, without copying the state, and waits until the file is on the disk. The field
     /// `state` is not used.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Tiles: parts of large element groups in which corner forces are summed at their nodes while they are in the cache of a
 //! core. A tile is a sequence of tasks that one thread updates. Corner forces of the last tasks are in a ring of memory of
 //! this thread, and nodes are summed after the task with their last element. Only corner forces at nodes of several tiles
-//! are stored. Sums have the order, and thus the bits, of those without tiles.
+//! are stored. Sums have the same order, and thus the same bits, as without tiles.
 
 use std::cell::RefCell;
 use std::ops::Range;

@@ -1,6 +1,6 @@
 //! Logarithm and exponential in branch-free plain arithmetic: compilers vectorize loops over lanes, and every instruction
 //! set gives the same bits. A loop over lanes should contain all of the arithmetic on a lane: compilers unroll short loops,
-//! and then vectorize only parts of them.
+//! and then vectorize only parts of the arithmetic.
 //!
 //! Both reduce the argument and evaluate a polynomial (Tang 1989 and 1990, ACM Trans. Math. Softw. 15, 144 and 16, 378;
 //! the coefficients are those of the minimax polynomials published with Sun's fdlibm, `e_log.c` and `e_exp.c`). Errors

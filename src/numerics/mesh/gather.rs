@@ -48,7 +48,7 @@ impl NodalAssembly {
         gather
     }
 
-    /// Creates the assembly of some of these nodes for corner forces in `blocks` other blocks; `map` returns the new index
+    /// Creates the assembly of some nodes for corner forces in `blocks` other blocks; `map` returns the new index
     /// of a slot.
     pub fn of_nodes(&self, nodes: &[u32], blocks: usize, map: impl Fn(u32) -> u32) -> Self {
         let empty = CornerForces::index(blocks, 0, 0) as u32;
