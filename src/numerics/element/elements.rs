@@ -255,8 +255,7 @@ impl Elements {
             let clock = seconds.as_ref().map(|_| std::time::Instant::now());
             let blocks = group.force_blocks();
             let all = first..first + blocks;
-            let stored = self.tiles.as_ref().map_or(all.clone(), |tiles| tiles.stored_among(&all));
-            let corners = self.corners.slots(stored);
+            let corners = self.corners.slots(stored_among(self.tiles.as_deref(), all));
             let nodes = dofs.nodes.as_slice();
             let user = user.lend();
             let before = NodeAccelerations { accelerations: &dofs.nodes.acceleration, half: dofs.nodes.half };
@@ -428,8 +427,7 @@ impl Elements {
         let before: usize = self.groups[..group].iter().map(|g| g.force_blocks()).sum();
         let per = self.groups[group].topology().force_blocks();
         let first = before + per * (element / LANES);
-        let all = first..first + per;
-        self.tiles.as_ref().map_or(all.clone(), |tiles| tiles.stored_among(&all))
+        stored_among(self.tiles.as_deref(), first..first + per)
     }
 
     /// Returns the force of an element on one of its nodes, counted in the order of its topology.
@@ -493,6 +491,11 @@ impl Elements {
         let tiles = self.tiles.as_ref().map_or(0, |tiles| tiles.bytes());
         self.corners.bytes() + self.gather.bytes() + self.active_nodes.bytes() + deleted + tiles
     }
+}
+
+/// Returns the stored blocks of corner forces among a range of all blocks.
+fn stored_among(tiles: Option<&Tiles>, all: Range<usize>) -> Range<usize> {
+    tiles.map_or(all.clone(), |tiles| tiles.stored_among(&all))
 }
 
 fn add(totals: &GroupTotals, energies: &mut EnergyTotals) {

@@ -11,7 +11,7 @@ use crate::kernel::chunks::FEW;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
 use crate::mesh::corner_forces::CornerForces;
-use crate::mesh::gather::{NodalAssembly, SLOTS};
+use crate::mesh::gather::{NodalAssembly, SLOTS, slots_total};
 use crate::state::archive::{Persist, StateArchive};
 
 /// Tasks of a ring: 4 096 elements, or 256 kB.
@@ -329,12 +329,11 @@ impl TileTasks<'_> {
     }
 }
 
-/// Sums corner forces in the order of [`NodalAssembly::sum`].
+/// Sums corner forces of a ring.
 fn sum(slots: &[[u16; SLOTS]], ring: &[f64], forces: &mut [[f64; 2]]) {
     let pair = |slot: u16| [ring[usize::from(slot)], ring[usize::from(slot) + LANES]];
     for (force, slots) in forces.iter_mut().zip(slots) {
-        let [a, b, c, d] = slots.inline_map(pair);
-        *force = [(a[0] + b[0]) + (c[0] + d[0]), (a[1] + b[1]) + (c[1] + d[1])];
+        *force = slots_total(slots.inline_map(pair));
     }
 }
 

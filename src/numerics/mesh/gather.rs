@@ -10,6 +10,12 @@ use crate::kernel::topology::ElementNodes;
 /// Corner slots stored inline; most nodes of a quadrilateral mesh have at most four.
 pub const SLOTS: usize = 4;
 
+/// Returns the sum of the corner forces of a node: the one order of summation of the first slots.
+#[inline(always)]
+pub fn slots_total([a, b, c, d]: [[f64; 2]; SLOTS]) -> [f64; 2] {
+    [(a[0] + b[0]) + (c[0] + d[0]), (a[1] + b[1]) + (c[1] + d[1])]
+}
+
 /// Corner slots of each node, in fixed order.
 #[derive(Clone, Debug, Default)]
 pub struct NodalAssembly {
@@ -86,8 +92,7 @@ impl NodalAssembly {
         let pair = |slot: u32| [values[slot as usize], values[slot as usize + LANES]];
         let last = first + forces.len();
         for (force, slots) in forces.iter_mut().zip(&self.slots[first..last]) {
-            let [a, b, c, d] = slots.inline_map(pair);
-            *force = [(a[0] + b[0]) + (c[0] + d[0]), (a[1] + b[1]) + (c[1] + d[1])];
+            *force = slots_total(slots.inline_map(pair));
         }
         if self.more.is_empty() {
             return;
