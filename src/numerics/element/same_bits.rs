@@ -185,8 +185,8 @@ fn us_up() -> EquationOfState {
 }
 
 fn table() -> EquationOfState {
-    let rows = vec![[-0.4, 1.8, 0.2], [0.0, 2.0, 0.0], [0.5, 2.1, -0.1], [3.0, 2.5, -0.5]];
-    EquationOfState::Tabulated(Tabulated { density: 2.0, rows })
+    let rows = [[-0.4, 1.8, 0.2], [0.0, 2.0, 0.0], [0.5, 2.1, -0.1], [3.0, 2.5, -0.5]];
+    EquationOfState::Tabulated(Tabulated::new(2.0, &rows))
 }
 
 /// Returns an explosive: some elements burn, the front has not reached the others.

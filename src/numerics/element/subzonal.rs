@@ -3,6 +3,8 @@
 //! modulus (Caramana and Shashkov 1998, J. Comput. Phys. 142, 521).
 #![allow(clippy::needless_range_loop)] // Compilers vectorize loops over lanes in this form.
 
+use pulp::{Simd, WithSimd};
+
 use super::block::{CornerNodes, TaskWorkspace, is_larger};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, dispatch_outlined};
 use crate::kernel::quad::{UNIT, at_corners, volume_gradient};
@@ -83,6 +85,26 @@ struct SubzonalForces {
     stiff: Lanes,
 }
 
+/// Update of the quarters of a block.
+struct SubzonalUpdate<'a> {
+    scratch: &'a mut TaskWorkspace,
+    zones: SubzonalPressures,
+    increment: (f64, f64),
+    nodes: &'a CornerNodes,
+    inverse_mass: &'a [Lanes; 4],
+    corners: &'a mut BlockCornerForces,
+}
+
+impl WithSimd for SubzonalUpdate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let SubzonalUpdate { scratch, zones, increment, nodes, inverse_mass, corners } = self;
+        scratch.add_subzonal_forces(zones, increment, nodes, inverse_mass, corners);
+    }
+}
+
 impl TaskWorkspace {
     /// Adds the forces of the quarters to the corner forces, their work to the artificial energy, and limits the time
     /// increment. Does nothing without subzonal pressures. `damping` is the hourglass viscosity as a fraction of
@@ -95,11 +117,8 @@ impl TaskWorkspace {
         corners: &mut BlockCornerForces,
     ) {
         let Some(zones) = self.task.subzones.get(self.at).copied() else { return };
-        dispatch_outlined(
-            self.arch,
-            #[inline(always)]
-            || self.add_subzonal_forces(zones, increment, nodes, inverse_mass, corners),
-        );
+        let arch = self.arch;
+        dispatch_outlined(arch, SubzonalUpdate { scratch: self, zones, increment, nodes, inverse_mass, corners });
     }
 
     #[inline(always)]

@@ -70,7 +70,8 @@ pub fn inline_from_fn<T: Copy, const N: usize>(mut value: impl FnMut(usize) -> T
     list
 }
 
-/// Runs an operation with an instruction set; it is compiled once for all callers.
+/// Runs an operation with an instruction set; it is compiled once for all callers. The operation must not be a closure:
+/// the standard library's call of a closure is not inlined here, and would be compiled without the instruction set.
 #[inline(never)]
 pub fn dispatch_outlined<F: WithSimd>(arch: Arch, operation: F) -> F::Output {
     arch.dispatch(operation)

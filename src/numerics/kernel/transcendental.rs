@@ -44,7 +44,7 @@ pub fn ln_of(x: f64) -> f64 {
 
 /// Returns the exponential; the argument is limited to the range of normal results.
 #[inline(always)]
-fn exp_of(x: f64) -> f64 {
+pub fn exp_of(x: f64) -> f64 {
     let x = if x > 709.0 { 709.0 } else { x };
     let x = if x < -708.0 { -708.0 } else { x };
     // x = k ln 2 + r.

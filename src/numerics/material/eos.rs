@@ -37,8 +37,9 @@ impl EosLines {
 
 /// An equation of state that is linear in the specific energy.
 pub trait EosLaw: Send + Sync + 'static {
-    /// Returns the pressure line at a density.
-    fn curve(&self, density: f64) -> EosLine;
+    /// Returns the pressure line at a density, given with its inverse, the specific volume: a division takes as long as
+    /// ten multiplications.
+    fn curve(&self, density: f64, specific_volume: f64) -> EosLine;
     /// Returns the ambient pressure: it is not part of the stress, but the gas works against it.
     fn ambient(&self) -> f64 {
         0.0
@@ -63,7 +64,7 @@ pub struct IdealGas {
 
 impl EosLaw for IdealGas {
     #[inline(always)]
-    fn curve(&self, density: f64) -> EosLine {
+    fn curve(&self, density: f64, _: f64) -> EosLine {
         let ratio = self.gas_constant / self.specific_heat;
         EosLine { cold: -self.ambient, per_energy: ratio * density, cold_slope: 0.0, energy_slope: ratio }
     }
@@ -95,9 +96,9 @@ pub struct UsUp {
 impl EosLaw for UsUp {
     /// Returns NaN at compressions eta >= 1/s, which no shock reaches.
     #[inline(always)]
-    fn curve(&self, density: f64) -> EosLine {
-        let (stiffness, per) = (self.density * self.c0 * self.c0, 1.0 / density);
-        let eta = 1.0 - self.density * per;
+    fn curve(&self, _: f64, specific_volume: f64) -> EosLine {
+        let stiffness = self.density * self.c0 * self.c0;
+        let eta = 1.0 - self.density * specific_volume;
         let rest = 1.0 - self.s * eta;
         let inverse = if rest > 0.0 { 1.0 / rest } else { f64::NAN };
         let square = stiffness * inverse * inverse;
@@ -106,7 +107,7 @@ impl EosLaw for UsUp {
         EosLine {
             cold: square * eta * thermal,
             per_energy: self.gamma0 * self.density,
-            cold_slope: by_eta * self.density * per * per,
+            cold_slope: by_eta * self.density * specific_volume * specific_volume,
             energy_slope: 0.0,
         }
     }
@@ -122,66 +123,87 @@ impl EosLaw for UsUp {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tabulated {
     /// Reference density rho0.
-    pub density: f64,
-    /// Rows of f1, f2 and the volumetric strain, in descending order of the strain; at least two.
-    pub rows: Vec<[f64; 3]>,
+    density: f64,
+    /// Intervals in descending order of the strain.
+    intervals: Vec<TableInterval>,
+    /// Smallest bulk modulus.
+    floor: f64,
+}
+
+/// Interval of the volumetric strain in which f1 and f2 are linear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct TableInterval {
+    /// Upper end of the interval.
+    strain: f64,
+    /// Strain below which the interval counts; infinite for the first one, which is extrapolated.
+    limit: f64,
+    /// f1 and f2 at the upper end.
+    values: [f64; 2],
+    /// Slopes of f1 and f2 over the strain.
+    slopes: [f64; 2],
 }
 
 impl Tabulated {
+    /// Creates the law from the reference density and rows of f1, f2 and the volumetric strain, in descending order of the
+    /// strain; at least two.
+    pub fn new(density: f64, rows: &[[f64; 3]]) -> Tabulated {
+        let interval = |rows: &[[f64; 3]]| {
+            let (a, b) = (rows[0], rows[1]);
+            let slope = |i: usize| (b[i] - a[i]) / (b[2] - a[2]);
+            TableInterval { strain: a[2], limit: a[2], values: [a[0], a[1]], slopes: [slope(0), slope(1)] }
+        };
+        let mut intervals: Vec<TableInterval> = rows.windows(2).map(interval).collect();
+        intervals.iter_mut().take(1).for_each(|first| first.limit = f64::INFINITY);
+        let stiffest = intervals.iter().map(|interval| -interval.slopes[0]).fold(0.0, f64::max);
+        Tabulated { density, intervals, floor: 1e-6 * stiffest }
+    }
+
     /// Returns the pressure lines of a block; NaN for densities that are not positive numbers.
     #[inline(always)]
-    fn lines(&self, densities: &Lanes) -> EosLines {
-        let mut strain = [0.0; LANES];
+    fn lines(&self, update: &PressureUpdate) -> EosLines {
+        let (mut volumes, mut strain) = ([0.0; LANES], [0.0; LANES]);
         let mut lines = EosLines { cold: [f64::NAN; LANES], ..EosLines::default() };
         for l in 0..LANES {
-            let ratio = self.density / densities[l];
+            volumes[l] = specific_volume(update, l);
+            let ratio = self.density * volumes[l];
             let log = if ratio >= f64::MIN_POSITIVE { ln_of(ratio) } else { f64::NAN };
             strain[l] = if ratio <= f64::MAX { log } else { f64::NAN };
         }
         // Each interval overwrites the lanes at smaller strains.
-        let mut above = f64::INFINITY;
-        for rows in self.rows.windows(2) {
-            let (a, b) = (rows[0], rows[1]);
-            let per = 1.0 / (b[2] - a[2]);
-            let [steep, rising] = [(b[0] - a[0]) * per, (b[1] - a[1]) * per];
+        for &TableInterval { strain: start, limit, values, slopes } in &self.intervals {
             for l in 0..LANES {
-                let after = strain[l] - a[2];
-                let line = [a[0] + steep * after, a[1] + rising * after];
-                let here = strain[l] < above;
+                let after = strain[l] - start;
+                let line = [values[0] + slopes[0] * after, values[1] + slopes[1] * after];
+                let here = strain[l] < limit;
                 lines.cold[l] = if here { line[0] } else { lines.cold[l] };
                 lines.per_energy[l] = if here { line[1] } else { lines.per_energy[l] };
-                lines.cold_slope[l] = if here { steep } else { lines.cold_slope[l] };
-                lines.energy_slope[l] = if here { rising } else { lines.energy_slope[l] };
+                lines.cold_slope[l] = if here { slopes[0] } else { lines.cold_slope[l] };
+                lines.energy_slope[l] = if here { slopes[1] } else { lines.energy_slope[l] };
             }
-            above = b[2];
         }
         for l in 0..LANES {
             // d(strain)/d(rho) = -1/rho.
-            let per = -1.0 / densities[l];
             lines.per_energy[l] *= self.density;
-            lines.cold_slope[l] *= per;
-            lines.energy_slope[l] *= per * self.density;
+            lines.cold_slope[l] *= -volumes[l];
+            lines.energy_slope[l] *= -volumes[l] * self.density;
         }
         lines
     }
 
-    /// Returns the largest bulk modulus of the table at zero energy.
-    fn stiffest(&self) -> f64 {
-        self.rows.windows(2).map(|w| (w[1][0] - w[0][0]) / (w[0][2] - w[1][2])).fold(0.0, f64::max)
-    }
-
     /// Updates pressures and energies of a block.
     #[inline(always)]
-    pub(super) fn advance_block(&self, energy: &mut Lanes, mut update: PressureUpdate<'_>) {
-        let mut densities = [0.0; LANES];
+    pub(super) fn advance_block(&self, energy: &mut Lanes, update: &mut PressureUpdate) {
+        let lines = self.lines(update);
         for l in 0..LANES {
-            densities[l] = update.mass[l] / update.volume[l];
-        }
-        let (lines, floor) = (self.lines(&densities), 1e-6 * self.stiffest());
-        for l in 0..LANES {
-            energy[l] = advance(&mut update, l, lines.of(l), energy[l], [0.0, floor]);
+            energy[l] = advance(update, l, lines.of(l), energy[l], [0.0, self.floor]);
         }
     }
+}
+
+/// Returns the specific volume of a lane. The inverse mass is also part of the energy update.
+#[inline(always)]
+pub(super) fn specific_volume(update: &PressureUpdate, l: usize) -> f64 {
+    update.volume[l] * (1.0 / update.mass[l])
 }
 
 /// Updates pressure, bulk modulus and specific energy of a lane. The energy balance m de = -(p + p')/2 dV + deviatoric
@@ -189,7 +211,7 @@ impl Tabulated {
 /// viscous work is estimated with the viscous stress of the previous increment. Returns the specific energy.
 #[inline(always)]
 pub(super) fn advance(
-    update: &mut PressureUpdate<'_>,
+    update: &mut PressureUpdate,
     l: usize,
     curve: EosLine,
     before: f64,
@@ -205,7 +227,8 @@ pub(super) fn advance(
     let energy = (before + gained * inverse) / (1.0 + 0.5 * per_energy * change * inverse);
     let pressure = cold + per_energy * energy;
     // rho dp/drho with de = (p + p_A) drho/rho². A NaN is kept, so that the run halts.
-    let bulk = density * (cold_slope + energy_slope * energy) + per_energy * (pressure + ambient) * (1.0 / density);
+    let volume = specific_volume(update, l);
+    let bulk = density * (cold_slope + energy_slope * energy) + per_energy * (pressure + ambient) * volume;
     update.bulk[l] = if bulk < floor { floor } else { bulk };
     update.mean[l] = -pressure;
     update.heat[l] = expected;
@@ -214,17 +237,21 @@ pub(super) fn advance(
 
 /// Updates pressures and energies of a block whose pressure line depends on density only.
 #[inline(always)]
-pub(super) fn advance_block(law: &impl EosLaw, energy: &mut Lanes, mut update: PressureUpdate<'_>) {
+pub(super) fn advance_block(law: &impl EosLaw, energy: &mut Lanes, update: &mut PressureUpdate) {
     let (ambient, floor) = (law.ambient(), law.floor());
     for l in 0..LANES {
-        let curve = law.curve(update.mass[l] / update.volume[l]);
-        energy[l] = advance(&mut update, l, curve, energy[l], [ambient, floor]);
+        let curve = law.curve(update.mass[l] / update.volume[l], specific_volume(update, l));
+        energy[l] = advance(update, l, curve, energy[l], [ambient, floor]);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{EosLaw, IdealGas, UsUp};
+    use super::{EosLaw, EosLine, IdealGas, UsUp};
+
+    fn at(law: impl EosLaw, density: f64) -> EosLine {
+        law.curve(density, 1.0 / density)
+    }
 
     /// On the Hugoniot, e = p (1/rho0 - 1/rho)/2, the pressure is rho0 U_s U_p for every particle velocity U_p.
     #[test]
@@ -234,10 +261,10 @@ mod tests {
             let us = law.c0 + law.s * up;
             let (p, density) = (law.density * us * up, law.density * us / (us - up));
             let energy = 0.5 * p * (1.0 / law.density - 1.0 / density);
-            let curve = law.curve(density);
+            let curve = at(law, density);
             assert!(((curve.cold + curve.per_energy * energy) / p - 1.0).abs() < 1e-12);
         }
-        assert!(law.curve(law.density / (1.0 - 1.0 / law.s)).cold.is_nan());
+        assert!(at(law, law.density / (1.0 - 1.0 / law.s)).cold.is_nan());
     }
 
     #[test]
@@ -245,12 +272,12 @@ mod tests {
         let law = UsUp { density: 2.785, c0: 5.328, s: 1.338, gamma0: 2.0 };
         for density in [2.5, 2.785, 3.3] {
             let step = 1e-6;
-            let slope = (law.curve(density + step).cold - law.curve(density - step).cold) / (2.0 * step);
-            assert!((slope / law.curve(density).cold_slope - 1.0).abs() < 1e-7);
+            let slope = (at(law, density + step).cold - at(law, density - step).cold) / (2.0 * step);
+            assert!((slope / at(law, density).cold_slope - 1.0).abs() < 1e-7);
         }
         let gas = IdealGas { gas_constant: 287.0, specific_heat: 717.5, ambient: 1e5, absolute_zero: 0.0 };
         // Air at 300 K and 1.2 kg/m^3: rho R T.
-        let curve = gas.curve(1.2);
+        let curve = at(gas, 1.2);
         assert!((curve.cold + curve.per_energy * 717.5 * 300.0 - (1.2 * 287.0 * 300.0 - 1e5)).abs() < 1e-6);
     }
 }

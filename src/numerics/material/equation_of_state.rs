@@ -60,7 +60,7 @@ impl VolumetricLaw for EquationOfState {
     }
 
     #[inline(always)]
-    fn update_pressure(&self, state: &mut EosState, update: PressureUpdate<'_>) {
+    fn update_pressure(&self, state: &mut EosState, update: &mut PressureUpdate) {
         match self {
             EquationOfState::IdealGas(law) => advance_block(law, &mut state.energy, update),
             EquationOfState::UsUp(law) => advance_block(law, &mut state.energy, update),

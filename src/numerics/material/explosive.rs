@@ -2,8 +2,9 @@
 //! Guide, "Equation of state", JWL high explosive equation of state). Reactions driven by pressure are not modelled.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
 
-use super::eos::{EosLaw, EosLine, advance};
+use super::eos::{EosLaw, EosLine, advance, specific_volume};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
+use crate::kernel::transcendental::exp_of;
 use crate::material::BlockStart;
 use crate::material::carried::carried_state;
 use crate::material::volumetric::PressureUpdate;
@@ -26,19 +27,20 @@ pub struct JwlProducts {
 
 impl EosLaw for JwlProducts {
     #[inline(always)]
-    fn curve(&self, density: f64) -> EosLine {
-        let (volume, per) = (self.density / density, 1.0 / density);
-        let (mut cold, mut by_volume) = (0.0, 0.0);
-        for i in 0..2 {
-            let (r, share) = (self.exponents[i], self.omega / (self.exponents[i] * volume));
-            let decayed = self.pressures[i] * libm::exp(-r * volume);
-            cold += decayed * (1.0 - share);
-            by_volume += decayed * (share / volume - r * (1.0 - share));
-        }
+    fn curve(&self, density: f64, specific_volume: f64) -> EosLine {
+        // Density and volume relative to the reference state.
+        let (compression, volume) = (density * (1.0 / self.density), self.density * specific_volume);
+        // Terms of the cold pressure, and their derivatives with respect to the volume.
+        let term = |i: usize| {
+            let (r, share) = (self.exponents[i], self.omega / self.exponents[i] * compression);
+            let decayed = self.pressures[i] * exp_of(-r * volume);
+            [decayed * (1.0 - share), decayed * (share * compression - r * (1.0 - share))]
+        };
+        let ([first, first_slope], [second, second_slope]) = (term(0), term(1));
         EosLine {
-            cold,
+            cold: first + second,
             per_energy: self.omega * density,
-            cold_slope: -by_volume * volume * per,
+            cold_slope: -(first_slope + second_slope) * volume * specific_volume,
             energy_slope: self.omega,
         }
     }
@@ -115,11 +117,12 @@ impl HighExplosive {
     /// the unburnt explosive. Until an element has burnt completely, its bulk modulus is at least rho D², so that the
     /// time increment resolves the detonation.
     #[inline(always)]
-    pub(super) fn advance_block(&self, burn: &BurnState, energy: &mut Lanes, mut update: PressureUpdate<'_>) {
+    pub(super) fn advance_block(&self, burn: &BurnState, energy: &mut Lanes, update: &mut PressureUpdate) {
         let strong = self.products.density * self.speed * self.speed;
         for l in 0..LANES {
             let density = update.mass[l] / update.volume[l];
-            let EosLine { cold, per_energy, cold_slope, energy_slope } = self.products.curve(density);
+            let EosLine { cold, per_energy, cold_slope, energy_slope } =
+                self.products.curve(density, specific_volume(update, l));
             let burnt = burn.burnt[l];
             let rest = (1.0 - burnt) * self.unburnt / self.products.density;
             let curve = EosLine {
@@ -129,7 +132,7 @@ impl HighExplosive {
                 energy_slope: burnt * energy_slope,
             };
             let floor = if burnt < 1.0 { strong } else { 1e-12 * strong };
-            energy[l] = advance(&mut update, l, curve, energy[l], [0.0, floor]);
+            energy[l] = advance(update, l, curve, energy[l], [0.0, floor]);
         }
     }
 }
@@ -140,7 +143,11 @@ persist_struct!(BurnState { burnt, lit, pace });
 
 #[cfg(test)]
 mod tests {
-    use super::{EosLaw, JwlProducts};
+    use super::{EosLaw, EosLine, JwlProducts};
+
+    fn at(density: f64) -> EosLine {
+        TNT.curve(density, 1.0 / density)
+    }
 
     const TNT: JwlProducts =
         JwlProducts { density: 1630.0, pressures: [3.712e11, 3.231e9], exponents: [4.15, 0.95], omega: 0.3 };
@@ -149,8 +156,8 @@ mod tests {
     fn slopes_are_derivatives() {
         for density in [300.0, 1630.0, 2200.0] {
             let step = 1e-3;
-            let slope = (TNT.curve(density + step).cold - TNT.curve(density - step).cold) / (2.0 * step);
-            assert!((slope / TNT.curve(density).cold_slope - 1.0).abs() < 1e-6, "{density}: {slope}");
+            let slope = (at(density + step).cold - at(density - step).cold) / (2.0 * step);
+            assert!((slope / at(density).cold_slope - 1.0).abs() < 1e-6, "{density}: {slope}");
         }
     }
 
@@ -159,7 +166,7 @@ mod tests {
     #[test]
     fn detonation_matches_the_chapman_jouguet_state() {
         let hugoniot = |volume: f64| {
-            let curve = TNT.curve(TNT.density / volume);
+            let curve = at(TNT.density / volume);
             // p = a + b (e0 + p (v0 - v)/2)
             let (e0, half) = (4.29e6, 0.5 * (1.0 - volume) / TNT.density);
             (curve.cold + curve.per_energy * e0) / (1.0 - curve.per_energy * half)

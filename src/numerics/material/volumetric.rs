@@ -17,7 +17,7 @@ pub trait VolumetricLaw: Send + Sync + 'static {
     fn fresh(&self, start: &BlockStart) -> Self::State;
 
     /// Updates mean stress and tangent bulk modulus over an increment.
-    fn update_pressure(&self, state: &mut Self::State, update: PressureUpdate<'_>);
+    fn update_pressure(&self, state: &mut Self::State, update: &mut PressureUpdate);
 
     /// Begins an increment that ends at this total time.
     fn begin(&self, _state: &mut Self::State, _now: f64) {}
@@ -52,26 +52,28 @@ pub trait VolumetricLaw: Send + Sync + 'static {
     }
 }
 
-/// Inputs and results of a pressure law for one block.
-pub struct PressureUpdate<'a> {
+/// Inputs and results of a pressure law for one block. It owns its lists: loops over lists that may overlap in memory are
+/// only partly turned into vectors.
+#[derive(Clone, Copy)]
+pub struct PressureUpdate {
     /// Mean stress: previous value on entry, result on return.
-    pub mean: &'a mut Lanes,
+    pub mean: Lanes,
     /// Result: isentropic bulk modulus.
-    pub bulk: &'a mut Lanes,
+    pub bulk: Lanes,
     /// Bulk viscosity stress of the previous increment.
-    pub viscous: &'a Lanes,
+    pub viscous: Lanes,
     /// Result: estimated work of the bulk viscosity.
-    pub heat: &'a mut Lanes,
+    pub heat: Lanes,
     /// Volumetric strain increment.
-    pub dilation: &'a Lanes,
+    pub dilation: Lanes,
     /// Work of the deviatoric stress in the increment, energy.
-    pub work: &'a Lanes,
+    pub work: Lanes,
     /// Volume in the middle of the increment; 0 for lanes without element.
-    pub middle: &'a Lanes,
+    pub middle: Lanes,
     /// Current volume.
-    pub volume: &'a Lanes,
+    pub volume: Lanes,
     /// Mass of the element of each lane.
-    pub mass: &'a Lanes,
+    pub mass: Lanes,
 }
 
 /// Volumetric law without equation of state: the pressure follows from a constant bulk modulus.
@@ -85,5 +87,5 @@ impl VolumetricLaw for ConstantBulkModulus {
     fn fresh(&self, _start: &BlockStart) {}
 
     #[inline(always)]
-    fn update_pressure(&self, (): &mut (), _update: PressureUpdate<'_>) {}
+    fn update_pressure(&self, (): &mut (), _update: &mut PressureUpdate) {}
 }

@@ -200,18 +200,19 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             work[l] = 0.5 * strain.volume[l] * ((normal(0) + normal(1)) + (normal(2) + shear));
             dilation[l] = strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l];
         }
-        let pressure_update = PressureUpdate {
-            mean: &mut update.mean,
-            bulk: &mut update.bulk,
-            viscous: &strain.viscous,
-            heat: &mut update.heat,
-            dilation: &dilation,
-            work: &work,
-            middle: &strain.volume,
-            volume: &strain.current_volume,
-            mass: &strain.mass,
+        let mut pressures = PressureUpdate {
+            mean: update.mean,
+            bulk: update.bulk,
+            viscous: strain.viscous,
+            heat: update.heat,
+            dilation,
+            work,
+            middle: strain.volume,
+            volume: strain.current_volume,
+            mass: strain.mass,
         };
-        self.volumetric.update_pressure(state, pressure_update);
+        self.volumetric.update_pressure(state, &mut pressures);
+        (update.mean, update.bulk, update.heat) = (pressures.mean, pressures.bulk, pressures.heat);
     }
 
     /// Applies failure to the stress of the undamaged material. The added work becomes that of the degraded stress;

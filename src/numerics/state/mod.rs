@@ -130,7 +130,7 @@ impl BodyState {
 
     /// Computes the acceleration from generalised forces, given with their coordinates; a prescribed motion replaces it
     /// later. Returns whether the body is at rest and resistances keep it at rest.
-    #[inline]
+    #[inline(always)]
     pub fn accelerate(&mut self, forces: impl Iterator<Item = (u32, f64)>) -> bool {
         self.before.acceleration = self.acceleration;
         if let Some(spatial) = &mut self.spatial {

@@ -257,7 +257,7 @@ impl Compiler<'_> {
             }
             (EosKind::Tabular(rows), _) => {
                 row(format!("table of {} rows", rows.len()));
-                self.von_mises(material, span, Some(EquationOfState::Tabulated(Tabulated { density, rows })), solid)
+                self.von_mises(material, span, Some(EquationOfState::Tabulated(Tabulated::new(density, &rows))), solid)
             }
             (EosKind::Jwl(values), _) => {
                 let law = self.explosive(material, eos.span, &values, span)?;

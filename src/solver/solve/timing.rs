@@ -1,6 +1,7 @@
 //! Run time of each ledger row. One increment in many is timed, so that the cost is negligible; output is always timed.
 //! Time that no row uses belongs to the integration.
 
+use std::sync::OnceLock;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::Instant as Stopwatch;
 
@@ -11,6 +12,13 @@ use crate::state::EffectId;
 
 /// Increments per timed increment.
 const TIMED_EVERY: u64 = 64;
+
+/// Returns the time of one reading of the clock, s; measured once in a process, because a search runs thousands of models.
+fn time_of_reading() -> f64 {
+    static READING: OnceLock<f64> = OnceLock::new();
+    let measure = || (0..8).map(|_| Stopwatch::now().elapsed().as_secs_f64()).fold(f64::INFINITY, f64::min);
+    *READING.get_or_init(measure)
+}
 
 /// Measured times of a run, s.
 #[derive(Debug)]
@@ -51,9 +59,14 @@ impl<'a> EffectTiming<'a> {
 
     /// Timers for this number of rows.
     pub fn new(rows: usize, position: Option<&'a RunPosition>) -> Self {
-        let looks = (0..8).map(|_| Stopwatch::now().elapsed().as_secs_f64());
-        let look = looks.fold(f64::INFINITY, f64::min);
-        EffectTiming { rows: vec![0.0; rows], sampled: 0.0, output: 0.0, look, began: None, position }
+        EffectTiming {
+            rows: vec![0.0; rows],
+            sampled: 0.0,
+            output: 0.0,
+            look: time_of_reading(),
+            began: None,
+            position,
+        }
     }
 
     /// Starts timing a part of an increment, if the increment is timed.

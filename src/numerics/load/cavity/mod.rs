@@ -8,6 +8,7 @@ mod finite;
 mod nose;
 mod oblique;
 mod plug;
+mod profile;
 mod rings;
 mod shadow;
 mod skin;

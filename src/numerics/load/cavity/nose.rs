@@ -1,10 +1,10 @@
 //! Resistance on the nose of a rigid body that moves along z. Its shape is constant and all points have the same
-//! velocity, so the forces are closed sums as long as one layer contains all loaded facets.
+//! velocity, so the forces are closed sums over the facets inside a layer; only facets cut by a plane are evaluated singly.
 
 use super::plug::{self, PluggingNose, plus};
+use super::profile::{FacetSums, NoseProfile, force_on};
 use super::shadow;
 use super::stack::{LayerStack, is_level};
-use crate::kernel::cavity::CavityResistance;
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
@@ -15,45 +15,6 @@ use crate::state::BodyState;
 use crate::state::archive::persist_struct;
 use crate::state::limit::IncrementLimit;
 
-/// Sums over the facets of one orientation inside one material. With the body velocity V, the normal velocity is v_n =
-/// V |n_z|, so the force is a polynomial in V (reference: F = pi a^2 (A Y N0 + ...)).
-#[derive(Clone, Copy, Debug, Default)]
-struct FacetSums {
-    /// Σ A |n_z|^(k+1), k = 0, 1, 2.
-    normal: [f64; 3],
-    /// Σ A |t_z| |n_z|^k.
-    tangential: [f64; 3],
-}
-
-impl FacetSums {
-    fn of(facets: &[Facet]) -> Self {
-        let mut sums = FacetSums::default();
-        for facet in facets {
-            sums.add(facet, facet.area);
-        }
-        sums
-    }
-
-    #[inline]
-    fn add(&mut self, facet: &Facet, area: f64) {
-        let n = facet.normal[1].abs();
-        let t = facet.normal[0].abs();
-        let powers = [1.0, n, n * n];
-        for (k, power) in powers.iter().enumerate() {
-            self.normal[k] += area * n * power;
-            self.tangential[k] += area * t * power;
-        }
-    }
-
-    /// Returns the magnitudes of the axial normal force and the axial tangential force (for a friction coefficient of
-    /// 1) at speed V.
-    #[inline]
-    fn forces(&self, law: &CavityResistance, speed: f64) -> [f64; 2] {
-        let sum = |s: &[f64; 3]| law.c0 * s[0] + speed * (law.c1 * s[1] + speed * (law.c2 * s[2]));
-        [sum(&self.normal), sum(&self.tangential)]
-    }
-}
-
 /// Facets that are loaded in one direction of motion.
 #[derive(Clone, Debug, Default)]
 struct NoseFront {
@@ -62,6 +23,8 @@ struct NoseFront {
     /// Indices of the facets in descending order of radius; only with plugging.
     inwards: Vec<usize>,
     sums: FacetSums,
+    /// The facets in order along z; `None` if they overlap along z.
+    profile: Option<NoseProfile>,
     /// Initial z of the lowest and highest point.
     range: [f64; 2],
     /// Largest radius of the nose, length.
@@ -84,6 +47,7 @@ impl NoseFront {
         levels.dedup();
         NoseFront {
             sums: FacetSums::of(&facets),
+            profile: NoseProfile::of(&facets),
             elements: chosen.iter().map(|c| c.0).collect(),
             inwards: Vec::new(),
             range: [low, high],
@@ -236,6 +200,7 @@ impl NoseResistance {
             heap_bytes(&f.facets)
                 + size_of::<usize>() * (f.elements.capacity() + f.inwards.capacity())
                 + heap_bytes(&f.levels)
+                + f.profile.as_ref().map_or(0, NoseProfile::bytes)
         };
         self.fronts.iter().map(front).sum::<usize>() + heap_bytes(&self.idle)
     }
@@ -325,15 +290,18 @@ impl NoseResistance {
                 let mut sum = [0.0; 2];
                 self.parts_of(stack, facet, shift, direction, |layer, area| {
                     if plate.contains(&layer) {
-                        sum = plus(sum, force(facet, &stack.laws[layer], area, speed));
+                        sum = plus(sum, force_on(facet, &stack.laws[layer], area, speed));
                     }
                 });
                 sum
             });
         }
+        if let (Some(profile), None) = (&front.profile, &stack.bounds) {
+            return profile.forces(stack, [shift, shift + direction * self.rounding], speed);
+        }
         let mut total = [0.0; 2];
         self.parts(stack, front, shift, direction, |index, layer, area| {
-            total = plus(total, force(&front.facets[index], &stack.laws[layer], area, speed));
+            total = plus(total, force_on(&front.facets[index], &stack.laws[layer], area, speed));
         });
         total
     }
@@ -363,14 +331,6 @@ impl NoseResistance {
             .fold(f64::INFINITY, f64::min);
         if jump <= smooth { (jump, true) } else { (smooth, false) }
     }
-}
-
-/// Returns the axial normal and tangential force on an area of a facet at speed V.
-#[inline]
-fn force(facet: &Facet, law: &CavityResistance, area: f64, speed: f64) -> [f64; 2] {
-    let n = facet.normal[1].abs();
-    let force = area * law.stress(speed * n);
-    [force * n, force * facet.normal[0].abs()]
 }
 
 /// Returns the time to cover a distance at initial speed v and acceleration a along the motion; infinite if the body
