@@ -22,6 +22,8 @@ const DAMAGE: &str =
     "*Damage Initiation, criterion=DUCTILE\n 0.5, 0., 0.\n*Damage Evolution, type=DISPLACEMENT\n 1.e-3,\n";
 const USUP: &str =
     "*Eos, type=USUP\n 3940., 1.489, 2.\n*Elastic, type=SHEAR\n 43.e9,\n*Plastic\n 400.e6, 0.\n 500.e6, 1.\n";
+/// Without shear modulus, subzonal pressures control the hourglass patterns.
+const LIQUID: &str = "*Eos, type=USUP\n 3940., 1.489, 2.\n";
 const RUBBER: &str = "*Hyperelastic, neo hooke\n 20.e9, 1.5e-11\n";
 const FOAM: &str = "*Elastic\n 117.e9, 0.\n*Crushable Foam, hardening=ISOTROPIC\n 1., 0.\n*Crushable Foam Hardening\n 2.e9, 0.\n 20.e9, 1.\n";
 
@@ -69,6 +71,7 @@ fn scenes() -> Vec<Scene> {
         bar("Johnson-Cook, rate, adiabatic", format!("{ELASTIC}{JOHNSON_COOK}")),
         bar("ductile damage", format!("{ELASTIC}{HARDENING}{DAMAGE}")),
         bar("USUP equation of state", USUP.into()),
+        bar("liquid, subzonal pressures", LIQUID.into()),
         bar("neo-Hooke", RUBBER.into()),
         bar("crushable foam", FOAM.into()),
         controlled,

@@ -77,10 +77,9 @@ impl SubzonalPressures {
     }
 }
 
-/// Results of the quarters of a block: forces as in [`BlockCornerForces`] over [`UNIT`], power, and the trace that
-/// bounds the time increment.
+/// Results of the quarters of a block: forces over [`UNIT`], power, and the trace that bounds the time increment.
 struct SubzonalForces {
-    forces: [[[f64; 2]; LANES]; 4],
+    forces: BlockCornerForces,
     power: Lanes,
     stiff: Lanes,
 }
@@ -132,7 +131,7 @@ impl TaskWorkspace {
     ) {
         let inverse_mass = &by_corner(inverse_mass);
         let mut whole = [0.0; LANES];
-        let mut answers = SubzonalForces { forces: [[[0.0; 2]; LANES]; 4], power: [0.0; LANES], stiff: [0.0; LANES] };
+        let mut answers = SubzonalForces { forces: [[[0.0; LANES]; 2]; 4], power: [0.0; LANES], stiff: [0.0; LANES] };
         // The trace of the stiffness of the quarters relative to that of the whole element bounds the square of their
         // highest frequency.
         for l in 0..LANES {
@@ -148,8 +147,8 @@ impl TaskWorkspace {
         self.add_quarter::<3>(&mut zones, (&whole, nodes), inverse_mass, &mut answers);
         for (to, list) in corners.iter_mut().zip(&answers.forces) {
             for l in 0..LANES {
-                to[0][l] += UNIT * list[l][0];
-                to[1][l] += UNIT * list[l][1];
+                to[0][l] += UNIT * list[0][l];
+                to[1][l] += UNIT * list[1][l];
             }
         }
         let (block, damped) = (self.number(), damping + (1.0 + damping * damping).sqrt());
@@ -187,8 +186,8 @@ impl TaskWorkspace {
             let growth = |i: usize| by_r[i] * v_r[i] + by_z[i] * v_z[i];
             let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
             for i in 0..4 {
-                let [r, z] = answers.forces[i][l];
-                answers.forces[i][l] = [r + pressure * by_r[i], z + pressure * by_z[i]];
+                answers.forces[i][0][l] += pressure * by_r[i];
+                answers.forces[i][1][l] += pressure * by_z[i];
             }
             answers.power[l] -= mean * ((growth(0) + growth(1)) + (growth(2) + growth(3)));
             answers.stiff[l] += ((light(0) + light(1)) + (light(2) + light(3))) / bounded;
