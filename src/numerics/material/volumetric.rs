@@ -54,7 +54,6 @@ pub trait VolumetricLaw: Send + Sync + 'static {
 
 /// Inputs and results of a pressure law for one block. It owns its lists: loops over lists that may overlap in memory are
 /// only partly turned into vectors.
-#[derive(Clone, Copy)]
 pub struct PressureUpdate {
     /// Mean stress: previous value on entry, result on return.
     pub mean: Lanes,

@@ -158,7 +158,7 @@ mod tests {
     #[test]
     fn running_sums_give_the_force_of_all_parts() {
         let law = |c0: f64| CavityResistance { c0, c1: 0.3 * c0, c2: 0.01 * c0 };
-        // Layers that follow each other along -z, one of them thinner than a facet.
+        // Layers that follow each other along -z; the second is thinner than a facet.
         let stack = LayerStack::new(0.0, -1.0, &[(0.4, law(1.0)), (0.03, law(7.0)), (0.6, law(2.0))]);
         // A flat tip, a curved flank, and facets out of order.
         let flank = |i: u32| [0.2 + (f64::from(i) / 10.0).sqrt(), f64::from(i) / 10.0];
