@@ -135,7 +135,12 @@ impl SolverRun<'_> {
     /// undamped vibration jump when the increment changes.
     fn check_drift(&mut self) -> Result<(), HaltReason> {
         let drift = self.balance.drift_now();
-        self.watch.successive_drifts = if drift > LARGEST_DRIFT { self.watch.successive_drifts + 1 } else { 0 };
+        // While energy is supplied, the relative drift of the first increment under a sudden load decreases.
+        let decreases = drift < std::mem::replace(&mut self.watch.drift, drift);
+        self.watch.successive_drifts = match drift > LARGEST_DRIFT {
+            true => self.watch.successive_drifts + u64::from(!decreases),
+            false => 0,
+        };
         self.watch.drift_count += u64::from(drift > LARGEST_DRIFT);
         let passes =
             self.watch.successive_drifts < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
