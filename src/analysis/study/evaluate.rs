@@ -399,7 +399,7 @@ impl SampleBatch<'_> {
     ) -> Option<SampleFailure> {
         let width = self.evaluator.width();
         let sample = &self.samples.values[row * width..(row + 1) * width];
-        let revised = worker.plan.as_mut().and_then(|plan| plan.revise(sample).then_some(plan));
+        let revised = worker.plan.as_mut().and_then(|plan| plan.revise(self.evaluator, sample).then_some(plan));
         let result = match revised {
             Some(plan) => plan.run(self, row, out, look),
             None => self.run_anew(row, sample, out, look),
@@ -448,7 +448,7 @@ struct SampleWorker {
     plan: Option<Box<ReusablePlan>>,
 }
 
-/// A plan in which only numbers change between samples.
+/// A model in which only numbers change between samples, and its plan.
 struct ReusablePlan {
     template: DeckTemplate,
     places: Vec<RevisableNumber>,
@@ -456,7 +456,8 @@ struct ReusablePlan {
     routines: Routines,
     plan: Plan,
     state: State,
-    reviser: PlanReviser,
+    /// `None` if the plan must be compiled for each sample.
+    reviser: Option<PlanReviser>,
     history: RunHistory,
     /// Work arrays: parameter values, and the numbers of deck words that contain parameters.
     values: Vec<f64>,
@@ -464,7 +465,7 @@ struct ReusablePlan {
 }
 
 impl ReusablePlan {
-    /// Returns `None` if samples differ in more than numbers of one plan, or if user subroutine files must be loaded
+    /// Returns `None` if samples differ in more than numbers of one model, or if user subroutine files must be loaded
     /// for each sample.
     fn new(evaluator: &SampleEvaluator) -> Option<ReusablePlan> {
         if matches!(evaluator.user, UserRoutines::Files(_)) {
@@ -476,18 +477,32 @@ impl ReusablePlan {
         let model = model::build(&deck).0;
         let places = template.words.iter().map(|word| revise::revisable(&model, &deck, word));
         let places = places.collect::<Option<Vec<_>>>()?;
-        let (mut plan, state, _, reviser) = plan::revise::compile(&model, &routines);
+        let (mut plan, state, _, reviser) = plan::revise::compile(&model, &routines, &places);
         evaluator.reduce_output(&mut plan);
         let history = evaluator.history(&plan);
-        let (reviser, values, numbers) = (reviser?, Vec::new(), Vec::new());
+        let (values, numbers) = (Vec::new(), Vec::new());
         Some(ReusablePlan { template, places, model, routines, plan, state, reviser, history, values, numbers })
     }
 
     /// Changes the plan to the values of a sample; returns whether this is possible.
-    fn revise(&mut self, sample: &[f64]) -> bool {
-        self.template.numbers(sample, &mut self.values, &mut self.numbers)
-            && self.places.iter().zip(&self.numbers).all(|(place, value)| revise::set(&mut self.model, *place, *value))
-            && self.reviser.revise(&self.model, &self.routines, &mut self.plan, &mut self.state)
+    fn revise(&mut self, evaluator: &SampleEvaluator, sample: &[f64]) -> bool {
+        let changed = self.template.numbers(sample, &mut self.values, &mut self.numbers)
+            && self.places.iter().zip(&self.numbers).all(|(place, value)| revise::set(&mut self.model, *place, *value));
+        match &mut self.reviser {
+            _ if !changed => false,
+            Some(reviser) => reviser.revise(&self.model, &self.routines, &mut self.plan, &mut self.state),
+            None => self.compile(evaluator),
+        }
+    }
+
+    /// Compiles the plan of the changed model; returns whether it has no errors.
+    fn compile(&mut self, evaluator: &SampleEvaluator) -> bool {
+        // Only one plan is in memory at a time.
+        (self.plan, self.state) = (Plan::default(), State::default());
+        let (plan, state, diagnostics) = plan::compile(&self.model, &self.routines);
+        (self.plan, self.state) = (plan, state);
+        evaluator.reduce_output(&mut self.plan);
+        !diagnostics.has_errors()
     }
 
     fn run(
@@ -519,6 +534,10 @@ struct HistorySink<'a> {
 }
 
 impl Sink for HistorySink<'_> {
+    fn wants_digest(&self) -> bool {
+        false
+    }
+
     fn row(&mut self, now: &Instant, values: &[f64]) -> Result<(), SinkError> {
         self.history.push(now, values);
         Ok(())

@@ -34,6 +34,18 @@ pub struct RevisableNumber {
     allowed: ValueSpec,
 }
 
+impl RevisableNumber {
+    /// Returns whether masses of bodies depend on it.
+    pub fn changes_masses(&self) -> bool {
+        matches!(self.place, NumberPlace::Mass(_) | NumberPlace::Density(_))
+    }
+
+    /// Returns whether loads depend on it; gravity depends on masses.
+    pub fn changes_loads(&self) -> bool {
+        !matches!(self.place, NumberPlace::Velocity(_))
+    }
+}
+
 /// Returns the number that a parametric word defines; `None` if other data of the model depend on it.
 pub fn revisable(model: &Model, deck: &Deck, word: &ParametricWord) -> Option<RevisableNumber> {
     let card = &deck.cards[word.card];

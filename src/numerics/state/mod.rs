@@ -239,6 +239,12 @@ impl BodyState {
         }
     }
 
+    /// Returns whether the body is at rest and remains so under constant forces.
+    #[inline]
+    pub fn is_still(&self) -> bool {
+        self.speed() == 0.0 && self.acceleration_and_change()[0] == 0.0
+    }
+
     /// Returns the time until the body comes to rest if it is less than 1.25 `increment`; `slow` as in
     /// [`RigidBody3d::time_to_rest`].
     #[inline]

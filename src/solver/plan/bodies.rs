@@ -91,16 +91,19 @@ impl Compiler<'_> {
         self.check_masses();
     }
 
-    /// Updates masses and initial velocities of existing bodies from the current model.
+    /// Updates masses of existing bodies from the current model.
     pub(super) fn update_body_masses(&mut self) {
         let sources = MassSources::new(self.model);
         for (index, rigid) in self.model.rigid_bodies.iter().enumerate() {
-            let lumped_mass = self.lumped_mass(rigid, &self.bodies[index].nodes, &sources);
-            let body = &mut self.bodies[index];
-            (body.lumped_mass, body.initial_velocity) = (lumped_mass, 0.0);
+            self.bodies[index].lumped_mass = self.lumped_mass(rigid, &self.bodies[index].nodes, &sources);
         }
-        self.initial_velocities();
         self.check_masses();
+    }
+
+    /// Updates initial velocities of existing bodies from the current model.
+    pub(super) fn update_initial_velocities(&mut self) {
+        self.bodies.iter_mut().for_each(|body| body.initial_velocity = 0.0);
+        self.initial_velocities();
     }
 
     fn body(&mut self, rigid: &RigidBody, sources: &MassSources) {

@@ -61,6 +61,7 @@ use crate::constraint::tie::TiedNodes;
 use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::load::user_amplitude::SubroutineAmplitude;
+use crate::mesh::surface::SurfaceGeometry;
 use crate::model::{
     AmplitudeId, CopyOnWrite, EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity,
     MaterialDefinition, Mesh, Model, SurfaceContact,
@@ -200,6 +201,8 @@ struct Compiler<'a> {
     body_of_element: IndexMap<usize, usize>,
     /// Solver indices of deformable nodes and elements.
     places: SolidPlaces,
+    /// Surfaces of loads in models without deformable elements, by the line of the load; revisions use them again.
+    rigid_surfaces: IndexMap<Span, SurfaceGeometry>,
     /// User amplitudes; and, by amplitude of the model, the index of the value in the state's list.
     amplitudes: Vec<SubroutineAmplitude>,
     user_amplitude_index: IndexMap<AmplitudeId, usize>,
@@ -254,6 +257,7 @@ fn compile_with(
         model,
         routines,
         places: SolidPlaces::default(),
+        rigid_surfaces: IndexMap::new(),
         amplitudes: Vec::new(),
         user_amplitude_index: IndexMap::new(),
         user_amplitude_count: 0,

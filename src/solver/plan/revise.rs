@@ -11,7 +11,9 @@ use super::steps::ActiveEffects;
 use super::{Compiler, Plan, State, bodies::PlannedRigidBody, links, surface_ties};
 use crate::constraint::tie::TiedNodes;
 use crate::deck::{Diagnostics, Span};
+use crate::mesh::surface::SurfaceGeometry;
 use crate::model::Model;
+use crate::model::revise::RevisableNumber;
 use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
 
@@ -21,26 +23,34 @@ pub struct PlanReviser {
     bodies: Vec<PlannedRigidBody>,
     body_of_node: IndexMap<usize, usize>,
     body_of_element: IndexMap<usize, usize>,
+    rigid_surfaces: IndexMap<Span, SurfaceGeometry>,
     ties: Vec<TiedNodes>,
     pair_names: IndexSet<String>,
     called: Vec<&'static str>,
     /// Number of cards without effect in the ledger.
     unused: usize,
+    /// Whether masses and loads depend on the revised numbers.
+    masses: bool,
+    loads: bool,
 }
 
-/// Compiles a model as [`super::compile`] does, and returns the data to revise the plan; `None` if the plan must be
-/// compiled for each set of numbers, because the model has deformable bodies, temperatures, contact, constraints or
-/// user amplitudes.
-pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics, Option<PlanReviser>) {
+/// Compiles a model as [`super::compile`] does, and returns the data to revise the plan for other values of `numbers`;
+/// `None` if the plan must be compiled for each set of values, because the model has deformable bodies, temperatures,
+/// contact, constraints or user amplitudes.
+pub fn compile(
+    model: &Model,
+    routines: &Routines,
+    numbers: &[RevisableNumber],
+) -> (Plan, State, Diagnostics, Option<PlanReviser>) {
     let mut reviser = None;
     let (plan, state, diagnostics) = super::compile_with(model, routines, &mut |compiler, state| {
-        reviser = PlanReviser::of(compiler, state);
+        reviser = PlanReviser::of(compiler, state, numbers);
     });
     (plan, state, diagnostics, reviser)
 }
 
 impl PlanReviser {
-    fn of(compiler: &Compiler<'_>, state: &State) -> Option<PlanReviser> {
+    fn of(compiler: &Compiler<'_>, state: &State, numbers: &[RevisableNumber]) -> Option<PlanReviser> {
         let model = compiler.model;
         let rigid = state.elements.is_empty()
             && state.thermal.is_none()
@@ -58,10 +68,13 @@ impl PlanReviser {
             bodies: compiler.bodies.clone(),
             body_of_node: compiler.body_of_node.clone(),
             body_of_element: compiler.body_of_element.clone(),
+            rigid_surfaces: compiler.rigid_surfaces.clone(),
             ties: compiler.ties.clone(),
             pair_names: compiler.pair_names.clone(),
             called: compiler.called_routines.clone(),
             unused: compiler.ledger.unused.len(),
+            masses: numbers.iter().any(RevisableNumber::changes_masses),
+            loads: numbers.iter().any(RevisableNumber::changes_loads),
         })
     }
 
@@ -78,6 +91,7 @@ impl PlanReviser {
             body_of_node: std::mem::take(&mut self.body_of_node),
             body_of_element: std::mem::take(&mut self.body_of_element),
             places: std::mem::take(&mut plan.places),
+            rigid_surfaces: std::mem::take(&mut self.rigid_surfaces),
             amplitudes: Vec::new(),
             user_amplitude_index: IndexMap::new(),
             user_amplitude_count: 0,
@@ -94,9 +108,14 @@ impl PlanReviser {
             pair_names: std::mem::take(&mut self.pair_names),
             called_routines: std::mem::take(&mut self.called),
         };
-        compiler.update_body_masses();
-        for (index, step) in plan.steps.iter_mut().enumerate() {
-            compiler.replan_loads(index, step, state);
+        if self.masses {
+            compiler.update_body_masses();
+        }
+        compiler.update_initial_velocities();
+        if self.loads {
+            for (index, step) in plan.steps.iter_mut().enumerate() {
+                compiler.replan_loads(index, step, state);
+            }
         }
         let sound = !compiler.diagnostics.has_errors();
         state.dofs.bodies.clear();
@@ -109,6 +128,7 @@ impl PlanReviser {
         self.bodies = compiler.bodies;
         self.body_of_node = compiler.body_of_node;
         self.body_of_element = compiler.body_of_element;
+        self.rigid_surfaces = compiler.rigid_surfaces;
         self.ties = compiler.ties;
         self.pair_names = compiler.pair_names;
         self.called = compiler.called_routines;

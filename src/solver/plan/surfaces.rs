@@ -10,8 +10,19 @@ use crate::mesh::surface::{DeformableFaces, RigidFacets, SurfaceGeometry};
 use crate::model::{ElementKind, ElementSide, SideSelection};
 
 impl Compiler<'_> {
-    /// Creates the surface of element sides. Elements that belong to no body are an error.
+    /// Returns the surface of element sides for the load at `span`. Elements that belong to no body are an error.
     pub(super) fn surface(&mut self, sides: &SideSelection, span: Span) -> SurfaceGeometry {
+        if let Some(known) = self.rigid_surfaces.get(&span) {
+            return known.clone();
+        }
+        let surface = self.make_surface(sides, span);
+        if self.places.elements.is_empty() {
+            self.rigid_surfaces.insert(span, surface.clone());
+        }
+        surface
+    }
+
+    fn make_surface(&mut self, sides: &SideSelection, span: Span) -> SurfaceGeometry {
         let mut by_body: BTreeMap<usize, Vec<(usize, Facet)>> = BTreeMap::new();
         let (mut faces, mut face_elements, mut shells) = (Vec::new(), Vec::new(), Vec::new());
         let mut stray = None;

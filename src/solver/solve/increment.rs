@@ -3,7 +3,7 @@
 use super::limits::IncrementLimiter;
 use crate::element::connector::damped_rate;
 use crate::heat::field::TemperatureField;
-use crate::load::SceneView;
+use crate::load::{SceneView, VelocityUse};
 use crate::model::IncrementControl;
 use crate::plan::{State, StepPlan};
 use crate::state::archive::persist_struct;
@@ -91,6 +91,12 @@ const GROWTH: f64 = 2.0;
 /// second order, so the error is proportional to `accuracy`; the factor keeps it, and the energy drift, below
 /// `accuracy`.
 const RESOLUTION: f64 = 0.25;
+/// Change of velocity over an increment, in units of the resolution, that is allowed if the force hardly changes.
+const COARSEST: f64 = 4.0;
+/// Product of the changes of velocity and of acceleration (times the increment) up to which the force hardly changes, in
+/// units of the cube of the resolution times the square of the velocity. The energy drift of an increment is an eighth
+/// of the mass times twice this product.
+const DRIFT: f64 = 0.3;
 /// Largest ratio by which the stiffness of loads reduces the increment of elements; a larger stiffness is regarded as a
 /// jump.
 const STIFFEST: f64 = 100.0;
@@ -113,6 +119,8 @@ pub struct IncrementContext<'a> {
     pub previous_dt: f64,
     /// Time until the end of the step.
     pub remaining: f64,
+    /// Time until the next output that is due at a time.
+    pub until_output: f64,
 }
 
 impl IncrementContext<'_> {
@@ -130,6 +138,17 @@ impl IncrementContext<'_> {
             rings: self.state.elements.ring_factors(),
             element_force: None,
         }
+    }
+
+    /// Returns whether rigid bodies at rest are alone with resistances, which vanish at rest.
+    #[inline]
+    fn stays_at_rest(&self) -> bool {
+        let State { dofs, elements, loads, constraints, user_motions, .. } = self.state;
+        dofs.bodies.iter().all(BodyState::is_still)
+            && elements.is_empty()
+            && constraints.is_empty()
+            && user_motions.is_empty()
+            && loads.iter().all(|load| load.velocity_use() == VelocityUse::Resists)
     }
 
     fn heat(&self) -> Option<&TemperatureField> {
@@ -216,7 +235,9 @@ impl IncrementController {
             Some(length) => next.length = length,
             None => {
                 if bodies.iter().any(|b| !b.tied) {
-                    next.bound(self.automatic(bodies, scene.previous_dt) * self.factor, IncrementLimiter::Accuracy);
+                    let resolved = self.automatic(bodies, scene.previous_dt);
+                    let length = if scene.stays_at_rest() { resolved.max(scene.until_output) } else { resolved };
+                    next.bound(length * self.factor, IncrementLimiter::Accuracy);
                 }
                 if !state.elements.is_empty() {
                     next = self.bound_by_elements(next, &scene);
@@ -261,10 +282,16 @@ impl IncrementController {
             let [acceleration, change] = body.acceleration_and_change();
             let gain = acceleration * self.largest;
             let scale = if gain > *speed { gain } else { *speed };
-            if body.reads_velocity && acceleration * self.free > self.resolution * scale {
-                self.free = self.resolution * scale / acceleration;
+            let allowed = self.resolution * scale;
+            let bound = self.resolution * allowed * previous_dt;
+            if body.reads_velocity && acceleration * self.free > allowed {
+                let least = allowed / acceleration;
+                let drift = acceleration * change * previous_dt * previous_dt * previous_dt;
+                let length = coarsened(least, previous_dt, [drift, DRIFT * bound * allowed]);
+                if length < self.free {
+                    self.free = length;
+                }
             }
-            let bound = self.resolution * self.resolution * scale * previous_dt;
             if previous_dt > 0.0 && change * self.free * self.free > bound {
                 self.free = (bound / change).sqrt();
             }
@@ -282,6 +309,16 @@ impl IncrementController {
             (next.length, next.by) = (0.5 * remaining, IncrementLimiter::Step);
         }
     }
+}
+
+/// Returns an increment from `least` to [`COARSEST`] times as long. In between, a quantity that grows with the cube of the
+/// increment, and has the first value for the previous one, approaches the second value by a step of Halley's method for
+/// the cube root: it needs one division.
+#[inline]
+fn coarsened(least: f64, previous: f64, [value, allowed]: [f64; 2]) -> f64 {
+    let approached = previous * ((value + 2.0 * allowed) / (2.0 * value + allowed));
+    // Without a previous increment it is not a number, or zero.
+    approached.max(least).min(COARSEST * least)
 }
 
 /// Ends the increment at the instant at which a body under velocity-dependent loads comes to rest: displacement v^2 /

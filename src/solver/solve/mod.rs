@@ -198,7 +198,9 @@ fn finished(mut run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outco
     run.warn_of_collapse();
     run.report_penetrations();
     show_warnings(&mut run, sink);
-    run.outcome.digest = run.digest();
+    if sink.wants_digest() {
+        run.outcome.digest = run.digest();
+    }
     run.outcome.deleted = run.state.elements.deleted();
     run.outcome.new_meshes = run.remesh.counts(plan);
     let energy = run.energy();
@@ -258,8 +260,8 @@ fn step(
     let Some(control) = control else { return Ok(None) };
     keeping.begin(run.step, &run.now);
     let begun = match begins {
-        StepStart::Within(_) => run.resume_routines().and_then(|()| run.advance(control)),
-        StepStart::NewMesh(_) => run.advance(control),
+        StepStart::Within(_) => run.resume_routines().and_then(|()| run.advance(control, observing.next_time)),
+        StepStart::NewMesh(_) => run.advance(control, observing.next_time),
         StepStart::Step(_) => run.begin_routines().and_then(|()| run.begin_nodes(changes)),
     };
     let end = begun.and_then(|()| increments(run, control, observing, keeping, sink));
@@ -295,6 +297,6 @@ fn increments(
             return Ok(Some(next));
         }
         keeping.write_if_due(&mut RunCursor { run, observing, control }, sink)?;
-        run.advance(control)?;
+        run.advance(control, observing.next_time)?;
     }
 }

@@ -59,6 +59,10 @@ pub trait Sink {
     fn wants_last_instant(&self) -> bool {
         self.wants_frames()
     }
+    /// Returns whether the digest of the final state is used; if not, it is empty in the outcome.
+    fn wants_digest(&self) -> bool {
+        true
+    }
     /// Returns a file without a name for a large state; `None` if it must be stored in memory.
     fn unnamed_file(&mut self) -> Option<File> {
         None
@@ -146,6 +150,9 @@ impl OutputSchedule {
 /// Approximate time between two readings of the clock, which makes their cost negligible.
 const LOOK: Duration = Duration::from_millis(100);
 
+/// First number of increments between two readings of the clock in models without deformable elements.
+const RIGID_STRIDE: u64 = 256;
+
 /// Schedule of progress reports: every `stride` increments, adapted to the clock.
 struct ProgressTimer {
     looked: Stopwatch,
@@ -154,8 +161,8 @@ struct ProgressTimer {
 }
 
 impl ProgressTimer {
-    fn new() -> ProgressTimer {
-        ProgressTimer { looked: Stopwatch::now(), stride: 1, next: 0 }
+    fn new(stride: u64) -> ProgressTimer {
+        ProgressTimer { looked: Stopwatch::now(), stride, next: 0 }
     }
 
     /// Returns whether a report is due, and schedules the next one.
@@ -183,8 +190,8 @@ pub(super) struct RunOutput {
     contact: ContactMeans,
     reactions: ReactionMeans,
     pace: ProgressTimer,
-    /// Time before which no output is due, unless `next_increment` is reached.
-    next_time: f64,
+    /// Step time before which no output is due, unless `next_increment` is reached.
+    pub(super) next_time: f64,
     next_increment: u64,
     first: bool,
     /// Increment numbers of the last row and of the last frame.
@@ -199,7 +206,7 @@ impl RunOutput {
             row: vec![0.0; plan.columns.len()],
             contact: ContactMeans::new(plan),
             reactions: ReactionMeans::new(plan),
-            pace: ProgressTimer::new(),
+            pace: ProgressTimer::new(if plan.places.elements.is_empty() { RIGID_STRIDE } else { 1 }),
             next_time: 0.0,
             next_increment: 0,
             first: true,

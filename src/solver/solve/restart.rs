@@ -335,7 +335,7 @@ impl RunCursor<'_, '_> {
     /// Repeats the next increment, which has succeeded before, without output.
     fn repeat(&mut self) -> Result<(), HaltReason> {
         let RunCursor { run, observing, control } = self;
-        run.advance(control)?;
+        run.advance(control, observing.next_time)?;
         observing.add_motion(run);
         run.evaluate()?;
         observing.show(run, &mut DiscardingSink)

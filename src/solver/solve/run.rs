@@ -116,14 +116,15 @@ impl<'a> SolverRun<'a> {
         Ok(()) //                               5. output, in the time loop
     }
 
-    /// Advances to the next instant.
+    /// Advances to the next instant. `next_output` is the step time at which output is due; it matters only while all
+    /// bodies are at rest.
     ///
     /// # Errors
     /// If no further increment is possible, or a user subroutine fails.
-    pub(super) fn advance(&mut self, control: &mut IncrementController) -> Result<(), HaltReason> {
+    pub(super) fn advance(&mut self, control: &mut IncrementController, next_output: f64) -> Result<(), HaltReason> {
         self.timing.resume(self.now.increment);
         self.guard_increment()?;
-        let next = control.choose(self.context()); // 6. length of the next increment
+        let next = control.choose(self.context(next_output)); // 6. length of the next increment
         self.remember_stable_increment();
         next.check(&self.now)?;
         self.call_routines(next)?;
@@ -141,13 +142,15 @@ impl<'a> SolverRun<'a> {
     }
 
     #[inline(always)]
-    fn context(&self) -> IncrementContext<'_> {
+    fn context(&self, next_output: f64) -> IncrementContext<'_> {
         IncrementContext {
             state: &self.state,
             now: &self.now,
             velocity_extrapolation: self.velocity_extrapolation,
             previous_dt: self.previous_dt,
             remaining: self.step.duration - self.now.step_time,
+            // With a margin for rounding, so that the instant is not before it.
+            until_output: (next_output - self.now.step_time) * (1.0 + 1e-9),
         }
     }
 

@@ -35,7 +35,9 @@ struct NoseFront {
 
 impl NoseFront {
     fn new(facets: &[(usize, Facet)], sign: f64) -> Self {
-        NoseFront::of(facets.iter().filter(|(_, f)| f.normal[1] * sign > 0.0).copied().collect())
+        let mut chosen = Vec::with_capacity(facets.len());
+        chosen.extend(facets.iter().filter(|(_, f)| f.normal[1] * sign > 0.0));
+        NoseFront::of(chosen)
     }
 
     fn of(chosen: Vec<(usize, Facet)>) -> Self {

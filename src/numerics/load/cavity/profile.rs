@@ -65,12 +65,17 @@ pub(super) struct NoseProfile {
 impl NoseProfile {
     /// Returns the profile of facets; `None` if two overlap along z.
     pub(super) fn of(facets: &[Facet]) -> Option<NoseProfile> {
-        let (level, mut facets): (Vec<Facet>, Vec<Facet>) = facets.iter().copied().partition(|f| is_level(f.normal));
+        let (mut level, mut inclined) = (Vec::new(), Vec::with_capacity(facets.len()));
+        for facet in facets {
+            if is_level(facet.normal) { &mut level } else { &mut inclined }.push(*facet);
+        }
+        let mut facets = inclined;
         facets.sort_by(|a, b| a.low[1].total_cmp(&b.low[1]));
         if !facets.is_sorted_by(|a, b| a.high[1] <= b.low[1]) {
             return None;
         }
-        let mut sums = vec![FacetSums::default()];
+        let mut sums = Vec::with_capacity(facets.len() + 1);
+        sums.push(FacetSums::default());
         for facet in &facets {
             let mut next = sums[sums.len() - 1];
             next.add(facet, facet.area);
