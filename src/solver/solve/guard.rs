@@ -22,7 +22,7 @@ const EARLY: u64 = 500;
 const LARGEST_DRIFT: f64 = 0.2;
 /// Energy created by contact, as a fraction of the largest energy, above which every run halts.
 const LARGEST_CREATED: f64 = 0.2;
-/// Number of successive increments above these limits that halt a run.
+/// Number of increments above these limits that halt a run, without an increment below them.
 const LASTING: u64 = 10;
 
 /// Returns the first value above its limit that has not been reported: index, value and limit.
@@ -137,13 +137,10 @@ impl SolverRun<'_> {
         let drift = self.balance.drift_now();
         // While energy is supplied, the relative drift of the first increment under a sudden load decreases.
         let decreases = drift < std::mem::replace(&mut self.watch.drift, drift);
-        self.watch.successive_drifts = match drift > LARGEST_DRIFT {
-            true => self.watch.successive_drifts + u64::from(!decreases),
-            false => 0,
-        };
+        let lasting = self.watch.lasting_drifts + u64::from(!decreases);
+        self.watch.lasting_drifts = if drift > LARGEST_DRIFT { lasting } else { 0 };
         self.watch.drift_count += u64::from(drift > LARGEST_DRIFT);
-        let passes =
-            self.watch.successive_drifts < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
+        let passes = self.watch.lasting_drifts < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
         if passes || self.is_noise() { Ok(()) } else { Err(self.drift_halt(drift)) }
     }
 

@@ -75,7 +75,7 @@ pub(super) struct RunMonitor {
     pub(super) drift: f64,
     /// Number of increments, up to the current one, whose drift of ETOTAL is large enough to halt the run and does not
     /// decrease.
-    pub(super) successive_drifts: u64,
+    pub(super) lasting_drifts: u64,
     /// Number of all increments with such a drift.
     pub(super) drift_count: u64,
     /// Negative kinetic and negative internal energies.
@@ -504,7 +504,7 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 }
 
 persist_struct!(RunMonitor {
-    unsound, drift, successive_drifts, drift_count, below_zero, dissipated, decreases, lowest_strain, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
+    unsound, drift, lasting_drifts, drift_count, below_zero, dissipated, decreases, lowest_strain, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
     limits_reported
 } derived {
     shown

@@ -64,12 +64,10 @@ pub(super) struct NoseProfile {
 
 impl NoseProfile {
     /// Returns the profile of facets; `None` if two overlap along z.
-    pub(super) fn of(facets: &[Facet]) -> Option<NoseProfile> {
-        let (mut level, mut inclined) = (Vec::new(), Vec::with_capacity(facets.len()));
-        for facet in facets {
-            if is_level(facet.normal) { &mut level } else { &mut inclined }.push(*facet);
-        }
-        let mut facets = inclined;
+    pub(super) fn of(all: &[Facet]) -> Option<NoseProfile> {
+        let level: Vec<Facet> = all.iter().filter(|f| is_level(f.normal)).copied().collect();
+        let mut facets: Vec<Facet> = Vec::with_capacity(all.len());
+        facets.extend(all.iter().filter(|f| !is_level(f.normal)));
         facets.sort_by(|a, b| a.low[1].total_cmp(&b.low[1]));
         if !facets.is_sorted_by(|a, b| a.high[1] <= b.low[1]) {
             return None;
