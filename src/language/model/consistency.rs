@@ -383,6 +383,7 @@ impl ConsistencyCheck<'_> {
         for tie in &model.constraints.ties {
             self.nodes(tie.span, &tie.slaves);
             self.nodes(tie.span, tie.chosen.as_deref().unwrap_or_default());
+            self.faces(tie.span, &tie.slave_faces);
             self.faces(tie.span, &tie.masters);
             let tolerance = tie.tolerance.is_none_or(is_non_negative);
             self.value(tolerance, tie.span, || "POSITION TOLERANCE must not be negative".into());

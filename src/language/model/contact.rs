@@ -231,7 +231,7 @@ impl ModelBuilder<'_> {
                     continue;
                 }
             };
-            let Some((nodes, sides)) = self.sides_of_nodes(other) else { continue };
+            let Some((nodes, sides)) = self.nodes_and_faces(other) else { continue };
             let rigid = SideSelection::new(self.model.surfaces.analytical_name(surface), &[]);
             // Nodes of shells contact an analytical surface on either side.
             let sides = SideSelection { faces: sides.first_sides(), ..sides };
@@ -281,11 +281,11 @@ impl ModelBuilder<'_> {
 
     /// Returns the nodes of a node-based or element-based surface, ascending.
     pub(super) fn contact_nodes(&mut self, word: &Word) -> Option<Vec<usize>> {
-        self.sides_of_nodes(word).map(|sides| sides.0)
+        self.nodes_and_faces(word).map(|sides| sides.0)
     }
 
     /// Returns the nodes and the faces of a surface; a node-based surface has no faces.
-    fn sides_of_nodes(&mut self, word: &Word) -> Option<(Vec<usize>, SideSelection)> {
+    pub(super) fn nodes_and_faces(&mut self, word: &Word) -> Option<(Vec<usize>, SideSelection)> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
             if let Some(nodes) = self.model.surfaces.nodes.get(&name) {
                 return Some((nodes.clone(), SideSelection::new(&name, &[])));

@@ -195,6 +195,7 @@ impl ModelBuilder<'_> {
             return;
         }
         let (adjust, tolerance) = (card.read("ADJUST"), card.read::<Option<f64>>("POSITION TOLERANCE"));
+        let by_nodes = card.read::<usize>("TYPE") == 1;
         let chosen = match card.value("TIED NSET") {
             None => None,
             Some(word) => match self.node_members(word) {
@@ -208,12 +209,14 @@ impl ModelBuilder<'_> {
                 self.diagnostics.push(diagnostic.help("expected: slave surface, master surface"));
                 continue;
             };
-            let slaves = self.contact_nodes(slave);
+            let slaves = self.nodes_and_faces(slave);
             let Some(masters) = self.master_faces(master) else { continue };
-            let Some(slaves) = slaves else { continue };
+            let Some((slaves, sides)) = slaves else { continue };
+            let slave_faces = if by_nodes { Vec::new() } else { sides.first_sides() };
             let tolerance = tolerance.or_else(|| self.tie_tolerance(card, &masters));
             let (name, chosen, span) = (upper(&name.text), chosen.clone(), line.span);
-            self.model.constraints.ties.push(SurfaceTie { name, slaves, masters, adjust, tolerance, chosen, span });
+            let tie = SurfaceTie { name, slaves, slave_faces, masters, adjust, tolerance, chosen, span };
+            self.model.constraints.ties.push(tie);
         }
     }
 

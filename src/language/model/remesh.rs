@@ -304,6 +304,7 @@ fn visit_lists(model: &mut Model, visit: &mut dyn FnMut(MemberList<'_>)) {
     }
     for tie in &mut constraints.ties {
         visit(MemberList::Nodes(&mut tie.slaves));
+        visit(MemberList::Faces(&mut tie.slave_faces));
         visit(MemberList::Faces(&mut tie.masters));
         tie.chosen.iter_mut().for_each(|nodes| visit(MemberList::Nodes(nodes)));
     }

@@ -21,6 +21,26 @@ pub struct NodalEquation {
     pub is_redundant: bool,
 }
 
+impl NodalEquation {
+    /// Returns the degree of freedom (node, axis) of the first term.
+    ///
+    /// # Panics
+    /// If the equation has no terms.
+    pub fn dependent(&self) -> (usize, usize) {
+        (self.terms[0].0, self.terms[0].1)
+    }
+
+    /// Adds the terms of another equation, multiplied by a factor.
+    pub fn add(&mut self, terms: &[(usize, usize, f64)], factor: f64) {
+        for &(node, axis, c) in terms {
+            match self.terms.iter_mut().find(|t| (t.0, t.1) == (node, axis)) {
+                Some(term) => term.2 += factor * c,
+                None => self.terms.push((node, axis, factor * c)),
+            }
+        }
+    }
+}
+
 /// Nodes with equal motion along an axis. The motion is computed at the first node and copied to the others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MergedDofs {

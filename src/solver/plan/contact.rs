@@ -140,6 +140,7 @@ impl Compiler<'_> {
             points: &found.points,
             places: &found.places,
             length: found.lengths[curves[0]][1],
+            first_carries: curves[0] == first,
         };
         self.check_pair(contact, step, met, state);
         let mut pair = ContactPair::new(id, self.pair_number(contact), curves, length);

@@ -5,7 +5,9 @@ use super::contact_curves::ContactGeometry;
 use super::{Compiler, State};
 use crate::constraint::contact::curve::{FacetCurve, FacetNeighbor, FacetShape, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
+use crate::kernel::sorted_boxes::SortedBoxes;
 use crate::model::SurfaceContact;
+use crate::variables::Variable;
 
 /// Facets face each other if the cosine of the angle between their normals is below this value, as in contact.
 const FACING: f64 = -0.1;
@@ -28,6 +30,8 @@ pub(super) struct ContactingCurves<'a> {
     pub(super) places: &'a [[f64; 2]],
     /// Mean facet length of the first curve.
     pub(super) length: f64,
+    /// Whether the first curve is the first surface of the pair in the deck.
+    pub(super) first_carries: bool,
 }
 
 impl ContactingCurves<'_> {
@@ -62,6 +66,31 @@ impl ContactingCurves<'_> {
         !shapes(own).iter().any(|facet| {
             let facing = (0..SECTORS).filter(|&index| !sectors[index].is_empty() && may_face(facet.0.normal, index));
             facing.flat_map(|index| &sectors[index]).any(|opposite| meets(facet, opposite))
+        })
+    }
+
+    /// Returns the mean facet lengths of both curves where they are closest: of facets that are nearer to the other curve
+    /// than its mean facet length; of all exposed facets if no facet is.
+    fn near_lengths(&self) -> [f64; 2] {
+        let shapes = self.curves.map(|curve| curve.exposed.iter().map(|&k| self.shape(curve, k)).collect::<Vec<_>>());
+        let mean = |lengths: &[f64]| lengths.iter().sum::<f64>() / lengths.len() as f64;
+        let all = [0, 1].map(|i: usize| mean(&shapes[i].iter().map(|shape| shape.length).collect::<Vec<_>>()));
+        let margin = all[0].min(all[1]);
+        let mut near = [0, 1].map(|i: usize| vec![false; shapes[i].len()]);
+        let mut boxes = SortedBoxes::default();
+        boxes.sort(shapes[1].iter().map(FacetShape::bounds).zip(0..));
+        for (k, shape) in shapes[0].iter().enumerate() {
+            boxes.near(shape.bounds(), margin, |j| {
+                let faces = shape.normal[0] * shapes[1][j as usize].normal[0]
+                    + shape.normal[1] * shapes[1][j as usize].normal[1];
+                if faces < FACING {
+                    (near[0][k], near[1][j as usize]) = (true, true);
+                }
+            });
+        }
+        [0, 1].map(|i: usize| {
+            let of_near: Vec<f64> = shapes[i].iter().zip(&near[i]).filter(|n| *n.1).map(|n| n.0.length).collect();
+            if of_near.is_empty() { all[i] } else { mean(&of_near) }
         })
     }
 
@@ -133,7 +162,9 @@ impl Compiler<'_> {
             self.diagnostics.push(finding.help("give the sides that face each other; for shells SPOS or SNEG"));
             return;
         }
-        let Some(body) = met.body() else { return };
+        let Some(body) = met.body() else {
+            return self.check_facet_sizes(contact, met);
+        };
         self.check_body_mass(contact, step, body, met, state);
         if let Some([r, z]) = met.find_sharp_turn() {
             let message = format!(
@@ -143,6 +174,33 @@ impl Compiler<'_> {
             let finding = Diagnostic::warning("P118", message).at(contact.span, format!("near ({r:.4e}, {z:.4e})"));
             self.diagnostics.push(finding.help("use deformable elements as small as the roundings"));
         }
+    }
+
+    /// Warns if contact pressures are requested and the facets of two deformable surfaces differ too much in size where the
+    /// surfaces are closest.
+    fn check_facet_sizes(&mut self, contact: &SurfaceContact, met: ContactingCurves<'_>) {
+        let mut requests = self.model.steps.iter().flat_map(|step| &step.outputs).flat_map(|output| &output.variables);
+        if !requests.any(|request| request.variables().contains(&Variable::ContactPressure)) {
+            return;
+        }
+        let [own, other] = met.near_lengths();
+        let ratio = (own / other).max(other / own);
+        // Meshes with exactly this ratio differ by rounding.
+        if ratio < FINER * (1.0 + 1e-3) {
+            return;
+        }
+        let [carrier, opposite] = if met.first_carries { [0, 1] } else { [1, 0] };
+        let coarser = &contact.sides[if own > other { carrier } else { opposite }].name;
+        let message = format!(
+            "the facets of `{}` and `{}` differ by a factor of {ratio:.1} where the surfaces are closest",
+            contact.sides[0].name, contact.sides[1].name
+        );
+        let label = "contact pressures of curved surfaces are inaccurate, in particular on the axis";
+        let finding = Diagnostic::warning("P124", message).at(contact.span, label);
+        self.diagnostics.push(finding.help(format!(
+            "use smaller facets on `{coarser}`, at most twice as long as those of the other surface, and at least five over the \
+             contact radius"
+        )));
     }
 
     /// Orders two curves: the first one carries the contact pressures. It is the secondary surface that the deck gives,

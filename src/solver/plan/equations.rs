@@ -19,7 +19,8 @@ impl Compiler<'_> {
             return None;
         }
         let first = self.links.first?;
-        match LinkSystem::new(&self.links.equations, &self.links.merged, &state.dofs.nodes.mass, given) {
+        let equations = self.links.equations_with(&given.all);
+        match LinkSystem::new(&equations, &self.links.merged, &state.dofs.nodes.mass, given) {
             Ok(bonds) => {
                 let count = self.links.equations.len() + self.links.merged.len();
                 let detail = format!("exact, in {} independent systems", bonds.count());

@@ -48,12 +48,12 @@ impl Compiler<'_> {
         }
     }
 
-    /// Adds the ties: each slave node has the temperature of its point on the master surface.
+    /// Adds the ties: each dependent node has the weighted mean of the temperatures of the nodes that it follows.
     fn tied_surfaces(&mut self, conducting: &HashSet<usize>, tied: &mut TemperatureEquations) {
-        let model = self.model;
-        for (index, tie) in model.constraints.ties.iter().enumerate() {
+        let (model, ties) = (self.model, std::mem::take(&mut self.surface_ties));
+        for (tie, of_tie) in model.constraints.ties.iter().zip(&ties) {
             let before = tied.equations.len();
-            for own in self.surface_ties.iter().filter(|t| t.tie == index) {
+            for own in &of_tie.nodes {
                 let place = |n: usize| self.places.nodes.get(&n).copied().filter(|p| conducting.contains(p));
                 let shares: Option<Vec<_>> =
                     own.shares.iter().map(|&(n, share)| Some((place(n)?, 0, -share))).collect();
@@ -65,10 +65,11 @@ impl Compiler<'_> {
             }
             let count = tied.equations.len() - before;
             if count > 0 {
-                let detail = format!("{}: temperatures of the nearest points of the master surface", tie.name);
+                let detail = format!("{}: equal temperatures on both surfaces", tie.name);
                 self.ledger_row(tie.span, "tied temperatures", count, "nodes", detail);
             }
         }
+        self.surface_ties = ties;
     }
 
     fn tied_by_equations(&mut self, conducting: &HashSet<usize>, tied: &mut TemperatureEquations) {

@@ -1,14 +1,16 @@
 //! `*MPC`, `*COUPLING`, `*TIE` and `*EQUATION` as equations between solver nodes and sets of nodes that move together.
 //! Nodes that follow a rigid body become part of the body.
 
-use std::collections::HashSet;
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 
+use super::tie_equations::{TieEquations, TieForm, TiedNode};
 use super::{Compiler, State};
 use crate::constraint::bonds::{MergedDofs, NodalEquation};
 use crate::deck::{Diagnostic, Span};
-use crate::model::{self, LinkKind, NodeLink, RigidBody};
+use crate::model::{self, LinkKind, NodeLink, RigidBody, SurfaceTie};
 
 /// Equations and links between solver nodes, which are active in all steps.
 #[derive(Debug, Default)]
@@ -16,12 +18,23 @@ pub(super) struct LinkSet {
     /// Equations, and the card of each.
     pub equations: Vec<NodalEquation>,
     pub spans: Vec<Span>,
+    /// Equations of nodes at ends of ties.
+    ends: Vec<EndEquation>,
     /// Sets of nodes with equal motion along an axis.
     pub merged: Vec<MergedDofs>,
     /// Index in `merged` of the set that contains a node and axis.
     group: IndexMap<(usize, usize), usize>,
     /// First card with an equation or link.
     pub first: Option<Span>,
+}
+
+/// The equation of a node at an end of a tie and that of the next node.
+#[derive(Clone, Copy, Debug)]
+struct EndEquation {
+    end: usize,
+    next: usize,
+    /// Area of the node at the end relative to that of the next one.
+    area: f64,
 }
 
 impl LinkSet {
@@ -72,6 +85,29 @@ impl LinkSet {
         self.spans.push(span);
     }
 
+    /// Adds the equation that a degree of freedom (node, axis) follows the weighted mean of nodes. Returns its index.
+    fn follow(&mut self, (node, axis): (usize, usize), shares: &[(usize, f64)], span: Span) -> usize {
+        let others = shares.iter().map(|&(n, share)| (n, axis, -share));
+        self.equation(std::iter::once((node, axis, 1.0)).chain(others).collect(), true, span);
+        self.equations.len() - 1
+    }
+
+    /// Returns the equations of a step. If the motion of a node at the end of a tie is prescribed, and that of the next node
+    /// is not, the equation of the end is added to that of the next node: a separate equation would restrain the other
+    /// surface more than a common mesh.
+    pub fn equations_with(&self, prescribed: &HashSet<(usize, usize)>) -> Cow<'_, [NodalEquation]> {
+        let mut equations = Cow::Borrowed(&self.equations[..]);
+        let is_prescribed = |i: usize| prescribed.contains(&self.equations[i].dependent());
+        for &EndEquation { end, next, area } in &self.ends {
+            if is_prescribed(end) && !is_prescribed(next) {
+                let equations = equations.to_mut();
+                let terms = std::mem::take(&mut equations[end].terms);
+                equations[next].add(&terms, area);
+            }
+        }
+        equations
+    }
+
     /// Returns the degrees of freedom (node, axis) in equations, and those with the same motion as one in an equation.
     pub fn dofs_of_equations(&self) -> HashSet<(usize, usize)> {
         let mut dofs: HashSet<(usize, usize)> = self.terms().collect();
@@ -116,7 +152,7 @@ impl Compiler<'_> {
         }
         let mut own: HashSet<usize> = nodes.iter().copied().collect();
         let elements: HashSet<usize> = rigid.elements.iter().copied().collect();
-        let on_body = self.surface_ties.iter().filter(|t| elements.contains(&t.element)).map(|t| t.node);
+        let on_body = self.tied_nodes().filter(|t| elements.contains(&t.element)).map(|t| t.node);
         own.extend(on_body);
         loop {
             let before = own.len();
@@ -139,7 +175,7 @@ impl Compiler<'_> {
         let sprung = model.discrete.connectors.iter().flat_map(|property| &property.elements);
         let ends = sprung.flat_map(|&e| model.mesh.elements[e].nodes.iter());
         let linked = model.constraints.links.iter().flat_map(|l| l.nodes.iter().chain([&l.reference]));
-        let tied = self.surface_ties.iter().map(|t| &t.node);
+        let tied = self.tied_nodes().map(|t| &t.node);
         let moving = model.constraints.equations.iter().filter(|e| !e.is_thermal());
         let terms = moving.flat_map(|e| e.terms.iter().map(|t| &t.0));
         let free = |n: &&usize| !self.body_of_node.contains_key(*n);
@@ -231,53 +267,76 @@ impl Compiler<'_> {
         self.diagnostics.push(Diagnostic::error("P060", message).at(span, "here").help(help));
     }
 
+    /// Returns the dependent nodes of all ties.
+    pub(super) fn tied_nodes(&self) -> impl Iterator<Item = &TiedNode> {
+        self.surface_ties.iter().flat_map(|tie| &tie.nodes)
+    }
+
     fn add_surface_ties(&mut self) {
         let model = self.model;
         let ties = std::mem::take(&mut self.surface_ties);
-        for tied in &ties {
-            let span = model.constraints.ties[tied.tie].span;
-            if self.body_of_element.contains_key(&tied.element) {
-                continue;
+        for (tie, equations) in model.constraints.ties.iter().zip(&ties) {
+            if !self.add_surface_tie(tie, &equations.nodes) {
+                break;
             }
+            self.list_surface_tie(tie, equations);
+        }
+        self.surface_ties = ties;
+    }
+
+    /// Adds the equations of a tie. Returns `false` after an error.
+    fn add_surface_tie(&mut self, tie: &SurfaceTie, nodes: &[TiedNode]) -> bool {
+        let model = self.model;
+        let mut added: HashMap<usize, [usize; 2]> = HashMap::new();
+        for tied in nodes.iter().filter(|t| !self.body_of_element.contains_key(&t.element)) {
             if self.body_of_node.contains_key(&tied.node) {
                 let name = &model.mesh.node_names[tied.node];
                 let message = format!("node {name} of the slave surface belongs to a rigid body");
-                self.refuse_link(
-                    span,
-                    message,
-                    "make the surface of the rigid body the master surface: give it second",
-                );
-                break;
+                let help = "make the surface of the rigid body the master surface: give it second";
+                self.refuse_link(tie.span, message, help);
+                return false;
             }
             let place = |n: usize| self.places.nodes.get(&n).copied();
             let shares: Option<Vec<_>> = tied.shares.iter().map(|&(n, share)| Some((place(n)?, share))).collect();
             let (Some(node), Some(shares)) = (place(tied.node), shares) else {
-                let message =
-                    "the master surface of a tie has elements that belong neither to a deformable nor to a rigid body";
-                self.refuse_link(span, message.into(), "give the elements a *SOLID SECTION");
-                break;
+                let message = "a surface of a tie has elements that belong neither to a deformable nor to a rigid body";
+                self.refuse_link(tie.span, message.into(), "give the elements a *SOLID SECTION");
+                return false;
             };
-            for axis in [0, 1] {
-                if let [(master, _)] = shares[..] {
+            if let [(master, _)] = shares[..] {
+                for axis in [0, 1] {
                     self.links.merge(master, node, axis);
-                } else {
-                    let masters = shares.iter().map(|&(n, share)| (n, axis, -share));
-                    let terms = std::iter::once((node, axis, 1.0)).chain(masters).collect();
-                    self.links.equation(terms, true, span);
                 }
+            } else {
+                added.insert(tied.node, [0, 1].map(|axis| self.links.follow((node, axis), &shares, tie.span)));
             }
-            self.links.first.get_or_insert(span);
+            self.links.first.get_or_insert(tie.span);
         }
-        let mut counts = vec![0; model.constraints.ties.len()];
-        ties.iter().for_each(|tied| counts[tied.tie] += 1);
-        for (tie, count) in model.constraints.ties.iter().zip(counts) {
-            if count > 0 {
-                let adjusted = if tie.adjust { ", moved onto it" } else { "" };
-                let detail = format!("{}: each follows the nearest point of the master surface{adjusted}", tie.name);
-                self.ledger_row(tie.span, "tied surfaces", count, "nodes", detail);
+        for (tied, next) in nodes.iter().filter_map(|tied| Some((tied, tied.next?))) {
+            if let (Some(end), Some(next_equations)) = (added.get(&tied.node), added.get(&next.node)) {
+                let ends = end.iter().zip(next_equations);
+                self.links.ends.extend(ends.map(|(&end, &to)| EndEquation { end, next: to, area: next.area }));
             }
         }
-        self.surface_ties = ties;
+        true
+    }
+
+    fn list_surface_tie(&mut self, tie: &SurfaceTie, TieEquations { nodes, form }: &TieEquations) {
+        if nodes.is_empty() {
+            return;
+        }
+        let motion = match form {
+            TieForm::Integrated => "equal motion in the weighted mean over the common surface",
+            _ => "each follows the nearest point of the master surface",
+        };
+        if *form == TieForm::NothingOpposite {
+            let message =
+                format!("tie {} is node to surface, because no slave facet is opposite a master facet", tie.name);
+            self.diagnostics.push(Diagnostic::note("P061", message).at(tie.span, "surfaces without common area"));
+        }
+        let adjusted = if tie.adjust { ", moved onto the master surface" } else { "" };
+        let detail = format!("{}: {motion}{adjusted}", tie.name);
+        self.ledger_row(tie.span, "tied surfaces", nodes.len(), "nodes", detail);
     }
 
     /// Adds an equation. Returns `false` if a node does not belong to a deformable body or is tied to a rigid body.

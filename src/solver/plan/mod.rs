@@ -47,6 +47,8 @@ mod steps;
 mod surface_ties;
 mod surfaces;
 mod targets;
+mod tie_equations;
+mod tie_integration;
 mod ties;
 mod user;
 mod user_material;
@@ -218,8 +220,8 @@ struct Compiler<'a> {
     model_variables: Vec<Variable>,
     /// Expressions of history columns.
     expressions: Vec<RowExpression>,
-    /// Nodes of slave surfaces with their points on the master surfaces.
-    surface_ties: Vec<surface_ties::TiedNode>,
+    /// Equations of each tie of the model.
+    surface_ties: Vec<tie_equations::TieEquations>,
     /// Equations and nodes that move together.
     links: links::LinkSet,
     /// Degrees of freedom (node, axis) of massless nodes without any constraint.
@@ -250,9 +252,10 @@ fn compile_with(
     if diagnostics.has_errors() {
         return (Plan::default(), State::default(), diagnostics);
     }
-    let surface_ties = surface_ties::find_tied_nodes(model, &mut diagnostics);
-    let adjusted = surface_ties::adjusted(model, &surface_ties);
+    let attached = surface_ties::find_attached_nodes(model, &mut diagnostics);
+    let adjusted = surface_ties::adjusted(model, &attached);
     let model = adjusted.as_ref().unwrap_or(model);
+    let surface_ties = tie_equations::tie_equations(model, &attached);
     let mut compiler = Compiler {
         model,
         routines,

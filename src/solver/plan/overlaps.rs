@@ -10,7 +10,7 @@ use crate::constraint::Constraint;
 use crate::constraint::contact::curve::PointCarrier;
 use crate::constraint::overlaps::{BodyOutline, ContactsOfBodies, OverlapMonitor, distance};
 use crate::deck::{Diagnostic, Span};
-use crate::kernel::lists::sorted_unique;
+use crate::kernel::lists::{sorted_pair, sorted_unique};
 use crate::kernel::sorted_boxes::SortedBoxes;
 use crate::model::{ElementKind, ElementSide, Mesh};
 
@@ -44,7 +44,7 @@ impl Compiler<'_> {
             return;
         }
         let contacts = self.contacts_of(&pieces);
-        pairs.retain(|pair| !contacts.connect(*pair));
+        pairs.retain(|pair| !contacts.connect(*pair) && !contacts.are_tied(*pair));
         if pairs.is_empty() {
             return;
         }
@@ -112,19 +112,33 @@ impl Compiler<'_> {
         Some(Box::new(OverlapMonitor::new(id, outlines, self.contacts_of(&all))))
     }
 
-    /// Returns the contact pairs of all steps, by the parts on their sides.
+    /// Returns the contact pairs of all steps, by the parts on their sides, and the tied parts.
     fn contacts_of(&self, parts: &[ConnectedPart]) -> ContactsOfBodies {
         let part_of = part_of_elements(&self.model.mesh, elements_of(parts));
-        let mut contacts = ContactsOfBodies([(); 2].map(|()| vec![Vec::new(); parts.len()]));
+        let pairs = [(); 2].map(|()| vec![Vec::new(); parts.len()]);
+        let mut contacts = ContactsOfBodies { pairs, tied: self.tied_parts(&part_of) };
         let is_new = |step: &usize| *step == 0 || !Rc::ptr_eq(&self.pairs[*step], &self.pairs[*step - 1]);
         let pairs = (0..self.pairs.len()).filter(is_new).flat_map(|step| self.pairs[step].iter());
         for (contact, index) in pairs.zip(0..) {
-            for (side, lists) in contact.sides.iter().zip(&mut contacts.0) {
+            for (side, lists) in contact.sides.iter().zip(&mut contacts.pairs) {
                 let on_side: Vec<u32> = sorted_unique(side.faces.iter().filter_map(|face| part_of[face.0]));
                 on_side.into_iter().for_each(|part| lists[part as usize].push(index));
             }
         }
         contacts
+    }
+
+    /// Returns the pairs of tied parts, without a part that is tied to itself; `part_of` is the part of each element.
+    fn tied_parts(&self, part_of: &[Option<u32>]) -> Vec<[u32; 2]> {
+        let tied: HashMap<usize, usize> = self.tied_nodes().map(|tied| (tied.node, tied.element)).collect();
+        if tied.is_empty() {
+            return Vec::new();
+        }
+        let pairs = self.model.mesh.elements.iter().zip(part_of).flat_map(|(element, part)| {
+            let masters = element.nodes.iter().filter_map(|node| part_of[*tied.get(node)?]);
+            masters.filter_map(move |master| Some(sorted_pair([(*part)?, master])))
+        });
+        sorted_unique(pairs.filter(|[a, b]| a != b))
     }
 
     /// Returns the outline of a part. If its elements can be deleted, the outline changes, and only its points are

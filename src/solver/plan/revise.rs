@@ -8,7 +8,7 @@ use std::rc::Rc;
 use indexmap::{IndexMap, IndexSet};
 
 use super::steps::ActiveEffects;
-use super::{Compiler, Plan, State, bodies::PlannedRigidBody, links, surface_ties};
+use super::{Compiler, Plan, State, bodies::PlannedRigidBody, links};
 use crate::constraint::tie::TiedNodes;
 use crate::deck::{Diagnostics, Span};
 use crate::mesh::surface::SurfaceGeometry;
@@ -100,7 +100,7 @@ impl PlanReviser {
             sets: IndexSet::new(),
             model_variables: Vec::new(),
             expressions: Vec::new(),
-            surface_ties: Vec::<surface_ties::TiedNode>::new(),
+            surface_ties: Vec::new(),
             links: links::LinkSet::default(),
             unresisted_dofs: HashSet::new(),
             pairs: vec![Rc::default(); model.steps.len()],

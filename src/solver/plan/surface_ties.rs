@@ -3,17 +3,15 @@
 use std::collections::HashSet;
 
 use crate::deck::{Diagnostic, Diagnostics};
+use crate::kernel::lists::sorted_pair;
 use crate::kernel::sorted_boxes::{SortedBoxes, bounding_box};
-use crate::model::{Model, SurfaceTie};
+use crate::model::{ElementSide, Model, SurfaceTie};
 use crate::platform::PortableMath as _;
 
-/// A slave node, which follows the nearest point of the master surface (ABAQUS Analysis User's Guide, "Mesh tie
-/// constraints", node-to-surface approach).
+/// A slave node within the tolerance of the master surface, and the nearest point of this surface.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct TiedNode {
-    /// Index of the tie in the model.
-    pub tie: usize,
-    /// Index of the tied mesh node.
+pub(super) struct AttachedNode {
+    /// Index of the mesh node.
     pub node: usize,
     /// Element of the master facet.
     pub element: usize,
@@ -21,77 +19,105 @@ pub(super) struct TiedNode {
     pub shares: Vec<(usize, f64)>,
     /// Coordinates (r, z) of the point on the master surface.
     pub place: [f64; 2],
+    /// Whether the node belongs to the master surface, too.
+    pub is_shared: bool,
 }
 
-/// A facet of a master surface.
-#[derive(Clone, Copy)]
-struct MasterFacet {
-    nodes: [usize; 2],
-    element: usize,
+/// A facet of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Facet {
+    pub nodes: [usize; 2],
+    pub element: usize,
+}
+
+/// Returns the facets of faces; a facet of two faces, such as both sides of a shell, is listed once.
+pub(super) fn facets_of(model: &Model, faces: &[(usize, ElementSide)]) -> Vec<Facet> {
+    let mut known = HashSet::new();
+    let facet = |&(element, side)| Some(Facet { nodes: model.mesh.side_nodes(element, side)?, element });
+    let is_new = |facet: &Facet| known.insert(sorted_pair(facet.nodes));
+    faces.iter().filter_map(facet).filter(is_new).collect()
 }
 
 /// Distance from a node, as a fraction of the facet length, within which a point counts as the node.
 const ON_NODE: f64 = 1e-6;
 
-/// Returns the tied nodes of all ties. Untied nodes are reported.
-pub(super) fn find_tied_nodes(model: &Model, diagnostics: &mut Diagnostics) -> Vec<TiedNode> {
-    let (mut tied, mut taken): (Vec<TiedNode>, HashSet<usize>) = Default::default();
-    for (index, tie) in model.constraints.ties.iter().enumerate() {
-        let facet = |&(element, side)| Some(MasterFacet { nodes: model.mesh.side_nodes(element, side)?, element });
-        let facets: Vec<MasterFacet> = tie.masters.iter().filter_map(facet).collect();
-        let own: HashSet<usize> = facets.iter().flat_map(|f| f.nodes).collect();
-        let length = mean_length(model, &facets);
-        let tolerance = tie.tolerance.unwrap_or(0.05 * length);
-        let mut boxes = SortedBoxes::default();
-        boxes.sort(facets.iter().map(|f| bounding_box(f.nodes.map(|n| model.mesh.points[n]))).zip(0..));
-        let facets = MasterSurface { model, facets, boxes, length };
-        let before = tied.len();
-        let mut left: Vec<(usize, f64)> = Vec::new();
-        for &node in tie.slaves.iter().filter(|n| !own.contains(n)) {
-            let Some((at, distance)) = facets.nearest(index, node) else { continue };
-            let chosen = match &tie.chosen {
-                Some(list) => list.binary_search(&node).is_ok(),
-                None => distance <= tolerance * (1.0 + 1e-9),
-            };
-            if !chosen {
-                left.push((node, distance));
-            } else if taken.insert(node) {
-                tied.push(at);
-            }
-        }
-        report_untied_nodes(model, tie, &left, tied.len() - before, tolerance, diagnostics);
-    }
-    tied
+/// Returns the attached nodes of each tie. Untied nodes are reported.
+pub(super) fn find_attached_nodes(model: &Model, diagnostics: &mut Diagnostics) -> Vec<Vec<AttachedNode>> {
+    let attached = |tie: &SurfaceTie| attached_nodes(model, tie, diagnostics);
+    model.constraints.ties.iter().map(attached).collect()
 }
 
-fn mean_length(model: &Model, facets: &[MasterFacet]) -> f64 {
-    let length = |f: &MasterFacet| {
-        let [a, b] = f.nodes.map(|n| model.mesh.points[n]);
-        (b[0] - a[0]).portable_hypot(b[1] - a[1])
-    };
-    facets.iter().map(length).sum::<f64>() / facets.len().max(1) as f64
+fn attached_nodes(model: &Model, tie: &SurfaceTie, diagnostics: &mut Diagnostics) -> Vec<AttachedNode> {
+    let surface = MasterSurface::new(model, tie);
+    let own: HashSet<usize> = surface.facets.iter().flat_map(|f| f.nodes).collect();
+    let tolerance = surface.tolerance(tie);
+    let (mut attached, mut left): (Vec<AttachedNode>, Vec<(usize, f64)>) = Default::default();
+    for &node in &tie.slaves {
+        let Some((found, distance)) = surface.nearest(node) else { continue };
+        if own.contains(&node) {
+            attached.push(AttachedNode { is_shared: true, ..found });
+            continue;
+        }
+        let chosen = match &tie.chosen {
+            Some(list) => list.binary_search(&node).is_ok(),
+            None => distance <= tolerance,
+        };
+        if chosen {
+            attached.push(found);
+        } else {
+            left.push((node, distance));
+        }
+    }
+    let tied = attached.iter().filter(|a| !a.is_shared).count();
+    report_untied_nodes(model, tie, &left, tied, tolerance, diagnostics);
+    attached
+}
+
+/// Returns the length of a facet.
+pub(super) fn length(model: &Model, facet: &Facet) -> f64 {
+    let [a, b] = facet.nodes.map(|n| model.mesh.points[n]);
+    (b[0] - a[0]).portable_hypot(b[1] - a[1])
 }
 
 /// The facets of a master surface.
-struct MasterSurface<'a> {
+pub(super) struct MasterSurface<'a> {
     model: &'a Model,
-    facets: Vec<MasterFacet>,
+    pub facets: Vec<Facet>,
     boxes: SortedBoxes,
     /// Mean length of the facets.
     length: f64,
 }
 
 impl MasterSurface<'_> {
+    pub fn new<'a>(model: &'a Model, tie: &SurfaceTie) -> MasterSurface<'a> {
+        let facets = facets_of(model, &tie.masters);
+        let length = facets.iter().map(|f| length(model, f)).sum::<f64>() / facets.len().max(1) as f64;
+        let mut boxes = SortedBoxes::default();
+        boxes.sort(facets.iter().map(|f| bounding_box(f.nodes.map(|n| model.mesh.points[n]))).zip(0..));
+        MasterSurface { model, facets, boxes, length }
+    }
+
+    /// Returns the largest distance at which a node is tied, with a margin for rounding.
+    pub fn tolerance(&self, tie: &SurfaceTie) -> f64 {
+        tie.tolerance.unwrap_or(0.05 * self.length) * (1.0 + 1e-9)
+    }
+
+    /// Returns the indices of the facets whose boxes are within `margin` of the box of two points.
+    pub fn near(&self, ends: [[f64; 2]; 2], margin: f64) -> Vec<usize> {
+        let mut near = Vec::new();
+        self.boxes.near(bounding_box(ends), margin, |index| near.push(index as usize));
+        near.sort_unstable();
+        near
+    }
+
     /// Returns the nearest point of the surface to a node, and its distance; `None` if there are no facets.
-    fn nearest(&self, tie: usize, node: usize) -> Option<(TiedNode, f64)> {
+    pub fn nearest(&self, node: usize) -> Option<(AttachedNode, f64)> {
         let p = self.model.mesh.points[node];
-        let (mut margin, mut near) = (self.length, Vec::new());
+        let mut margin = self.length;
         let (facet, (part, place, distance)) = loop {
-            near.clear();
-            self.boxes.near([p; 2], margin, |index| near.push(index as usize));
             // Of equally distant facets the first one is used.
-            near.sort_unstable();
-            let closest = near.iter().map(|&f| (f, self.point_on(f, p))).min_by(|a, b| a.1.2.total_cmp(&b.1.2));
+            let near = self.near([p; 2], margin).into_iter();
+            let closest = near.map(|f| (f, self.point_on(f, p))).min_by(|a, b| a.1.2.total_cmp(&b.1.2));
             // Facets outside of the margin are at a larger distance than the margin.
             match closest {
                 Some(closest) if closest.1.2 <= margin => break closest,
@@ -99,10 +125,10 @@ impl MasterSurface<'_> {
                 _ => margin = if margin > 0.0 { 4.0 * margin } else { f64::INFINITY },
             }
         };
-        let MasterFacet { nodes, element } = self.facets[facet];
+        let Facet { nodes, element } = self.facets[facet];
         let shares = [(nodes[0], 1.0 - part), (nodes[1], part)];
         let shares = shares.into_iter().filter(|s| s.1 > 0.0).collect();
-        Some((TiedNode { tie, node, element, shares, place }, distance))
+        Some((AttachedNode { node, element, shares, place, is_shared: false }, distance))
     }
 
     /// Returns the nearest point of a facet to a position: its fraction of the facet, its coordinates and its distance.
@@ -152,14 +178,18 @@ fn report_untied_nodes(
 }
 
 /// Returns a model in which tied nodes are moved onto their master surfaces without strain (`ADJUST=YES`); `None` if no
-/// node moves.
-pub(super) fn adjusted(model: &Model, tied: &[TiedNode]) -> Option<Model> {
-    let moves = |t: &&TiedNode| model.constraints.ties[t.tie].adjust && model.mesh.points[t.node] != t.place;
-    let moved: Vec<&TiedNode> = tied.iter().filter(moves).collect();
+/// node moves. A node of several ties is moved by the first one.
+pub(super) fn adjusted(model: &Model, attached: &[Vec<AttachedNode>]) -> Option<Model> {
+    let mut known = HashSet::new();
+    let ties = model.constraints.ties.iter().zip(attached);
+    let tied = ties.flat_map(|(tie, nodes)| nodes.iter().filter(|a| !a.is_shared).map(move |a| (tie.adjust, a)));
+    let first = tied.filter(|(_, a)| known.insert(a.node));
+    let moved: Vec<&AttachedNode> =
+        first.filter(|(adjust, a)| *adjust && model.mesh.points[a.node] != a.place).map(|m| m.1).collect();
     if moved.is_empty() {
         return None;
     }
     let mut model = model.clone();
-    moved.iter().for_each(|t| model.mesh.points[t.node] = t.place);
+    moved.iter().for_each(|a| model.mesh.points[a.node] = a.place);
     Some(model)
 }

@@ -268,7 +268,7 @@ pub const CARDS: &[Keyword] = &[
         "ADJUST" (YES_NO.or(1.0)) "YES: tied nodes are first moved onto the master surface",
         "POSITION TOLERANCE" (NOT_NEGATIVE) "Distance within which nodes are tied (default: 5 % of the mean facet length of the master surface)",
         "TIED NSET" read "Nodes to tie",
-        "TYPE" inert "each node follows the nearest point of the master surface, the default of ABAQUS/Explicit",
+        "TYPE" (word(&["SURFACE TO SURFACE", "NODE TO SURFACE"]).or(0.0)) "SURFACE TO SURFACE: equal motion in the weighted mean over the common surface; NODE TO SURFACE: each slave node follows the nearest point of the master surface",
         "NO ROTATION" inert "nodes of solids have no rotation",
         "NO THICKNESS" inert "applies only to shells",
         "CONSTRAINT RATIO" inert "applies only to shells",

@@ -55,13 +55,16 @@ pub enum LinkKind {
     Distributing(Vec<f64>),
 }
 
-/// A tie of the nodes of a slave surface to a master surface (`*TIE`).
+/// A tie of a slave surface to a master surface (`*TIE`).
 #[derive(Clone, Debug)]
 pub struct SurfaceTie {
     /// Upper-case name.
     pub name: String,
     /// Indices of the nodes of the slave surface, ascending.
     pub slaves: Vec<usize>,
+    /// Faces of the slave surface over which the tie is integrated (`TYPE=SURFACE TO SURFACE`); empty if each node follows a
+    /// point of the master surface.
+    pub slave_faces: Vec<(usize, ElementSide)>,
     /// Faces of the master surface.
     pub masters: Vec<(usize, ElementSide)>,
     /// Whether tied nodes are moved onto the master surface initially (`ADJUST`).
