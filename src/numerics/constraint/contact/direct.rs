@@ -412,12 +412,21 @@ impl ContactRows {
     /// Makes one Newton step to the impulses that satisfy the status conditions. Returns `false` if the matrix is
     /// singular.
     fn step(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) -> bool {
-        self.list_unknowns(given);
-        if self.direct.unknowns.is_empty() {
-            return true;
-        }
-        if !self.assemble(given) || !self.direct.eliminate(1 + self.bodies.len()) {
-            return false;
+        loop {
+            self.list_unknowns(given);
+            if self.direct.unknowns.is_empty() {
+                return true;
+            }
+            if !self.assemble(given) {
+                return false;
+            }
+            match self.direct.eliminate(1 + self.bodies.len()) {
+                Ok(()) => break,
+                Err(dependent) if self.direct.unknowns[dependent].shears => {
+                    self.leave_to_other_rows(dependent, motion, given);
+                }
+                Err(_) => return false,
+            }
         }
         if !self.bodies.is_empty() {
             let inverse_mass = |at: usize| self.bodies.get(at).map_or(0.0, |b| motion.inverse_mass[*b as usize]);
@@ -441,6 +450,16 @@ impl ContactRows {
         }
         self.update_rates(motion);
         true
+    }
+
+    /// Removes the shear impulse of a sticking row whose slip other sticking rows already prevent. Such rows have no unique
+    /// impulses: large opposite ones would remain, which no longer balance when the areas of the rows change.
+    fn leave_to_other_rows(&mut self, unknown: usize, motion: &mut ContactVelocities, given: ContactStep<'_>) {
+        let row = self.direct.unknowns[unknown].row as usize;
+        self.direct.status[row] = ContactStatus::Slides(0.0);
+        if self.enforce_statuses(motion, given) {
+            self.update_rates(motion);
+        }
     }
 
     fn list_unknowns(&mut self, given: ContactStep<'_>) {
@@ -540,14 +559,17 @@ impl DirectSolver {
         true
     }
 
-    /// Eliminates within the band for the first `used` columns. Returns whether all rows are independent.
-    fn eliminate(&mut self, used: usize) -> bool {
+    /// Eliminates within the band for the first `used` columns.
+    ///
+    /// # Errors
+    /// The index of an unknown that depends on previous ones.
+    fn eliminate(&mut self, used: usize) -> Result<(), usize> {
         let (count, half) = (self.unknowns.len(), self.half_width);
         let width = 2 * half + 1;
         for p in 0..count {
             let pivot = self.band[p * width + half];
             if pivot.is_nan() || pivot.abs() <= LEAST_PIVOT * self.diagonal[p].abs() {
-                return false;
+                return Err(p);
             }
             let coupled = self.last_coupled[p] as usize - p;
             let (above, below) = self.band.split_at_mut((p + 1) * width);
@@ -580,7 +602,7 @@ impl DirectSolver {
             }
             column[..used].iter_mut().for_each(|c| *c /= row[0]);
         }
-        true
+        Ok(())
     }
 
     /// Solves for the velocities of rigid bodies and substitutes them into the unknowns. Returns whether a solution was

@@ -376,14 +376,60 @@ impl ContactRows {
         self.hold_light(motion, given.laws);
         self.begin_warm(motion, given);
         self.start_light(motion);
+        if !self.sweep_until_converged(motion, reference, given) && self.drop_shear_impulses(motion) {
+            self.sweep_until_converged(motion, reference, given);
+            self.limit_friction_work(motion);
+        }
+        self.release_light(motion);
+    }
+
+    /// Makes at most [`MOST_SWEEPS`] sweeps. Returns whether they converged.
+    fn sweep_until_converged(
+        &mut self,
+        motion: &mut ContactVelocities,
+        reference: f64,
+        given: ContactStep<'_>,
+    ) -> bool {
+        self.sweeps = 0;
         while self.sweeps < MOST_SWEEPS {
             self.sweeps += 1;
             let change = self.sweep(motion, given);
             if change.max(self.move_light(motion)) <= TOLERANCE * reference {
-                break;
+                return true;
             }
         }
-        self.release_light(motion);
+        false
+    }
+
+    /// Removes the shear impulses of all rows. Sweeps from the impulses of the previous increment may leave large opposite
+    /// impulses of rows that depend on each other; sweeps from zero do not create them. Returns whether there were any.
+    fn drop_shear_impulses(&mut self, motion: &mut ContactVelocities) -> bool {
+        let ContactRows { terms, rows, .. } = self;
+        let mut any = false;
+        for row in rows.iter_mut().filter(|row| row.shear_impulse != 0.0) {
+            motion.shear(row.own(terms), -row.shear_impulse);
+            row.shear_impulse = 0.0;
+            any = true;
+        }
+        any
+    }
+
+    /// Reduces shear impulses that have not converged by a common factor, if they would increase the kinetic energy. For
+    /// the slip rates s before and s' after the impulses J, their work is J (s + s')/2. A factor λ makes it
+    /// λ J s + λ² J (s' - s)/2, which is negative and smallest at λ = J s/(J (s - s')).
+    fn limit_friction_work(&mut self, motion: &mut ContactVelocities) {
+        let ContactRows { terms, rows, .. } = self;
+        let work_of_slip = |rows: &[ContactRow], motion: &ContactVelocities| -> f64 {
+            rows.iter().map(|row| row.shear_impulse * motion.slip(row.own(terms))).sum()
+        };
+        let after = work_of_slip(rows, motion);
+        rows.iter().for_each(|row| motion.shear(row.own(terms), -row.shear_impulse));
+        let before = work_of_slip(rows, motion);
+        let factor = if before + after <= 0.0 { 1.0 } else { (before / (before - after)).clamp(0.0, 1.0) };
+        for row in rows {
+            row.shear_impulse *= factor;
+            motion.shear(row.own(terms), row.shear_impulse);
+        }
     }
 
     fn unload(&mut self, motion: &mut ContactVelocities) {
