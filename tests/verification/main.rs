@@ -42,6 +42,7 @@ mod links;
 mod loads;
 mod mass_scaling;
 mod materials;
+mod moving_mesh_volumes;
 mod oblique;
 mod over_temperature;
 mod properties;

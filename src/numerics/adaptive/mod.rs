@@ -96,6 +96,8 @@ pub struct AdaptiveDomain {
     /// Masses of nodes, of elements and of their corners, before and after a transport.
     node_mass: [Vec<f64>; 2],
     mass: Vec<f64>,
+    /// Volumes of the material in the elements; empty if no pressure follows from the density.
+    material_volume: Vec<f64>,
     corner_mass: [Vec<[f64; 4]>; 2],
     /// Element variables, [`PACK`] in each list.
     packs: Vec<Vec<Pack>>,
@@ -124,6 +126,7 @@ impl AdaptiveDomain {
         let variables = transfer.variables();
         transfer.prepare();
         let (cells, count) = (topology.corners.len(), topology.nodes.len());
+        let has_material_volume = topology.elements.first().is_some_and(|e| transfer.volume_ratio(*e).is_some());
         let mobility = mobility(&topology, boundary.fixed);
         let slides_at_ends = topology.nodes.iter().map(|n| boundary.sliding.get(*n as usize) == Some(&true)).collect();
         let held_places = HeldPlaces::new(&topology, boundary.motions, settings.returns);
@@ -152,6 +155,7 @@ impl AdaptiveDomain {
             velocity: places(),
             node_mass: [numbers(count), numbers(count)],
             mass: numbers(cells),
+            material_volume: numbers(if has_material_volume { cells } else { 0 }),
             corner_mass: [vec![[0.0; 4]; cells], vec![[0.0; 4]; cells]],
             packs: vec![vec![Pack::default(); cells]; variables.div_ceil(PACK)],
             prescribed: vec![[false; 2]; count],
@@ -196,6 +200,7 @@ impl AdaptiveDomain {
             + heap_bytes(&self.given_velocity)
             + self.node_mass.iter().map(heap_bytes).sum::<usize>();
         let elements = heap_bytes(&self.mass)
+            + heap_bytes(&self.material_volume)
             + self.corner_mass.iter().map(heap_bytes).sum::<usize>()
             + self.packs.iter().map(heap_bytes).sum::<usize>();
         work + nodes + elements + heap_bytes(&self.prescribed)
@@ -357,6 +362,10 @@ impl AdaptiveDomain {
         }
         if let Some(transfer) = group.extensions().transfer() {
             transfer.read((&self.topology.elements, &self.active.reads), &mut self.packs);
+            for (i, volume) in self.material_volume.iter_mut().enumerate().filter(|(i, _)| self.active.reads[*i]) {
+                let ratio = transfer.volume_ratio(self.topology.elements[i]).unwrap_or(1.0);
+                *volume = ratio * self.topology.volume(i, &self.places[0]);
+            }
         }
         for (i, n) in self.topology.nodes.iter().enumerate() {
             let n = *n as usize;
@@ -422,6 +431,9 @@ impl AdaptiveDomain {
     fn transport_part(&mut self, (part, parts): (usize, usize), loops: ChunkLoops, flow: &mut BoundaryFlow) {
         self.begin_part((part, parts), loops);
         let domain = (&self.topology, &self.active);
+        if !self.material_volume.is_empty() {
+            self.transport.move_content(loops, domain, &mut self.material_volume);
+        }
         self.transport.move_masses(loops, domain, &mut self.mass);
         self.find_masses(loops);
         let domain = (&self.topology, &self.active);
@@ -483,6 +495,10 @@ impl AdaptiveDomain {
             let (masses, corners) = (&*self.corner_mass[0], &*self.topology.corners);
             let arrived = ArrivedElements { masses, corners, places: &self.places[1] };
             transfer.write((&self.topology.elements, &self.active.changes), &self.packs, arrived);
+            for (i, volume) in self.material_volume.iter().enumerate().filter(|(i, _)| self.active.changes[*i]) {
+                let ratio = volume / self.topology.volume(i, &self.places[1]);
+                transfer.set_volume_ratio(self.topology.elements[i], ratio);
+            }
         }
         elements.wake();
         for (i, n) in self.topology.nodes.iter().enumerate().filter(|(i, _)| self.active.nodes[*i]) {
@@ -521,5 +537,5 @@ fn mobility(topology: &DomainTopology, fixed: &[bool]) -> Vec<NodeMobility> {
 
 persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing, held_places } derived {
     id, group, settings, topology, active, transport, momentum, temperatures, places, velocity, given_velocity, node_mass,
-    mass, corner_mass, packs, due_sweeps
+    mass, material_volume, corner_mass, packs, due_sweeps
 });

@@ -6,6 +6,7 @@ use std::ops::Range;
 use crate::element::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::{heap_bytes, sorted_pair, sorted_unique};
+use crate::kernel::quad;
 use crate::kernel::shape::elements_around;
 
 /// Edge of an element from corner `nodes[0]` to `nodes[1]` with the element `left` on its left.
@@ -149,6 +150,11 @@ impl DomainTopology {
     /// Returns the boundary at a node; `None` for nodes inside, and where parts of the boundary meet.
     pub fn boundary_at(&self, node: u32) -> Option<&BoundaryNode> {
         self.boundary.binary_search_by_key(&node, |b| b.node).ok().map(|at| &self.boundary[at])
+    }
+
+    /// Returns the volume of an element with nodes at these places.
+    pub fn volume(&self, element: usize, places: &[[f64; 2]]) -> f64 {
+        quad::volume(self.corners[element].inline_map(|n| places[n as usize]))
     }
 
     /// Returns the size of the lists in bytes.

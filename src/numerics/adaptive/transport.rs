@@ -12,6 +12,7 @@ use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad;
+use crate::kernel::volume_balance::VolumeBalance;
 
 /// Order of the transport.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +41,7 @@ impl EdgeFlux {
     }
 }
 
-/// Volume and centre of an element before the motion, and its density.
+/// Volume and centre of an element before the motion, and the density of the quantity that moves.
 #[derive(Clone, Copy, Debug, Default)]
 struct ElementPlace {
     volume: f64,
@@ -56,6 +57,9 @@ pub(super) struct ElementTransport {
     fluxes: Vec<EdgeFlux>,
     flows: Vec<ElementFlow>,
     density_slopes: Vec<[f64; 2]>,
+    /// Rings that edges on closed boundaries sweep at each element, and the flows that provide them.
+    swept: Vec<f64>,
+    balance: VolumeBalance,
     /// Gradients and new values of a pack.
     gradients: Vec<[Pack; 2]>,
     moved: Vec<Pack>,
@@ -73,6 +77,8 @@ impl ElementTransport {
             fluxes: vec![EdgeFlux::default(); edges],
             flows: vec![ElementFlow::default(); cells],
             density_slopes: vec![[0.0; 2]; cells],
+            swept: vec![0.0; cells],
+            balance: VolumeBalance::new(cells),
             gradients: vec![[Pack::default(); 2]; cells],
             moved: vec![Pack::default(); cells],
         }
@@ -80,7 +86,8 @@ impl ElementTransport {
 
     pub fn bytes(&self) -> usize {
         let fluxes = heap_bytes(&self.fluxes) + heap_bytes(&self.flows) + heap_bytes(&self.density_slopes);
-        fluxes + heap_bytes(&self.places) + heap_bytes(&self.gradients) + heap_bytes(&self.moved)
+        let flows = heap_bytes(&self.swept) + self.balance.bytes();
+        flows + fluxes + heap_bytes(&self.places) + heap_bytes(&self.gradients) + heap_bytes(&self.moved)
     }
 
     /// Measures the rings that edges sweep from the places `before` to `after`. Returns the largest share of its volume
@@ -109,6 +116,7 @@ impl ElementTransport {
                 }
             }
         });
+        self.provide_swept_rings((domain, active), [before, after]);
         let ElementTransport { places, fluxes, flows, order, .. } = self;
         let (places, fluxes, second) = (&*places, &*fluxes, *order == TransportOrder::Second);
         loops.combined(flows, (0.0, larger), |start, part| {
@@ -125,6 +133,35 @@ impl ElementTransport {
         })
     }
 
+    /// Adds flows between elements that provide the rings which edges on closed boundaries sweep: a node that slides along
+    /// a bent outline gives one element a volume, and takes it from the next one, without material.
+    fn provide_swept_rings(
+        &mut self,
+        (domain, active): (&DomainTopology, &ActiveParts),
+        [before, after]: [&[[f64; 2]]; 2],
+    ) {
+        self.swept.fill(0.0);
+        let moves = |edge: &DomainEdge| edge.nodes.iter().any(|n| active.moves[*n as usize]);
+        for edge in domain.edges.iter().filter(|edge| !edge.is_passed() && moves(edge)) {
+            let [start, end] = [before, after].inline_map(|places| edge.nodes.inline_map(|n| places[n as usize]));
+            self.swept[edge.left as usize] += swept(start, end).0;
+        }
+        let sides = |edge: &DomainEdge| [edge.left as usize, edge.right as usize];
+        let links = |edge: &DomainEdge| edge.is_inner() && sides(edge).iter().all(|e| active.changes[*e]);
+        let (places, balance) = (&self.places, &mut self.balance);
+        let volume = |e: usize| places[e].volume;
+        if !balance.solve(domain.edges.iter().filter(|edge| links(edge)).map(sides), volume, &self.swept) {
+            return;
+        }
+        for (flux, edge) in self.fluxes.iter_mut().zip(&domain.edges).filter(|(_, edge)| links(edge)) {
+            if !moves(edge) {
+                let [a, b] = edge.nodes.inline_map(|n| before[n as usize]);
+                *flux = EdgeFlux { middle: swept([a, b], [a, b]).1, first: share_of_first(a[0], b[0]), ..*flux };
+            }
+            flux.volume += balance.flow(sides(edge), volume);
+        }
+    }
+
     /// Moves masses, given before the motion, through the measured rings.
     pub fn move_masses(
         &mut self,
@@ -132,8 +169,26 @@ impl ElementTransport {
         (domain, active): (&DomainTopology, &ActiveParts),
         masses: &mut [f64],
     ) {
-        for ((place, mass), _) in self.places.iter_mut().zip(&*masses).zip(&active.reads).filter(|e| *e.1) {
-            place.density = mass / place.volume;
+        self.move_content(loops, (domain, active), masses);
+        let (masses, fluxes) = (&*masses, &self.fluxes);
+        loops.each(&mut self.flows, |start, part| {
+            for (at, flow) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
+                flow_of_masses(flow, fluxes, &domain.sides[start + at], masses[start + at]);
+            }
+        });
+    }
+
+    /// Moves a quantity of the elements, given before the motion, through the measured rings. [`EdgeFlux::mass`] is then
+    /// the part of it that passes. Equal fractions of masses and of another quantity move where both have the same ratio
+    /// in all elements. Precedes [`Self::move_masses`].
+    pub fn move_content(
+        &mut self,
+        loops: ChunkLoops,
+        (domain, active): (&DomainTopology, &ActiveParts),
+        content: &mut [f64],
+    ) {
+        for ((place, amount), _) in self.places.iter_mut().zip(&*content).zip(&active.reads).filter(|e| *e.1) {
+            place.density = amount / place.volume;
         }
         let (places, flows) = (&self.places, &self.flows);
         let density = |e: u32| [places[e as usize].density];
@@ -155,16 +210,10 @@ impl ElementTransport {
             }
         });
         let fluxes = &self.fluxes;
-        loops.each(masses, |start, part| {
-            for (at, mass) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
+        loops.each(content, |start, part| {
+            for (at, amount) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
                 let sides = &domain.sides[start + at];
-                *mass += sides.iter().map(|side| fluxes[side.edge as usize].entering(side)).sum::<f64>();
-            }
-        });
-        let masses = &*masses;
-        loops.each(&mut self.flows, |start, part| {
-            for (at, flow) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
-                flow_of_masses(flow, fluxes, &domain.sides[start + at], masses[start + at]);
+                *amount += sides.iter().map(|side| fluxes[side.edge as usize].entering(side)).sum::<f64>();
             }
         });
     }

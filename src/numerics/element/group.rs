@@ -281,6 +281,10 @@ pub trait ElementTransfer {
     /// Writes the variables, and the masses of the elements at their corners. The second list is whether each element is
     /// written.
     fn write(&mut self, elements: (&[u32], &[bool]), packs: &[Vec<Pack>], arrived: ArrivedElements<'_>);
+    /// Returns [`Material::volume_ratio`] of an element.
+    fn volume_ratio(&self, element: u32) -> Option<f64>;
+    /// Sets the ratio of volumes of an element.
+    fn set_volume_ratio(&mut self, element: u32, ratio: f64);
 }
 
 /// Elements of a domain after a transport, in its order.

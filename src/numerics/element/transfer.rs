@@ -99,4 +99,14 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
             }
         });
     }
+
+    fn volume_ratio(&self, element: u32) -> Option<f64> {
+        let (block, lane) = (element as usize / LANES, element as usize % LANES);
+        self.material.volume_ratio(&self.blocks[block].state, lane)
+    }
+
+    fn set_volume_ratio(&mut self, element: u32, ratio: f64) {
+        let (block, lane) = (element as usize / LANES, element as usize % LANES);
+        self.material.set_volume_ratio(&mut self.blocks[block].state, lane, ratio);
+    }
 }

@@ -40,3 +40,4 @@ pub mod stress;
 pub mod topology;
 pub mod traction_separation;
 pub mod transcendental;
+pub mod volume_balance;

@@ -27,6 +27,16 @@ pub struct EosState {
     energy: Lanes,
     /// Burn fractions; for explosives only.
     burn: Option<Box<BurnState>>,
+    /// Factors on the masses of elements, for meshes that do not follow the material ([`Material::volume_ratio`]).
+    ///
+    /// [`Material::volume_ratio`]: super::Material::volume_ratio
+    mass_factors: Option<Box<Lanes>>,
+}
+
+impl EosState {
+    fn new(energy: f64, burn: Option<Box<BurnState>>) -> EosState {
+        EosState { energy: [energy; LANES], burn, mass_factors: None }
+    }
 }
 
 impl EquationOfState {
@@ -45,10 +55,8 @@ impl VolumetricLaw for EquationOfState {
 
     fn fresh(&self, start: &BlockStart) -> EosState {
         match self {
-            EquationOfState::Explosive(law) => {
-                EosState { energy: [law.energy; LANES], burn: Some(Box::new(law.start_burn(start))) }
-            }
-            _ => EosState { energy: [0.0; LANES], burn: None },
+            EquationOfState::Explosive(law) => EosState::new(law.energy, Some(Box::new(law.start_burn(start)))),
+            _ => EosState::new(0.0, None),
         }
     }
 
@@ -61,6 +69,11 @@ impl VolumetricLaw for EquationOfState {
 
     #[inline(always)]
     fn update_pressure(&self, state: &mut EosState, update: &mut PressureUpdate) {
+        if let Some(factors) = &state.mass_factors {
+            for l in 0..LANES {
+                update.mass[l] *= factors[l];
+            }
+        }
         match self {
             EquationOfState::IdealGas(law) => advance_block(law, &mut state.energy, update),
             EquationOfState::UsUp(law) => advance_block(law, &mut state.energy, update),
@@ -75,6 +88,12 @@ impl VolumetricLaw for EquationOfState {
 
     #[inline(always)]
     fn add_heat(&self, state: &mut EosState, heat: &Lanes, mass: &Lanes) {
+        if let Some(factors) = &state.mass_factors {
+            for l in 0..LANES {
+                state.energy[l] += heat[l] / (mass[l] * factors[l]);
+            }
+            return;
+        }
         for l in 0..LANES {
             state.energy[l] += heat[l] / mass[l];
         }
@@ -103,10 +122,24 @@ impl VolumetricLaw for EquationOfState {
     }
 
     fn bytes(&self, state: &EosState) -> usize {
-        state.burn.as_deref().map_or(0, size_of_val)
+        state.burn.as_deref().map_or(0, size_of_val) + state.mass_factors.as_deref().map_or(0, size_of_val)
+    }
+
+    fn prepare_transport(&self, state: &mut EosState) {
+        state.mass_factors.get_or_insert_with(|| Box::new([1.0; LANES]));
+    }
+
+    fn volume_ratio(&self, state: &EosState, lane: usize) -> Option<f64> {
+        state.mass_factors.as_ref().map(|factors| 1.0 / factors[lane])
+    }
+
+    fn set_volume_ratio(&self, state: &mut EosState, lane: usize, ratio: f64) {
+        if let Some(factors) = &mut state.mass_factors {
+            factors[lane] = 1.0 / ratio;
+        }
     }
 }
 
-carried_state!(EosState { energy, burn });
+carried_state!(EosState { energy, burn } stay { mass_factors });
 
-persist_struct!(EosState { energy, burn: present });
+persist_struct!(EosState { energy, burn: present, mass_factors: present });

@@ -160,6 +160,16 @@ pub trait Material: Send + Sync + 'static {
     /// Allocates what [`Material::arrive`] needs, before the first increment.
     fn prepare_transport(&self, _state: &mut Self::State) {}
 
+    /// Returns the volume of the material in an element, its mass times the specific volume from which the pressure
+    /// follows, over the volume of the element. It differs from 1 after a change of the mesh that gives the element
+    /// another volume than its material has. `None` if no pressure follows from the density.
+    fn volume_ratio(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
+        None
+    }
+
+    /// Sets the ratio of volumes of an element ([`Material::volume_ratio`]).
+    fn set_volume_ratio(&self, _state: &mut Self::State, _lane: usize, _ratio: f64) {}
+
     /// Completes the state of an element whose variables have been transported ([`CarriedState`]).
     fn arrive(&self, _state: &mut Self::State, _lane: usize, _element: &ArrivedElement) {}
 

@@ -46,6 +46,17 @@ pub trait VolumetricLaw: Send + Sync + 'static {
     /// Sets the specific energy of a lane from its initial temperature.
     fn set_temperature(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
 
+    /// See [`Material::prepare_transport`](super::Material::prepare_transport).
+    fn prepare_transport(&self, _state: &mut Self::State) {}
+
+    /// See [`Material::volume_ratio`](super::Material::volume_ratio).
+    fn volume_ratio(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
+        None
+    }
+
+    /// Sets the ratio of volumes of a lane.
+    fn set_volume_ratio(&self, _state: &mut Self::State, _lane: usize, _ratio: f64) {}
+
     /// Returns the number of bytes that the state of a block needs in addition to its own size.
     fn bytes(&self, _state: &Self::State) -> usize {
         0

@@ -115,6 +115,18 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
         self.volumetric.add_heat(&mut state.volumetric, heat, mass);
     }
 
+    fn prepare_transport(&self, state: &mut Self::State) {
+        self.volumetric.prepare_transport(&mut state.volumetric);
+    }
+
+    fn volume_ratio(&self, state: &Self::State, lane: usize) -> Option<f64> {
+        self.volumetric.volume_ratio(&state.volumetric, lane)
+    }
+
+    fn set_volume_ratio(&self, state: &mut Self::State, lane: usize, ratio: f64) {
+        self.volumetric.set_volume_ratio(&mut state.volumetric, lane, ratio);
+    }
+
     fn bytes(&self, state: &Self::State) -> usize {
         self.volumetric.bytes(&state.volumetric)
     }

@@ -1,6 +1,7 @@
 //! New meshes of bodies during a run: the outline of a deformed body is divided again, its inside is filled with
 //! elements, mostly quadrilaterals, and masses, momentum and element variables are moved to the new elements.
 
+pub mod balanced_parts;
 mod folds;
 pub mod mesher;
 pub mod outline;

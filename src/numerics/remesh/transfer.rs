@@ -99,6 +99,15 @@ impl<'a> MeshTransfer<'a> {
         sums
     }
 
+    /// Returns the sums over the parts of each new element of a quantity that the old elements contain.
+    pub fn content(&self, of_old: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; self.new.quads.len()];
+        for part in &self.parts {
+            sums[part.new as usize] += part.share * of_old[part.old as usize];
+        }
+        sums
+    }
+
     /// Returns the masses of the new elements at their corners.
     pub fn masses(&self) -> Vec<[f64; 4]> {
         let mut sums = vec![0.0; self.new.quads.len()];

@@ -28,6 +28,7 @@ mod timing;
 mod watch;
 mod watch_collapse;
 mod watch_masses;
+mod watch_volumes;
 
 use std::time::Instant as Stopwatch;
 

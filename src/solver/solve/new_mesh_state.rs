@@ -9,10 +9,12 @@ use crate::element::group::ArrivedElements;
 use crate::element::mass_scaling::ArrivedScaling;
 use crate::heat::ThermalState;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
+use crate::kernel::quad;
 use crate::kernel::shape::share_between;
 use crate::load::SceneChange;
 use crate::model::remesh::ModelBody;
 use crate::plan::{RemeshedBody, State};
+use crate::remesh::balanced_parts::balanced_parts;
 use crate::remesh::mesher::sharpest;
 use crate::remesh::overlap::common_parts;
 use crate::remesh::transfer::{BodyMotion, MeshTransfer};
@@ -124,13 +126,12 @@ impl SolverRun<'_> {
         let (scaled, factors) = (living.masses(&old.state), living.factors(&old.state));
         old.state.elements.remove_scaling(previous.group);
         let plain = living.masses(&old.state);
-        let transfer = MeshTransfer::new(
-            [mesh.before, &mesh.revision.mesh],
-            common_parts(mesh.before, &mesh.revision.mesh),
-            &plain,
-        );
+        let meshes = [mesh.before, &mesh.revision.mesh];
+        let volumes = living.material_volumes(&mut old.state, mesh.before);
+        let parts = balanced_parts(common_parts(meshes[0], meshes[1]), &volumes, meshes[1]);
+        let transfer = MeshTransfer::new(meshes, parts, &plain);
         let masses = transfer.masses();
-        self.move_element_variables(&mut old.state, (own, &living), &transfer, &masses);
+        self.move_element_variables(&mut old.state, (own, &living), (&transfer, &masses, &volumes));
         self.move_temperatures(&mut old.state, (own, previous, &living), (&transfer, &plain, &masses), &places);
         let (transfer, masses) = if factors.is_empty() {
             (transfer, masses)
@@ -155,8 +156,7 @@ impl SolverRun<'_> {
         &mut self,
         old: &mut State,
         (own, living): (&RemeshedBody, &LivingElements),
-        transfer: &MeshTransfer<'_>,
-        masses: &[[f64; 4]],
+        (transfer, masses, volumes): (&MeshTransfer<'_>, &[[f64; 4]], &[f64]),
     ) {
         let moved: Vec<Vec<Pack>> = living.variables(old).iter().map(|list| transfer.values(list)).collect();
         // In the order of the group.
@@ -172,6 +172,9 @@ impl SolverRun<'_> {
             let arrived = ArrivedElements { masses: &of_group, corners: &corners, places: &after.points };
             let in_order: Vec<u32> = (0..count as u32).collect();
             into.write((&in_order, &vec![true; count]), &sorted, arrived);
+            for (i, volume) in transfer.content(volumes).iter().enumerate() {
+                into.set_volume_ratio(own.elements[i], volume / quad::volume(after.corners(&after.quads[i])));
+            }
         }
     }
 
@@ -315,6 +318,14 @@ impl LivingElements {
     /// Returns the factors of mass scaling; empty without it.
     fn factors(&self, state: &State) -> Vec<[f64; 2]> {
         self.elements.iter().filter_map(|e| state.elements.scaling_of(self.group, *e as usize)).collect()
+    }
+
+    /// Returns the volumes of the material; those of the elements if no pressure follows from the density.
+    fn material_volumes(&self, state: &mut State, mesh: &BodyMesh) -> Vec<f64> {
+        let from = state.elements.groups[self.group].extensions().transfer();
+        let ratio = |e: u32| from.as_ref().and_then(|from| from.volume_ratio(e)).unwrap_or(1.0);
+        let elements = self.elements.iter().zip(&mesh.quads);
+        elements.map(|(e, quad)| ratio(*e) * quad::volume(mesh.corners(quad))).collect()
     }
 
     /// Returns the carried variables in packs.

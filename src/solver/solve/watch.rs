@@ -372,6 +372,7 @@ impl SolverRun<'_> {
         self.warn_of_sign();
         self.warn_of_terms();
         self.warn_of_added_mass();
+        self.warn_of_volumes();
         let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
         let of_deck = self.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);
         // A halt for one of these reasons has reported it.
