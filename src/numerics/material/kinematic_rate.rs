@@ -46,6 +46,7 @@ impl HardeningLaw for RateKinematicHardening {
     /// Computes the plastic increment by radial return: the trial stress relative to the back stress minus (3 G + C) dp
     /// equals the yield stress at the rate dp/dt.
     fn flow(&self, state: &mut RateBackStress, flow: &mut FlowUpdate<'_>) {
+        *flow.increment = [0.0; LANES];
         for l in 0..flow.count {
             let temperature = state.temperature[l];
             let slope = self.slope.value(temperature);

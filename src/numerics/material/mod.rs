@@ -6,6 +6,8 @@ pub mod equation_of_state;
 pub mod explosive;
 pub mod failure;
 pub mod foam;
+#[cfg(test)]
+mod hardening_combinations;
 pub mod hyperelastic;
 pub mod increment;
 pub mod kinematic;

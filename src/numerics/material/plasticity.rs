@@ -74,7 +74,8 @@ pub struct FlowUpdate<'a> {
     pub dt: f64,
     /// Lanes that hold elements.
     pub count: usize,
-    /// Result: equivalent plastic strain increments.
+    /// Result: equivalent plastic strain increments, zero in lanes that hold no element. It contains numbers of another
+    /// block on entry.
     pub increment: &'a mut Lanes,
 }
 
