@@ -275,6 +275,45 @@ fn oblique_forces_and_moments_match_surface_quadrature() {
     }
 }
 
+/// Long facets that planes cut, and that move into the material on a part of their length: quadrature over the surface.
+/// The moment of a shank of one ring would be that of its middle.
+#[test]
+fn long_facets_match_surface_quadrature() {
+    for (pose, shot) in difficult_poses().into_iter().enumerate() {
+        let shot = ObliqueShot { points: blunt_cone(1), ..shot };
+        let expected = shot.quadrature(1000, 2000);
+        let shot = ObliqueShot { stations: 512, ..shot };
+        let error = difference(shot.wrench(), expected, 0.02);
+        println!("pose {pose} with one facet on each side: error {error:.2e}");
+        assert!(error < 2e-2, "pose {pose}: {error:e}, {:?}, expected {expected:?}", shot.wrench());
+    }
+}
+
+/// An ogival body through an inclined plate, with a shank of one facet and of 24: within 1 % of the transverse velocity
+/// and of the largest spin.
+#[test]
+fn shank_of_one_facet_moves_as_a_shank_of_many() {
+    let nose = |i: usize| [0.0041 * (1.0 - (1.0 - i as f64 / 16.0).powi(2)), 0.0128 * i as f64 / 16.0];
+    let shot = |parts: usize, obliquity: f64, thickness: f64| {
+        let mut points: Vec<[f64; 2]> = (0..=16).map(nose).collect();
+        points.extend(polyline(&[[0.0041, 0.0128], [0.0041, 0.0428]], parts).into_iter().skip(1));
+        points.push([0.0, 0.0428]);
+        let shot = ObliqueShot { obliquity, thickness, time: 2e-4, ..ObliqueShot::new(points, 0.0242) };
+        ObliqueShot { every: "number interval=100", ..shot }.run()
+    };
+    for (obliquity, thickness) in [(27.0, 0.016), (50.0, 0.01), (-15.0, 0.03)] {
+        let [single, many] = [1, 24].map(|parts| shot(parts, obliquity, thickness));
+        let at_end = |run: &RunHistory| [run.value("V1@REF", run.last()), run.value("V2@REF", run.last())];
+        let spins = |run: &RunHistory| (0..=run.last()).map(|row| run.value("VR3@REF", row)).collect::<Vec<f64>>();
+        let largest = spins(&many).iter().fold(0.0_f64, |most, spin| most.max(spin.abs()));
+        let apart = spins(&single).iter().zip(spins(&many)).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        let ([a, b], [c, d]) = (at_end(&single), at_end(&many));
+        println!("{obliquity} degrees: V1 {a} {c}, V2 {b} {d}, spin apart {apart} of {largest}");
+        assert!((a / c - 1.0).abs() < 0.01 && (b / d - 1.0).abs() < 1e-3, "{a} {c} {b} {d}");
+        assert!(apart < 0.02 * largest, "{apart} {largest}");
+    }
+}
+
 /// Comparison with many stations on the same facets: observed order, then the error at 64 stations.
 #[test]
 fn stations_converge_with_second_order() {

@@ -100,6 +100,21 @@ impl Facet {
         Some(FacetPart { area, middle: at(0.5 * (start + end)) })
     }
 
+    /// Returns the parts into which a facet is divided, of equal length, from its low end on.
+    pub fn equal_parts(self, count: usize) -> impl Iterator<Item = Facet> {
+        let end = move |i: usize| {
+            let s = i as f64 / count as f64;
+            [0, 1]
+                .inline_map(|k| if i == count { self.high[k] } else { self.low[k] + s * (self.high[k] - self.low[k]) })
+        };
+        (0..count).map(move |i| {
+            let (low, high) = (end(i), end(i + 1));
+            let radii = (low[0] + high[0]) / (self.low[0] + self.high[0]);
+            let area = if count == 1 { self.area } else { self.area * radii / count as f64 };
+            Facet { low, high, area, ..self }
+        })
+    }
+
     /// Returns the facet displaced by `shift` along z.
     pub fn shifted(&self, shift: f64) -> Facet {
         let at = |[r, z]: [f64; 2]| [r, z + shift];

@@ -14,6 +14,8 @@ pub struct FacetFields {
     pub pressure: Vec<f64>,
     /// Velocity along the outward normal.
     pub normal_velocity: Vec<f64>,
+    /// Weight in the mean over the values of an element: the area of a station, 1 for a facet or face.
+    pub weight: Vec<f64>,
     /// Number (from 1) of the target layer that contains the largest part of the area; 0 outside all layers.
     pub layer: Vec<f64>,
 }
@@ -32,7 +34,13 @@ impl FacetFields {
 
     /// Adds a facet or face outside all layers.
     pub fn push(&mut self, element: usize, pressure: f64, normal_velocity: f64) {
+        self.push_station(element, 1.0, [pressure, normal_velocity]);
+    }
+
+    /// Adds a station of a facet with its area.
+    pub fn push_station(&mut self, element: usize, area: f64, [pressure, normal_velocity]: [f64; 2]) {
         self.elements.push(element);
+        self.weight.push(area);
         self.pressure.push(pressure);
         self.normal_velocity.push(normal_velocity);
         self.layer.push(0.0);
@@ -47,7 +55,8 @@ impl FacetFields {
                 None => patch.facets.iter().for_each(|(e, f)| fields.push(*e, pressure, body.velocity * f.normal[1])),
                 Some(spatial) => {
                     let all = stations(patch, spatial);
-                    all.iter().for_each(|s| fields.push(s.element, pressure, s.normal_velocity(spatial)));
+                    all.iter()
+                        .for_each(|s| fields.push_station(s.element, s.area, [pressure, s.normal_velocity(spatial)]));
                 }
             }
         }

@@ -1,5 +1,5 @@
-//! Circumferential stations: the facets of a rigid body with six degrees of freedom, divided into equal parts around
-//! the axis.
+//! Circumferential stations: the facets of a rigid body with six degrees of freedom, divided into parts along the
+//! meridian and into equal parts around the axis.
 
 use crate::kernel::lanes::InlineMap;
 use std::f64::consts::PI;
@@ -9,6 +9,13 @@ use crate::kernel::facet::Facet;
 use crate::mesh::surface::RigidFacets;
 use crate::platform::PortableMath as _;
 use crate::state::rigid_body_3d::{RigidBody3d, Wrench};
+
+/// Longest part of a facet, as a fraction of the largest distance of a node from the centre of mass. The moment of a
+/// pressure on a part of a ring acts at the centroid of the ring, so its relative error is of second order in this
+/// fraction.
+const LONGEST: f64 = 1.0 / 6.0;
+/// Largest difference of the radii of a part, as a fraction of the largest radius of the surface.
+const WIDEST: f64 = 0.3;
 
 /// One station: position and outward normal in the body frame.
 #[derive(Clone, Copy, Debug)]
@@ -79,12 +86,32 @@ pub fn centroid(facet: &Facet) -> [f64; 2] {
     [0, 1].inline_map(|i| low[i] + share * (high[i] - low[i]))
 }
 
+/// Returns the facets of a surface, each divided into equal lengths no longer than `longest` and than a fraction of the
+/// body, with the element of each. A facet that is short enough is returned unchanged.
+pub fn divided_facets(patch: &RigidFacets, body: &RigidBody3d, longest: f64) -> Vec<(usize, Facet)> {
+    let longest = longest.min(LONGEST * body.size);
+    let radius = largest_radius(patch);
+    let mut parts = Vec::with_capacity(patch.facets.len());
+    for &(element, facet) in &patch.facets {
+        let widening = (facet.high[0] - facet.low[0]).abs();
+        let count = (facet.length() / longest).max(widening / (WIDEST * radius));
+        parts.extend(facet.equal_parts((count - 1e-9).ceil().max(1.0) as usize).map(|part| (element, part)));
+    }
+    parts
+}
+
+/// Returns the largest radius of a surface.
+pub fn largest_radius(patch: &RigidFacets) -> f64 {
+    patch.facets.iter().map(|(_, facet)| facet.low[0].max(facet.high[0])).fold(0.0, f64::max)
+}
+
 /// Returns the stations of a body's facets, facet by facet, in the order of the angle.
 pub fn stations(patch: &RigidFacets, body: &RigidBody3d) -> Vec<SurfaceStation> {
     let count = body.stations;
     let around = |k: usize| libm::sincos(2.0 * PI * (k as f64 + 0.5) / count as f64);
-    let mut all = Vec::with_capacity(count * patch.facets.len());
-    for &(element, facet) in &patch.facets {
+    let parts = divided_facets(patch, body, f64::INFINITY);
+    let mut all = Vec::with_capacity(count * parts.len());
+    for (element, facet) in parts {
         let [r, z] = centroid(&facet);
         let [n_r, n_z] = facet.normal;
         all.extend((0..count).map(around).map(|(sine, cosine)| SurfaceStation {

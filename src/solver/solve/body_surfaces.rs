@@ -130,11 +130,17 @@ impl SolverRun<'_> {
     }
 }
 
-/// Distributes the values of an element's stations, in the order of the load, over its cells. If the numbers differ,
-/// all its cells get the mean.
-pub(super) fn on_cells(values: &[f64], cells: usize) -> Vec<f64> {
+/// Distributes the values of an element's stations and their weights, ring by ring in the order of the load, over the
+/// element's cells: each cell gets the mean over the rings. If the stations do not form rings, all cells get the mean.
+pub(super) fn on_cells(values: &[[f64; 2]], cells: usize) -> Vec<f64> {
     if values.len() == cells {
-        return values.to_vec();
+        return values.iter().map(|v| v[0]).collect();
     }
-    vec![values.iter().sum::<f64>() / values.len().max(1) as f64; cells]
+    let step = if values.len().is_multiple_of(cells) { cells } else { 1 };
+    let mean = |cell: usize| {
+        let stations = values.iter().skip(cell % step).step_by(step);
+        let [sum, weights] = stations.fold([0.0; 2], |[sum, weights], [v, w]| [sum + v * w, weights + w]);
+        if weights > 0.0 { sum / weights } else { 0.0 }
+    };
+    (0..cells).map(mean).collect()
 }

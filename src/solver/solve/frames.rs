@@ -468,9 +468,10 @@ fn facet_fields(run: &SolverRun<'_>, elements: &[u32]) -> Vec<FieldArray> {
     let field = |&variable: &Variable| {
         let mut values = vec![0.0; elements.len()];
         for fields in &shown {
-            let mut element_values: IndexMap<usize, Vec<f64>> = IndexMap::new();
+            let mut element_values: IndexMap<usize, Vec<[f64; 2]>> = IndexMap::new();
             for (facet, element) in fields.elements.iter().enumerate() {
-                element_values.entry(*element).or_default().push(fields.value(facet, variable).unwrap_or_default());
+                let value = fields.value(facet, variable).unwrap_or_default();
+                element_values.entry(*element).or_default().push([value, fields.weight[facet]]);
             }
             for (element, element_values) in element_values {
                 let (first, count) = cells_of_element[element];

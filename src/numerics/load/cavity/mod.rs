@@ -69,7 +69,8 @@ impl CavityExpansion {
         (tilt, direction): (StackTilt, f64),
         travel: f64,
     ) -> Self {
-        self.oblique.push(ObliqueResistance::new(patch, body, (tilt, direction), (self.friction, travel)));
+        let material = (self.friction, travel);
+        self.oblique.push(ObliqueResistance::new(patch, body, &self.stack, (tilt, direction), material));
         self
     }
 

@@ -6,6 +6,7 @@ use super::stack::LayerStack;
 use crate::kernel::attitude::{SpatialVector, dot, norm};
 use crate::kernel::lists::heap_bytes;
 use crate::load::fields::FacetFields;
+use crate::load::stations::{divided_facets, largest_radius};
 use crate::load::{FinalMotion, PenetrationOutcome, PenetrationRecord};
 use crate::mesh::surface::RigidFacets;
 use crate::state::BodyState;
@@ -20,6 +21,10 @@ const ONSET: f64 = 0.25;
 const SLOW: f64 = 0.1;
 /// Largest increment, as a fraction of the time in which the damping would stop the body.
 const DAMPED: f64 = 0.5;
+/// Longest part of a facet, as a fraction of the thinnest layer.
+const PART_OF_LAYER: f64 = 0.25;
+/// Lower limit of the length that follows from layers and free surfaces, as a fraction of the body.
+const SHORTEST: f64 = 1.0 / 30.0;
 
 /// Orientation of a stack: heights are measured along a direction, and equal those of the deck at a pivot on the axis.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +62,7 @@ pub(super) struct ObliqueResistance {
     /// regularisation speed.
     travel: f64,
     rings: RingSet,
+    /// Mesh index of the element of each ring.
     elements: Vec<usize>,
     /// Direction in which the layers follow each other along `up`, 1 or -1.
     direction: f64,
@@ -72,17 +78,22 @@ impl ObliqueResistance {
     pub(super) fn new(
         patch: &RigidFacets,
         of: &RigidBody3d,
+        stack: &LayerStack,
         (tilt, direction): (StackTilt, f64),
         (friction, travel): (f64, f64),
     ) -> ObliqueResistance {
-        let facets = patch.facets.iter().map(|f| &f.1);
+        let of_layers = PART_OF_LAYER * stack.thinnest_layer();
+        // The reduction near free surfaces varies over the radius of the body.
+        let near_surfaces = if stack.bounds.is_some() { largest_radius(patch) } else { f64::INFINITY };
+        let longest = of_layers.min(near_surfaces).max(SHORTEST * of.size);
+        let parts = divided_facets(patch, of, longest);
         ObliqueResistance {
             body: patch.body,
             tilt,
             friction,
             travel,
-            rings: RingSet::new(facets, of.heights[0], of.stations),
-            elements: patch.facets.iter().map(|f| f.0).collect(),
+            rings: RingSet::new(parts.iter().map(|part| &part.1), of.heights[0], of.stations),
+            elements: parts.iter().map(|part| part.0).collect(),
             direction,
             entered: false,
             exit: None,
@@ -190,12 +201,11 @@ impl ObliqueResistance {
         IncrementLimit { time, jump: false }
     }
 
-    /// Adds the facet output: one entry per station of each element.
+    /// Adds the facet output: one entry per station of each ring.
     pub(super) fn show(&self, stack: &LayerStack, body: &BodyState, fields: &mut FacetFields) {
         let Some(body) = &body.spatial else { return };
         let scene = self.scene(body, &body.motion());
-        self.rings
-            .show(stack, &scene, |ring, _, [pressure, velocity]| fields.push(self.elements[ring], pressure, velocity));
+        self.rings.show(stack, &scene, |ring, area, shown| fields.push_station(self.elements[ring], area, shown));
     }
 
     pub(super) fn bytes(&self) -> usize {

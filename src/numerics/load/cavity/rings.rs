@@ -184,8 +184,8 @@ impl RingSet {
         self.arch.dispatch(RingForceKernel { rings: self, stack, scene })
     }
 
-    /// Calls `each(ring, station, [pressure, normal velocity])` for all stations.
-    pub fn show(&self, stack: &LayerStack, scene: &RingKinematics, mut each: impl FnMut(usize, usize, [f64; 2])) {
+    /// Calls `each(ring, area, [pressure, normal velocity])` for all stations.
+    pub fn show(&self, stack: &LayerStack, scene: &RingKinematics, mut each: impl FnMut(usize, f64, [f64; 2])) {
         for (index, ring) in self.rings.iter().enumerate() {
             let around = RingHarmonics::new(ring, scene);
             for block in 0..self.stations.weight.len() {
@@ -197,7 +197,7 @@ impl RingSet {
                 };
                 let stations = self.stations.count - block * LANES;
                 for l in 0..stations.min(LANES) {
-                    each(index, block * LANES + l, [pressure[l], loaded.middle[l]]);
+                    each(index, ring.area, [pressure[l], loaded.middle[l]]);
                 }
             }
         }
@@ -386,7 +386,8 @@ fn pressures(
             pressure[l] = weight[l] * loaded.share[l] * law.stress(loaded.speed[l]);
         }
         if let Some(finite) = &stack.bounds {
-            bound(finite, layer, (ring, around), (stations, block), scene, &mut pressure);
+            let between = [stack.planes[layer], stack.planes[layer + 1]];
+            bound(finite, (layer, between), (ring, around), (stations, block), scene, &mut pressure);
         }
         return pressure;
     }
@@ -400,7 +401,8 @@ fn pressures(
             here[l] = inside * law.stress(loaded.speed[l]);
         }
         if let Some(finite) = &stack.bounds {
-            bound(finite, layer, (ring, around), (stations, block), scene, &mut here);
+            let between = [stack.planes[layer], *plane];
+            bound(finite, (layer, between), (ring, around), (stations, block), scene, &mut here);
         }
         for l in 0..LANES {
             pressure[l] += here[l];
@@ -410,11 +412,11 @@ fn pressures(
     pressure
 }
 
-/// Reduces the pressure on stations in a layer for free faces, whose distance is measured along the outward normal of
-/// each station, and for the crater.
+/// Reduces the pressure on stations in a layer for free faces and for the crater. The distance to a face is measured along
+/// the outward normal of each station, at the height of the middle of its part inside the layer.
 fn bound(
     finite: &StackBounds,
-    layer: usize,
+    (layer, [bottom, top]): (usize, [f64; 2]),
     (ring, around): (&FacetRing, &RingHarmonics),
     (stations, block): (&StationAngles, usize),
     scene: &RingKinematics,
@@ -426,7 +428,10 @@ fn bound(
         if pressure[l] == 0.0 {
             continue;
         }
-        let z = around.height + (around.rise[0] * c[l] + around.rise[1] * s[l]);
+        let middle = around.height + (around.rise[0] * c[l] + around.rise[1] * s[l]);
+        let half = (ring.along[1] * up[1] + ring.along[0] * (up[0] * c[l] + up[2] * s[l])).abs();
+        let outside = [above_zero(bottom - (middle - half)), above_zero(middle + half - top)];
+        let z = middle + 0.5 * (outside[0] - outside[1]);
         let normal = [n_r * c[l], n_z, n_r * s[l]];
         let radial = [ring.radius * c[l], ring.height, ring.radius * s[l]];
         let place = inline_from_fn(|i| scene.relative_to_pivot[i] + radial[i]);

@@ -45,6 +45,11 @@ impl LayerStack {
         self.bounds.as_ref().and_then(|finite| finite.shear_strength)
     }
 
+    /// Returns the thickness of the thinnest layer; may be infinite.
+    pub(super) fn thinnest_layer(&self) -> f64 {
+        self.planes.windows(2).map(|p| p[1] - p[0]).fold(f64::INFINITY, f64::min)
+    }
+
     pub(super) fn is_gap(&self, layer: usize) -> bool {
         self.laws[layer] == CavityResistance::NONE
     }

@@ -322,7 +322,7 @@ impl PointBlock {
             SurfaceMap::Stations { body, stations, .. } => {
                 let Some(body) = &dofs.bodies[*body].spatial else { return };
                 for (station, &pressure) in stations.iter().zip(self.view.pressure()) {
-                    fields.push(station.element, pressure, station.normal_velocity(body));
+                    fields.push_station(station.element, station.area, [pressure, station.normal_velocity(body)]);
                 }
             }
             SurfaceMap::Faces { skin, .. } => {
