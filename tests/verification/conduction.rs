@@ -325,13 +325,15 @@ fn slab_conducts_through_a_tie_of_nonmatching_meshes() {
 }
 
 /// The temperature also varies along the tie: only the outer half of the lower body is heated, and some slaves are on
-/// slopes of the temperature. Slaves have the interpolated temperature of the master to rounding, and the stored heat
-/// equals the supplied heat, with constant and with temperature-dependent specific heat.
+/// slopes of the temperature. Node to surface, slaves have the interpolated temperature of the master to rounding; surface to
+/// surface, the mean temperatures of both surfaces are equal. The stored heat equals the supplied heat, with constant and
+/// with temperature-dependent specific heat.
 #[test]
 fn tied_temperatures_agree_under_nonuniform_heating() {
-    for varies in [false, true] {
+    for (varies, by_nodes) in [(false, true), (true, true), (false, false), (true, false)] {
+        let tie = if by_nodes { "*Tie, name=T, type=NODE TO SURFACE\n FOOT, TOP\n" } else { TIED };
         let mut deck =
-            stacked_columns([3, 4], 8, 0.5, TIED) + &step(1.0, "*Cflux\n 4, 11, 0.3\n*Dflux\n SOLID, BF, 0.1\n");
+            stacked_columns([3, 4], 8, 0.5, tie) + &step(1.0, "*Cflux\n 4, 11, 0.3\n*Dflux\n SOLID, BF, 0.1\n");
         if varies {
             deck = deck.replace("*Specific Heat\n 0.5,\n", "*Specific Heat\n 0.5, 0.\n 1., 1.\n");
         }
@@ -348,7 +350,19 @@ fn tied_temperatures_agree_under_nonuniform_heating() {
             let share = at - i as f64;
             (t - (1.0 - share) * master[i].1 - share * master[i + 1].1).abs()
         });
-        let worst = worst.fold(0.0, f64::max);
+        let worst = if by_nodes {
+            worst.fold(0.0, f64::max)
+        } else {
+            // Integral of the temperature over the area, exact for linear facets.
+            let heat = |nodes: &[([f64; 2], f64)]| -> f64 {
+                let facets = nodes.windows(2).map(|ends| {
+                    let ([a, b], [t, u]) = ([ends[0].0[0], ends[1].0[0]], [ends[0].1, ends[1].1]);
+                    (b - a) * (t * (2.0 * a + b) + u * (a + 2.0 * b)) / 6.0
+                });
+                facets.sum()
+            };
+            (heat(slave) - heat(master)).abs()
+        };
         // The curvature of the specific heat over an increment is corrected in the next increment.
         assert!(worst < if varies { 1e-9 } else { 1e-12 }, "{worst:e}");
         for (_, row) in &memory.rows[1..] {

@@ -6,7 +6,10 @@
 
 use std::fmt::Write as _;
 
+use revolve::user::Routines;
+
 use crate::common::bodies::{DeckRun, assembly, elastic, part, run};
+use crate::common::prepared;
 
 /// Materials, and a step of 5 ms in which the ring moves down by 10 mm.
 fn press_cards(contact: &str) -> String {
@@ -182,6 +185,34 @@ fn deck_selects_the_carrying_surface() {
         // A sudden stop at 0.02 gives 0.014 for density and wave speed 1; pressures oscillate if P121 warns.
         assert!(below.max(above) < 0.1, "{name}: {below} {above}");
         assert_eq!([below > 0.0, above > 0.0], [carries_below, !carries_below], "{name} {contact}");
+    }
+}
+
+/// Requested contact pressures between facets that differ by more than a factor of 2 cause a warning that names the coarser
+/// surface, whichever surface carries the pressures. Facets far from the other surface do not count.
+#[test]
+fn facets_of_different_size_are_reported() {
+    let found = |cells: [usize; 2], carries: &str, output: &str| {
+        let deck = blocks(true, cells, "")
+            + &format!(
+                "*Step\n*Dynamic, Explicit\n , 1.\n*Contact Pair, interaction=SOFT{carries}\n LOWER.SKIN, UPPER.SKIN\n*Output, \
+                 history, frequency=1\n*Contact Output, nset=LOWER.J1\n {output}\n*End Step\n"
+            );
+        let prepared = prepared(&deck, &[], &Routines::none());
+        prepared.diagnostics.render(&prepared.deck.sources)
+    };
+    // Widths are 2 and 1: [10, 2] has facets of 0.2 and 0.5.
+    for (cells, coarser) in [([10, 2], "UPPER.SKIN"), ([4, 5], "LOWER.SKIN")] {
+        for carries in ["", ", weight=0.", ", weight=1."] {
+            for output in ["CPRESS", "CSTRESS"] {
+                let text = found(cells, carries, output);
+                let named = text.contains("P124") && text.contains("factor of 2.5");
+                assert!(named && text.contains(&format!("smaller facets on `{coarser}`")), "{cells:?} {carries}: {text}");
+            }
+        }
+    }
+    for (cells, output) in [([10, 2], "COPEN"), ([8, 2], "CPRESS"), ([4, 4], "CPRESS")] {
+        assert!(!found(cells, "", output).contains("P124"), "{cells:?} {output}");
     }
 }
 

@@ -71,6 +71,7 @@ mod steps;
 mod surfaces;
 mod taylor;
 mod thermal_stress;
+mod ties;
 mod tractions;
 mod triangles;
 mod tubes;
