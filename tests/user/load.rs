@@ -81,3 +81,34 @@ fn pnu_without_a_subroutine_is_rejected() {
     let prepared = revolve::job::prepare_text("t.inp", &user_deck(), &[], &Routines::none());
     assert!(prepared.diagnostics.iter().any(|d| d.code == "P004"));
 }
+
+/// A pressure that begins at an instant that no increment ends at: the final velocity is the impulse over the mass, to the
+/// precision of the instant. A pressure that grows from zero keeps its increments.
+#[test]
+fn sudden_load_begins_at_its_instant() {
+    let deck = "*Node\n 1, 0., 0.\n 2, 1., 0.\n 9, 0., 0.\n*Element, type=RAX2, elset=DISC\n 1, 1, 2\n\
+                *Element, type=MASS, elset=M\n 10, 9\n*Mass, elset=M\n 2.\n*Rigid Body, ref node=9, elset=DISC\n*Nset, nset=REF\n 9\n\
+                *Surface, name=FACE\n DISC, SPOS\n*Step\n*Dynamic, Explicit\n , 1.\n*Dsload\n FACE, PNU\n\
+                *Output, history, number interval=1\n*Node Output, nset=REF\n V2\n*End Step\n";
+    let run = |pressure: fn(f64) -> f64| {
+        let load = move |points: &LoadPoints<'_>, values: &mut [f64]| {
+            values.fill(pressure(points.now.total_time));
+            Ok(())
+        };
+        let (outcome, memory) = common::run(deck, &[], &Routines::none().with_load(ClosureLoad(load)));
+        assert_eq!(outcome.halt, None);
+        (memory.rows.last().expect("a row").1[0], outcome.energy.drift)
+    };
+    let area_over_mass = std::f64::consts::PI / 2.0;
+    for (name, pressure, impulse) in [
+        ("step", (|t| if t >= 0.377 { 1.0 } else { 0.0 }) as fn(f64) -> f64, 0.623),
+        ("decay", |t| if t >= 0.377 { (-50.0 * (t - 0.377)).exp() } else { 0.0 }, 0.02),
+        ("ramp", |t| (t - 0.377).max(0.0), 0.5 * 0.623 * 0.623),
+    ] {
+        let (velocity, drift) = run(pressure);
+        let expected = -impulse * area_over_mass;
+        println!("{name}: {velocity:.7}, expected {expected:.7}, drift {drift:.1e}");
+        assert!((velocity / expected - 1.0).abs() < 5e-4, "{name}: {velocity} {expected}");
+        assert!(drift < 1e-3, "{name}: {drift:e}");
+    }
+}

@@ -346,8 +346,8 @@ impl BlastWave {
     /// faces away (ABAQUS Analysis User's Guide 34.4.6, "CONWEP blast loading"). Both pressures are
     /// p (1 - t/d) exp(-a t/d) in the positive phase (Friedlander), and zero after it.
     pub fn pressure(&self, time: f64, cosine: f64) -> f64 {
-        let phase = (time - self.arrival) / self.duration;
-        if !(0.0..1.0).contains(&phase) {
+        let phase = ((time - self.arrival) / self.duration).max(0.0);
+        if !has_arrived(time, self.arrival) || phase >= 1.0 {
             return 0.0;
         }
         let [incident, reflected] =
@@ -355,6 +355,11 @@ impl BlastWave {
         let c = cosine.max(0.0);
         reflected * c * c + incident * (1.0 + c - 2.0 * c * c)
     }
+}
+
+/// Returns whether a wave has arrived, to the rounding of an increment that ends at its arrival.
+pub fn has_arrived(time: f64, arrival: f64) -> bool {
+    time >= arrival * (1.0 - 1e-12)
 }
 
 /// Returns the decay coefficient a of a pulse (1 - x) exp(-a x) whose integral over 0 to 1, 1/a - (1 - exp(-a))/a², is

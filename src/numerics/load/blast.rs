@@ -4,7 +4,7 @@ use super::TargetDissipation;
 use super::fields::FacetFields;
 use super::pressure::add_pressure;
 use super::{Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
-use crate::kernel::blast_wave::{BlastWave, BurstShape};
+use crate::kernel::blast_wave::{BlastWave, BurstShape, has_arrived};
 use crate::kernel::facet::Facet;
 use crate::kernel::lists::heap_bytes;
 use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
@@ -17,8 +17,10 @@ use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::nodes::Nodes;
 
-/// Fraction of the shortest positive phase that an increment may have while the blast acts.
+/// Fraction of the shortest positive phase that an increment may have while the blast acts, for decay coefficients up to
+/// [`SLOW_DECAY`]. It is smaller for faster decay, so that the pressure falls by at most a tenth in an increment.
 const SHARE_OF_PHASE: f64 = 0.01;
+const SLOW_DECAY: f64 = 10.0;
 
 /// A charge of TNT on the axis, and the units of the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +73,8 @@ pub struct BlastLoad {
     waves: Vec<Option<BlastWave>>,
     /// Waves at the facets of rigid bodies.
     of_bodies: Vec<Option<BlastWave>>,
+    /// Times of arrival at the facets of rigid bodies, ascending, in seconds from the detonation.
+    arrivals: Vec<f64>,
     /// First arrival, last end of a positive phase, and shortest phase, in seconds from the detonation.
     times: [f64; 3],
     /// Total time of the last evaluation.
@@ -85,7 +89,10 @@ impl BlastLoad {
         let of_bodies: Vec<Option<BlastWave>> = facets.map(|(_, facet)| source.wave(facet.middle())).collect();
         let times = [f64::INFINITY, 0.0, f64::INFINITY];
         let times = waves.iter().chain(&of_bodies).flatten().fold(times, with_wave);
-        BlastLoad { id, surface, source, waves, of_bodies, times, time: f64::NEG_INFINITY }
+        let mut arrivals: Vec<f64> = of_bodies.iter().flatten().map(|wave| wave.arrival).collect();
+        arrivals.sort_by(f64::total_cmp);
+        arrivals.dedup();
+        BlastLoad { id, surface, source, waves, of_bodies, arrivals, times, time: f64::NEG_INFINITY }
     }
 
     /// Adds the waves at faces that have become exposed.
@@ -129,7 +136,9 @@ impl BlastLoad {
 }
 
 fn with_wave([first, last, shortest]: [f64; 3], wave: &BlastWave) -> [f64; 3] {
-    [first.min(wave.arrival), last.max(wave.arrival + wave.duration), shortest.min(wave.duration)]
+    let decay = wave.decay[0].max(wave.decay[1]).max(SLOW_DECAY);
+    let resolved = wave.duration * (SLOW_DECAY / decay);
+    [first.min(wave.arrival), last.max(wave.arrival + wave.duration), shortest.min(resolved)]
 }
 
 fn initial_middle([a, b]: [usize; 2], nodes: &Nodes) -> [f64; 2] {
@@ -160,18 +169,22 @@ impl Load for BlastLoad {
         Ok(TargetDissipation::default())
     }
 
-    /// Resolves the arrival and the positive phases, which may be shorter than an increment.
+    /// Ends increments at each arrival at a rigid facet, and resolves the positive phases, which may be shorter than an
+    /// increment. At the faces of deformable bodies, increments are shorter than the waves take to pass an element.
     fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
         let [first, last, shortest] = self.times;
         let now = self.source.units[1] * (scene.clock.now.total_time - self.source.detonation);
-        let (time, jump) = if now < first {
-            (first - now, true)
+        let limit = if !has_arrived(now, first) {
+            IncrementLimit { time: first - now, jump: true }
         } else if now < last {
-            (SHARE_OF_PHASE * shortest, false)
+            IncrementLimit { time: SHARE_OF_PHASE * shortest, jump: false }
         } else {
             return IncrementLimit::NONE;
         };
-        IncrementLimit { time: time / self.source.units[1], jump }
+        let next = self.arrivals.partition_point(|&arrival| has_arrived(now, arrival));
+        let arrival = self.arrivals.get(next).map_or(f64::INFINITY, |arrival| arrival - now);
+        let limit = limit.earlier(IncrementLimit { time: arrival, jump: true });
+        IncrementLimit { time: limit.time / self.source.units[1], ..limit }
     }
 
     fn scene_changed(&mut self, change: &SceneChange<'_>) {
@@ -202,14 +215,14 @@ impl LoadOutput for BlastLoad {
     }
 
     fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let waves = heap_bytes(&self.waves) + heap_bytes(&self.of_bodies);
+        let waves = heap_bytes(&self.waves) + heap_bytes(&self.of_bodies) + heap_bytes(&self.arrivals);
         vec![("surface", self.surface.bytes()), ("waves", waves)]
     }
 }
 
 impl Persist for BlastLoad {
     fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let BlastLoad { id: _, surface, source: _, waves: _, of_bodies: _, times, time } = self;
+        let BlastLoad { id: _, surface, source: _, waves: _, of_bodies: _, arrivals: _, times, time } = self;
         persist_fields!(archive; &mut surface.skin, times, time);
     }
 }

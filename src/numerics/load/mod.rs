@@ -217,6 +217,12 @@ pub trait Load: LoadOutput + CopyLoad + Persist + Send + Sync {
         VelocityUse::None
     }
 
+    /// Returns whether the forces on rigid bodies can jump from zero at an instant that [`Load::max_increment`] does not
+    /// report.
+    fn may_begin_suddenly(&self) -> bool {
+        false
+    }
+
     /// Applies the load to nodes or to rigid bodies. Returns the energy that the nodal forces dissipated over the
     /// previous increment; forces on rigid bodies have their own accounts.
     ///

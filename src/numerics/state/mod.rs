@@ -171,6 +171,12 @@ impl BodyState {
         }
     }
 
+    /// Returns to the start of the increment, before the forces at its end have been accepted.
+    pub fn undo_advance(&mut self) {
+        (self.displacement, self.velocity) = (self.before.displacement, self.before.velocity);
+        self.spatial.iter_mut().for_each(|spatial| spatial.step_back());
+    }
+
     /// Sets the velocity that loads use: a time after the middle of the previous increment.
     #[inline]
     pub fn show_velocity_after(&mut self, time: f64) {

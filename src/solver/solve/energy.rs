@@ -269,6 +269,11 @@ impl EnergyBalance {
         self.mass_scaling += gained;
     }
 
+    /// Returns the force with this index at the last instant of the balance.
+    pub fn force(&self, index: usize) -> f64 {
+        self.entries[index].force
+    }
+
     /// Replaces the forces at this instant.
     pub fn take_forces(&mut self, forces: &[f64]) {
         self.entries.iter_mut().zip(forces).for_each(|(entry, &force)| entry.force = force);

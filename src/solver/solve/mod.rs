@@ -16,6 +16,7 @@ mod masses;
 mod mesh_quality;
 mod new_mesh_state;
 mod observe;
+mod onset;
 mod outcome;
 mod penetrations;
 mod position;

@@ -356,6 +356,7 @@ impl Persist for SolverRun<'_> {
             velocity_extrapolation: _,
             previous_stable_increment: _,
             complete,
+            finds_onsets: _,
             forces_may_differ: _,
             user,
             body_forces,

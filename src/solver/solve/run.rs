@@ -49,6 +49,8 @@ pub(super) struct SolverRun<'a> {
     pub(super) previous_stable_increment: f64,
     /// Whether forces, motion and energies belong to the current instant.
     pub(super) complete: bool,
+    /// Whether increments in which a load begins suddenly are repeated in this step.
+    pub(super) finds_onsets: bool,
     /// Whether a step has begun that may change the forces at this instant.
     pub(super) forces_may_differ: bool,
     pub(super) user: UserSession,
@@ -80,6 +82,7 @@ impl<'a> SolverRun<'a> {
             velocity_extrapolation: 0.0,
             previous_stable_increment: f64::INFINITY,
             complete: false,
+            finds_onsets: false,
             forces_may_differ: false,
             user: UserSession::default(),
             body_forces: BodyForces::default(),
@@ -108,6 +111,9 @@ impl<'a> SolverRun<'a> {
     pub(super) fn evaluate(&mut self) -> Result<(), HaltReason> {
         self.timing.resume(self.now.increment);
         self.evaluate_forces()?; //             1. forces; resistances last
+        if self.finds_onsets {
+            self.resolve_onset()?;
+        }
         self.accelerate()?; //                  2. a = F / m; a resistance keeps a body at rest
         self.correct_velocity(); //             3. velocity at the current instant
         self.update_balance(); //                         4. energy balance
@@ -206,6 +212,8 @@ impl<'a> SolverRun<'a> {
         let added_mass = self.outcome.steps.last().and_then(|previous| previous.added_mass);
         let added_mass = added_mass.filter(|_| self.state.scaling.is_some());
         self.outcome.steps.push(StepSummary { name, smallest_increment, limits, added_mass, ..Default::default() });
+        self.begin_onsets();
+        self.begin_drift_bound();
         changes
     }
 
@@ -323,7 +331,7 @@ impl<'a> SolverRun<'a> {
 
     /// Evaluates the forces on bodies of a range of loads.
     #[inline(always)]
-    fn apply_body_loads(&mut self, range: Range<usize>) -> Result<(), HaltReason> {
+    pub(super) fn apply_body_loads(&mut self, range: Range<usize>) -> Result<(), HaltReason> {
         let State { dofs, loads, user_amplitudes, .. } = &mut self.state;
         let clock = AmplitudeClock { now: self.now, user_amplitudes };
         let velocity_extrapolation = self.velocity_extrapolation;
@@ -583,7 +591,7 @@ impl<'a> SolverRun<'a> {
         }
     }
 
-    fn make_increment(&mut self, next: Increment) {
+    pub(super) fn make_increment(&mut self, next: Increment) {
         let dt = next.length;
         self.state.dofs.bodies.iter_mut().for_each(|body| body.advance(dt));
         if !self.state.elements.is_empty() {

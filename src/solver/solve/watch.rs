@@ -18,6 +18,9 @@ pub(super) const SMALL: f64 = 0.01;
 /// second, a common rule of practice, hourglass control influences the results.
 const SOUND: [f64; 2] = [0.01, 0.05];
 
+/// Bound of the drift of ETOTAL if error control chooses the increments, in units of `accuracy`.
+const DRIFT_OVER_ACCURACY: f64 = 10.0;
+
 /// Fractions of the largest energy for warnings of dissipation at the end of a run: bulk viscosity; friction and contact
 /// of surfaces that flutter. Sliding without flutter loses no energy in contact.
 const DISSIPATED: f64 = 0.05;
@@ -69,6 +72,8 @@ const WORTH: f64 = 0.01;
 /// History of the monitored values.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RunMonitor {
+    /// Bound for the warning of the drift of ETOTAL in this step, relative to the largest energy.
+    pub(super) drift_bound: f64,
     /// Total times since which the drift of ETOTAL and ALLAE have been out of bounds.
     unsound: [Option<f64>; 2],
     /// Drift of ETOTAL, relative to the largest energy, at the last check.
@@ -138,7 +143,7 @@ impl RunMonitor {
     /// Returns whether no further check is needed.
     #[inline(always)]
     pub(super) fn needs_no_check(&mut self, balance: &EnergyBalance, now: &Instant) -> bool {
-        let drifts = balance.drifts(SOUND[0]);
+        let drifts = balance.drifts(self.drift_bound);
         note_since(&mut self.unsound[0], drifts, now);
         let below = balance.has_solid() && self.compare_solid(balance, now);
         !drifts && !below && now.increment < self.next_look
@@ -383,7 +388,7 @@ impl SolverRun<'_> {
             self.outcome.warn("R301", format!(
                 "ETOTAL has drifted by {:.2} % of the largest energy, more than {} %{}: energy is not conserved{}. {}",
                 100.0 * values[0],
-                100.0 * SOUND[0],
+                100.0 * self.watch.drift_bound,
                 self.drifts_since(),
                 self.name_folded(),
                 self.likely_cause()
@@ -455,8 +460,9 @@ impl SolverRun<'_> {
 
     /// Returns since when the drift has been out of bounds.
     pub(super) fn drifts_since(&self) -> String {
-        self.watch.unsound[0]
-            .map_or_else(String::new, |since| format!(", above {} % since time {since:e}", 100.0 * SOUND[0]))
+        self.watch.unsound[0].map_or_else(String::new, |since| {
+            format!(", above {} % since time {since:e}", 100.0 * self.watch.drift_bound)
+        })
     }
 
     pub(super) fn name_folded(&self) -> String {
@@ -473,7 +479,26 @@ impl SolverRun<'_> {
             }
             _ => None,
         };
+        if let (true, IncrementControl::Automatic { accuracy, .. }) =
+            (self.state.elements.is_empty(), self.step.control)
+        {
+            return format!(
+                "Compare with ACCURACY={:e} on *DYNAMIC: a load that changes within an increment is resolved by smaller \
+                 increments",
+                0.1 * accuracy
+            );
+        }
         cause(&self.balance.energy(), self.balance.drift() * self.balance.largest(), beyond)
+    }
+
+    /// Sets the bound for the warning of drift: error control keeps the drift below `accuracy`.
+    pub(super) fn begin_drift_bound(&mut self) {
+        self.watch.drift_bound = match self.step.control {
+            IncrementControl::Automatic { accuracy, .. } if self.state.elements.is_empty() => {
+                SOUND[0].min(DRIFT_OVER_ACCURACY * accuracy)
+            }
+            _ => SOUND[0],
+        };
     }
 }
 
@@ -508,7 +533,7 @@ persist_struct!(RunMonitor {
     unsound, drift, lasting_drifts, drift_count, below_zero, dissipated, decreases, lowest_strain, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
     limits_reported
 } derived {
-    shown
+    shown, drift_bound
 });
 
 #[cfg(test)]

@@ -177,6 +177,10 @@ impl Load for SubroutineLoad {
         VelocityUse::Reads
     }
 
+    fn may_begin_suddenly(&self) -> bool {
+        !self.bodies.is_empty()
+    }
+
     #[inline]
     fn apply(
         &mut self,
