@@ -243,12 +243,66 @@ fn unsupported_domains_are_refused() {
     let with_part = format!("*Elset, elset=PART\n 1, 2\n{section}");
     let twice = format!("{BAR}*Adaptive Mesh, elset=PART\n");
     for (deck, words) in [
-        (taylor(&format!("{BAR}*Fixed Mass Scaling, factor=2.\n")), "mass scaling"),
+        (warm_bar("", &format!("{BAR}*Fixed Mass Scaling, factor=2.\n")), "mass scaling"),
         (taylor(BAR).replacen(section, &controlled, 1), "DISTORTION CONTROL"),
         (taylor(&twice).replacen(section, &with_part, 1), "two adaptive meshes"),
     ] {
         let prepared = job::prepare_text("test.inp", &deck, &common::pairs(&[]), &Routines::none());
         let found = prepared.diagnostics.render(&prepared.deck.sources);
         assert!(found.contains("P071") && found.contains(words), "{found}");
+    }
+}
+
+/// If all factors are equal, scaled masses move as those of a denser material, on meshes that change.
+#[test]
+fn scaled_bar_moves_as_a_denser_bar() {
+    let cards = format!("{BAR}*Fixed Mass Scaling, factor=4.\n");
+    let deck = taylor(BAR);
+    let density = deck.lines().skip_while(|line| *line != "*Density").nth(1).expect("a density");
+    let value: f64 = density.trim().trim_end_matches(',').parse().expect("a number");
+    let dense = deck.replacen(density, &format!(" {:e},", 4.0 * value), 1);
+    let [(scaled, history), (other, reference)] = [run(&taylor(&cards), &[]), run(&dense, &[])];
+    assert_eq!(scaled.halt, None);
+    assert_eq!(scaled.increments, other.increments);
+    for name in ["COOR2@TIP", "COOR1@CORNER"] {
+        let [a, b] = [&history, &reference].map(|of| of.0[name].last);
+        println!("{name}: {a} {b}");
+        assert!((a / b - 1.0).abs() < 1e-9, "{name}: {a} {b}");
+    }
+    let [added, original] = [scaled.energy.added_mass.expect("added mass"), 300.0];
+    assert!((added / original - 1.0).abs() < 1e-9, "{added}");
+}
+
+/// A body in free flight of which a part is scaled, with waves and a mesh that changes in each increment: mass, momentum
+/// and added mass are constant. The tolerance is rounding over the changes.
+#[test]
+fn partly_scaled_meshes_conserve_mass_and_momentum() {
+    let deck = |scaling: &str| {
+        grid(6, 12, false, |i, j| {
+            let [x, y] = [i as f64, j as f64];
+            [x + 0.2 * (1.3 * y).sin() * (6.0 - x) * x / 9.0, y]
+        }) + &crate::common::solid::material(1000.0, 0.3, 1.0, "*Plastic\n 3., 0.\n 20., 1.\n")
+            + &format!(
+                "*Elset, elset=PART, generate\n 1, 20\n*Initial Conditions, type=VELOCITY\n ALL, 2, 5.\n J0, 2, 9.\n\
+                 *Step\n*Dynamic, Explicit\n , 1.\n{scaling}*Adaptive Mesh, elset=SOLID, frequency=2, mesh sweeps=2\n\
+                 *Output, history, number interval=20\n*Energy Output, elset=SOLID\n PARTMASS, PARTMOM\n*Incrementation Output\n DMASS\n*End Step\n"
+            )
+    };
+    for scaling in [
+        "*Fixed Mass Scaling, factor=5., elset=PART\n",
+        "*Fixed Mass Scaling, factor=3., elset=PART\n*Variable Mass Scaling, dt=0.03, type=below min, number interval=1\n",
+    ] {
+        let (outcome, history) = run(&deck(scaling), &[]);
+        assert_eq!(outcome.halt, None);
+        assert!(outcome.mesh_changes.iter().any(|changes| changes.count > 10), "{:?}", outcome.mesh_changes);
+        for name in ["PARTMASS@SOLID", "PARTMOM@SOLID", "DMASS"] {
+            let values = &history.0[name];
+            println!("{scaling}{name}: {:e} to {:e}", values.min, values.max);
+            if scaling.contains("Variable") {
+                continue;
+            }
+            assert!(values.max - values.min < 1e-11 * values.max.abs(), "{name}: {} {}", values.min, values.max);
+        }
+        assert!(outcome.energy.drift < 1e-2, "{}", outcome.energy.drift);
     }
 }

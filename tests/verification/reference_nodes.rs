@@ -285,19 +285,42 @@ fn dropped_punch_with_tied_pad_conserves_momentum() {
     assert!(outcome.energy.strain > 0.0);
 }
 
-/// Mass scaling leaves constrained nodes unchanged: the added mass is that of the other nodes.
+/// Mass scaling of elements with constrained nodes: the added mass and the increment are those specified, and the motion is
+/// that of a column of the scaled density, to rounding.
 #[test]
-fn mass_scaling_skips_constrained_nodes() {
+fn mass_scaling_includes_constrained_nodes() {
     for (name, link) in HANGING {
-        let deck = constrained_column(link, &mass_on_reference(AREA))
-            + "*Initial Conditions, type=VELOCITY\n ALL, 2, 1.e-3\n 900, 2, 1.e-3\n*Step\n*Dynamic, Explicit, element by element\n , 1.\n\
-               *Fixed Mass Scaling, factor=4.\n*Boundary\n ALL, 1, 1\n*Output, history, number interval=4\n*Node Output, nset=ALL\n V2\n*End Step\n";
-        let (outcome, _) = run(&deck);
+        let deck = |scaling: &str, density: &str| {
+            constrained_column(link, &mass_on_reference(AREA)).replacen("*Density\n 1e0,", density, 1)
+                + "*Initial Conditions, type=VELOCITY\n J0, 2, 1.e-3\n*Step\n*Dynamic, Explicit, element by element\n , 1.\n"
+                + scaling
+                + "*Boundary\n ALL, 1, 1\n*Dload\n , GRAV, 0.001, 0., -1.\n*Output, history, number interval=4\n\
+                   *Node Output, nset=REF\n V2\n*Node Output, nset=ALL\n V2\n*End Step\n"
+        };
+        let text = deck("*Fixed Mass Scaling, factor=4.\n", "*Density\n 1e0,");
+        assert!(text.contains("*Density\n 1e0,"), "{text}");
+        let (outcome, memory) = run(&text);
         assert_eq!(outcome.halt, None);
         let added = outcome.steps[0].added_mass.expect("scaled");
-        let expected = 3.0 * AREA * (1.0 - 0.5 / ROWS as f64);
-        assert!((added / expected - 1.0).abs() < 1e-12, "{name}: {added} {expected}");
-        assert!(outcome.energy.drift < 1e-9, "{name}: {:e}", outcome.energy.drift);
+        assert!((added / (3.0 * AREA) - 1.0).abs() < 1e-12, "{name}: {added}");
+        let places = outcome.steps[0].added_mass_at.expect("scaled");
+        let at_end = 3.0 * AREA * 0.5 / ROWS as f64;
+        assert!(((places.linked_nodes + places.rigid_bodies) / at_end - 1.0).abs() < 1e-12, "{name}: {places:?}");
+        assert_eq!(places.rigid_bodies > 0.0, name == "rigid body");
+        let (dense, other) = run(&deck("", "*Density\n 4e0,"));
+        assert_eq!(outcome.increments, dense.increments, "{name}");
+        let [a, b] = [&memory, &other].map(|memory| memory.rows.last().expect("a row").1.clone());
+        let largest = b.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let apart = a.iter().zip(&b).fold(0.0_f64, |most, (x, y)| most.max((x - y).abs())) / largest;
+        println!("{name}: {apart:.1e} apart, drift {:.1e}", outcome.energy.drift);
+        assert!(apart < 1e-9, "{name}: {apart:e}");
+        let dt = 3.0 * outcome.steps[0].largest_increment;
+        for card in ["Fixed Mass Scaling, type=uniform", "Variable Mass Scaling, frequency=3, type=set equal dt"] {
+            let target = run(&deck(&format!("*{card}, dt={dt:.17e}\n"), "*Density\n 1e0,")).0;
+            assert_eq!(target.halt, None);
+            let reached = target.steps[0].largest_increment;
+            assert!((reached / dt - 1.0).abs() < 1e-3, "{name}: {card}: {reached} of {dt}");
+        }
     }
 }
 

@@ -24,7 +24,8 @@ pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
     print_out!("energy drift: {:.1e} of the largest energy", summary.energy.drift);
     if let Some(added) = summary.energy.added_mass {
         let energy = summary.energy.mass_scaling.unwrap_or(0.0);
-        print_out!("mass scaling: {added:.2} % added to the mass of the deformable bodies, ALLMW {energy:.3e}");
+        let places = summary.steps.last().and_then(|step| step.added_mass_at).unwrap_or_default().describe();
+        print_out!("mass scaling: {added:.2} % added to the mass of the deformable bodies{places}, ALLMW {energy:.3e}");
     }
     if let Some(changes) = summary.mesh_changes {
         let lost = summary.energy.advection.unwrap_or(0.0);

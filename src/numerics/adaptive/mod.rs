@@ -86,6 +86,8 @@ pub struct AdaptiveDomain {
     active: ActiveParts,
     transport: ElementTransport,
     momentum: MomentumTransport,
+    /// Parts of the element masses that are not from mass scaling; `None` without it.
+    mass_shares: Option<Vec<Pack>>,
     /// Nodal temperatures; `None` if the elements have none.
     temperatures: Option<TemperatureTransport>,
     /// Places of the nodes: before, at the end, and at both ends of a transport.
@@ -149,6 +151,7 @@ impl AdaptiveDomain {
             active: ActiveParts::new(&topology),
             transport: ElementTransport::new(&topology, settings.order),
             momentum: MomentumTransport::new(&topology, settings.order),
+            mass_shares: None,
             temperatures: None,
             places: [places(), places(), places(), places()],
             given_velocity: places(),
@@ -164,6 +167,13 @@ impl AdaptiveDomain {
             changes: 0,
             due_sweeps: 0,
         })
+    }
+
+    /// Returns the domain with the transport of masses without scaling.
+    #[must_use]
+    pub fn with_mass_scaling(mut self) -> AdaptiveDomain {
+        self.mass_shares = Some(vec![Pack::default(); self.topology.corners.len()]);
+        self
     }
 
     /// Returns the domain with the transport of nodal temperatures.
@@ -202,7 +212,8 @@ impl AdaptiveDomain {
         let elements = heap_bytes(&self.mass)
             + heap_bytes(&self.material_volume)
             + self.corner_mass.iter().map(heap_bytes).sum::<usize>()
-            + self.packs.iter().map(heap_bytes).sum::<usize>();
+            + self.packs.iter().map(heap_bytes).sum::<usize>()
+            + self.mass_shares.as_ref().map_or(0, heap_bytes);
         work + nodes + elements + heap_bytes(&self.prescribed)
     }
 
@@ -354,6 +365,11 @@ impl AdaptiveDomain {
     }
 
     fn read(&mut self, half: f64, elements: &mut Elements, nodes: &Nodes) {
+        if let Some(shares) = &mut self.mass_shares {
+            for (i, e) in self.topology.elements.iter().enumerate().filter(|(i, _)| self.active.reads[*i]) {
+                shares[i].0[..2].copy_from_slice(&elements.unscaled_shares(self.group, *e as usize));
+            }
+        }
         let group = &mut elements.groups[self.group];
         for (i, e) in self.topology.elements.iter().enumerate().filter(|(i, _)| self.active.reads[*i]) {
             let masses = group.masses(*e as usize);
@@ -446,7 +462,8 @@ impl AdaptiveDomain {
             temperatures.add_flow(&self.topology, self.transport.fluxes());
             temperatures.advance(&mut self.momentum, loops, domain, [before, after]);
         }
-        self.packs.iter_mut().for_each(|values| self.transport.move_variables(loops, domain, values));
+        let packs = self.packs.iter_mut().chain(&mut self.mass_shares);
+        packs.for_each(|values| self.transport.move_variables(loops, domain, values));
         self.corner_mass.swap(0, 1);
         self.node_mass.swap(0, 1);
     }
@@ -513,6 +530,13 @@ impl AdaptiveDomain {
                 }
             }
         }
+        if let Some(shares) = &self.mass_shares {
+            for (i, e) in self.topology.elements.iter().enumerate().filter(|(i, _)| self.active.changes[*i]) {
+                let [plain, fixed, ..] = shares[i].0;
+                elements.take_scaled_masses(self.group, *e as usize, self.corner_mass[0][i], [plain, fixed]);
+            }
+            elements.sum_scaled_masses(nodes);
+        }
     }
 }
 
@@ -537,5 +561,5 @@ fn mobility(topology: &DomainTopology, fixed: &[bool]) -> Vec<NodeMobility> {
 
 persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing, held_places } derived {
     id, group, settings, topology, active, transport, momentum, temperatures, places, velocity, given_velocity, node_mass,
-    mass, material_volume, corner_mass, packs, due_sweeps
+    mass, material_volume, corner_mass, packs, mass_shares, due_sweeps
 });

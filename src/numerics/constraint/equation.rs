@@ -7,10 +7,10 @@
 //! their total mass and force. Nodes without mass follow the others ([`super::bonds`]).
 
 use super::bonds::LinkSystem;
-use super::{Constraint, ConstraintForces, ConstraintView, StoredConstraint};
+use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, StoredConstraint};
 use crate::kernel::lists::MemoryUse;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::magnitude::AmplitudeClock;
 
@@ -19,11 +19,13 @@ use crate::state::magnitude::AmplitudeClock;
 pub struct EquationConstraint {
     id: EffectId,
     bonds: LinkSystem,
+    /// Whether masses of nodes may have changed since the equations were factorised.
+    has_new_masses: bool,
 }
 
 impl EquationConstraint {
     pub fn new(id: EffectId, bonds: LinkSystem) -> Self {
-        EquationConstraint { id, bonds }
+        EquationConstraint { id, bonds, has_new_masses: true }
     }
 
     fn hold_velocities(&mut self, dofs: &mut Dofs, dt: f64, half: f64) {
@@ -38,6 +40,7 @@ impl Constraint for EquationConstraint {
     }
 
     fn begin(&mut self, dofs: &mut Dofs) {
+        self.has_new_masses = true;
         if dofs.nodes.previous_dt == 0.0 {
             self.hold_velocities(dofs, 0.0, 0.0);
         }
@@ -46,6 +49,10 @@ impl Constraint for EquationConstraint {
     /// Corrects accelerations. The kinetic energy needs no correction: velocities satisfy the equations, so that the
     /// constraint forces do no work.
     fn accelerations(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {
+        if std::mem::take(&mut self.has_new_masses) {
+            let mass = &dofs.nodes.mass;
+            self.bonds.systems.iter_mut().for_each(|system| system.update_masses(|n| mass[n]));
+        }
         self.bonds.followers.iter_mut().for_each(|f| f.transfer_load(dofs));
         for system in &mut self.bonds.systems {
             let acceleration = &dofs.nodes.acceleration;
@@ -60,8 +67,18 @@ impl Constraint for EquationConstraint {
         self.hold_velocities(dofs, dt, half);
     }
 
+    fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
+        Some(self)
+    }
+
     fn view(&self) -> ConstraintView<'_> {
         ConstraintView { moves_nodes: true, forces: Some(self), ..ConstraintView::default() }
+    }
+}
+
+impl ConstraintUpkeep for EquationConstraint {
+    fn masses_changed(&mut self, _node: usize, _gained: [f64; 2]) {
+        self.has_new_masses = true;
     }
 }
 
@@ -96,4 +113,11 @@ impl StoredConstraint for EquationConstraint {
     }
 }
 
-persist_struct!(EquationConstraint { bonds } derived { id });
+impl Persist for EquationConstraint {
+    fn persist(&mut self, archive: &mut StateArchive<'_>) {
+        let EquationConstraint { id: _, bonds, has_new_masses } = self;
+        bonds.persist(archive);
+        // The factors follow from the masses.
+        *has_new_masses |= archive.reads();
+    }
+}

@@ -199,10 +199,17 @@ impl EquationSystem {
         self.unknowns.iter().map(|f| (f.members[0], f.change))
     }
 
-    /// Updates the masses and factorises again without allocation.
+    /// Updates the masses and factorises again without allocation, if a mass has changed.
     pub fn update_masses(&mut self, mass: impl Fn(usize) -> f64) {
-        let free = self.unknowns.iter_mut().filter(|f| f.inverse_mass > 0.0);
-        free.for_each(|f| f.inverse_mass = 1.0 / mass(f.members[0]));
+        let mut has_changed = false;
+        for f in self.unknowns.iter_mut().filter(|f| f.inverse_mass > 0.0) {
+            let inverse = 1.0 / f.members.iter().map(|&n| mass(n)).sum::<f64>();
+            has_changed |= inverse != f.inverse_mass;
+            f.inverse_mass = inverse;
+        }
+        if !has_changed {
+            return;
+        }
         for i in 0..self.rows.len() {
             if self.rows[i].is_empty() {
                 continue;
@@ -351,5 +358,5 @@ pub(super) fn change_velocity(dofs: &mut Dofs, node: usize, axis: usize, change:
 
 persist_struct!(EquationUnknown { constraint_force, member_force, inertia } derived { members, axis, inverse_mass, change, value });
 
-// The factor follows from the masses at the start of the step; multipliers are solved for in each increment.
+// The factor follows from the masses; multipliers are solved for in each increment.
 persist_struct!(EquationSystem { unknowns: fixed } derived { rows, spare, factor, last, lambda });

@@ -97,8 +97,8 @@ pub struct ScaledMasses {
     pub(super) nodes: Vec<f64>,
     /// Masses of elements at their nodes, by group.
     pub(super) elements: Vec<Vec<PerNode<f64>>>,
-    /// Nodes whose mass is not scaled: those of rigid bodies, equations and ties; empty if there are none.
-    pub(super) unscaled: Vec<bool>,
+    /// Nodes with equations or links; empty if there are none.
+    pub(super) linked: Vec<bool>,
     /// Factors of fixed requests, and products of all factors.
     pub(super) fixed: Vec<Vec<f64>>,
     pub(super) factors: Vec<Vec<f64>>,
@@ -109,6 +109,19 @@ pub struct ScaledMasses {
     /// Sum of the masses of the nodes without scaling, and the mass that scaling has added.
     pub(super) original: f64,
     pub(super) added: f64,
+    /// The part of it at linked nodes.
+    pub(super) added_to_links: f64,
+}
+
+/// Mass added by scaling to nodes that are not nodes of rigid bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AddedMass {
+    /// Mass without scaling.
+    pub original: f64,
+    /// All added mass.
+    pub added: f64,
+    /// The part of it at nodes with equations or links.
+    pub linked: f64,
 }
 
 impl StepMassScaling {
@@ -129,16 +142,10 @@ persist_struct!(VariableScaling { due } derived { request, rhythm });
 persist_struct!(StepMassScaling { variable: fixed, first } derived { fixed });
 
 impl ScaledMasses {
-    /// Returns whether a node keeps its mass.
-    pub(super) fn is_unscaled(&self, node: u32) -> bool {
-        self.unscaled.get(node as usize).copied().unwrap_or(false)
-    }
-
     /// Returns the masses of an element at its nodes, scaled by a factor.
-    pub(super) fn scaled(&self, group: usize, element: usize, nodes: &[u32], factor: f64) -> PerNode<f64> {
+    pub(super) fn scaled(&self, group: usize, element: usize, factor: f64) -> PerNode<f64> {
         let mut masses = self.elements[group][element];
-        let scaled = masses.iter_mut().zip(nodes).filter(|(_, node)| !self.is_unscaled(**node));
-        scaled.for_each(|(mass, _)| *mass *= factor);
+        masses.iter_mut().for_each(|mass| *mass *= factor);
         masses
     }
 
@@ -149,14 +156,15 @@ impl ScaledMasses {
             + of(&self.factors)
             + of(&self.applied)
             + elements
-            + self.unscaled.capacity()
+            + self.linked.capacity()
             + 8 * (self.nodes.capacity() + self.sums.capacity())
     }
 }
 
-// The set of unscaled nodes follows from the plan; scaled masses are recomputed.
+// The set of linked nodes follows from the plan; scaled masses are recomputed.
 persist_struct!(ScaledMasses {
-    nodes: fixed, elements: fixed_lists, fixed: fixed_lists, factors: fixed_lists, applied: fixed_lists, original, added
+    nodes: fixed, elements: fixed_lists, fixed: fixed_lists, factors: fixed_lists, applied: fixed_lists, original, added,
+    added_to_links
 } derived {
-    unscaled, sums
+    linked, sums
 });

@@ -2,7 +2,7 @@
 //! increment limit.
 
 use super::elements::Elements;
-use super::mass_scaling::{ArrivedScaling, ScaledMasses, ScalingRequest, ScalingTarget, StepMassScaling};
+use super::mass_scaling::{AddedMass, ArrivedScaling, ScaledMasses, ScalingRequest, ScalingTarget, StepMassScaling};
 use crate::kernel::topology::PerNode;
 use crate::state::Instant;
 use crate::state::dofs::Dofs;
@@ -25,8 +25,8 @@ impl FactorSet {
 }
 
 impl Elements {
-    /// Stores the current masses as reference of all factors; masses of nodes with `left` are not scaled.
-    pub fn store_unscaled_masses(&mut self, nodes: &Nodes, left: Vec<bool>) {
+    /// Stores the current masses as reference of all factors. `linked` marks the nodes with equations or links.
+    pub fn store_unscaled_masses(&mut self, nodes: &Nodes, linked: Vec<bool>) {
         self.groups.iter_mut().for_each(|group| group.extensions().settings().keep_rates());
         let elements: Vec<Vec<PerNode<f64>>> =
             self.groups.iter().map(|g| (0..g.len()).map(|e| g.masses(e)).collect()).collect();
@@ -36,19 +36,26 @@ impl Elements {
         self.masses = Some(Box::new(ScaledMasses {
             nodes,
             elements,
-            unscaled: left,
+            linked,
             fixed: ones.clone(),
             factors: ones.clone(),
             applied: ones,
             sums,
             original,
             added: 0.0,
+            added_to_links: 0.0,
         }));
     }
 
-    /// Returns the mass added by scaling so far, and the mass without scaling; `None` without mass scaling.
-    pub fn added_mass(&self) -> Option<[f64; 2]> {
-        self.masses.as_deref().map(|masses| [masses.added, masses.original])
+    /// Returns the mass that scaling has added at nodes that are not nodes of rigid bodies; `None` without mass scaling.
+    pub fn added_mass(&self) -> Option<AddedMass> {
+        let &ScaledMasses { original, added, added_to_links, .. } = self.masses.as_deref()?;
+        Some(AddedMass { original, added, linked: added_to_links })
+    }
+
+    /// Returns the mass that scaling adds at nodes of a rigid body, which have no mass themselves.
+    pub fn mass_added_to_body(&self, nodes: &[usize]) -> f64 {
+        self.masses.as_deref().map_or(0.0, |masses| nodes.iter().map(|&n| masses.sums[n] - masses.nodes[n]).sum())
     }
 
     /// Returns the factor of mass scaling on the mass of an element; `None` without mass scaling.
@@ -60,6 +67,35 @@ impl Elements {
     pub fn scaling_of(&self, group: usize, element: usize) -> Option<[f64; 2]> {
         let masses = self.masses.as_deref()?;
         Some([masses.fixed[group][element], masses.factors[group][element]])
+    }
+
+    /// Returns the parts of an element's mass that it would have without scaling and with fixed requests alone. Both are
+    /// conserved when elements exchange mass.
+    pub fn unscaled_shares(&self, group: usize, element: usize) -> [f64; 2] {
+        let [fixed, all] = self.scaling_of(group, element).unwrap_or([1.0; 2]);
+        [1.0 / all, fixed / all]
+    }
+
+    /// Takes the corner masses of an element that has exchanged mass with others, and their parts as
+    /// [`Elements::unscaled_shares`].
+    pub fn take_scaled_masses(&mut self, group: usize, element: usize, scaled: [f64; 4], [plain, fixed]: [f64; 2]) {
+        let Some(masses) = &mut self.masses else { return };
+        let unscaled: PerNode<f64> = scaled.map(|mass| plain * mass).into();
+        let before = std::mem::replace(&mut masses.elements[group][element], unscaled);
+        for ((n, before), now) in self.groups[group].nodes(element).into_iter().zip(before).zip(unscaled) {
+            masses.nodes[n as usize] += now - before;
+        }
+        let all = 1.0 / plain;
+        masses.fixed[group][element] = fixed * all;
+        (masses.factors[group][element], masses.applied[group][element]) = (all, all);
+    }
+
+    /// Sums the masses with and without scaling after elements have exchanged mass.
+    pub fn sum_scaled_masses(&mut self, nodes: &Nodes) {
+        if let Some(masses) = &mut self.masses {
+            masses.original = masses.nodes.iter().sum();
+            masses.sum_added(nodes);
+        }
     }
 
     /// Sets the masses of the elements of a group to those without scaling.
@@ -78,7 +114,7 @@ impl Elements {
             masses.factors[g].clone_from(&before.factors[g]);
             masses.applied[g].clone_from(&before.applied[g]);
         }
-        (masses.original, masses.added) = (before.original, before.added);
+        (masses.original, masses.added, masses.added_to_links) = (before.original, before.added, before.added_to_links);
         let own = &mut self.groups[group];
         for e in 0..own.len() {
             own.nodes(e).into_iter().for_each(|n| masses.nodes[n as usize] = 0.0);
@@ -88,7 +124,7 @@ impl Elements {
             masses.elements[group][e] = (*plain).into();
             nodes.into_iter().zip(plain).for_each(|(n, mass)| masses.nodes[n as usize] += mass);
             (masses.fixed[group][e], masses.factors[group][e], masses.applied[group][e]) = (*fixed, *all, *all);
-            own.extensions().settings().set_masses(e, &masses.scaled(group, e, &nodes, *all));
+            own.extensions().settings().set_masses(e, &masses.scaled(group, e, *all));
         }
     }
 
@@ -136,11 +172,7 @@ impl Elements {
             if group.is_deleted(e) { None } else { group.stable_rate(e, Some(masses), nodes.as_slice()) }
         };
         let rate = |factors: &[Vec<f64>], (g, e): (usize, usize)| {
-            let (own, factor) = (self.groups[g].nodes(e), factors[g][e]);
-            if own.iter().any(|n| masses.is_unscaled(*n)) {
-                return of_element(&masses.scaled(g, e, &own, factor), (g, e)).unwrap_or(0.0);
-            }
-            of_element(&masses.elements[g][e], (g, e)).map_or(0.0, |rate| rate / factor.sqrt())
+            of_element(&masses.elements[g][e], (g, e)).map_or(0.0, |rate| rate / factors[g][e].sqrt())
         };
         for &(g, e) in &request.elements {
             factors[g][e] *= request.factor;
@@ -176,13 +208,11 @@ impl Elements {
                 let (nodes, plain) = (group.nodes(e), masses.elements[g][e]);
                 // Unscaled elements keep the bits of their masses.
                 if factor != masses.applied[g][e] {
-                    group.extensions().settings().set_masses(e, &masses.scaled(g, e, &nodes, factor));
+                    group.extensions().settings().set_masses(e, &masses.scaled(g, e, factor));
                     masses.applied[g][e] = factor;
                 }
                 for (n, m) in nodes.into_iter().zip(plain) {
-                    if !masses.is_unscaled(n) {
-                        masses.sums[n as usize] += (factor - 1.0) * m;
-                    }
+                    masses.sums[n as usize] += (factor - 1.0) * m;
                 }
             }
         }
@@ -194,7 +224,7 @@ impl Elements {
                 changed(n, gained);
             }
         }
-        masses.added = dofs.nodes.mass.iter().zip(&masses.nodes).map(|(scaled, plain)| scaled - plain).sum();
+        masses.sum_added(&dofs.nodes);
         if let Some(connectors) = &mut self.connectors {
             connectors.bound(&dofs.nodes);
         }
@@ -211,12 +241,21 @@ impl Elements {
         for (g, factors) in masses.factors.iter().enumerate() {
             for (e, &factor) in factors.iter().enumerate() {
                 let group = &self.groups[g];
-                let scaled = masses.scaled(g, e, &group.nodes(e), factor);
+                let scaled = masses.scaled(g, e, factor);
                 let own = group.stable_rate(e, Some(&scaled), nodes.as_slice());
                 if let Some(rate) = own.filter(|_| !group.is_deleted(e)) {
                     self.raise_limit(g, e, rate);
                 }
             }
         }
+    }
+}
+
+impl ScaledMasses {
+    /// Sums the mass that scaling has added.
+    fn sum_added(&mut self, nodes: &Nodes) {
+        self.added = nodes.mass.iter().zip(&self.nodes).map(|(scaled, plain)| scaled - plain).sum();
+        let linked = self.linked.iter().zip(nodes.mass.iter().zip(&self.nodes)).filter(|node| *node.0);
+        self.added_to_links = linked.map(|(_, (scaled, plain))| scaled - plain).sum();
     }
 }

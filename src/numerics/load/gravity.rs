@@ -59,10 +59,15 @@ impl Load for GravityLoad {
     }
 
     fn scene_changed(&mut self, change: &SceneChange<'_>) {
-        if let SceneChange::Masses(mass) = change
-            && self.whole
-        {
-            self.nodes.iter_mut().for_each(|m| m.1 = mass[m.0]);
+        let SceneChange::Masses(dofs) = change else { return };
+        if self.whole {
+            self.nodes.iter_mut().for_each(|m| m.1 = dofs.nodes.mass[m.0]);
+        }
+        for (force, weight) in &mut self.bodies {
+            let body = &dofs.bodies[force.body];
+            if !body.is_spatial() {
+                *weight = body.mass * self.along_z;
+            }
         }
     }
 }

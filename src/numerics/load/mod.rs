@@ -110,8 +110,8 @@ impl TargetDissipation {
 pub enum SceneChange<'a> {
     /// Boundary nodes of the elements that were deleted; loads on their faces end.
     DeletedElements(&'a [ElementNodes]),
-    /// New masses of all nodes.
-    Masses(&'a [f64]),
+    /// New masses of nodes and bodies.
+    Masses(&'a Dofs),
 }
 
 /// Dependence of a load on velocity.

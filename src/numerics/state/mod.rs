@@ -171,6 +171,14 @@ impl BodyState {
         }
     }
 
+    /// Changes the mass at constant velocity: that at the middle of the previous increment, or the current one if central
+    /// differences start. Returns the increase of kinetic energy.
+    pub fn change_mass(&mut self, mass: f64, starts: bool) -> f64 {
+        let (added, velocity) = (mass - self.mass, if starts { self.velocity } else { self.velocity_half });
+        (self.mass, self.inverse_mass) = (mass, 1.0 / mass);
+        0.5 * added * velocity * velocity
+    }
+
     /// Returns to the start of the increment, before the forces at its end have been accepted.
     pub fn undo_advance(&mut self) {
         (self.displacement, self.velocity) = (self.before.displacement, self.before.velocity);
@@ -348,7 +356,7 @@ persist_struct!(PreviousMotion { velocity, acceleration, displacement });
 // The derived fields follow from the plan and the start of a step.
 persist_struct!(BodyState {
     spatial: present, displacement, velocity_half, acceleration, velocity, force, velocity_load, direction, before,
-    reaction, contact
+    reaction, contact, mass, inverse_mass
 } derived {
-    mass, inverse_mass, slots, reads_velocity, prescribed, tied
+    slots, reads_velocity, prescribed, tied
 });

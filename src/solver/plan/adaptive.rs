@@ -115,9 +115,8 @@ impl<'a> Compiler<'a> {
                 "use another material or other section controls, or no adaptive mesh",
             );
         }
-        let heat = state.thermal.as_ref().and_then(|thermal| thermal.heat.as_ref());
-        let conducts = heat.is_some_and(|heat| heat.conducts(group));
-        domain.map(|domain| if conducts { domain.with_temperatures() } else { domain })
+        let domain = domain.map(|domain| if self.scales_masses() { domain.with_mass_scaling() } else { domain });
+        domain.map(|domain| if conducts(group, state) { domain.with_temperatures() } else { domain })
     }
 
     /// Returns why a domain is not supported, and what would be.
@@ -143,9 +142,9 @@ impl<'a> Compiler<'a> {
             let message = format!("elements of `{}` belong to two adaptive meshes", mesh.set);
             return Some((message, "give each element to one domain"));
         }
-        if self.model.steps.iter().any(|step| !step.mass_scalings.is_empty()) {
-            let message = "adaptive meshes cannot be combined with mass scaling".into();
-            return Some((message, "remove one of the two"));
+        if self.scales_masses() && conducts(group, state) {
+            let message = "adaptive meshes with heat conduction cannot be combined with mass scaling".into();
+            return Some((message, "remove the mass scaling, or use ADIABATIC on *DYNAMIC, EXPLICIT"));
         }
         if state.elements.distortion.is_some() {
             let message = "adaptive meshes cannot be combined with DISTORTION CONTROL".into();
@@ -174,7 +173,7 @@ impl<'a> Compiler<'a> {
                 other.nodes(e).into_iter().for_each(|n| fixed[n as usize] = true);
             }
         }
-        let linked = self.unscaled_nodes(count);
+        let linked = self.constrained_nodes(count);
         for e in elements {
             let nodes = groups[group].nodes(*e as usize);
             if nodes.into_iter().any(|n| linked.get(n as usize) == Some(&true)) {
@@ -368,4 +367,10 @@ fn settings(mesh: &AdaptiveMesh, [is_eulerian, is_held]: [bool; 2]) -> AdaptiveS
         order: if mesh.controls.second_order { TransportOrder::Second } else { TransportOrder::First },
         returns: mesh.controls.previous.unwrap_or(is_eulerian),
     }
+}
+
+/// Returns whether the elements of a group conduct heat.
+fn conducts(group: usize, state: &State) -> bool {
+    let heat = state.thermal.as_ref().and_then(|thermal| thermal.heat.as_ref());
+    heat.is_some_and(|heat| heat.conducts(group))
 }

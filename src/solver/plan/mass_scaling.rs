@@ -57,13 +57,17 @@ impl Compiler<'_> {
             self.refuse_scaling(scaling.span, message, "give an ELSET without these elements");
             return None;
         }
-        let left = self.unscaled_nodes(state.dofs.nodes.len());
-        let stays = |&(g, e): &(usize, usize)| {
-            state.elements.groups[g].nodes(e).into_iter().any(|n| left.get(n as usize) == Some(&true))
+        let constrained = self.constrained_nodes(state.dofs.nodes.len());
+        let is_constrained = |&(g, e): &(usize, usize)| {
+            state.elements.groups[g].nodes(e).into_iter().any(|n| constrained.get(n as usize) == Some(&true))
         };
-        let touched = elements.iter().filter(|at| stays(at)).count();
-        let alone = if touched > 0 { format!(", except at tied nodes of {touched} elements") } else { String::new() };
-        self.ledger_row(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling) + &alone);
+        let touched = elements.iter().filter(|at| is_constrained(at)).count();
+        let at_links = if touched > 0 {
+            format!("; {touched} elements have nodes with equations, links or rigid bodies, which take the added mass")
+        } else {
+            String::new()
+        };
+        self.ledger_row(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling) + &at_links);
         let aim = scaling.target.map(|(kind, dt)| (aim(kind), dt));
         Some(ScalingRequest { elements, factor: scaling.factor, aim })
     }
@@ -73,14 +77,23 @@ impl Compiler<'_> {
         found.map_or("", |(e, _)| &self.model.mesh.elements[e].name)
     }
 
-    /// Returns whether each node keeps its mass: nodes of rigid bodies, equations and links. Empty if there are none.
-    pub(super) fn unscaled_nodes(&self, count: usize) -> Vec<bool> {
-        let kept = self.links.involved_dofs();
+    /// Returns whether each node belongs to a rigid body, an equation or a link. Empty if there are none.
+    pub(super) fn constrained_nodes(&self, count: usize) -> Vec<bool> {
         let carried = self.ties.iter().flat_map(|t| t.nodes.iter().copied());
-        let nodes: Vec<usize> = carried.chain(kept.into_iter().map(|dof| dof.0)).collect();
-        let mut left = vec![false; if nodes.is_empty() { 0 } else { count }];
-        nodes.into_iter().for_each(|n| left[n] = true);
-        left
+        self.marked_nodes(count, carried.chain(self.nodes_of_links()))
+    }
+
+    /// Returns the nodes with equations and links.
+    pub(super) fn nodes_of_links(&self) -> impl Iterator<Item = usize> {
+        self.links.involved_dofs().into_iter().map(|dof| dof.0)
+    }
+
+    /// Returns whether each node belongs to a list. Empty if the list is.
+    pub(super) fn marked_nodes(&self, count: usize, nodes: impl Iterator<Item = usize>) -> Vec<bool> {
+        let nodes: Vec<usize> = nodes.collect();
+        let mut marked = vec![false; if nodes.is_empty() { 0 } else { count }];
+        nodes.into_iter().for_each(|n| marked[n] = true);
+        marked
     }
 
     /// Reports loads that use the initial masses and do not support mass scaling.

@@ -397,8 +397,8 @@ impl Compiler<'_> {
             return;
         }
         if self.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
-            let left = self.unscaled_nodes(state.dofs.nodes.len());
-            state.elements.store_unscaled_masses(&state.dofs.nodes, left);
+            let linked = self.marked_nodes(state.dofs.nodes.len(), self.nodes_of_links());
+            state.elements.store_unscaled_masses(&state.dofs.nodes, linked);
         }
         self.highest_frequency(state);
     }

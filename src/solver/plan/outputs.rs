@@ -516,7 +516,7 @@ impl Compiler<'_> {
         self.model.steps.first().is_some_and(|s| s.coupled)
     }
 
-    fn scales_masses(&self) -> bool {
+    pub(super) fn scales_masses(&self) -> bool {
         self.deforms() && self.model.steps.iter().any(|step| !step.mass_scalings.is_empty())
     }
 

@@ -191,7 +191,7 @@ impl SolverRun<'_> {
             self.timing.stop(clock, domain.id);
         }
         if has_changed {
-            let masses = SceneChange::Masses(&dofs.nodes.mass);
+            let masses = SceneChange::Masses(dofs);
             loads.iter_mut().for_each(|load| load.scene_changed(&masses));
         }
     }

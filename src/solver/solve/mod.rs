@@ -45,7 +45,7 @@ use increment::IncrementController;
 pub use limits::{IncrementLimits, LimitsOverTime};
 use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
-pub use outcome::{BodyExit, BodyRest, ImpactEnd, Outcome, PenetrationSummary, StepSummary};
+pub use outcome::{AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, Outcome, PenetrationSummary, StepSummary};
 pub use position::RunPosition;
 use remesh::{DetachedRun, NextMesh, plan_of_revisions};
 pub use restart::{CheckpointInterval, LOST, RunControl, lost};

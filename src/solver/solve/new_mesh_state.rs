@@ -290,7 +290,7 @@ impl SolverRun<'_> {
                 follower.follow_new_mesh(&**previous, &|node| places[node], dofs);
             }
         }
-        let masses = SceneChange::Masses(&dofs.nodes.mass);
+        let masses = SceneChange::Masses(dofs);
         loads.iter_mut().for_each(|load| load.scene_changed(&masses));
     }
 }

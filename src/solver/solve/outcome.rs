@@ -128,9 +128,45 @@ pub struct StepSummary {
     /// Mass added by mass scaling at its last update; absent without mass scaling.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub added_mass: Option<f64>,
+    /// Places of the added mass; absent without mass scaling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub added_mass_at: Option<AddedMassPlaces>,
     /// Limits on the increments over time.
     #[serde(skip)]
     pub limits: IncrementLimits,
+}
+
+/// Mass added by mass scaling, by the nodes of the scaled elements that take it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct AddedMassPlaces {
+    /// Nodes without constraints, or with prescribed motions alone.
+    pub free_nodes: f64,
+    /// Nodes with equations or links: `*EQUATION`, `*MPC`, `*COUPLING`, `*TIE`.
+    pub linked_nodes: f64,
+    /// Rigid bodies, for their nodes on deformable elements.
+    pub rigid_bodies: f64,
+}
+
+impl AddedMassPlaces {
+    /// Returns the sum.
+    pub fn total(&self) -> f64 {
+        self.free_nodes + self.linked_nodes + self.rigid_bodies
+    }
+
+    /// Describes the shares of the places; empty if all mass is at nodes without constraints.
+    pub fn describe(&self) -> String {
+        let named = [
+            (self.free_nodes, "free nodes"),
+            (self.linked_nodes, "nodes with equations or links"),
+            (self.rigid_bodies, "rigid bodies"),
+        ];
+        if self.linked_nodes == 0.0 && self.rigid_bodies == 0.0 {
+            return String::new();
+        }
+        let parts = named.iter().filter(|part| part.0 != 0.0);
+        let parts: Vec<String> = parts.map(|(mass, place)| format!("{mass:.3e} at {place}")).collect();
+        format!(" (mass {})", parts.join(", "))
+    }
 }
 
 /// Final state of a body with six degrees of freedom; vectors along 1, 2, 3, angles in degrees.

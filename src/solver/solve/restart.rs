@@ -12,7 +12,7 @@ use super::observe::{OutputSchedule, RunOutput, output_failure};
 use super::outcome::MeshChanges;
 use super::position::RunPosition;
 use super::routines::UserSession;
-use super::{BodyRest, Outcome, Sink, SinkError, SolverRun, StepSummary};
+use super::{AddedMassPlaces, BodyRest, Outcome, Sink, SinkError, SolverRun, StepSummary};
 use crate::plan::StepPlan;
 use crate::remesh::MeshRevision;
 use crate::state::Instant;
@@ -402,8 +402,11 @@ persist_struct!(StepSummary {
     limiting_element,
     global_estimates,
     added_mass,
+    added_mass_at,
     limits
 });
+
+persist_struct!(AddedMassPlaces { free_nodes, linked_nodes, rigid_bodies });
 
 persist_struct!(BodyRest { body, time, displacement });
 

@@ -209,9 +209,11 @@ impl<'a> SolverRun<'a> {
         let (name, smallest_increment) = (step.name.clone(), f64::INFINITY);
         let limits = IncrementLimits::begin();
         // Masses scaled in the previous step stay scaled.
-        let added_mass = self.outcome.steps.last().and_then(|previous| previous.added_mass);
-        let added_mass = added_mass.filter(|_| self.state.scaling.is_some());
-        self.outcome.steps.push(StepSummary { name, smallest_increment, limits, added_mass, ..Default::default() });
+        let scaled = self.outcome.steps.last().filter(|_| self.state.scaling.is_some());
+        let added_mass_at = scaled.and_then(|previous| previous.added_mass_at);
+        let added_mass = scaled.and_then(|previous| previous.added_mass);
+        let summary = StepSummary { name, smallest_increment, limits, added_mass, added_mass_at, ..Default::default() };
+        self.outcome.steps.push(summary);
         self.begin_onsets();
         self.begin_drift_bound();
         changes

@@ -1,9 +1,12 @@
 //! Mass scaling: its energy in the balance, the added mass of the model and of each section, and the warning of added mass.
 
 use super::masses::MassMonitor;
+use super::outcome::AddedMassPlaces;
 use super::run::SolverRun;
 use crate::element::elements::Elements;
+use crate::element::mass_scaling::AddedMass;
 use crate::load::SceneChange;
+use crate::plan::State;
 
 /// Fraction of added mass, and ratio of the kinetic to the largest energy, above which a warning is issued. Where bodies
 /// hardly move, added mass changes little.
@@ -17,6 +20,7 @@ impl SolverRun<'_> {
         let Some(scaling) = &mut self.state.scaling else { return };
         if self.watch.masses.original.is_empty() {
             self.watch.masses.original = group_masses(&self.state.elements).collect();
+            self.watch.masses.bodies = self.state.dofs.bodies.iter().map(|body| body.mass).collect();
         }
         let (constraints, mut energy) = (&mut self.state.constraints, 0.0);
         let changed = &mut |n, gained: [f64; 2]| {
@@ -26,11 +30,13 @@ impl SolverRun<'_> {
         if !self.state.elements.scale_masses(scaling, &self.now, &mut self.state.dofs, changed) {
             return;
         }
+        energy += self.scale_bodies();
         self.balance.add_mass_work(energy);
-        let masses = SceneChange::Masses(&self.state.dofs.nodes.mass);
+        let masses = SceneChange::Masses(&self.state.dofs);
         self.state.loads.iter_mut().for_each(|load| load.scene_changed(&masses));
+        let places = self.added_mass_places();
         if let Some(summary) = self.outcome.steps.last_mut() {
-            summary.added_mass = self.state.elements.added_mass().map(|[added, _]| added);
+            (summary.added_mass, summary.added_mass_at) = (places.map(|places| places.total()), places);
         }
         let ratio = |(now, original): (f64, &f64)| if *original > 0.0 { now / original - 1.0 } else { 0.0 };
         let MassMonitor { original, added_shares, .. } = &mut self.watch.masses;
@@ -39,10 +45,37 @@ impl SolverRun<'_> {
         self.watch_masses();
     }
 
+    /// Adds to each rigid body the mass that scaling adds at its nodes. Returns the kinetic energy of this mass; at a
+    /// prescribed body it is work of the prescribed motion, and zero here.
+    fn scale_bodies(&mut self) -> f64 {
+        let State { constraints, elements, dofs, .. } = &mut self.state;
+        let (mut energy, starts) = (0.0, self.previous_dt == 0.0);
+        self.watch.masses.added_to_bodies = 0.0;
+        for carried in constraints.iter().filter_map(|constraint| constraint.view().carried) {
+            let added = elements.mass_added_to_body(carried.nodes);
+            let mass = self.watch.masses.bodies[carried.body] + added;
+            self.watch.masses.added_to_bodies += added;
+            let body = &mut dofs.bodies[carried.body];
+            if mass != body.mass {
+                let gained = body.change_mass(mass, starts);
+                energy += if body.prescribed { 0.0 } else { gained };
+            }
+        }
+        dofs.energies.external += energy;
+        energy
+    }
+
+    /// Returns the mass that scaling has added; `None` without mass scaling.
+    fn added_mass_places(&self) -> Option<AddedMassPlaces> {
+        let AddedMass { added, linked, .. } = self.state.elements.added_mass()?;
+        let rigid_bodies = self.watch.masses.added_to_bodies;
+        Some(AddedMassPlaces { free_nodes: added - linked, linked_nodes: linked, rigid_bodies })
+    }
+
     /// Returns the added mass in percent of the original mass of the deformable bodies; `None` without mass scaling.
     pub(super) fn added_mass_percent(&self) -> Option<f64> {
-        let [added, original] = self.state.elements.added_mass()?;
-        Some(100.0 * added / original)
+        let original = self.state.elements.added_mass()?.original;
+        Some(100.0 * self.added_mass_places()?.total() / original)
     }
 
     /// Records the kinetic energy if much mass has been added.
@@ -78,9 +111,10 @@ impl SolverRun<'_> {
         };
         let named: Vec<String> = sections.iter().take(NAMED).map(name).collect();
         let warning = format!(
-            "mass scaling has added {total:.1} % to the mass of the deformable bodies: {}; their kinetic energy was up to {:.1} \
+            "mass scaling has added {total:.1} % to the mass of the deformable bodies{}: {}; their kinetic energy was up to {:.1} \
              % of the largest energy. Added mass changes inertia and impact forces; compare with a smaller target increment. \
              The histories DMASS, ALLMW (energy of the added mass) and PARTMASS (mass of a set) show its growth",
+            self.added_mass_places().unwrap_or_default().describe(),
             named.join(", "),
             100.0 * moving
         );
