@@ -45,18 +45,25 @@ fn taylor_bar_keeps_its_length_and_foot() {
 
 /// Upsetting to a quarter of the height: the force on a coarse adaptive mesh is that on the mesh of twice the fineness
 /// that follows the material, which works at this friction (2 %: the coarse mesh that follows the material is 3 % below).
+/// The last row depends on the changes just before it, by 0.3 %: the force is the mean of three frequencies.
 #[test]
 fn upsetting_needs_the_force_of_a_finer_mesh() {
     let deck = std::fs::read_to_string(common::project("input/upsetting.inp")).expect("the deck");
     let card = "*Adaptive Mesh, elset=BILLET, frequency=<every>\n";
     let follows = deck.replacen(card, "", 1).replace("ALLADV, ", "");
     let coarse = [("nr", "10"), ("nz", "15"), ("mu", "0.1")];
-    let [(adapted, history), (_, reference)] = [run(&deck, &coarse), run(&follows, &[("mu", "0.1")])];
-    assert_eq!(adapted.halt, None);
-    let [force, expected] = [&history, &reference].map(|of| of.0["RF2@DIE"].last);
-    println!("upsetting: force {force:e}, reference {expected:e}, drift {:.1e}", adapted.energy.drift);
-    assert!((force / expected - 1.0).abs() < 0.02, "{force} {expected}");
-    assert!(adapted.energy.drift < 1e-3, "{}", adapted.energy.drift);
+    let (_, reference) = run(&follows, &[("mu", "0.1")]);
+    let expected = reference.0["RF2@DIE"].last;
+    let forces = ["5", "8", "10"].map(|every| {
+        let (adapted, history) = run(&deck, &[coarse[0], coarse[1], coarse[2], ("every", every)]);
+        assert_eq!(adapted.halt, None);
+        let force = history.0["RF2@DIE"].last;
+        println!("upsetting: force {force:e}, reference {expected:e}, drift {:.1e}", adapted.energy.drift);
+        assert!(adapted.energy.drift < 1e-3, "{}", adapted.energy.drift);
+        force
+    });
+    let mean = forces.iter().sum::<f64>() / 3.0;
+    assert!((mean / expected - 1.0).abs() < 0.02, "{forces:?} {expected}");
 }
 
 /// Returns the Taylor bar with nodal temperatures and these cards of the material, with 600 K in its lower half and 300 K

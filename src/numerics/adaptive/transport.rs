@@ -65,6 +65,9 @@ pub(super) struct ElementTransport {
     moved: Vec<Pack>,
 }
 
+/// Accuracy of the flows that provide swept rings, relative to the largest one.
+const FLOW_ACCURACY: f64 = 0.02;
+
 /// Relative increase of the sums of squares, which keeps them regular for neighbours in one line.
 const REGULAR: f64 = 1e-9;
 
@@ -78,7 +81,7 @@ impl ElementTransport {
             flows: vec![ElementFlow::default(); cells],
             density_slopes: vec![[0.0; 2]; cells],
             swept: vec![0.0; cells],
-            balance: VolumeBalance::new(cells),
+            balance: VolumeBalance::new(cells, FLOW_ACCURACY),
             gradients: vec![[Pack::default(); 2]; cells],
             moved: vec![Pack::default(); cells],
         }

@@ -6,14 +6,16 @@ use super::lists::heap_bytes;
 /// Weight of the volume that remains missing over that of the flows, both relative to the volumes of elements: a missing
 /// volume that flows cannot provide is shared by about ten elements around.
 const SCREENING: f64 = 0.01;
-/// Missing volume relative to the volume of an element below which it is not corrected, and to which flows are accurate.
-const NEGLIGIBLE: f64 = 1e-7;
-/// Largest number of iterations; later changes of the mesh continue from what they leave.
+/// Missing volumes relative to the volumes of elements below which they are rounding errors.
+const NEGLIGIBLE: f64 = 1e-12;
+/// Largest number of iterations.
 const MOST_ITERATIONS: usize = 50;
 
 /// Flows between elements, as differences of a potential. All arrays are allocated at the start.
 #[derive(Clone, Debug)]
 pub struct VolumeBalance {
+    /// Accuracy of the flows, relative to the largest missing volume.
+    accuracy: f64,
     potential: Vec<f64>,
     residual: Vec<f64>,
     direction: Vec<f64>,
@@ -22,10 +24,17 @@ pub struct VolumeBalance {
 }
 
 impl VolumeBalance {
-    /// Creates the arrays for a number of elements.
-    pub fn new(elements: usize) -> VolumeBalance {
+    /// Creates the arrays for a number of elements. `accuracy` is that of the flows, relative to the largest missing volume.
+    pub fn new(elements: usize, accuracy: f64) -> VolumeBalance {
         let zeros = || vec![0.0; elements];
-        VolumeBalance { potential: zeros(), residual: zeros(), direction: zeros(), image: zeros(), diagonal: zeros() }
+        VolumeBalance {
+            accuracy,
+            potential: zeros(),
+            residual: zeros(),
+            direction: zeros(),
+            image: zeros(),
+            diagonal: zeros(),
+        }
     }
 
     /// Returns the size of all lists in bytes.
@@ -41,10 +50,12 @@ impl VolumeBalance {
         volume: impl Fn(usize) -> f64,
         missing: &[f64],
     ) -> bool {
-        let is_negligible = |list: &[f64]| (0..).zip(list).all(|(e, x)| x.abs() <= NEGLIGIBLE * volume(e));
-        if is_negligible(missing) {
+        let is_within = |part: f64, list: &[f64]| (0..).zip(list).all(|(e, x)| x.abs() <= part * volume(e));
+        if is_within(NEGLIGIBLE, missing) {
             return false;
         }
+        let share = |(e, x): (usize, &f64)| if *x == 0.0 { 0.0 } else { x.abs() / volume(e) };
+        let accuracy = self.accuracy * missing.iter().enumerate().map(share).fold(0.0, f64::max);
         for (e, diagonal) in self.diagonal.iter_mut().enumerate() {
             *diagonal = SCREENING * volume(e);
         }
@@ -73,7 +84,7 @@ impl VolumeBalance {
             let step = square / curvature;
             self.potential.iter_mut().zip(&self.direction).for_each(|(x, d)| *x += step * d);
             self.residual.iter_mut().zip(&self.image).for_each(|(r, i)| *r -= step * i);
-            if is_negligible(&self.residual) {
+            if is_within(accuracy, &self.residual) {
                 break;
             }
         }
@@ -102,11 +113,11 @@ impl VolumeBalance {
 mod tests {
     use super::VolumeBalance;
 
-    /// In a row of equal elements a pair of opposite missing volumes is provided up to the screening, and flows are zero
+    /// In a row of equal elements a pair of opposite missing volumes is provided up to accuracy and screening, and flows are small
     /// where nothing is missing.
     #[test]
     fn opposite_missing_volumes_are_provided() {
-        let mut balance = VolumeBalance::new(40);
+        let mut balance = VolumeBalance::new(40, 1e-3);
         let links = || (1..40).map(|i| [i - 1, i]);
         let mut missing = vec![0.0; 40];
         (missing[20], missing[21]) = (0.03, -0.03);
@@ -117,6 +128,6 @@ mod tests {
         // Decay length of the screened potential: about 10 elements.
         assert!(flows[1].abs() < 0.02 * flows[20].abs());
         assert!((0..40).map(provided).sum::<f64>().abs() < 1e-16);
-        assert!(!balance.solve(links(), |_| 1.0, &[1e-9; 40]));
+        assert!(!balance.solve(links(), |_| 1.0, &[1e-13; 40]));
     }
 }

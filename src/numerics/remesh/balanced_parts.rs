@@ -10,6 +10,8 @@ use crate::kernel::volume_balance::VolumeBalance;
 
 /// Largest share of its material that a new element passes on in one pass.
 const LARGEST_SHARE: f64 = 0.5;
+/// Accuracy of the flows, relative to the largest missing volume.
+const ACCURACY: f64 = 1e-4;
 /// Largest number of passes.
 const MOST_PASSES: usize = 8;
 
@@ -21,7 +23,7 @@ pub fn balanced_parts(mut parts: Vec<CommonPart>, volumes: &[f64], new: &BodyMes
     let beside = neighbours(new);
     let pairs = (0..).zip(&beside).flat_map(|(a, list)| list.iter().map(move |b| [a, *b as usize]));
     let links: Vec<[usize; 2]> = pairs.filter(|[a, b]| a < b).collect();
-    let mut balance = VolumeBalance::new(sizes.len());
+    let mut balance = VolumeBalance::new(sizes.len(), ACCURACY);
     for _ in 0..MOST_PASSES {
         let mut content = vec![0.0; sizes.len()];
         for part in &parts {
