@@ -207,7 +207,10 @@ fn facets_of_different_size_are_reported() {
             for output in ["CPRESS", "CSTRESS"] {
                 let text = found(cells, carries, output);
                 let named = text.contains("P124") && text.contains("factor of 2.5");
-                assert!(named && text.contains(&format!("smaller facets on `{coarser}`")), "{cells:?} {carries}: {text}");
+                assert!(
+                    named && text.contains(&format!("smaller facets on `{coarser}`")),
+                    "{cells:?} {carries}: {text}"
+                );
             }
         }
     }

@@ -4,7 +4,9 @@
 use super::contact_curves::ContactGeometry;
 use super::{Compiler, State};
 use crate::constraint::contact::curve::{FacetCurve, FacetNeighbor, FacetShape, PointCarrier, SurfacePoint};
+use crate::constraint::overlaps::distance;
 use crate::deck::Diagnostic;
+use crate::kernel::lists::sorted_unique;
 use crate::kernel::sorted_boxes::SortedBoxes;
 use crate::model::SurfaceContact;
 use crate::variables::Variable;
@@ -21,6 +23,9 @@ const TURN: f64 = 0.5;
 /// coarse facets cannot follow its hat functions.
 const FINER: f64 = 2.0;
 const STIFFER: f64 = 1.5;
+
+/// Difference of distances, in facet lengths, up to which facets count as the closest ones.
+const CLOSE: f64 = 0.05;
 
 /// Two curves in contact. The first one carries the contact pressures.
 #[derive(Clone, Copy)]
@@ -69,29 +74,32 @@ impl ContactingCurves<'_> {
         })
     }
 
-    /// Returns the mean facet lengths of both curves where they are closest: of facets that are nearer to the other curve
-    /// than its mean facet length; of all exposed facets if no facet is.
-    fn near_lengths(&self) -> [f64; 2] {
+    /// Returns the mean facet lengths of both curves where they are closest: of facing facets whose distance exceeds the
+    /// smallest one by less than [`CLOSE`] facet lengths; of all exposed facets if none are near each other.
+    fn closest_lengths(&self) -> [f64; 2] {
         let shapes = self.curves.map(|curve| curve.exposed.iter().map(|&k| self.shape(curve, k)).collect::<Vec<_>>());
         let mean = |lengths: &[f64]| lengths.iter().sum::<f64>() / lengths.len() as f64;
-        let all = [0, 1].map(|i: usize| mean(&shapes[i].iter().map(|shape| shape.length).collect::<Vec<_>>()));
-        let margin = all[0].min(all[1]);
-        let mut near = [0, 1].map(|i: usize| vec![false; shapes[i].len()]);
+        let all = shapes.each_ref().map(|shapes| mean(&shapes.iter().map(|shape| shape.length).collect::<Vec<_>>()));
         let mut boxes = SortedBoxes::default();
         boxes.sort(shapes[1].iter().map(FacetShape::bounds).zip(0..));
-        for (k, shape) in shapes[0].iter().enumerate() {
-            boxes.near(shape.bounds(), margin, |j| {
-                let faces = shape.normal[0] * shapes[1][j as usize].normal[0]
-                    + shape.normal[1] * shapes[1][j as usize].normal[1];
-                if faces < FACING {
-                    (near[0][k], near[1][j as usize]) = (true, true);
+        let mut near: Vec<([usize; 2], f64)> = Vec::new();
+        for (k, a) in shapes[0].iter().enumerate() {
+            boxes.near(a.bounds(), all[0].min(all[1]), |j| {
+                let b = &shapes[1][j as usize];
+                if a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1] < FACING {
+                    near.push(([k, j as usize], gap_between(a, b)));
                 }
             });
         }
-        [0, 1].map(|i: usize| {
-            let of_near: Vec<f64> = shapes[i].iter().zip(&near[i]).filter(|n| *n.1).map(|n| n.0.length).collect();
-            if of_near.is_empty() { all[i] } else { mean(&of_near) }
-        })
+        let least = near.iter().map(|pair| pair.1).fold(f64::INFINITY, f64::min);
+        let shorter = |[k, j]: [usize; 2]| shapes[0][k].length.min(shapes[1][j].length);
+        let close = near.iter().filter(|pair| pair.1 <= least + CLOSE * shorter(pair.0));
+        let close: Vec<[usize; 2]> = close.map(|pair| pair.0).collect();
+        let lengths = |side: usize| {
+            let facets = sorted_unique(close.iter().map(|pair| pair[side]));
+            facets.into_iter().map(|facet| shapes[side][facet].length).collect::<Vec<_>>()
+        };
+        if close.is_empty() { all } else { [0, 1].map(|side| mean(&lengths(side))) }
     }
 
     /// Returns the rigid body of the second curve; `None` if its points do not all belong to one rigid body.
@@ -134,6 +142,13 @@ impl ContactingCurves<'_> {
         let found = other.exposed.iter().copied().find(|&k| around(k) > TURN)?;
         Some(self.places[other.facets[found as usize][1] as usize])
     }
+}
+
+/// Returns the smaller one of the distances of the middle of each facet from the other facet.
+fn gap_between(a: &FacetShape, b: &FacetShape) -> f64 {
+    let ends = |shape: &FacetShape| [shape.from, [0, 1].map(|i| shape.from[i] + shape.along[i])];
+    let middle = |shape: &FacetShape| [0, 1].map(|i: usize| shape.from[i] + 0.5 * shape.along[i]);
+    distance(middle(a), ends(b)).0.min(distance(middle(b), ends(a)).0)
 }
 
 /// Returns the sector of directions that contains a normal.
@@ -183,7 +198,7 @@ impl Compiler<'_> {
         if !requests.any(|request| request.variables().contains(&Variable::ContactPressure)) {
             return;
         }
-        let [own, other] = met.near_lengths();
+        let [own, other] = met.closest_lengths();
         let ratio = (own / other).max(other / own);
         // Meshes with exactly this ratio differ by rounding.
         if ratio < FINER * (1.0 + 1e-3) {
