@@ -256,6 +256,6 @@ impl ScaledMasses {
     fn sum_added(&mut self, nodes: &Nodes) {
         self.added = nodes.mass.iter().zip(&self.nodes).map(|(scaled, plain)| scaled - plain).sum();
         let linked = self.linked.iter().zip(nodes.mass.iter().zip(&self.nodes)).filter(|node| *node.0);
-        self.added_to_links = linked.map(|(_, (scaled, plain))| scaled - plain).sum();
+        self.added_to_links = linked.fold(0.0, |sum, (_, (scaled, plain))| sum + (scaled - plain));
     }
 }
