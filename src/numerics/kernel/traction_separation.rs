@@ -18,6 +18,8 @@ const ON_ENVELOPE: f64 = 1e-12;
 /// Share of the largest damage at which a point of a law with viscosity has failed: its damage reaches the largest only
 /// after an infinite time.
 const FAILED_SHARE: f64 = 0.999;
+/// Leverage below which rotations are neglected in the stiffness.
+const SMALL_LEVERAGE: f64 = 0.01;
 
 /// Criterion of damage initiation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,8 +120,47 @@ pub struct InterfaceHistory {
 pub struct InterfaceResponse {
     /// Normal and shear traction.
     pub traction: [f64; 2],
-    /// Energy dissipated by damage, per area.
-    pub dissipated: f64,
+    /// Dissipated energy, per area.
+    pub dissipated: DissipatedEnergy,
+}
+
+/// Dissipated energy of an interface, by cause.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DissipatedEnergy {
+    /// Energy that the law without viscosity dissipates for the same growth of the damage.
+    pub by_damage: f64,
+    /// The rest, which the viscosity of the damage dissipates.
+    pub by_viscosity: f64,
+}
+
+impl DissipatedEnergy {
+    /// Returns the energy dissipated by damage.
+    fn of_damage(by_damage: f64) -> DissipatedEnergy {
+        DissipatedEnergy { by_damage, by_viscosity: 0.0 }
+    }
+
+    /// Returns both energies times a factor.
+    #[must_use]
+    pub fn times(self, factor: f64) -> DissipatedEnergy {
+        DissipatedEnergy { by_damage: factor * self.by_damage, by_viscosity: factor * self.by_viscosity }
+    }
+
+    /// Adds both energies times a factor.
+    pub fn add(&mut self, other: DissipatedEnergy, factor: f64) {
+        self.by_damage += factor * other.by_damage;
+        self.by_viscosity += factor * other.by_viscosity;
+    }
+}
+
+/// State of a point of an interface on which the stiffness depends.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InterfaceStiffness {
+    pub damage: f64,
+    /// Whether the point is closed, or may close in the next increment. The stiffness of a damaged point rises then from
+    /// 1 - D to 1: a body that meets such a spring of the frequency ω gets back at most its energy if (ω dt)² <= 4/(1 + D).
+    pub closes: bool,
+    /// Vector between the faces along normal and mid-surface, over the length of the mid-surface.
+    pub leverage: [f64; 2],
 }
 
 /// Ray from the origin in the plane of both separations.
@@ -159,14 +200,30 @@ impl TractionSeparationLaw {
         let [before, after] = [previous, separation].inline_map(|at| self.degradable_parts(at));
         let [of_normal, of_shear] = self.degradable_stiffness();
         let work = of_normal * before[0] * after[0] + of_shear * before[1] * after[1];
-        let dissipated = (0.5 * growth * work).max(0.0);
+        let total = (0.5 * growth * work).max(0.0);
+        let by_damage = total.min(self.damage_energy([damage - growth, damage], separation));
+        let dissipated = DissipatedEnergy { by_damage, by_viscosity: total - by_damage };
         InterfaceResponse { traction: self.traction(history.damage, separation), dissipated }
+    }
+
+    /// Returns the energy that the law without viscosity dissipates per area while its damage grows from one value to
+    /// another along the ray of a separation.
+    fn damage_energy(&self, [from, to]: [f64; 2], separation: [f64; 2]) -> f64 {
+        let (Some(initiation), Some(softening)) = (&self.initiation, &self.softening) else { return 0.0 };
+        let value = initiation.value(self.initiation_measures(initiation, separation));
+        if to <= from || value.is_nan() || value <= 0.0 {
+            return 0.0;
+        }
+        let ray = self.ray(separation);
+        let envelope = softening.envelope(&ray, ray.size / value);
+        let [from, to] = [from, to].inline_map(|damage| envelope.dissipated(envelope.separation_at(damage)));
+        ray.stiffness * (to - from).max(0.0)
     }
 
     /// Updates the history of a point of a law without viscosity to a separation, and returns its response. The dissipated
     /// energy is the exact integral of ½ K δ² dD along the ray of this separation.
     pub fn update(&self, history: &mut InterfaceHistory, separation: [f64; 2]) -> InterfaceResponse {
-        let mut dissipated = 0.0;
+        let mut dissipated = DissipatedEnergy::default();
         if let Some(initiation) = &self.initiation {
             let value = initiation.value(self.initiation_measures(initiation, separation));
             let most = if self.softening.is_some() { 1.0 } else { f64::INFINITY };
@@ -174,7 +231,7 @@ impl TractionSeparationLaw {
             if let Some(softening) = self.softening.as_ref().filter(|_| value > 1.0) {
                 let ray = self.ray(separation);
                 let envelope = softening.envelope(&ray, ray.size / value);
-                dissipated = ray.stiffness * self.grow(history, &envelope, ray.size);
+                dissipated = DissipatedEnergy::of_damage(ray.stiffness * self.grow(history, &envelope, ray.size));
             }
         }
         InterfaceResponse { traction: self.traction(history.damage, separation), dissipated }
@@ -234,6 +291,41 @@ impl TractionSeparationLaw {
     pub fn stored(&self, damage: f64, separation: [f64; 2]) -> f64 {
         let [normal, shear] = self.traction(damage, separation);
         0.5 * (normal * separation[0] + shear * separation[1])
+    }
+
+    /// Returns the energy per area that is dissipated if the tractions at a separation vanish. A point with viscosity fails
+    /// late: its damage would hold less energy.
+    pub fn released(&self, damage: f64, separation: [f64; 2]) -> DissipatedEnergy {
+        let stored = self.stored(damage, separation);
+        let by_damage = match self.viscosity == 0.0 {
+            true => stored,
+            false => stored.min(self.damage_energy([damage, 1.0], separation)),
+        };
+        DissipatedEnergy { by_damage, by_viscosity: stored - by_damage }
+    }
+
+    /// Returns the stiffness that limits the time increment over that without damage, for a pair of points with these
+    /// states. `leverage` holds, for each point, the normal and the shear vector between the faces over the length of the
+    /// mid-surface, whose rotation they turn into shear and normal separations. Damage reduces the stiffness of open
+    /// points; a closed point has the full normal stiffness.
+    pub fn stiffness_ratio(&self, points: [InterfaceStiffness; 2]) -> f64 {
+        let largest = self.largest_stiffness(1.0);
+        let [of_normal, of_shear] = self.stiffness.inline_map(|k| if self.coupling == 0.0 { k / largest } else { 1.0 });
+        let (mut direct, mut turned): (f64, f64) = (1.0, 0.0);
+        for InterfaceStiffness { damage, closes, leverage } in points {
+            let kept = 1.0 - damage;
+            let normal = if closes { 1.0 } else { kept };
+            if closes {
+                direct = direct.max((1.0 + damage) * of_normal);
+            }
+            let [across, along] = leverage;
+            turned += 0.5 * (normal * of_normal * along * along + kept * of_shear * across * across);
+        }
+        if turned < SMALL_LEVERAGE * SMALL_LEVERAGE {
+            return direct;
+        }
+        let root = direct.sqrt() + turned.sqrt();
+        root * root
     }
 
     /// Returns whether the point of this history has failed.
@@ -476,7 +568,7 @@ mod tests {
         for size in [0.0, 5e-324, 1e-200, 1e-160, 1e-9] {
             let mut history = InterfaceHistory::default();
             let response = law.update(&mut history, [size, -size]);
-            assert_eq!((response.dissipated, history.damage), (0.0, 0.0));
+            assert_eq!((response.dissipated.by_damage, history.damage), (0.0, 0.0));
             assert!(response.traction.iter().all(|t| t.is_finite()));
         }
     }
@@ -486,12 +578,12 @@ mod tests {
         let law = law(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)));
         let mut history = InterfaceHistory::default();
         let peak = law.update(&mut history, [0.02, 0.0]);
-        assert!(peak.dissipated > 0.0 && history.damage > 0.0 && history.damage < 1.0);
+        assert!(peak.dissipated.by_damage > 0.0 && history.damage > 0.0 && history.damage < 1.0);
         let half = law.update(&mut history, [0.01, 0.0]);
-        assert_eq!(half.dissipated, 0.0);
+        assert_eq!(half.dissipated.by_damage, 0.0);
         assert!((half.traction[0] / (0.5 * peak.traction[0]) - 1.0).abs() < 1e-15);
         let again = law.update(&mut history, [0.02, 0.0]);
-        assert_eq!((again.traction, again.dissipated), (peak.traction, 0.0));
+        assert_eq!((again.traction, again.dissipated.by_damage), (peak.traction, 0.0));
     }
 
     #[test]
@@ -515,7 +607,7 @@ mod tests {
                 work += 0.5 * (before[axis] + response.traction[axis]) * (to[axis] - from[axis]);
             }
             (from, before) = (to, response.traction);
-            sum += response.dissipated;
+            sum += response.dissipated.by_damage + response.dissipated.by_viscosity;
         }
         (sum, work, history)
     }
@@ -685,7 +777,7 @@ mod tests {
         for i in 1..=steps {
             let response = law.advance(&mut history, [at(i - 1), at(i)], time / steps as f64);
             work += 0.5 * (last + response.traction[0]) * end / steps as f64;
-            sum += response.dissipated;
+            sum += response.dissipated.by_damage + response.dissipated.by_viscosity;
             last = response.traction[0];
         }
         (last, work, sum, history)

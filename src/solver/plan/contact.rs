@@ -145,6 +145,8 @@ impl Compiler<'_> {
         self.check_pair(contact, step, met, state);
         let mut pair = ContactPair::new(id, self.pair_number(contact), curves, length);
         pair.first = curves[0] == first;
+        let thickness = curves.map(|curve| self.smallest_thickness(&found.facet_elements[curve]));
+        pair.thickness = thickness[0].min(thickness[1]);
         Some((pair, length))
     }
 
@@ -163,6 +165,7 @@ impl Compiler<'_> {
         let length = found.lengths[curve][0];
         let mut pair = ContactPair::in_front_of(id, self.pair_number(contact), curve, analytical, length);
         pair.first = side.side == 1;
+        pair.thickness = self.smallest_thickness(&found.facet_elements[curve]);
         Some((pair, length))
     }
 

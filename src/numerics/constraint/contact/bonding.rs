@@ -10,7 +10,7 @@ use super::sweeps::NONE;
 use super::{ContactConstraint, ContactPair, MergedContactDof, pair_of};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
-use crate::kernel::traction_separation::TractionSeparationLaw;
+use crate::kernel::traction_separation::{DissipatedEnergy, TractionSeparationLaw};
 use crate::state::archive::StateArchive;
 use crate::state::dofs::{Dof, Dofs};
 use crate::variables::Variable;
@@ -80,10 +80,10 @@ impl CohesiveSurfaces {
 
     /// Updates separations and tractions at the start of an increment, after the time `dt` of the previous one, and the
     /// impulses over the time `half`. Returns the energy that damage and the deletion of elements dissipate.
-    fn update(&mut self, contact: &ContactConstraint, (half, dt): (f64, f64)) -> f64 {
+    fn update(&mut self, contact: &ContactConstraint, (half, dt): (f64, f64)) -> DissipatedEnergy {
         let CohesiveSurfaces { laws, pairs, points, impulses, .. } = self;
         impulses.fill(0.0);
-        let mut dissipated = 0.0;
+        let mut dissipated = DissipatedEnergy::default();
         for cohesive in pairs.iter() {
             let pair = &contact.pairs[cohesive.pair];
             let (own, other) = contact.sides(pair);
@@ -97,13 +97,13 @@ impl CohesiveSurfaces {
                 }
                 let law = &laws[cohesive.law_of(index)];
                 if !has_surfaces(own, index, other, point.facet) {
-                    dissipated += point.area * law.stored(point.history.damage, opened(point.separation));
+                    dissipated.add(law.released(point.history.damage, opened(point.separation)), point.area);
                     (point.status, point.traction, point.history.damage) = (BondStatus::Failed, [0.0; 2], 1.0);
                     continue;
                 }
                 let shape = &other.shapes[point.facet as usize];
                 let foot = FootVector::new(shape, point.part, contact.places[place as usize]);
-                dissipated += point.separate(law, &foot, dt);
+                dissipated.add(point.separate(law, &foot, dt), 1.0);
                 let between = point.traction.inline_map(|traction| point.area * traction * half);
                 let [a, b] = other.facets[point.facet as usize];
                 for (at, impulse) in [place, a, b].into_iter().zip(foot.forces(point.part, between)) {
@@ -149,9 +149,11 @@ impl CohesiveSurfaces {
                 }
                 let stiffness = self.laws[cohesive.law_of(index)].largest_stiffness(ONE_SIDED);
                 let [a, b] = other.facets[point.facet as usize];
+                let leverage = point.leverage(other.shapes[point.facet as usize].length);
                 for axis in 0..2 {
                     let dof = |at: u32| contact.dofs_of[at as usize][axis];
-                    let ends = [(dof(place), 1.0), (dof(a), 1.0 - point.part), (dof(b), point.part)];
+                    let ends =
+                        [(dof(place), 1.0), (dof(a), 1.0 - point.part + leverage), (dof(b), point.part + leverage)];
                     visit(point.area * stiffness, ends);
                 }
             }
@@ -293,8 +295,10 @@ impl ContactConstraint {
         let Some(mut cohesion) = self.cohesion.take() else { return };
         cohesion.bond_pressed_points(self);
         let dissipated = cohesion.update(self, (self.half, 2.0 * self.half - dt));
-        dofs.energies.plastic += dissipated;
-        dofs.energies.damaged += dissipated;
+        dofs.energies.plastic += dissipated.by_damage;
+        dofs.energies.damaged += dissipated.by_damage;
+        dofs.energies.internal -= dissipated.by_viscosity;
+        dofs.energies.viscous += dissipated.by_viscosity;
         cohesion.bound_frequency(self);
         for at in 0..self.rows.rows.len() {
             let Some((pair, point)) = cohesion.place_of(self, self.rows.rows[at].key) else { continue };

@@ -11,6 +11,7 @@
 use super::curve::FacetShape;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
+use crate::kernel::traction_separation::DissipatedEnergy;
 use crate::kernel::traction_separation::{InterfaceHistory, TractionSeparationLaw};
 use crate::state::archive::{Persist, StateArchive, persist_struct};
 use crate::variables::Variable;
@@ -126,6 +127,9 @@ impl FootVector {
     }
 }
 
+/// Leverage below which turning facets are neglected in the bound of the frequency.
+const SMALL_LEVERAGE: f64 = 0.01;
+
 /// Bonds of all pairs of a contact constraint.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CohesiveSurfaces {
@@ -152,8 +156,16 @@ impl CohesiveSurfaces {
 }
 
 impl BondedPoint {
+    /// Returns the ratio of a displacement of the ends of the facet to the separation that it causes by turning the facet:
+    /// the distance from the foot to the point over the length of the facet. 0 if it is small.
+    pub(super) fn leverage(&self, length: f64) -> f64 {
+        let distance = |i: usize| self.separation[i] + self.reference[i];
+        let leverage = distance(0).abs().max(distance(1).abs()) / length;
+        if leverage > SMALL_LEVERAGE { leverage } else { 0.0 }
+    }
+
     /// Updates separations and tractions after the time `dt`; returns the dissipated energy.
-    pub(super) fn separate(&mut self, law: &TractionSeparationLaw, foot: &FootVector, dt: f64) -> f64 {
+    pub(super) fn separate(&mut self, law: &TractionSeparationLaw, foot: &FootVector, dt: f64) -> DissipatedEnergy {
         let separation = [0, 1].inline_map(|i: usize| foot.components[i] - self.reference[i]);
         let opened = [self.separation, separation].inline_map(opened);
         let response = law.advance(&mut self.history, opened, dt);
@@ -161,10 +173,10 @@ impl BondedPoint {
         let mut dissipated = response.dissipated;
         if law.has_failed(&self.history) {
             // Damage with viscosity is not quite complete.
-            dissipated += law.stored(self.history.damage, opened[1]);
+            dissipated.add(law.released(self.history.damage, opened[1]), 1.0);
             (self.status, self.traction, self.history.damage) = (BondStatus::Failed, [0.0; 2], 1.0);
         }
-        self.area * dissipated
+        dissipated.times(self.area)
     }
 }
 

@@ -24,7 +24,7 @@ pub(super) fn identity(point: &SurfacePoint) -> PointIdentity {
 impl ContactConstraint {
     /// Takes pressures, slip, impulses, clearances and heat exchange bounds from the previous contact.
     pub(super) fn take_over(&mut self, previous: &ContactConstraint) {
-        (self.half, self.output_share) = (previous.half, previous.output_share);
+        (self.half, self.output_share, self.impact) = (previous.half, previous.output_share, previous.impact);
         self.bodies.clone_from(&previous.bodies);
         let known: HashMap<_, _> = previous.dofs.iter().map(|d| d.0).zip(&previous.impulses).collect();
         for ((dof, _), impulse) in self.dofs.iter().zip(&mut self.impulses) {
@@ -37,7 +37,7 @@ impl ContactConstraint {
     /// Takes the values of the previous contact at the places of the points on the previous surfaces. Stored energies per
     /// area are interpolated, and the sum of each pair is kept.
     pub(super) fn follow_new_mesh(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>, dofs: &Dofs) {
-        self.half = previous.half;
+        (self.half, self.impact) = (previous.half, previous.impact);
         let places = self.take_over_pairs(previous, nodes);
         if self.stored_energy.values_mut().is_empty() {
             return;

@@ -16,6 +16,7 @@ pub mod curve;
 mod direct;
 mod gaps;
 mod heat;
+mod impact;
 mod light;
 mod mesh_continuation;
 mod mesh_motion;
@@ -35,6 +36,7 @@ use self::cohesion::CohesiveSurfaces;
 use self::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use self::gaps::{FacetGap, GapIntegrator};
 use self::heat::{ContactHeat, HeatKey};
+use self::impact::ImpactLimit;
 use self::mesh_continuation::MeshContinuation;
 use self::near::NearParts;
 use self::search::ContactSearch;
@@ -53,6 +55,7 @@ use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::{StateArchive, persist_struct};
 use crate::state::dofs::{Dof, Dofs};
+use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
 
 /// Two surfaces that may come into contact, or one with self-contact.
@@ -80,6 +83,8 @@ pub struct ContactPair {
     /// Whether the own curve is the first surface of the pair in the deck; output forces are those on the first
     /// surface.
     pub first: bool,
+    /// Smallest thickness of the deformable elements at both surfaces; infinite without any.
+    pub thickness: f64,
     /// Clearance at the start, if the deck gives one.
     pub initial_clearance: Option<InitialClearance>,
     /// Energy that the pair has stored and dissipated in its normal direction.
@@ -109,6 +114,7 @@ impl ContactPair {
             springs: false,
             of_points: 0,
             first: true,
+            thickness: f64::INFINITY,
             initial_clearance: None,
             absorbed: 0.0,
             largest_release: (0.0, [0.0; 2]),
@@ -184,6 +190,8 @@ pub struct ContactConstraint {
     stored_energy: StoredEnergy,
     /// Damping of frictional flutter.
     slip_damping: SlipDamping,
+    /// Limit of the time increment by impacts.
+    impact: ImpactLimit,
     /// Difference that is subtracted from the gap of each key; empty if all are zero.
     gap_offsets: Vec<f64>,
     /// Index of the first law of penalty springs; all later laws are springs. `None` without springs.
@@ -1003,6 +1011,7 @@ impl Constraint for ContactConstraint {
             self.gaps.reserve_edges(self.pressures.len());
         }
         self.begin_cohesion(dofs);
+        self.limit_first_impacts(dofs);
     }
 
     fn accelerations(&mut self, dofs: &mut Dofs, _clock: &AmplitudeClock<'_>) {
@@ -1036,6 +1045,8 @@ impl Constraint for ContactConstraint {
         self.show_openings();
         self.update_heat_rows();
         self.act_cohesion(dofs, dt);
+        self.impact.advance(dt);
+        self.limit_impacts(dt);
         let span = ContactInterval { dt, half: self.half };
         dofs.energies.initial_overlap += self.stored_energy.limit_overlaps(&mut self.rows, &self.laws);
         let given = ContactStep { laws: &self.laws, before: &self.pressures, span };
@@ -1053,6 +1064,10 @@ impl Constraint for ContactConstraint {
         self.add_cohesive_work(dofs, dt);
         self.push_bodies(dofs);
         self.show(dt);
+    }
+
+    fn max_increment(&self, _clock: &AmplitudeClock<'_>) -> IncrementLimit {
+        IncrementLimit { time: self.impact.increment, jump: false }
     }
 
     fn view(&self) -> ConstraintView<'_> {
@@ -1171,7 +1186,7 @@ impl StoredConstraint for ContactConstraint {
 persist_struct!(ContactBody { contact_acceleration } derived { dof, body, prescribed });
 
 persist_struct!(ContactConstraint {
-    curves: fixed, pressures: fixed, gap_offsets: fixed, stored_energy, slip_damping, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present,
+    curves: fixed, pressures: fixed, gap_offsets: fixed, stored_energy, slip_damping, impact, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present,
     cohesion: present
 } derived {
     points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, springs, means, places, active_points, near, listed, gaps, rows, motion, mesh

@@ -14,10 +14,15 @@ use crate::element::group::{
 use crate::kernel::cohesive::{self, MidSurface};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
-use crate::kernel::traction_separation::{InterfaceHistory, TractionSeparationLaw};
+use crate::kernel::traction_separation::{
+    DissipatedEnergy, InterfaceHistory, InterfaceStiffness, TractionSeparationLaw,
+};
 use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
+
+/// Number of increments before a point closes in which its stiffness is that of a closed point.
+const AHEAD: f64 = 3.0;
 
 /// Geometry and section of an element.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,8 +52,10 @@ pub struct CohesiveGroup {
     points: Vec<[CohesivePoint; 2]>,
     /// Work of the tractions, and the energy that damage has dissipated.
     energies: Vec<[f64; 2]>,
-    /// One over the stable time increment of each element; depends on the masses of its nodes.
+    /// One over the stable time increment of each element without damage and rotation; depends on the masses of its nodes.
     rates: Vec<f64>,
+    /// Factors of the rates for the current damage and shape.
+    rate_factors: Vec<f64>,
     deleted: Vec<bool>,
     /// Whether `*EROSION` may delete elements.
     is_erodible: bool,
@@ -94,6 +101,7 @@ impl CohesiveGroup {
             points: vec![[CohesivePoint::default(); 2]; count],
             energies: vec![[0.0; 2]; count],
             rates: vec![0.0; count],
+            rate_factors: vec![1.0; count],
             deleted: vec![false; count],
             is_erodible: false,
             fresh: 0,
@@ -115,14 +123,14 @@ impl CohesiveGroup {
         let lane = element % LANES;
         let ends = self.elements[element].nodes.inline_map(|n| &nodes[n as usize]);
         let mut forces = [[0.0; 2]; 4];
-        let mut dissipated = 0.0;
+        let mut dissipated = DissipatedEnergy::default();
         if !self.deleted[element] {
             let places = ends.inline_map(|node| node.place());
             let surface = MidSurface::new(places);
             let jumps = surface.jumps(places);
-            dissipated = self.update_points(element, jumps, dt);
+            dissipated = self.update_points(element, (jumps, surface.length), dt);
             if self.has_failed(element) {
-                dissipated += self.delete(element);
+                dissipated.add(self.delete(element), 1.0);
             } else {
                 let (points, areas) = (&self.points[element], &self.areas[element]);
                 let between = [0, 1].inline_map(|i: usize| points[i].traction.inline_map(|t| areas[i] * t));
@@ -138,27 +146,41 @@ impl CohesiveGroup {
                 *force = forces[corner][axis];
             }
         }
+        let work = work - dissipated.by_viscosity;
         totals.internal += work;
-        totals.plastic += dissipated;
-        totals.damaged += dissipated;
+        totals.plastic += dissipated.by_damage;
+        totals.damaged += dissipated.by_damage;
+        totals.viscous += dissipated.by_viscosity;
         let energies = &mut self.energies[element];
-        *energies = [energies[0] + work, energies[1] + dissipated];
+        *energies = [energies[0] + work, energies[1] + dissipated.by_damage];
     }
 
-    /// Updates the points of an element for the vectors between its faces after the time `dt`; returns the dissipated
-    /// energy.
-    fn update_points(&mut self, element: usize, jumps: [[f64; 2]; 2], dt: f64) -> f64 {
+    /// Updates the points of an element for the vectors between its faces and the length of the mid-surface after the time
+    /// `dt`; returns the dissipated energy.
+    fn update_points(&mut self, element: usize, (jumps, length): ([[f64; 2]; 2], f64), dt: f64) -> DissipatedEnergy {
         let law = &self.laws[self.elements[element].law];
-        let mut dissipated = 0.0;
+        let mut dissipated = DissipatedEnergy::default();
+        let mut stiffness = [InterfaceStiffness::default(); 2];
         for (i, point) in self.points[element].iter_mut().enumerate() {
             let gap = self.gaps[element][i];
             let separation = [jumps[i][0] - gap[0], jumps[i][1] - gap[1]];
             let response = law.advance(&mut point.history, [point.separation, separation], dt);
+            stiffness[i] = InterfaceStiffness {
+                damage: point.history.damage,
+                closes: separation[0] + AHEAD * (separation[0] - point.separation[0]) <= 0.0,
+                leverage: jumps[i].inline_map(|jump| jump / length),
+            };
             point.separation = separation;
             point.traction = response.traction;
-            dissipated += self.areas[element][i] * response.dissipated;
+            dissipated.add(response.dissipated, self.areas[element][i]);
         }
+        self.rate_factors[element] = law.stiffness_ratio(stiffness).sqrt();
         dissipated
+    }
+
+    /// Returns one over the stable time increment of an element.
+    fn rate(&self, element: usize) -> f64 {
+        self.rate_factors[element] * self.rates[element]
     }
 
     /// Returns whether an element is to be deleted: all its points have failed, and none is in compression.
@@ -169,11 +191,11 @@ impl CohesiveGroup {
     }
 
     /// Deletes an element; returns the energy that its tractions release.
-    fn delete(&mut self, element: usize) -> f64 {
+    fn delete(&mut self, element: usize) -> DissipatedEnergy {
         let law = &self.laws[self.elements[element].law];
-        let mut released = 0.0;
+        let mut released = DissipatedEnergy::default();
         for (point, area) in self.points[element].iter_mut().zip(self.areas[element]) {
-            released += area * law.stored(point.history.damage, point.separation);
+            released.add(law.released(point.history.damage, point.separation), area);
             point.traction = [0.0; 2];
         }
         self.deleted[element] = true;
@@ -236,8 +258,8 @@ impl ElementGroup for CohesiveGroup {
         self.fresh = 0;
         for element in 0..self.elements.len() {
             self.update_element(element, (nodes, dt), &mut corners[element / LANES], &mut totals);
-            if !self.deleted[element] && is_larger(self.rates[element], totals.rate) {
-                (totals.rate, totals.limiting) = (self.rates[element], element);
+            if !self.deleted[element] && is_larger(self.rate(element), totals.rate) {
+                (totals.rate, totals.limiting) = (self.rate(element), element);
             }
         }
         totals
@@ -273,7 +295,7 @@ impl ElementGroup for CohesiveGroup {
 
     fn stable_rate(&self, element: usize, masses: Option<&[f64]>, _nodes: &[Node]) -> Option<f64> {
         // The bound follows from the masses of the nodes, not from those of the element.
-        masses.is_none().then(|| self.rates[element])
+        masses.is_none().then(|| self.rate(element))
     }
 
     fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<ElementStiffness> {
@@ -286,7 +308,7 @@ impl ElementGroup for CohesiveGroup {
             + size_of_val(&*self.areas)
             + size_of_val(&*self.gaps);
         let state = size_of_val(&*self.masses) + size_of_val(&*self.points) + size_of_val(&*self.energies);
-        shared + state + size_of_val(&*self.rates) + self.deleted.capacity()
+        shared + state + size_of_val(&*self.rates) + size_of_val(&*self.rate_factors) + self.deleted.capacity()
     }
 
     fn copy(&self) -> Box<dyn ElementGroup> {
@@ -351,7 +373,7 @@ persist_struct!(InterfaceHistory { damage, inviscid_damage, separation, criterio
 persist_struct!(CohesivePoint { history, separation, traction });
 
 persist_struct!(CohesiveGroup {
-    masses: fixed, points: fixed, energies: fixed, rates: fixed, deleted: fixed
+    masses: fixed, points: fixed, energies: fixed, rates: fixed, rate_factors: fixed, deleted: fixed
 } derived {
     laws, elements, areas, gaps, deletes, criterion, is_erodible, fresh
 });
