@@ -5,10 +5,8 @@
 //! the order of the wave speed, the pressure of a shock overshoots or the element collapses. Before surfaces touch, and until
 //! the shock has left the elements at the surface, the increment is at most a part of thickness over closing speed.
 
-use super::ContactConstraint;
-use super::pair_of;
-use super::sweeps::ContactRow;
-use crate::constraint::contact::sweeps::NONE;
+use super::sweeps::{ContactRow, NONE};
+use super::{ContactConstraint, ContactPair, pair_of};
 use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
 
@@ -16,8 +14,11 @@ use crate::state::dofs::{Dof, Dofs};
 const LARGEST_COMPRESSION: f64 = 0.2;
 /// Number of increments before contact in which the limit acts: an increment may be longer than the one before.
 const AHEAD: f64 = 3.0;
+/// Part of the thickness that counts for soft contact: its springs return the closing speed, so that a light face moves away
+/// from a heavy one at up to twice this speed.
+const SOFT: f64 = 0.5;
 /// Time for which the limit acts after contact begins, in units of thickness over closing speed.
-const AFTER: f64 = 2.0;
+const AFTER: f64 = 4.0;
 
 /// Limit of the time increment by impacts.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +78,7 @@ impl ContactConstraint {
     /// Limits the next increments by the surfaces that are about to touch after an increment of length `dt`; with 0, by all
     /// surfaces closer than the thickness of their elements.
     pub(super) fn limit_impacts(&mut self, dt: f64) {
-        let thinnest = self.pairs.iter().fold(f64::INFINITY, |thinnest, pair| thinnest.min(pair.thickness));
+        let thinnest = self.pairs.iter().fold(f64::INFINITY, |thinnest, pair| thinnest.min(SOFT * pair.thickness));
         let speed = |dof: &u32| self.motion.velocity[*dof as usize].abs();
         let fastest = self.near.dofs.iter().map(speed).fold(0.0, f64::max);
         // Both surfaces may have components along r and z.
@@ -86,12 +87,18 @@ impl ContactConstraint {
         }
         for row in self.rows.rows.iter().filter(|row| !row.is_single_point && row.closest_point.is_none()) {
             let pair = &self.pairs[pair_of(&self.pairs, row.key)];
-            let approach = self.approach_of(row);
-            self.impact.add_if_near(approach, pair.thickness, (dt, self.pressures[row.key as usize][0]));
+            let (approach, thickness) = (self.approach_of(row), self.thickness_of(pair));
+            self.impact.add_if_near(approach, thickness, (dt, self.pressures[row.key as usize][0]));
         }
         for at in 0..self.pairs.len() {
             self.limit_analytical_impacts(at, dt);
         }
+    }
+
+    /// Returns the thickness that limits the increment of a pair.
+    fn thickness_of(&self, pair: &ContactPair) -> f64 {
+        let is_soft = self.laws[pair.law_of(0) as usize].is_soft();
+        if is_soft { SOFT * pair.thickness } else { pair.thickness }
     }
 
     /// Returns the gap of a row and its closing speed.
@@ -101,6 +108,7 @@ impl ContactConstraint {
 
     /// Limits the next increments by the points that are about to touch an analytical surface: they have no rows before.
     fn limit_analytical_impacts(&mut self, at: usize, dt: f64) {
+        let thickness = self.thickness_of(&self.pairs[at]);
         let ContactConstraint { pairs, analyticals, curves, dofs_of, motion, places, pressures, impact, .. } = self;
         let (pair, own) = (&pairs[at], &curves[pairs[at].own]);
         let Some(analytical) = pair.analytical.map(|index| &analyticals[index]) else { return };
@@ -118,7 +126,7 @@ impl ContactConstraint {
             let normal = analytical.profile.segments[nearest.segment].normal(places[point as usize], lift);
             let speed = -(normal[0] * velocity_of(point, 0) + normal[1] * (velocity_of(point, 1) - carried));
             let approach = [nearest.gap - analytical.lift[index as usize], speed];
-            impact.add_if_near(approach, pair.thickness, (dt, pressures[key as usize][0]));
+            impact.add_if_near(approach, thickness, (dt, pressures[key as usize][0]));
         }
     }
 }
