@@ -21,7 +21,7 @@ pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
     summary.unfinished.iter().for_each(|how| print_out!("  {how}"));
     histories(summary, job);
     increments(summary);
-    print_out!("energy drift: {:.1e} of the largest energy", summary.energy.drift);
+    print_out!("energy drift: {:.1e} of the energy put in", summary.energy.drift);
     if let Some(added) = summary.energy.added_mass {
         let energy = summary.energy.mass_scaling.unwrap_or(0.0);
         let places = summary.steps.last().and_then(|step| step.added_mass_at).unwrap_or_default().describe();

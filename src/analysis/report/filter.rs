@@ -14,6 +14,9 @@ const CLASS: f64 = 5.0 / 3.0;
 const BOTH_PASSES: f64 = 0.802_243_262_923_150_2;
 /// Largest frequency times the interval of the rows.
 const RESOLVED: f64 = 0.25;
+/// Smallest number of periods of the cut-off frequency in a record. In a shorter one the ends, beyond which nothing is
+/// known, influence all values.
+const PERIODS: f64 = 3.0;
 
 /// Frequency at which a filter reduces the amplitude to 1/sqrt(2).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,10 +59,10 @@ impl CutoffFrequency {
         Ok(CLASS * class / second)
     }
 
-    /// Filters all columns. They are interpolated to equal intervals first.
+    /// Filters all columns. They are interpolated to equal intervals first. The means of these values are kept.
     ///
     /// # Errors
-    /// If the history has too few rows for the frequency, or if the unit of time of a class is unknown.
+    /// If the history is too short or has too few rows for the frequency, or if the unit of time of a class is unknown.
     pub fn filter(self, history: &mut HistoryColumns, units: &UnitNames) -> Result<(), String> {
         let frequency = self.in_deck_units(units)?;
         let (&[begin, .., end], rows) = (&history.times[..], history.times.len()) else {
@@ -72,19 +75,37 @@ impl CutoffFrequency {
                 RESOLVED / frequency
             ));
         }
+        let length = end - begin;
+        if frequency * length < PERIODS {
+            return Err(format!(
+                "--filter: the record has a length of {length:.3e}; the cut-off frequency {frequency:.3e} needs {PERIODS} \
+                 periods, {:.3e}. Use a frequency of {:.3e} or more",
+                PERIODS / frequency,
+                PERIODS / length
+            ));
+        }
         let times: Vec<f64> = (0..rows).map(|row| begin + interval * row as f64).collect();
         for values in history.columns.values_mut() {
             let at = |time: &f64| between(&history.times, |row| values[row], time.min(end));
-            let mut even: Vec<f64> = times.iter().filter_map(at).collect();
-            for _ in 0..2 {
-                pass(&mut even, frequency * interval);
-                even.reverse();
-            }
-            *values = even;
+            let even: Vec<f64> = times.iter().filter_map(at).collect();
+            *values = filtered(&even, frequency * interval);
         }
         history.times = times;
         Ok(())
     }
+}
+
+/// Filters forwards and backwards; `frequency` is that of both passes times the interval. The values are continued by
+/// their mirror images at both ends: a filter without a shift in time keeps the mean of the symmetric continuation, and
+/// by symmetry that of the values.
+fn filtered(values: &[f64], frequency: f64) -> Vec<f64> {
+    let mirrored = || values.iter().rev();
+    let mut continued: Vec<f64> = mirrored().chain(values).chain(mirrored()).copied().collect();
+    for _ in 0..2 {
+        pass(&mut continued, frequency);
+        continued.reverse();
+    }
+    continued[values.len()..2 * values.len()].to_vec()
 }
 
 /// Filters in one direction; `frequency` is that of both passes times the interval. The filter begins in the steady state
@@ -123,11 +144,28 @@ mod tests {
         assert!((amplitude(3000.0) / far - 1.0).abs() < 0.05);
     }
 
+    /// The impulse of a force is that of the record, also of one that begins or ends with a large force, and of one that is
+    /// hardly longer than three periods.
+    #[test]
+    fn the_mean_is_kept() {
+        for (rows, frequency) in [(301, 10.1), (3001, 30.0), (3001, 200.0)] {
+            let times: Vec<f64> = (0..rows).map(|i| 0.3 * f64::from(i) / f64::from(rows - 1)).collect();
+            let force = |t: &f64| 25.0 * libm::exp(-t / 0.05) + if *t > 0.25 { 40.0 } else { 3.0 };
+            let forces: Vec<f64> = times.iter().map(force).collect();
+            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+            let before = mean(&forces);
+            let mut history = HistoryColumns { times, columns: [("CFN2".to_owned(), forces)].into_iter().collect() };
+            CutoffFrequency::Frequency(frequency).filter(&mut history, &UnitNames::default()).expect("rows");
+            let after = mean(&history.columns["CFN2"]);
+            assert!((after / before - 1.0).abs() < 1e-4, "{frequency}: {after} {before}");
+        }
+    }
+
     #[test]
     fn constants_stay_and_coarse_histories_are_rejected() {
         let history = || HistoryColumns {
-            times: vec![0.0, 0.1, 0.3, 0.4],
-            columns: [("V2".to_owned(), vec![5.0; 4])].into_iter().collect(),
+            times: (0..41).map(|i| 0.1 * f64::from(i)).collect(),
+            columns: [("V2".to_owned(), vec![5.0; 41])].into_iter().collect(),
         };
         let mut filtered = history();
         CutoffFrequency::Frequency(1.0).filter(&mut filtered, &UnitNames::default()).expect("rows");
@@ -135,6 +173,7 @@ mod tests {
         let wrong = |text: &str| {
             text.parse::<CutoffFrequency>().expect("a filter").filter(&mut history(), &UnitNames::default())
         };
+        assert!(wrong("0.7").is_err_and(|e| e.contains("needs 3 periods")));
         assert!(wrong("10").is_err_and(|e| e.contains("needs one every")));
         assert!(wrong("cfc60").is_err_and(|e| e.contains("*UNITS")));
         assert!("cfc100".parse::<CutoffFrequency>().is_err() && "-1".parse::<CutoffFrequency>().is_err());

@@ -479,7 +479,7 @@ function energies(s) {
   const parts = Object.entries(words).filter(([key]) => Math.abs(s.energy[key]) > 1e-12 * largest);
   const bar = value => make('i', { class: 'bar', style: { width: `${Math.round(260 * Math.abs(value) / largest)}px` } });
   return card('Energy balance at the end', table(['energy', '', 'value', ''], parts.map(([key, word]) => [key, word, show(s.energy[key], 6), bar(s.energy[key])]), i => i === 2),
-    make('p', { class: 'soft' }, `The sum changed by at most ${show(s.energy.drift, 2)} of the largest energy.`));
+    make('p', { class: 'soft' }, `The sum changed by at most ${show(s.energy.drift, 2)} of the energy put in.`));
 }
 function steps(s) {
   if (!s.steps || !s.steps.length) return null;

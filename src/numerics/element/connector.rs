@@ -47,6 +47,25 @@ impl SpringDashpotLaw {
         }
     }
 
+    /// Returns the energy that a spring has released from its initial state at a relative displacement: that of a
+    /// preload, or of a negative stiffness.
+    fn released(&self, displacement: f64) -> f64 {
+        match self {
+            SpringDashpotLaw::Spring(stiffness) => (-0.5 * stiffness * displacement * displacement).max(0.0),
+            SpringDashpotLaw::Table(rows) => {
+                let [low, high] = [displacement.min(0.0), displacement.max(0.0)];
+                let between = rows.iter().map(|row| row[0]).filter(|u| *u > low && *u < high);
+                let (mut stored, mut last) = (0.0, low);
+                for u in between.chain([high]) {
+                    stored += 0.5 * (u - last) * (interpolate(rows, last) + interpolate(rows, u));
+                    last = u;
+                }
+                (-stored * displacement.signum()).max(0.0)
+            }
+            SpringDashpotLaw::Dashpot(_) | SpringDashpotLaw::DashpotTable(_) => 0.0,
+        }
+    }
+
     /// Returns stiffness and damping that bound the stable time increment. For a spring table: the steepest slope, or
     /// the largest force over the length if that is more (a force along the line gives stiffness across it).
     fn bounds(&self, length: f64) -> [f64; 2] {
@@ -72,11 +91,13 @@ pub struct Connector {
     pub law: SpringDashpotLaw,
     /// Force on the first end at the previous instant.
     force: [f64; 2],
+    /// Energy that has been released from the initial state.
+    released: f64,
 }
 
 impl Connector {
     pub fn new(ends: [Option<usize>; 2], axis: Option<usize>, law: SpringDashpotLaw) -> Self {
-        Connector { ends, axis, law, force: [0.0; 2] }
+        Connector { ends, axis, law, force: [0.0; 2], released: 0.0 }
     }
 }
 
@@ -184,6 +205,8 @@ impl Connectors {
                 dofs.energies.internal -= work;
             }
             connector.force = force;
+            let released = connector.law.released(displacement);
+            dofs.energies.supplied += released - std::mem::replace(&mut connector.released, released);
         }
     }
 
@@ -231,6 +254,6 @@ impl Connector {
 
 persist_struct!(Connectors { list: fixed, bounds } derived { carried, sums });
 
-persist_struct!(Connector { force } derived { ends, axis, law });
+persist_struct!(Connector { force, released } derived { ends, axis, law });
 
 persist_struct!(ConnectorBounds { square, damping });

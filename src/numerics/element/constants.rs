@@ -61,6 +61,18 @@ impl HourglassControl {
 }
 
 impl ElementConstants {
+    /// Returns the elastic energy per volume of a stress rr, zz, hoop, rz.
+    pub(super) fn elastic_energy(&self, stress: [f64; 4]) -> f64 {
+        if stress == [0.0; 4] {
+            return 0.0;
+        }
+        let [rr, zz, hoop, shear] = stress;
+        let mean = (rr + zz + hoop) / 3.0;
+        let squares: f64 = [rr, zz, hoop].iter().map(|s| (s - mean) * (s - mean)).sum();
+        let parts = [0.5 * mean * mean / self.bulk, 0.25 * (squares + 2.0 * shear * shear) / self.shear];
+        parts.into_iter().filter(|part| part.is_finite()).sum()
+    }
+
     /// Returns one over the stable time increment of an element with these corners `[r, z]` and corner masses. Uses the
     /// frequency bound of the inner loop, with linear bulk viscosity only.
     pub(super) fn own_rate(&self, corners: [[f64; 2]; 4], masses: &[f64; 4]) -> f64 {

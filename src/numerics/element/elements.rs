@@ -27,6 +27,7 @@ use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::prefetch::PrefetchChoice;
 use crate::kernel::topology::{ElementNodes, ElementTopology};
+use crate::material::available::AvailableEnergy;
 use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::NodalAssembly;
 use crate::routines::PointRoutines;
@@ -187,6 +188,18 @@ impl Elements {
         }
         let mut calling = self.groups.iter_mut().filter_map(|group| group.extensions().user());
         calling.try_for_each(|group| group.probe(nodes.as_slice(), now, user.lend()))
+    }
+
+    /// Returns the energies that the elements can release from their initial state, and the largest one per mass.
+    pub fn available_energies(&self, nodes: &Nodes) -> (Vec<AvailableEnergy>, f64) {
+        let (mut list, mut per_mass) = (Vec::new(), 0.0_f64);
+        for group in &self.groups {
+            for (e, available) in group.available_energies(nodes.as_slice()).into_iter().enumerate() {
+                per_mass = per_mass.max(available.energy / group.masses(e).iter().sum::<f64>());
+                list.push(available);
+            }
+        }
+        (list, per_mass)
     }
 
     /// Begins a step. `moved_otherwise`: constraints move nodes outside the nodal update, so that no node may be

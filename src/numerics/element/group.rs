@@ -20,6 +20,7 @@ use crate::kernel::prefetch::{request, request_entry};
 use crate::kernel::quad;
 use crate::kernel::shell::ShellFrame;
 use crate::kernel::topology::{ElementNodes, ElementTopology, MOST_NODES, PerNode};
+use crate::material::available::AvailableEnergy;
 use crate::material::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::mesh::corner_forces::{CornerForces, are_zero};
 use crate::routines::PointRoutines;
@@ -109,6 +110,10 @@ pub trait ElementGroup: InterfaceElements + Persist + Send + Sync {
     fn is_quiescent(&self, _task: usize) -> bool {
         false
     }
+    /// Returns the energies that the elements can release from their initial state; empty if there are none.
+    fn available_energies(&self, _nodes: &[Node]) -> Vec<AvailableEnergy> {
+        Vec::new()
+    }
     /// Returns the bytes of the arrays of the group.
     fn bytes(&self) -> usize;
     /// Returns a copy of the group in the same state.
@@ -172,6 +177,15 @@ impl dyn ElementGroup + '_ {
         let thickness = self.value(element, Variable::Thickness.into());
         ShellFrame::new([0, 1].inline_map(|i| place(nodes[i]))).area() * thickness.unwrap_or(0.0)
     }
+}
+
+/// Work of a thermal strain.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ExpansionWork {
+    /// Stress work that the element update omits.
+    pub omitted: f64,
+    /// Energy that the temperature puts in: the work of the stress on the thermal strain, with opposite sign.
+    pub supplied: f64,
 }
 
 /// Elastic stiffness of an element, rows and columns `[r, z]` of each node in turn.
@@ -265,8 +279,8 @@ pub trait ElementTemperatures {
     /// without temperature are unchanged.
     fn temperatures(&self, out: &mut [f64]);
     /// Subtracts increments of the thermal strain from the strains of the next update, which covers the increment `dt`
-    /// that ends at these nodes. Returns the stress work that the update will omit.
-    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64;
+    /// that ends at these nodes.
+    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> ExpansionWork;
 }
 
 /// Interface to the variables of a group that move with the material.
@@ -705,6 +719,19 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
         self.quiescence[task].quiescent
     }
 
+    fn available_energies(&self, nodes: &[Node]) -> Vec<AvailableEnergy> {
+        let group: &dyn ElementGroup = self;
+        let of_element = |e: usize| {
+            let (block, lane, volume) = (&self.blocks[e / LANES], e % LANES, group.volume(e, nodes));
+            let mass = block.mass[lane];
+            let AvailableEnergy { energy, from } =
+                self.material.available_energy(&block.state, lane, volume / mass);
+            let of_stress = volume * self.constants.elastic_energy(block.stress.inline_map(|list| list[lane]));
+            AvailableEnergy { energy: mass * energy + of_stress, from }
+        };
+        (0..self.count).map(of_element).collect()
+    }
+
     fn bytes(&self) -> usize {
         let kept: usize = self.tasks.iter().map(|stored| stored.task.bytes()).sum();
         let quiescence: usize = self.quiescence.iter().map(TaskQuiescence::bytes).sum();
@@ -885,21 +912,27 @@ impl<M: Material> ElementTemperatures for QuadGroup<M> {
     /// Subtracts the thermal strain. For isotropic expansion, it is equivalent to a pressure that is subtracted from
     /// the stress beforehand: the trial stress is identical. The returned work corrects the trapezoidal rule, which
     /// uses the reduced stress.
-    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
-        let mut work = 0.0;
+    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> ExpansionWork {
+        let mut work = ExpansionWork::default();
         for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
-            if self.is_eroded(e) || self.set_value(e, PointValue::ThermalStrain(*strain)) {
+            if self.is_eroded(e) {
+                continue;
+            }
+            let (block, lane) = (&self.blocks[e / LANES], e % LANES);
+            let corners = [0, 1, 2, 3].inline_map(|c| nodes[block.nodes[c][lane] as usize]);
+            let pressure = self.material.share(&block.state, lane) * 3.0 * self.constants.bulk * strain;
+            let volume = quad::volume(corners.inline_map(|n| n.place()));
+            let sum = (block.stress[0][lane] + block.stress[1][lane]) + block.stress[2][lane];
+            work.supplied -= volume * strain * (sum - 1.5 * pressure);
+            if self.set_value(e, PointValue::ThermalStrain(*strain)) {
                 continue;
             }
             self.quiescence[e / (TASK * LANES)].quiescent = false;
-            let (block, lane) = (&mut self.blocks[e / LANES], e % LANES);
-            let share = self.material.share(&block.state, lane);
-            let pressure = share * 3.0 * self.constants.bulk * strain;
+            let block = &mut self.blocks[e / LANES];
             block.stress[..3].iter_mut().for_each(|list| list[lane] -= pressure);
-            let corners = [0, 1, 2, 3].inline_map(|c| nodes[block.nodes[c][lane] as usize]);
             let corners = corners.inline_map(|n| n.as_array());
             let done = 0.5 * pressure * quad::volume_change(corners, dt, self.constants.by_area);
-            work += done;
+            work.omitted += done;
             self.tasks[e / (TASK * LANES)].task.add_to_record(e / LANES % TASK, lane, [done, 0.0]);
         }
         work

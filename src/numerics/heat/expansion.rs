@@ -68,7 +68,9 @@ impl ThermalStrains {
                 any |= *increment != 0.0;
             }
             if any {
-                dofs.energies.internal += group.expand(increments, dofs.nodes.as_slice(), dofs.nodes.previous_dt);
+                let work = group.expand(increments, dofs.nodes.as_slice(), dofs.nodes.previous_dt);
+                dofs.energies.internal += work.omitted;
+                dofs.energies.supplied += work.supplied;
             }
         }
     }

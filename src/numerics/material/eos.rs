@@ -158,6 +158,16 @@ impl Tabulated {
         Tabulated { density, intervals, floor: 1e-6 * stiffest }
     }
 
+    /// Returns the pressure line at a specific volume.
+    pub(super) fn line(&self, specific_volume: f64) -> EosLine {
+        let ones = [1.0; LANES];
+        let volume = [specific_volume; LANES];
+        let update = PressureUpdate {
+            mean: ones, bulk: ones, viscous: ones, heat: ones, dilation: ones, work: ones, middle: ones, volume, mass: ones,
+        };
+        self.lines(&update).of(0)
+    }
+
     /// Returns the pressure lines of a block; NaN for densities that are not positive numbers.
     #[inline(always)]
     fn lines(&self, update: &PressureUpdate) -> EosLines {

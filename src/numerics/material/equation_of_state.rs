@@ -3,7 +3,8 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the laws.
 
 use super::BlockStart;
-use super::eos::{IdealGas, Tabulated, UsUp, advance_block};
+use super::available::{AvailableEnergy, isentropic_work};
+use super::eos::{EosLaw, IdealGas, Tabulated, UsUp, advance_block};
 use super::explosive::{BurnState, HighExplosive};
 use super::volumetric::{PressureUpdate, VolumetricLaw};
 use crate::kernel::lanes::{LANES, Lanes};
@@ -109,6 +110,25 @@ impl VolumetricLaw for EquationOfState {
 
     fn set_energy(&self, state: &mut EosState, lane: usize, energy: f64) {
         state.energy[lane] = energy;
+    }
+
+    fn available_energy(&self, state: &EosState, lane: usize, specific_volume: f64) -> AvailableEnergy {
+        let energy = state.energy[lane];
+        match self {
+            EquationOfState::IdealGas(law) => AvailableEnergy::initial(law.available_energy(specific_volume, energy)),
+            EquationOfState::UsUp(law) => {
+                let line = |volume: f64| law.curve(1.0 / volume, volume);
+                AvailableEnergy::initial(isentropic_work(line, 0.0, specific_volume, energy))
+            }
+            EquationOfState::Tabulated(law) => {
+                let line = |volume: f64| law.line(volume);
+                AvailableEnergy::initial(isentropic_work(line, 0.0, specific_volume, energy))
+            }
+            EquationOfState::Explosive(_) => {
+                let from = state.burn.as_ref().map_or(f64::INFINITY, |burn| burn.arrival(lane));
+                AvailableEnergy { energy: energy.max(0.0), from }
+            }
+        }
     }
 
     fn temperature(&self, state: &EosState, lane: usize) -> Option<f64> {

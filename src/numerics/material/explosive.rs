@@ -93,6 +93,11 @@ impl BurnState {
         }
     }
 
+    /// Returns the total time at which the detonation front arrives at a lane.
+    pub(super) fn arrival(&self, lane: usize) -> f64 {
+        self.lit[lane]
+    }
+
     /// Returns the burn fraction of a lane.
     pub(super) fn share(&self, lane: usize) -> f64 {
         self.burnt[lane]

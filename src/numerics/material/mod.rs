@@ -1,5 +1,6 @@
 //! Material laws: one trait for all laws, one file per law. Laws know neither elements nor meshes.
 
+pub mod available;
 pub mod carried;
 pub mod eos;
 pub mod equation_of_state;
@@ -22,6 +23,7 @@ pub mod von_mises;
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::state::archive::Persist;
 use crate::variables::VariableComponent;
+use available::AvailableEnergy;
 use carried::{ArrivedElement, CarriedState};
 use increment::{StrainIncrement, StressUpdate};
 use user::PointCalls;
@@ -147,6 +149,12 @@ pub trait Material: Send + Sync + 'static {
     /// Returns an output variable of an element; `None` where the material does not have it.
     fn value(&self, _state: &Self::State, _lane: usize, _part: VariableComponent) -> Option<f64> {
         None
+    }
+
+    /// Returns the energy per mass that an element can release from its initial state, apart from that of its initial
+    /// stress.
+    fn available_energy(&self, _state: &Self::State, _lane: usize, _specific_volume: f64) -> AvailableEnergy {
+        AvailableEnergy::NONE
     }
 
     /// Sets a value of an element. Returns whether the material uses it.

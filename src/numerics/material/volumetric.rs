@@ -1,6 +1,7 @@
 //! Pressure laws: mean stress as a function of the volume change.
 
 use super::BlockStart;
+use super::available::AvailableEnergy;
 use crate::kernel::lanes::Lanes;
 use crate::material::carried::CarriedState;
 use crate::state::archive::Persist;
@@ -56,6 +57,11 @@ pub trait VolumetricLaw: Send + Sync + 'static {
 
     /// Sets the ratio of volumes of a lane.
     fn set_volume_ratio(&self, _state: &mut Self::State, _lane: usize, _ratio: f64) {}
+
+    /// Returns the energy per mass that a lane can release from its initial state.
+    fn available_energy(&self, _state: &Self::State, _lane: usize, _specific_volume: f64) -> AvailableEnergy {
+        AvailableEnergy::NONE
+    }
 
     /// Returns the number of bytes that the state of a block needs in addition to its own size.
     fn bytes(&self, _state: &Self::State) -> usize {

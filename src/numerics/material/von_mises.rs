@@ -2,6 +2,7 @@
 //! model.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
+use super::available::AvailableEnergy;
 use super::failure::{FailureInput, FailureLaw, InitiationKind, NoDamage};
 use super::increment::{StrainIncrement, StressUpdate};
 use super::plasticity::{FlowUpdate, HardeningLaw};
@@ -166,6 +167,10 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
             Variable::Status => self.failure.alive(&state.failure, lane).map(|alive| f64::from(u8::from(alive))),
             _ => None,
         }
+    }
+
+    fn available_energy(&self, state: &Self::State, lane: usize, specific_volume: f64) -> AvailableEnergy {
+        self.volumetric.available_energy(&state.volumetric, lane, specific_volume)
     }
 
     fn set(&self, state: &mut Self::State, lane: usize, value: PointValue) -> bool {

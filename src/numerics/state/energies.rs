@@ -45,6 +45,8 @@ pub struct EnergyTotals {
     pub penalty: f64,
     /// Energy of the overlaps with which soft contact began. Contact may release it; it is not part of the sum.
     pub initial_overlap: f64,
+    /// Energy that thermal expansion has put in, and that preloaded springs have released. It is not part of the sum.
+    pub supplied: f64,
     /// Energy dissipated by friction, in contact and in an unmeshed target.
     pub friction: f64,
     /// Energy dissipated by cavity expansion in an unmeshed target.
@@ -77,5 +79,6 @@ persist_struct!(EnergyTotals {
     advection,
     flow,
     penalty,
-    initial_overlap
+    initial_overlap,
+    supplied
 });

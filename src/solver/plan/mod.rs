@@ -65,7 +65,7 @@ use crate::kernel::amplitude::SampledAmplitude;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::mesh::surface::SurfaceGeometry;
 use crate::model::{
-    AmplitudeId, CopyOnWrite, EnergyLimit, IncrementControl, InitialCondition, InitialKind, LoadVelocity,
+    AmplitudeId, CopyOnWrite, EnergyLimit, IncrementControl, LoadVelocity,
     MaterialDefinition, Mesh, Model, SurfaceContact,
 };
 use crate::state::EffectId;
@@ -116,13 +116,40 @@ pub struct Plan {
     pub labels: FrameLabels,
     /// Bodies that are remeshed; `None` without `*REMESH`.
     pub remesh: Option<Box<RemeshPlan>>,
-    /// Whether elements may release energy that was not supplied by loads: gases, explosives, initial stress, thermal
-    /// expansion, variable moduli, user materials.
-    pub stores_energy: bool,
-    /// Whether a material has an equation of state. The work of its hourglass control comes from its own energy.
+    /// Largest increase of the elastic moduli of a material over temperature and fields, as a fraction.
+    pub stiffening: f64,
+    /// Whether a material has an equation of state. It expands after a shock with the heat of plastic work and bulk
+    /// viscosity, and pays for its hourglass control.
     pub has_equation_of_state: bool,
+    /// Whether a user subroutine computes the stress of a material.
+    pub has_user_stress: bool,
+    /// Cards of the deck against small increments.
+    pub mesh_cards: MeshCards,
+    /// Whether the variables of an element group can move from element to element, as in adaptive and new meshes.
+    pub movable_groups: Vec<bool>,
+    /// Whether nodes without elements leave the contact (`NODAL EROSION=YES`).
+    pub excludes_detached_nodes: bool,
     /// Whether viscous dissipation is expected: shocks in materials with an equation of state, requested damping.
     pub expects_dissipation: bool,
+}
+
+/// Cards of a deck against elements that reduce the time increment.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MeshCards {
+    /// `*EROSION` with a limit of the increment or of distortion.
+    pub erodes: bool,
+    pub controls_distortion: bool,
+    pub scales_masses: bool,
+}
+
+impl MeshCards {
+    fn of(model: &Model) -> MeshCards {
+        MeshCards {
+            erodes: model.erosions.iter().any(|e| e.increment.is_some() || e.distortion.is_some()),
+            controls_distortion: model.sections.iter().any(|s| s.controls.distortion.is_some()),
+            scales_masses: model.steps.iter().any(|s| !s.mass_scalings.is_empty()),
+        }
+    }
 }
 
 /// Ledger rows of effects that every analysis has.
@@ -321,8 +348,13 @@ fn compile_with(
         diagnostics.keep_errors();
     }
     let (mesh, routines) = (model.mesh.clone(), routines.clone());
-    let (stores_energy, expects_dissipation) = (stores_energy(model), expects_dissipation(model));
+    let movable = state.elements.groups.iter_mut().map(|group| group.extensions().transfer().is_some());
+    let movable_groups = movable.collect();
+    let general_contacts = model.steps.iter().filter_map(|s| s.general_contact.as_ref());
+    let excludes_detached_nodes = general_contacts.into_iter().any(|g| g.excludes_detached_nodes);
+    let (stiffening, expects_dissipation) = (stiffening(model), expects_dissipation(model));
     let has_equation_of_state = model.materials.iter().any(|m| m.eos.is_some());
+    let has_user_stress = model.materials.iter().any(|m| m.user.material.is_some());
     let mut plan = Plan {
         ledger,
         mesh,
@@ -338,25 +370,30 @@ fn compile_with(
         rows,
         labels,
         remesh,
-        stores_energy,
+        mesh_cards: MeshCards::of(model),
+        movable_groups,
+        excludes_detached_nodes,
+        stiffening,
         has_equation_of_state,
+        has_user_stress,
         expects_dissipation,
     };
     bytes::record_bytes(&mut plan, &state);
     (plan, state, diagnostics)
 }
 
-/// Returns whether a material or an initial condition can release energy that was not supplied by loads.
-fn stores_energy(model: &Model) -> bool {
-    let of_material = |m: &MaterialDefinition| {
-        m.eos.is_some()
-            || m.user.material.is_some()
-            || m.thermal.expansion.is_some()
-            || !m.elastic_table.is_empty()
-            || m.user.fields.is_some()
+/// Returns the largest increase of a bulk or shear modulus over the tables of elastic moduli, as a fraction.
+fn stiffening(model: &Model) -> f64 {
+    let increase = |moduli: &mut dyn Iterator<Item = f64>| {
+        let [low, high] = moduli.fold([f64::INFINITY, 0.0], |[low, high], e| [e.min(low), e.max(high)]);
+        if low > 0.0 && low < high { high / low - 1.0 } else { 0.0 }
     };
-    let at_start = |c: &InitialCondition| matches!(c.kind, InitialKind::Stress(_) | InitialKind::Energy(_));
-    model.materials.iter().any(of_material) || model.initial_conditions.iter().any(at_start)
+    let of_material = |m: &MaterialDefinition| {
+        let rows = || m.elastic_table.iter().filter(|row| row.len() > 1);
+        let bulk = increase(&mut rows().map(|row| row[0] / (1.0 - 2.0 * row[1])));
+        bulk.max(increase(&mut rows().map(|row| row[0] / (1.0 + row[1]))))
+    };
+    model.materials.iter().map(of_material).fold(0.0, f64::max)
 }
 
 /// Returns whether viscous dissipation is part of the model: shocks in materials with an equation of state, or damping.

@@ -3,6 +3,7 @@
 
 use serde::Serialize;
 
+use super::energy_supply::EnergySupply;
 use crate::element::removed::DeletionTotals;
 use crate::load::{EnergyAccount, GeneralizedForce};
 use crate::state::BodyState;
@@ -82,8 +83,42 @@ pub struct Energy {
     pub total: f64,
     /// Total energy at the start.
     pub initial: f64,
-    /// Largest drift of the total energy, relative to the largest energy so far: kinetic, or work of loads and motions.
+    /// Largest drift of the total energy, relative to the energy put in.
     pub drift: f64,
+}
+
+/// Terms of the energy that are compared with the energy put in, in this order. Contact has its own limits.
+pub const TERMS: [&str; 11] =
+    ["ALLKE", "ALLIE", "ALLSE", "ALLPD", "ALLDMD", "ALLVD", "ALLAE", "ALLFD", "ALLCAV", "ALLDC", "ALLADV"];
+pub const KINETIC: usize = 0;
+pub const INTERNAL: usize = 1;
+pub const STRAIN: usize = 2;
+pub const ADVECTION: usize = 10;
+
+/// Values of the terms at an instant, the energy put in, and the energy that elements can have released.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergyTerms {
+    pub values: [f64; TERMS.len()],
+    pub put_in: f64,
+    pub released: f64,
+}
+
+impl EnergyTerms {
+    /// Returns the amounts by which a term is below zero, and above the energy put in. Elements that release energy have
+    /// internal energies below zero; the transport in adaptive meshes should lose none.
+    #[inline(always)]
+    pub fn excess(&self, term: usize) -> [f64; 2] {
+        let value = self.values[term];
+        let lowest = if term == INTERNAL || term == STRAIN { -self.released } else { 0.0 };
+        let highest = if term == ADVECTION { 0.0 } else { self.put_in };
+        [lowest - value, value - highest]
+    }
+
+    /// Returns the largest excess of all terms.
+    #[inline(always)]
+    pub fn largest_excess(&self) -> f64 {
+        (0..TERMS.len()).map(|term| self.excess(term)).fold(0.0, |most, [low, high]| most.max(low).max(high))
+    }
 }
 
 /// Sums that are updated in each increment; [`EnergyBalance::energy`] computes the energies for output.
@@ -102,6 +137,8 @@ pub struct EnergyBalance {
     tied: f64,
     /// Largest energy so far.
     largest: f64,
+    /// Energy put in.
+    supply: EnergySupply,
     /// Largest drift of the total energy.
     departure: f64,
     /// Drift of the total energy at the last instant, as a positive energy.
@@ -160,6 +197,7 @@ impl EnergyBalance {
             external: 0.0,
             tied: 0.0,
             largest: kinetic,
+            supply: EnergySupply::default(),
             departure: 0.0,
             departure_now: 0.0,
             mass_scaling: 0.0,
@@ -173,28 +211,64 @@ impl EnergyBalance {
         self.departure.is_finite()
     }
 
-    /// Returns the largest drift of the total energy, relative to the largest energy so far.
+    /// Returns the energies that the model can release, and the energy put in.
+    pub fn supply(&mut self) -> &mut EnergySupply {
+        &mut self.supply
+    }
+
+    /// Returns the energy put in, with which all others are compared. It is the largest energy so far if none was put in.
+    #[inline(always)]
+    pub fn put_in(&self) -> f64 {
+        let put_in = self.supply.put_in();
+        if put_in > 0.0 { put_in } else { self.largest }
+    }
+
+    /// Returns the largest drift of the total energy, relative to the energy put in.
     pub fn drift(&self) -> f64 {
-        if self.largest > 0.0 { self.departure / self.largest } else { 0.0 }
+        let put_in = self.put_in();
+        if put_in > 0.0 { self.departure / put_in } else { 0.0 }
+    }
+
+    /// Returns the terms of the energy at this instant, in the order of [`TERMS`].
+    #[inline(always)]
+    pub fn terms(&self) -> EnergyTerms {
+        let solid = &self.solid;
+        EnergyTerms {
+            values: [
+                self.kinetic + solid.kinetic,
+                solid.internal + solid.artificial,
+                solid.internal - solid.plastic,
+                solid.plastic - solid.damaged,
+                solid.damaged,
+                solid.viscous,
+                solid.artificial,
+                solid.friction,
+                solid.cavity,
+                solid.distortion,
+                solid.advection,
+            ],
+            put_in: self.supply.put_in(),
+            released: self.supply.released(),
+        }
     }
 
     /// Returns artificial energy over internal energy; 0 if the internal energy is below the fraction `small` of the
-    /// largest energy.
+    /// energy put in.
     pub fn artificial_share(&self, small: f64) -> f64 {
         let (artificial, internal) = (self.solid.artificial.abs(), self.solid.internal + self.solid.artificial);
-        if internal > small * self.largest { artificial / internal } else { 0.0 }
+        if internal > small * self.put_in() { artificial / internal } else { 0.0 }
     }
 
-    /// Returns whether the largest drift of the total energy exceeds a fraction of the largest energy so far.
+    /// Returns whether the largest drift of the total energy exceeds a fraction of the energy put in.
     #[inline]
     pub fn drifts(&self, bound: f64) -> bool {
-        self.departure > bound * self.largest
+        self.departure > bound * self.put_in()
     }
 
     /// Returns whether the ratio of [`EnergyBalance::artificial_share`] exceeds a bound.
     pub fn is_artificial(&self, bound: f64, small: f64) -> bool {
         let (artificial, internal) = (self.solid.artificial.abs(), self.solid.internal + self.solid.artificial);
-        internal > small * self.largest && artificial > bound * internal
+        internal > small * self.put_in() && artificial > bound * internal
     }
 
     /// Returns whether the balance includes deformable bodies or contact, so that their energies can be watched.
@@ -203,9 +277,10 @@ impl EnergyBalance {
         self.solid_initial.is_some()
     }
 
-    /// Returns the current drift of the total energy, relative to the largest energy so far.
+    /// Returns the current drift of the total energy, relative to the energy put in.
     pub fn drift_now(&self) -> f64 {
-        if self.largest > 0.0 { self.departure_now / self.largest } else { 0.0 }
+        let put_in = self.put_in();
+        if put_in > 0.0 { self.departure_now / put_in } else { 0.0 }
     }
 
     /// Returns the largest energy so far: kinetic, internal, of the overlaps with which soft contact began, or work of
@@ -218,18 +293,6 @@ impl EnergyBalance {
     #[inline(always)]
     pub fn kinetic_of_solid(&self) -> f64 {
         self.solid.kinetic
-    }
-
-    /// Returns the internal energy of deformable bodies, hourglass control included.
-    #[inline(always)]
-    pub fn internal_of_solid(&self) -> f64 {
-        self.solid.internal + self.solid.artificial
-    }
-
-    /// Returns the recoverable strain energy of deformable bodies.
-    #[inline(always)]
-    pub fn strain_of_solid(&self) -> f64 {
-        self.solid.internal - self.solid.plastic
     }
 
     /// Returns the energies that viscosity, friction and targets have dissipated in deformable bodies.
@@ -280,9 +343,9 @@ impl EnergyBalance {
     }
 
     /// Adds the increment that ended at this instant. `after_jump`: the increment ended at a jump of forces, so only
-    /// the forces at its start count. `deforms`: the model has deformable bodies.
+    /// the forces at its start count. `solid_at`: the total time, if the model has deformable bodies.
     #[inline]
-    pub fn add_increment(&mut self, dofs: &Dofs, forces: &[f64], after_jump: bool, deforms: bool) {
+    pub fn add_increment(&mut self, dofs: &Dofs, forces: &[f64], after_jump: bool, solid_at: Option<f64>) {
         let bodies = &dofs.bodies;
         let (mut done, mut external, mut tied) = (self.done, self.external, self.tied);
         for (entry, &force) in self.entries.iter_mut().zip(forces) {
@@ -314,8 +377,10 @@ impl EnergyBalance {
         (self.kinetic, self.done, self.external, self.tied) = (kinetic, done, external, tied);
         let mut departure = kinetic - self.previous_steps.initial - done;
         // Without deformable bodies, contact still dissipates energy of rigid bodies.
-        if deforms || dofs.energies.contact != 0.0 || dofs.energies.friction != 0.0 {
-            departure += self.add_nodes(&dofs.energies, deforms);
+        if solid_at.is_some() || dofs.energies.contact != 0.0 || dofs.energies.friction != 0.0 {
+            departure += self.add_nodes(&dofs.energies, solid_at);
+        } else {
+            self.supply.take(self.previous_steps.initial + external);
         }
         self.departure_now = departure.abs();
         self.departure = larger(self.departure, self.departure_now);
@@ -324,12 +389,14 @@ impl EnergyBalance {
     /// Adds the energies of deformable bodies, after the rigid bodies; the work of tied nodes on bodies stays in the
     /// model. Returns the change of the sum since the start.
     #[inline(never)]
-    fn add_nodes(&mut self, energies: &EnergyTotals, deforms: bool) -> f64 {
+    fn add_nodes(&mut self, energies: &EnergyTotals, solid_at: Option<f64>) -> f64 {
         self.solid = *energies;
         let sum = energies.sum() + self.tied - energies.external;
-        let initial = *self.solid_initial.get_or_insert(if deforms { sum } else { 0.0 });
+        let initial = *self.solid_initial.get_or_insert(if solid_at.is_some() { sum } else { 0.0 });
         let stored = energies.internal.max(energies.initial_overlap);
         self.largest = self.largest.max(energies.kinetic).max(stored).max(energies.external.abs());
+        let given = self.previous_steps.initial + initial + self.external + energies.external + energies.flow.kinetic;
+        self.supply.take_with_elements(given, energies, solid_at.unwrap_or(f64::NEG_INFINITY));
         sum - initial
     }
 
@@ -393,6 +460,7 @@ persist_struct!(EnergyBalance {
     external,
     tied,
     largest,
+    supply,
     departure,
     departure_now,
     mass_scaling,
@@ -420,10 +488,10 @@ mod tests {
         let mut dofs = Dofs::default();
         let mut balance = EnergyBalance::start(&dofs);
         dofs.energies.initial_overlap = 10.0;
-        balance.add_increment(&dofs, &[], false, true);
+        balance.add_increment(&dofs, &[], false, Some(0.0));
         (dofs.energies.contact, dofs.energies.kinetic) = (-0.9, 1.0);
-        balance.add_increment(&dofs, &[], false, true);
-        assert_eq!(balance.largest(), 10.0);
+        balance.add_increment(&dofs, &[], false, Some(0.0));
+        assert_eq!(balance.put_in(), 10.0);
         assert!((balance.drift() - 0.01).abs() < 1e-15, "{}", balance.drift());
     }
 }

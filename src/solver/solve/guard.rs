@@ -18,10 +18,13 @@ const FLOOR: f64 = 1e-10;
 /// Increments of an analysis in which drift does not halt, except at its end. A suddenly applied load causes a relative
 /// drift while the energies are still close to zero.
 const EARLY: u64 = 500;
-/// Drift of ETOTAL, relative to the largest energy, above which every run halts.
+/// Drift of ETOTAL, relative to the energy put in, above which every run halts.
 const LARGEST_DRIFT: f64 = 0.2;
-/// Energy created by contact, as a fraction of the largest energy, above which every run halts.
+/// Energy created by contact, as a fraction of the energy put in, above which every run halts.
 const LARGEST_CREATED: f64 = 0.2;
+/// Amount of a term of the energy below zero or above the energy put in, as a fraction of the latter, above which every
+/// run halts.
+const LARGEST_EXCESS: f64 = 1.0;
 /// Number of increments above these limits that halt a run, without an increment below them.
 const LASTING: u64 = 10;
 
@@ -104,6 +107,7 @@ impl SolverRun<'_> {
         self.check_energy_limits()?;
         self.check_drift()?;
         self.check_contact()?;
+        self.check_terms()?;
         self.watch();
         Ok(())
     }
@@ -147,14 +151,27 @@ impl SolverRun<'_> {
     /// Checks the energy of contact, which is a term of ETOTAL, so that its drift does not show it. The first increments
     /// are excluded as for the drift; the end of a short analysis is not.
     fn check_contact(&mut self) -> Result<(), HaltReason> {
-        let is_met = self.balance.absorbed_by_contact() < -LARGEST_CREATED * self.balance.largest();
+        let is_met = self.balance.absorbed_by_contact() < -LARGEST_CREATED * self.balance.put_in();
         let [_, count] = &mut self.watch.contact_below_zero;
         *count = if is_met { *count + 1 } else { 0 };
         let passes = *count < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
         if passes || self.is_noise() { Ok(()) } else { Err(self.contact_halt()) }
     }
 
-    /// Checks the drift and the energy of contact at the end of an analysis that was too short for the limits, so that its
+    /// Checks each term of the energy. Terms with opposite errors close ETOTAL, but none exceeds the energy put in. A limit
+    /// of the deck on the drift that is larger is the limit of the terms as well. The first increments are excluded as for
+    /// the drift.
+    fn check_terms(&mut self) -> Result<(), HaltReason> {
+        let limit = self.step.energy_limit.and_then(|l| l.error).map_or(LARGEST_EXCESS, |e| e.max(LARGEST_EXCESS));
+        let terms = self.balance.terms();
+        let excess = terms.largest_excess();
+        let is_met = self.balance.has_solid() && excess > 0.0 && excess > limit * terms.put_in;
+        self.watch.lasting_excess = if is_met { self.watch.lasting_excess + 1 } else { 0 };
+        let passes = self.watch.lasting_excess < LASTING || self.now.increment < EARLY;
+        if passes || self.is_noise() { Ok(()) } else { Err(self.excess_halt()) }
+    }
+
+    /// Checks the drift, the energy of contact and the terms of the energy at the end of an analysis that was too short for the limits, so that its
     /// results are not used.
     /// In a very short analysis one increment above the limit is sufficient.
     ///
@@ -165,6 +182,9 @@ impl SolverRun<'_> {
         let drift = self.balance.drift();
         let is_met = drift > LARGEST_DRIFT && self.watch.drift_count > u64::from(self.now.increment > LASTING);
         let own = self.plan.steps.iter().any(StepPlan::has_drift_limit);
+        if is_early && self.watch.lasting_excess >= LASTING && !self.is_noise() {
+            return Err(self.excess_halt());
+        }
         if !is_early || own || self.is_noise() {
             Ok(())
         } else if self.watch.contact_below_zero[1] >= LASTING {
@@ -180,9 +200,14 @@ impl SolverRun<'_> {
         HaltReason { code: "R208", reason: self.name_created_energy() }
     }
 
+    fn excess_halt(&self) -> HaltReason {
+        let reason = format!("{}. *ENERGY LIMIT, ERROR=limit in the step raises this limit", self.name_excess());
+        HaltReason { code: "R208", reason }
+    }
+
     fn drift_halt(&self, drift: f64) -> HaltReason {
         let reason = format!(
-            "ETOTAL has drifted by {:.1} % of the largest energy, more than {:.0} %, at increment {}, time {:e}{}: energy is \
+            "ETOTAL has drifted by {:.1} % of the energy put in, more than {:.0} %, at increment {}, time {:e}{}: energy is \
              not conserved{}. {}. *ENERGY LIMIT, ERROR=limit in the step changes this limit",
             100.0 * drift,
             100.0 * LARGEST_DRIFT,

@@ -358,6 +358,7 @@ impl Persist for SolverRun<'_> {
             complete,
             finds_onsets: _,
             forces_may_differ: _,
+            released,
             user,
             body_forces,
             limiting,
@@ -369,7 +370,7 @@ impl Persist for SolverRun<'_> {
             timing: _,
             outcome,
         } = self;
-        persist_fields!(archive; now, previous_instant, previous_dt, last_increment, complete, user);
+        persist_fields!(archive; now, previous_instant, previous_dt, last_increment, complete, released, user);
         persist_fields!(archive; body_forces, limiting, balance, watch, remesh, state, outcome);
     }
 }

@@ -53,6 +53,8 @@ pub(super) struct SolverRun<'a> {
     pub(super) finds_onsets: bool,
     /// Whether a step has begun that may change the forces at this instant.
     pub(super) forces_may_differ: bool,
+    /// Node and axis of prescribed motions that ended at this instant.
+    pub(super) released: Vec<(usize, usize)>,
     pub(super) user: UserSession,
     pub(super) body_forces: BodyForces,
     /// Group and element that limited the smallest increment of the step.
@@ -84,6 +86,7 @@ impl<'a> SolverRun<'a> {
             complete: false,
             finds_onsets: false,
             forces_may_differ: false,
+            released: Vec::new(),
             user: UserSession::default(),
             body_forces: BodyForces::default(),
             limiting: None,
@@ -184,7 +187,10 @@ impl<'a> SolverRun<'a> {
         let heat = self.state.thermal.as_mut().and_then(|t| t.heat.as_mut());
         let heat_changes = heat.is_some_and(|heat| heat.begin(index));
         let changes = index == 0 || heat_changes || !step.changes.is_empty();
+        let releases = index > 0 && step.changes.constraints.is_some();
+        let prescribed = if releases { self.prescribed_motions() } else { Vec::new() };
         self.put_in_force(&step.changes);
+        self.find_released(prescribed);
         self.step = step;
         self.velocity_extrapolation = match step.load_velocity {
             LoadVelocity::Predicted => 0.5,
@@ -285,6 +291,8 @@ impl<'a> SolverRun<'a> {
         }
         if self.now.increment == 0 {
             self.state.elements.probe(&self.state.dofs.nodes, &self.now, self.user.routines.at_points())?;
+            let (energies, per_mass) = self.state.elements.available_energies(&self.state.dofs.nodes);
+            self.balance.supply().begin(&energies, per_mass, self.plan.stiffening);
         }
         let global = matches!(self.step.control, IncrementControl::Automatic { element_by_element: false, .. });
         let views = || self.state.constraints.iter().map(|c| c.view());
@@ -557,7 +565,7 @@ impl<'a> SolverRun<'a> {
             &self.state.dofs,
             &self.body_forces.values,
             self.previous_dt == 0.0,
-            !self.state.elements.is_empty(),
+            (!self.state.elements.is_empty()).then_some(self.now.total_time),
         );
         self.complete = true;
     }
@@ -626,6 +634,9 @@ impl<'a> SolverRun<'a> {
     #[inline(never)]
     fn advance_nodes(&mut self, dt: f64) {
         self.adapt_meshes(dt);
+        if !self.released.is_empty() {
+            self.release(dt);
+        }
         central_difference::advance_nodes(&self.state.elements, &mut self.state.dofs, dt);
         self.state.elements.mark_moved();
     }

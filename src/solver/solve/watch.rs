@@ -2,7 +2,7 @@
 //! Warnings state when it began, where it is, and a remedy. Checks that halt a run are in `guard.rs`.
 
 use super::collapse::CollapseMonitor;
-use super::energy::{Energy, EnergyBalance};
+use super::energy::{ADVECTION, Energy, EnergyBalance, INTERNAL, KINETIC, STRAIN, TERMS};
 use super::masses::MassMonitor;
 use super::run::SolverRun;
 use crate::constraint::ContactResults;
@@ -11,45 +11,42 @@ use crate::model::IncrementControl;
 use crate::state::archive::persist_struct;
 use crate::state::{BodyState, Instant};
 
-/// Fraction of the largest energy below which internal energy is too small to be compared with artificial energy.
+/// Fraction of the energy put in below which internal energy is too small to be compared with artificial energy.
 pub(super) const SMALL: f64 = 0.01;
 
-/// Bounds for warnings at the end of a run: drift of ETOTAL over the largest energy, and ALLAE over ALLIE. Above the
+/// Bounds for warnings at the end of a run: drift of ETOTAL over the energy put in, and ALLAE over ALLIE. Above the
 /// second, a common rule of practice, hourglass control influences the results.
 const SOUND: [f64; 2] = [0.01, 0.05];
 
 /// Bound of the drift of ETOTAL if error control chooses the increments, in units of `accuracy`.
 const DRIFT_OVER_ACCURACY: f64 = 10.0;
 
-/// Fractions of the largest energy for warnings of dissipation at the end of a run: bulk viscosity; friction and contact
+/// Fractions of the energy put in for warnings of dissipation at the end of a run: bulk viscosity; friction and contact
 /// of surfaces that flutter. Sliding without flutter loses no energy in contact.
 const DISSIPATED: f64 = 0.05;
 const FLUTTERS: [f64; 2] = [0.1, 0.02];
-/// Fractions of the largest energy for a warning of the energy that contact absorbs, without and with deleted elements.
+/// Fractions of the energy put in for a warning of the energy that contact absorbs, without and with deleted elements.
 const ABSORBED: [f64; 2] = [0.05, 0.1];
 
-/// Size of a negative kinetic or internal energy, as a fraction of the largest energy, above which it is counted.
+/// Size of a negative energy, as a fraction of the energy put in, above which it is counted where the sign is strict: of
+/// kinetic energy, and of the energies of materials that release no heat.
 const BELOW_ZERO: f64 = 0.01;
+/// Amount of a term below zero or above the energy put in, as a fraction of the latter, above which it is counted for all
+/// materials.
+const EXCESS: f64 = 0.1;
 
-/// Remedy for other energies with a wrong sign.
+/// Remedy for energies with a wrong sign or size.
 const COMPARE: &str = "compare with SCALE FACTOR=0.5 on *DYNAMIC or a finer mesh";
 
-/// Number of increments with a negative energy before the warning, because a sudden release causes a few.
+/// Number of increments with an excess before the warning, because a sudden release causes a few.
 const SEEN: u64 = 10;
 
 /// Explanations for kinetic and for internal energy below zero.
-const SIGNS: [[&str; 2]; 2] = [
-    [
-        "ALLKE",
-        "nodal velocities change sign within an increment, which is close to or above the stable time increment; compare with \
-         SCALE FACTOR=0.5 on *DYNAMIC",
-    ],
-    [
-        "ALLIE",
-        "elements have released more energy than was put in. Hypoelastic material laws do so on large closed strain paths, \
-         *HYPERELASTIC does not; compare with SCALE FACTOR=0.5 on *DYNAMIC or a finer mesh to exclude other causes",
-    ],
-];
+const REVERSES: &str = "nodal velocities change sign within an increment, which is close to or above the stable time increment; \
+                        compare with SCALE FACTOR=0.5 on *DYNAMIC";
+const RELEASES: &str = "elements have released more energy than was put in. Hypoelastic material laws do so on large closed \
+                        strain paths, *HYPERELASTIC does not; compare with SCALE FACTOR=0.5 on *DYNAMIC or a finer mesh to \
+                        exclude other causes";
 
 /// Number of remaining increments above which a step is slow: hours on any machine, except for a few elements.
 const CRAWL: f64 = 1e8;
@@ -66,30 +63,30 @@ const LOOK_EVERY: [u64; 2] = [17, 511];
 const PATTERN: f64 = 0.75;
 /// Growth of the pattern's kinetic energy since the last check that is needed for a warning.
 const GROWTH: f64 = 4.0;
-/// Fraction of the largest energy that the hourglass pattern must have before it is reported.
+/// Fraction of the energy put in that the hourglass pattern must have before it is reported.
 const WORTH: f64 = 0.01;
 
 /// History of the monitored values.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RunMonitor {
-    /// Bound for the warning of the drift of ETOTAL in this step, relative to the largest energy.
+    /// Bound for the warning of the drift of ETOTAL in this step, relative to the energy put in.
     pub(super) drift_bound: f64,
     /// Total times since which the drift of ETOTAL and ALLAE have been out of bounds.
     unsound: [Option<f64>; 2],
-    /// Drift of ETOTAL, relative to the largest energy, at the last check.
+    /// Drift of ETOTAL, relative to the energy put in, at the last check.
     pub(super) drift: f64,
     /// Number of increments, up to the current one, whose drift of ETOTAL is large enough to halt the run and does not
     /// decrease.
     pub(super) lasting_drifts: u64,
     /// Number of all increments with such a drift.
     pub(super) drift_count: u64,
-    /// Negative kinetic and negative internal energies.
-    below_zero: [NegativeEnergy; 2],
+    /// Amounts of the terms of the energy below zero, and above the energy put in.
+    excess: [[ExcessRecord; 2]; TERMS.len()],
+    /// Number of increments, up to the current one, with an excess that halts.
+    pub(super) lasting_excess: u64,
     /// Largest values so far of the energies dissipated in deformable bodies, and their largest decreases.
     dissipated: [f64; 3],
     decreases: [f64; 3],
-    /// Lowest strain energy so far.
-    lowest_strain: f64,
     /// Increments with a negative energy of contact, up to the warning, and successive ones with an energy that halts.
     pub(super) contact_below_zero: [u64; 2],
     /// Whether warnings of a pattern and of small increments have been issued.
@@ -112,27 +109,30 @@ pub(super) struct RunMonitor {
     pub(super) shown: usize,
 }
 
-/// Increments with a negative energy.
+/// Increments in which a term of the energy exceeds a bound.
 #[derive(Clone, Copy, Debug, Default)]
-struct NegativeEnergy {
+struct ExcessRecord {
     /// Number of increments.
     count: u64,
-    /// The lowest value, its increment and total time.
-    lowest: f64,
+    /// The largest excess; value of the term, increment and total time there.
+    largest: f64,
+    value: f64,
     increment: u64,
     total_time: f64,
 }
 
-impl NegativeEnergy {
-    fn record(&mut self, energy: f64, now: &Instant) {
+impl ExcessRecord {
+    fn record(&mut self, excess: f64, value: f64, now: &Instant) {
         self.count += 1;
-        if energy < self.lowest {
-            (self.lowest, self.increment, self.total_time) = (energy, now.increment, now.total_time);
+        if excess > self.largest {
+            let count = self.count;
+            let (increment, total_time) = (now.increment, now.total_time);
+            *self = ExcessRecord { count, largest: excess, value, increment, total_time };
         }
     }
 }
 
-persist_struct!(NegativeEnergy { count, lowest, increment, total_time });
+persist_struct!(ExcessRecord { count, largest, value, increment, total_time });
 
 impl RunMonitor {
     /// Allows the warning of small increments once in each step.
@@ -149,7 +149,8 @@ impl RunMonitor {
         !drifts && !below && now.increment < self.next_look
     }
 
-    /// Compares the energies of deformable bodies with their values so far. Returns whether one is below zero.
+    /// Compares the energies of deformable bodies with their values so far and with the energy put in. Returns whether one
+    /// is below zero or larger.
     #[inline(never)]
     fn compare_solid(&mut self, balance: &EnergyBalance, now: &Instant) -> bool {
         note_since(&mut self.unsound[1], balance.is_artificial(SOUND[1], SMALL), now);
@@ -158,9 +159,12 @@ impl RunMonitor {
             *highest = highest.max(now);
             *decrease = decrease.max(*highest - now);
         }
-        self.lowest_strain = self.lowest_strain.min(balance.strain_of_solid());
-        let lowest = balance.kinetic_of_solid().min(balance.internal_of_solid());
-        lowest.min(balance.absorbed_by_contact()) < -BELOW_ZERO * balance.largest()
+        let excess = balance.terms().largest_excess().max(-balance.absorbed_by_contact());
+        let exceeds = excess > BELOW_ZERO * balance.put_in();
+        if !exceeds {
+            self.lasting_excess = 0;
+        }
+        exceeds
     }
 }
 
@@ -175,7 +179,7 @@ fn note_since(since: &mut Option<f64>, is_out: bool, now: &Instant) {
 impl SolverRun<'_> {
     /// Makes the checks that are due.
     pub(super) fn watch(&mut self) {
-        self.watch_sign();
+        self.watch_terms();
         self.watch_contact();
         if self.now.increment >= self.watch.next_look {
             self.watch.next_look = self.now.increment + self.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
@@ -186,76 +190,136 @@ impl SolverRun<'_> {
         }
     }
 
-    /// Records negative kinetic energy, which central differences give if velocities change sign between half steps, and
-    /// negative internal energy in models without stored energy.
-    fn watch_sign(&mut self) {
-        let largest = self.balance.largest();
-        let energies = [self.balance.kinetic_of_solid(), self.balance.internal_of_solid()];
-        for (which, energy) in energies.into_iter().enumerate() {
-            if energy < -BELOW_ZERO * largest && !(which == 1 && self.plan.stores_energy) && !self.is_noise() {
-                self.watch.below_zero[which].record(energy, &self.now);
+    /// Returns the fractions of the energy put in by which a term may be below zero, and above it.
+    fn bounds(&self, term: usize) -> [f64; 2] {
+        let releases_heat = self.plan.has_equation_of_state || self.plan.has_user_stress;
+        let is_strict = term == KINETIC || (term == INTERNAL || term == STRAIN) && !releases_heat;
+        [if is_strict { BELOW_ZERO } else { EXCESS }, EXCESS]
+    }
+
+    /// Records negative energies, which central differences give for ALLKE if velocities change sign between half steps,
+    /// and terms above the energy put in.
+    fn watch_terms(&mut self) {
+        let terms = self.balance.terms();
+        for (term, value) in terms.values.into_iter().enumerate() {
+            for ((which, bound), excess) in self.bounds(term).into_iter().enumerate().zip(terms.excess(term)) {
+                if excess > bound * terms.put_in && excess > 0.0 && !self.is_noise() {
+                    self.watch.excess[term][which].record(excess, value, &self.now);
+                }
             }
         }
     }
 
-    /// Warns of negative energies that are not small in comparison with the energies of the whole run: at the first
-    /// touch of bodies all energies are small.
-    fn warn_of_sign(&mut self) {
-        let largest = self.balance.largest();
-        for ([name, why], found) in SIGNS.into_iter().zip(self.watch.below_zero) {
-            if found.count < SEEN || found.lowest >= -BELOW_ZERO * largest {
-                continue;
-            }
-            self.outcome.warn(
-                "R303",
-                format!(
-                    "{name} is {:.3e}, negative by {:.1} % of the largest energy, at increment {}, time {:e}: {why}{}",
-                    found.lowest,
-                    -100.0 * found.lowest / largest,
-                    found.increment,
-                    found.total_time,
-                    self.name_folded()
-                ),
-            );
-        }
-    }
-
-    /// Warns of dissipated energies that have decreased, of negative strain energy, and of further energies that are
-    /// negative at the end. ALLPD may decrease with kinematic hardening.
-    fn warn_of_terms(&mut self) {
-        let (energy, largest) = (self.balance.energy(), self.balance.largest());
-        if self.is_noise() {
-            return;
-        }
-        for (name, decrease) in ["ALLVD", "ALLFD", "ALLCAV"].into_iter().zip(self.watch.decreases) {
-            if decrease > BELOW_ZERO * largest {
+    /// Warns of terms below zero or above the energy put in, by amounts that are not small in comparison with the energy
+    /// put in over the whole run: at the first touch of bodies all energies are small.
+    fn warn_of_excess(&mut self) {
+        let (put_in, released) = (self.balance.put_in(), self.balance.terms().released);
+        for (term, name) in TERMS.into_iter().enumerate() {
+            for (which, bound) in self.bounds(term).into_iter().enumerate() {
+                let found = self.watch.excess[term][which];
+                if found.count < SEEN || found.largest <= bound * put_in {
+                    continue;
+                }
+                let below = which == 0;
+                let bounded = match (term, below) {
+                    (INTERNAL | STRAIN, true) if released > 0.0 => " below the energy that elements can have released",
+                    (_, true) => " below zero",
+                    (ADVECTION, false) => "",
+                    _ => " above it",
+                };
+                let why = match (term, below) {
+                    (KINETIC, true) => REVERSES.to_owned(),
+                    (INTERNAL, true) if bound < EXCESS => RELEASES.to_owned(),
+                    _ => self.cause_of_excess(),
+                };
                 self.outcome.warn(
                     "R303",
                     format!(
-                        "{name} of deformable bodies has decreased by {decrease:.3e}, {:.1} % of the largest energy: dissipated \
-                         energy cannot decrease; {COMPARE}",
-                        100.0 * decrease / largest
+                        "{name} is {:.3e}, {:.1} % of the energy put in ({put_in:.3e}){bounded}, at increment {}, time {:e}: {why}{}",
+                        found.value,
+                        100.0 * found.largest / put_in,
+                        found.increment,
+                        found.total_time,
+                        self.name_folded()
                     ),
                 );
             }
         }
-        let strain = if self.plan.stores_energy { 0.0 } else { self.watch.lowest_strain };
+    }
+
+    /// Returns the term with the largest excess at this instant, for a halt.
+    pub(super) fn name_excess(&self) -> String {
+        let terms = self.balance.terms();
+        let largest = |term: &usize| terms.excess(*term).into_iter().fold(0.0, f64::max);
+        let term = (0..TERMS.len()).max_by(|a, b| largest(a).total_cmp(&largest(b))).unwrap_or_default();
+        let ratio = terms.values[term].abs() / terms.put_in;
+        let amount = if terms.put_in > 0.0 {
+            format!("{ratio:.1} times the energy put in ({:.3e})", terms.put_in)
+        } else {
+            "and no energy was put in".to_owned()
+        };
+        format!(
+            "{} is {:.3e}, {amount}, at increment {}, time {:e}: energy was created, although ETOTAL has drifted by {:.1} % only; {}{}",
+            TERMS[term],
+            terms.values[term],
+            self.now.increment,
+            self.now.total_time,
+            100.0 * self.balance.drift_now(),
+            self.cause_of_excess(),
+            self.name_folded()
+        )
+    }
+
+    /// Returns the most likely cause of energy that was not put in, and a remedy.
+    fn cause_of_excess(&self) -> String {
+        if let Some(ratio) = self.beyond_stability() {
+            format!(
+                "the increments of DIRECT USER CONTROL are {ratio:.2} times the stable time increment: use smaller or automatic \
+                 increments"
+            )
+        } else if self.plan.has_user_stress {
+            "check the user material: the stress of a closed strain path does no work, and enerInelasNew is the plastic work".into()
+        } else if !self.state.adaptive.is_empty() || self.plan.remesh.is_some() {
+            "compare with a run without *ADAPTIVE MESH and *REMESH".into()
+        } else {
+            COMPARE.into()
+        }
+    }
+
+    /// Warns of dissipated energies that have decreased, and of energies that are negative at the end. ALLPD may decrease
+    /// with kinematic hardening.
+    fn warn_of_terms(&mut self) {
+        let (energy, put_in) = (self.balance.energy(), self.balance.put_in());
+        if self.is_noise() {
+            return;
+        }
+        for (name, decrease) in ["ALLVD", "ALLFD", "ALLCAV"].into_iter().zip(self.watch.decreases) {
+            if decrease > BELOW_ZERO * put_in {
+                self.outcome.warn(
+                    "R303",
+                    format!(
+                        "{name} of deformable bodies has decreased by {decrease:.3e}, {:.1} % of the energy put in: dissipated \
+                         energy cannot decrease; {COMPARE}",
+                        100.0 * decrease / put_in
+                    ),
+                );
+            }
+        }
         // A material with an equation of state pays for its hourglass control, and may release energy by it.
         let artificial = if self.plan.has_equation_of_state { 0.0 } else { energy.artificial };
         let lost = energy.damage.unwrap_or(0.0);
         for (name, now) in [
-            ("ALLSE", strain),
             ("ALLPD", energy.plastic),
             ("ALLDMD", lost),
             ("ALLAE", artificial),
             ("ALLDC", energy.distortion),
         ] {
-            if now < -BELOW_ZERO * largest {
+            if now < -BELOW_ZERO * put_in {
                 self.outcome.warn(
                     "R303",
                     format!(
-                        "{name} is {now:.3e}, negative by {:.1} % of the largest energy; {COMPARE}",
-                        -100.0 * now / largest
+                        "{name} is {now:.3e}, negative by {:.1} % of the energy put in; {COMPARE}",
+                        -100.0 * now / put_in
                     ),
                 );
             }
@@ -265,7 +329,7 @@ impl SolverRun<'_> {
     /// Checks for energy that contact has created.
     fn watch_contact(&mut self) {
         let [count, _] = &mut self.watch.contact_below_zero;
-        if *count > SEEN || self.balance.absorbed_by_contact() >= -BELOW_ZERO * self.balance.largest() {
+        if *count > SEEN || self.balance.absorbed_by_contact() >= -BELOW_ZERO * self.balance.put_in() {
             return;
         }
         *count += 1;
@@ -286,10 +350,10 @@ impl SolverRun<'_> {
             format!(", most in pair {pair}, with the largest release near (r = {r:.4e}, z = {z:.4e})")
         });
         format!(
-            "contact has created energy: ALLCW + ALLPW is {energy:.3e}, {:.1} % of the largest energy below zero, at increment {}, \
+            "contact has created energy: ALLCW + ALLPW is {energy:.3e}, {:.1} % of the energy put in below zero, at increment {}, \
              time {:e}{place}. Use smaller facets there, SCALE FACTOR=0.5 on *DYNAMIC, or hard contact instead of a \
              pressure-overclosure relationship",
-            -100.0 * energy / self.balance.largest(),
+            -100.0 * energy / self.balance.put_in(),
             self.now.increment,
             self.now.total_time
         )
@@ -302,7 +366,7 @@ impl SolverRun<'_> {
         }
         let now = self.state.elements.hourglass_motion(&self.state.dofs.nodes);
         let before = std::mem::replace(&mut self.watch.pattern, now.kinetic);
-        let counts = now.kinetic > WORTH * self.balance.largest() && !self.is_noise();
+        let counts = now.kinetic > WORTH * self.balance.put_in() && !self.is_noise();
         let grows = before > 0.0 && now.kinetic >= GROWTH * before;
         if !counts || !grows || now.kinetic < PATTERN * now.relative {
             return;
@@ -353,9 +417,9 @@ impl SolverRun<'_> {
     fn name_slowest(&self) -> String {
         let (group, element) = self.state.elements.limiting();
         format!(
-            "; it is limited by element {}: use DISTORTION CONTROL=YES on *SECTION CONTROLS, *VARIABLE MASS SCALING or \
-             *EROSION",
-            self.plan.element_name(group, element)
+            "; it is limited by element {}. {}",
+            self.plan.element_name(group, element),
+            self.name_remedies((group, element), None)
         )
     }
 
@@ -374,7 +438,7 @@ impl SolverRun<'_> {
 
     /// Warns of energies out of bounds at the end of the run: since when, and where the mesh is distorted most.
     pub(super) fn warn_of_energy(&mut self) {
-        self.warn_of_sign();
+        self.warn_of_excess();
         self.warn_of_terms();
         self.warn_of_added_mass();
         self.warn_of_volumes();
@@ -386,7 +450,7 @@ impl SolverRun<'_> {
         let [drift, artificial] = [0, 1].inline_map(|i| self.watch.unsound[i].filter(|_| !reported(i)));
         if drift.is_some() && !self.is_noise() {
             self.outcome.warn("R301", format!(
-                "ETOTAL has drifted by {:.2} % of the largest energy, more than {} %{}: energy is not conserved{}. {}",
+                "ETOTAL has drifted by {:.2} % of the energy put in, more than {} %{}: energy is not conserved{}. {}",
                 100.0 * values[0],
                 100.0 * self.watch.drift_bound,
                 self.drifts_since(),
@@ -411,15 +475,15 @@ impl SolverRun<'_> {
 
     /// Warns of bulk viscosity that changes the results, and of friction that flutters.
     fn warn_of_dissipation(&mut self) {
-        let (energy, largest) = (self.balance.energy(), self.balance.largest());
+        let (energy, put_in) = (self.balance.energy(), self.balance.put_in());
         let [viscous, friction, contact] =
-            [energy.viscous, energy.friction, energy.contact].inline_map(|part| part / largest);
+            [energy.viscous, energy.friction, energy.contact].inline_map(|part| part / put_in);
         if self.is_noise() {
             return;
         }
         if viscous > DISSIPATED && !self.plan.expects_dissipation {
             self.outcome.warn("R308", format!(
-                "bulk viscosity has dissipated {:.1} % of the largest energy (ALLVD), more than {} %: the mesh may not resolve \
+                "bulk viscosity has dissipated {:.1} % of the energy put in (ALLVD), more than {} %: the mesh may not resolve \
                  the waves. Compare with a finer mesh, or with smaller coefficients on *BULK VISCOSITY",
                 100.0 * viscous,
                 100.0 * DISSIPATED
@@ -427,7 +491,7 @@ impl SolverRun<'_> {
         }
         if friction > FLUTTERS[0] && contact > FLUTTERS[1] {
             self.outcome.warn("R310", format!(
-                "contact has absorbed {:.1} % of the largest energy (ALLCW) while friction has dissipated {:.1} % (ALLFD): surfaces \
+                "contact has absorbed {:.1} % of the energy put in (ALLCW) while friction has dissipated {:.1} % (ALLFD): surfaces \
                  that slide also separate and collide. If this is not the impact of the bodies, friction causes flutter, and the \
                  mean friction force is too small. Use *DAMPING, ALPHA, a larger SLIP DAMPING on *FRICTION, or elements that \
                  are larger along the surface",
@@ -439,20 +503,31 @@ impl SolverRun<'_> {
         }
     }
 
-    /// Returns why contact absorbs energy, and what reduces it; `share` is the fraction of the largest energy.
+    /// Returns why contact absorbs energy, and what reduces it; `share` is the fraction of the energy put in.
     fn name_absorbed_energy(&self, share: f64) -> String {
         let (why, cure) = match self.state.elements.deleted() {
             0 => ("", "smaller elements at the surfaces that hit reduce it in proportion to their size".to_owned()),
             deleted => (
-                "; after the deletion of elements, newly exposed nodes do so as well",
+                "; newly exposed faces and nodes without elements do so again and again",
                 format!(
-                    "smaller elements, limits of *EROSION that delete fewer elements ({deleted} were deleted), and NODAL \
-                     EROSION=YES on *CONTACT CONTROLS ASSIGNMENT reduce it"
+                    "smaller elements do not reduce this part of the loss ({deleted} elements were deleted){}{}",
+                    if self.plan.excludes_detached_nodes {
+                        ""
+                    } else {
+                        "; NODAL EROSION=YES on *CONTACT CONTROLS ASSIGNMENT takes nodes without elements out of contact, and \
+                         reduces it"
+                    },
+                    if self.plan.remesh.is_some() {
+                        ""
+                    } else {
+                        ". Failed material that is kept (ELEMENT DELETION=NO on *SECTION CONTROLS, with *DAMAGE EVOLUTION) in a \
+                         body with *REMESH has a loss that falls with the size of the elements"
+                    }
                 ),
             ),
         };
         format!(
-            "contact has absorbed {:.1} % of the largest energy (ALLCW): masses are lumped at nodes, and a node that touches a \
+            "contact has absorbed {:.1} % of the energy put in (ALLCW): masses are lumped at nodes, and a node that touches a \
              surface loses its relative velocity at once{why}. The energy is missing in the bodies: {cure}",
             100.0 * share
         )
@@ -471,14 +546,18 @@ impl SolverRun<'_> {
         format!(". The largest hourglass distortion is in element {name}: {:.0} % of its size", 100.0 * most.fold)
     }
 
-    /// Returns the most likely cause of a drift, and a remedy.
-    pub(super) fn likely_cause(&self) -> String {
-        let beyond = match self.step.control {
+    /// Returns the ratio of fixed increments to the stable time increment, if they are larger.
+    fn beyond_stability(&self) -> Option<f64> {
+        match self.step.control {
             IncrementControl::Fixed(given) if given > self.previous_stable_increment => {
                 Some(given / self.previous_stable_increment)
             }
             _ => None,
-        };
+        }
+    }
+
+    /// Returns the most likely cause of a drift, and a remedy.
+    pub(super) fn likely_cause(&self) -> String {
         if let (true, IncrementControl::Automatic { accuracy, .. }) =
             (self.state.elements.is_empty(), self.step.control)
         {
@@ -488,7 +567,8 @@ impl SolverRun<'_> {
                 0.1 * accuracy
             );
         }
-        cause(&self.balance.energy(), self.balance.drift() * self.balance.largest(), beyond)
+        let departure = self.balance.drift() * self.balance.put_in();
+        cause(&self.balance.energy(), departure, self.beyond_stability())
     }
 
     /// Sets the bound for the warning of drift: error control keeps the drift below `accuracy`.
@@ -530,7 +610,7 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
 }
 
 persist_struct!(RunMonitor {
-    unsound, drift, lasting_drifts, drift_count, below_zero, dissipated, decreases, lowest_strain, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
+    unsound, drift, lasting_drifts, drift_count, excess, lasting_excess, dissipated, decreases, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
     limits_reported
 } derived {
     shown, drift_bound

@@ -3,7 +3,7 @@
 
 use super::collapse::{COLLAPSED, CollapseMonitor};
 use super::run::SolverRun;
-use crate::plan::Plan;
+use crate::plan::{MeshCards, Plan};
 
 /// Ratio of increments from which an element counts among the causes of the collapse.
 const SMALL: f64 = 0.5 * COLLAPSED;
@@ -63,7 +63,7 @@ impl SolverRun<'_> {
             largest / stable,
             100.0 * self.watch.collapse.count as f64 / done,
             left / done,
-            cures(largest)
+            self.name_remedies(self.state.elements.limiting(), Some(largest / COLLAPSED))
         )
     }
 
@@ -80,8 +80,37 @@ impl SolverRun<'_> {
             100.0 * share,
             self.now.increment,
             name_element(self.plan, place),
-            cures(largest)
+            self.name_remedies(place, Some(largest / COLLAPSED))
         ));
+    }
+}
+
+impl SolverRun<'_> {
+    /// Returns the cards that keep an element from reducing the increment below `least`, without those of the deck.
+    pub(super) fn name_remedies(&self, (group, _): (usize, usize), least: Option<f64>) -> String {
+        let MeshCards { erodes, controls_distortion, scales_masses } = self.plan.mesh_cards;
+        let value = |name: &str| least.map_or_else(String::new, |least| format!(", {name}={least:.1e}"));
+        let (remeshes, adapts) = (self.plan.remesh.is_some(), !self.state.adaptive.is_empty());
+        let can_move = self.plan.movable_groups.get(group) == Some(&true);
+        let renewal = match (remeshes, adapts) {
+            _ if !can_move => None,
+            (true, _) => None,
+            (false, true) => Some("*REMESH in place of *ADAPTIVE MESH gives a body that deforms far a new mesh".to_owned()),
+            (false, false) => Some(
+                "*REMESH or *ADAPTIVE MESH keeps the elements of a body that deforms far in shape".to_owned(),
+            ),
+        };
+        let cards = [
+            renewal,
+            (!erodes).then(|| format!("*EROSION{} deletes such elements", value("INCREMENT"))),
+            (!controls_distortion)
+                .then(|| "DISTORTION CONTROL=YES on *SECTION CONTROLS keeps them from being squashed".to_owned()),
+            (!scales_masses).then(|| {
+                format!("*VARIABLE MASS SCALING, TYPE=BELOW MIN{} adds mass to them alone", value("DT"))
+            }),
+        ];
+        let cards: Vec<String> = cards.into_iter().flatten().collect();
+        if cards.is_empty() { "A coarser mesh there has larger increments".into() } else { cards.join(", ") }
     }
 }
 
@@ -89,13 +118,4 @@ fn name_element(plan: &Plan, (group, element): (usize, usize)) -> String {
     let material = plan.material_name(group, element);
     let of = if material.is_empty() { String::new() } else { format!(" (material {material})") };
     format!("{}{of}", plan.element_name(group, element))
-}
-
-/// Returns the cards that keep the increment above 1/25 of the largest one.
-fn cures(largest: f64) -> String {
-    let least = largest / COLLAPSED;
-    format!(
-        "*EROSION, INCREMENT={least:.1e} deletes such elements, DISTORTION CONTROL=YES on *SECTION CONTROLS keeps them from \
-         being squashed, *VARIABLE MASS SCALING, TYPE=BELOW MIN, DT={least:.1e} adds mass to them alone"
-    )
 }

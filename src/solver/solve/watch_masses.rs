@@ -8,7 +8,7 @@ use crate::element::mass_scaling::AddedMass;
 use crate::load::SceneChange;
 use crate::plan::State;
 
-/// Fraction of added mass, and ratio of the kinetic to the largest energy, above which a warning is issued. Where bodies
+/// Fraction of added mass, and ratio of the kinetic energy to that put in, above which a warning is issued. Where bodies
 /// hardly move, added mass changes little.
 const NOTABLE: [f64; 2] = [0.05, 0.1];
 /// Largest number of sections that the warning names.
@@ -92,7 +92,7 @@ impl SolverRun<'_> {
     pub(super) fn warn_of_added_mass(&mut self) {
         self.watch_masses();
         let heat = self.energy().heat.map_or(0.0, f64::abs);
-        let moving = self.watch.masses.kinetic / self.balance.largest().max(heat);
+        let moving = self.watch.masses.kinetic / self.balance.put_in().max(heat);
         let total = self.added_mass_percent();
         let Some(total) = total.filter(|_| moving > NOTABLE[1]) else { return };
         let mut sections: Vec<(usize, f64)> = self
@@ -112,7 +112,7 @@ impl SolverRun<'_> {
         let named: Vec<String> = sections.iter().take(NAMED).map(name).collect();
         let warning = format!(
             "mass scaling has added {total:.1} % to the mass of the deformable bodies{}: {}; their kinetic energy was up to {:.1} \
-             % of the largest energy. Added mass changes inertia and impact forces; compare with a smaller target increment. \
+             % of the energy put in. Added mass changes inertia and impact forces; compare with a smaller target increment. \
              The histories DMASS, ALLMW (energy of the added mass) and PARTMASS (mass of a set) show its growth",
             self.added_mass_places().unwrap_or_default().describe(),
             named.join(", "),

@@ -56,8 +56,8 @@ card!(BulkViscosity: "BULK VISCOSITY", "Linear and quadratic bulk viscosity", (o
 ]);
 
 card!(EnergyLimit: extension "ENERGY LIMIT", "Warns or halts if the energy error or the hourglass energy exceeds a limit", (once step), {
-    error: Option<f64> = "ERROR" (POSITIVE) "Maximum drift of ETOTAL relative to the largest energy; replaces the default limit of 20 %",
-    artificial: Option<f64> = "ARTIFICIAL" (POSITIVE) "Maximum ratio of ALLAE to ALLIE, once ALLIE exceeds 1 % of the largest energy",
+    error: Option<f64> = "ERROR" (POSITIVE) "Maximum drift of ETOTAL relative to the energy put in; replaces the default limit of 20 %",
+    artificial: Option<f64> = "ARTIFICIAL" (POSITIVE) "Maximum ratio of ALLAE to ALLIE, once ALLIE exceeds 1 % of the energy put in",
     halts: bool = "ACTION" (variant(&["WARN", "HALT"]).or(0.0)) "WARN prints one warning per step",
 }, []);
 

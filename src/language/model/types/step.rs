@@ -90,7 +90,7 @@ pub struct RestartRequest {
 pub struct EnergyLimit {
     /// Source position of the keyword line.
     pub span: Span,
-    /// Limit of the drift of ETOTAL, relative to the largest energy.
+    /// Limit of the drift of ETOTAL, relative to the energy put in.
     pub error: Option<f64>,
     /// Limit of the ratio ALLAE / ALLIE.
     pub artificial: Option<f64>,

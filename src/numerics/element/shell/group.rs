@@ -17,8 +17,10 @@ use crate::element::group::{
     GroupTotals, InitialState, InterfaceElements,
 };
 use crate::kernel::lanes::{InlineMap, LANES};
+use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{SectionComponents, ShellFrame};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
+use crate::material::available::AvailableEnergy;
 use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
@@ -240,6 +242,19 @@ impl ElementGroup for ShellGroup {
 
     fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<ElementStiffness> {
         None
+    }
+
+    fn available_energies(&self, nodes: &[Node]) -> Vec<AvailableEnergy> {
+        let PlaneElastic { young, ratio } = self.section.elastic;
+        let of_element = |e: usize| {
+            let points = self.section.points.iter().zip(&self.stress[e * self.section.points.len()..]);
+            let per_area = points.map(|([_, weight], [along, hoop])| {
+                0.5 * weight * (along * along + hoop * hoop - 2.0 * ratio * along * hoop) / young
+            });
+            let volume = self.frame(e, nodes).area() * self.state[e].thickness;
+            AvailableEnergy::initial(volume * per_area.sum::<f64>())
+        };
+        (0..self.len()).map(of_element).collect()
     }
 
     fn bytes(&self) -> usize {

@@ -1,5 +1,6 @@
 //! A group of six-node triangles: its blocks, distributed over threads, and its implementation of the group interface.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use pulp::{Arch, NullaryFnOnce};
@@ -10,7 +11,7 @@ use super::triangles::{FORCE_BLOCKS, TriangleIncrement, WorkArrays, operators_at
 use crate::element::block::{TASK, TaskWorkspace};
 use crate::element::constants::{ElementConstants, damped};
 use crate::element::group::{
-    ElementGroup, ElementPass, ElementStiffness, ElementTemperatures, GroupDeletion, GroupExtensions, GroupProperties,
+    ElementGroup, ElementPass, ElementStiffness, ElementTemperatures, ExpansionWork, GroupDeletion, GroupExtensions, GroupProperties,
     GroupSettings, GroupTotals, InitialState, InterfaceElements, PARALLEL, list_deleted, totals,
 };
 use crate::element::quiescent::TaskQuiescence;
@@ -19,6 +20,7 @@ use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, dispatch_outlined};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators, frequency_squared, stiffness};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
+use crate::material::available::AvailableEnergy;
 use crate::material::{Material, PlasticFlow, PointValue};
 use crate::mesh::corner_forces::are_zero;
 use crate::state::archive::{Persist, StateArchive, persist_fields};
@@ -237,6 +239,23 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
         })
     }
 
+    fn available_energies(&self, nodes: &[Node]) -> Vec<AvailableEnergy> {
+        let of_element = |e: usize| {
+            let (block, lane) = self.block(e);
+            let operators = operators_at(block.triangles.element(lane).inline_map(|n| nodes[n as usize].place()));
+            let mut sum = AvailableEnergy::NONE;
+            for (p, point) in block.points.iter().enumerate() {
+                let (volume, mass) = (2.0 * PI * operators.volume[p], point.mass[lane]);
+                let AvailableEnergy { energy, from } =
+                    self.material.available_energy(&point.state, lane, volume / mass);
+                let of_stress = volume * self.constants.elastic_energy(point.stress.inline_map(|list| list[lane]));
+                sum = AvailableEnergy { energy: sum.energy + mass * energy + of_stress, from };
+            }
+            sum
+        };
+        (0..self.count).map(of_element).collect()
+    }
+
     fn value(&self, element: usize, part: VariableComponent) -> Option<f64> {
         let (block, lane) = self.block(element);
         let of_point = |p: usize| {
@@ -443,8 +462,8 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
     }
 
     /// Subtracts the thermal strain as a pressure, as for quadrilaterals.
-    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> f64 {
-        let mut work = 0.0;
+    fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> ExpansionWork {
+        let mut work = ExpansionWork::default();
         for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
             if self.blocks[e / LANES].triangles.deleted[e % LANES] {
                 continue;
@@ -458,12 +477,14 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
             let mut done = [0.0; POINTS];
             for (p, point) in block.points.iter_mut().enumerate() {
                 let pressure = material.share(&point.state, lane) * 3.0 * bulk * strain;
+                let sum = (point.stress[0][lane] + point.stress[1][lane]) + point.stress[2][lane];
+                work.supplied -= 2.0 * PI * g.volume[p] * strain * (sum - 1.5 * pressure);
                 point.stress[..3].iter_mut().for_each(|list| list[lane] -= pressure);
                 let [rr, zz, hoop, ..] = g.gradients(p, &v_r, &v_z);
-                done[p] = std::f64::consts::PI * pressure * dt * (rr + zz + hoop);
+                done[p] = PI * pressure * dt * (rr + zz + hoop);
             }
             for (p, done) in done.into_iter().enumerate() {
-                work += done;
+                work.omitted += done;
                 let (task, at) = (&mut self.tasks[e / (TASK * LANES)], e / LANES % TASK);
                 task.scratch.task.add_to_record(POINTS * at + p, lane, [done, 0.0]);
             }

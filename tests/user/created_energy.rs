@@ -1,0 +1,94 @@
+//! User materials that create energy, and energy limits of every run.
+//!
+//! Goal: energy from nothing halts a run although ETOTAL is constant, on fixed, adaptive and new meshes, over several
+//! steps, and after an energy was put in by loads. Source: conservation of energy. The same material without the
+//! fault runs without a warning.
+
+use revolve::solve::Outcome;
+use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
+
+use crate::common;
+use crate::common::solid::grid;
+
+/// Linear elasticity, whose stress also grows at a rate of its own. Constants: bulk and shear modulus, rate.
+struct GrowingStress;
+
+impl UserMaterial for GrowingStress {
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
+        let n = call.count;
+        let (bulk, shear2) = (call.properties[0], 2.0 * call.properties[1]);
+        let growth = if call.now.total_time > 0.0 { 1.0 + call.properties[2] * call.dt } else { 1.0 };
+        for i in 0..n {
+            let mean = (call.strain[i] + call.strain[n + i] + call.strain[2 * n + i]) / 3.0;
+            for k in 0..4 {
+                let dilation = if k < 3 { mean } else { 0.0 };
+                let elastic = 3.0 * bulk * dilation + shear2 * (call.strain[k * n + i] - dilation);
+                answer.stress[k * n + i] = growth * call.stress[k * n + i] + elastic;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns a bar in free longitudinal vibration; `rate` is that of the growth of its stress.
+fn vibration(rate: f64, cards: &str, more_steps: &str) -> String {
+    let mut deck = grid(3, 12, false, |i, j| [i as f64 / 3.0, j as f64 / 3.0]);
+    for row in 0..=12 {
+        deck += &format!("*Nset, nset=ROW{row}, generate\n {}, {}, 1\n", 4 * row + 1, 4 * row + 4);
+    }
+    deck += "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n";
+    deck += &format!("*User Material, constants=3\n 833.3333333333334, 384.6153846153846, {rate}\n");
+    deck += "*Initial Conditions, type=VELOCITY\n";
+    for row in 0..=12 {
+        deck += &format!(" ROW{row}, 2, {}\n", 0.02 * (f64::from(row) - 6.0) / 6.0);
+    }
+    deck + "*Step\n*Dynamic, Explicit\n , 20.\n*Bulk Viscosity\n 0., 0.\n"
+        + cards
+        + "*Output, history, number interval=5\n*Energy Output\n ALLKE, ETOTAL\n*End Step\n"
+        + more_steps
+}
+
+fn outcome(text: &str) -> Outcome {
+    common::run(text, &[], &Routines::none().with_material(GrowingStress)).0
+}
+
+/// Asserts that a run ends with a term that exceeds the energy put in, while ETOTAL is constant.
+fn assert_halts(text: &str, transfer: &str) {
+    let Outcome { halt, energy, .. } = outcome(text);
+    let halt = halt.unwrap_or_else(|| panic!("{transfer}: no halt, {energy:?}"));
+    println!("{transfer}: {}", halt.reason);
+    assert_eq!(halt.code, "R208", "{transfer}: {}", halt.reason);
+    for word in ["times the energy put in", "energy was created", "check the user material", "*ENERGY LIMIT"] {
+        assert!(halt.reason.contains(word), "{transfer}: {}", halt.reason);
+    }
+    assert!(energy.drift < 0.05, "{transfer}: ETOTAL drifts by {}", energy.drift);
+    // ALLKE reaches twice the energy put in, or ALLIE its negative.
+    assert!(energy.kinetic > 1.5 * energy.initial || energy.internal < -0.9 * energy.initial, "{transfer}: {energy:?}");
+}
+
+#[test]
+fn created_energy_halts_on_every_mesh() {
+    let step = "*Step\n*Dynamic, Explicit\n , 20.\n*End Step\n";
+    assert_halts(&vibration(0.4, "", ""), "one step");
+    assert_halts(&vibration(0.2, "", &step.repeat(3)), "four steps");
+    assert_halts(&vibration(0.4, "*Adaptive Mesh, elset=SOLID\n", ""), "adaptive mesh");
+}
+
+#[test]
+fn correct_material_has_no_warning() {
+    let Outcome { halt, warnings, energy, .. } = outcome(&vibration(0.0, "", ""));
+    assert!(halt.is_none() && warnings.is_empty() && energy.drift < 1e-3, "{halt:?} {warnings:?} {energy:?}");
+}
+
+/// Growth that ends at 1.3 times the energy put in is a warning; a limit of the deck raises that of the halt.
+#[test]
+fn small_excess_warns_and_the_deck_raises_the_limit() {
+    let Outcome { halt, warnings, .. } = outcome(&vibration(0.015, "", ""));
+    println!("{warnings:?}");
+    assert!(halt.is_none(), "{halt:?}");
+    assert!(warnings.iter().any(|w| w.starts_with("R303: ALL") && w.contains("of the energy put in")), "{warnings:?}");
+    let limited = outcome(&vibration(0.4, "*Energy Limit, error=1.e6\n", ""));
+    assert!(limited.halt.is_none() && limited.energy.kinetic > 2.0 * limited.energy.initial, "{:?}", limited.halt);
+    let strict = outcome(&vibration(0.4, "*Energy Limit, error=0.5\n", ""));
+    assert_eq!(strict.halt.map(|h| h.code), Some("R208"));
+}
