@@ -400,3 +400,41 @@ fn loads_and_constraints_do_not_depend_on_steps() {
         })
         .expect("equal results with several steps");
 }
+
+/// A stretched bar whose end is released in the second step. The node is at rest until then, so the energy of the initial
+/// stress V s^2/(2 E) remains, and the free end moves with s/(rho c) (wave equation) from then on. The increment changes
+/// with the released node, or with an output at the end of the first step.
+#[test]
+fn release_of_a_stretched_bar_conserves_energy() {
+    for (rows, first) in [(40, "2.e-6"), (40, "1.99e-6"), (10, "2.e-6"), (80, "0.7e-6")] {
+        let (stress, length) = (100e6, 0.1);
+        let deck = crate::common::solid::grid(1, rows, false, |i, j| {
+            [0.01 * i as f64, length * j as f64 / rows as f64]
+        }) + "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 7800.,\n*Elastic\n 200.e9, 0.\n\
+               *Initial Conditions, type=STRESS\n SOLID, 0., 100.e6, 0., 0.\n*Boundary\n ALL, 1\n J0, 2\n*Nset, nset=TOP\n J1\n"
+            + &format!(
+                "*Step\n*Dynamic, Explicit\n , {first}\n*Bulk Viscosity\n 0., 0.\n*Boundary\n J1, 2\n*End Step\n\
+                 *Step\n*Dynamic, Explicit\n , 15.e-6\n*Bulk Viscosity\n 0., 0.\n*Boundary, op=NEW\n ALL, 1\n J0, 2\n\
+                 *Output, history, number interval=20\n*Node Output, nset=TOP, statistics=MEAN\n U2\n\
+                 *Energy Output\n ALLKE, ALLIE, ETOTAL\n*End Step\n"
+            );
+        let (outcome, shown) = crate::common::run(&deck, &[], &revolve::user::Routines::none());
+        let prepared = crate::common::prepared(&deck, &[], &revolve::user::Routines::none());
+        let column = |name: &str| prepared.plan.columns.iter().position(|c| c.name.starts_with(name)).expect(name);
+        let (kinetic, total, moved) = (column("ALLKE"), column("ETOTAL"), column("U2"));
+        let stored = std::f64::consts::PI * 1e-4 * length * stress * stress / (2.0 * 200e9);
+        let speed = stress / (7800.0 * 200e9_f64).sqrt();
+        assert!(outcome.halt.is_none() && outcome.warnings.is_empty(), "{:?}", outcome.warnings);
+        let last = &shown.rows.last().expect("a row").1;
+        println!("{rows} {first}: {} {stored} {} {}", last[kinetic], last[total] / stored, last[moved]);
+        assert!(last[total].abs() < 1e-4 * stored, "{rows}: ETOTAL {} of {stored}", last[total]);
+        // The wave has passed 15 us of the 19.7 us of the bar; the energy behind it is kinetic.
+        let behind = 15e-6 * (200e9_f64 / 7800.0).sqrt() / length;
+        assert!(
+            (last[kinetic] / (behind * stored) - 1.0).abs() < 0.6 / rows as f64 + 0.01,
+            "{rows}: {}",
+            last[kinetic]
+        );
+        assert!((last[moved] / (-speed * 15e-6) - 1.0).abs() < 1.0 / rows as f64, "{rows}: {}", last[moved]);
+    }
+}

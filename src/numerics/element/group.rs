@@ -724,8 +724,7 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
         let of_element = |e: usize| {
             let (block, lane, volume) = (&self.blocks[e / LANES], e % LANES, group.volume(e, nodes));
             let mass = block.mass[lane];
-            let AvailableEnergy { energy, from } =
-                self.material.available_energy(&block.state, lane, volume / mass);
+            let AvailableEnergy { energy, from } = self.material.available_energy(&block.state, lane, volume / mass);
             let of_stress = volume * self.constants.elastic_energy(block.stress.inline_map(|list| list[lane]));
             AvailableEnergy { energy: mass * energy + of_stress, from }
         };

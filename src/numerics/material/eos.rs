@@ -163,7 +163,15 @@ impl Tabulated {
         let ones = [1.0; LANES];
         let volume = [specific_volume; LANES];
         let update = PressureUpdate {
-            mean: ones, bulk: ones, viscous: ones, heat: ones, dilation: ones, work: ones, middle: ones, volume, mass: ones,
+            mean: ones,
+            bulk: ones,
+            viscous: ones,
+            heat: ones,
+            dilation: ones,
+            work: ones,
+            middle: ones,
+            volume,
+            mass: ones,
         };
         self.lines(&update).of(0)
     }

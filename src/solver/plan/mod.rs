@@ -65,8 +65,8 @@ use crate::kernel::amplitude::SampledAmplitude;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::mesh::surface::SurfaceGeometry;
 use crate::model::{
-    AmplitudeId, CopyOnWrite, EnergyLimit, IncrementControl, LoadVelocity,
-    MaterialDefinition, Mesh, Model, SurfaceContact,
+    AmplitudeId, CopyOnWrite, EnergyLimit, IncrementControl, LoadVelocity, MaterialDefinition, Mesh, Model,
+    SurfaceContact,
 };
 use crate::state::EffectId;
 pub use crate::state::dofs::{Dof, Dofs};

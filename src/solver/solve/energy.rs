@@ -480,7 +480,50 @@ fn larger(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Dofs, EnergyBalance};
+    use super::{ADVECTION, Dofs, EnergyBalance, EnergyTerms, INTERNAL, KINETIC, STRAIN, TERMS};
+    use crate::material::available::AvailableEnergy;
+    use crate::state::energies::EnergyTotals;
+
+    fn terms(energies: EnergyTotals, available: f64) -> EnergyTerms {
+        let mut dofs = Dofs::default();
+        let mut balance = EnergyBalance::start(&dofs);
+        balance.supply().begin(&[AvailableEnergy::initial(available)], 0.0, 0.0);
+        dofs.energies.kinetic = 100.0;
+        balance.add_increment(&dofs, &[], false, Some(0.0));
+        dofs.energies = energies;
+        balance.add_increment(&dofs, &[], false, Some(1.0));
+        balance.terms()
+    }
+
+    /// The course of a metal with an equation of state whose volumes a new mesh has changed: 100 J were put in.
+    #[test]
+    fn energy_from_nothing_exceeds_what_was_put_in_although_the_sum_is_constant() {
+        let energies = EnergyTotals { kinetic: 50.0, internal: -451.0, viscous: 501.0, ..EnergyTotals::default() };
+        let found = terms(energies, 0.0);
+        assert_eq!([found.put_in, found.excess(INTERNAL)[0], found.excess(5)[1]], [100.0, 451.0, 401.0]);
+        assert_eq!((TERMS[5], found.largest_excess()), ("ALLVD", 451.0));
+    }
+
+    /// A gas or an explosive of 400 J drives a body: its internal energy is negative, the kinetic energy above that at
+    /// the start. Neither exceeds what was put in; of a metal, both do.
+    #[test]
+    fn released_energy_is_no_excess() {
+        let energies = EnergyTotals { kinetic: 480.0, internal: -380.0, ..EnergyTotals::default() };
+        assert_eq!(terms(energies, 400.0).largest_excess(), 0.0);
+        let metal = terms(energies, 0.0);
+        assert_eq!([metal.excess(KINETIC)[1], metal.excess(STRAIN)[0]], [380.0, 380.0]);
+    }
+
+    /// External work raises the energy put in, also if it flows out again. The transport of momentum should lose nothing,
+    /// and has no allowance.
+    #[test]
+    fn work_counts_and_transport_does_not() {
+        let energies = EnergyTotals { kinetic: 140.0, external: 50.0, advection: 10.0, ..EnergyTotals::default() };
+        let found = terms(energies, 0.0);
+        assert_eq!([found.put_in, found.excess(KINETIC)[1], found.excess(ADVECTION)[1]], [150.0, -10.0, 10.0]);
+        let lost = EnergyTotals { kinetic: 100.0, advection: -12.0, ..EnergyTotals::default() };
+        assert_eq!(terms(lost, 0.0).largest_excess(), 12.0);
+    }
 
     /// Soft contact begins with energy in its overlaps. The drift is relative to it, although no body moves yet.
     #[test]

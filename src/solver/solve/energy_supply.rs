@@ -31,9 +31,8 @@ impl EnergySupply {
     /// Begins an analysis with the energies of its elements.
     pub fn begin(&mut self, energies: &[AvailableEnergy], per_mass: f64, stiffening: f64) {
         let fronts = || energies.iter().filter(|e| e.from.is_finite());
-        let [first, last] = fronts().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], e| {
-            [low.min(e.from), high.max(e.from)]
-        });
+        let [first, last] =
+            fronts().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], e| [low.min(e.from), high.max(e.from)]);
         let width = (last - first) / INTERVALS as f64;
         let mut sums = [0.0; INTERVALS + 1];
         for front in fronts() {

@@ -508,7 +508,13 @@ impl<'a> SolverRun<'a> {
             self.now.increment,
             self.now.total_time
         );
-        HaltReason { code: "R206", reason: reason + &self.too_long() }
+        let remedy = match self.too_long() {
+            text if text.is_empty() && (volume <= 0.0 || self.watch.collapse.reported > 0.0) => {
+                self.name_folding_remedy(group)
+            }
+            text => text,
+        };
+        HaltReason { code: "R206", reason: reason + &remedy }
     }
 
     /// Compares a fixed increment with the stable time increment of the elements that remain.

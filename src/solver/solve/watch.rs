@@ -308,12 +308,9 @@ impl SolverRun<'_> {
         // A material with an equation of state pays for its hourglass control, and may release energy by it.
         let artificial = if self.plan.has_equation_of_state { 0.0 } else { energy.artificial };
         let lost = energy.damage.unwrap_or(0.0);
-        for (name, now) in [
-            ("ALLPD", energy.plastic),
-            ("ALLDMD", lost),
-            ("ALLAE", artificial),
-            ("ALLDC", energy.distortion),
-        ] {
+        for (name, now) in
+            [("ALLPD", energy.plastic), ("ALLDMD", lost), ("ALLAE", artificial), ("ALLDC", energy.distortion)]
+        {
             if now < -BELOW_ZERO * put_in {
                 self.outcome.warn(
                     "R303",

@@ -90,27 +90,35 @@ impl SolverRun<'_> {
     pub(super) fn name_remedies(&self, (group, _): (usize, usize), least: Option<f64>) -> String {
         let MeshCards { erodes, controls_distortion, scales_masses } = self.plan.mesh_cards;
         let value = |name: &str| least.map_or_else(String::new, |least| format!(", {name}={least:.1e}"));
-        let (remeshes, adapts) = (self.plan.remesh.is_some(), !self.state.adaptive.is_empty());
-        let can_move = self.plan.movable_groups.get(group) == Some(&true);
-        let renewal = match (remeshes, adapts) {
-            _ if !can_move => None,
-            (true, _) => None,
-            (false, true) => Some("*REMESH in place of *ADAPTIVE MESH gives a body that deforms far a new mesh".to_owned()),
-            (false, false) => Some(
-                "*REMESH or *ADAPTIVE MESH keeps the elements of a body that deforms far in shape".to_owned(),
-            ),
-        };
         let cards = [
-            renewal,
+            self.name_renewal(group).map(str::to_owned),
             (!erodes).then(|| format!("*EROSION{} deletes such elements", value("INCREMENT"))),
             (!controls_distortion)
                 .then(|| "DISTORTION CONTROL=YES on *SECTION CONTROLS keeps them from being squashed".to_owned()),
-            (!scales_masses).then(|| {
-                format!("*VARIABLE MASS SCALING, TYPE=BELOW MIN{} adds mass to them alone", value("DT"))
-            }),
+            (!scales_masses)
+                .then(|| format!("*VARIABLE MASS SCALING, TYPE=BELOW MIN{} adds mass to them alone", value("DT"))),
         ];
         let cards: Vec<String> = cards.into_iter().flatten().collect();
         if cards.is_empty() { "A coarser mesh there has larger increments".into() } else { cards.join(", ") }
+    }
+}
+
+impl SolverRun<'_> {
+    /// Returns the cards that renew the mesh of a body and that the deck does not have; `None` if there are none.
+    fn name_renewal(&self, group: usize) -> Option<&'static str> {
+        let (remeshes, adapts) = (self.plan.remesh.is_some(), !self.state.adaptive.is_empty());
+        if remeshes || self.plan.movable_groups.get(group) != Some(&true) {
+            None
+        } else if adapts {
+            Some("*REMESH in place of *ADAPTIVE MESH gives a body that deforms far a new mesh")
+        } else {
+            Some("*REMESH or *ADAPTIVE MESH keeps the elements of a body that deforms far in shape")
+        }
+    }
+
+    /// Returns the end of a message of an element that has folded.
+    pub(super) fn name_folding_remedy(&self, group: usize) -> String {
+        self.name_renewal(group).map_or_else(String::new, |renewal| format!(". {renewal}"))
     }
 }
 

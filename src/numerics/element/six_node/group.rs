@@ -11,8 +11,8 @@ use super::triangles::{FORCE_BLOCKS, TriangleIncrement, WorkArrays, operators_at
 use crate::element::block::{TASK, TaskWorkspace};
 use crate::element::constants::{ElementConstants, damped};
 use crate::element::group::{
-    ElementGroup, ElementPass, ElementStiffness, ElementTemperatures, ExpansionWork, GroupDeletion, GroupExtensions, GroupProperties,
-    GroupSettings, GroupTotals, InitialState, InterfaceElements, PARALLEL, list_deleted, totals,
+    ElementGroup, ElementPass, ElementStiffness, ElementTemperatures, ExpansionWork, GroupDeletion, GroupExtensions,
+    GroupProperties, GroupSettings, GroupTotals, InitialState, InterfaceElements, PARALLEL, list_deleted, totals,
 };
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::BlockRecord;
