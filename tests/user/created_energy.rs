@@ -4,7 +4,7 @@
 //! steps, and after an energy was put in by loads. Source: conservation of energy. The same material without the
 //! fault runs without a warning.
 
-use revolve::solve::Outcome;
+use revolve::solve::{self, CheckpointInterval, Instant, Outcome, RunControl, Sink, SinkError};
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
 
 use crate::common;
@@ -32,12 +32,16 @@ impl UserMaterial for GrowingStress {
 
 /// Returns a bar in free longitudinal vibration; `rate` is that of the growth of its stress.
 fn vibration(rate: f64, cards: &str, more_steps: &str) -> String {
-    let mut deck = grid(3, 12, false, |i, j| [i as f64 / 3.0, j as f64 / 3.0]);
+    let (remesh, cards) = if cards.starts_with("*Remesh") { (cards, "") } else { ("", cards) };
+    // One inner node out of line, so that `*REMESH` makes a new mesh at once.
+    let shift = |i: usize, j: usize| if (i, j) == (1, 6) { 0.15 } else { 0.0 };
+    let mut deck = grid(3, 12, false, |i, j| [i as f64 / 3.0 + shift(i, j), j as f64 / 3.0 + shift(i, j)]);
     for row in 0..=12 {
         deck += &format!("*Nset, nset=ROW{row}, generate\n {}, {}, 1\n", 4 * row + 1, 4 * row + 4);
     }
     deck += "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n";
     deck += &format!("*User Material, constants=3\n 833.3333333333334, 384.6153846153846, {rate}\n");
+    deck += remesh;
     deck += "*Initial Conditions, type=VELOCITY\n";
     for row in 0..=12 {
         deck += &format!(" ROW{row}, 2, {}\n", 0.02 * (f64::from(row) - 6.0) / 6.0);
@@ -72,6 +76,43 @@ fn created_energy_halts_on_every_mesh() {
     assert_halts(&vibration(0.4, "", ""), "one step");
     assert_halts(&vibration(0.2, "", &step.repeat(3)), "four steps");
     assert_halts(&vibration(0.4, "*Adaptive Mesh, elset=SOLID\n", ""), "adaptive mesh");
+    let remeshed = vibration(0.4, "*Remesh, elset=SOLID, angle=59.9, frequency=5\n", "");
+    assert_halts(&remeshed, "new mesh");
+    assert!(outcome(&remeshed).new_meshes.iter().any(|meshes| meshes.count > 0));
+}
+
+/// Stores the states of checkpoints.
+#[derive(Default)]
+struct States(Vec<Vec<u8>>);
+
+impl Sink for States {
+    fn keeps(&self) -> bool {
+        true
+    }
+    fn keep(&mut self, state: &[u8], _now: &Instant) -> Result<(), SinkError> {
+        self.0.push(state.to_vec());
+        Ok(())
+    }
+}
+
+/// A resumed run knows what was put in before, and how long the excess has lasted: it halts at the same increment with
+/// the same message.
+#[test]
+fn resumed_runs_halt_at_the_same_increment() {
+    let text = vibration(0.4, "", "");
+    let run = |control: RunControl<'_>| {
+        let prepared = common::prepared(&text, &[], &Routines::none().with_material(GrowingStress));
+        let mut states = States::default();
+        let (outcome, _) =
+            solve::run_with(&prepared.plan, prepared.state, &mut states, control).expect("the state fits");
+        (format!("{:?} {:?}", outcome.halt, outcome.warnings), states.0)
+    };
+    let every = Some(CheckpointInterval::Increments(150));
+    let (whole, states) = run(RunControl { every, ..RunControl::default() });
+    assert!(whole.contains("R208") && states.len() > 2, "{whole}");
+    for state in &states {
+        assert_eq!(run(RunControl { state: Some(state), ..RunControl::default() }).0, whole);
+    }
 }
 
 #[test]

@@ -37,7 +37,8 @@ pub struct ChartCommand {
     #[command(flatten)]
     labels: LabelOption,
     /// Low-pass filter without a shift in time (Butterworth, both directions): the frequency at which amplitudes are
-    /// reduced to 71 %, in 1/time, or a class of SAE J211: cfc60, cfc180, cfc600, cfc1000.
+    /// reduced to 71 %, in 1/time, or a class of SAE J211: cfc60, cfc180, cfc600, cfc1000. The record needs three periods;
+    /// its mean is kept.
     #[arg(long, requires = "column", value_name = "FREQUENCY|CLASS")]
     filter: Option<CutoffFrequency>,
     /// CSV file with reference curves: time in the first column, then columns named like the history columns. The rms
