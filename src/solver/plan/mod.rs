@@ -138,7 +138,9 @@ pub struct Plan {
 pub struct MeshCards {
     /// `*EROSION` with a limit of the increment or of distortion.
     pub erodes: bool,
+    /// DISTORTION CONTROL=YES in a section.
     pub controls_distortion: bool,
+    /// Mass scaling in a step.
     pub scales_masses: bool,
 }
 

@@ -56,7 +56,7 @@ impl SolverRun<'_> {
         }
         let e = self.balance.energy();
         bits.add(&[e.kinetic, e.work, e.friction, e.cavity, e.internal, e.strain, e.plastic, e.viscous, e.contact]);
-        bits.add(&[e.artificial, e.total, e.initial, e.drift]);
+        bits.add(&[e.artificial, e.total, e.initial, self.balance.drift_over_largest()]);
         bits.add(e.penalty.as_slice());
         bits.add(e.damage.as_slice());
         let digit = |value: u8| char::from(b"0123456789abcdef"[usize::from(value)]);

@@ -229,6 +229,12 @@ impl EnergyBalance {
         if put_in > 0.0 { self.departure / put_in } else { 0.0 }
     }
 
+    /// Returns the largest drift of the total energy, relative to the largest energy so far: a number of the motion alone,
+    /// for digests.
+    pub fn drift_over_largest(&self) -> f64 {
+        if self.largest > 0.0 { self.departure / self.largest } else { 0.0 }
+    }
+
     /// Returns the terms of the energy at this instant, in the order of [`TERMS`].
     #[inline(always)]
     pub fn terms(&self) -> EnergyTerms {
