@@ -133,3 +133,27 @@ fn small_excess_warns_and_the_deck_raises_the_limit() {
     let strict = outcome(&vibration(0.4, "*Energy Limit, error=0.5\n", ""));
     assert_eq!(strict.halt.map(|h| h.code), Some("R208"));
 }
+
+/// Returns a block of TNT in free expansion with the constants omega, R1, R2.
+fn explosive(constants: [f64; 3]) -> String {
+    let [first, second, third] = constants;
+    grid(10, 10, false, |i, j| [1e-3 * i as f64, 1e-3 * j as f64])
+        + "*Solid Section, elset=SOLID, material=TNT\n*Material, name=TNT\n*Density\n 1630.,\n*Eos, type=JWL\n"
+        + &format!(" 6930., 3.712e11, 3.231e9, {first}, {second}, {third}, 4.29e6, 2.e9\n")
+        + "*Detonation Point\n 0., 0., 1.e-6\n*Boundary\n J0, 2\n*Step\n*Dynamic, Explicit\n , 6.e-6\n\
+           *Output, history, number interval=5\n*Energy Output\n ALLKE, ALLIE\n*End Step\n"
+}
+
+/// The chemical energy of an explosive is no excess. With omega, R1 and R2 in another order the same explosive releases a
+/// hundred times the energy of the elements that the front has reached.
+#[test]
+fn explosives_release_their_chemical_energy_only() {
+    let run = |text: &str| common::run(text, &[], &Routines::none()).0;
+    let right = run(&explosive([0.3, 4.15, 0.95]));
+    assert!(right.halt.is_none() && right.warnings.is_empty(), "{:?} {:?}", right.halt, right.warnings);
+    let chemical = std::f64::consts::PI * 1e-6 * 1630.0 * 4.29e6;
+    assert!(right.energy.kinetic > 0.5 * chemical && right.energy.kinetic < chemical, "{:?}", right.energy);
+    let wrong = run(&explosive([4.15, 0.95, 0.3]));
+    let halt = wrong.halt.expect("a halt");
+    assert!(halt.code == "R208" && halt.reason.contains("times the energy put in"), "{}", halt.reason);
+}
