@@ -14,23 +14,49 @@ use revolve::user::{
 use crate::common;
 use crate::common::RecordedOutput;
 use crate::common::solid::grid;
+use crate::corotational::turned;
 
-/// User material with bulk modulus, twice the shear modulus, yield stress and hardening slope as constants.
+/// User material with Young's modulus, Poisson's ratio, yield stress and hardening slope as constants, and the Jaumann rate
+/// of built-in laws.
 struct LinearHardeningMaterial;
 
 impl UserMaterial for LinearHardeningMaterial {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
-        (0..call.count).for_each(|i| radial_return(call, answer, i));
+        (0..call.count).for_each(|i| radial_return(call, answer, i, built_in_input(call, i)));
         Ok(())
     }
 }
 
-/// Updates the stress by radial return (Simo and Hughes 1998, box 3.1); elastic at time zero.
-fn radial_return(call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>, i: usize) {
+/// The same law with the Green-Naghdi rate of user materials.
+pub struct GreenNaghdiHardening;
+
+impl UserMaterial for GreenNaghdiHardening {
+    fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
+        let of = |list: &[f64], i: usize| [0, 1, 2, 3].map(|k| list[k * call.count + i]);
+        (0..call.count).for_each(|i| radial_return(call, answer, i, [of(call.strain, i), of(call.stress, i)]));
+        Ok(())
+    }
+}
+
+/// Returns strain increment and previous stress of a point as a built-in law receives them, in the axes after the
+/// increment: the strain increment in global axes, and the stress in global axes rotated by the spin of the material.
+fn built_in_input(call: &MaterialCall<'_>, i: usize) -> [[f64; 4]; 2] {
+    let of = |list: &[f64]| [0, 1, 2, 3].map(|k| list[k * call.count + i]);
+    let [old, new] = call.gradient.map(|list| [0, 1, 2, 3, 4].map(|k| list[k * call.count + i]));
+    // Angle of R from r to z.
+    let angle = |[rr, zz, _, rz, zr]: [f64; 5]| (zr - rz).atan2(rr + zz);
+    let (before, after) = (angle(old), angle(new));
+    let middle = angle([0, 1, 2, 3, 4].map(|k| 0.5 * (old[k] + new[k])));
+    let spin = call.spin[i] + 2.0 * (0.5 * (after - before)).tan();
+    let turned_stress = turned(of(call.stress), before + 2.0 * (0.5 * spin).atan() - after);
+    [turned(of(call.strain), middle - after), turned_stress]
+}
+
+/// Updates the stress by radial return (Simo and Hughes 1998, box 3.1) from strain increment and previous stress; elastic
+/// at time zero.
+fn radial_return(call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>, i: usize, [strain, old]: [[f64; 4]; 2]) {
     let [e, nu, yields, slope] = [0, 1, 2, 3].map(|k| call.properties[k]);
     let (bulk, shear2) = (e / (3.0 * (1.0 - 2.0 * nu)), e / (1.0 + nu));
-    let of = |list: &[f64]| [0, 1, 2, 3].map(|k| list[k * call.count + i]);
-    let (strain, old) = (of(call.strain), of(call.stress));
     let third = |t: [f64; 4]| (t[0] + t[1] + t[2]) / 3.0;
     let mean = third(old) + 3.0 * bulk * third(strain);
     let volumetric = |k: usize, value: f64| if k < 3 { value } else { 0.0 };
@@ -177,7 +203,7 @@ struct GradientRecorder;
 impl UserMaterial for GradientRecorder {
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure> {
         for i in 0..call.count {
-            radial_return(call, answer, i);
+            radial_return(call, answer, i, built_in_input(call, i));
             let shown = call.gradient[1].chunks(call.count).chain([call.density]);
             shown.enumerate().for_each(|(k, list)| answer.state[(1 + k) * call.count + i] = list[i]);
         }

@@ -8,6 +8,7 @@ mod own_material;
 
 mod built_in_twin;
 mod cache;
+mod corotational;
 mod created_energy;
 mod deformable;
 mod fields;

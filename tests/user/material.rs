@@ -10,6 +10,7 @@ use revolve::solve::Outcome;
 use revolve::user::compile::compile;
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
 
+use crate::built_in_twin::GreenNaghdiHardening;
 use crate::common;
 use crate::common::RecordedOutput;
 use crate::common::solid::grid;
@@ -58,40 +59,38 @@ pub fn taylor(material: &str, variable: &str) -> String {
 const BUILT_IN: &str = "*Elastic\n 117.e9, 0.35\n*Plastic\n 400.e6, 0.\n 900.e6, 5.\n";
 const BY_USER: &str = "*User Material, constants=4\n 117.e9, 0.35, 400.e6, 100.e6\n*Depvar\n 1,\n";
 
+/// The law in Fortran equals the same law in Rust, and the built-in law but for the rate of its stress: the axes of user
+/// materials rotate by R of the polar decomposition, those of built-in laws with the spin.
 #[test]
-fn fortran_vumat_matches_the_built_in_taylor_bar() {
+fn fortran_vumat_matches_the_law_in_rust_and_the_built_in_taylor_bar() {
     if !fortran() {
         return;
     }
     let (built_in, by_user) = (taylor(BUILT_IN, "PEEQ"), taylor(BY_USER, "SDV1"));
-    let (none, routines) = (Routines::none(), compiled(&hardening()).expect("it compiles"));
-    let (expected, there) = common::run(&built_in, &[], &none);
+    let none = Routines::none();
+    let [rust, routines] =
+        [Routines::none().with_material(GreenNaghdiHardening), compiled(&hardening()).expect("it compiles")];
+    let (known, with_jaumann_rate) = common::run(&built_in, &[], &none);
+    let (expected, there) = common::run(&by_user, &[], &rust);
     let (got, here) = common::run(&by_user, &[], &routines);
-    assert_eq!((&expected.halt, &got.halt), (&None, &None));
+    assert_eq!((&known.halt, &expected.halt, &got.halt), (&None, &None, &None));
     assert_eq!(expected.increments, got.increments);
-    assert!(
-        got.energy.drift < 2e-3 && (got.energy.drift / expected.energy.drift - 1.0).abs() < 1e-3,
-        "{:?}",
-        got.energy
-    );
-    let names = [
-        ("U1@CORNER", "U1@CORNER"),
-        ("U2@TIP", "U2@TIP"),
-        ("ALLIE", "ALLIE"),
-        ("ALLPD", "ALLPD"),
-        ("PEEQ@FOOT", "SDV1@FOOT"),
-        ("S22@FOOT", "S22@FOOT"),
-        ("ALLSE", "ALLSE"),
-    ];
-    for (there_name, here_name) in names {
-        let expected = last(&built_in, &none, &there, there_name);
-        let ratio = last(&by_user, &routines, &here, here_name) / expected;
-        println!("{here_name}: {expected:e}, ratio - 1 = {:e}", ratio - 1.0);
+    assert!(got.energy.drift < 2e-3 && (got.energy.drift / known.energy.drift - 1.0).abs() < 0.1, "{:?}", got.energy);
+    for name in ["U1@CORNER", "U2@TIP", "ALLIE", "ALLPD", "SDV1@FOOT", "S22@FOOT", "ALLSE"] {
+        let other = if name == "SDV1@FOOT" { "PEEQ@FOOT" } else { name };
+        let built_in = last(&built_in, &none, &with_jaumann_rate, other);
+        let expected = last(&by_user, &rust, &there, name);
+        let got = last(&by_user, &routines, &here, name);
+        println!("{name}: {expected:e}, ratio - 1 = {:e}, built-in {:e}", got / expected - 1.0, got / built_in - 1.0);
         // The same law with sums in another order; plastic flow amplifies rounding over 1000 increments.
-        assert!((ratio - 1.0).abs() < 1e-11, "{here_name}: {expected:e}, ratio {ratio:.15}");
+        assert!((got / expected - 1.0).abs() < 1e-11, "{name}: {expected:e}, {got:e}");
     }
+    // Displacements are those of the built-in law where the strains are large, but the shear is small.
+    let length = |text: &str, routines: &Routines, memory: &RecordedOutput| last(text, routines, memory, "U2@TIP");
+    let ratio = length(&by_user, &routines, &here) / length(&built_in, &none, &with_jaumann_rate);
+    assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
     let state = here.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "SDV1").expect("SDV1");
-    let strain = there.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "PEEQ").expect("PEEQ");
+    let strain = there.frames.last().expect("a frame").cell_fields.iter().find(|f| f.name == "SDV1").expect("SDV1");
     assert_eq!(state.values.len(), 125);
     // Only the user subroutine knows the plastic strain of its material.
     let fields = &here.frames.last().expect("a frame").cell_fields;
@@ -99,8 +98,8 @@ fn fortran_vumat_matches_the_built_in_taylor_bar() {
     assert!(state.values.iter().zip(&strain.values).all(|(a, b)| (a - b).abs() < 1e-11));
 }
 
-/// The example deck equals `taylor_copper.inp`, as its text states, both with increments by elements and with the
-/// global estimate.
+/// The example deck has the depth of `taylor_copper.inp`, both with increments by elements and with the global estimate. The
+/// objective rates of the stress differ: 1e-4 (2.5e-5).
 #[test]
 fn example_deck_matches_the_built_in_example() {
     if !fortran() {
@@ -122,8 +121,8 @@ fn example_deck_matches_the_built_in_example() {
         let coarse = [("nr", "5"), ("nz", "25")];
         let (count, expected) = depth("input/taylor_copper.inp", option, &coarse, &Routines::none());
         let (increments, got) = depth("input/taylor_vumat.inp", option, &[], &routines);
-        assert_eq!(increments, count);
-        assert!(expected < -0.01 && (got / expected - 1.0).abs() < 1e-11, "{got} {expected}");
+        assert!(increments.abs_diff(count) <= count / 1000, "{increments} {count}");
+        assert!(expected < -0.01 && (got / expected - 1.0).abs() < 1e-4, "{got} {expected}");
         count
     });
     assert!(counts[1] < counts[0], "{counts:?}");
@@ -178,19 +177,21 @@ pub fn moving(velocity: impl Fn([f64; 2]) -> [f64; 2], material: &str, outputs: 
     deck + "*Output, history, number interval=10\n*Element Output, elset=ONE\n" + outputs + "*End Step\n"
 }
 
+/// Simple shear of 1 with the Green-Naghdi rate (Dienes 1979, Acta Mech. 32, 217): tan b = 1/2. 1e-6: midpoint rule with
+/// 1000 increments.
 #[test]
 fn tensor_state_variables_rotate_with_the_material() {
-    let built_in = moving(|[r, _]| [0.0, r], "*Elastic\n 1000., 0.3\n", " S\n");
     let by_user = moving(|[r, _]| [0.0, r], KEEPING, " S, SDV\n*Energy Output\n ETOTAL\n");
-    let (none, routines) = (Routines::none(), Routines::none().with_material(StrainRecorder { limit: f64::INFINITY }));
-    let ((expected, there), (outcome, here)) =
-        (common::run(&built_in, &[], &none), common::run(&by_user, &[], &routines));
+    let routines = Routines::none().with_material(StrainRecorder { limit: f64::INFINITY });
+    let (outcome, here) = common::run(&by_user, &[], &routines);
     assert_eq!(outcome.halt, None);
-    for component in ["S11", "S22", "S33", "S12"] {
-        let name = format!("{component}@ONE");
-        let (expected, got) = (last(&built_in, &none, &there, &name), last(&by_user, &routines, &here, &name));
-        // Rounding of 1000 rotations of stresses up to 300.
-        assert!((expected - got).abs() < 1e-10, "{name}: {expected} {got}");
+    let (shear, b) = (384.6153846153846, 0.5_f64.atan());
+    let (double, log) = (2.0 * b, b.cos().ln());
+    let normal = 4.0 * shear * (double.cos() * log + b * double.sin() - b.sin().powi(2));
+    let along = 2.0 * shear * (double.cos() * (double - b.tan()) - 2.0 * double.sin() * log);
+    for (component, expected) in [("S11", -normal), ("S22", normal), ("S33", 0.0), ("S12", along)] {
+        let got = last(&by_user, &routines, &here, &format!("{component}@ONE"));
+        assert!((expected - got).abs() < 1e-6 * shear, "{component}: {expected} {got}");
     }
     let state = |k: usize| last(&by_user, &routines, &here, &format!("SDV{k}@ONE"));
     // Deformation gradient of simple shear by 1: rr, zz, hoop, rz, zr.
@@ -202,9 +203,8 @@ fn tensor_state_variables_rotate_with_the_material() {
         assert!((state(10 + k) - expected / 5_f64.sqrt()).abs() < 1e-12, "U{k} {}", state(10 + k));
     }
     assert!((state(14) - 2.0).abs() < 1e-12 && (state(15) - 1.0).abs() < 1e-12, "density and length");
-    // The sudden start of the motion causes the same drift with the built-in material.
-    let [drift, known] = [outcome.energy.drift, expected.energy.drift];
-    assert!(drift < 1e-3 && (drift - known).abs() < 1e-9, "{drift:e} {known:e}");
+    // Drift by the sudden start of the motion.
+    assert!(outcome.energy.drift < 1e-3, "{:e}", outcome.energy.drift);
 }
 
 /// Returns the values of a column.

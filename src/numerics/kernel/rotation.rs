@@ -68,3 +68,15 @@ pub fn rotate<T: Real>([rr, zz, hoop, rz]: [T; 4], [cosine, sine]: [T; 2]) -> [T
     let turned = radius * cosine2 + rz * sine2;
     [centre + turned, centre - turned, hoop, rz * cosine2 - radius * sine2]
 }
+
+/// Returns the stretch U (rr, zz, hoop, rz) and the rotation R of a deformation gradient F = R U (rr, zz, hoop, rz, zr).
+/// The rotation is given as cosine and sine, as for [`rotate`]. In the plane
+/// `R = (F + det F F^-T) / sqrt(tr C + 2 det F)` with `C = F^T F` (Hoger and Carlson 1984, Quart. Appl. Math. 42, 113).
+pub fn polar_decomposition([rr, zz, hoop, rz, zr]: [f64; 5]) -> ([f64; 4], [f64; 2]) {
+    let [even, odd] = [rr + zz, rz - zr];
+    let square = even * even + odd * odd;
+    let per = if square > 0.0 { 1.0 / square.sqrt() } else { 0.0 };
+    let [cosine, sine] = if square > 0.0 { [per * even, per * odd] } else { [1.0, 0.0] };
+    let stretch = [cosine * rr - sine * zr, cosine * zz + sine * rz, hoop, cosine * rz - sine * zz];
+    (stretch, [cosine, sine])
+}

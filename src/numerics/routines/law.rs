@@ -3,8 +3,7 @@
 use super::LoadFailure;
 pub use crate::kernel::moduli::ElasticModuli;
 
-/// A material point in one increment. Tensors have the components rr, zz, hoop, rz (tensor shear), in axes that rotate
-/// with the material (Jaumann rate).
+/// A material point in one increment. Tensors have the components rr, zz, hoop, rz (tensor shear) along the global axes.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct MaterialPoint<'a> {
@@ -12,9 +11,10 @@ pub struct MaterialPoint<'a> {
     pub constants: &'a [f64],
     /// Strain increment.
     pub strain: [f64; 4],
-    /// Previous stress; the law replaces it.
+    /// Previous stress, rotated with the spin of the material (Jaumann rate); the law replaces it.
     pub stress: [f64; 4],
-    /// State variables of `*DEPVAR`, at least [`MaterialLaw::state_variables`]; the law updates them.
+    /// State variables of `*DEPVAR`, at least [`MaterialLaw::state_variables`]; the law updates them. Tensors among them
+    /// have not been rotated.
     pub state: &'a mut [f64],
     /// Energy per volume dissipated in the increment; 0 on entry.
     pub dissipated: f64,

@@ -279,8 +279,9 @@ pub const MAX_MATERIAL_BLOCK: usize = 136;
 
 /// Arguments of a user material for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.17 "VUMAT"). Arrays
 /// hold all points of one component, then of the next; symmetric tensors have the components rr, zz, hoop, rz (tensor
-/// shear). Stresses and strains are in axes that rotate with the material spin, so tensors among the state variables
-/// need no rotation.
+/// shear). Stresses, strain increments and stretches are in axes that rotate by R of the polar decomposition F = R U of
+/// the deformation gradient (Green-Naghdi rate), so tensors among the state variables need no rotation. F is in global
+/// axes.
 #[derive(Debug)]
 pub struct MaterialCall<'a> {
     /// Name of the material, upper case (`cmname`).
@@ -304,7 +305,7 @@ pub struct MaterialCall<'a> {
     pub density: &'a [f64],
     /// Strain increments (`strainInc`).
     pub strain: &'a [f64],
-    /// `relSpinInc`: spin relative to the frame, zero.
+    /// `relSpinInc`: spin increment (zr) relative to the rotation of the axes.
     pub spin: &'a [f64],
     /// Element numbers of the user.
     pub elements: &'a [i32],
@@ -316,7 +317,7 @@ pub struct MaterialCall<'a> {
     pub field: [&'a [f64]; 2],
     /// Stretch tensors at the start and at the end of the increment (`stretchOld`, `stretchNew`).
     pub stretch: [&'a [f64]; 2],
-    /// `defgradOld` and `defgradNew`: rr, zz, hoop, rz, zr.
+    /// `defgradOld` and `defgradNew`, in global axes: rr, zz, hoop, rz, zr.
     pub gradient: [&'a [f64]; 2],
     /// Stresses at the start of the increment (`stressOld`).
     pub stress: &'a [f64],

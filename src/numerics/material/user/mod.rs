@@ -11,7 +11,7 @@ use super::increment::{StrainIncrement, StressUpdate};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, dot, inline_from_fn};
 use crate::kernel::quad::{CornerGradient, gradient};
-use crate::kernel::rotation::{rotate, rotation_of_spin};
+use crate::kernel::rotation::{polar_decomposition, rotate, rotation_of_spin};
 use crate::kernel::stress::mises;
 use crate::material::carried::{ArrivedElement, carried_state};
 use crate::platform::PortableMath as _;
@@ -21,12 +21,14 @@ use crate::state::archive::persist_struct;
 use crate::variables::{Variable, VariableComponent};
 use description::UserMaterialData;
 use flow::{PointContext, ReturnScratch};
-use points::{PointAccess, PointArguments, stretch};
+use points::{PointAccess, PointArguments};
 
 /// Number of element blocks per call.
 pub const CALL_BLOCKS: usize = MAX_MATERIAL_BLOCK / LANES;
 
-/// A material that calls user subroutines at its points. With `FLOWS` the return to the yield surface is built in.
+/// A material that calls user subroutines at its points. With `FLOWS` elasticity and the return to the yield surface are
+/// built in, and its axes rotate with the spin of the material (Jaumann rate), as those of other built-in laws. Otherwise
+/// the subroutine computes the stress, and its axes rotate by R of the polar decomposition `F = R U` (Green-Naghdi rate).
 pub struct SubroutineMaterial<const FLOWS: bool> {
     /// Data that the deck defines for the subroutine.
     pub description: UserMaterialData,
@@ -35,7 +37,7 @@ pub struct SubroutineMaterial<const FLOWS: bool> {
     pub triangles: bool,
 }
 
-/// State of a block. Tensors have the components rr, zz, hoop, rz in axes that rotate with the material.
+/// State of a block. Tensors have the components rr, zz, hoop, rz in the rotated axes of [`SubroutineMaterial`].
 #[derive(Clone, Debug)]
 pub struct UserState {
     /// The user's numbers of the elements.
@@ -208,7 +210,7 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
     ) {
         for l in 0..strain.count {
             self.delete(state, update, l);
-            let new = components(column(&state.stress, l), [state.turn[0][l], state.turn[1][l]]);
+            let new = components(column(&state.stress, l), state.rotation(l));
             let double = |k: usize| strain.strain[k][l] * (strain.carried[k][l] + new[k]);
             let work = 0.5 * strain.volume[l] * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
             if strain.volume[l] != 0.0 {
@@ -301,7 +303,7 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
     }
 
     fn arrive(&self, state: &mut UserState, lane: usize, element: &ArrivedElement) {
-        state.arrive(lane, element);
+        state.arrive(lane, element, FLOWS);
     }
 
     fn calls(&self) -> Option<&dyn PointCalls<UserState>> {
@@ -347,13 +349,15 @@ impl UserState {
         let place = [mean(r), mean(z), lengths::by_default(r, z), self.mass[l] / kinematics.volume[l]];
         self.place.iter_mut().zip(place).for_each(|(list, value)| list[l] = value);
         self.gradient.iter_mut().zip(gradient).for_each(|(list, value)| list[l] = value);
-        self.stretch.iter_mut().zip(stretch(gradient)).for_each(|(list, value)| list[l] = value);
+        let (stretch, _) = polar_decomposition(gradient);
+        self.stretch.iter_mut().zip(stretch).for_each(|(list, value)| list[l] = value);
         [r, z]
     }
 
     /// Makes the configuration of a transported element that to which its deformation refers, and finds its stress in its
-    /// rotated axes.
-    fn arrive(&mut self, l: usize, element: &ArrivedElement) {
+    /// rotated axes: those of the transported deformation gradient, or of the transported rotation if the axes follow the
+    /// spin (`spins`).
+    fn arrive(&mut self, l: usize, element: &ArrivedElement, spins: bool) {
         self.mass[l] = element.mass;
         let gradient_now = self.gradient.inline_map(|list| list[l]);
         if let Some(reference) = &mut self.transported {
@@ -361,30 +365,67 @@ impl UserState {
             reference.start[l] = gradient(r, z);
             reference.gradient.iter_mut().zip(gradient_now).for_each(|(list, value)| list[l] = value);
         }
-        self.stretch.iter_mut().zip(stretch(gradient_now)).for_each(|(list, value)| list[l] = value);
-        let (cosine, sine) = (self.turn[0][l], self.turn[1][l]);
+        let (stretch, rotation) = polar_decomposition(gradient_now);
+        self.stretch.iter_mut().zip(stretch).for_each(|(list, value)| list[l] = value);
+        let [cosine, sine] = self.rotation(l);
         let length = cosine.portable_hypot(sine);
-        if length > 0.0 {
-            (self.turn[0][l], self.turn[1][l]) = (cosine / length, sine / length);
+        if !spins {
+            self.set_rotation(l, rotation);
+        } else if length > 0.0 {
+            self.set_rotation(l, [cosine / length, sine / length]);
         }
-        let stress = components(element.stress, [self.turn[0][l], -self.turn[1][l]]);
+        let stress = components(element.stress, inverse(self.rotation(l)));
         self.stress.iter_mut().zip(stress).for_each(|(list, value)| list[l] = value);
     }
 
-    /// Returns the strain increments in the axes that rotate with the material, without thermal strain.
-    fn rotate_strains(&mut self, kinematics: &BlockKinematics<'_>) -> [Lanes; 4] {
+    /// Returns cosine and sine of the rotation of the axes of a lane.
+    fn rotation(&self, l: usize) -> [f64; 2] {
+        [self.turn[0][l], self.turn[1][l]]
+    }
+
+    fn set_rotation(&mut self, l: usize, rotation: [f64; 2]) {
+        self.turn.iter_mut().zip(rotation).for_each(|(list, value)| list[l] = value);
+    }
+
+    /// Returns the strain increments of a lane without thermal strain, which they subtract once.
+    fn mechanical_strain(&mut self, l: usize, kinematics: &BlockKinematics<'_>) -> [f64; 4] {
+        let mut increment = column(&kinematics.strain, l);
+        increment[..3].iter_mut().for_each(|strain| *strain -= self.thermal[l]);
+        self.thermal[l] = 0.0;
+        increment
+    }
+
+    /// Rotates the axes with the spin. Returns the strain increments in the axes after the increment.
+    fn rotate_with_spin(&mut self, kinematics: &BlockKinematics<'_>) -> [Lanes; 4] {
         let mut rotated = [[0.0; LANES]; 4];
         for l in 0..LANES {
             let [c, s] = rotation_of_spin(kinematics.spin[l]);
-            let (cosine, sine) = (self.turn[0][l], self.turn[1][l]);
-            (self.turn[0][l], self.turn[1][l]) = (cosine * c - sine * s, sine * c + cosine * s);
-            let mut increment = column(&kinematics.strain, l);
-            increment[..3].iter_mut().for_each(|strain| *strain -= self.thermal[l]);
-            self.thermal[l] = 0.0;
-            let turned = components(increment, [self.turn[0][l], -self.turn[1][l]]);
-            rotated.iter_mut().zip(turned).for_each(|(list, value)| list[l] = value);
+            let [cosine, sine] = self.rotation(l);
+            self.set_rotation(l, [cosine * c - sine * s, sine * c + cosine * s]);
+            let strain = components(self.mechanical_strain(l, kinematics), inverse(self.rotation(l)));
+            rotated.iter_mut().zip(strain).for_each(|(list, value)| list[l] = value);
         }
         rotated
+    }
+
+    /// Rotates the axes by R of the deformation gradient, which was `before` at the start of the increment. Returns the
+    /// strain increments, and the spin (zr) relative to the axes. The strain increments refer to the axes in the middle of
+    /// the increment, where the deformation gradient is the mean of both.
+    fn rotate_with_material(&mut self, before: &[Lanes; 5], kinematics: &BlockKinematics<'_>) -> ([Lanes; 4], Lanes) {
+        let (mut rotated, mut relative) = ([[0.0; LANES]; 4], [0.0; LANES]);
+        for l in 0..LANES {
+            let middle = |k: usize| 0.5 * (before[k][l] + self.gradient[k][l]);
+            let (_, rotation) = polar_decomposition([0, 1, 2, 3, 4].inline_map(middle));
+            let strain = components(self.mechanical_strain(l, kinematics), inverse(rotation));
+            rotated.iter_mut().zip(strain).for_each(|(list, value)| list[l] = value);
+            let (_, new) = polar_decomposition(self.gradient.inline_map(|list| list[l]));
+            let [cosine, sine] = self.rotation(l);
+            let (along, across) = (new[0] * cosine + new[1] * sine, new[1] * cosine - new[0] * sine);
+            // Twice the tangent of half the angle, as in the rotation of a spin.
+            relative[l] = 2.0 * across / (1.0 + along) - kinematics.spin[l];
+            self.set_rotation(l, new);
+        }
+        (rotated, relative)
     }
 }
 
@@ -397,6 +438,11 @@ fn product(later: [f64; 5], first: [f64; 5]) -> [f64; 5] {
 /// Returns the components of a tensor in rotated axes. A rotation of zero changes nothing, not even the sign of zeros.
 fn components(tensor: [f64; 4], [cosine, sine]: [f64; 2]) -> [f64; 4] {
     rotate(tensor, if sine == 0.0 { [1.0, 0.0] } else { [cosine, sine] })
+}
+
+/// Returns the inverse of a rotation.
+fn inverse([cosine, sine]: [f64; 2]) -> [f64; 2] {
+    [cosine, -sine]
 }
 
 /// Copies the lanes of a block to arrays of one component each, for the points that exist.
@@ -436,6 +482,7 @@ impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
         // Values before the increment.
         put(&mut points.stretch[0], at, &state.stretch);
         put(&mut points.gradient[0], at, &state.gradient);
+        let gradient_before = state.gradient;
         for l in 0..LANES.min(count - first) {
             points.elements[first + l] = state.numbers[l];
             // A lane whose element was deleted by another criterion (`*EROSION`) has no volume.
@@ -445,7 +492,13 @@ impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
                 points.show_corners(first + l, r, z);
             }
         }
-        let strain = state.rotate_strains(kinematics);
+        let strain = if FLOWS {
+            state.rotate_with_spin(kinematics)
+        } else {
+            let (strain, spin) = state.rotate_with_material(&gradient_before, kinematics);
+            put(&mut points.spin, at, std::slice::from_ref(&spin));
+            strain
+        };
         put(&mut points.strain, at, &strain);
         put(&mut points.coordinates, at, &state.place[..2]);
         put(&mut points.length, at, &state.place[2..3]);

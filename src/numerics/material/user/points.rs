@@ -5,6 +5,7 @@ use super::description::UserMaterialData;
 use super::lengths::{ShownElements, above_zero};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::rotation::polar_decomposition;
 use crate::routines::{
     FieldAnswer, FieldCall, LengthCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields,
     UserLengths, UserMaterial, host,
@@ -40,7 +41,7 @@ pub struct PointArguments {
     shown: Option<ShownElements>,
     pub(super) density: Vec<f64>,
     pub(super) strain: Vec<f64>,
-    spin: Vec<f64>,
+    pub(super) spin: Vec<f64>,
     pub(super) temperature: OldAndNew,
     pub(super) stretch: OldAndNew,
     pub(super) gradient: OldAndNew,
@@ -115,7 +116,7 @@ impl PointArguments {
         }
         let [rr, zz, hoop, rz] = FICTITIOUS;
         let gradient = [1.0 + rr, 1.0 + zz, 1.0 + hoop, rz, rz];
-        let stretch = stretch(gradient);
+        let (stretch, _) = polar_decomposition(gradient);
         for (list, value) in self.gradient[1].chunks_mut(self.count).zip(gradient) {
             list.fill(value);
         }
@@ -359,15 +360,6 @@ impl PointArguments {
         let shown = self.shown.as_ref().map_or(0, ShownElements::bytes);
         numbers.sum::<usize>() + 4 * elements.capacity() + shown
     }
-}
-
-/// Returns the stretch of a deformation gradient (rr, zz, hoop, rz, zr): the square root of `C = F^T F`, in the plane
-/// `(C + sqrt(det C) I) / sqrt(tr C + 2 sqrt(det C))`.
-pub(super) fn stretch([rr, zz, hoop, rz, zr]: [f64; 5]) -> [f64; 4] {
-    let (c_rr, c_zz, c_rz) = (rr * rr + zr * zr, rz * rz + zz * zz, rr * rz + zr * zz);
-    let root = (rr * zz - rz * zr).abs();
-    let per = 1.0 / (c_rr + c_zz + 2.0 * root).sqrt();
-    [per * (c_rr + root), per * (c_zz + root), hoop, per * c_rz]
 }
 
 /// Access to output variables of points that [`PointArguments`] do not contain.
