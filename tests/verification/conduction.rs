@@ -298,9 +298,8 @@ fn stacked_columns(columns: [usize; 2], rows: usize, meet: f64, cards: &str) -> 
 
 const TIED: &str = "*Tie, name=T\n FOOT, TOP\n";
 
-/// A slab conducts through a tie of nonmatching meshes (3 and 4 cells) like a slab without a tie. Slave nodes collect
-/// heat by their own share of the area and pass it on by the shape functions of the master, which causes a first-order
-/// error at single nodes of the tie but none in the mean. Heat is conserved.
+/// A slab conducts through a tie of nonmatching meshes (3 and 4 cells) like a slab without a tie: the temperature does not
+/// vary along the tie. Heat is conserved.
 #[test]
 fn slab_conducts_through_a_tie_of_nonmatching_meshes() {
     let held = step(2.0, "*Boundary\n NHEAD, 11, 11, 1.\n");
@@ -313,11 +312,14 @@ fn slab_conducts_through_a_tie_of_nonmatching_meshes() {
         let errors = temperatures(&memory).into_iter().map(|([_, z], t)| (z, t - slab_temperature(z, 2.0)));
         let tied: Vec<f64> = errors.clone().filter(|e| (e.0 - 0.5).abs() < 1e-9).map(|e| e.1).collect();
         let worst = errors.map(|e| e.1.abs()).fold(0.0, f64::max);
-        [worst, (tied.iter().sum::<f64>() / tied.len() as f64).abs()]
+        assert!(tied.iter().all(|error| (error - tied[0]).abs() < 1e-9), "{tied:?}");
+        [worst, tied[0].abs()]
     });
-    // The orders are 2.4 and 1.5. The rounding of increments to the step time contributes, as in the slab without a tie
-    // (1.7).
-    assert_convergence("slab through a tie, mean at it", &found.map(|f| f[1]), 1.4);
+    // Over both refinements (1.98). The single orders are 2.8 and 1.1, because the rounding of increments to the step time
+    // contributes.
+    let order = (found[0][1] / found[2][1]).log2() / 2.0;
+    println!("slab through a tie, at it: {:?}, order {order:.2}", found.map(|f| f[1]));
+    assert!(order > 1.8 && found[2][1] < 6e-4, "{order} {found:?}");
     let worst = found.map(|f| f[0]);
     let order = (worst[1] / worst[2]).log2();
     println!("slab through a tie: errors {worst:?}, order {order:.2}");
