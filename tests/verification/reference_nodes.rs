@@ -215,9 +215,9 @@ fn wave_passes_a_tie_of_nonmatching_meshes() {
     let found: Vec<[f64; 2]> = [2, 4, 8].map(|fine| back(3, 4, fine)).to_vec();
     let orders: Vec<f64> = found.windows(2).map(|w| (w[0][0] / w[1][0]).log2()).collect();
     println!("tie of nonmatching meshes: reflection {found:?}, orders {orders:.2?}; matching: {alike:?}");
-    // Independent slave nodes stiffen one row: a reflection of first order, 5.3e-3, 1.9e-3 and 6.9e-4.
-    assert!(orders.iter().all(|o| *o > 1.0), "{found:?} {orders:?}");
-    assert!(found[2][0] < 1e-3 && found[2][1] < 3e-3, "{found:?}");
+    // The numerical dispersion of the pulse: 3.9e-3, 9.0e-4 and 5.9e-5, at any node as in the mean.
+    assert!(orders.iter().all(|o| *o > 1.5), "{found:?} {orders:?}");
+    assert!(found[2][0] < 2e-4 && found[2][1] < 2e-4, "{found:?}");
 }
 
 /// Slave nodes with an initial distance are moved to the master surface without strain, or remain in place; momentum is
