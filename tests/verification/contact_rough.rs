@@ -21,7 +21,10 @@ fn rough_penalty_contact_does_not_create_energy() {
             assert!(most <= kinetic[0] * (1.0 + 1e-6), "{n} {slope} {increment}: {most} of {}", kinetic[0]);
             let least = friction.iter().copied().fold(0.0, f64::min);
             let last = friction[friction.len() - 1];
-            assert!(least > -1e-3 * kinetic[0] && last > 0.0 && last < kinetic[0], "{n} {slope} {increment}: {least} {last}");
+            assert!(
+                least > -1e-3 * kinetic[0] && last > 0.0 && last < kinetic[0],
+                "{n} {slope} {increment}: {least} {last}"
+            );
         }
     }
 }

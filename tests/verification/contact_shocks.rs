@@ -68,7 +68,10 @@ fn impact(
             let below = -size * COUNT as f64;
             let mesh = column_of_elements("B", 10_001, [below, size / ratio], count);
             let top = 10_000 + count;
-            (mesh + &metal("B", target) + &format!("*Elset, elset=BT\n {top},\n*Surface, name=WALL\n BT, S3\n"), " BALL, 1, 1\n")
+            (
+                mesh + &metal("B", target) + &format!("*Elset, elset=BT\n {top},\n*Surface, name=WALL\n BT, S3\n"),
+                " BALL, 1, 1\n",
+            )
         }
     };
     column_of_elements("A", 1, [gap, size], COUNT)
