@@ -85,14 +85,32 @@ impl ContactConstraint {
         if fastest == 0.0 || 4.0 * AHEAD * dt * fastest <= LARGEST_COMPRESSION * thinnest && dt > 0.0 {
             return;
         }
+        // The last pair, and whether it is in contact.
+        let mut pressed = (usize::MAX, false);
         for row in self.rows.rows.iter().filter(|row| !row.is_single_point && row.closest_point.is_none()) {
-            let pair = &self.pairs[pair_of(&self.pairs, row.key)];
+            let at = pair_of(&self.pairs, row.key);
+            if pressed.0 != at {
+                pressed = (at, self.is_pressed(at));
+            }
+            if pressed.1 {
+                continue;
+            }
+            let pair = &self.pairs[at];
             let (approach, thickness) = (self.approach_of(row), self.thickness_of(pair));
             self.impact.add_if_near(approach, thickness, (dt, self.pressures[row.key as usize][0]));
         }
         for at in 0..self.pairs.len() {
-            self.limit_analytical_impacts(at, dt);
+            if !self.is_pressed(at) {
+                self.limit_analytical_impacts(at, dt);
+            }
         }
+    }
+
+    /// Returns whether a pair is in contact: new points of a surface that erodes or slides are not an impact.
+    fn is_pressed(&self, at: usize) -> bool {
+        let pair = &self.pairs[at];
+        let first = pair.first_key as usize;
+        self.pressures[first..first + self.keys_of(pair) as usize].iter().any(|pressure| pressure[0] > 0.0)
     }
 
     /// Returns the thickness that limits the increment of a pair.
