@@ -9,6 +9,7 @@ use crate::load::fields::FacetFields;
 use crate::load::stations::{divided_facets, largest_radius};
 use crate::load::{FinalMotion, PenetrationOutcome, PenetrationRecord};
 use crate::mesh::surface::RigidFacets;
+use crate::platform::PortableMath as _;
 use crate::state::BodyState;
 use crate::state::archive::persist_struct;
 use crate::state::limit::IncrementLimit;
@@ -106,10 +107,12 @@ impl ObliqueResistance {
         // For a body at rest, the regularisation speed is almost zero, so that the full resistance is available.
         let floor = if body.rests { 0.0 } else { SLOW * body.fastest };
         let speed = body.speed_bound(motion).max(floor);
+        let up = own(self.tilt.up);
         RingKinematics {
             velocity: own(motion.velocity),
             turning: own(motion.turning),
-            up: own(self.tilt.up),
+            up,
+            across: up[0].portable_hypot(up[2]),
             height: self.tilt.height(body.centre),
             relative_to_pivot: own(self.tilt.relative_to_pivot(body.centre)),
             onset: (ONSET * self.travel * speed).max(f64::MIN_POSITIVE),

@@ -97,8 +97,9 @@ pub struct RingKinematics {
     pub velocity: SpatialVector,
     /// Angular velocity.
     pub turning: SpatialVector,
-    /// Direction of increasing height in the stack.
+    /// Direction of increasing height in the stack, and the size of its components across the axis.
     pub up: SpatialVector,
+    pub across: f64,
     /// Height of the centre of mass in the stack.
     pub height: f64,
     /// Vector from the pivot of the stack to the centre of mass.
@@ -152,8 +153,7 @@ impl RingHarmonics {
     /// Returns the lowest and highest point of the ring in the stack.
     fn heights(&self, ring: &FacetRing, scene: &RingKinematics) -> [f64; 2] {
         let up = scene.up;
-        let across = up[0].portable_hypot(up[2]);
-        let extent = across * (ring.radius + ring.along[0].abs()) + up[1].abs() * ring.along[1].abs();
+        let extent = scene.across * (ring.radius + ring.along[0].abs()) + up[1].abs() * ring.along[1].abs();
         [self.height - extent, self.height + extent]
     }
 }
