@@ -86,6 +86,9 @@ fn created_energy_halts_on_every_mesh() {
 struct States(Vec<Vec<u8>>);
 
 impl Sink for States {
+    fn row(&mut self, _now: &Instant, _values: &[f64]) -> Result<(), SinkError> {
+        Ok(())
+    }
     fn keeps(&self) -> bool {
         true
     }

@@ -418,8 +418,8 @@ fn release_of_a_stretched_bar_conserves_energy() {
                  *Output, history, number interval=20\n*Node Output, nset=TOP, statistics=MEAN\n U2\n\
                  *Energy Output\n ALLKE, ALLIE, ETOTAL\n*End Step\n"
             );
-        let (outcome, shown) = crate::common::run(&deck, &[], &revolve::user::Routines::none());
-        let prepared = crate::common::prepared(&deck, &[], &revolve::user::Routines::none());
+        let (outcome, shown) = crate::common::run(&deck, &[], &Routines::none());
+        let prepared = crate::common::prepared(&deck, &[], &Routines::none());
         let column = |name: &str| prepared.plan.columns.iter().position(|c| c.name.starts_with(name)).expect(name);
         let (kinetic, total, moved) = (column("ALLKE"), column("ETOTAL"), column("U2"));
         let stored = std::f64::consts::PI * 1e-4 * length * stress * stress / (2.0 * 200e9);

@@ -55,7 +55,7 @@ fn tied_bodies_of_any_meshes_have_the_force_of_one_body() {
                 let errors = [reaction(&ran, "LOW") / -force - 1.0, reaction(&ran, "HIGH") / force - 1.0];
                 let axial =
                     cell_field(ran.end(), "S").chunks(4).map(|s| (s[1] / stress - 1.0).abs()).fold(0.0, f64::max);
-                println!("{facets:?} {inner} {ratio} {tie}{kind}: force {errors:.1e?}, stress {axial:.1e}");
+                println!("{facets:?} {inner} {ratio} {tie}{kind}: force {errors:?}, stress {axial:.1e}");
                 assert!(
                     errors.iter().all(|e| e.abs() < 1e-4) && axial < 1e-4,
                     "{facets:?} {tie}: {errors:?} {axial:e}"

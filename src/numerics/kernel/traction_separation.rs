@@ -481,7 +481,7 @@ mod tests {
         let mut sum = 0.0;
         for i in 0..=steps {
             let share = i as f64 / steps as f64;
-            sum += law.update(&mut history, [share * end[0], share * end[1]]).dissipated;
+            sum += law.update(&mut history, [share * end[0], share * end[1]]).dissipated.by_damage;
         }
         (sum, history)
     }
