@@ -15,7 +15,7 @@ cases! { "Guard rails":
     an_increment_beyond_stability, "fixed increment twice the stable one: created energy",
         "*ENERGY LIMIT, ERROR, ACTION=HALT: halted (R208) with increment and time";
     energy_of_nothing_halts_every_run, "increment 1.8 times the stable one in a deck without energy limits; body that reverses within increments",
-        "halted (R208) with element, start time, cause and card, after a warning of negative ALLKE; continues with *ENERGY LIMIT, ERROR=10, with a drift above 20 %";
+        "halted (R208) with element, start time, cause and card, after a warning of negative ALLKE; continues with *ENERGY LIMIT, ERROR=1e8, with a drift above 20 %";
     a_closed_path_that_gives_energy, "elastic element on a large closed strain path, repeated: stress rates without a potential create energy although ETOTAL is balanced",
         "one warning of negative ALLIE during the run, with increment and time; none for the reversed path, which dissipates energy";
     an_increment_that_crawls, "increment so small that 1e9 remain: a run of days without a message",
@@ -111,7 +111,7 @@ fn beyond(more: &str) -> GauntletRun {
 }
 
 fn energy_of_nothing_halts_every_run() -> CaseVerdict {
-    let (scene, reported) = (beyond(""), beyond("*Energy Limit, error=10.\n"));
+    let (scene, reported) = (beyond(""), beyond("*Energy Limit, error=1.e8\n"));
     let (code, reason) = halt(&scene);
     println!("{reason}\n{:?}\n{} {:?}", scene.outcome.warnings, reported.outcome.energy.drift, reported.outcome.halt);
     let located =

@@ -240,7 +240,7 @@ fn study_has_the_shared_options() {
     std::fs::write(path("bar.inp"), bar).expect("a deck");
     let (deck, out) = (path("bar.inp"), path("out"));
     let study = |more: &[&str]| {
-        let words = ["study", &deck, "--refine", "increment=1,0.5", "--quantity", "final(U2@TIP)", "--repeat", "1"];
+        let words = ["study", &deck, "--refine", "increment=0.5,0.25", "--quantity", "final(U2@TIP)", "--repeat", "1"];
         let output = revolve(&[&words[..], &["--jitter", "0", "--out", &out, "--quiet", "--json"], more].concat());
         assert!(output.status.success(), "{}", text(&output.stderr));
         let record: serde_json::Value = serde_json::from_str(&text(&output.stdout)).expect("JSON");
@@ -250,7 +250,7 @@ fn study_has_the_shared_options() {
     let picture = std::fs::read_to_string(path("out/bar_study_order.svg")).expect("a picture");
     assert!(picture.contains("depth of the tip") && !picture.contains("final(U2@TIP)"), "{picture}");
     assert_eq!(one, study(&["--threads", "2"]));
-    let words = ["study", &deck, "--refine", "increment=1,0.5", "--quantity", "final(U2@TIP)", "--label", "U2=x"];
+    let words = ["study", &deck, "--refine", "increment=0.5,0.25", "--quantity", "final(U2@TIP)", "--label", "U2=x"];
     let wrong = revolve(&words);
     assert!(!wrong.status.success() && text(&wrong.stderr).contains("there is no quantity `U2`"));
 }

@@ -250,7 +250,7 @@ fn unsupported_domains_are_refused() {
     let with_part = format!("*Elset, elset=PART\n 1, 2\n{section}");
     let twice = format!("{BAR}*Adaptive Mesh, elset=PART\n");
     for (deck, words) in [
-        (warm_bar("", &format!("{BAR}*Fixed Mass Scaling, factor=2.\n")), "mass scaling"),
+        (warm_bar("*Conductivity\n 1e-6,\n", &format!("{BAR}*Fixed Mass Scaling, factor=2.\n")), "mass scaling"),
         (taylor(BAR).replacen(section, &controlled, 1), "DISTORTION CONTROL"),
         (taylor(&twice).replacen(section, &with_part, 1), "two adaptive meshes"),
     ] {

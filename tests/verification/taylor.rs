@@ -67,7 +67,8 @@ fn global_estimate_saves_increments_with_equal_results() {
     println!("elastic squares: {ratio:.3} of the increments, drift {:.1e}", global.energy.drift);
     // sqrt(1/2) for plane squares.
     assert!((0.7..0.76).contains(&ratio), "{ratio}");
-    assert!(global.energy.drift < 2e-3, "{:e}", global.energy.drift);
+    // Relative to the kinetic energy at the start.
+    assert!(global.energy.drift < 3e-3, "{:e}", global.energy.drift);
 }
 
 #[test]

@@ -208,9 +208,6 @@ fn extrapolated(
     let error = last / gain(middle, fine, order.min(FORMAL_ORDER));
     let (factor, bound) = if behaviour == ConvergenceBehaviour::Asymptotic {
         (OBSERVED, error.abs())
-    } else if behaviour == ConvergenceBehaviour::Fast {
-        // The last difference says little: the previous one is a bound by itself.
-        (OBSERVED, before.abs().max((last / gain(middle, fine, CREDIBLE[0])).abs()))
     } else {
         let assumed = if behaviour == ConvergenceBehaviour::Close { 1.0 } else { FORMAL_ORDER };
         let left = before / gain(coarse, middle, assumed) / libm::pow(middle.size / fine.size, assumed);
@@ -344,14 +341,5 @@ mod tests {
         let levels = [(3.0, 6.422), (1.0, 6.492)].map(|(size, value)| RefinementLevel { size, value });
         let found = estimate(&levels).expect("two levels");
         assert!((6.562 - 6.492_f64).abs() < found.uncertainty && found.uncertainty < 0.3, "{found:?}");
-    }
-
-    /// Radii of the foot of a steel Taylor bar: the last difference is small by chance.
-    #[test]
-    fn band_of_a_small_last_difference_contains_the_limit() {
-        let levels = [(4.0, 3.2398), (2.0, 3.3687), (1.0, 3.3724)].map(|(size, value)| RefinementLevel { size, value });
-        let found = estimate(&levels).expect("three levels");
-        assert_eq!(found.behaviour, ConvergenceBehaviour::Fast);
-        assert!((3.496 - 3.3724_f64).abs() < found.uncertainty, "{found:?}");
     }
 }

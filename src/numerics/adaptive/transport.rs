@@ -57,12 +57,27 @@ pub(super) struct ElementTransport {
     fluxes: Vec<EdgeFlux>,
     flows: Vec<ElementFlow>,
     density_slopes: Vec<[f64; 2]>,
-    /// Rings that edges on closed boundaries sweep at each element, and the flows that provide them.
-    swept: Vec<f64>,
-    balance: VolumeBalance,
+    /// Rings that edges on closed boundaries sweep at each element, and the flows that provide them. `None` if the domain
+    /// has Eulerian boundaries: along the walls of a steady flow the same elements would take mass in each change, from the
+    /// inflow, too.
+    swept_rings: Option<SweptRings>,
     /// Gradients and new values of a pack.
     gradients: Vec<[Pack; 2]>,
     moved: Vec<Pack>,
+}
+
+/// Rings that edges on closed boundaries sweep, and flows between elements that provide them.
+#[derive(Clone, Debug)]
+struct SweptRings {
+    /// Volumes of the rings at each element.
+    volumes: Vec<f64>,
+    balance: VolumeBalance,
+}
+
+impl SweptRings {
+    fn new(cells: usize) -> SweptRings {
+        SweptRings { volumes: vec![0.0; cells], balance: VolumeBalance::new(cells, FLOW_ACCURACY) }
+    }
 }
 
 /// Accuracy of the flows that provide swept rings, relative to the largest one.
@@ -80,8 +95,7 @@ impl ElementTransport {
             fluxes: vec![EdgeFlux::default(); edges],
             flows: vec![ElementFlow::default(); cells],
             density_slopes: vec![[0.0; 2]; cells],
-            swept: vec![0.0; cells],
-            balance: VolumeBalance::new(cells, FLOW_ACCURACY),
+            swept_rings: (!domain.edges.iter().any(|edge| edge.is_open)).then(|| SweptRings::new(cells)),
             gradients: vec![[Pack::default(); 2]; cells],
             moved: vec![Pack::default(); cells],
         }
@@ -89,8 +103,8 @@ impl ElementTransport {
 
     pub fn bytes(&self) -> usize {
         let fluxes = heap_bytes(&self.fluxes) + heap_bytes(&self.flows) + heap_bytes(&self.density_slopes);
-        let flows = heap_bytes(&self.swept) + self.balance.bytes();
-        flows + fluxes + heap_bytes(&self.places) + heap_bytes(&self.gradients) + heap_bytes(&self.moved)
+        let rings = self.swept_rings.as_ref().map_or(0, |rings| heap_bytes(&rings.volumes) + rings.balance.bytes());
+        rings + fluxes + heap_bytes(&self.places) + heap_bytes(&self.gradients) + heap_bytes(&self.moved)
     }
 
     /// Measures the rings that edges sweep from the places `before` to `after`. Returns the largest share of its volume
@@ -143,17 +157,18 @@ impl ElementTransport {
         (domain, active): (&DomainTopology, &ActiveParts),
         [before, after]: [&[[f64; 2]]; 2],
     ) {
-        self.swept.fill(0.0);
+        let Some(SweptRings { volumes, balance }) = &mut self.swept_rings else { return };
+        volumes.fill(0.0);
         let moves = |edge: &DomainEdge| edge.nodes.iter().any(|n| active.moves[*n as usize]);
         for edge in domain.edges.iter().filter(|edge| !edge.is_passed() && moves(edge)) {
             let [start, end] = [before, after].inline_map(|places| edge.nodes.inline_map(|n| places[n as usize]));
-            self.swept[edge.left as usize] += swept(start, end).0;
+            volumes[edge.left as usize] += swept(start, end).0;
         }
         let sides = |edge: &DomainEdge| [edge.left as usize, edge.right as usize];
         let links = |edge: &DomainEdge| edge.is_inner() && sides(edge).iter().all(|e| active.changes[*e]);
-        let (places, balance) = (&self.places, &mut self.balance);
+        let places = &self.places;
         let volume = |e: usize| places[e].volume;
-        if !balance.solve(domain.edges.iter().filter(|edge| links(edge)).map(sides), volume, &self.swept) {
+        if !balance.solve(domain.edges.iter().filter(|edge| links(edge)).map(sides), volume, volumes) {
             return;
         }
         for (flux, edge) in self.fluxes.iter_mut().zip(&domain.edges).filter(|(_, edge)| links(edge)) {

@@ -190,16 +190,12 @@ impl Elements {
         calling.try_for_each(|group| group.probe(nodes.as_slice(), now, user.lend()))
     }
 
-    /// Returns the energies that the elements can release from their initial state, and the largest one per mass.
-    pub fn available_energies(&self, nodes: &Nodes) -> (Vec<AvailableEnergy>, f64) {
-        let (mut list, mut per_mass) = (Vec::new(), 0.0_f64);
-        for group in &self.groups {
-            for (e, available) in group.available_energies(nodes.as_slice()).into_iter().enumerate() {
-                per_mass = per_mass.max(available.energy / group.masses(e).iter().sum::<f64>());
-                list.push(available);
-            }
-        }
-        (list, per_mass)
+    /// Returns the energies that the elements can release from their initial state, with the masses of the elements.
+    pub fn available_energies(&self, nodes: &Nodes) -> impl Iterator<Item = (AvailableEnergy, f64)> {
+        self.groups.iter().flat_map(|group| {
+            let of_element = |e| (group.available_energy(e, nodes.as_slice()), group.masses(e).iter().sum());
+            (0..group.len()).map(of_element)
+        })
     }
 
     /// Begins a step. `moved_otherwise`: constraints move nodes outside the nodal update, so that no node may be

@@ -82,9 +82,17 @@ pub trait InterfaceElements {
     }
 }
 
+/// Elements that can release energy.
+pub trait EnergySource {
+    /// Returns the energy that an element can release from its initial state.
+    fn available_energy(&self, _element: usize, _nodes: &[Node]) -> AvailableEnergy {
+        AvailableEnergy::NONE
+    }
+}
+
 /// Elements of one topology and one material.
 #[allow(clippy::len_without_is_empty)] // `is_empty` is a method of `dyn ElementGroup`.
-pub trait ElementGroup: InterfaceElements + Persist + Send + Sync {
+pub trait ElementGroup: InterfaceElements + EnergySource + Persist + Send + Sync {
     /// Returns the number of elements.
     fn len(&self) -> usize;
     /// Returns the properties that all elements share.
@@ -109,10 +117,6 @@ pub trait ElementGroup: InterfaceElements + Persist + Send + Sync {
     /// Returns whether a task of elements is skipped because all its elements are at rest and free of stress.
     fn is_quiescent(&self, _task: usize) -> bool {
         false
-    }
-    /// Returns the energies that the elements can release from their initial state; empty if there are none.
-    fn available_energies(&self, _nodes: &[Node]) -> Vec<AvailableEnergy> {
-        Vec::new()
     }
     /// Returns the bytes of the arrays of the group.
     fn bytes(&self) -> usize;
@@ -586,6 +590,17 @@ pub(super) fn block_of_points<S>(state: S, mass: Lanes) -> ElementBlock<S> {
 
 impl<M: Material> InterfaceElements for QuadGroup<M> {}
 
+impl<M: Material> EnergySource for QuadGroup<M> {
+    fn available_energy(&self, element: usize, nodes: &[Node]) -> AvailableEnergy {
+        let group: &dyn ElementGroup = self;
+        let (block, lane, volume) = (&self.blocks[element / LANES], element % LANES, group.volume(element, nodes));
+        let mass = block.mass[lane];
+        let AvailableEnergy { energy, from } = self.material.available_energy(&block.state, lane, volume / mass);
+        let of_stress = volume * self.constants.elastic_energy(block.stress.inline_map(|list| list[lane]));
+        AvailableEnergy { energy: mass * energy + of_stress, from }
+    }
+}
+
 impl<M: Material> ElementGroup for QuadGroup<M> {
     fn len(&self) -> usize {
         self.count
@@ -717,18 +732,6 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
 
     fn is_quiescent(&self, task: usize) -> bool {
         self.quiescence[task].quiescent
-    }
-
-    fn available_energies(&self, nodes: &[Node]) -> Vec<AvailableEnergy> {
-        let group: &dyn ElementGroup = self;
-        let of_element = |e: usize| {
-            let (block, lane, volume) = (&self.blocks[e / LANES], e % LANES, group.volume(e, nodes));
-            let mass = block.mass[lane];
-            let AvailableEnergy { energy, from } = self.material.available_energy(&block.state, lane, volume / mass);
-            let of_stress = volume * self.constants.elastic_energy(block.stress.inline_map(|list| list[lane]));
-            AvailableEnergy { energy: mass * energy + of_stress, from }
-        };
-        (0..self.count).map(of_element).collect()
     }
 
     fn bytes(&self) -> usize {

@@ -3,9 +3,10 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the laws.
 
 use super::BlockStart;
-use super::available::{AvailableEnergy, isentropic_work};
+use super::available::AvailableEnergy;
 use super::eos::{EosLaw, IdealGas, Tabulated, UsUp, advance_block};
 use super::explosive::{BurnState, HighExplosive};
+use super::isentrope::isentropic_work;
 use super::volumetric::{PressureUpdate, VolumetricLaw};
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::material::carried::carried_state;

@@ -11,6 +11,7 @@ pub mod foam;
 mod hardening_combinations;
 pub mod hyperelastic;
 pub mod increment;
+mod isentrope;
 pub mod kinematic;
 pub mod kinematic_rate;
 pub mod plasticity;

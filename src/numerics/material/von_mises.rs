@@ -289,8 +289,17 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             update.internal[l] += 0.5 * volume * work;
             let bulk = if V::EOS { update.bulk[l] } else { bulk };
             let distortion = mises * mises * per_shear;
-            let [energy_before, energy_after] = [(before[l], mean), (left, limited)]
-                .inline_map(|(share, mean)| share * (distortion + mean * mean / (2.0 * bulk)));
+            let volumetric = |mean: f64| mean * mean / (2.0 * bulk);
+            // A pressure that follows from the density does not continue from the limited one of the previous increment.
+            let unlimited = if V::EOS && limited != mean {
+                let carried = -stress::pressure([0, 1, 2, 3].inline_map(|i: usize| strain.carried[i][l]));
+                let dilation: f64 = (0..3).map(|i| strain.strain[i][l]).sum();
+                volumetric(carried) + 0.5 * dilation * (carried + mean)
+            } else {
+                volumetric(mean)
+            };
+            let energy_before = before[l] * (distortion + unlimited);
+            let energy_after = left * (distortion + volumetric(limited));
             // The work of the increment is that of the degraded stress (trapezoidal rule), without this elastic part.
             let missing = 0.5 * (unloaded - (before[l] - left) * flowed);
             let lost = (energy_before - energy_after) - missing;

@@ -145,8 +145,11 @@ impl Compiler<'_> {
         self.check_pair(contact, step, met, state);
         let mut pair = ContactPair::new(id, self.pair_number(contact), curves, length);
         pair.first = curves[0] == first;
-        let thickness = curves.map(|curve| self.smallest_thickness(&found.facet_elements[curve]));
-        pair.thickness = thickness[0].min(thickness[1]);
+        // Faces of one body meet again and again where it folds or erodes; their impacts do not limit the increment.
+        if !contact.is_self_contact() {
+            let thickness = curves.map(|curve| self.smallest_thickness(&found.facet_elements[curve]));
+            pair.thickness = thickness[0].min(thickness[1]);
+        }
         Some((pair, length))
     }
 

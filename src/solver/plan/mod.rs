@@ -65,7 +65,7 @@ use crate::kernel::amplitude::SampledAmplitude;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::mesh::surface::SurfaceGeometry;
 use crate::model::{
-    AmplitudeId, CopyOnWrite, EnergyLimit, IncrementControl, LoadVelocity, MaterialDefinition, Mesh, Model,
+    AmplitudeId, CopyOnWrite, EnergyLimit, EosKind, IncrementControl, LoadVelocity, MaterialDefinition, Mesh, Model,
     SurfaceContact,
 };
 use crate::state::EffectId;
@@ -118,6 +118,8 @@ pub struct Plan {
     pub remesh: Option<Box<RemeshPlan>>,
     /// Largest increase of the elastic moduli of a material over temperature and fields, as a fraction.
     pub stiffening: f64,
+    /// Whether a material is a gas or an explosive, whose viscous heat does work again.
+    pub returns_heat: bool,
     /// Whether a material has an equation of state. It expands after a shock with the heat of plastic work and bulk
     /// viscosity, and pays for its hourglass control.
     pub has_equation_of_state: bool,
@@ -355,6 +357,8 @@ fn compile_with(
     let general_contacts = model.steps.iter().filter_map(|s| s.general_contact.as_ref());
     let excludes_detached_nodes = general_contacts.into_iter().any(|g| g.excludes_detached_nodes);
     let (stiffening, expects_dissipation) = (stiffening(model), expects_dissipation(model));
+    let is_gas = |eos: &EosKind| matches!(eos, EosKind::IdealGas(_) | EosKind::Jwl(_));
+    let returns_heat = model.materials.iter().any(|m| m.eos.as_ref().is_some_and(|eos| is_gas(&eos.kind)));
     let has_equation_of_state = model.materials.iter().any(|m| m.eos.is_some());
     let has_user_stress = model.materials.iter().any(|m| m.user.material.is_some());
     let mut plan = Plan {
@@ -376,6 +380,7 @@ fn compile_with(
         movable_groups,
         excludes_detached_nodes,
         stiffening,
+        returns_heat,
         has_equation_of_state,
         has_user_stress,
         expects_dissipation,

@@ -93,6 +93,8 @@ pub const TERMS: [&str; 11] =
 pub const KINETIC: usize = 0;
 pub const INTERNAL: usize = 1;
 pub const STRAIN: usize = 2;
+pub const VISCOUS: usize = 5;
+pub const ARTIFICIAL: usize = 6;
 pub const ADVECTION: usize = 10;
 
 /// Values of the terms at an instant, the energy put in, and the energy that elements can have released.
@@ -101,6 +103,8 @@ pub struct EnergyTerms {
     pub values: [f64; TERMS.len()],
     pub put_in: f64,
     pub released: f64,
+    /// Viscous heat that can do work again: ALLVD counts it each time, and internal energies pay for it each time.
+    pub returned: f64,
 }
 
 impl EnergyTerms {
@@ -109,8 +113,12 @@ impl EnergyTerms {
     #[inline(always)]
     pub fn excess(&self, term: usize) -> [f64; 2] {
         let value = self.values[term];
-        let lowest = if term == INTERNAL || term == STRAIN { -self.released } else { 0.0 };
-        let highest = if term == ADVECTION { 0.0 } else { self.put_in };
+        let lowest = if term == INTERNAL || term == STRAIN { -self.released - self.returned } else { 0.0 };
+        let highest = match term {
+            ADVECTION => 0.0,
+            VISCOUS => self.put_in + self.returned,
+            _ => self.put_in,
+        };
         [lowest - value, value - highest]
     }
 
@@ -255,6 +263,7 @@ impl EnergyBalance {
             ],
             put_in: self.supply.put_in(),
             released: self.supply.released(),
+            returned: self.supply.returned(solid.viscous),
         }
     }
 
@@ -493,7 +502,7 @@ mod tests {
     fn terms(energies: EnergyTotals, available: f64) -> EnergyTerms {
         let mut dofs = Dofs::default();
         let mut balance = EnergyBalance::start(&dofs);
-        balance.supply().begin(&[AvailableEnergy::initial(available)], 0.0, 0.0);
+        balance.supply().begin([(AvailableEnergy::initial(available), 1.0)], 0.0, false);
         dofs.energies.kinetic = 100.0;
         balance.add_increment(&dofs, &[], false, Some(0.0));
         dofs.energies = energies;

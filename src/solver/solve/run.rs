@@ -291,8 +291,8 @@ impl<'a> SolverRun<'a> {
         }
         if self.now.increment == 0 {
             self.state.elements.probe(&self.state.dofs.nodes, &self.now, self.user.routines.at_points())?;
-            let (energies, per_mass) = self.state.elements.available_energies(&self.state.dofs.nodes);
-            self.balance.supply().begin(&energies, per_mass, self.plan.stiffening);
+            let energies = self.state.elements.available_energies(&self.state.dofs.nodes);
+            self.balance.supply().begin(energies, self.plan.stiffening, self.plan.returns_heat);
         }
         let global = matches!(self.step.control, IncrementControl::Automatic { element_by_element: false, .. });
         let views = || self.state.constraints.iter().map(|c| c.view());

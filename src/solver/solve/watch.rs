@@ -2,7 +2,7 @@
 //! Warnings state when it began, where it is, and a remedy. Checks that halt a run are in `guard.rs`.
 
 use super::collapse::CollapseMonitor;
-use super::energy::{ADVECTION, Energy, EnergyBalance, INTERNAL, KINETIC, STRAIN, TERMS};
+use super::energy::{ADVECTION, ARTIFICIAL, Energy, EnergyBalance, INTERNAL, KINETIC, STRAIN, TERMS};
 use super::masses::MassMonitor;
 use super::run::SolverRun;
 use crate::constraint::ContactResults;
@@ -194,7 +194,13 @@ impl SolverRun<'_> {
     fn bounds(&self, term: usize) -> [f64; 2] {
         let releases_heat = self.plan.has_equation_of_state || self.plan.has_user_stress;
         let is_strict = term == KINETIC || (term == INTERNAL || term == STRAIN) && !releases_heat;
-        [if is_strict { BELOW_ZERO } else { EXCESS }, EXCESS]
+        // A material with an equation of state pays for its hourglass control, and may release energy by it.
+        let lowest = match term {
+            ARTIFICIAL if self.plan.has_equation_of_state => f64::INFINITY,
+            _ if is_strict => BELOW_ZERO,
+            _ => EXCESS,
+        };
+        [lowest, EXCESS]
     }
 
     /// Records negative energies, which central differences give for ALLKE if velocities change sign between half steps,
@@ -259,7 +265,7 @@ impl SolverRun<'_> {
             "and no energy was put in".to_owned()
         };
         format!(
-            "{} is {:.3e}, {amount}, at increment {}, time {:e}: energy was created, although ETOTAL has drifted by {:.1} % only; {}{}",
+            "{} is {:.3e}, {amount}, at increment {}, time {:e}: energy was created (drift of ETOTAL {:.1} %); {}{}",
             TERMS[term],
             terms.values[term],
             self.now.increment,

@@ -1,57 +1,9 @@
-//! Limit of the time increment by the closing speed of surfaces that are about to touch.
-//!
-//! Contact stops a face within one increment. The elements behind it learn of this in the next one, and are until then
-//! compressed by the closing speed times the increment. If this is a large part of their thickness, as at closing speeds of
-//! the order of the wave speed, the pressure of a shock overshoots or the element collapses. Before surfaces touch, and until
-//! the shock has left the elements at the surface, the increment is at most a part of thickness over closing speed.
+//! Surfaces that are about to touch: the limit of the time increment by their closing speed; see `impact_limit.rs`.
 
+use super::impact_limit::{AHEAD, LARGEST_COMPRESSION, SOFT};
 use super::sweeps::{ContactRow, NONE};
 use super::{ContactConstraint, ContactPair, pair_of};
-use crate::state::archive::persist_struct;
 use crate::state::dofs::{Dof, Dofs};
-
-/// Largest compression of an element in an increment by the closing speed, as a fraction of its thickness.
-const LARGEST_COMPRESSION: f64 = 0.2;
-/// Number of increments before contact in which the limit acts: an increment may be longer than the one before.
-const AHEAD: f64 = 3.0;
-/// Part of the thickness that counts for soft contact: its springs return the closing speed, so that a light face moves away
-/// from a heavy one at up to twice this speed.
-const SOFT: f64 = 0.5;
-/// Time for which the limit acts after contact begins, in units of thickness over closing speed.
-const AFTER: f64 = 4.0;
-
-/// Limit of the time increment by impacts.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ImpactLimit {
-    /// Largest increment.
-    pub(super) increment: f64,
-    /// Time until the limit ends.
-    remaining: f64,
-}
-
-impl Default for ImpactLimit {
-    fn default() -> Self {
-        ImpactLimit { increment: f64::INFINITY, remaining: 0.0 }
-    }
-}
-
-impl ImpactLimit {
-    /// Ends the limit if its time has passed.
-    pub(super) fn advance(&mut self, dt: f64) {
-        self.remaining -= dt;
-        if self.remaining <= 0.0 {
-            *self = ImpactLimit::default();
-        }
-    }
-
-    /// Adds surfaces that approach each other at a speed, with the smallest thickness of their elements.
-    fn add(&mut self, [gap, speed]: [f64; 2], thickness: f64) {
-        self.increment = self.increment.min(LARGEST_COMPRESSION * thickness / speed);
-        self.remaining = self.remaining.max((gap.max(0.0) + AFTER * thickness) / speed);
-    }
-}
-
-persist_struct!(ImpactLimit { increment, remaining });
 
 impl ContactConstraint {
     /// Limits the increments until surfaces touch that approach each other at the start of their contact.
@@ -85,14 +37,12 @@ impl ContactConstraint {
         if fastest == 0.0 || 4.0 * AHEAD * dt * fastest <= LARGEST_COMPRESSION * thinnest && dt > 0.0 {
             return;
         }
-        // The last pair, and whether it is in contact.
-        let mut pressed = (usize::MAX, false);
+        for at in 0..self.pairs.len() {
+            self.touched[at] |= self.is_pressed(at);
+        }
         for row in self.rows.rows.iter().filter(|row| !row.is_single_point && row.closest_point.is_none()) {
             let at = pair_of(&self.pairs, row.key);
-            if pressed.0 != at {
-                pressed = (at, self.is_pressed(at));
-            }
-            if pressed.1 {
+            if self.touched[at] {
                 continue;
             }
             let pair = &self.pairs[at];
@@ -100,13 +50,13 @@ impl ContactConstraint {
             self.impact.add_if_near(approach, thickness, (dt, self.pressures[row.key as usize][0]));
         }
         for at in 0..self.pairs.len() {
-            if !self.is_pressed(at) {
+            if !self.touched[at] {
                 self.limit_analytical_impacts(at, dt);
             }
         }
     }
 
-    /// Returns whether a pair is in contact: new points of a surface that erodes or slides are not an impact.
+    /// Returns whether a pair is in contact. From then on new points of a surface that erodes or slides are no impact.
     fn is_pressed(&self, at: usize) -> bool {
         let pair = &self.pairs[at];
         let first = pair.first_key as usize;
@@ -145,16 +95,6 @@ impl ContactConstraint {
             let speed = -(normal[0] * velocity_of(point, 0) + normal[1] * (velocity_of(point, 1) - carried));
             let approach = [nearest.gap - analytical.lift[index as usize], speed];
             impact.add_if_near(approach, thickness, (dt, pressures[key as usize][0]));
-        }
-    }
-}
-
-impl ImpactLimit {
-    /// Adds surfaces that are about to touch and have not been in contact; see [`ContactConstraint::limit_impacts`].
-    fn add_if_near(&mut self, [gap, speed]: [f64; 2], thickness: f64, (dt, pressure): (f64, f64)) {
-        let near = if dt > 0.0 { AHEAD * speed * dt } else { thickness };
-        if pressure == 0.0 && speed > 0.0 && gap <= near && thickness < f64::INFINITY {
-            self.add([gap, speed], thickness);
         }
     }
 }

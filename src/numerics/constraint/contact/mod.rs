@@ -17,6 +17,7 @@ mod direct;
 mod gaps;
 mod heat;
 mod impact;
+mod impact_limit;
 mod light;
 mod mesh_continuation;
 mod mesh_motion;
@@ -36,7 +37,7 @@ use self::cohesion::CohesiveSurfaces;
 use self::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use self::gaps::{FacetGap, GapIntegrator};
 use self::heat::{ContactHeat, HeatKey};
-use self::impact::ImpactLimit;
+use self::impact_limit::ImpactLimit;
 use self::mesh_continuation::MeshContinuation;
 use self::near::NearParts;
 use self::search::ContactSearch;
@@ -83,7 +84,8 @@ pub struct ContactPair {
     /// Whether the own curve is the first surface of the pair in the deck; output forces are those on the first
     /// surface.
     pub first: bool,
-    /// Smallest thickness of the deformable elements at both surfaces; infinite without any.
+    /// Smallest thickness of the deformable elements at both surfaces; infinite without any, and in
+    /// self-contact.
     pub thickness: f64,
     /// Clearance at the start, if the deck gives one.
     pub initial_clearance: Option<InitialClearance>,
@@ -190,8 +192,9 @@ pub struct ContactConstraint {
     stored_energy: StoredEnergy,
     /// Damping of frictional flutter.
     slip_damping: SlipDamping,
-    /// Limit of the time increment by impacts.
+    /// Limit of the time increment by impacts, and the pairs that have been in contact.
     impact: ImpactLimit,
+    touched: Vec<bool>,
     /// Difference that is subtracted from the gap of each key; empty if all are zero.
     gap_offsets: Vec<f64>,
     /// Index of the first law of penalty springs; all later laws are springs. `None` without springs.
@@ -1011,6 +1014,7 @@ impl Constraint for ContactConstraint {
             self.gaps.reserve_edges(self.pressures.len());
         }
         self.begin_cohesion(dofs);
+        self.touched.resize(self.pairs.len(), false);
         self.limit_first_impacts(dofs);
     }
 
@@ -1186,7 +1190,7 @@ impl StoredConstraint for ContactConstraint {
 persist_struct!(ContactBody { contact_acceleration } derived { dof, body, prescribed });
 
 persist_struct!(ContactConstraint {
-    curves: fixed, pressures: fixed, gap_offsets: fixed, stored_energy, slip_damping, impact, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present,
+    curves: fixed, pressures: fixed, gap_offsets: fixed, stored_energy, slip_damping, impact, touched, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present,
     cohesion: present
 } derived {
     points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, springs, means, places, active_points, near, listed, gaps, rows, motion, mesh

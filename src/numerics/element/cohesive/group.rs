@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use crate::element::block::is_larger;
 use crate::element::group::{
-    ElementGroup, ElementPass, ElementStiffness, GroupDeletion, GroupExtensions, GroupProperties, GroupSettings,
-    GroupTotals, InitialState, InterfaceElements,
+    ElementGroup, ElementPass, ElementStiffness, EnergySource, GroupDeletion, GroupExtensions, GroupProperties,
+    GroupSettings, GroupTotals, InitialState, InterfaceElements,
 };
 use crate::kernel::cohesive::{self, MidSurface};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
@@ -227,6 +227,8 @@ impl InterfaceElements for CohesiveGroup {
         Some(self.areas[element].inline_map(|area| stiffness * area))
     }
 }
+
+impl EnergySource for CohesiveGroup {}
 
 impl ElementGroup for CohesiveGroup {
     fn len(&self) -> usize {

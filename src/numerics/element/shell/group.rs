@@ -13,8 +13,8 @@ use super::record::{PointStrains, ShellRecord};
 use super::section::ShellProperties;
 use crate::element::block::is_larger;
 use crate::element::group::{
-    ElementGroup, ElementPass, ElementStiffness, GroupDeletion, GroupExtensions, GroupProperties, GroupSettings,
-    GroupTotals, InitialState, InterfaceElements,
+    ElementGroup, ElementPass, ElementStiffness, EnergySource, GroupDeletion, GroupExtensions, GroupProperties,
+    GroupSettings, GroupTotals, InitialState, InterfaceElements,
 };
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::plane_stress::PlaneElastic;
@@ -158,6 +158,18 @@ fn frame(ends: &[u32; 4], nodes: &[Node]) -> ShellFrame {
 
 impl InterfaceElements for ShellGroup {}
 
+impl EnergySource for ShellGroup {
+    fn available_energy(&self, element: usize, nodes: &[Node]) -> AvailableEnergy {
+        let PlaneElastic { young, ratio } = self.section.elastic;
+        let points = self.section.points.iter().zip(&self.stress[element * self.section.points.len()..]);
+        let per_area = points.map(|([_, weight], [along, hoop])| {
+            0.5 * weight * (along * along + hoop * hoop - 2.0 * ratio * along * hoop) / young
+        });
+        let volume = self.frame(element, nodes).area() * self.state[element].thickness;
+        AvailableEnergy::initial(volume * per_area.sum::<f64>())
+    }
+}
+
 impl ElementGroup for ShellGroup {
     fn len(&self) -> usize {
         self.ends.len()
@@ -242,19 +254,6 @@ impl ElementGroup for ShellGroup {
 
     fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<ElementStiffness> {
         None
-    }
-
-    fn available_energies(&self, nodes: &[Node]) -> Vec<AvailableEnergy> {
-        let PlaneElastic { young, ratio } = self.section.elastic;
-        let of_element = |e: usize| {
-            let points = self.section.points.iter().zip(&self.stress[e * self.section.points.len()..]);
-            let per_area = points.map(|([_, weight], [along, hoop])| {
-                0.5 * weight * (along * along + hoop * hoop - 2.0 * ratio * along * hoop) / young
-            });
-            let volume = self.frame(e, nodes).area() * self.state[e].thickness;
-            AvailableEnergy::initial(volume * per_area.sum::<f64>())
-        };
-        (0..self.len()).map(of_element).collect()
     }
 
     fn bytes(&self) -> usize {

@@ -11,8 +11,9 @@ use super::triangles::{FORCE_BLOCKS, TriangleIncrement, WorkArrays, operators_at
 use crate::element::block::{TASK, TaskWorkspace};
 use crate::element::constants::{ElementConstants, damped};
 use crate::element::group::{
-    ElementGroup, ElementPass, ElementStiffness, ElementTemperatures, ExpansionWork, GroupDeletion, GroupExtensions,
-    GroupProperties, GroupSettings, GroupTotals, InitialState, InterfaceElements, PARALLEL, list_deleted, totals,
+    ElementGroup, ElementPass, ElementStiffness, ElementTemperatures, EnergySource, ExpansionWork, GroupDeletion,
+    GroupExtensions, GroupProperties, GroupSettings, GroupTotals, InitialState, InterfaceElements, PARALLEL,
+    list_deleted, totals,
 };
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::BlockRecord;
@@ -181,6 +182,21 @@ impl<M: Material> NullaryFnOnce for TaskPass<'_, M> {
 
 impl<M: Material> InterfaceElements for SixNodeTriangles<M> {}
 
+impl<M: Material> EnergySource for SixNodeTriangles<M> {
+    fn available_energy(&self, element: usize, nodes: &[Node]) -> AvailableEnergy {
+        let (block, lane) = self.block(element);
+        let operators = operators_at(block.triangles.element(lane).inline_map(|n| nodes[n as usize].place()));
+        let mut sum = AvailableEnergy::NONE;
+        for (p, point) in block.points.iter().enumerate() {
+            let (volume, mass) = (2.0 * PI * operators.volume[p], point.mass[lane]);
+            let AvailableEnergy { energy, from } = self.material.available_energy(&point.state, lane, volume / mass);
+            let of_stress = volume * self.constants.elastic_energy(point.stress.inline_map(|list| list[lane]));
+            sum = AvailableEnergy { energy: sum.energy + mass * energy + of_stress, from };
+        }
+        sum
+    }
+}
+
 impl<M: Material> ElementGroup for SixNodeTriangles<M> {
     fn len(&self) -> usize {
         self.count
@@ -237,23 +253,6 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
         totals(self.tasks.iter().map(|task| task.scratch.parts()), |task| {
             if self.tasks[task].quiescence.quiescent { still } else { f64::INFINITY }
         })
-    }
-
-    fn available_energies(&self, nodes: &[Node]) -> Vec<AvailableEnergy> {
-        let of_element = |e: usize| {
-            let (block, lane) = self.block(e);
-            let operators = operators_at(block.triangles.element(lane).inline_map(|n| nodes[n as usize].place()));
-            let mut sum = AvailableEnergy::NONE;
-            for (p, point) in block.points.iter().enumerate() {
-                let (volume, mass) = (2.0 * PI * operators.volume[p], point.mass[lane]);
-                let AvailableEnergy { energy, from } =
-                    self.material.available_energy(&point.state, lane, volume / mass);
-                let of_stress = volume * self.constants.elastic_energy(point.stress.inline_map(|list| list[lane]));
-                sum = AvailableEnergy { energy: sum.energy + mass * energy + of_stress, from };
-            }
-            sum
-        };
-        (0..self.count).map(of_element).collect()
     }
 
     fn value(&self, element: usize, part: VariableComponent) -> Option<f64> {

@@ -1,0 +1,94 @@
+//! Work of isentropes: the largest work that a material can do from its initial state, without work or heat from outside.
+
+use super::eos::{EosLaw, EosLine, IdealGas};
+
+/// Increment of the logarithm of the volume along an isentrope, and the largest number of increments.
+const INCREMENT: f64 = 0.01;
+const MOST: usize = 4000;
+
+/// Returns the work per mass of the isentrope from a specific volume and energy to the volume without pressure. `line`
+/// gives the pressure line at a specific volume.
+pub(super) fn isentropic_work(
+    line: impl Fn(f64) -> EosLine,
+    ambient: f64,
+    specific_volume: f64,
+    specific_energy: f64,
+) -> f64 {
+    let pressure = |volume: f64, energy: f64| {
+        let EosLine { cold, per_energy, .. } = line(volume);
+        cold + per_energy * energy
+    };
+    let (mut volume, mut energy, mut work) = (specific_volume, specific_energy, 0.0);
+    let start = pressure(volume, energy);
+    // A material in tension does work as it contracts.
+    let half = if start > 0.0 { 0.5 * INCREMENT } else { -0.5 * INCREMENT };
+    for _ in 0..MOST {
+        let first = pressure(volume, energy);
+        let (middle, end) = (volume * libm::exp(half), volume * libm::exp(2.0 * half));
+        let mean = pressure(middle, energy - (first + ambient) * (middle - volume));
+        // NaN ends the isentrope, too.
+        if !(mean * start > 0.0) {
+            // Up to the volume without pressure the pressure is linear.
+            let left = first / (first - mean) * (middle - volume);
+            return work + if left.is_finite() { 0.5 * first * left } else { 0.0 };
+        }
+        work += mean * (end - volume);
+        energy -= (mean + ambient) * (end - volume);
+        volume = end;
+    }
+    work
+}
+
+impl IdealGas {
+    /// Returns the largest work per mass against the ambient pressure. It is that of the isentrope to the ambient
+    /// pressure, and the whole specific energy without one.
+    pub(super) fn available_energy(&self, specific_volume: f64, specific_energy: f64) -> f64 {
+        let ratio = self.gas_constant / self.specific_heat;
+        let pressure = ratio * specific_energy / specific_volume;
+        if self.ambient() <= 0.0 || pressure <= 0.0 {
+            return specific_energy.max(0.0);
+        }
+        let volume = specific_volume * libm::pow(pressure / self.ambient, 1.0 / (1.0 + ratio));
+        let energy = self.ambient * volume / ratio;
+        (specific_energy - energy + self.ambient * (specific_volume - volume)).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::isentropic_work;
+    use crate::material::eos::{EosLaw, IdealGas, UsUp};
+
+    const AIR: IdealGas = IdealGas { gas_constant: 287.0, specific_heat: 717.5, ambient: 1e5, absolute_zero: 0.0 };
+
+    /// A gas in equilibrium with the ambient pressure does no work; one with twice the pressure, or half of it, does that
+    /// of the isentrope p v^1.4 by quadrature.
+    #[test]
+    fn gas_does_the_work_of_its_isentrope() {
+        for pressure in [1e5, 2e5, 0.5e5] {
+            let (volume, energy) = (0.8, pressure * 0.8 / 0.4);
+            let end = volume * libm::pow(pressure / 1e5, 1.0 / 1.4);
+            let quadrature: f64 = (0..10_000)
+                .map(|i| volume + (end - volume) * (f64::from(i) + 0.5) / 1e4)
+                .map(|v| (pressure * libm::pow(volume / v, 1.4) - 1e5) * (end - volume) / 1e4)
+                .sum();
+            let closed = AIR.available_energy(volume, energy);
+            let integrated = isentropic_work(|v| AIR.curve(1.0 / v, v), 1e5, volume, energy);
+            assert!((closed - quadrature).abs() < 1e-6 * 1e5 * volume, "{closed} {quadrature}");
+            assert!((integrated - quadrature).abs() < 1e-4 * 1e5 * volume, "{integrated} {quadrature}");
+        }
+    }
+
+    /// A hot metal at its reference density releases p²/(2 K rho0) for small pressures, in tension as well.
+    #[test]
+    fn metal_releases_its_elastic_energy() {
+        let law = UsUp { density: 8930.0, c0: 3940.0, s: 1.489, gamma0: 2.02 };
+        for energy in [1e3, -1e3] {
+            let pressure = law.gamma0 * law.density * energy;
+            let elastic = 0.5 * pressure * pressure / (law.density * law.c0 * law.c0 * law.density);
+            let work = isentropic_work(|v| law.curve(1.0 / v, v), 0.0, 1.0 / law.density, energy);
+            assert!((work / elastic - 1.0).abs() < 0.01, "{work} {elastic}");
+        }
+        assert_eq!(isentropic_work(|v| law.curve(1.0 / v, v), 0.0, 1.0 / law.density, 0.0), 0.0);
+    }
+}
