@@ -16,14 +16,14 @@ import importlib.metadata, sys
 import numpy as np, pandas as pd
 from pyisomme.channel import Channel
 def channel(values, dt):
-    return Channel("11HEAD0000H3ACXP", pd.DataFrame(values, index=np.arange(len(values)) * dt))
+    return Channel("11HEAD0000H3ACXP", pd.DataFrame(values, index=dt * np.linspace(0, len(values) - 1, len(values))))
 def gain(frequency, dt=1e-5, count=100_000):
-    filtered = channel(np.sin(2 * np.pi * frequency * np.arange(count) * dt), dt).cfc_hz(100).get_data()
+    filtered = channel(np.sin(2 * np.pi * frequency * dt * np.linspace(0, count - 1, count)), dt).cfc_hz(100).get_data()
     return float(np.sqrt(2 * np.mean(np.asarray(filtered)[count // 4 : 3 * count // 4] ** 2)))
 gains = {f: round(gain(f), 3) for f in (100, 166)}
 constant = channel(np.full(4000, 26.0), 1e-6)
 iso, sae = (np.asarray(constant.cfc_hz(1000, method=m).get_data()) for m in ("ISO-6487", "SAE-J211-1"))
-coarse = [bool(np.isnan(channel(np.sin(0.1 * np.arange(2000)), dt).cfc_hz(1000).get_data()).any()) for dt in (2e-4, 3e-4)]
+coarse = [bool(np.isnan(channel(np.sin(0.1 * np.linspace(0, 1999, 2000)), dt).cfc_hz(1000).get_data()).any()) for dt in (2e-4, 3e-4)]
 print("pyisomme", importlib.metadata.version("pyisomme"), " factor of cfc_hz(100) by frequency in Hz:", gains)
 print("constant 26: ISO-6487", iso[0].round(3), iso.mean().round(3), iso[-1].round(3), " SAE-J211-1", sae[:2].round(2), sae.mean().round(2), sae[-1])
 print("NaN with samples every 0.2 and 0.3 ms:", coarse)

@@ -202,7 +202,7 @@ fn ricochets_are_no_perforations() {
     let output = revolve(&[&words[..], &ricochets].concat());
     let message = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && message.contains("ricochet from 20 to 400"), "{message}");
-    let found = json(&[&words[..], &["--between", "100,900", "--over", "obliquity=30,70"]].concat());
+    let found = json(&[&words[..], &["--between", "300,900", "--over", "obliquity=30,70"]].concat());
     let limits = found["limits"].as_array().expect("limits");
     let ends = |limit: &Value| -> Vec<String> {
         let bands = limit["bands"].as_array().expect("bands");

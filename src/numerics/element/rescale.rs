@@ -3,6 +3,7 @@
 
 use super::elements::Elements;
 use super::mass_scaling::{AddedMass, ArrivedScaling, ScaledMasses, ScalingRequest, ScalingTarget, StepMassScaling};
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::topology::PerNode;
 use crate::state::Instant;
 use crate::state::dofs::Dofs;
@@ -80,7 +81,7 @@ impl Elements {
     /// [`Elements::unscaled_shares`].
     pub fn take_scaled_masses(&mut self, group: usize, element: usize, scaled: [f64; 4], [plain, fixed]: [f64; 2]) {
         let Some(masses) = &mut self.masses else { return };
-        let unscaled: PerNode<f64> = scaled.map(|mass| plain * mass).into();
+        let unscaled: PerNode<f64> = scaled.inline_map(|mass| plain * mass).into();
         let before = std::mem::replace(&mut masses.elements[group][element], unscaled);
         for ((n, before), now) in self.groups[group].nodes(element).into_iter().zip(before).zip(unscaled) {
             masses.nodes[n as usize] += now - before;

@@ -39,7 +39,8 @@ impl VolumeBalance {
 
     /// Returns the size of all lists in bytes.
     pub fn bytes(&self) -> usize {
-        [&self.potential, &self.residual, &self.direction, &self.image, &self.diagonal].map(heap_bytes).iter().sum()
+        let lists = [&self.potential, &self.residual, &self.direction, &self.image, &self.diagonal];
+        lists.into_iter().map(heap_bytes).sum()
     }
 
     /// Finds flows through `links` between elements that provide the `missing` volumes. Returns whether there are any.

@@ -1,4 +1,5 @@
 //! Tests of all hardening laws with all forms of rate dependence over random strain paths.
+#![allow(clippy::needless_range_loop)] // Lanes index several lists at once.
 
 use super::increment::{StrainIncrement, StressUpdate};
 use super::kinematic::KinematicHardening;

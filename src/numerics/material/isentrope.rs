@@ -27,7 +27,8 @@ pub(super) fn isentropic_work(
         let (middle, end) = (volume * libm::exp(half), volume * libm::exp(2.0 * half));
         let mean = pressure(middle, energy - (first + ambient) * (middle - volume));
         // NaN ends the isentrope, too.
-        if !(mean * start > 0.0) {
+        let goes_on = mean * start > 0.0;
+        if !goes_on {
             // Up to the volume without pressure the pressure is linear.
             let left = first / (first - mean) * (middle - volume);
             return work + if left.is_finite() { 0.5 * first * left } else { 0.0 };
