@@ -646,8 +646,7 @@ fn cohesive_elements_resume() {
     let viscous = text.replace(" 0.06,\n**material", " 0.06,\n*Damage Stabilization\n 0.02,\n**material");
     let viscous = viscous.replace("type=TRACTION\n 500., 400.", "type=COUPLED TRACTION\n 500., 400., 0., 100.");
     let delayed = assert_resumes("cohesive elements with viscosity", &viscous, Routines::none);
-    // The damage lags behind, so that less of the fracture energy is spent.
-    assert!(delayed.halt.is_none() && delayed.energy.damage < outcome.energy.damage, "{delayed:?}");
+    assert!(delayed.halt.is_none() && delayed.energy.damage > outcome.energy.damage, "{delayed:?}");
 }
 
 /// Bonds, damage and failure of cohesive surfaces are part of the state.
@@ -680,7 +679,8 @@ fn cohesive_surfaces_resume() {
     let viscous =
         text.replace("type=ENERGY\n 0.06,\n*Contact", "type=ENERGY\n 0.06,\n*Damage Stabilization\n 0.02,\n*Contact");
     let delayed = assert_resumes("cohesive surfaces with viscosity", &viscous, Routines::none);
-    assert!(delayed.halt.is_none() && delayed.energy.damage > outcome.energy.damage, "{delayed:?}");
+    // The damage lags behind, so that less of the fracture energy is spent.
+    assert!(delayed.halt.is_none() && delayed.energy.damage < outcome.energy.damage, "{delayed:?}");
 }
 
 #[test]
