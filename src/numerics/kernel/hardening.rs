@@ -161,11 +161,9 @@ impl YieldStress for FlowStress {
     }
 }
 
-/// Largest number of secants; three halve the bracket.
-const MOST_SECANTS: usize = 400;
-/// Size of a root relative to the initial bracket below which it counts as found: flow at a rate that is a high power of the
-/// overstress may be smaller than any number.
-const NEGLIGIBLE: f64 = 1e-40;
+/// Largest number of secants; three halve the bracket. Flow at a rate that is a high power of the overstress has a root as
+/// small as the smallest number.
+const MOST_SECANTS: usize = 4000;
 
 /// Returns the increment dp of plastic strain for which `trial - 3 G dp` equals the yield stress at `strain + dp` and
 /// `dp/dt`. The residual decreases with dp and has one root, which is found by bracketed secants. Returns NaN, which halts
@@ -209,9 +207,9 @@ pub(super) fn bracketed_root(
     // Secants through the last two points inside the bracket; bisection if two secants do not halve the bracket.
     let (mut before, mut at_before) = (low, at_low);
     let (mut x, mut value) = (high, at_high);
-    let (mut width, mut slow, negligible) = (high - low, 0, NEGLIGIBLE * high);
+    let (mut width, mut slow) = (high - low, 0);
     for _ in 0..MOST_SECANTS {
-        if value.abs() <= enough || high - low <= 1e-15 * high || high <= negligible || value.is_nan() {
+        if value.abs() <= enough || high - low <= 1e-15 * high || value.is_nan() {
             return x;
         }
         let secant = x - value * (x - before) / (value - at_before);
