@@ -109,7 +109,7 @@ pub struct ScaledMasses {
     /// Sum of the masses of the nodes without scaling, and the mass that scaling has added.
     pub(super) original: f64,
     pub(super) added: f64,
-    /// The part of it at linked nodes.
+    /// The part of the added mass at linked nodes.
     pub(super) added_to_links: f64,
 }
 
@@ -120,7 +120,7 @@ pub struct AddedMass {
     pub original: f64,
     /// All added mass.
     pub added: f64,
-    /// The part of it at nodes with equations or links.
+    /// The part of the added mass at nodes with equations or links.
     pub linked: f64,
 }
 

@@ -1,5 +1,5 @@
 //! Energy put in: the largest energy so far that the model had at the start, could release, or has received. No energy
-//! of the model can exceed it, however the terms of the balance are booked.
+//! of the model can exceed it, whatever the terms of the energy balance are.
 
 use crate::material::available::AvailableEnergy;
 use crate::state::archive::persist_struct;

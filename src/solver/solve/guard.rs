@@ -171,8 +171,8 @@ impl SolverRun<'_> {
         if passes || self.is_noise() { Ok(()) } else { Err(self.excess_halt()) }
     }
 
-    /// Checks the drift, the energy of contact and the terms of the energy at the end of an analysis that was too short for the limits, so that its
-    /// results are not used.
+    /// Checks the drift, the energy of contact and the terms of the energy at the end of an analysis that was too short for
+    /// the limits, so that its results are not used.
     /// In a very short analysis one increment above the limit is sufficient.
     ///
     /// # Errors
