@@ -679,7 +679,7 @@ fn cohesive_surfaces_resume() {
     let viscous =
         text.replace("type=ENERGY\n 0.06,\n*Contact", "type=ENERGY\n 0.06,\n*Damage Stabilization\n 0.02,\n*Contact");
     let delayed = assert_resumes("cohesive surfaces with viscosity", &viscous, Routines::none);
-    // The damage lags behind, so that less of the fracture energy is spent.
+    // The damage is delayed, so that less of the fracture energy is spent.
     assert!(delayed.halt.is_none() && delayed.energy.damage < outcome.energy.damage, "{delayed:?}");
 }
 

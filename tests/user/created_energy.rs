@@ -10,7 +10,7 @@ use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMat
 use crate::common;
 use crate::common::solid::grid;
 
-/// Linear elasticity, whose stress also grows at a rate of its own. Constants: bulk and shear modulus, rate.
+/// Linear elasticity, whose stress also grows at a constant rate. Constants: bulk and shear modulus, rate.
 struct GrowingStress;
 
 impl UserMaterial for GrowingStress {
@@ -98,7 +98,7 @@ impl Sink for States {
     }
 }
 
-/// A resumed run knows what was put in before, and how long the excess has lasted: it halts at the same increment with
+/// A resumed run keeps the energy put in before, and how long the excess has lasted: it halts at the same increment with
 /// the same message.
 #[test]
 fn resumed_runs_halt_at_the_same_increment() {

@@ -1,7 +1,7 @@
 //! Rough contact (no slip) with penalty springs.
 //!
 //! Goal: contact that prevents slip never creates energy, whatever the time increment.
-//! Source: conservation of energy. Tolerance: rounding for the kinetic energy, 0.1 % of it for the dissipated energy.
+//! Source: conservation of energy. Tolerance: rounding for the kinetic energy, 0.1 % of the kinetic energy for the dissipated energy.
 
 use crate::common::solid::{column, grid, material, run};
 

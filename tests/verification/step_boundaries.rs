@@ -431,7 +431,7 @@ fn release_of_a_stretched_bar_conserves_energy() {
         let complete = shown.rows.iter().filter(|row| row.0 < 12e-6);
         let drift = complete.map(|row| row.1[total].abs()).fold(0.0, f64::max);
         assert!(drift < 1e-4 * stored, "{rows}: ETOTAL {drift} of {stored}");
-        // The wave has passed 15 us of the 19.7 us of the bar; the energy behind it is kinetic.
+        // The wave has passed 15 us of the 19.7 us of the bar; the energy next to the free end is kinetic.
         let behind = 15e-6 * (200e9_f64 / 7800.0).sqrt() / length;
         assert!(
             (last[kinetic] / (behind * stored) - 1.0).abs() < 0.6 / rows as f64 + 0.01,

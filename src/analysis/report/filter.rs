@@ -59,7 +59,7 @@ impl CutoffFrequency {
         Ok(CLASS * class / second)
     }
 
-    /// Filters all columns. They are interpolated to equal intervals first. The means of these values are kept.
+    /// Filters all columns. They are interpolated to equal intervals first. The means of the interpolated values are kept.
     ///
     /// # Errors
     /// If the history is too short or has too few rows for the frequency, or if the unit of time of a class is unknown.

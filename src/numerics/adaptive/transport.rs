@@ -197,7 +197,7 @@ impl ElementTransport {
     }
 
     /// Moves a quantity of the elements, given before the motion, through the measured rings. [`EdgeFlux::mass`] is then
-    /// the part of it that passes. Equal fractions of masses and of another quantity move where both have the same ratio
+    /// the part of the quantity that passes. Equal fractions of masses and of another quantity move where both have the same ratio
     /// in all elements. Precedes [`Self::move_masses`].
     pub fn move_content(
         &mut self,

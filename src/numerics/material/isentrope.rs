@@ -62,7 +62,7 @@ mod tests {
 
     const AIR: IdealGas = IdealGas { gas_constant: 287.0, specific_heat: 717.5, ambient: 1e5, absolute_zero: 0.0 };
 
-    /// A gas in equilibrium with the ambient pressure does no work; one with twice the pressure, or half of it, does that
+    /// A gas in equilibrium with the ambient pressure does no work; one with twice the pressure or half the pressure does that
     /// of the isentrope p v^1.4 by quadrature.
     #[test]
     fn gas_does_the_work_of_its_isentrope() {

@@ -15,8 +15,8 @@ const ACCURACY: f64 = 1e-4;
 /// Largest number of passes.
 const MOST_PASSES: usize = 8;
 
-/// Returns the parts with small flows between adjacent new elements. A new outline is a chord of the old one: what lies
-/// outside it is in the other parts of its old element, and what it adds is empty. `volumes` are those of the material in
+/// Returns the parts with small flows between adjacent new elements. A new outline is a chord of the old one: volume
+/// outside the chord is in the other parts of its old element, and added volume is empty. `volumes` are those of the material in
 /// the old elements.
 pub fn balanced_parts(mut parts: Vec<CommonPart>, volumes: &[f64], new: &BodyMesh) -> Vec<CommonPart> {
     let sizes: Vec<f64> = new.quads.iter().map(|quad| quad::volume(new.corners(quad))).collect();

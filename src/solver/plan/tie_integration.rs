@@ -151,7 +151,7 @@ impl TiedPair<'_> {
             let ends = self.facets[1][f.facet].nodes;
             let is_neighbor = |g: &&FacingFacet| self.facets[1][g.facet].nodes.iter().any(|n| ends.contains(n));
             for g in facing[i + 1..].iter().filter(is_neighbor) {
-                // Equal distances from both lines, on equal and on opposite sides of them.
+                // Equal distances from both lines, on equal and on opposite sides of the two lines.
                 for sign in [1.0, -1.0] {
                     cuts.push((sign * g.apart[0] - f.apart[0]) / (f.apart[1] - sign * g.apart[1]));
                 }

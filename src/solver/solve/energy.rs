@@ -520,7 +520,7 @@ mod tests {
     }
 
     /// A gas or an explosive of 400 J drives a body: its internal energy is negative, the kinetic energy above that at
-    /// the start. Neither exceeds what was put in; of a metal, both do.
+    /// the start. Neither exceeds the energy put in; of a metal, both do.
     #[test]
     fn released_energy_is_no_excess() {
         let energies = EnergyTotals { kinetic: 480.0, internal: -380.0, ..EnergyTotals::default() };

@@ -24,7 +24,7 @@ impl SolverRun<'_> {
         list
     }
 
-    /// Finds the nodes that are released at the start of a step, of those with motions that were prescribed before.
+    /// Finds the nodes that are released at the start of a step: their motion was prescribed before.
     pub(super) fn find_released(&mut self, before: Vec<(usize, usize)>) {
         let now = self.prescribed_motions();
         self.released = before.into_iter().filter(|motion| now.binary_search(motion).is_err()).collect();

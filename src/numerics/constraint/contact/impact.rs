@@ -30,11 +30,14 @@ impl ContactConstraint {
     /// Limits the next increments by the surfaces that are about to touch after an increment of length `dt`; with 0, by all
     /// surfaces closer than the thickness of their elements.
     pub(super) fn limit_impacts(&mut self, dt: f64) {
-        let thinnest = self.pairs.iter().fold(f64::INFINITY, |thinnest, pair| thinnest.min(SOFT * pair.thickness));
-        let speed = |dof: &u32| self.motion.velocity[*dof as usize].abs();
-        let fastest = self.near.dofs.iter().map(speed).fold(0.0, f64::max);
+        let open = (0..self.pairs.len()).filter(|&at| !self.touched[at]);
+        let thinnest = open.fold(f64::INFINITY, |thinnest, at| thinnest.min(SOFT * self.pairs[at].thickness));
+        if thinnest == f64::INFINITY {
+            return;
+        }
         // Both surfaces may have components along r and z.
-        if fastest == 0.0 || 4.0 * AHEAD * dt * fastest <= LARGEST_COMPRESSION * thinnest && dt > 0.0 {
+        let slow = if dt > 0.0 { LARGEST_COMPRESSION * thinnest / (4.0 * AHEAD * dt) } else { 0.0 };
+        if !self.near.dofs.iter().any(|&dof| self.motion.velocity[dof as usize].abs() > slow) {
             return;
         }
         for at in 0..self.pairs.len() {
@@ -42,12 +45,9 @@ impl ContactConstraint {
         }
         for row in self.rows.rows.iter().filter(|row| !row.is_single_point && row.closest_point.is_none()) {
             let at = pair_of(&self.pairs, row.key);
-            if self.touched[at] {
-                continue;
+            if !self.touched[at] {
+                self.impact.add_if_near(self.approach_of(row), self.thickness_of(&self.pairs[at]), dt);
             }
-            let pair = &self.pairs[at];
-            let (approach, thickness) = (self.approach_of(row), self.thickness_of(pair));
-            self.impact.add_if_near(approach, thickness, (dt, self.pressures[row.key as usize][0]));
         }
         for at in 0..self.pairs.len() {
             if !self.touched[at] {
@@ -56,11 +56,12 @@ impl ContactConstraint {
         }
     }
 
-    /// Returns whether a pair is in contact. From then on new points of a surface that erodes or slides are no impact.
+    /// Returns whether surfaces of a pair press or hold each other. From then on new points of a surface that erodes or
+    /// slides are no impact.
     fn is_pressed(&self, at: usize) -> bool {
         let pair = &self.pairs[at];
         let first = pair.first_key as usize;
-        self.pressures[first..first + self.keys_of(pair) as usize].iter().any(|pressure| pressure[0] > 0.0)
+        self.pressures[first..first + self.keys_of(pair) as usize].iter().any(|pressure| pressure[0] != 0.0)
     }
 
     /// Returns the thickness that limits the increment of a pair.
@@ -77,7 +78,7 @@ impl ContactConstraint {
     /// Limits the next increments by the points that are about to touch an analytical surface: they have no rows before.
     fn limit_analytical_impacts(&mut self, at: usize, dt: f64) {
         let thickness = self.thickness_of(&self.pairs[at]);
-        let ContactConstraint { pairs, analyticals, curves, dofs_of, motion, places, pressures, impact, .. } = self;
+        let ContactConstraint { pairs, analyticals, curves, dofs_of, motion, places, impact, .. } = self;
         let (pair, own) = (&pairs[at], &curves[pairs[at].own]);
         let Some(analytical) = pair.analytical.map(|index| &analyticals[index]) else { return };
         let velocity_of = |point: u32, axis: usize| match dofs_of[point as usize][axis] {
@@ -86,7 +87,7 @@ impl ContactConstraint {
         };
         let (lift, carried) = (places[analytical.point as usize][1], velocity_of(analytical.point, 1));
         for &index in &own.exposed_points {
-            let (point, key) = (own.own[index as usize], pair.first_key + index);
+            let point = own.own[index as usize];
             let nearest = analytical.profile.nearest(places[point as usize], lift);
             if nearest.beyond {
                 continue;
@@ -94,7 +95,7 @@ impl ContactConstraint {
             let normal = analytical.profile.segments[nearest.segment].normal(places[point as usize], lift);
             let speed = -(normal[0] * velocity_of(point, 0) + normal[1] * (velocity_of(point, 1) - carried));
             let approach = [nearest.gap - analytical.lift[index as usize], speed];
-            impact.add_if_near(approach, thickness, (dt, pressures[key as usize][0]));
+            impact.add_if_near(approach, thickness, dt);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Limit of the time increment by the closing speed of surfaces that are about to touch.
 //!
-//! Contact stops a face within one increment. The elements behind it learn of this in the next one, and are until then
+//! Contact stops a face within one increment. The elements next to it follow in the next increment, and are until then
 //! compressed by the closing speed times the increment. If this is a large part of their thickness, as at closing speeds of
 //! the order of the wave speed, the pressure of a shock overshoots or the element collapses. Before surfaces touch, and until
 //! the shock has left the elements at the surface, the increment is at most a part of thickness over closing speed.
@@ -48,9 +48,9 @@ impl ImpactLimit {
     }
 
     /// Adds surfaces that are about to touch and have not been in contact; see `ContactConstraint::limit_impacts`.
-    pub(super) fn add_if_near(&mut self, [gap, speed]: [f64; 2], thickness: f64, (dt, pressure): (f64, f64)) {
+    pub(super) fn add_if_near(&mut self, [gap, speed]: [f64; 2], thickness: f64, dt: f64) {
         let near = if dt > 0.0 { AHEAD * speed * dt } else { thickness };
-        if pressure == 0.0 && speed > 0.0 && gap <= near && thickness < f64::INFINITY {
+        if speed > 0.0 && gap <= near && thickness < f64::INFINITY {
             self.add([gap, speed], thickness);
         }
     }
