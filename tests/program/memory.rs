@@ -117,6 +117,7 @@ fn nothing_allocates_inside_an_increment_of_elements() {
     for (name, mesh, material) in [
         ("CAX4R of a user material", mesh.clone(), OF_THE_USER),
         ("CAX6M", in_six_node_triangles(&mesh, [12, 24]), &plastic),
+        ("CAX6M of a user material", in_six_node_triangles(&mesh, [12, 24]), OF_THE_USER),
     ] {
         allocate_once_a_run(name, &(mesh + material));
     }

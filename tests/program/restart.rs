@@ -838,11 +838,31 @@ impl UserFields for SofteningMaterial {
 fn user_hardening_and_fields_resume() {
     let cards = "*Plastic, hardening=USER\n*User Defined Field\n*Depvar, delete=3\n 3,\n*Specific Heat\n 3.83e8,\n*Inelastic \
                  Heat Fraction\n 0.9,\n";
-    let text = bar(3, &steel(cards), 2e5, 5e-6, "").replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, adiabatic\n");
-    let outcome = assert_resumes("hardening", &text, || {
-        Routines::none().with_hardening(SofteningMaterial).with_fields(SofteningMaterial)
-    });
-    assert!(outcome.halt.is_none() && outcome.energy.plastic > 0.0, "{outcome:?}");
+    let text =
+        |n| bar(n, &steel(cards), 2e5, 5e-6, "").replace("*Dynamic, Explicit\n", "*Dynamic, Explicit, adiabatic\n");
+    for (elements, deck) in [("CAX4R", text(3)), ("CAX6M", in_six_node_triangles(&text(4), [4, 16]))] {
+        let outcome = assert_resumes(elements, &deck, || {
+            Routines::none().with_hardening(SofteningMaterial).with_fields(SofteningMaterial)
+        });
+        assert!(outcome.halt.is_none() && outcome.energy.plastic > 0.0 && outcome.deleted > 0, "{outcome:?}");
+    }
+}
+
+/// Neo-Hooke from the deformation gradient, and kinematic plasticity with tensors in state variables.
+#[test]
+fn user_material_of_six_node_triangles_resumes() {
+    if !common::fortran("restart of a user material of six-node triangles") {
+        return;
+    }
+    let compiled = compile(&[project("tests/user/corotational.f90")], false).expect("a library");
+    for (law, density, speed, time) in
+        [("2, 20., 400., 0., 0., 0.", 1e-9, 4e4, 1e-4), ("10, 8e4, 1.7e5, 400., 2000., 0.", 7.83e-9, 2e5, 5e-6)]
+    {
+        let cards = format!("*Density\n {density:e},\n*User Material, constants=6\n {law}\n*Depvar\n 5,\n");
+        let text = in_six_node_triangles(&bar(4, &bare(&cards), speed, time, ""), [4, 16]);
+        let outcome = assert_resumes(law, &text, || compiled.open().expect("routines"));
+        assert_eq!(outcome.halt, None, "{law}");
+    }
 }
 
 /// If a deformable body fails, the last frame is that of the last valid increment, as in a run that writes every

@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 use revolve::user::{LoadFailure, MaterialAnswer, MaterialCall, Routines, UserMaterial};
 
-use crate::common::solid::grid;
+use crate::common::solid::{grid, in_six_node_triangles};
 use crate::common::{self, RecordedOutput};
 use crate::material::{compiled, moving};
 
@@ -237,10 +237,10 @@ fn card(law: usize) -> String {
     format!("*User Material, constants=6\n {law}, {SHEAR}, {BULK}, {p}, {q}, {w}\n*Depvar\n 5,\n")
 }
 
-/// Returns a deck in which all nodes of a tube follow the path.
-fn path_deck(triangles: bool, material: &str) -> String {
+/// Returns a deck in which all nodes of a tube follow the path; `elements` is the element type.
+fn path_deck(elements: &str, material: &str) -> String {
     let place = |node: usize| [1.0 + (node % 3) as f64, (node / 3) as f64];
-    let mut deck = grid(2, 2, triangles, |i, j| place(i + 3 * j))
+    let mut deck = grid(2, 2, elements == "CAX3", |i, j| place(i + 3 * j))
         + "*Elset, elset=ONE\n 1,\n*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n"
         + material;
     for node in 1..=9 {
@@ -255,7 +255,12 @@ fn path_deck(triangles: bool, material: &str) -> String {
         }
         deck += "*Output, history, number interval=1\n*Element Output, elset=ONE\n S\n*End Step\n";
     }
-    deck
+    if elements == "CAX6M" { in_six_node_triangles(&deck, [2, 2]) } else { deck }
+}
+
+/// Returns a deck of [`moving`] with each kind of elements.
+fn both_kinds(deck: &str) -> [String; 2] {
+    [deck.to_owned(), in_six_node_triangles(deck, [2, 2])]
 }
 
 /// Returns the rows of stresses of a run, and asserts that it completes.
@@ -280,16 +285,19 @@ fn laws_of_subroutines_match_a_point_integrator() {
     let routines = compiled(include_str!("corotational.f90")).expect("it compiles");
     for law in 1..=LAWS {
         let expected = point_stresses(law);
-        for triangles in [false, true] {
-            let rows = stresses(&path_deck(triangles, &card(law)), &routines);
+        for elements in ["CAX4R", "CAX3", "CAX6M"] {
+            let rows = stresses(&path_deck(elements, &card(law)), &routines);
             for (part, expected) in expected.iter().enumerate() {
                 let time = (part + 1) as f64;
                 let (_, got) = rows.iter().find(|row| (row.0 - time).abs() < 1e-9).expect("a row");
                 let expected = [expected[0][0], expected[1][1], expected[2][2], expected[0][1]];
                 let scale = expected.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
                 let apart = (0..4).fold(0.0, |most: f64, k| most.max((got[k] - expected[k]).abs()));
-                println!("law {law}, part {part}: stress {scale:.1}, relative difference {:.1e}", apart / scale);
-                assert!(scale > 10.0 && apart < 1e-8 * scale, "law {law}, {time}: {got:?} {expected:?}");
+                println!(
+                    "law {law}, {elements}, part {part}: stress {scale:.1}, relative difference {:.1e}",
+                    apart / scale
+                );
+                assert!(scale > 10.0 && apart < 1e-8 * scale, "law {law}, {elements}, {time}: {got:?} {expected:?}");
             }
         }
     }
@@ -337,31 +345,33 @@ const RATE_FORM: &str = "*User Material, constants=1\n 0.,\n";
 /// rule has an error of the second order in the increment: 1e-6 with 1000 increments to a shear of 3.
 #[test]
 fn shear_of_a_hypoelastic_law_follows_the_green_naghdi_curve() {
-    let text = moving(|[r, _]| [0.0, 3.0 * r], RATE_FORM, " S\n");
-    let rows = stresses(&text, &Routines::none().with_material(Hypoelastic { jaumann: false }));
-    for (time, [rr, zz, hoop, rz]) in &rows[1..] {
-        let b = (1.5 * time).atan();
-        let (double, log) = (2.0 * b, b.cos().ln());
-        let shear = 2.0 * SHEAR * (double.cos() * (double - b.tan()) - 2.0 * double.sin() * log);
-        let normal = 4.0 * SHEAR * (double.cos() * log + b * double.sin() - b.sin().powi(2));
-        for (got, expected) in [(*rr, -normal), (*zz, normal), (*hoop, 0.0), (*rz, shear)] {
-            assert!((got - expected).abs() < 1e-5 * SHEAR, "{time}: {got} {expected}");
+    for text in both_kinds(&moving(|[r, _]| [0.0, 3.0 * r], RATE_FORM, " S\n")) {
+        let rows = stresses(&text, &Routines::none().with_material(Hypoelastic { jaumann: false }));
+        for (time, [rr, zz, hoop, rz]) in &rows[1..] {
+            let b = (1.5 * time).atan();
+            let (double, log) = (2.0 * b, b.cos().ln());
+            let shear = 2.0 * SHEAR * (double.cos() * (double - b.tan()) - 2.0 * double.sin() * log);
+            let normal = 4.0 * SHEAR * (double.cos() * log + b * double.sin() - b.sin().powi(2));
+            for (got, expected) in [(*rr, -normal), (*zz, normal), (*hoop, 0.0), (*rz, shear)] {
+                assert!((got - expected).abs() < 1e-5 * SHEAR, "{time}: {got} {expected}");
+            }
         }
+        // The Jaumann rate oscillates: G sin γ.
+        let rz = rows.last().expect("a row").1[3];
+        assert!((rz / SHEAR - 1.8178).abs() < 1e-4, "{rz}");
     }
-    // The Jaumann rate oscillates: G sin γ.
-    let rz = rows.last().expect("a row").1[3];
-    assert!((rz / SHEAR - 1.8178).abs() < 1e-4, "{rz}");
 }
 
 /// `relSpinInc` converts the stress to the Jaumann rate: G sin γ and G (1 - cos γ).
 #[test]
 fn relative_spin_gives_the_jaumann_rate() {
-    let text = moving(|[r, _]| [0.0, 3.0 * r], RATE_FORM, " S\n");
-    let rows = stresses(&text, &Routines::none().with_material(Hypoelastic { jaumann: true }));
-    for (time, [rr, zz, _, rz]) in &rows[1..] {
-        let (sine, cosine) = (3.0 * time).sin_cos();
-        for (got, expected) in [(*rr, cosine - 1.0), (*zz, 1.0 - cosine), (*rz, sine)] {
-            assert!((got / SHEAR - expected).abs() < 1e-5, "{time}: {got} {expected}");
+    for text in both_kinds(&moving(|[r, _]| [0.0, 3.0 * r], RATE_FORM, " S\n")) {
+        let rows = stresses(&text, &Routines::none().with_material(Hypoelastic { jaumann: true }));
+        for (time, [rr, zz, _, rz]) in &rows[1..] {
+            let (sine, cosine) = (3.0 * time).sin_cos();
+            for (got, expected) in [(*rr, cosine - 1.0), (*zz, 1.0 - cosine), (*rz, sine)] {
+                assert!((got / SHEAR - expected).abs() < 1e-5, "{time}: {got} {expected}");
+            }
         }
     }
 }
@@ -376,34 +386,36 @@ fn neo_hooke_matches_the_built_in_law_in_simple_shear() {
     }
     let routines = compiled(include_str!("corotational.f90")).expect("it compiles");
     let deck = |material: &str| moving(|[r, _]| [0.0, 3.0 * r], material, " S\n*Energy Output\n ALLIE\n");
-    let expected = stresses(&deck(NEO_HOOKE), &Routines::none());
-    for law in [1, 2] {
-        let got = stresses(&deck(&card(law)), &routines);
-        assert_eq!(expected.len(), got.len());
-        for ((time, a), (_, b)) in expected.iter().zip(&got) {
-            assert!((0..4).all(|k| (a[k] - b[k]).abs() < 1e-9 * SHEAR), "law {law}, {time}: {a:?} {b:?}");
+    for (kind, built_in) in both_kinds(&deck(NEO_HOOKE)).iter().enumerate() {
+        let expected = stresses(built_in, &Routines::none());
+        for law in [1, 2] {
+            let got = stresses(&both_kinds(&deck(&card(law)))[kind], &routines);
+            assert_eq!(expected.len(), got.len());
+            for ((time, a), (_, b)) in expected.iter().zip(&got) {
+                assert!((0..4).all(|k| (a[k] - b[k]).abs() < 1e-9 * SHEAR), "law {law}, {time}: {a:?} {b:?}");
+            }
         }
+        let [rr, zz, _, rz] = expected.last().expect("a row").1;
+        assert!((rz / SHEAR - 3.0).abs() < 1e-9 && ((zz - rr) / SHEAR - 9.0).abs() < 1e-9, "{rr} {zz} {rz}");
     }
-    let [rr, zz, _, rz] = expected.last().expect("a row").1;
-    assert!((rz / SHEAR - 3.0).abs() < 1e-9 && ((zz - rr) / SHEAR - 9.0).abs() < 1e-9, "{rr} {zz} {rz}");
 }
 
 /// A rubber block with a distorted mesh, whose outline is sheared and stretched. Where the mesh is smoothed, stress, state
 /// and deformation gradient move between elements. 1e-3 (5e-4): the inner nodes are free, and hourglass control differs.
 #[test]
-fn neo_hooke_matches_the_built_in_law_on_adaptive_meshes() {
+fn neo_hooke_matches_the_built_in_law_on_distorted_and_adaptive_meshes() {
     if !common::fortran("neo-Hooke on adaptive meshes") {
         return;
     }
     let routines = compiled(include_str!("corotational.f90")).expect("it compiles");
-    let deck = |material: &str, cards: &str, triangles: bool| {
+    let deck = |material: &str, cards: &str, elements: &str| {
         let warp = |i: usize, j: usize| {
             let is_inside = |k: usize| (1..6).contains(&k);
             let odd = if (i + j).is_multiple_of(2) { 0.15 } else { -0.15 };
             let odd = if is_inside(i) && is_inside(j) { odd } else { 0.0 };
             [1000.0 + i as f64 + odd, j as f64 - odd]
         };
-        let mut text = grid(6, 6, triangles, warp)
+        let mut text = grid(6, 6, elements == "CAX3", warp)
             + "*Elset, elset=ONE\n 15,\n*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 2.,\n"
             + material
             + "*Amplitude, name=A, definition=SMOOTH STEP\n 0., 0., 10., 1.\n*Nset, nset=FOOT, generate\n 1, 7, 1\n*Nset, nset=HEAD, generate\n 43, 49, 1\n";
@@ -417,20 +429,20 @@ fn neo_hooke_matches_the_built_in_law_on_adaptive_meshes() {
         for (set, height) in (1..6).map(|row| (format!("ROW{row}"), f64::from(row))).chain([("HEAD".to_owned(), 6.0)]) {
             write!(text, " {set}, 1, 1, {}\n {set}, 2, 2, {}\n", height, 0.2 * height).expect("text");
         }
-        text + "*Output, history, number interval=10\n*Element Output, elset=ONE\n S\n*End Step\n"
+        text += "*Output, history, number interval=10\n*Element Output, elset=ONE\n S\n*End Step\n";
+        if elements == "CAX6M" { in_six_node_triangles(&text, [6, 6]) } else { text }
     };
-    for (cards, triangles) in
-        ["", "*Adaptive Mesh, elset=SOLID, frequency=5\n"].iter().flat_map(|c| [(*c, false), (*c, true)])
-    {
-        let expected = stresses(&deck(NEO_HOOKE, cards, triangles), &Routines::none());
-        let got = stresses(&deck(&card(1), cards, triangles), &routines);
+    let adaptive = "*Adaptive Mesh, elset=SOLID, frequency=5\n";
+    for (cards, elements) in [("", "CAX4R"), ("", "CAX3"), ("", "CAX6M"), (adaptive, "CAX4R"), (adaptive, "CAX3")] {
+        let expected = stresses(&deck(NEO_HOOKE, cards, elements), &Routines::none());
+        let got = stresses(&deck(&card(1), cards, elements), &routines);
         let scale = expected.iter().flat_map(|row| row.1).fold(0.0, |most: f64, s| most.max(s.abs()));
         let apart = expected.iter().zip(&got).flat_map(|(a, b)| (0..4).map(move |k| (a.1[k] - b.1[k]).abs()));
         let apart = apart.fold(0.0, f64::max);
-        println!("{cards:?}, triangles {triangles}: stress {scale:.1}, relative difference {:.1e}", apart / scale);
+        println!("{cards:?}, {elements}: stress {scale:.1}, relative difference {:.1e}", apart / scale);
         assert!(
             expected.len() == got.len() && scale > 300.0 && apart < 1e-3 * scale,
-            "{cards:?}: {apart:e} of {scale:e}"
+            "{cards:?}, {elements}: {apart:e} of {scale:e}"
         );
     }
 }

@@ -8,9 +8,10 @@
 
 use revolve::user::{FieldAnswer, FieldCall, LengthCall, LoadFailure, Routines, UserFields, UserLengths};
 
-use crate::common::solid::grid;
+use crate::common::solid::{grid, in_six_node_triangles};
 use crate::common::{self, RecordedOutput};
 use crate::material::{compiled, moving};
+use crate::six_nodes::TripledLength;
 
 /// Returns the values of a column.
 fn column(text: &str, routines: &Routines, memory: &RecordedOutput, name: &str) -> Vec<f64> {
@@ -25,12 +26,12 @@ fn stretched(material: &str, outputs: &str) -> String {
 }
 
 /// Adds a field equal to the time at the given nodes.
-fn with_field(text: &str, cards: &str) -> String {
+pub fn with_field(text: &str, cards: &str) -> String {
     text.replace("*Step\n", "*Amplitude, name=RISE\n 0., 0., 1., 1.\n*Step\n")
         .replace("*Output, history", &format!("{cards}*Output, history"))
 }
 
-const MODULI: &str = "*Elastic, dependencies=1\n 1000., 0.3, , 0.\n 400., 0.2, , 0.5\n 800., 0.1, , 1.\n";
+pub const MODULI: &str = "*Elastic, dependencies=1\n 1000., 0.3, , 0.\n 400., 0.2, , 0.5\n 800., 0.1, , 1.\n";
 /// Returns the modulus of uniaxial strain from Young's modulus and Poisson's ratio of the table, linear between its
 /// rows.
 fn oedometric(field: f64) -> f64 {
@@ -237,7 +238,13 @@ fn doubled_characteristic_length_halves_the_damage_strain() {
     }
     let twice = sheared("*Characteristic Length, definition=USER, properties=1\n 2.,\n");
     let routines = compiled(TWICE).expect("it compiles");
-    for (text, routines, length) in [(&sheared(""), &Routines::none(), 1.0), (&twice, &routines, 2.0)] {
+    let (once, none) = (sheared(""), Routines::none());
+    let [six_once, six_twice] = [&once, &twice].map(|deck| in_six_node_triangles(deck, [2, 2]));
+    // Triangles of the area 2: half the root of the area.
+    let (half, tripled) = (0.5_f64.sqrt(), Routines::none().with_lengths(TripledLength::default()));
+    for (text, routines, length) in
+        [(&once, &none, 1.0), (&twice, &routines, 2.0), (&six_once, &none, half), (&six_twice, &tripled, 3.0 * half)]
+    {
         let (outcome, memory) = common::run(text, &[], routines);
         assert_eq!(outcome.halt, None);
         let rows = |name: &str| column(text, routines, &memory, &format!("{name}@ONE"));

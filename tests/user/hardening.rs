@@ -57,8 +57,8 @@ fn fortran_vuhard_matches_built_in_johnson_cook() {
 
 /// Linear hardening, multiplied by the first field variable if there is one, with optional slopes. Counts its calls in
 /// a state variable.
-struct LinearYieldStress {
-    slopes: bool,
+pub struct LinearYieldStress {
+    pub slopes: bool,
 }
 
 impl UserHardening for LinearYieldStress {
@@ -98,7 +98,7 @@ fn linear_user_hardening_matches_the_table() {
 }
 
 /// Returns a tube of 2 by 2 elements stretched along z at a rate of one length per time, without radial motion.
-fn pulled(material: &str, outputs: &str) -> String {
+pub fn pulled(material: &str, outputs: &str) -> String {
     crate::material::moving(|[_, z]| [0.0, z], material, outputs)
 }
 
@@ -109,12 +109,12 @@ fn column(text: &str, routines: &Routines, memory: &RecordedOutput, name: &str) 
     memory.rows.iter().map(|row| row.1[at]).collect()
 }
 
-const SOFT: &str = "*Elastic\n 1000., 0.3\n*Plastic, hardening=USER, properties=2\n 10., 5.\n";
+pub const SOFT: &str = "*Elastic\n 1000., 0.3\n*Plastic, hardening=USER, properties=2\n 10., 5.\n";
 
 /// User field that stores the values it receives, decreases with plastic strain, and deletes elements above a plastic
 /// strain.
-struct SofteningField {
-    limit: f64,
+pub struct SofteningField {
+    pub limit: f64,
 }
 
 impl UserFields for SofteningField {
@@ -204,7 +204,7 @@ fn initial_states_and_fields_reach_subroutines() {
 }
 
 /// User hardening with a selectable error.
-struct FaultyHardening(&'static str);
+pub struct FaultyHardening(pub &'static str);
 
 impl UserHardening for FaultyHardening {
     fn yield_stress(&mut self, call: &HardeningCall<'_>, answer: &mut HardeningAnswer<'_>) -> Result<(), LoadFailure> {

@@ -21,4 +21,5 @@ mod load;
 mod manners;
 mod material;
 mod memory;
+mod six_nodes;
 mod subroutines;

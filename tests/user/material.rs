@@ -131,8 +131,8 @@ fn example_deck_matches_the_built_in_example() {
 /// Elastic, with the stress computed from a strain in the state variables, which is correct only if they rotate with
 /// the material. The following state variables store the values received: deformation gradient, stretch, density,
 /// length. Fails if its strain exceeds a limit.
-struct StrainRecorder {
-    limit: f64,
+pub struct StrainRecorder {
+    pub limit: f64,
 }
 
 impl UserMaterial for StrainRecorder {
@@ -158,7 +158,8 @@ impl UserMaterial for StrainRecorder {
     }
 }
 
-const KEEPING: &str = "*User Material, constants=2\n 833.3333333333334, 384.6153846153846\n*Depvar, delete=16\n 16,\n";
+pub const KEEPING: &str =
+    "*User Material, constants=2\n 833.3333333333334, 384.6153846153846\n*Depvar, delete=16\n 16,\n";
 
 /// Returns a grid of 2 by 2 elements from r = 1 to 3, z = 0 to 2, with prescribed velocities at all nodes.
 pub fn moving(velocity: impl Fn([f64; 2]) -> [f64; 2], material: &str, outputs: &str) -> String {

@@ -273,7 +273,7 @@ fn threads_and_steps_change_no_bit() {
     }
 }
 
-/// Materials without a shear modulus, user subroutines, hourglass controls that the element does not have.
+/// Materials without a shear modulus, hourglass controls that the element does not have.
 #[test]
 fn unsupported_sections_are_errors_with_a_place() {
     let mesh = in_six_node_triangles(&grid(2, 2, false, |i, j| [1.0 + i as f64, j as f64]), [2, 2]);
@@ -281,7 +281,6 @@ fn unsupported_sections_are_errors_with_a_place() {
     let elastic = "*Elastic\n 1., 0.3\n*Section Controls, name=C";
     for (law, what) in [
         ("*Eos, type=USUP\n 1., 1., 0.\n*Section Controls, name=C\n", "without a shear modulus"),
-        ("*User Material, constants=1\n 1.,\n*Section Controls, name=C\n", "user subroutines"),
         (&format!("{elastic}, hourglass=ENHANCED\n"), "HOURGLASS"),
     ] {
         let head = "*Solid Section, elset=SOLID, material=M, controls=C\n*Material, name=M\n*Density\n 1.,\n";

@@ -26,8 +26,8 @@ pub(super) const TOPICS: &[HelpTopic] = &[
         text: "CAX6M: six-node axisymmetric triangle, modified, three integration points. Nodes: the corners counter-clockwise in\n\
                (r, z), then the midside nodes of 1-2, 2-3 and 3-1. Faces S1, S2 and S3 are these sides, each with two straight parts\n\
                that meet at the middle node. It has no volumetric locking and no hourglass modes (docs/theory/elements.md).\n\
-               Output is the mean of its integration points. Unsupported in *DYNAMIC TEMPERATURE-DISPLACEMENT and with user\n\
-               subroutines at integration points.\n",
+               Output is the mean of its integration points. User subroutines are called at each of them. Unsupported in\n\
+               *DYNAMIC TEMPERATURE-DISPLACEMENT.\n",
     },
     HelpTopic {
         words: &["RAX2"],

@@ -8,7 +8,9 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use crate::element::block::{CornerNodes, ElementBlock, LaneSums, StoredTask, TASK, TaskWorkspace, across, is_larger};
-use crate::element::calls::UserCallBuffers;
+use crate::element::calls::{
+    CallingBlock as _, QuadScratch, UserCallBuffers, persist_called_moduli, update_with_calls,
+};
 use crate::element::constants::{ElementConstants, damped};
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::{BlockRecord, ElementRecord};
@@ -25,7 +27,7 @@ use crate::material::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::mesh::corner_forces::{CornerForces, are_zero};
 use crate::routines::PointRoutines;
 use crate::state::Instant;
-use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use crate::state::archive::{Persist, persist_struct};
 use crate::state::halt::HaltReason;
 use crate::state::nodes::{Node, NodeAccelerations};
 use crate::variables::{Variable, VariableComponent};
@@ -271,8 +273,9 @@ pub trait InitialState {
     }
     /// Sets the specific energy, energy per mass.
     fn set_energy(&mut self, _element: usize, _energy: f64) {}
-    /// Sets the characteristic length, which is otherwise the square root of the section area.
-    fn set_length(&mut self, _element: usize, _length: f64) {}
+    /// Sets the characteristic length of an integration point, counted from 0, which is otherwise the square root of the
+    /// section area.
+    fn set_length(&mut self, _element: usize, _point: usize, _length: f64) {}
 }
 
 /// Interface for elements whose temperatures are prescribed or solved for.
@@ -333,9 +336,9 @@ pub trait UserCalls {
     /// The failure of the subroutine, or an inelastic response.
     fn probe(&mut self, nodes: &[Node], now: &Instant, user: PointRoutines<'_>) -> Result<(), HaltReason>;
     /// Returns the failure of the subroutine in the last update.
-    fn failure(&self) -> Option<HaltReason>;
+    fn failure(&mut self) -> Option<HaltReason>;
     /// Returns the largest bulk and shear modulus of all elements.
-    fn moduli(&self) -> [f64; 2];
+    fn moduli(&mut self) -> [f64; 2];
     /// Takes these moduli from the same group with another mesh.
     fn set_moduli(&mut self, moduli: [f64; 2]);
 }
@@ -392,7 +395,7 @@ pub struct QuadGroup<M: Material> {
     pub(super) blocks: Vec<ElementBlock<M::State>>,
     pub(super) tasks: Vec<StoredTask>,
     /// Buffers of user subroutines; `None` without user subroutines.
-    pub(super) calls: Option<Box<UserCallBuffers>>,
+    pub(super) calls: Option<Box<UserCallBuffers<QuadScratch>>>,
     pub(super) arch: Arch,
     /// Elements that [`GroupDeletion::newly_deleted`] has already listed.
     listed: Vec<bool>,
@@ -431,7 +434,7 @@ impl<M: Material> QuadGroup<M> {
         };
         let blocks: Vec<_> = elements.chunks(LANES).enumerate().map(fresh).collect();
         QuadGroup {
-            calls: material.calls().map(|calls| Box::new(UserCallBuffers::new(calls, &constants, elements.len()))),
+            calls: UserCallBuffers::new(&material, ElementBlock::<M::State>::POINTS, elements.len()),
             material: Arc::new(material),
             constants,
             count: elements.len(),
@@ -629,7 +632,7 @@ impl<M: Material> ElementGroup for QuadGroup<M> {
 
     fn update(&mut self, pass: ElementPass<'_>) -> GroupTotals {
         if M::CALLS {
-            return self.update_with_calls(pass);
+            return update_with_calls(self, pass);
         }
         let ElementPass { nodes, dt, before, now, threads, corners, tiles, dilation_correction, prefetches, .. } = pass;
         let pass = PassContext {
@@ -892,7 +895,7 @@ impl<M: Material> InitialState for QuadGroup<M> {
         self.set_value(element, PointValue::SpecificEnergy(energy));
     }
 
-    fn set_length(&mut self, element: usize, length: f64) {
+    fn set_length(&mut self, element: usize, _point: usize, length: f64) {
         self.set_value(element, PointValue::Length(length));
     }
 }
@@ -1112,13 +1115,6 @@ persist_struct!(QuadGroup<M> [M: Material] {
 } derived {
     material, constants, calls, count, arch
 } then persist_called_moduli);
-
-/// Saves the moduli of a user material, which are determined only at time zero.
-fn persist_called_moduli<M: Material>(quads: &mut QuadGroup<M>, archive: &mut StateArchive<'_>) {
-    if M::CALLS {
-        persist_fields!(archive; &mut quads.constants.bulk, &mut quads.constants.shear);
-    }
-}
 
 persist_struct!(GroupTotals { internal, plastic, damaged, viscous, artificial, rate, limiting, deformed });
 

@@ -149,8 +149,8 @@ pub fn create_group(
         SolidMaterial::Ogden(law) => shape.group(law),
         SolidMaterial::Foam(law) => shape.group(law),
         SolidMaterial::Point(law) => shape.group(law),
-        SolidMaterial::UserStress(law) => shape.quadrilaterals(law),
-        SolidMaterial::UserFlow(law) => shape.quadrilaterals(law),
+        SolidMaterial::UserStress(law) => shape.group(law),
+        SolidMaterial::UserFlow(law) => shape.group(law),
     }
 }
 

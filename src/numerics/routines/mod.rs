@@ -293,6 +293,8 @@ pub struct MaterialCall<'a> {
     pub dt: f64,
     /// Points (`nblock`).
     pub count: usize,
+    /// Number of the integration points in their elements, from 1 (entry 2 of `jblock`).
+    pub integration_point: usize,
     /// State variables of a point (`nstatev`).
     pub variables: usize,
     /// Constants of the material (`props`).
@@ -363,6 +365,8 @@ pub struct HardeningCall<'a> {
     pub dt: f64,
     /// Points (`nblock`).
     pub count: usize,
+    /// Number of the integration points in their elements, from 1 (`kIntPt`).
+    pub integration_point: usize,
     /// State variables of a point (`nstatev`).
     pub variables: usize,
     /// Field variables (`nfieldv`).
@@ -424,6 +428,8 @@ pub struct FieldCall<'a> {
     pub dt: f64,
     /// Points (`nblock`).
     pub count: usize,
+    /// Number of the integration points in their elements, from 1 (`kIntPt`).
+    pub integration_point: usize,
     /// State variables of a point (`nstatev`).
     pub variables: usize,
     /// Field variables (`nfieldv`).
@@ -471,11 +477,13 @@ pub struct LengthCall<'a> {
     pub dt: f64,
     /// Points (`nblock`).
     pub count: usize,
+    /// Number of the integration points in their elements, from 1 (`kIntPt`).
+    pub integration_point: usize,
     /// State variables of a point (`nstatev`).
     pub variables: usize,
     /// Field variables (`nfieldv`).
     pub fields: usize,
-    /// Corners of an element (`nnode`): 3 or 4; a triangle among quadrilaterals has its last node twice.
+    /// Nodes of an element (`nnode`): 3, 4, or 6 for CAX6M; a triangle among quadrilaterals has its last node twice.
     pub corners: usize,
     /// Constants (`props`).
     pub properties: &'a [f64],
@@ -483,7 +491,7 @@ pub struct LengthCall<'a> {
     pub elements: &'a [i32],
     /// `coordMp`: r, and then z, of each point.
     pub coordinates: &'a [f64],
-    /// `coordNode`: r of the first corner of each element, then of the second, and so on; then z.
+    /// `coordNode`: r of the first node of each element, then of the second, and so on; then z.
     pub nodes: &'a [f64],
     /// Field variables (`field`).
     pub field: &'a [f64],

@@ -76,7 +76,6 @@ impl Compiler<'_> {
         nodes: &[Node],
         mass: &mut [f64],
     ) -> Option<Box<dyn ElementGroup>> {
-        let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
         let material = &self.model.materials[section.material];
         let shear_viscosity = self.shear_viscosity(section, material)?;
         if let Some(constants) = &material.user.material
@@ -84,10 +83,6 @@ impl Compiler<'_> {
         {
             let law = Arc::clone(law);
             return self.law_group(section, (material, constants, law), (connectivity, nodes), mass);
-        }
-        if triangles && (calls_routines_at_points(material) || material.user.lengths.is_some()) {
-            self.refuse_six_nodes(section, "user subroutines at points (VUMAT, VUHARD, VUSDFLD, VUCHARLENGTH)");
-            return None;
         }
         if calls_routines_at_points(material) {
             if section.controls.by_area {

@@ -57,7 +57,7 @@ impl Compiler<'_> {
         let takes_lengths = material.user.material.is_some() || material.user.fields.is_some();
         self.require_length_routine(section, material, takes_lengths)?;
         connectivity.add_masses(nodes, density, mass);
-        let hourglass = self.hourglass(section, material, moduli)?;
+        let hourglass = self.control(section, material, moduli, connectivity)?;
         let bulk_viscosity = self.bulk_viscosity(false);
         // The moduli of a user material are computed from its first call.
         let user_stress = matches!(law, UserLaw::Stress(..));
@@ -66,7 +66,7 @@ impl Compiler<'_> {
             ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity: 0.0, by_area: false };
         let heating =
             if self.adiabatic() || self.conducts(section) { heating(material, density) } else { PlasticHeating::None };
-        self.user_rows(section, material, &law, (elements.len(), "CAX4R", &constants), &heating);
+        self.user_rows(section, material, &law, (elements.len(), connectivity.element_type(), &constants), &heating);
         let StateVariables { count, delete } = material.user.state;
         let (properties, flow) = match law {
             UserLaw::Stress(properties, _) => (properties.to_vec(), None),
@@ -88,12 +88,15 @@ impl Compiler<'_> {
             density,
         };
         let names = elements.iter().map(|&e| self.model.mesh.elements[e].name.to_string()).collect();
-        let corners = connectivity.quadrilaterals();
-        let triangles = corners.iter().all(|c| c[2] == c[3]);
+        let nodes_of_elements = match connectivity {
+            Connectivity::SixNodeTriangles(_) => 6,
+            Connectivity::Quadrilaterals(list) if list.iter().all(|c| c[2] == c[3]) => 3,
+            Connectivity::Quadrilaterals(_) => 4,
+        };
         let law = if description.flow.is_some() {
-            SolidMaterial::UserFlow(SubroutineMaterial { description, names, triangles })
+            SolidMaterial::UserFlow(SubroutineMaterial { description, names, nodes: nodes_of_elements })
         } else {
-            SolidMaterial::UserStress(SubroutineMaterial { description, names, triangles })
+            SolidMaterial::UserStress(SubroutineMaterial { description, names, nodes: nodes_of_elements })
         };
         let mut group = create_group(law, GroupOptions::new(constants, density), connectivity, nodes);
         if material.user.fields.is_some() {

@@ -204,7 +204,7 @@ subroutines! {
     vuhard: Vuhard(call: &HardeningCall<'_>, name: *const c_char, answer: &mut HardeningAnswer<'_>) [NAME] {
         nblock: Integer = &int(call.count),
         jElem: Integer = call.elements.as_ptr(),
-        kIntPt: Integer = &1,
+        kIntPt: Integer = &int(call.integration_point),
         kLayer: Integer = &1,
         kSecPt: Integer = &1,
         lAnneal: Integer = &0,
@@ -238,7 +238,7 @@ subroutines! {
         ndir: Integer = &3,
         nshr: Integer = &1,
         jElem: Integer = call.elements.as_ptr(),
-        kIntPt: Integer = &1,
+        kIntPt: Integer = &int(call.integration_point),
         kLayer: Integer = &1,
         kSecPt: Integer = &1,
         stepTime: Real = &call.now.step_time,
@@ -266,8 +266,8 @@ subroutines! {
         nstatev: Integer = &int(call.variables),
         kSecPt: Integer = &1,
         kLayer: Integer = &1,
-        kIntPt: Integer = &1,
-        jElType: Integer = [int(call.corners) - 1, 0, 0].as_ptr(),
+        kIntPt: Integer = &int(call.integration_point),
+        jElType: Integer = [if call.corners == 4 { 3 } else { 2 }, 0, 0].as_ptr(),
         jElem: Integer = call.elements.as_ptr(),
         totalTime: Real = &call.now.total_time,
         stepTime: Real = &call.now.step_time,
@@ -340,9 +340,11 @@ impl Default for MaterialArrays {
 }
 
 impl MaterialArrays {
-    /// Copies the number of points, the element numbers and the increment length of a call to the arrays.
+    /// Copies the number of points, the numbers of elements and integration points and the increment length of a call to
+    /// the arrays.
     pub fn set(&mut self, call: &MaterialCall<'_>) {
         self.block[0] = int(call.count);
+        (self.block[1], self.info[1]) = (int(call.integration_point), int(call.integration_point));
         self.block[4..4 + call.count].copy_from_slice(call.elements);
         self.info[6..6 + call.count].copy_from_slice(call.elements);
         self.dt[0] = call.dt;

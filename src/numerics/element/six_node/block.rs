@@ -21,6 +21,9 @@ pub struct TriangleBlock<S> {
     pub triangles: TriangleLanes,
     /// Integration points, each with its mass.
     pub points: [ElementBlock<S>; POINTS],
+    /// Operators of the elements in the initial configuration, to which the deformation gradients of user subroutines
+    /// refer; empty for other materials.
+    pub start: Vec<TriangleOperators>,
 }
 
 impl<S: Clone> TriangleBlock<S> {
@@ -56,7 +59,8 @@ impl<S: Clone> TriangleBlock<S> {
             block_of_points(material.initial_state(&start), volume.inline_map(|v| density * v))
         };
         let points = [point(0), point(1), point(2)];
-        TriangleBlock { triangles: TriangleLanes::new(inline_from_fn(element), density, nodes), points }
+        let start = if M::CALLS { operators.to_vec() } else { Vec::new() };
+        TriangleBlock { triangles: TriangleLanes::new(inline_from_fn(element), density, nodes), points, start }
     }
 
     /// Returns the mass of the element in a lane.
@@ -83,13 +87,10 @@ impl<S: Clone> TriangleBlock<S> {
         });
         for p in 0..POINTS {
             scratch.prepare(number, POINTS * at + p, increment.count - number * LANES);
+            self.measure_point(p, material, constants, increment, scratch, work);
             self.update_point(p, material, constants, increment, scratch, work);
         }
-        if M::FAILS {
-            self.delete_failed(material, constants, at, (scratch, work));
-        }
-        let stress = self.points.each_ref().inline_map(|point| point.stress);
-        self.triangles.assemble((constants, M::MODULI_VARY), increment, &stress, (scratch, work), corners);
+        self.assemble(material, constants, increment, at, (scratch, work), corners);
         let Some((lost, internal, viscous)) = before else { return };
         // The energy follows from the work of forces on the nodes (compatible.rs).
         let lost = self.triangles.work_of_end(lost, corners, increment, work);
@@ -108,18 +109,36 @@ impl<S: Clone> TriangleBlock<S> {
         }
     }
 
-    /// Updates the stress of a point to the end of an increment.
+    /// Deletes elements with a failed point, and computes the nodal forces. `scratch` is that of the last point.
     #[inline(always)]
-    fn update_point<M: Material<State = S>>(
+    pub fn assemble<M: Material<State = S>>(
+        &mut self,
+        material: &M,
+        constants: &ElementConstants,
+        increment: &TriangleIncrement<'_>,
+        at: usize,
+        (scratch, work): (&mut TaskWorkspace, &mut WorkArrays),
+        corners: &mut [BlockCornerForces],
+    ) {
+        if M::FAILS {
+            self.delete_failed(material, constants, at, (scratch, work));
+        }
+        let stress = self.points.each_ref().inline_map(|point| point.stress);
+        self.triangles.assemble((constants, M::MODULI_VARY), increment, &stress, (scratch, work), corners);
+    }
+
+    /// Computes the strain increment and the trial stress of a point.
+    #[inline(always)]
+    pub fn measure_point<M: Material<State = S>>(
         &mut self,
         p: usize,
         material: &M,
         constants: &ElementConstants,
         increment: &TriangleIncrement<'_>,
         scratch: &mut TaskWorkspace,
-        work: &mut WorkArrays,
+        work: &WorkArrays,
     ) {
-        let (dt, at) = (increment.dt, scratch.at);
+        let dt = increment.dt;
         let (point, deleted) = (&mut self.points[p], self.triangles.deleted);
         for l in (0..LANES).filter(|l| deleted[*l]) {
             scratch.mask(l);
@@ -142,8 +161,23 @@ impl<S: Clone> TriangleBlock<S> {
         if M::EQUATION_OF_STATE {
             scratch.strain.current_volume = work.points[p].current_volume;
             scratch.strain.mass = point.mass;
-            scratch.strain.viscous = scratch.task.controls[at].viscous;
+            scratch.strain.viscous = scratch.task.controls[scratch.at].viscous;
         }
+    }
+
+    /// Updates the stress of a point to the end of an increment.
+    #[inline(always)]
+    pub fn update_point<M: Material<State = S>>(
+        &mut self,
+        p: usize,
+        material: &M,
+        constants: &ElementConstants,
+        increment: &TriangleIncrement<'_>,
+        scratch: &mut TaskWorkspace,
+        work: &mut WorkArrays,
+    ) {
+        let (dt, at) = (increment.dt, scratch.at);
+        let (point, deleted) = (&mut self.points[p], self.triangles.deleted);
         point.update_stress(material, constants, scratch);
         // Materials that compute stress from the total deformation have set it again.
         for l in (0..LANES).filter(|l| deleted[*l]) {
@@ -186,7 +220,8 @@ impl<S: Clone> TriangleBlock<S> {
                 scratch.stress.internal[l] -= undone;
                 scratch.task.add_to_record(POINTS * at + p, l, [-undone, 0.0]);
                 let share = material.share(&point.state, l);
-                if share > 0.0 {
+                // User subroutines know what energy is stored.
+                if share > 0.0 && !M::CALLS {
                     let (mises, mean) = (mises(stress), (stress[0] + stress[1] + stress[2]) / 3.0);
                     let distortion = if constants.shear > 0.0 { mises * mises / (6.0 * constants.shear) } else { 0.0 };
                     let stored = (distortion + 0.5 * mean * mean / done.bulk[l]) / share;
@@ -225,4 +260,4 @@ fn moduli<M: Material>(constants: &ElementConstants, scratch: &TaskWorkspace) ->
     }
 }
 
-persist_struct!(TriangleBlock<S> [S: Persist] { triangles, points });
+persist_struct!(TriangleBlock<S> [S: Persist] { triangles, points } derived { start });

@@ -1,5 +1,6 @@
 //! A group of six-node triangles: its blocks, distributed over threads, and its implementation of the group interface.
 
+use std::cell::RefCell;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -7,13 +8,15 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::block::TriangleBlock;
+use super::calls::TriangleScratch;
 use super::triangles::{FORCE_BLOCKS, TriangleIncrement, WorkArrays, operators_at, places};
-use crate::element::block::{TASK, TaskWorkspace};
+use crate::element::block::{StoredTask, TASK, TaskWorkspace};
+use crate::element::calls::{CallingElements, CallingGroup, UserCallBuffers, persist_called_moduli, update_with_calls};
 use crate::element::constants::{ElementConstants, damped};
 use crate::element::group::{
-    ElementGroup, ElementPass, ElementStiffness, ElementTemperatures, EnergySource, ExpansionWork, GroupDeletion,
-    GroupExtensions, GroupProperties, GroupSettings, GroupTotals, InitialState, InterfaceElements, PARALLEL,
-    list_deleted, totals,
+    ElementFields, ElementGroup, ElementPass, ElementStiffness, ElementTemperatures, EnergySource, ExpansionWork,
+    GroupDeletion, GroupExtensions, GroupProperties, GroupSettings, GroupTotals, InitialState, InterfaceElements,
+    PARALLEL, UserCalls, list_deleted, totals,
 };
 use crate::element::quiescent::TaskQuiescence;
 use crate::element::record::BlockRecord;
@@ -24,7 +27,7 @@ use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::material::available::AvailableEnergy;
 use crate::material::{Material, PlasticFlow, PointValue};
 use crate::mesh::corner_forces::are_zero;
-use crate::state::archive::{Persist, StateArchive, persist_fields};
+use crate::state::archive::persist_struct;
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
 
@@ -34,7 +37,10 @@ pub struct SixNodeTriangles<M: Material> {
     constants: ElementConstants,
     count: usize,
     blocks: Vec<TriangleBlock<M::State>>,
-    tasks: Vec<TriangleTask>,
+    tasks: Vec<StoredTask>,
+    quiescence: Vec<TaskQuiescence>,
+    /// Buffers of user subroutines; `None` without user subroutines.
+    calls: Option<Box<UserCallBuffers<TriangleScratch>>>,
     arch: Arch,
     /// Elements whose deletion has been listed.
     listed: Vec<bool>,
@@ -43,12 +49,9 @@ pub struct SixNodeTriangles<M: Material> {
     cap: f64,
 }
 
-/// Scratch memory and quiescence of the blocks of one task.
-#[derive(Clone)]
-struct TriangleTask {
-    scratch: TaskWorkspace,
-    work: Box<WorkArrays>,
-    quiescence: TaskQuiescence,
+thread_local! {
+    /// Scratch memory of the tasks that a thread updates one after the other.
+    static SCRATCH: RefCell<(TaskWorkspace, WorkArrays)> = RefCell::default();
 }
 
 impl<M: Material> SixNodeTriangles<M> {
@@ -67,14 +70,10 @@ impl<M: Material> SixNodeTriangles<M> {
         let block = |(index, part): (usize, &[_])| TriangleBlock::new(&material, density, (index * LANES, part), nodes);
         let blocks: Vec<_> = elements.chunks(LANES).enumerate().map(block).collect();
         // The constants need no hourglass control: there are no hourglass modes.
-        let quiescence = TaskQuiescence::of_tasks(elements);
-        let tasks = blocks.chunks(TASK).zip(quiescence).map(|(part, quiescence)| TriangleTask {
-            scratch: TaskWorkspace::new(&constants, POINTS * part.len()),
-            work: Box::default(),
-            quiescence,
-        });
         SixNodeTriangles {
-            tasks: tasks.collect(),
+            tasks: blocks.chunks(TASK).map(|part| StoredTask::new(&constants, POINTS * part.len())).collect(),
+            quiescence: TaskQuiescence::of_tasks(elements),
+            calls: UserCallBuffers::new(&material, POINTS, elements.len()),
             constants,
             count: elements.len(),
             blocks,
@@ -108,7 +107,7 @@ impl<M: Material> SixNodeTriangles<M> {
     /// Returns a recorded value of a point of an element.
     fn followed(&self, element: usize, p: usize, part: VariableComponent) -> Option<f64> {
         let (task, at) = (&self.tasks[element / (TASK * LANES)], element / LANES % TASK);
-        task.scratch.task.records.get(POINTS * at + p)?.of(element % LANES).value(part)
+        task.task.records.get(POINTS * at + p)?.of(element % LANES).value(part)
     }
 
     /// Returns the operators of an element at the current positions.
@@ -124,7 +123,7 @@ impl<M: Material> SixNodeTriangles<M> {
     }
 
     fn wake(&mut self, element: usize) {
-        self.tasks[element / (TASK * LANES)].quiescence.quiescent = false;
+        self.quiescence[element / (TASK * LANES)].quiescent = false;
     }
 }
 
@@ -136,6 +135,8 @@ impl<M: Material> Clone for SixNodeTriangles<M> {
             count: self.count,
             blocks: self.blocks.clone(),
             tasks: self.tasks.clone(),
+            quiescence: self.quiescence.clone(),
+            calls: self.calls.clone(),
             arch: self.arch,
             listed: self.listed.clone(),
             erodible: self.erodible,
@@ -159,11 +160,13 @@ struct TaskPass<'a, M: Material> {
     index: usize,
     blocks: &'a mut [TriangleBlock<M::State>],
     corners: &'a mut [BlockCornerForces],
-    task: &'a mut TriangleTask,
+    stored: &'a mut StoredTask,
+    memory: &'a mut (TaskWorkspace, WorkArrays),
 }
 
-/// Number of a task, its blocks, corner forces and memory.
-type NumberedTask<'a, S> = (usize, ((&'a mut [TriangleBlock<S>], &'a mut [BlockCornerForces]), &'a mut TriangleTask));
+/// Number of a task, its blocks, corner forces and state.
+type NumberedTask<'a, S> =
+    (usize, ((&'a mut [TriangleBlock<S>], &'a mut [BlockCornerForces]), (&'a mut StoredTask, &'a mut TaskQuiescence)));
 
 impl<M: Material> NullaryFnOnce for TaskPass<'_, M> {
     type Output = ();
@@ -171,12 +174,16 @@ impl<M: Material> NullaryFnOnce for TaskPass<'_, M> {
     /// Updates the blocks of the task. It is inlined into a function compiled for the selected instruction set.
     #[inline(always)]
     fn call(self) {
-        let TaskPass { material, constants, increment, cap, index, blocks, corners, task } = self;
-        task.scratch.begin(increment.arch, cap, increment.dt, constants);
+        let TaskPass { material, constants, increment, cap, index, blocks, corners, stored, memory } = self;
+        let (scratch, work) = memory;
+        stored.exchange(scratch);
+        scratch.begin(increment.arch, cap, increment.dt, constants);
         for (at, (block, corners)) in blocks.iter_mut().zip(corners.chunks_mut(FORCE_BLOCKS)).enumerate() {
-            let (place, memory) = ((index * TASK + at, at), (&mut task.scratch, &mut *task.work));
-            block.update(material, constants, increment, place, memory, corners);
+            let place = (index * TASK + at, at);
+            block.update(material, constants, increment, place, (&mut *scratch, &mut *work), corners);
         }
+        stored.exchange(scratch);
+        stored.set_sums(scratch);
     }
 }
 
@@ -208,7 +215,7 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
             deletable: self.material.can_delete() || self.erodible,
             damped: self.constants.damps(),
             holds_pressure: Self::HOLDS_PRESSURE,
-            fields: 0,
+            fields: self.material.calls().map_or(0, |calls| calls.fields()),
             tiles: false,
         }
     }
@@ -224,35 +231,38 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
     }
 
     fn update(&mut self, pass: ElementPass<'_>) -> GroupTotals {
+        if M::CALLS {
+            return update_with_calls(self, pass);
+        }
         let ElementPass { nodes, dt, before, now, threads, corners, .. } = pass;
         let (arch, count, cap) = (self.arch, self.count, self.cap);
         let increment = &TriangleIncrement { nodes, dt, before, time: now.total_time, arch, count };
         let (material, constants) = (&*self.material, &self.constants);
-        let run = |(index, ((blocks, corners), task)): NumberedTask<'_, M::State>| {
-            if task.quiescence.quiescent && task.quiescence.is_still(nodes) {
+        let run = |(index, ((blocks, corners), (stored, resting))): NumberedTask<'_, M::State>| {
+            if resting.quiescent && resting.is_still(nodes) {
                 return;
             }
-            let pass = TaskPass { material, constants, increment, cap, index, blocks, corners, task };
-            dispatch_outlined(arch, pass);
+            SCRATCH.with_borrow_mut(|memory| {
+                let (blocks, corners) = (&mut *blocks, &mut *corners);
+                let pass = TaskPass { material, constants, increment, cap, index, blocks, corners, stored, memory };
+                dispatch_outlined(arch, pass);
+            });
             let idle = |list: &[f64]| list.iter().all(|x| *x == 0.0);
-            task.quiescence.quiescent = dt == 0.0
+            resting.quiescent = dt == 0.0
                 && !M::MODULI_VARY
                 && are_zero(corners)
                 && blocks.iter().flat_map(|p| &p.points).all(|p| idle(p.stress.as_flattened()))
-                && task.quiescence.is_still(nodes);
+                && resting.is_still(nodes);
         };
+        let SixNodeTriangles { blocks, tasks, quiescence, .. } = self;
         if threads && count >= PARALLEL {
-            let parts = self.blocks.par_chunks_mut(TASK).zip(corners.par_chunks_mut(TASK * FORCE_BLOCKS));
-            parts.zip(&mut self.tasks).enumerate().for_each(run);
+            let parts = blocks.par_chunks_mut(TASK).zip(corners.par_chunks_mut(TASK * FORCE_BLOCKS));
+            parts.zip(tasks.par_iter_mut().zip(quiescence)).enumerate().for_each(run);
         } else {
-            let parts = self.blocks.chunks_mut(TASK).zip(corners.chunks_mut(TASK * FORCE_BLOCKS));
-            parts.zip(&mut self.tasks).enumerate().for_each(run);
+            let parts = blocks.chunks_mut(TASK).zip(corners.chunks_mut(TASK * FORCE_BLOCKS));
+            parts.zip(tasks.iter_mut().zip(quiescence)).enumerate().for_each(run);
         }
-        let ElementConstants { bulk, shear, bulk_viscosity: BulkViscosity { linear, .. }, .. } = self.constants;
-        let still = self.cap * damped(linear * (bulk + 4.0 / 3.0 * shear) / bulk);
-        totals(self.tasks.iter().map(|task| task.scratch.parts()), |task| {
-            if self.tasks[task].quiescence.quiescent { still } else { f64::INFINITY }
-        })
+        self.totals()
     }
 
     fn value(&self, element: usize, part: VariableComponent) -> Option<f64> {
@@ -316,15 +326,19 @@ impl<M: Material> ElementGroup for SixNodeTriangles<M> {
     }
 
     fn is_quiescent(&self, task: usize) -> bool {
-        self.tasks[task].quiescence.quiescent
+        self.quiescence[task].quiescent
     }
 
     fn bytes(&self) -> usize {
-        let of = |task: &TriangleTask| task.scratch.task.bytes() + size_of::<WorkArrays>() + task.quiescence.bytes();
-        size_of_val(&*self.blocks)
-            + size_of_val(&*self.tasks)
-            + self.tasks.iter().map(of).sum::<usize>()
-            + self.listed.capacity()
+        let tasks: usize = self.tasks.iter().map(|stored| stored.task.bytes()).sum();
+        let quiescence: usize = self.quiescence.iter().map(TaskQuiescence::bytes).sum();
+        let points = self.blocks.iter().flat_map(|block| &block.points);
+        let states: usize = points.map(|point| self.material.bytes(&point.state)).sum();
+        let start: usize = self.blocks.iter().map(|block| size_of_val(&*block.start)).sum();
+        let calls = self.calls.as_ref().map_or(0, |calls| calls.bytes());
+        let names = self.material.calls().map_or(0, |calls| calls.bytes());
+        let arrays = size_of_val(&*self.blocks) + size_of_val(&*self.tasks) + self.listed.capacity();
+        arrays + tasks + quiescence + states + start + calls + names
     }
 
     fn copy(&self) -> Box<dyn ElementGroup> {
@@ -352,6 +366,45 @@ impl<M: Material> GroupExtensions for SixNodeTriangles<M> {
     fn temperatures(&mut self) -> Option<&mut dyn ElementTemperatures> {
         Some(self)
     }
+
+    fn fields(&mut self) -> Option<&mut dyn ElementFields> {
+        if M::CALLS { Some(self) } else { None }
+    }
+
+    fn user(&mut self) -> Option<&mut dyn UserCalls> {
+        if M::CALLS { Some(self) } else { None }
+    }
+}
+
+impl<M: Material> CallingGroup for SixNodeTriangles<M> {
+    type Material = M;
+    type Block = TriangleBlock<M::State>;
+
+    fn elements(&mut self) -> CallingElements<'_, M, TriangleBlock<M::State>> {
+        let SixNodeTriangles { material, constants, count, blocks, tasks, calls, arch, cap, .. } = self;
+        let (calls, count, arch, cap) = (calls.as_deref_mut(), *count, *arch, *cap);
+        CallingElements { material: &**material, constants, count, blocks, tasks, calls, arch, cap }
+    }
+
+    fn totals(&self) -> GroupTotals {
+        let ElementConstants { bulk, shear, bulk_viscosity: BulkViscosity { linear, .. }, .. } = self.constants;
+        let still = self.cap * damped(linear * (bulk + 4.0 / 3.0 * shear) / bulk);
+        totals(self.tasks.iter().map(StoredTask::parts), |task| {
+            if self.quiescence[task].quiescent { still } else { f64::INFINITY }
+        })
+    }
+}
+
+impl<M: Material> ElementFields for SixNodeTriangles<M> {
+    fn set_field(&mut self, element: usize, variable: usize, value: f64) {
+        self.set_value(element, PointValue::Field(variable, value));
+    }
+
+    fn set_fields(&mut self, variable: usize, values: &[f64]) {
+        for (element, value) in values.iter().enumerate() {
+            self.set_value(element, PointValue::NodalField(variable, *value));
+        }
+    }
 }
 
 impl<M: Material> GroupSettings for SixNodeTriangles<M> {
@@ -371,8 +424,8 @@ impl<M: Material> GroupSettings for SixNodeTriangles<M> {
     }
 
     fn follow(&mut self) {
-        for (task, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
-            task.scratch.task.records = vec![BlockRecord::default(); POINTS * blocks.len()];
+        for (stored, blocks) in self.tasks.iter_mut().zip(self.blocks.chunks(TASK)) {
+            stored.task.records = vec![BlockRecord::default(); POINTS * blocks.len()];
         }
     }
 
@@ -405,7 +458,7 @@ impl<M: Material> GroupDeletion for SixNodeTriangles<M> {
     }
 
     fn newly_deleted(&mut self, deleted: &mut Vec<ElementNodes>) {
-        if !M::FAILS || self.tasks.iter().all(|task| task.scratch.stress.deleted == 0) {
+        if !M::FAILS || self.tasks.iter().all(|stored| stored.deleted == 0) {
             return;
         }
         let mut listed = std::mem::take(&mut self.listed);
@@ -442,8 +495,9 @@ impl<M: Material> InitialState for SixNodeTriangles<M> {
         self.set_value(element, PointValue::SpecificEnergy(energy));
     }
 
-    fn set_length(&mut self, element: usize, length: f64) {
-        self.set_value(element, PointValue::Length(length));
+    fn set_length(&mut self, element: usize, point: usize, length: f64) {
+        let state = &mut self.blocks[element / LANES].points[point].state;
+        self.material.set(state, element % LANES, PointValue::Length(length));
     }
 }
 
@@ -460,7 +514,7 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
         }
     }
 
-    /// Subtracts the thermal strain as a pressure, as for quadrilaterals.
+    /// Subtracts the thermal strain as for quadrilaterals.
     fn expand(&mut self, strains: &[f64], nodes: &[Node], dt: f64) -> ExpansionWork {
         let mut work = ExpansionWork::default();
         for (e, strain) in strains.iter().enumerate().filter(|s| *s.1 != 0.0) {
@@ -468,6 +522,7 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
                 continue;
             }
             self.wake(e);
+            let is_subtracted_later = self.set_value(e, PointValue::ThermalStrain(*strain));
             let (bulk, material) = (self.constants.bulk, Arc::clone(&self.material));
             let (block, lane) = self.block_mut(e);
             let own = block.triangles.element(lane).inline_map(|n| nodes[n as usize]);
@@ -478,6 +533,9 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
                 let pressure = material.share(&point.state, lane) * 3.0 * bulk * strain;
                 let sum = (point.stress[0][lane] + point.stress[1][lane]) + point.stress[2][lane];
                 work.supplied -= 2.0 * PI * g.volume[p] * strain * (sum - 1.5 * pressure);
+                if is_subtracted_later {
+                    continue;
+                }
                 point.stress[..3].iter_mut().for_each(|list| list[lane] -= pressure);
                 let [rr, zz, hoop, ..] = g.gradients(p, &v_r, &v_z);
                 done[p] = PI * pressure * dt * (rr + zz + hoop);
@@ -485,24 +543,15 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
             for (p, done) in done.into_iter().enumerate() {
                 work.omitted += done;
                 let (task, at) = (&mut self.tasks[e / (TASK * LANES)], e / LANES % TASK);
-                task.scratch.task.add_to_record(POINTS * at + p, lane, [done, 0.0]);
+                task.task.add_to_record(POINTS * at + p, lane, [done, 0.0]);
             }
         }
         work
     }
 }
 
-impl<M: Material> Persist for SixNodeTriangles<M> {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let SixNodeTriangles { material: _, constants: _, count: _, blocks, tasks, arch: _, listed, erodible: _, cap } =
-            self;
-        persist_fields!(archive; cap, blocks.as_mut_slice(), tasks.as_mut_slice(), listed.as_mut_slice());
-    }
-}
-
-impl Persist for TriangleTask {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let TriangleTask { scratch, work: _, quiescence } = self;
-        persist_fields!(archive; scratch, quiescence);
-    }
-}
+persist_struct!(SixNodeTriangles<M> [M: Material] {
+    cap, blocks: fixed, tasks: fixed, listed: fixed, quiescence: fixed
+} derived {
+    material, constants, calls, count, arch, erodible
+} then persist_called_moduli);

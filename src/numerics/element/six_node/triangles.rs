@@ -75,6 +75,25 @@ pub struct WorkArrays {
     pub points: [PointIncrement; POINTS],
 }
 
+impl WorkArrays {
+    /// Returns the positions of the nodes of a lane.
+    pub fn places(&self, l: usize) -> [[f64; 2]; NODES] {
+        inline_from_fn(|n| [self.motion[l].r[n], self.motion[l].z[n]])
+    }
+
+    /// Returns the deformation gradients (rr, zz, hoop, rz, zr) of a point of each lane since the configuration with
+    /// these operators.
+    pub fn deformation(&self, p: usize, start: &[TriangleOperators]) -> [Lanes; 5] {
+        let mut gradients = [[0.0; LANES]; 5];
+        for (l, (g, TriangleMotion { r, z, .. })) in start.iter().zip(&self.motion).enumerate() {
+            for (list, sum) in gradients.iter_mut().zip(g.gradients(p, r, z)) {
+                list[l] = sum / g.volume[p];
+            }
+        }
+        gradients
+    }
+}
+
 /// Input of an increment that all blocks of a group share.
 pub struct TriangleIncrement<'a> {
     pub nodes: &'a [Node],

@@ -291,6 +291,7 @@ impl PointArguments {
             now: *context.now,
             dt: context.dt,
             count: n,
+            integration_point: self.integration_point,
             variables: m,
             fields: f,
             properties,

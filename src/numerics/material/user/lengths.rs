@@ -1,39 +1,48 @@
 //! Characteristic lengths, and the element geometry passed to VUCHARLENGTH.
 
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad::section;
+use crate::kernel::topology::PerNode;
 use crate::routines::LoadFailure;
 
-/// Positions of elements and their corners, as arguments of a subroutine.
+/// Positions of the nodes of elements, as arguments of a subroutine.
 #[derive(Clone, Debug)]
 pub struct ShownElements {
-    /// Corners per element: 3 if all are triangles, else 4.
-    pub corners: usize,
-    /// Centres of the elements (`coordMp`).
-    pub middles: Vec<f64>,
-    /// Corner positions (`coordNode`).
+    /// Nodes per element: 6, 3 if all elements have three nodes, else 4.
+    pub nodes: usize,
+    /// Positions of the nodes (`coordNode`).
     pub places: Vec<f64>,
 }
 
 impl ShownElements {
-    /// Allocates the arrays for `count` elements with `corners` corners each.
-    pub fn new(count: usize, corners: usize) -> Self {
-        let places = vec![0.0; 2 * corners * count];
-        ShownElements { corners, middles: vec![0.0; 2 * count], places }
+    /// Allocates the positions for `count` elements with so many nodes each.
+    pub fn new(count: usize, nodes: usize) -> Self {
+        ShownElements { nodes, places: vec![0.0; 2 * nodes * count] }
     }
 
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.middles) + size_of_val(&*self.places)
+        size_of_val(&*self.places)
     }
 
-    pub fn set(&mut self, element: usize, r: [f64; 4], z: [f64; 4]) {
-        let count = self.middles.len() / 2;
-        for (axis, x) in [r, z].into_iter().enumerate() {
-            for (corner, x) in x.into_iter().take(self.corners).enumerate() {
-                self.places[(axis * self.corners + corner) * count + element] = x;
+    /// Sets the nodes of an element, given in the order of its topology.
+    pub fn set(&mut self, element: usize, around: &PerNode<[f64; 2]>) {
+        let count = self.places.len() / (2 * self.nodes);
+        for i in 0..self.nodes {
+            // The deck gives the corners of a six-node triangle before the middle nodes.
+            let place = around[if self.nodes == 6 { 2 * i % 6 + i / 3 } else { i }];
+            for (axis, x) in place.into_iter().enumerate() {
+                self.places[(axis * self.nodes + i) * count + element] = x;
             }
-            self.middles[axis * count + element] = 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
         }
     }
+}
+
+/// Returns the mean of the corners `[r, z]` of an element; the last two corners of a triangle coincide.
+pub fn middle(r: [f64; 4], z: [f64; 4]) -> [f64; 2] {
+    if r[2] == r[3] && z[2] == z[3] {
+        return [r, z].inline_map(|x| (x[0] + x[1] + x[2]) * (1.0 / 3.0));
+    }
+    [r, z].inline_map(|x| 0.25 * ((x[0] + x[1]) + (x[2] + x[3])))
 }
 
 /// Returns the default characteristic length: the square root of the element's area in the (r, z) plane.

@@ -13,6 +13,7 @@ use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, dot, inline_from_fn}
 use crate::kernel::quad::{CornerGradient, gradient};
 use crate::kernel::rotation::{polar_decomposition, rotate, rotation_of_spin};
 use crate::kernel::stress::mises;
+use crate::kernel::topology::PerNode;
 use crate::material::carried::{ArrivedElement, carried_state};
 use crate::platform::PortableMath as _;
 use crate::routines::{LoadFailure, MAX_MATERIAL_BLOCK, PointRoutines};
@@ -34,7 +35,8 @@ pub struct SubroutineMaterial<const FLOWS: bool> {
     pub description: UserMaterialData,
     /// Names of the elements, for messages.
     pub names: Vec<String>,
-    pub triangles: bool,
+    /// Number of nodes of an element that VUCHARLENGTH receives.
+    pub nodes: usize,
 }
 
 /// State of a block. Tensors have the components rr, zz, hoop, rz in the rotated axes of [`SubroutineMaterial`].
@@ -94,8 +96,12 @@ pub struct BlockKinematics<'a> {
     pub spin: Lanes,
     /// Volumes in the middle of the increment; 0 for lanes without element.
     pub volume: Lanes,
-    /// Returns the corners `[r, z]` of a lane.
+    /// Deformation gradients (rr, zz, hoop, rz, zr); `None` if they follow from the corners.
+    pub gradient: Option<&'a [Lanes; 5]>,
+    /// Returns the corners `[r, z]` of a lane: of the element, or of its part around an integration point.
     pub corners: &'a dyn Fn(usize) -> [[f64; 4]; 2],
+    /// Returns the nodes of the element of a lane, in the order of its topology.
+    pub nodes: &'a dyn Fn(usize) -> PerNode<[f64; 2]>,
 }
 
 /// Instant and increment length, as arguments of a call.
@@ -108,8 +114,9 @@ pub struct CallTime<'a> {
 
 /// Materials with calls of user subroutines between the kinematics and the stresses of their elements.
 pub trait PointCalls<S>: Send + Sync {
-    /// Creates the arguments of a call for `count` points.
-    fn arguments(&self, count: usize) -> PointArguments;
+    /// Creates the arguments of a call for `count` points, which are the integration points of this number, from 1, of
+    /// their elements.
+    fn arguments(&self, count: usize, integration_point: usize) -> PointArguments;
 
     /// Creates the work arrays of the calls.
     fn scratch(&self) -> ReturnScratch;
@@ -334,24 +341,31 @@ impl<const FLOWS: bool> SubroutineMaterial<FLOWS> {
 }
 
 impl UserState {
-    /// Updates the geometry of a lane with an element; returns its corners.
-    fn take_geometry(&mut self, l: usize, kinematics: &BlockKinematics<'_>) -> [[f64; 4]; 2] {
+    /// Updates the geometry of a lane with an element.
+    fn take_geometry(&mut self, l: usize, kinematics: &BlockKinematics<'_>) {
         let [r, z] = (kinematics.corners)(l);
-        let start = self.transported.as_ref().map_or(&self.start[l], |reference| &reference.start[l]);
-        let per = 1.0 / start.volume;
-        let CornerGradient { r: by_r, z: by_z, hoop, .. } = *start;
-        let mut gradient =
-            [dot(by_r, r), dot(by_z, z), dot(hoop, r), dot(by_z, r), dot(by_r, z)].inline_map(|x| per * x);
-        if let Some(reference) = &self.transported {
-            gradient = product(gradient, reference.gradient.inline_map(|list| list[l]));
-        }
-        let mean = |x: [f64; 4]| 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
-        let place = [mean(r), mean(z), lengths::by_default(r, z), self.mass[l] / kinematics.volume[l]];
+        let gradient = match kinematics.gradient {
+            Some(gradient) => gradient.inline_map(|list| list[l]),
+            None => self.gradient_of_corners(l, r, z),
+        };
+        let [centre_r, centre_z] = lengths::middle(r, z);
+        let place = [centre_r, centre_z, lengths::by_default(r, z), self.mass[l] / kinematics.volume[l]];
         self.place.iter_mut().zip(place).for_each(|(list, value)| list[l] = value);
         self.gradient.iter_mut().zip(gradient).for_each(|(list, value)| list[l] = value);
         let (stretch, _) = polar_decomposition(gradient);
         self.stretch.iter_mut().zip(stretch).for_each(|(list, value)| list[l] = value);
-        [r, z]
+    }
+
+    /// Returns the deformation gradient of a lane from the corners of its element.
+    fn gradient_of_corners(&self, l: usize, r: [f64; 4], z: [f64; 4]) -> [f64; 5] {
+        let start = self.transported.as_ref().map_or(&self.start[l], |reference| &reference.start[l]);
+        let per = 1.0 / start.volume;
+        let CornerGradient { r: by_r, z: by_z, hoop, .. } = *start;
+        let gradient = [dot(by_r, r), dot(by_z, z), dot(hoop, r), dot(by_z, r), dot(by_r, z)].inline_map(|x| per * x);
+        match &self.transported {
+            Some(reference) => product(gradient, reference.gradient.inline_map(|list| list[l])),
+            None => gradient,
+        }
     }
 
     /// Makes the configuration of a transported element that to which its deformation refers, and finds its stress in its
@@ -462,8 +476,8 @@ fn take(list: &[f64], (count, first): (usize, usize), lanes: &mut [Lanes]) {
 }
 
 impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
-    fn arguments(&self, count: usize) -> PointArguments {
-        PointArguments::new(&self.description, count, self.triangles)
+    fn arguments(&self, count: usize, integration_point: usize) -> PointArguments {
+        PointArguments::new(&self.description, (count, integration_point), self.nodes)
     }
 
     fn scratch(&self) -> ReturnScratch {
@@ -488,8 +502,8 @@ impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
             // A lane whose element was deleted by another criterion (`*EROSION`) has no volume.
             state.deleted[l] |= kinematics.volume[l] == 0.0;
             if !state.deleted[l] {
-                let [r, z] = state.take_geometry(l, kinematics);
-                points.show_corners(first + l, r, z);
+                state.take_geometry(l, kinematics);
+                points.show_nodes(first + l, || (kinematics.nodes)(l));
             }
         }
         let strain = if FLOWS {

@@ -6,6 +6,7 @@ use super::lengths::{ShownElements, above_zero};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::rotation::polar_decomposition;
+use crate::kernel::topology::PerNode;
 use crate::routines::{
     FieldAnswer, FieldCall, LengthCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields,
     UserLengths, UserMaterial, host,
@@ -31,13 +32,15 @@ type OldAndNew = [Vec<f64>; 2];
 #[derive(Clone, Debug)]
 pub struct PointArguments {
     pub(super) count: usize,
+    /// Number of the integration points, from 1.
+    pub(super) integration_point: usize,
     variables: usize,
     fields: usize,
     /// Element numbers of the user.
     pub(super) elements: Vec<i32>,
     pub(super) coordinates: Vec<f64>,
     pub(super) length: Vec<f64>,
-    /// Element corners, if VUCHARLENGTH is called.
+    /// Nodes of the elements, if VUCHARLENGTH is called.
     shown: Option<ShownElements>,
     pub(super) density: Vec<f64>,
     pub(super) strain: Vec<f64>,
@@ -70,18 +73,20 @@ fn pair(length: usize) -> OldAndNew {
 }
 
 impl PointArguments {
-    pub fn new(material: &UserMaterialData, count: usize, triangles: bool) -> Self {
+    /// Allocates the arguments for `count` integration points of one number, in elements of so many nodes.
+    pub fn new(material: &UserMaterialData, (count, integration_point): (usize, usize), nodes: usize) -> Self {
         let (variables, fields) = (material.variables, material.fields);
         let flows = if material.flow.is_some() { count } else { 0 };
         let varying = if material.flow.as_ref().is_some_and(|f| f.elasticity.is_some()) { count } else { 0 };
         let mut points = PointArguments {
             count,
+            integration_point,
             variables,
             fields,
             elements: vec![0; count],
             coordinates: vec![f64::NAN; 3 * count],
             length: guarded(count),
-            shown: material.length_constants.as_ref().map(|_| ShownElements::new(count, if triangles { 3 } else { 4 })),
+            shown: material.length_constants.as_ref().map(|_| ShownElements::new(count, nodes)),
             density: vec![0.0; count],
             strain: vec![0.0; (4 + SPARE) * count],
             spin: vec![0.0; count],
@@ -101,10 +106,10 @@ impl PointArguments {
         points
     }
 
-    /// Sets the corners of a point's element, if VUCHARLENGTH is called.
-    pub(super) fn show_corners(&mut self, point: usize, r: [f64; 4], z: [f64; 4]) {
+    /// Sets the nodes of a point's element, if VUCHARLENGTH is called.
+    pub(super) fn show_nodes(&mut self, point: usize, nodes: impl FnOnce() -> PerNode<[f64; 2]>) {
         if let Some(shown) = &mut self.shown {
-            shown.set(point, r, z);
+            shown.set(point, &nodes());
         }
     }
 
@@ -185,6 +190,7 @@ impl PointArguments {
             now: *now,
             dt,
             count: n,
+            integration_point: self.integration_point,
             variables: m,
             properties: &material.properties,
             coordinates: &self.coordinates,
@@ -233,7 +239,8 @@ impl PointArguments {
             count: n,
             variables: m,
             fields: f,
-            corners: shown.corners,
+            integration_point: self.integration_point,
+            corners: shown.nodes,
             properties,
             elements: &self.elements,
             coordinates: &self.coordinates[..2 * n],
@@ -278,6 +285,7 @@ impl PointArguments {
             count: n,
             variables: m,
             fields: f,
+            integration_point: self.integration_point,
             properties,
             elements: &self.elements,
             coordinates: &self.coordinates,

@@ -22,14 +22,16 @@ macro_rules! calls {
 calls! {
     MotionCall { set, kind, node, dof, now, increments, amplitude, coordinates, state, across, mass }
     MaterialCall {
-        name, now, dt, count, variables, properties, coordinates, length, density, strain, spin, elements, temperature,
-        fields, field, stretch, gradient, stress, state, internal, inelastic
+        name, now, dt, count, integration_point, variables, properties, coordinates, length, density, strain, spin,
+        elements, temperature, fields, field, stretch, gradient, stress, state, internal, inelastic
     }
     HardeningCall {
-        name, now, dt, count, variables, fields, properties, elements, temperature, field, state, strain, rate
+        name, now, dt, count, integration_point, variables, fields, properties, elements, temperature, field, state,
+        strain, rate
     }
     LengthCall {
-        name, now, dt, count, variables, fields, corners, properties, elements, coordinates, nodes, field, state
+        name, now, dt, count, integration_point, variables, fields, corners, properties, elements, coordinates, nodes,
+        field, state
     }
 }
 
