@@ -150,7 +150,12 @@ impl UncertaintyOptions {
             inputs,
             budget,
         };
-        let plain = PlainRun { values, elements: element_count(prepared), increments: summary.timing.increments };
+        let plain = PlainRun {
+            values,
+            elements: element_count(prepared),
+            increments: summary.timing.increments,
+            energies: [summary.energy.kinetic, summary.energy.internal],
+        };
         let (deck, digest) = (prepared.identity("").deck, summary.digest.clone());
         let certificate = match chosen {
             Some(chosen) => of_chosen(chosen, &plain, deck, digest),

@@ -64,6 +64,8 @@ pub struct StudyRun {
     pub elements: usize,
     /// Number of increments of one run.
     pub increments: u64,
+    /// Kinetic and internal energy at the end.
+    pub energies: [f64; 2],
     /// Run time in seconds, from reading the deck to the last increment.
     pub seconds: TimeSpread,
     /// Run time of the time loop alone, in seconds.
@@ -270,7 +272,8 @@ impl RunSource<'_> {
         let result = |quantity: &Quantity| {
             let found = quantity.evaluate(finished)?;
             let (increments, warnings) = (outcome.increments, warnings.clone());
-            Ok(StudyRun { found, warnings, elements, increments, seconds, loop_seconds: seconds })
+            let energies = [outcome.energy.kinetic, outcome.energy.internal];
+            Ok(StudyRun { found, warnings, elements, increments, energies, seconds, loop_seconds: seconds })
         };
         Ok(quantities.iter().map(result).collect())
     }

@@ -25,6 +25,9 @@ pub const DEFAULT_BUDGET: f64 = 0.4;
 const NEGLIGIBLE_CYCLES: f64 = 5e4;
 /// Ratios of the element size of coarser meshes to that of the run, in the order in which they are tried.
 const RATIOS: [&[u32]; 2] = [&[4, 2], &[3]];
+/// Smallest uncertainty of a value from two meshes, as a fraction of the value, over the change of the kinetic or internal
+/// energy between them as a fraction of their sum.
+const SHARE_OF_ENERGIES: f64 = 0.25;
 /// Number of perturbed runs.
 const NOISE_RUNS: usize = 4;
 
@@ -59,6 +62,8 @@ pub struct PlainRun {
     pub elements: usize,
     /// Number of increments.
     pub increments: u64,
+    /// Kinetic and internal energy at the end.
+    pub energies: [f64; 2],
 }
 
 /// Request of the companion runs of a plain run.
@@ -228,13 +233,13 @@ pub fn of_chosen(chosen: ChosenSetting, plain: &PlainRun, deck: String, digest: 
 pub fn run_and_estimate(request: &UncertaintyRequest<'_>) -> Result<RunCertificate, StudyError> {
     let found = run(request, &[], &[]);
     let first = found.iter().find_map(|run| run.as_ref().ok());
-    let (elements, increments) = match (first, found.first()) {
-        (Some(run), _) => (run.elements, run.increments),
+    let (elements, increments, energies) = match (first, found.first()) {
+        (Some(run), _) => (run.elements, run.increments, run.energies),
         (None, Some(Err(reason))) => return Err(reason.clone()),
         (None, _) => return Err(StudyError::Setting("no quantity is given".into())),
     };
     let value = |run: &Result<StudyRun, StudyError>| run.as_ref().ok()?.found.number();
-    let plain = PlainRun { values: found.iter().map(value).collect(), elements, increments };
+    let plain = PlainRun { values: found.iter().map(value).collect(), elements, increments, energies };
     Ok(estimate_run(request, &plain, String::new(), String::new()))
 }
 
@@ -401,7 +406,21 @@ impl QuantityRuns<'_> {
     fn mesh(&self, levels: &[MeshLevel]) -> Option<LimitEstimate> {
         let series: Vec<RefinementLevel> =
             levels.iter().map(|level| RefinementLevel { size: level.size, value: level.value }).collect();
-        estimate(&series)
+        let found = estimate(&series)?;
+        let least = if let [coarse, fine] = levels { self.least_of_two(coarse, fine) } else { 0.0 };
+        Some(LimitEstimate { uncertainty: found.uncertainty.max(least), ..found })
+    }
+
+    /// Returns the smallest uncertainty from two meshes: two values can agree by chance, while the energies at the end show
+    /// that the solutions differ.
+    fn least_of_two(&self, coarse: &MeshLevel, fine: &MeshLevel) -> f64 {
+        let run = self.meshes.iter().flat_map(|mesh| &mesh.1).find_map(|run| run.as_ref().ok());
+        let Some([coarse_energies, fine_energies]) = run.map(|run| [run.energies, self.plain.energies]) else {
+            return 0.0;
+        };
+        let change = (0..2).map(|i| (fine_energies[i] - coarse_energies[i]).abs()).fold(0.0, f64::max);
+        let sum = fine_energies.iter().sum::<f64>().max(coarse_energies.iter().sum());
+        if sum > 0.0 { SHARE_OF_ENERGIES * change / sum * coarse.value.abs().max(fine.value.abs()) } else { 0.0 }
     }
 
     /// Returns the differences of companion runs of some purposes from the run on the coarsest mesh.

@@ -607,6 +607,7 @@ impl<'a> SolverRun<'a> {
         }
     }
 
+    #[inline(always)]
     pub(super) fn make_increment(&mut self, next: Increment) {
         let dt = next.length;
         self.state.dofs.bodies.iter_mut().for_each(|body| body.advance(dt));

@@ -121,6 +121,9 @@ const BLOCKS_PER_ROW: usize = 24;
 /// Smallest fraction of a diagonal that elimination may leave. If less is left, rows depend on each other and the
 /// sweeps take over.
 const LEAST_PIVOT: f64 = 1e-9;
+/// As [`LEAST_PIVOT`], for the shear impulse of a sticking row. If less is left, other rows almost prevent its slip: the row
+/// would need large impulses, which other rows balance.
+const LEAST_SHEAR_PIVOT: f64 = 1e-6;
 const NONE: u32 = u32::MAX;
 
 impl DirectSolver {
@@ -568,7 +571,8 @@ impl DirectSolver {
         let width = 2 * half + 1;
         for p in 0..count {
             let pivot = self.band[p * width + half];
-            if pivot.is_nan() || pivot.abs() <= LEAST_PIVOT * self.diagonal[p].abs() {
+            let least = if self.unknowns[p].shears { LEAST_SHEAR_PIVOT } else { LEAST_PIVOT };
+            if pivot.is_nan() || pivot.abs() <= least * self.diagonal[p].abs() {
                 return Err(p);
             }
             let coupled = self.last_coupled[p] as usize - p;

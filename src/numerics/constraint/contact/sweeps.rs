@@ -100,6 +100,41 @@ impl ContactRow {
         self.bias = if self.closest_point.is_some() { open } else { open.max(0.0) } / span.dt;
     }
 
+    /// Changes the normal impulse to that which the rate of the gap needs. Returns the size of the change.
+    fn press(
+        &mut self,
+        own: &[GapTerm],
+        motion: &mut ContactVelocities,
+        law: &InteractionLaw,
+        span: ContactInterval,
+    ) -> f64 {
+        let rate = motion.rate(own);
+        let pressed = match &law.overclosure {
+            PressureOverclosure::Hard => (self.normal_impulse - (rate + self.bias) / self.compliance[0]).max(0.0),
+            soft => soft_impulse(self, soft, rate - self.compliance[0] * self.normal_impulse, span),
+        };
+        let change = pressed - self.normal_impulse;
+        if change != 0.0 {
+            self.normal_impulse = pressed;
+            motion.push(own, change);
+        }
+        change.abs()
+    }
+
+    /// Changes the shear impulse to that which prevents the slip, within its limit. Returns the size of the change.
+    fn shear(&mut self, own: &[GapTerm], motion: &mut ContactVelocities, law: &InteractionLaw, half: f64) -> f64 {
+        let most = shear_limit(self, law, half);
+        let held = self.shear_impulse - motion.slip(own) / self.compliance[1];
+        let sheared = held.clamp(-most, most);
+        self.sticks = held == sheared;
+        let change = sheared - self.shear_impulse;
+        if change != 0.0 {
+            self.shear_impulse = sheared;
+            motion.shear(own, change);
+        }
+        change.abs()
+    }
+
     #[inline(always)]
     pub(super) fn own<'a>(&self, terms: &'a [GapTerm]) -> &'a [GapTerm] {
         &terms[self.terms[0] as usize..self.terms[1] as usize]
@@ -225,6 +260,14 @@ const MOST_DELAYED: f64 = 0.5;
 pub(super) const TOLERANCE: f64 = 1e-9;
 /// Rounding error of the approach velocity, as a fraction of the largest velocity.
 const ROUNDING: f64 = 1e-10;
+/// Impulses that a sweep changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum SweptImpulses {
+    All,
+    Normal,
+    Shear,
+}
+
 /// Largest number of sweeps.
 pub const MOST_SWEEPS: u32 = 200;
 /// Largest number of iterations for the pressure of a soft law.
@@ -376,11 +419,21 @@ impl ContactRows {
         self.hold_light(motion, given.laws);
         self.begin_warm(motion, given);
         self.start_light(motion);
-        if !self.sweep_until_converged(motion, reference, given) && self.drop_shear_impulses(motion) {
-            self.sweep_until_converged(motion, reference, given);
-            self.limit_friction_work(motion);
+        if !self.sweep_until_converged(motion, reference, given, SweptImpulses::All) {
+            self.solve_in_turns(motion, reference, given);
         }
         self.release_light(motion);
+    }
+
+    /// Solves for the normal impulses without friction, then for the shear impulses within the limits that follow. Rows that
+    /// depend on each other can have large impulses that balance each other, normal ones against shear ones; neither
+    /// problem has such solutions. Sweeps over shear impulses within constant limits reduce the kinetic energy at each row,
+    /// so that friction creates no energy even if they do not converge. The rates of the gaps that friction then changes are
+    /// corrected in the next increment.
+    fn solve_in_turns(&mut self, motion: &mut ContactVelocities, reference: f64, given: ContactStep<'_>) {
+        self.unload(motion);
+        self.sweep_until_converged(motion, reference, given, SweptImpulses::Normal);
+        self.sweep_until_converged(motion, reference, given, SweptImpulses::Shear);
     }
 
     /// Makes at most [`MOST_SWEEPS`] sweeps. Returns whether they converged.
@@ -389,47 +442,17 @@ impl ContactRows {
         motion: &mut ContactVelocities,
         reference: f64,
         given: ContactStep<'_>,
+        swept: SweptImpulses,
     ) -> bool {
         self.sweeps = 0;
         while self.sweeps < MOST_SWEEPS {
             self.sweeps += 1;
-            let change = self.sweep(motion, given);
+            let change = self.sweep(motion, given, swept);
             if change.max(self.move_light(motion)) <= TOLERANCE * reference {
                 return true;
             }
         }
         false
-    }
-
-    /// Removes the shear impulses of all rows. Sweeps from the impulses of the previous increment may leave large opposite
-    /// impulses of rows that depend on each other; sweeps from zero do not create them. Returns whether there were any.
-    fn drop_shear_impulses(&mut self, motion: &mut ContactVelocities) -> bool {
-        let ContactRows { terms, rows, .. } = self;
-        let mut any = false;
-        for row in rows.iter_mut().filter(|row| row.shear_impulse != 0.0) {
-            motion.shear(row.own(terms), -row.shear_impulse);
-            row.shear_impulse = 0.0;
-            any = true;
-        }
-        any
-    }
-
-    /// Reduces shear impulses that have not converged by a common factor, if they would increase the kinetic energy. For
-    /// the slip rates s before and s' after the impulses J, their work is J (s + s')/2. A factor λ makes it
-    /// λ J s + λ² J (s' - s)/2, which is negative and smallest at λ = J s/(J (s - s')).
-    fn limit_friction_work(&mut self, motion: &mut ContactVelocities) {
-        let ContactRows { terms, rows, .. } = self;
-        let work_of_slip = |rows: &[ContactRow], motion: &ContactVelocities| -> f64 {
-            rows.iter().map(|row| row.shear_impulse * motion.slip(row.own(terms))).sum()
-        };
-        let after = work_of_slip(rows, motion);
-        rows.iter().for_each(|row| motion.shear(row.own(terms), -row.shear_impulse));
-        let before = work_of_slip(rows, motion);
-        let factor = if before + after <= 0.0 { 1.0 } else { (before / (before - after)).clamp(0.0, 1.0) };
-        for row in rows {
-            row.shear_impulse *= factor;
-            motion.shear(row.own(terms), row.shear_impulse);
-        }
     }
 
     fn unload(&mut self, motion: &mut ContactVelocities) {
@@ -523,34 +546,19 @@ impl ContactRows {
     }
 
     /// Makes one sweep; returns the largest change of a rate, as a velocity.
-    fn sweep(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) -> f64 {
+    fn sweep(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>, swept: SweptImpulses) -> f64 {
         let ContactRows { terms, rows, .. } = self;
         let mut largest: f64 = 0.0;
         for row in rows.iter_mut() {
             let own = row.own(terms);
             let law = &given.laws[row.law as usize];
-            let rate = motion.rate(own);
-            let pressed = match &law.overclosure {
-                PressureOverclosure::Hard => (row.normal_impulse - (rate + row.bias) / row.compliance[0]).max(0.0),
-                soft => soft_impulse(row, soft, rate - row.compliance[0] * row.normal_impulse, given.span),
-            };
-            let change = pressed - row.normal_impulse;
-            if change != 0.0 {
-                row.normal_impulse = pressed;
-                motion.push(own, change);
-                largest = largest.max(change.abs() * row.compliance[0] / row.area);
+            if swept != SweptImpulses::Shear {
+                let change = row.press(own, motion, law, given.span);
+                largest = largest.max(change * row.compliance[0] / row.area);
             }
-            if row.coefficient > 0.0 && row.compliance[1] > 0.0 {
-                let most = shear_limit(row, law, given.span.half);
-                let held = row.shear_impulse - motion.slip(own) / row.compliance[1];
-                let sheared = held.clamp(-most, most);
-                row.sticks = held == sheared;
-                let change = sheared - row.shear_impulse;
-                if change != 0.0 {
-                    row.shear_impulse = sheared;
-                    motion.shear(own, change);
-                    largest = largest.max(change.abs() * row.compliance[1] / row.area);
-                }
+            if swept != SweptImpulses::Normal && row.coefficient > 0.0 && row.compliance[1] > 0.0 {
+                let change = row.shear(own, motion, law, given.span.half);
+                largest = largest.max(change * row.compliance[1] / row.area);
             }
         }
         largest
