@@ -1,62 +1,65 @@
 //! Initial clearances of contact: `*CLEARANCE` of contact pairs, and the assignments of general contact.
 
-use super::builder::ModelBuilder;
+use super::context::ReadContext;
+use super::families::{ContactReader, StepReader};
 use super::names::upper;
 use super::types::{IgnoredCard, PrescribedClearance, SurfaceContact};
 use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Word};
 
-impl ModelBuilder<'_> {
-    /// Returns the clearance with a name, or reports that it is unknown.
-    pub(super) fn clearance(&mut self, word: &Word) -> Option<PrescribedClearance> {
-        let found = self.clearances.get(&upper(&word.text)).copied();
-        if found.is_none() {
-            self.unknown("M114", "contact clearance", word, |b| b.clearances.keys().cloned().collect());
-        }
-        found
+/// Returns the clearance with a name, or reports that it is unknown.
+pub(super) fn clearance(
+    context: &mut ReadContext<'_>,
+    contact: &mut ContactReader,
+    word: &Word,
+) -> Option<PrescribedClearance> {
+    let found = contact.clearances.get(&upper(&word.text)).copied();
+    if found.is_none() {
+        context.unknown("M114", "contact clearance", word, |_| contact.clearances.keys().cloned().collect());
     }
+    found
+}
 
-    /// Records the initial clearance of all pairs of a contact pair set (ABAQUS Keywords Reference Guide, *CLEARANCE).
-    pub(super) fn pair_clearance(&mut self, card: &Card) {
-        let Some(set) = self.required(card, "CPSET").cloned() else { return };
-        let cards::Clearance { gap } = self.values(card);
-        let [above, below] = [Some(f64::INFINITY); 2];
-        self.state().pair_clearances.push((set, PrescribedClearance { gap, above, below }));
+/// Records the initial clearance of all pairs of a contact pair set (ABAQUS Keywords Reference Guide, *CLEARANCE).
+pub(super) fn read_pair_clearance(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+    let Some(set) = context.required(card, "CPSET").cloned() else { return };
+    let cards::Clearance { gap } = card.values();
+    let [above, below] = [Some(f64::INFINITY); 2];
+    steps.state().pair_clearances.push((set, PrescribedClearance { gap, above, below }));
+}
+
+/// Applies the clearances and penalty scale factors of the step to the contact pair sets.
+pub(super) fn apply_to_sets(context: &mut ReadContext<'_>, steps: &mut StepReader) {
+    let state = steps.state();
+    let (clearances, factors) =
+        (std::mem::take(&mut state.pair_clearances), std::mem::take(&mut state.penalty_factors));
+    let mut pairs = std::mem::take(&mut state.surface_contacts);
+    let names: Vec<String> = pairs.iter().filter_map(|p| p.cpset.clone()).collect();
+    for (word, _) in clearances.iter().filter(|c| !names.contains(&upper(&c.0.text))) {
+        context.unknown("M114", "contact pair set", word, |_| names.clone());
     }
-
-    /// Applies the clearances and penalty scale factors of the step to the contact pair sets.
-    pub(super) fn apply_to_sets(&mut self) {
-        let state = self.state();
-        let (clearances, factors) =
-            (std::mem::take(&mut state.pair_clearances), std::mem::take(&mut state.penalty_factors));
-        let mut pairs = std::mem::take(&mut state.surface_contacts);
-        let names: Vec<String> = pairs.iter().filter_map(|p| p.cpset.clone()).collect();
-        for (word, _) in clearances.iter().filter(|c| !names.contains(&upper(&c.0.text))) {
-            self.unknown("M114", "contact pair set", word, |_| names.clone());
-        }
-        for (word, _) in factors.iter().filter(|f| !names.contains(&upper(&f.0.text))) {
-            self.unknown("M114", "contact pair set", word, |_| names.clone());
-        }
-        self.note_unused_penalties(&factors, &pairs);
-        for pair in &mut pairs {
-            let is_of = |word: &Word| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text));
-            let clearance = clearances.iter().rfind(|c| is_of(&c.0)).map(|c| c.1);
-            let factor = factors.iter().rfind(|f| is_of(&f.0)).map(|f| f.1);
-            pair.clearance = clearance.or(pair.clearance);
-            pair.penalty = pair.penalty.map(|now| factor.unwrap_or(now));
-        }
-        self.state().surface_contacts = pairs;
+    for (word, _) in factors.iter().filter(|f| !names.contains(&upper(&f.0.text))) {
+        context.unknown("M114", "contact pair set", word, |_| names.clone());
     }
+    note_unused_penalties(context, &factors, &pairs);
+    for pair in &mut pairs {
+        let is_of = |word: &Word| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text));
+        let clearance = clearances.iter().rfind(|c| is_of(&c.0)).map(|c| c.1);
+        let factor = factors.iter().rfind(|f| is_of(&f.0)).map(|f| f.1);
+        pair.clearance = clearance.or(pair.clearance);
+        pair.penalty = pair.penalty.map(|now| factor.unwrap_or(now));
+    }
+    steps.state().surface_contacts = pairs;
+}
 
-    /// Lists penalty scale factors of sets without a penalty pair as unused.
-    fn note_unused_penalties(&mut self, factors: &[(Word, f64)], pairs: &[SurfaceContact]) {
-        for (word, _) in factors.iter().filter(|factor| factor.1 != 1.0) {
-            let mut own = pairs.iter().filter(|pair| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text)));
-            if own.clone().next().is_some() && own.all(|pair| pair.penalty.is_none()) {
-                let why = "kinematic contact pairs have no penalty stiffness".to_owned();
-                let keyword = "CONTACT CONTROLS, SCALE PENALTY".to_owned();
-                self.model.origin.inert.push(IgnoredCard { keyword, span: word.span, why });
-            }
+/// Lists penalty scale factors of sets without a penalty pair as unused.
+fn note_unused_penalties(context: &mut ReadContext<'_>, factors: &[(Word, f64)], pairs: &[SurfaceContact]) {
+    for (word, _) in factors.iter().filter(|factor| factor.1 != 1.0) {
+        let mut own = pairs.iter().filter(|pair| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text)));
+        if own.clone().next().is_some() && own.all(|pair| pair.penalty.is_none()) {
+            let why = "kinematic contact pairs have no penalty stiffness".to_owned();
+            let keyword = "CONTACT CONTROLS, SCALE PENALTY".to_owned();
+            context.model.origin.inert.push(IgnoredCard { keyword, span: word.span, why });
         }
     }
 }

@@ -1,18 +1,17 @@
 //! `*CONTACT CONTROLS` of contact pairs.
 
-use super::builder::ModelBuilder;
+use super::context::ReadContext;
+use super::families::StepReader;
 use crate::deck::Card;
 use crate::deck::table::constraints as cards;
 
-impl ModelBuilder<'_> {
-    /// Records the penalty scale factor of a contact pair set (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS).
-    pub(super) fn contact_controls(&mut self, card: &Card) {
-        let Some(set) = self.required(card, "CPSET").cloned() else { return };
-        let cards::ContactControls { penalty, reset } = self.values(card);
-        let factors = &mut self.state().penalty_factors;
-        if reset {
-            factors.push((set.clone(), 1.0));
-        }
-        factors.extend(penalty.map(|f| (set, f)));
+/// Records the penalty scale factor of a contact pair set (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS).
+pub(super) fn read_contact_controls(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+    let Some(set) = context.required(card, "CPSET").cloned() else { return };
+    let cards::ContactControls { penalty, reset } = card.values();
+    let factors = &mut steps.state().penalty_factors;
+    if reset {
+        factors.push((set.clone(), 1.0));
     }
+    factors.extend(penalty.map(|f| (set, f)));
 }

@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use super::names::upper;
-use crate::deck::{Card, Deck, Diagnostics, Word};
+use crate::deck::{Card, Deck, Diagnostics, Span, Word};
 
 /// Definitions that are missing because of reported errors.
 #[derive(Debug, Default)]
@@ -21,6 +21,10 @@ pub(super) struct MissingDefinitions {
     cards: HashSet<&'static str>,
     /// A definition of a body is missing: messages of the plan about bodies are not reliable.
     pub bodies: bool,
+    /// Cards with a reported error.
+    pub faulty: HashSet<Span>,
+    /// Number of unknown names for which similar names were suggested.
+    pub suggested: usize,
 }
 
 /// Cards that do not define bodies.

@@ -21,6 +21,7 @@ mod consistency;
 mod consistent_material;
 mod contact;
 mod contact_controls;
+mod context;
 mod controls;
 mod copies;
 mod coupling;
@@ -35,6 +36,7 @@ mod equations;
 mod erosion;
 mod expressions;
 mod failure;
+mod families;
 mod fields;
 mod general_contact;
 mod gmsh_file;
@@ -59,6 +61,8 @@ mod nodes;
 mod order;
 mod outputs;
 mod parts;
+mod placement;
+mod readers;
 mod refinement;
 pub mod relisting;
 pub mod remesh;
@@ -100,7 +104,7 @@ use crate::deck::{Deck, Diagnostics, MeshScaling};
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
     let mut builder = builder::ModelBuilder::checked(deck);
     for card in builder.ordered_cards() {
-        builder.card(card);
+        builder.read_card(card);
     }
     let (model, mut diagnostics) = builder.finish();
     match deck.mesh_scaling.filter(|_| !diagnostics.has_errors()) {

@@ -1,5 +1,6 @@
 //! Equations and multi-point constraints between nodes of two lines, which are completed by the new nodes of both.
 
+use crate::model::context::ReadContext;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use indexmap::IndexMap;
@@ -8,7 +9,6 @@ use super::mesh::RefinedMesh;
 use super::pair::NodePair;
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::lists::sorted_pair;
-use crate::model::builder::ModelBuilder;
 use crate::model::types::{LinearEquation, LinkKind, NodeLink};
 
 /// Nodes in the order of the terms of an equation, or a node and its reference node.
@@ -126,70 +126,68 @@ impl RefinedMesh {
     }
 }
 
-impl ModelBuilder<'_> {
-    /// Adds equations and multi-point constraints of the new nodes.
-    pub(super) fn refine_relations(&mut self) {
-        self.refine_equations();
-        self.refine_pairs();
-    }
+/// Adds equations and multi-point constraints of the new nodes.
+pub(super) fn refine_relations(context: &mut ReadContext<'_>) {
+    refine_equations(context);
+    refine_pairs(context);
+}
 
-    fn refine_equations(&mut self) {
-        let Some(refined) = &self.refined else { return };
-        let equations = &self.model.constraints.equations;
-        let of_sets = repeated(equations.iter().map(|equation| equation.span));
-        let mut groups: IndexMap<EquationForm, Vec<Relation>> = IndexMap::new();
-        for (at, LinearEquation { terms, span }) in equations.iter().enumerate() {
-            let form = terms.iter().map(|&(_, dof, c)| (dof, c.to_bits())).collect();
-            let nodes = terms.iter().map(|term| term.0).collect();
-            groups.entry((of_sets.get(span).copied(), form)).or_default().push(Relation { at, nodes, span: *span });
-        }
-        let (made, findings) = refined.complete_groups("equations", groups.values());
-        let made = made.into_iter().map(|Relation { at, nodes, span }| {
-            let terms = nodes.into_iter().zip(&equations[at].terms).map(|(n, &(_, dof, c))| (n, dof, c)).collect();
-            LinearEquation { terms, span }
-        });
-        let made: Vec<LinearEquation> = made.collect();
-        let cards: String = made.iter().map(|equation| self.equation_card(equation)).collect();
-        self.add_card(&cards);
-        self.model.constraints.equations.extend(made);
-        findings.into_iter().for_each(|finding| self.diagnostics.push(finding));
+fn refine_equations(context: &mut ReadContext<'_>) {
+    let Some(refined) = &context.scaling.refined else { return };
+    let equations = &context.model.constraints.equations;
+    let of_sets = repeated(equations.iter().map(|equation| equation.span));
+    let mut groups: IndexMap<EquationForm, Vec<Relation>> = IndexMap::new();
+    for (at, LinearEquation { terms, span }) in equations.iter().enumerate() {
+        let form = terms.iter().map(|&(_, dof, c)| (dof, c.to_bits())).collect();
+        let nodes = terms.iter().map(|term| term.0).collect();
+        groups.entry((of_sets.get(span).copied(), form)).or_default().push(Relation { at, nodes, span: *span });
     }
+    let (made, findings) = refined.complete_groups("equations", groups.values());
+    let made = made.into_iter().map(|Relation { at, nodes, span }| {
+        let terms = nodes.into_iter().zip(&equations[at].terms).map(|(n, &(_, dof, c))| (n, dof, c)).collect();
+        LinearEquation { terms, span }
+    });
+    let made: Vec<LinearEquation> = made.collect();
+    let cards: String = made.iter().map(|equation| equation_card(context, equation)).collect();
+    context.add_card(&cards);
+    context.model.constraints.equations.extend(made);
+    findings.into_iter().for_each(|finding| context.diagnostics.push(finding));
+}
 
-    fn equation_card(&self, equation: &LinearEquation) -> String {
-        let names = &self.model.mesh.node_names;
-        let term = |&(node, dof, c): &(usize, u8, f64)| format!(" {}, {dof}, {c:?}", names[node]);
-        let terms: Vec<String> = equation.terms.iter().map(term).collect();
-        let lines: Vec<String> = terms.chunks(4).map(|terms| terms.join(",")).collect();
-        format!("*Equation\n {}\n{}\n", terms.len(), lines.join(",\n"))
-    }
+fn equation_card(context: &ReadContext<'_>, equation: &LinearEquation) -> String {
+    let names = &context.model.mesh.node_names;
+    let term = |&(node, dof, c): &(usize, u8, f64)| format!(" {}, {dof}, {c:?}", names[node]);
+    let terms: Vec<String> = equation.terms.iter().map(term).collect();
+    let lines: Vec<String> = terms.chunks(4).map(|terms| terms.join(",")).collect();
+    format!("*Equation\n {}\n{}\n", terms.len(), lines.join(",\n"))
+}
 
-    fn refine_pairs(&mut self) {
-        let Some(refined) = &self.refined else { return };
-        let of_sets = repeated(self.linked_pairs.iter().map(|pair| pair.span));
-        let mut groups: IndexMap<(Option<Span>, &str), Vec<Relation>> = IndexMap::new();
-        for (at, NodePair { name, nodes, span }) in self.linked_pairs.iter().enumerate() {
-            let relation = Relation { at, nodes: nodes.to_vec(), span: *span };
-            groups.entry((of_sets.get(span).copied(), name)).or_default().push(relation);
-        }
-        let (made, findings) = refined.complete_groups("constraints", groups.values());
-        let made = made.into_iter().map(|Relation { at, nodes, span }| NodeLink {
-            name: self.linked_pairs[at].name.clone(),
-            kind: LinkKind::Rigid([true; 2]),
-            reference: nodes[1],
-            nodes: vec![nodes[0]],
-            span,
-        });
-        let made: Vec<NodeLink> = made.collect();
-        let names = &self.model.mesh.node_names;
-        let line = |l: &NodeLink| {
-            let kind = l.name.trim_start_matches("MPC ");
-            format!("*Mpc\n {kind}, {}, {}\n", names[l.nodes[0]], names[l.reference])
-        };
-        let cards: String = made.iter().map(line).collect();
-        self.add_card(&cards);
-        self.model.constraints.links.extend(made);
-        findings.into_iter().for_each(|finding| self.diagnostics.push(finding));
+fn refine_pairs(context: &mut ReadContext<'_>) {
+    let Some(refined) = &context.scaling.refined else { return };
+    let of_sets = repeated(context.scaling.linked_pairs.iter().map(|pair| pair.span));
+    let mut groups: IndexMap<(Option<Span>, &str), Vec<Relation>> = IndexMap::new();
+    for (at, NodePair { name, nodes, span }) in context.scaling.linked_pairs.iter().enumerate() {
+        let relation = Relation { at, nodes: nodes.to_vec(), span: *span };
+        groups.entry((of_sets.get(span).copied(), name)).or_default().push(relation);
     }
+    let (made, findings) = refined.complete_groups("constraints", groups.values());
+    let made = made.into_iter().map(|Relation { at, nodes, span }| NodeLink {
+        name: context.scaling.linked_pairs[at].name.clone(),
+        kind: LinkKind::Rigid([true; 2]),
+        reference: nodes[1],
+        nodes: vec![nodes[0]],
+        span,
+    });
+    let made: Vec<NodeLink> = made.collect();
+    let names = &context.model.mesh.node_names;
+    let line = |l: &NodeLink| {
+        let kind = l.name.trim_start_matches("MPC ");
+        format!("*Mpc\n {kind}, {}, {}\n", names[l.nodes[0]], names[l.reference])
+    };
+    let cards: String = made.iter().map(line).collect();
+    context.add_card(&cards);
+    context.model.constraints.links.extend(made);
+    findings.into_iter().for_each(|finding| context.diagnostics.push(finding));
 }
 
 /// Returns the lines with more than one relation: those between sets. Relations of other lines may belong together.
