@@ -2,7 +2,7 @@
 //! and the region types of boundaries.
 
 use super::amplitudes;
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::StepReader;
 use super::names::upper;
 use super::types::{
@@ -15,7 +15,7 @@ use crate::kernel::lists::sorted_unique;
 use crate::remesh::sizes::SizeLimits;
 
 /// Reads the controls of adaptive meshes. Weights are normalised to the sum 1.
-pub(super) fn read_adaptive_controls(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_adaptive_controls(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let values: cards::AdaptiveMeshControls = card.values();
     let sum: f64 = values.weights.iter().sum();
     if sum <= 0.0 {
@@ -32,7 +32,7 @@ pub(super) fn read_adaptive_controls(context: &mut ReadContext<'_>, steps: &mut 
 }
 
 /// Reads a domain. It replaces a domain of an earlier step with the same set.
-pub(super) fn read_adaptive_mesh(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_adaptive_mesh(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Some(word) = card.value("ELSET") else { return };
     let Some(elements) = context.element_members(word) else { return };
     let cards::AdaptiveMesh { frequency, sweeps, initial_sweeps, new } = card.values();
@@ -53,7 +53,7 @@ pub(super) fn read_adaptive_mesh(context: &mut ReadContext<'_>, steps: &mut Step
 }
 
 /// Reads a body that is remeshed.
-pub(super) fn read_remesh(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_remesh(context: &mut Context<'_>, card: &Card) {
     let Some(word) = card.value("ELSET") else { return };
     let Some(elements) = context.element_members(word) else { return };
     let cards::Remesh {
@@ -87,7 +87,7 @@ pub(super) fn read_remesh(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Reads nodes that move with the material, and motions of the mesh that are prescribed in space.
-pub(super) fn read_adaptive_constraint(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_adaptive_constraint(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let cards::AdaptiveMeshConstraint { in_space, velocity, new } = card.values();
     let Ok(amplitude) = amplitudes::amplitude_of(context, card) else { return };
     let state = steps.state();
@@ -131,7 +131,7 @@ pub(super) fn read_adaptive_constraint(context: &mut ReadContext<'_>, steps: &mu
 }
 
 /// Returns the degrees of freedom along which a data line prescribes the motion of the mesh, and the value.
-fn mesh_dofs(context: &mut ReadContext<'_>, line: &DataLine) -> Option<([u8; 2], f64)> {
+fn mesh_dofs(context: &mut Context<'_>, line: &DataLine) -> Option<([u8; 2], f64)> {
     let first = context.integer(line, 1, "the degree of freedom")?;
     let last = line.field(2).map_or(Some(first), |word| word.integer(&mut context.diagnostics))?;
     if !(1..=2).contains(&first) || !(first..=2).contains(&last) {
@@ -173,7 +173,7 @@ pub(super) fn adaptive_region(
 }
 
 /// Assigns controls to the domains of the step.
-pub(super) fn apply_adaptive_controls(context: &mut ReadContext<'_>, steps: &mut StepReader) {
+pub(super) fn apply_adaptive_controls(context: &mut Context<'_>, steps: &mut StepReader) {
     let used = steps.current.iter_mut().flat_map(|state| std::mem::take(&mut state.adaptive_controls_used));
     for (set, word) in used.collect::<Vec<_>>() {
         let Some(controls) = steps.adaptive_controls.get(&upper(&word.text)).copied() else {

@@ -1,6 +1,6 @@
 //! `*AMPLITUDE`. The kernel evaluates amplitudes.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::names::upper;
 use super::types::{Amplitude, AmplitudeDefinition, AmplitudeId};
 use crate::deck::table::steps as cards;
@@ -11,7 +11,7 @@ const SMOOTH_STEP: usize = 1;
 const EQUALLY_SPACED: usize = 2;
 const USER: usize = 3;
 
-pub(super) fn read_amplitude(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_amplitude(context: &mut Context<'_>, card: &Card) {
     let amplitude: cards::Amplitude = card.values();
     let Some(definition) = amplitude_definition(context, card, &amplitude) else { return };
     let (name, absolute) = (amplitude.name, amplitude.absolute);
@@ -20,7 +20,7 @@ pub(super) fn read_amplitude(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 fn amplitude_definition(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     card: &Card,
     amplitude: &cards::Amplitude,
 ) -> Option<AmplitudeDefinition> {
@@ -48,11 +48,7 @@ fn amplitude_definition(
 }
 
 /// Returns the definition of a user amplitude: properties and number of state variables (`DEFINITION=USER`).
-fn user_amplitude(
-    context: &mut ReadContext<'_>,
-    card: &Card,
-    amplitude: &cards::Amplitude,
-) -> Option<AmplitudeDefinition> {
+fn user_amplitude(context: &mut Context<'_>, card: &Card, amplitude: &cards::Amplitude) -> Option<AmplitudeDefinition> {
     let (expected, properties) = (amplitude.properties.unwrap_or(0), amplitude.values.clone());
     if expected != properties.len() {
         let message = format!("PROPERTIES={expected}, but the data lines have {} values", properties.len());
@@ -62,23 +58,23 @@ fn user_amplitude(
 }
 
 /// Returns the magnitude to which an amplitude is applied: 1 for an amplitude of absolute values.
-pub(super) fn scaled(context: &ReadContext<'_>, magnitude: f64, amplitude: Option<AmplitudeId>) -> f64 {
+pub(super) fn scaled(context: &Context<'_>, magnitude: f64, amplitude: Option<AmplitudeId>) -> f64 {
     if amplitude.is_some_and(|i| context.model.amplitudes[i].absolute) { 1.0 } else { magnitude }
 }
 
 /// Returns the amplitude of a card; `Err` if the name is unknown, which is reported.
-pub(super) fn amplitude_of(context: &mut ReadContext<'_>, card: &Card) -> Result<Option<AmplitudeId>, ()> {
+pub(super) fn amplitude_of(context: &mut Context<'_>, card: &Card) -> Result<Option<AmplitudeId>, ()> {
     let Some(word) = card.value("AMPLITUDE") else { return Ok(None) };
     find_amplitude(context, word).map(Some).ok_or(())
 }
 
 /// Returns the amplitude of a film coefficient, with the same errors.
-pub(super) fn film_amplitude(context: &mut ReadContext<'_>, card: &Card) -> Result<Option<AmplitudeId>, ()> {
+pub(super) fn film_amplitude(context: &mut Context<'_>, card: &Card) -> Result<Option<AmplitudeId>, ()> {
     let Some(word) = card.value("FILM AMPLITUDE") else { return Ok(None) };
     find_amplitude(context, word).map(Some).ok_or(())
 }
 
-fn find_amplitude(context: &mut ReadContext<'_>, word: &Word) -> Option<AmplitudeId> {
+fn find_amplitude(context: &mut Context<'_>, word: &Word) -> Option<AmplitudeId> {
     let name = upper(&word.text);
     let found = context.names.amplitudes.get(&name).copied();
     if found.is_none() {

@@ -1,6 +1,6 @@
 //! Blast waves: `*INCIDENT WAVE INTERACTION PROPERTY`, `*CONWEP CHARGE PROPERTY`, `*INCIDENT WAVE INTERACTION`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{ConditionReader, StepReader};
 use super::names::upper;
 use super::surfaces;
@@ -8,7 +8,7 @@ use super::types::{BlastCharge, BlastProperty, Load, LoadKind};
 use crate::deck::{Card, Diagnostic};
 use crate::kernel::blast_wave::BurstShape;
 
-pub(super) fn read_blast_property(context: &mut ReadContext<'_>, conditions: &mut ConditionReader, card: &Card) {
+pub(super) fn read_blast_property(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let Some(name) = context.required(card, "NAME").map(|word| upper(&word.text)) else { return };
     let is_surface_burst: usize = card.read("TYPE");
     let shape = [BurstShape::Spherical, BurstShape::Hemispherical][is_surface_burst];
@@ -18,7 +18,7 @@ pub(super) fn read_blast_property(context: &mut ReadContext<'_>, conditions: &mu
 
 /// Reads mass and units of a charge. The first line has the mass and its factor to kilograms, the second line, which
 /// may be missing, the factors from the units of the model to metres, seconds and pascals.
-pub(super) fn read_blast_charge(context: &mut ReadContext<'_>, conditions: &mut ConditionReader, card: &Card) {
+pub(super) fn read_blast_charge(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let Some(line) = context.first_line(card) else { return };
     let (Some(mass), Some(factor)) = (context.number(line, 0, "the mass of TNT"), context.number_or(line, 1, 1.0))
     else {
@@ -38,7 +38,7 @@ pub(super) fn read_blast_charge(context: &mut ReadContext<'_>, conditions: &mut 
 }
 
 pub(super) fn read_incident_wave(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     conditions: &mut ConditionReader,
     steps: &mut StepReader,
     card: &Card,

@@ -1,7 +1,7 @@
 //! Reads rigid bodies and their masses and motion: `*RIGID BODY`, `*ATTITUDE`, `*MASS`, `*ROTARY INERTIA` and `*INITIAL
 //! CONDITIONS`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{ConditionReader, SectionReader};
 use super::names::upper;
 use super::refinement::listed;
@@ -15,7 +15,7 @@ use crate::deck::{Card, Diagnostic, Span, Word};
 const FIELD: usize = 5;
 const SOLUTION: usize = 6;
 
-pub(super) fn read_rigid_body(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_rigid_body(context: &mut Context<'_>, card: &Card) {
     let Some(reference) = context.required(card, "REF NODE") else { return };
     let Some(nodes) = context.node_members(reference) else { return };
     let [reference] = nodes[..] else {
@@ -52,7 +52,7 @@ pub(super) fn read_rigid_body(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Assigns a mass to the nodes of the MASS elements of a set.
-pub(super) fn read_mass(context: &mut ReadContext<'_>, sections: &mut SectionReader, card: &Card) {
+pub(super) fn read_mass(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let Some(set) = context.required(card, "ELSET") else { return };
     let cards::Mass { mass: [mass] } = card.values();
     let elements = match point_elements(context, card, set, ElementKind::Mass) {
@@ -72,7 +72,7 @@ pub(super) fn read_mass(context: &mut ReadContext<'_>, sections: &mut SectionRea
 
 /// Returns the elements of a set, which must all be of the type that the card requires.
 fn point_elements(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     card: &Card,
     set: &Word,
     kind: ElementKind,
@@ -93,7 +93,7 @@ fn point_elements(
 }
 
 /// Reads the rotary inertia of ROTARYI elements. A body of revolution has no products of inertia.
-pub(super) fn read_rotary_inertia(context: &mut ReadContext<'_>, sections: &mut SectionReader, card: &Card) {
+pub(super) fn read_rotary_inertia(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let Some(set) = context.required(card, "ELSET") else { return };
     let cards::RotaryInertia { moments: [first, axial, third] } = card.values();
     let [axial, third] = [axial, third].map(|moment| if moment.is_nan() { first } else { moment });
@@ -109,7 +109,7 @@ pub(super) fn read_rotary_inertia(context: &mut ReadContext<'_>, sections: &mut 
     }
 }
 
-pub(super) fn read_attitude(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_attitude(context: &mut Context<'_>, card: &Card) {
     let Some(reference) = context.required(card, "REF NODE") else { return };
     let Some(nodes) = context.node_members(reference) else { return };
     let [reference] = nodes[..] else {
@@ -122,11 +122,11 @@ pub(super) fn read_attitude(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Removes masses of zero. Several masses on one node add up.
-pub(super) fn apply_masses(context: &mut ReadContext<'_>) {
+pub(super) fn apply_masses(context: &mut Context<'_>) {
     context.model.discrete.masses.retain(|p| p.mass > 0.0);
 }
 
-pub(super) fn read_initial_conditions(context: &mut ReadContext<'_>, conditions: &mut ConditionReader, card: &Card) {
+pub(super) fn read_initial_conditions(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let kind: usize = card.read("TYPE");
     if kind == SOLUTION {
         return user_material::initial_state(context, card);
@@ -159,7 +159,7 @@ pub(super) fn read_initial_conditions(context: &mut ReadContext<'_>, conditions:
 
 /// Warns if an earlier condition of the same kind has the same members: it has no effect.
 fn warn_of_repeated_condition(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     conditions: &mut ConditionReader,
     kind: &InitialKind,
     members: &[usize],

@@ -1,6 +1,6 @@
 //! `*BOUNDARY`. Propagation over the steps is in `history`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::degrees::RotationalCondition;
 use super::families::{ConditionReader, StepReader};
 use super::names::upper;
@@ -24,7 +24,7 @@ impl DofSelection {
 }
 
 pub(super) fn read_boundary(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     conditions: &mut ConditionReader,
     steps: &mut StepReader,
     card: &Card,
@@ -95,7 +95,7 @@ pub(super) fn read_boundary(
 /// Prescribes a temperature (degree of freedom 11). Without amplitude the value is applied at once (ABAQUS Analysis
 /// User's Guide 34.1.2, "Amplitude curves").
 fn prescribed_temperature(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     steps: &mut StepReader,
     card: &Card,
     (line, set, nodes, value): (&DataLine, String, Vec<usize>, f64),
@@ -119,7 +119,7 @@ fn prescribed_temperature(
 
 /// Reports a nonzero value before the first step, where boundary conditions can only fix degrees of freedom (ABAQUS
 /// Analysis User's Guide 34.3.1, "Prescribing boundary conditions as model data").
-fn report_nonzero_value(context: &mut ReadContext<'_>, line: &DataLine) {
+fn report_nonzero_value(context: &mut Context<'_>, line: &DataLine) {
     let message = "a boundary condition before the first step can only fix degrees of freedom";
     let diagnostic = Diagnostic::error("M105", message).at(line.span, "nonzero value");
     context.diagnostics.push(diagnostic.help("give it inside a *STEP"));
@@ -127,7 +127,7 @@ fn report_nonzero_value(context: &mut ReadContext<'_>, line: &DataLine) {
 
 /// Applies `OP`: `OP=NEW` removes the boundary conditions of earlier steps. All `*BOUNDARY` cards of a step must
 /// have the same `OP` (ABAQUS Keywords Reference Guide, *BOUNDARY).
-fn boundary_operation(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+fn boundary_operation(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let new = card.read::<bool>("OP");
     let Some(step) = &mut steps.current else { return };
     if step.new_boundaries.is_some_and(|other| other != new) {
@@ -142,7 +142,7 @@ fn boundary_operation(context: &mut ReadContext<'_>, steps: &mut StepReader, car
 }
 
 /// Returns the degrees of freedom of a data line, and the value.
-fn boundary_dofs(context: &mut ReadContext<'_>, line: &DataLine) -> Option<(DofSelection, f64)> {
+fn boundary_dofs(context: &mut Context<'_>, line: &DataLine) -> Option<(DofSelection, f64)> {
     let word: &Word = match line.field(1) {
         Some(word) => word,
         None => {
@@ -191,7 +191,7 @@ fn boundary_dofs(context: &mut ReadContext<'_>, line: &DataLine) -> Option<(DofS
 }
 
 /// Returns the rotational degree of freedom if the deck has shells.
-fn shell_rotation(context: &ReadContext<'_>) -> Option<u8> {
+fn shell_rotation(context: &Context<'_>) -> Option<u8> {
     let shells = |c: &&Card| c.keyword.name == "ELEMENT" && c.value("TYPE").is_some_and(|w| w.is("SAX1"));
     context.deck.cards.iter().find(shells).map(|_| 6)
 }

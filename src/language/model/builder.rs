@@ -1,6 +1,6 @@
 //! The model builder: reads the cards of a deck in order, each with the families of cards that it changes.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{
     ConditionReader, ContactReader, MaterialReader, MeshReader, OutputReader, PartReader, SectionReader, StepReader,
 };
@@ -13,7 +13,7 @@ use crate::deck::{Card, Deck, Diagnostic, Diagnostics};
 
 /// State of reading a deck.
 pub(super) struct ModelBuilder<'a> {
-    pub context: ReadContext<'a>,
+    pub context: Context<'a>,
     pub parts: PartReader<'a>,
     pub mesh: MeshReader,
     pub materials: MaterialReader,
@@ -27,7 +27,7 @@ pub(super) struct ModelBuilder<'a> {
 impl<'a> ModelBuilder<'a> {
     /// Creates a builder of a deck whose cards have been checked.
     pub fn checked(deck: &'a Deck) -> Self {
-        let mut context = ReadContext::new(deck);
+        let mut context = Context::new(deck);
         (context.model.origin.inert, context.missing.faulty) = super::check::check(deck, &mut context.diagnostics);
         let clearances = named_clearances::named_clearances(deck);
         ModelBuilder {

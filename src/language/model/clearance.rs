@@ -1,6 +1,6 @@
 //! Initial clearances of contact: `*CLEARANCE` of contact pairs, and the assignments of general contact.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{ContactReader, StepReader};
 use super::names::upper;
 use super::types::{IgnoredCard, PrescribedClearance, SurfaceContact};
@@ -9,7 +9,7 @@ use crate::deck::{Card, Word};
 
 /// Returns the clearance with a name, or reports that it is unknown.
 pub(super) fn clearance(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     contact: &mut ContactReader,
     word: &Word,
 ) -> Option<PrescribedClearance> {
@@ -21,7 +21,7 @@ pub(super) fn clearance(
 }
 
 /// Records the initial clearance of all pairs of a contact pair set (ABAQUS Keywords Reference Guide, *CLEARANCE).
-pub(super) fn read_pair_clearance(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_pair_clearance(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Some(set) = context.required(card, "CPSET").cloned() else { return };
     let cards::Clearance { gap } = card.values();
     let [above, below] = [Some(f64::INFINITY); 2];
@@ -29,7 +29,7 @@ pub(super) fn read_pair_clearance(context: &mut ReadContext<'_>, steps: &mut Ste
 }
 
 /// Applies the clearances and penalty scale factors of the step to the contact pair sets.
-pub(super) fn apply_to_sets(context: &mut ReadContext<'_>, steps: &mut StepReader) {
+pub(super) fn apply_to_sets(context: &mut Context<'_>, steps: &mut StepReader) {
     let state = steps.state();
     let (clearances, factors) =
         (std::mem::take(&mut state.pair_clearances), std::mem::take(&mut state.penalty_factors));
@@ -53,7 +53,7 @@ pub(super) fn apply_to_sets(context: &mut ReadContext<'_>, steps: &mut StepReade
 }
 
 /// Lists penalty scale factors of sets without a penalty pair as unused.
-fn note_unused_penalties(context: &mut ReadContext<'_>, factors: &[(Word, f64)], pairs: &[SurfaceContact]) {
+fn note_unused_penalties(context: &mut Context<'_>, factors: &[(Word, f64)], pairs: &[SurfaceContact]) {
     for (word, _) in factors.iter().filter(|factor| factor.1 != 1.0) {
         let mut own = pairs.iter().filter(|pair| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text)));
         if own.clone().next().is_some() && own.all(|pair| pair.penalty.is_none()) {

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{SectionIndex, SectionReader};
 use super::materials;
 use super::types::{
@@ -25,7 +25,7 @@ const MODE_TABLE: usize = 0;
 const MODE_INDEPENDENT: usize = 1;
 const POWER_LAW: usize = 2;
 
-pub(super) fn read_cohesive_section(context: &mut ReadContext<'_>, sections: &mut SectionReader, card: &Card) {
+pub(super) fn read_cohesive_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     if context.required(card, "RESPONSE").is_none() {
         return;
     }
@@ -47,7 +47,7 @@ pub(super) fn read_cohesive_section(context: &mut ReadContext<'_>, sections: &mu
 }
 
 /// Reads `*ELASTIC, TYPE=COUPLED TRACTION`.
-pub(super) fn coupled_traction(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn coupled_traction(context: &mut Context<'_>, card: &Card) {
     let [normal, shear, _, coupling]: [f64; 4] = card.read_lines();
     if is_stable_coupling(context, card, [normal, shear], coupling) {
         let interface = &mut context.last_material().interface;
@@ -57,7 +57,7 @@ pub(super) fn coupled_traction(context: &mut ReadContext<'_>, card: &Card) {
 
 /// Returns whether a separation in any direction needs work; otherwise the stiffnesses are reported.
 pub(super) fn is_stable_coupling(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     card: &Card,
     [normal, shear]: [f64; 2],
     coupling: f64,
@@ -76,7 +76,7 @@ pub(super) fn is_stable_coupling(
 }
 
 /// Reads `*DAMAGE STABILIZATION` of a material of cohesive elements.
-pub(super) fn read_interface_stabilization(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_interface_stabilization(context: &mut Context<'_>, card: &Card) {
     let cards::DamageStabilization { viscosity: [viscosity] } = card.values();
     let interface = &context.last_material().interface;
     if interface.evolution.is_none() {
@@ -93,7 +93,7 @@ pub(super) fn read_interface_stabilization(context: &mut ReadContext<'_>, card: 
 }
 
 /// Reads `*DAMAGE INITIATION` with a criterion of cohesive elements. Returns whether it has one.
-pub(super) fn interface_initiation(context: &mut ReadContext<'_>, card: &Card, criterion: usize) -> bool {
+pub(super) fn interface_initiation(context: &mut Context<'_>, card: &Card, criterion: usize) -> bool {
     let Some(initiation) = initiation_of(card, criterion) else { return false };
     if initiation.measure == InitiationMeasure::Separation {
         let message = "MAXU and QUADU apply only to cohesive surfaces";
@@ -108,7 +108,7 @@ pub(super) fn interface_initiation(context: &mut ReadContext<'_>, card: &Card, c
 }
 
 /// Reads `*DAMAGE EVOLUTION` after a criterion of cohesive elements.
-pub(super) fn interface_evolution(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn interface_evolution(context: &mut Context<'_>, card: &Card) {
     if context.last_material().interface.evolution.is_some() {
         let message = "*DAMAGE EVOLUTION must follow a *DAMAGE INITIATION";
         let diagnostic = Diagnostic::error("M105", message).at(card.span, "no *DAMAGE INITIATION before");
@@ -121,7 +121,7 @@ pub(super) fn interface_evolution(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Reports parameters of `*DAMAGE EVOLUTION` that are for cohesive elements only. Returns whether there is none.
-pub(super) fn is_bulk_evolution(context: &mut ReadContext<'_>, card: &Card) -> bool {
+pub(super) fn is_bulk_evolution(context: &mut Context<'_>, card: &Card) -> bool {
     let names = ["SOFTENING", "MIXED MODE BEHAVIOR", "MODE MIX RATIO", "POWER"];
     let linear = |name: &str| name == "SOFTENING" && card.value(name).is_some_and(|word| word.is("LINEAR"));
     let Some(name) = names.into_iter().find(|name| card.has(name) && !linear(name)) else { return true };
@@ -133,7 +133,7 @@ pub(super) fn is_bulk_evolution(context: &mut ReadContext<'_>, card: &Card) -> b
 
 /// Returns the softening of `*DAMAGE EVOLUTION`. Unsupported combinations are reported.
 pub(super) fn softening(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     card: &Card,
     values: &cards::DamageEvolution,
 ) -> Option<InterfaceSoftening> {
@@ -161,7 +161,7 @@ pub(super) fn softening(
 }
 
 /// Reports combinations of parameters that have no meaning.
-fn check_mode_parameters(context: &mut ReadContext<'_>, card: &Card, values: &cards::DamageEvolution) -> Option<()> {
+fn check_mode_parameters(context: &mut Context<'_>, card: &Card, values: &cards::DamageEvolution) -> Option<()> {
     let closed = is_closed(values);
     let fault = if closed && !values.energy {
         Some(("MIXED MODE BEHAVIOR", "POWER LAW and BK require TYPE=ENERGY"))
@@ -185,7 +185,7 @@ fn check_mode_parameters(context: &mut ReadContext<'_>, card: &Card, values: &ca
 
 /// Returns the values at failure; `column` is that of the mode mix in tables.
 fn mode_dependence(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     card: &Card,
     values: &cards::DamageEvolution,
     column: usize,
@@ -222,7 +222,7 @@ fn mode_dependence(
 }
 
 fn softening_table(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     card: &Card,
     values: &cards::DamageEvolution,
 ) -> Option<InterfaceSoftening> {
@@ -242,7 +242,7 @@ fn softening_table(
 
 /// Reports a cohesive element whose faces are exchanged, which its zero thickness hides: the solid element at its
 /// bottom face is above it, or the one at its top face below.
-pub(super) fn report_exchanged_faces(context: &mut ReadContext<'_>) {
+pub(super) fn report_exchanged_faces(context: &mut Context<'_>) {
     let mesh = &context.model.mesh;
     let is_cohesive = |kind: ElementKind| kind == ElementKind::Cohax4;
     if !mesh.elements.iter().any(|e| is_cohesive(e.kind)) {

@@ -2,13 +2,13 @@
 //! `*DAMAGE EVOLUTION` and `*DAMAGE STABILIZATION` that follow it (ABAQUS Keywords Reference Guide).
 
 use super::cohesive::initiation_of;
-use super::context::ReadContext;
+use super::context::Context;
 use super::types::{CohesiveBehavior, InitiationMeasure, InterfaceEvolution};
 use super::{cohesive, contact};
 use crate::deck::table::{constraints, materials};
 use crate::deck::{Card, Diagnostic};
 
-pub(super) fn read_cohesive_behavior(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_cohesive_behavior(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let constraints::CohesiveBehavior { original, coupled, repeated, stiffness } = card.values();
     let (stiffness, coupling) = ([stiffness[0], stiffness[1]], if coupled { stiffness[3] } else { 0.0 });
@@ -35,7 +35,7 @@ pub(super) fn read_cohesive_behavior(context: &mut ReadContext<'_>, card: &Card)
 }
 
 /// Returns the cohesive behaviour of the current surface interaction, or reports that it is missing.
-fn last_cohesion<'c>(context: &'c mut ReadContext<'_>, card: &Card) -> Option<&'c mut CohesiveBehavior> {
+fn last_cohesion<'c>(context: &'c mut Context<'_>, card: &Card) -> Option<&'c mut CohesiveBehavior> {
     let is_there = context.model.interactions.last().is_some_and(|interaction| interaction.cohesion.is_some());
     if !is_there && !context.missing.has_card("COHESIVE BEHAVIOR") {
         let message = format!("*{} of a surface interaction must follow its *COHESIVE BEHAVIOR", card.keyword.name);
@@ -46,7 +46,7 @@ fn last_cohesion<'c>(context: &'c mut ReadContext<'_>, card: &Card) -> Option<&'
 }
 
 /// Reads `*DAMAGE INITIATION` of a surface interaction.
-pub(super) fn read_cohesive_initiation(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_cohesive_initiation(context: &mut Context<'_>, card: &Card) {
     let materials::DamageInitiation { criterion } = card.values();
     let Some(before) = last_cohesion(context, card).map(|cohesion| cohesion.initiation) else { return };
     let initiation = initiation_of(card, criterion).filter(|i| i.measure != InitiationMeasure::Strain);
@@ -66,7 +66,7 @@ pub(super) fn read_cohesive_initiation(context: &mut ReadContext<'_>, card: &Car
 }
 
 /// Reads `*DAMAGE EVOLUTION` of a surface interaction.
-pub(super) fn read_cohesive_evolution(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_cohesive_evolution(context: &mut Context<'_>, card: &Card) {
     let Some(cohesion) = last_cohesion(context, card) else { return };
     if cohesion.initiation.is_none() || cohesion.evolution.is_some() {
         if !context.missing.has_card("DAMAGE INITIATION") {
@@ -84,7 +84,7 @@ pub(super) fn read_cohesive_evolution(context: &mut ReadContext<'_>, card: &Card
 }
 
 /// Reads `*DAMAGE STABILIZATION` of a surface interaction.
-pub(super) fn read_cohesive_stabilization(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_cohesive_stabilization(context: &mut Context<'_>, card: &Card) {
     let materials::DamageStabilization { viscosity: [viscosity] } = card.values();
     let Some(cohesion) = last_cohesion(context, card) else { return };
     if cohesion.evolution.is_none() {

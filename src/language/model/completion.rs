@@ -1,7 +1,7 @@
 //! Checks and values that need the whole deck: densities at the initial temperature, element deletion controls,
 //! conditions on degrees of freedom that do not exist.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::degrees::RotationalCondition;
 use super::families::{ConditionReader, MaterialReader};
 use super::types::{DamageEvolution, ElementKind, InitialKind, LoadKind};
@@ -11,11 +11,7 @@ use crate::kernel::hardening::LinearTable;
 use crate::kernel::lists::sorted_unique;
 
 /// Completes the model after all cards are read.
-pub(super) fn complete(
-    context: &mut ReadContext<'_>,
-    materials: &mut MaterialReader,
-    conditions: &mut ConditionReader,
-) {
+pub(super) fn complete(context: &mut Context<'_>, materials: &mut MaterialReader, conditions: &mut ConditionReader) {
     if !context.missing.bodies {
         initial_densities(context);
     }
@@ -28,7 +24,7 @@ pub(super) fn complete(
 /// Reports conditions on degrees of freedom that do not exist. Nodes of an axisymmetric body have 1 (r) and 2 (z);
 /// the reference node of a rigid body also has 6 (rotation), which symmetry fixes (ABAQUS Analysis User's Guide
 /// 1.2.2, "Conventions").
-fn report_missing_dofs(context: &mut ReadContext<'_>, conditions: &mut ConditionReader) {
+fn report_missing_dofs(context: &mut Context<'_>, conditions: &mut ConditionReader) {
     let oblique = has_oblique_impact(context);
     // A rigid body with *ATTITUDE may have six degrees of freedom.
     let in_space = |nodes: &[usize]| context.model.attitudes.iter().any(|a| nodes.contains(&a.reference));
@@ -77,12 +73,12 @@ fn report_missing_dofs(context: &mut ReadContext<'_>, conditions: &mut Condition
 }
 
 /// Returns whether rigid bodies may have six degrees of freedom.
-pub(super) fn has_oblique_impact(context: &ReadContext<'_>) -> bool {
+pub(super) fn has_oblique_impact(context: &Context<'_>) -> bool {
     !context.model.attitudes.is_empty() || context.model.targets.iter().any(|target| target.obliquity != 0.0)
 }
 
 /// Returns the nodes of shells, which have a rotation, in ascending order.
-fn nodes_of_shells(context: &ReadContext<'_>) -> Vec<usize> {
+fn nodes_of_shells(context: &Context<'_>) -> Vec<usize> {
     let shells = context.model.mesh.elements.iter().filter(|e| e.kind == ElementKind::Sax1);
     let nodes: Vec<usize> = sorted_unique(shells.flat_map(|e| e.nodes.iter().copied()));
     nodes
@@ -90,7 +86,7 @@ fn nodes_of_shells(context: &ReadContext<'_>) -> Vec<usize> {
 
 /// Sets a temperature-dependent density to its value at the initial temperature, because mass is constant (ABAQUS
 /// Analysis User's Guide 21.2.1, "Density").
-fn initial_densities(context: &mut ReadContext<'_>) {
+fn initial_densities(context: &mut Context<'_>) {
     for index in 0..context.model.materials.len() {
         if context.model.materials[index].densities.len() < 2 {
             continue;
@@ -108,7 +104,7 @@ fn initial_densities(context: &mut ReadContext<'_>) {
 }
 
 /// Returns the uniform initial temperature of the elements of a material.
-fn initial_temperature(context: &ReadContext<'_>, material: usize) -> Result<f64, &'static str> {
+fn initial_temperature(context: &Context<'_>, material: usize) -> Result<f64, &'static str> {
     let mut nodes = vec![0.0; context.model.mesh.node_names.len()];
     for condition in &context.model.initial_conditions {
         if let InitialKind::Temperature(value) = condition.kind {
@@ -128,7 +124,7 @@ fn initial_temperature(context: &ReadContext<'_>, material: usize) -> Result<f64
 }
 
 /// Reports `ELEMENT DELETION=NO` for materials whose failure deletes elements immediately.
-fn check_element_deletion(context: &mut ReadContext<'_>) {
+fn check_element_deletion(context: &mut Context<'_>) {
     let kept = |section: &super::SolidSection| -> Option<(Span, bool)> {
         let span = section.controls.keep_failed_elements?;
         let material = context.model.materials.get(section.material.index())?;

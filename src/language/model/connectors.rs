@@ -1,11 +1,11 @@
 //! `*SPRING` and `*DASHPOT`: properties of SPRINGA, SPRING1, DASHPOTA and DASHPOT1 elements.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::SectionReader;
 use super::types::{ConnectorLaw, ConnectorProperty, ElementKind};
 use crate::deck::{Card, DataLine};
 
-pub(super) fn read_connectors(context: &mut ReadContext<'_>, sections: &mut SectionReader, card: &Card) {
+pub(super) fn read_connectors(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let Some(set) = context.required(card, "ELSET") else { return };
     let Some(elements) = context.element_members(set) else { return };
     let is_spring = card.keyword.name == "SPRING";
@@ -40,12 +40,7 @@ pub(super) fn read_connectors(context: &mut ReadContext<'_>, sections: &mut Sect
     context.model.discrete.connectors.push(property);
 }
 
-fn connector_law(
-    context: &mut ReadContext<'_>,
-    card: &Card,
-    lines: &[&DataLine],
-    is_spring: bool,
-) -> Option<ConnectorLaw> {
+fn connector_law(context: &mut Context<'_>, card: &Card, lines: &[&DataLine], is_spring: bool) -> Option<ConnectorLaw> {
     if card.has("NONLINEAR") {
         let over = if is_spring { "the relative displacement" } else { "the relative velocity" };
         let row = |line: &&DataLine| Some([context.number(line, 1, over)?, context.number(line, 0, "the force")?]);

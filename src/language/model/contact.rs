@@ -1,6 +1,6 @@
 //! Analytical surfaces and contact pairs: `*SURFACE, TYPE=SEGMENTS`, `*RIGID SURFACE`, `*CONTACT PAIR`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{ContactReader, PartReader, StepReader};
 use super::names::{qualified, upper};
 use super::refinement::listed;
@@ -29,7 +29,7 @@ fn equidistant_centre(a: [f64; 2], b: [f64; 2], centre: [f64; 2]) -> [f64; 2] {
 
 /// Reads an analytical surface: START, then LINE and CIRCL (ABAQUS Keywords Reference Guide, *SURFACE,
 /// TYPE=SEGMENTS).
-pub(super) fn analytical_surface(context: &mut ReadContext<'_>, parts: &mut PartReader<'_>, card: &Card, name: &Word) {
+pub(super) fn analytical_surface(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card, name: &Word) {
     let Some((start, rest)) = card.lines.split_first() else {
         required_lines(context, card);
         return;
@@ -74,7 +74,7 @@ pub(super) fn analytical_surface(context: &mut ReadContext<'_>, parts: &mut Part
     context.model.surfaces.analytical.insert(key, surface);
 }
 
-fn required_lines(context: &mut ReadContext<'_>, card: &Card) {
+fn required_lines(context: &mut Context<'_>, card: &Card) {
     let diagnostic = Diagnostic::error("M102", "an analytical surface must start with `START, r, z`");
     context.diagnostics.push(diagnostic.at(card.span, "no data lines"));
 }
@@ -94,7 +94,7 @@ fn placed(parts: &PartReader<'_>, profile: SurfaceProfile) -> SurfaceProfile {
     if turned { placed.reversed() } else { placed }
 }
 
-fn surface_point(context: &mut ReadContext<'_>, line: &DataLine, word: &str) -> Option<[f64; 2]> {
+fn surface_point(context: &mut Context<'_>, line: &DataLine, word: &str) -> Option<[f64; 2]> {
     if !line.field(0).is_some_and(|w| w.is(word)) {
         return context.refuse_value(line.span, format!("an analytical surface must start with `{word}, r, z`"));
     }
@@ -105,7 +105,7 @@ fn surface_point(context: &mut ReadContext<'_>, line: &DataLine, word: &str) -> 
 }
 
 /// Reads the segment of a data line, which starts at the end of the previous one.
-fn segment(context: &mut ReadContext<'_>, line: &DataLine, from: [f64; 2]) -> Option<ProfileSegment> {
+fn segment(context: &mut Context<'_>, line: &DataLine, from: [f64; 2]) -> Option<ProfileSegment> {
     let is = |what: &str| line.field(0).is_some_and(|w| w.is(what));
     if !is("LINE") && !is("CIRCL") {
         return context.refuse_unsupported(
@@ -137,7 +137,7 @@ fn segment(context: &mut ReadContext<'_>, line: &DataLine, from: [f64; 2]) -> Op
 /// Returns the centre of an arc. If the distances to the ends differ by more than rounding, the centre is corrected
 /// with a warning; if they differ by more than 1 % of the radius, an error is reported.
 pub(super) fn arc_centre(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     from: [f64; 2],
     to: [f64; 2],
     centre: [f64; 2],
@@ -164,7 +164,7 @@ pub(super) fn arc_centre(
 
 /// Reads an analytical surface with its reference node in the older syntax (ABAQUS Keywords Reference Guide, *RIGID
 /// SURFACE).
-pub(super) fn read_rigid_surface(context: &mut ReadContext<'_>, parts: &mut PartReader<'_>, card: &Card) {
+pub(super) fn read_rigid_surface(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card) {
     if !card.value("TYPE").is_some_and(|w| w.is("SEGMENTS")) {
         let message = "*RIGID SURFACE supports TYPE=SEGMENTS only, a surface of revolution";
         return context.unsupported(card.span, message, "use TYPE=SEGMENTS");
@@ -191,7 +191,7 @@ pub(super) fn read_rigid_surface(context: &mut ReadContext<'_>, parts: &mut Part
 }
 
 /// Assigns an analytical surface to the rigid body with a reference node.
-pub(super) fn carry_surface(context: &mut ReadContext<'_>, word: &Word, reference: usize) {
+pub(super) fn carry_surface(context: &mut Context<'_>, word: &Word, reference: usize) {
     for name in [qualified(&context.scope, &word.text), upper(&word.text)] {
         if let Some(surface) = context.model.surfaces.analytical.get_mut(&name) {
             surface.reference = Some(reference);
@@ -202,14 +202,14 @@ pub(super) fn carry_surface(context: &mut ReadContext<'_>, word: &Word, referenc
     context.unknown("M114", "analytical surface", word, |_| names.clone());
 }
 
-pub(super) fn contact_note(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn contact_note(context: &mut Context<'_>, card: &Card) {
     if !context.deck.cards.iter().any(|c| matches!(c.keyword.name, "CONTACT PAIR" | "CONTACT")) {
         context.inert(card, "it is used by contact only".into());
     }
 }
 
 pub(super) fn read_contact_pair(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     contact: &mut ContactReader,
     steps: &mut StepReader,
     card: &Card,
@@ -259,19 +259,19 @@ pub(super) fn read_contact_pair(
 }
 
 /// Returns the analytical surface with a name.
-pub(super) fn analytical_id(context: &ReadContext<'_>, word: &Word) -> Option<RigidSurfaceId> {
+pub(super) fn analytical_id(context: &Context<'_>, word: &Word) -> Option<RigidSurfaceId> {
     let known = &context.model.surfaces.analytical;
     let names = [qualified(&context.scope, &word.text), upper(&word.text)];
     names.iter().find_map(|name| known.get_index_of(name)).map(RigidSurfaceId::new)
 }
 
-pub(super) fn report_missing_pair(context: &mut ReadContext<'_>, span: Span) {
+pub(super) fn report_missing_pair(context: &mut Context<'_>, span: Span) {
     let message = "the contact pair to delete does not exist";
     context.diagnostics.push(Diagnostic::error("M114", message).at(span, "not in force here"));
 }
 
 /// Copies the laws of interactions to the contacts after all cards are read; a pair may precede its interaction.
-pub(super) fn apply_interactions(context: &mut ReadContext<'_>, contact: &mut ContactReader) {
+pub(super) fn apply_interactions(context: &mut Context<'_>, contact: &mut ContactReader) {
     let names: Vec<String> = context.model.interactions.iter().map(|i| i.name.clone()).collect();
     let mut used = std::mem::take(&mut contact.interactions_used);
     used.dedup_by_key(|word| word.span);
@@ -293,7 +293,7 @@ pub(super) fn apply_interactions(context: &mut ReadContext<'_>, contact: &mut Co
 
 /// Returns the surface interaction with a name, which may be defined later.
 pub(super) fn interaction(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     contact: &mut ContactReader,
     word: &Word,
 ) -> Option<InteractionId> {
@@ -302,12 +302,12 @@ pub(super) fn interaction(
 }
 
 /// Returns the nodes of a node-based or element-based surface, ascending.
-pub(super) fn contact_nodes(context: &mut ReadContext<'_>, word: &Word) -> Option<Vec<usize>> {
+pub(super) fn contact_nodes(context: &mut Context<'_>, word: &Word) -> Option<Vec<usize>> {
     nodes_and_faces(context, word).map(|sides| sides.0)
 }
 
 /// Returns the nodes and the faces of a surface; a node-based surface has no faces.
-pub(super) fn nodes_and_faces(context: &mut ReadContext<'_>, word: &Word) -> Option<(Vec<usize>, SideSelection)> {
+pub(super) fn nodes_and_faces(context: &mut Context<'_>, word: &Word) -> Option<(Vec<usize>, SideSelection)> {
     for name in [qualified(&context.scope, &word.text), upper(&word.text)] {
         if let Some(nodes) = context.model.surfaces.nodes.get(&name) {
             return Some((nodes.clone(), SideSelection::new(&name, &[])));
@@ -321,7 +321,7 @@ pub(super) fn nodes_and_faces(context: &mut ReadContext<'_>, word: &Word) -> Opt
 }
 
 /// Defines a node-based surface from node sets and single nodes.
-pub(super) fn node_surface(context: &mut ReadContext<'_>, card: &Card, name: &Word) {
+pub(super) fn node_surface(context: &mut Context<'_>, card: &Card, name: &Word) {
     let words = card.lines.iter().filter_map(|l| l.field(0));
     let between = listed::between_labels(context, words.clone());
     if let Some(last) = card.lines.last().filter(|_| !between.is_empty()) {

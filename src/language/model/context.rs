@@ -26,7 +26,7 @@ pub(super) const MAX_GENERATED: usize = 20_000_000;
 const SUGGESTIONS: usize = 20;
 
 /// State that all readers of cards share.
-pub(super) struct ReadContext<'a> {
+pub(super) struct Context<'a> {
     pub deck: &'a Deck,
     pub model: Model,
     pub diagnostics: Diagnostics,
@@ -69,14 +69,14 @@ pub(super) struct ScalingState {
     pub edits: Option<Box<DeckEdits>>,
 }
 
-impl<'a> ReadContext<'a> {
+impl<'a> Context<'a> {
     pub fn new(deck: &'a Deck) -> Self {
         let origin = ModelOrigin {
             sources: Arc::clone(&deck.sources),
             last_card: deck.cards.last().map(|card| card.span),
             ..ModelOrigin::default()
         };
-        ReadContext {
+        Context {
             deck,
             model: Model { origin, ..Model::default() },
             diagnostics: Diagnostics::default(),

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::budget::BudgetedItem;
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{LocalSystem, MeshReader, PartReader};
 use super::placement::read_placement;
 use super::refinement::curves::{AffineMap, polar_point};
@@ -39,12 +39,7 @@ impl PlaneMapping {
 
 /// Copies nodes with shifted labels (ABAQUS Keywords Reference Guide, *NCOPY). SHIFT translates and rotates them as
 /// `*INSTANCE` does; REFLECT reflects them through a point or across a line or plane.
-pub(super) fn read_ncopy(
-    context: &mut ReadContext<'_>,
-    parts: &mut PartReader<'_>,
-    mesh: &mut MeshReader,
-    card: &Card,
-) {
+pub(super) fn read_ncopy(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(change) = label_shift(context, card, "CHANGE NUMBER") else { return };
     let Some(old) = context.required(card, "OLD SET").and_then(|w| nodes::nodes_in_order(context, mesh, w)) else {
         return;
@@ -76,7 +71,7 @@ pub(super) fn read_ncopy(
     }
 }
 
-fn label_shift(context: &mut ReadContext<'_>, card: &Card, name: &str) -> Option<i64> {
+fn label_shift(context: &mut Context<'_>, card: &Card, name: &str) -> Option<i64> {
     let word = context.required(card, name)?;
     let change = word.integer(&mut context.diagnostics)?;
     if change == 0 {
@@ -87,7 +82,7 @@ fn label_shift(context: &mut ReadContext<'_>, card: &Card, name: &str) -> Option
 
 /// Returns the coordinate transformation of a `*NCOPY` card.
 #[allow(clippy::type_complexity)] // The function depends on the card.
-fn copy_transform(context: &mut ReadContext<'_>, card: &Card) -> Option<Box<dyn Fn([f64; 2]) -> [f64; 2]>> {
+fn copy_transform(context: &mut Context<'_>, card: &Card) -> Option<Box<dyn Fn([f64; 2]) -> [f64; 2]>> {
     if card.has("SHIFT") {
         let placement = if card.lines.is_empty() { None } else { Some(read_placement(context, card)?) };
         return Some(Box::new(move |p| placement.as_ref().map_or(p, |placement| placement.apply(p))));
@@ -100,7 +95,7 @@ fn copy_transform(context: &mut ReadContext<'_>, card: &Card) -> Option<Box<dyn 
     Some(Box::new(move |p| mapping.apply(p)))
 }
 
-fn reflection(context: &mut ReadContext<'_>, card: &Card, kind: usize) -> Option<PlaneMapping> {
+fn reflection(context: &mut Context<'_>, card: &Card, kind: usize) -> Option<PlaneMapping> {
     let line = context.first_line(card)?;
     let [a, b] = [space_point(context, line, 0)?, space_point(context, line, 3)?];
     let way = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
@@ -133,7 +128,7 @@ fn reflection(context: &mut ReadContext<'_>, card: &Card, kind: usize) -> Option
 }
 
 /// Reads three coordinates, starting at a field; empty fields are zero.
-pub(super) fn space_point(context: &mut ReadContext<'_>, line: &DataLine, first: usize) -> Option<[f64; 3]> {
+pub(super) fn space_point(context: &mut Context<'_>, line: &DataLine, first: usize) -> Option<[f64; 3]> {
     let mut point = [0.0; 3];
     for (i, value) in point.iter_mut().enumerate() {
         *value = context.number_or(line, first + i, 0.0)?;
@@ -143,7 +138,7 @@ pub(super) fn space_point(context: &mut ReadContext<'_>, line: &DataLine, first:
 
 /// Copies elements with shifted element and node labels (ABAQUS Keywords Reference Guide, *ELCOPY). REFLECT
 /// reverses the node order, for copies of reflected nodes.
-pub(super) fn read_elcopy(context: &mut ReadContext<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_elcopy(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let shift_of_nodes = context.required(card, "SHIFT NODES").and_then(|w| w.integer(&mut context.diagnostics));
     let (Some(change), Some(shift)) = (label_shift(context, card, "ELEMENT SHIFT"), shift_of_nodes) else {
         return;
@@ -174,7 +169,7 @@ pub(super) fn read_elcopy(context: &mut ReadContext<'_>, mesh: &mut MeshReader, 
 
 /// Maps nodes from coordinates of a local system (ABAQUS Keywords Reference Guide, *NMAP): RECTANGULAR, or
 /// CYLINDRICAL about an axis perpendicular to the r-z plane, with angles in degrees.
-pub(super) fn read_nmap(context: &mut ReadContext<'_>, parts: &mut PartReader<'_>, card: &Card) {
+pub(super) fn read_nmap(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card) {
     let Some(nodes) = context.required(card, "NSET").and_then(|w| context.node_members(w)) else { return };
     let Some(line) = context.first_line(card) else { return };
     let (Some(a), Some(b)) = (space_point(context, line, 0), space_point(context, line, 3)) else { return };
@@ -232,7 +227,7 @@ pub(super) fn read_nmap(context: &mut ReadContext<'_>, parts: &mut PartReader<'_
 
 /// Reports nodes that were generated again at other coordinates: an error if elements become degenerate, else a
 /// warning.
-pub(super) fn report_regenerated_nodes(context: &mut ReadContext<'_>, mesh: &mut MeshReader) {
+pub(super) fn report_regenerated_nodes(context: &mut Context<'_>, mesh: &mut MeshReader) {
     let bad = mesh.shapeless_elements.len();
     context.missing.bodies |= bad > 0;
     let mut again: Vec<(Span, (i64, usize))> = std::mem::take(&mut mesh.regenerated_by_card).into_iter().collect();
@@ -280,7 +275,7 @@ fn axis_system(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> Option<[[f64; 2]; 2]> {
 
 /// Sets the local system of the following `*NODE` cards (ABAQUS Keywords Reference Guide, *SYSTEM). Without data
 /// lines the coordinates are r and z again.
-pub(super) fn read_system(context: &mut ReadContext<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_system(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(line) = card.lines.first() else {
         mesh.system = None;
         return;
@@ -304,7 +299,7 @@ pub(super) fn read_system(context: &mut ReadContext<'_>, mesh: &mut MeshReader, 
 
 /// Reads transformed directions at nodes (ABAQUS Keywords Reference Guide, *TRANSFORM). Directions along r and z
 /// have no effect; others are reported by [`ModelBuilder::check_transforms`] if the nodes have a condition or force.
-pub(super) fn read_transform(context: &mut ReadContext<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_transform(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(set) = context.required(card, "NSET") else { return };
     let Some(nodes) = context.node_members(set) else { return };
     let Some(line) = context.first_line(card) else { return };
@@ -320,7 +315,7 @@ pub(super) fn read_transform(context: &mut ReadContext<'_>, mesh: &mut MeshReade
 }
 
 /// Reports conditions and forces on nodes with transformed directions, which are not supported.
-pub(super) fn check_transforms(context: &mut ReadContext<'_>, mesh: &mut MeshReader) {
+pub(super) fn check_transforms(context: &mut Context<'_>, mesh: &mut MeshReader) {
     for (nodes, span) in std::mem::take(&mut mesh.transforms) {
         let steps = &context.model.steps;
         let meant = |list: &[usize]| list.iter().any(|n| nodes.contains(n));

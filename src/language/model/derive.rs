@@ -1,7 +1,7 @@
 //! `*CAVITY EXPANSION, DERIVE`: cavity expansion constants from `*ELASTIC`, `*DENSITY`, `*PLASTIC` and `*RATE
 //! DEPENDENT` of the same material. The computation is in `resistance`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::derivation::DerivationRequest;
 use super::families::MaterialReader;
 use super::types::{CavityExpansion, MaterialDefinition, PlasticityModel, RateDependence, ResistanceDerivation};
@@ -20,7 +20,7 @@ const STRAINS: [f64; 2] = [1e-5, 30.0];
 
 /// Stores the request until the other cards of the material are read.
 pub(super) fn derivation(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     materials: &mut MaterialReader,
     card: &Card,
     values: &cards::CavityExpansion,
@@ -49,7 +49,7 @@ pub(super) fn derivation(
 }
 
 /// Derives the requested constants after all cards are read.
-pub(super) fn derive_resistances(context: &mut ReadContext<'_>, materials: &mut MaterialReader) {
+pub(super) fn derive_resistances(context: &mut Context<'_>, materials: &mut MaterialReader) {
     for requested in std::mem::take(&mut materials.derivations) {
         match derived(context, &requested) {
             Ok(resistance) => context.model.materials[requested.material].cavity = Some(resistance),
@@ -58,7 +58,7 @@ pub(super) fn derive_resistances(context: &mut ReadContext<'_>, materials: &mut 
     }
 }
 
-fn derived(context: &mut ReadContext<'_>, requested: &DerivationRequest) -> Result<CavityExpansion, Diagnostic> {
+fn derived(context: &mut Context<'_>, requested: &DerivationRequest) -> Result<CavityExpansion, Diagnostic> {
     let material = &context.model.materials[requested.material];
     if material.rate.is_some() && requested.radius.is_none() {
         let message = format!("the resistance of material {} is derived without *RATE DEPENDENT", material.name);

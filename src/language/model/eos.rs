@@ -1,11 +1,11 @@
 //! Equations of state: `*EOS`, `*DETONATION POINT`, `*PHYSICAL CONSTANTS`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::types::{EosKind, EquationOfState};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 
-pub(super) fn read_eos(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_eos(context: &mut Context<'_>, card: &Card) {
     let cards::Eos { kind } = card.values();
     let kind = match kind {
         0 => Some(EosKind::IdealGas(card.read_lines())),
@@ -19,7 +19,7 @@ pub(super) fn read_eos(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Reads rows of f1, f2 and volumetric strain, from tension to compression.
-fn tabulated(context: &mut ReadContext<'_>, card: &Card) -> Option<EosKind> {
+fn tabulated(context: &mut Context<'_>, card: &Card) -> Option<EosKind> {
     context.first_line(card)?;
     let rows: Vec<[f64; 3]> = card.read_lines();
     if let Some(line) = (1..rows.len()).find(|&i| rows[i - 1][2] <= rows[i][2]) {
@@ -34,7 +34,7 @@ fn tabulated(context: &mut ReadContext<'_>, card: &Card) -> Option<EosKind> {
 }
 
 /// Reads a JWL explosive. A very large energy is likely given per volume instead of per mass.
-fn jwl(context: &mut ReadContext<'_>, card: &Card) -> Option<EosKind> {
+fn jwl(context: &mut Context<'_>, card: &Card) -> Option<EosKind> {
     let line = context.first_line(card)?;
     let values: [f64; 8] = card.read_lines();
     let [speed, .., energy, _] = values;
@@ -51,7 +51,7 @@ fn jwl(context: &mut ReadContext<'_>, card: &Card) -> Option<EosKind> {
 }
 
 /// Reads detonation points: coordinates and, in the fourth field, the delay time.
-pub(super) fn read_detonation_points(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_detonation_points(context: &mut Context<'_>, card: &Card) {
     let cards::DetonationPoint { points } = card.values();
     if context.first_line(card).is_some() {
         context.last_material().detonation = points.iter().map(|p| [p[0], p[1], p[3]]).collect();
@@ -59,7 +59,7 @@ pub(super) fn read_detonation_points(context: &mut ReadContext<'_>, card: &Card)
 }
 
 /// Reads absolute zero; the other physical constants are not used.
-pub(super) fn read_physical_constants(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_physical_constants(context: &mut Context<'_>, card: &Card) {
     let cards::PhysicalConstants { absolute_zero } = card.values();
     context.model.settings.absolute_zero = absolute_zero.unwrap_or(0.0);
 }

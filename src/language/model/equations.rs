@@ -1,6 +1,6 @@
 //! `*EQUATION`: linear equations between displacements or between temperatures.
 
-use super::context::{MAX_GENERATED, ReadContext};
+use super::context::{Context, MAX_GENERATED};
 use super::families::MeshReader;
 use super::nodes;
 use super::types::LinearEquation;
@@ -9,7 +9,7 @@ use crate::deck::{Card, Diagnostic, Span, Word};
 /// A term: nodes (in order of labels, or in the order of an UNSORTED set), degree of freedom, coefficient.
 type EquationTerm = (Vec<usize>, u8, f64);
 
-pub(super) fn read_equation(context: &mut ReadContext<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_equation(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     if context.first_line(card).is_none() {
         return;
     }
@@ -39,7 +39,7 @@ pub(super) fn read_equation(context: &mut ReadContext<'_>, mesh: &mut MeshReader
     }
 }
 
-fn equation_term(context: &mut ReadContext<'_>, mesh: &mut MeshReader, words: &[&Word]) -> Option<EquationTerm> {
+fn equation_term(context: &mut Context<'_>, mesh: &mut MeshReader, words: &[&Word]) -> Option<EquationTerm> {
     let nodes = nodes::nodes_in_order(context, mesh, words[0])?;
     let dof = words[1].integer(&mut context.diagnostics)?;
     let coefficient = words[2].number(&mut context.diagnostics)?;
@@ -57,7 +57,7 @@ fn equation_term(context: &mut ReadContext<'_>, mesh: &mut MeshReader, words: &[
 }
 
 /// Adds one equation per node of the sets; single nodes appear in all of them.
-fn add_equations(context: &mut ReadContext<'_>, terms: &[EquationTerm], span: Span) {
+fn add_equations(context: &mut Context<'_>, terms: &[EquationTerm], span: Span) {
     let count = terms[0].0.len();
     if let Some(other) = terms.iter().find(|t| t.0.len() != count && t.0.len() != 1) {
         let message =

@@ -1,12 +1,12 @@
 //! Reads `*EROSION`: criteria for the deletion of elements.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::types::ErosionCriteria;
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
 /// Reads erosion criteria, which delete elements independently of their material.
-pub(super) fn read_erosion(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_erosion(context: &mut Context<'_>, card: &Card) {
     let elements = match card.value("ELSET") {
         Some(word) => match context.element_members(word) {
             Some(members) => Some(members),

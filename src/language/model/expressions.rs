@@ -1,13 +1,13 @@
 //! `*OUTPUT EXPRESSION`: names and texts of derived history columns. `plan/expressions.rs` resolves the names in the
 //! text.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::names::upper;
 use super::types::OutputExpression;
 use crate::deck::{Card, Diagnostic, Span, Word};
 
 /// Reads data lines of the form `name = expression`.
-pub(super) fn read_output_expressions(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_output_expressions(context: &mut Context<'_>, card: &Card) {
     for word in card.lines.iter().filter_map(|line| line.fields.first()) {
         let Some((name, text)) = word.text.split_once('=') else {
             no_expression(context, word.span, "there is no equals sign");
@@ -28,7 +28,7 @@ pub(super) fn read_output_expressions(context: &mut ReadContext<'_>, card: &Card
     }
 }
 
-fn no_expression(context: &mut ReadContext<'_>, span: Span, why: &str) {
+fn no_expression(context: &mut Context<'_>, span: Span, why: &str) {
     let diagnostic = Diagnostic::error("M171", format!("invalid history expression: {why}"));
     context.diagnostics.push(diagnostic.at(span, "expected `name = expression`"));
 }

@@ -1,6 +1,6 @@
 //! Material failure: `*SHEAR FAILURE`, `*TENSILE FAILURE`, `*DAMAGE INITIATION`, `*DAMAGE EVOLUTION`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::MaterialReader;
 use super::types::{DamageEvolution, FailureCriterion, StrainAtFailure, TensileFailure};
 use super::{cohesive, cohesive_contact};
@@ -11,7 +11,7 @@ use crate::kernel::levels::NestedTable;
 /// Index of the value of `CRITERION` in the keyword table.
 const DUCTILE: usize = 1;
 
-pub(super) fn read_shear_failure(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_shear_failure(context: &mut Context<'_>, card: &Card) {
     let cards::ShearFailure { johnson_cook } = card.values();
     let Some(line) = context.first_line(card) else { return };
     let strain = if johnson_cook {
@@ -25,14 +25,14 @@ pub(super) fn read_shear_failure(context: &mut ReadContext<'_>, card: &Card) {
     criterion(context, card, strain, DamageEvolution::Sudden);
 }
 
-fn criterion(context: &mut ReadContext<'_>, card: &Card, strain: Option<StrainAtFailure>, evolution: DamageEvolution) {
+fn criterion(context: &mut Context<'_>, card: &Card, strain: Option<StrainAtFailure>, evolution: DamageEvolution) {
     if let Some(strain) = strain {
         context.last_material().failures.push(FailureCriterion { strain, evolution, span: card.span });
     }
 }
 
 /// Reads rows of a strain and three variables, the first of which varies fastest.
-fn strains(context: &mut ReadContext<'_>, card: &Card) -> Option<Vec<[f64; 4]>> {
+fn strains(context: &mut Context<'_>, card: &Card) -> Option<Vec<[f64; 4]>> {
     let line = context.first_line(card)?;
     let rows: Vec<[f64; 4]> = card.read_lines();
     if NestedTable::new(&rows).is_none() {
@@ -43,7 +43,7 @@ fn strains(context: &mut ReadContext<'_>, card: &Card) -> Option<Vec<[f64; 4]>> 
 }
 
 /// Reads d1 to d5, melting temperature, transition temperature and reference strain rate.
-fn johnson_cook(context: &mut ReadContext<'_>, card: &Card) -> Option<StrainAtFailure> {
+fn johnson_cook(context: &mut Context<'_>, card: &Card) -> Option<StrainAtFailure> {
     let line = context.first_line(card)?;
     let [d1, d2, d3, d4, d5, melt, transition, rate]: [f64; 8] = card.read_lines();
     if d4 != 0.0 && rate <= 0.0 || d5 != 0.0 && melt <= transition {
@@ -55,7 +55,7 @@ fn johnson_cook(context: &mut ReadContext<'_>, card: &Card) -> Option<StrainAtFa
 }
 
 /// Reads `*DAMAGE INITIATION` of a material or of a surface interaction.
-pub(super) fn read_damage_initiation(context: &mut ReadContext<'_>, materials: &mut MaterialReader, card: &Card) {
+pub(super) fn read_damage_initiation(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     if materials.in_interaction {
         return cohesive_contact::read_cohesive_initiation(context, card);
     }
@@ -78,7 +78,7 @@ pub(super) fn read_damage_initiation(context: &mut ReadContext<'_>, materials: &
 }
 
 /// Reads `*DAMAGE EVOLUTION` of a material or of a surface interaction.
-pub(super) fn read_damage_evolution(context: &mut ReadContext<'_>, materials: &mut MaterialReader, card: &Card) {
+pub(super) fn read_damage_evolution(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     if materials.in_interaction {
         return cohesive_contact::read_cohesive_evolution(context, card);
     }
@@ -103,14 +103,14 @@ pub(super) fn read_damage_evolution(context: &mut ReadContext<'_>, materials: &m
 }
 
 /// Reads `*DAMAGE STABILIZATION` of a material or of a surface interaction.
-pub(super) fn read_damage_stabilization(context: &mut ReadContext<'_>, materials: &mut MaterialReader, card: &Card) {
+pub(super) fn read_damage_stabilization(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     if materials.in_interaction {
         return cohesive_contact::read_cohesive_stabilization(context, card);
     }
     cohesive::read_interface_stabilization(context, card);
 }
 
-pub(super) fn read_tensile_failure(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_tensile_failure(context: &mut Context<'_>, card: &Card) {
     let cards::TensileFailure { deletes, cutoff: [cutoff] } = card.values();
     context.last_material().tensile_failure = Some(TensileFailure { cutoff, deletes, span: card.span });
 }

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::coupling::PendingCoupling;
 use super::degrees::RotationalCondition;
 use super::derivation::DerivationRequest;
@@ -59,7 +59,7 @@ impl<'a> PartReader<'a> {
         self.blocks.push(OpenBlock { kind, span: card.span });
     }
 
-    pub fn close(&mut self, context: &mut ReadContext<'_>, kind: &'static str, card: &Card) {
+    pub fn close(&mut self, context: &mut Context<'_>, kind: &'static str, card: &Card) {
         match self.blocks.last() {
             Some(block) if block.kind == kind => {
                 self.blocks.pop();
@@ -152,13 +152,7 @@ pub(super) struct SectionReader {
 
 impl SectionReader {
     /// Notes that a card gives elements a property, and reports elements that already have one of this kind.
-    pub fn assign_property(
-        &mut self,
-        context: &mut ReadContext<'_>,
-        kind: &'static str,
-        elements: &[usize],
-        span: Span,
-    ) {
+    pub fn assign_property(&mut self, context: &mut Context<'_>, kind: &'static str, elements: &[usize], span: Span) {
         let mut twice: Vec<(usize, Span)> = Vec::new();
         let of_kind = self.property_of.entry(kind).or_default();
         of_kind.resize(of_kind.len().max(context.model.mesh.elements.len()), None);

@@ -1,7 +1,7 @@
 //! Field variables: `*FIELD`, their propagation over steps, and material tables that depend on them (`DEPENDENCIES=`).
 
 use super::amplitudes;
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::StepReader;
 use super::history::{StepHistory, StepTiming};
 use super::refinement::listed;
@@ -14,7 +14,7 @@ pub(super) const MOST_FIELDS: usize = 100;
 
 /// Reads `*FIELD`. A value without amplitude is applied at once (ABAQUS Analysis User's Guide 34.6.1, "Predefined
 /// fields", and 34.1.2, "Amplitude curves").
-pub(super) fn read_prescribed_fields(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Ok(amplitude) = amplitudes::amplitude_of(context, card) else { return };
     if steps.current.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
         return context.unsupported(card.span, "*STEP, AMPLITUDE=RAMP with *FIELD is not supported", "give AMPLITUDE=");
@@ -38,7 +38,7 @@ pub(super) fn read_prescribed_fields(context: &mut ReadContext<'_>, steps: &mut 
 /// Reads rows of `values` values, the temperature and `fields` field variables. If no row has a temperature, it is
 /// 0.
 pub(super) fn rows_over_fields(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     card: &Card,
     values: usize,
     fields: usize,
@@ -48,7 +48,7 @@ pub(super) fn rows_over_fields(
     for word in card.lines.iter().flat_map(|line| (most..line.fields.len()).filter_map(|at| line.field(at))) {
         context.report_surplus(word, &format!("DEPENDENCIES={fields} reads {most} values of a row"));
     }
-    let row = |context: &mut ReadContext<'_>, line: &DataLine| -> Option<Vec<f64>> {
+    let row = |context: &mut Context<'_>, line: &DataLine| -> Option<Vec<f64>> {
         let default = |i: usize| if i == values { f64::NAN } else { 0.0 };
         (0..values + 1 + fields).map(|i| context.number_or(line, i, default(i))).collect()
     };

@@ -1,6 +1,6 @@
 //! General contact: `*CONTACT`, `*CONTACT INCLUSIONS`, `*CONTACT EXCLUSIONS` and the assignment cards.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{ContactReader, StepReader};
 use super::types::{AssignedInteraction, ContactDomain, GeneralContact, InteractionLaw};
 use super::{clearance, contact, surface_contact};
@@ -19,7 +19,7 @@ pub(super) fn read_contact(steps: &mut StepReader, card: &Card) {
 
 /// Reads a card that follows `*CONTACT`.
 pub(super) fn read_general_contact_option(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     contact: &mut ContactReader,
     steps: &mut StepReader,
     card: &Card,
@@ -66,7 +66,7 @@ pub(super) fn read_general_contact_option(
 
 /// Returns the pair of surfaces of a data line. An empty first field is the whole exterior, an empty second field
 /// the first.
-fn domains(context: &mut ReadContext<'_>, line: &DataLine) -> Option<[ContactDomain; 2]> {
+fn domains(context: &mut Context<'_>, line: &DataLine) -> Option<[ContactDomain; 2]> {
     let first = domain(context, line.field(0))?;
     let second = match line.field(1).filter(|w| !w.text.is_empty()) {
         None if line.field(0).is_none_or(|w| w.text.is_empty()) => ContactDomain::All,
@@ -76,7 +76,7 @@ fn domains(context: &mut ReadContext<'_>, line: &DataLine) -> Option<[ContactDom
     Some([first, second])
 }
 
-fn domain(context: &mut ReadContext<'_>, word: Option<&Word>) -> Option<ContactDomain> {
+fn domain(context: &mut Context<'_>, word: Option<&Word>) -> Option<ContactDomain> {
     let Some(word) = word.filter(|w| !w.text.is_empty()) else { return Some(ContactDomain::All) };
     match contact::analytical_id(context, word) {
         Some(surface) => Some(ContactDomain::Analytical(surface)),

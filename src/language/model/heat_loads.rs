@@ -1,6 +1,6 @@
 //! Thermal loads: `*CFLUX`, `*DFLUX`, `*DSFLUX`, `*FILM`, `*SFILM`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::StepReader;
 use super::loads::load_family;
 use super::names::upper;
@@ -8,7 +8,7 @@ use super::types::{AmplitudeId, Load, LoadKind, SideSelection};
 use super::{adaptive, amplitudes, surfaces};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
-pub(super) fn read_heat_loads(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_heat_loads(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Ok(amplitude) = amplitudes::amplitude_of(context, card) else { return };
     let Ok(of_film) = amplitudes::film_amplitude(context, card) else { return };
     let family = card.keyword.name;
@@ -33,13 +33,13 @@ pub(super) fn read_heat_loads(context: &mut ReadContext<'_>, steps: &mut StepRea
     adaptive::region_of_loads(steps, card, first);
 }
 
-fn nodal_heat(context: &mut ReadContext<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
+fn nodal_heat(context: &mut Context<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
     let set = context.region(line)?;
     let nodes = context.original_nodes(set)?;
     Some((LoadKind::NodalHeat { nodes, set: set.text.clone() }, context.number(line, 2, "the heat flux")?))
 }
 
-fn element_heat(context: &mut ReadContext<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
+fn element_heat(context: &mut Context<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
     if line.field(1).is_some_and(|label| label.is("BF")) {
         let set = context.region(line)?;
         let elements = context.element_members(set)?;
@@ -51,7 +51,7 @@ fn element_heat(context: &mut ReadContext<'_>, line: &DataLine) -> Option<(LoadK
 }
 
 fn film(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     line: &DataLine,
     family: &str,
     amplitude: Option<AmplitudeId>,
@@ -64,7 +64,7 @@ fn film(
 }
 
 /// Returns the element faces named by a load label: a letter and the face number.
-fn element_sides(context: &mut ReadContext<'_>, line: &DataLine, letter: char, known: &str) -> Option<SideSelection> {
+fn element_sides(context: &mut Context<'_>, line: &DataLine, letter: char, known: &str) -> Option<SideSelection> {
     let set = context.region(line)?;
     let elements = context.element_members(set)?;
     let Some(label) = line.field(1) else {
@@ -86,7 +86,7 @@ fn element_sides(context: &mut ReadContext<'_>, line: &DataLine, letter: char, k
     })
 }
 
-fn surface_sides(context: &mut ReadContext<'_>, line: &DataLine) -> Option<SideSelection> {
+fn surface_sides(context: &mut Context<'_>, line: &DataLine) -> Option<SideSelection> {
     let word = context.region(line)?;
     surfaces::loaded_sides(context, word)
 }

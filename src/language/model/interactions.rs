@@ -2,7 +2,7 @@
 //! `*GAP HEAT GENERATION` (ABAQUS Keywords Reference Guide).
 
 use super::contact;
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::MaterialReader;
 use super::names::upper;
 use super::types::{ContactDamping, CoulombFriction, InteractionLaw, PressureOverclosure, SurfaceInteraction};
@@ -14,7 +14,7 @@ const HARD: usize = 0;
 const LINEAR: usize = 1;
 const EXPONENTIAL: usize = 2;
 
-pub(super) fn read_surface_interaction(context: &mut ReadContext<'_>, materials: &mut MaterialReader, card: &Card) {
+pub(super) fn read_surface_interaction(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     materials.in_interaction = true;
     let Some(name) = context.required(card, "NAME") else { return };
     let name = upper(&name.text);
@@ -27,7 +27,7 @@ pub(super) fn read_surface_interaction(context: &mut ReadContext<'_>, materials:
     contact::contact_note(context, card);
 }
 
-pub(super) fn read_friction(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_friction(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let Some(friction) = friction_law(context, card) else { return };
     if let Some(interaction) = context.model.interactions.last_mut() {
@@ -35,7 +35,7 @@ pub(super) fn read_friction(context: &mut ReadContext<'_>, card: &Card) {
     }
 }
 
-fn friction_law(context: &mut ReadContext<'_>, card: &Card) -> Option<CoulombFriction> {
+fn friction_law(context: &mut Context<'_>, card: &Card) -> Option<CoulombFriction> {
     let cards::Friction { largest, rough, decays, damping, values: [at_rest, sliding, decay] } = card.values();
     let mut friction = if rough {
         if let Some(word) = card.lines.first().and_then(|line| line.field(0)) {
@@ -53,7 +53,7 @@ fn friction_law(context: &mut ReadContext<'_>, card: &Card) -> Option<CoulombFri
     Some(friction)
 }
 
-pub(super) fn read_surface_behavior(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_surface_behavior(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let Some(overclosure) = overclosure(context, card) else { return };
     if let Some(interaction) = context.model.interactions.last_mut() {
@@ -61,7 +61,7 @@ pub(super) fn read_surface_behavior(context: &mut ReadContext<'_>, card: &Card) 
     }
 }
 
-pub(super) fn read_contact_damping(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_contact_damping(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let cards::ContactDamping { is_fraction, values: [value] } = card.values();
     let damping = if is_fraction { ContactDamping::CriticalFraction } else { ContactDamping::Coefficient };
@@ -70,7 +70,7 @@ pub(super) fn read_contact_damping(context: &mut ReadContext<'_>, card: &Card) {
     }
 }
 
-pub(super) fn read_gap_conductance(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_gap_conductance(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let cards::GapConductance { over_pressure, rows } = card.values();
     if rows.len() < 2 {
@@ -89,7 +89,7 @@ pub(super) fn read_gap_conductance(context: &mut ReadContext<'_>, card: &Card) {
     interaction.heat_cards.push((card.keyword.name, card.span));
 }
 
-pub(super) fn read_gap_heat_generation(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_gap_heat_generation(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let cards::GapHeatGeneration { values: [fraction, to_first] } = card.values();
     let Some(interaction) = context.model.interactions.last_mut() else { return };
@@ -97,7 +97,7 @@ pub(super) fn read_gap_heat_generation(context: &mut ReadContext<'_>, card: &Car
     interaction.heat_cards.push((card.keyword.name, card.span));
 }
 
-fn overclosure(context: &mut ReadContext<'_>, card: &Card) -> Option<PressureOverclosure> {
+fn overclosure(context: &mut Context<'_>, card: &Card) -> Option<PressureOverclosure> {
     let cards::SurfaceBehavior { kind } = card.values();
     match kind {
         HARD => Some(PressureOverclosure::Hard),

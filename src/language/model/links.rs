@@ -1,6 +1,6 @@
 //! Linked nodes: `*MPC`, `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, `*TIE`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::coupling::PendingCoupling;
 use super::families::{ConditionReader, MeshReader};
 use super::names::upper;
@@ -13,7 +13,7 @@ use crate::platform::PortableMath as _;
 /// Links nodes to reference nodes. Two sets are paired in the order of their labels, or in the given order of an
 /// UNSORTED set (ABAQUS Analysis User's Guide, "General multi-point constraints", "Identifying the nodes involved
 /// in the MPC").
-pub(super) fn read_mpc(context: &mut ReadContext<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_mpc(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     if context.first_line(card).is_none() {
         return;
     }
@@ -63,21 +63,14 @@ pub(super) fn read_mpc(context: &mut ReadContext<'_>, mesh: &mut MeshReader, car
     }
 }
 
-fn link(
-    context: &mut ReadContext<'_>,
-    name: String,
-    kind: LinkKind,
-    reference: usize,
-    mut nodes: Vec<usize>,
-    span: Span,
-) {
+fn link(context: &mut Context<'_>, name: String, kind: LinkKind, reference: usize, mut nodes: Vec<usize>, span: Span) {
     if let LinkKind::Rigid(_) = kind {
         nodes.retain(|&n| n != reference);
     }
     context.model.constraints.links.push(NodeLink { name, kind, reference, nodes, span });
 }
 
-pub(super) fn read_coupling(context: &mut ReadContext<'_>, conditions: &mut ConditionReader, card: &Card) {
+pub(super) fn read_coupling(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     end_coupling(context, conditions);
     let name = card.value("CONSTRAINT NAME").map_or_else(String::new, |w| upper(&w.text));
     let (reference, surface) = (context.required(card, "REF NODE"), context.required(card, "SURFACE"));
@@ -104,7 +97,7 @@ pub(super) fn read_coupling(context: &mut ReadContext<'_>, conditions: &mut Cond
 
 /// Returns the tributary area of each node: the integral of its shape function over the rings of the faces. Nodes
 /// of a node-based surface have the area 1 (ABAQUS Analysis User's Guide, "Coupling constraints").
-fn areas(context: &ReadContext<'_>, word: &Word, members: &[usize]) -> Vec<f64> {
+fn areas(context: &Context<'_>, word: &Word, members: &[usize]) -> Vec<f64> {
     let mesh = &context.model.mesh;
     let names = [super::names::qualified(&context.scope, &word.text), upper(&word.text)];
     if names.iter().any(|n| context.model.surfaces.nodes.contains_key(n)) {
@@ -125,7 +118,7 @@ fn areas(context: &ReadContext<'_>, word: &Word, members: &[usize]) -> Vec<f64> 
     areas
 }
 
-pub(super) fn read_coupling_kind(context: &mut ReadContext<'_>, conditions: &mut ConditionReader, card: &Card) {
+pub(super) fn read_coupling_kind(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let Some(coupling) = conditions.coupling.take() else {
         // After an invalid *COUPLING this message would be a consequential error.
         if !context.deck.cards.iter().any(|c| c.keyword.name == "COUPLING") {
@@ -146,7 +139,7 @@ pub(super) fn read_coupling_kind(context: &mut ReadContext<'_>, conditions: &mut
 }
 
 /// Returns the coupled degrees of freedom; all if the data lines are empty.
-fn coupled_degrees(context: &mut ReadContext<'_>, card: &Card) -> Option<LinkKind> {
+fn coupled_degrees(context: &mut Context<'_>, card: &Card) -> Option<LinkKind> {
     if card.lines.iter().all(|l| l.field(0).is_none()) {
         return Some(LinkKind::Rigid([true; 2]));
     }
@@ -167,7 +160,7 @@ fn coupled_degrees(context: &mut ReadContext<'_>, card: &Card) -> Option<LinkKin
 
 /// Returns the weights, which decrease with the distance from the reference node relative to the largest distance
 /// (ABAQUS Analysis User's Guide, "Coupling constraints", "Specifying the weighting method").
-fn distributing(context: &mut ReadContext<'_>, card: &Card, coupling: &PendingCoupling) -> Option<LinkKind> {
+fn distributing(context: &mut Context<'_>, card: &Card, coupling: &PendingCoupling) -> Option<LinkKind> {
     let points = &context.model.mesh.points;
     let [r, z] = points[coupling.reference];
     let distances: Vec<f64> =
@@ -185,7 +178,7 @@ fn distributing(context: &mut ReadContext<'_>, card: &Card, coupling: &PendingCo
 }
 
 /// Reports a coupling without `*KINEMATIC` or `*DISTRIBUTING`.
-pub(super) fn end_coupling(context: &mut ReadContext<'_>, conditions: &mut ConditionReader) {
+pub(super) fn end_coupling(context: &mut Context<'_>, conditions: &mut ConditionReader) {
     let faulty = context.missing.has_card("KINEMATIC") || context.missing.has_card("DISTRIBUTING");
     if let Some(coupling) = conditions.coupling.take().filter(|_| !faulty) {
         let message = format!("the coupling {} has neither *KINEMATIC nor *DISTRIBUTING", coupling.name);
@@ -194,7 +187,7 @@ pub(super) fn end_coupling(context: &mut ReadContext<'_>, conditions: &mut Condi
     }
 }
 
-pub(super) fn read_tie(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_tie(context: &mut Context<'_>, card: &Card) {
     let Some(name) = context.required(card, "NAME") else { return };
     if context.first_line(card).is_none() {
         return;
@@ -225,7 +218,7 @@ pub(super) fn read_tie(context: &mut ReadContext<'_>, card: &Card) {
     }
 }
 
-fn master_faces(context: &mut ReadContext<'_>, word: &Word) -> Option<Vec<(usize, super::types::ElementSide)>> {
+fn master_faces(context: &mut Context<'_>, word: &Word) -> Option<Vec<(usize, super::types::ElementSide)>> {
     let names = [super::names::qualified(&context.scope, &word.text), upper(&word.text)];
     if names.iter().any(|n| context.model.surfaces.nodes.contains_key(n)) {
         let message = "a node-based surface cannot be the master surface of a tie";

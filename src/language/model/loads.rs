@@ -1,6 +1,6 @@
 //! Mechanical loads: `*CLOAD`, `*DLOAD`, `*DSLOAD`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::StepReader;
 use super::names::upper;
 use super::types::{BodyForce, ElementKind, ElementSide, Load, LoadKind, SideSelection, SurfaceTraction, TargetId};
@@ -12,7 +12,7 @@ use crate::platform::PortableMath as _;
 const LABELS: &str = "GRAV, BR, BZ, BRNU, BZNU, CENTRIF, P, VP, TRVEC, TRSHR and PNU (on element faces P1 to P4, P1NU to P4NU, VP1 ..., \
                       TRVEC1 ..., TRSHR1 ...), CAVITY";
 
-pub(super) fn read_loads(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_loads(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Ok(amplitude) = amplitudes::amplitude_of(context, card) else { return };
     let family = card.keyword.name;
     if steps.operation(card, family) {
@@ -35,7 +35,7 @@ pub(super) fn read_loads(context: &mut ReadContext<'_>, steps: &mut StepReader, 
 }
 
 /// Reports `TARGET` and `FRICTION` without a CAVITY load, and direction components without GRAV.
-fn check_load_options(context: &mut ReadContext<'_>, card: &Card) {
+fn check_load_options(context: &mut Context<'_>, card: &Card) {
     let is = |line: &DataLine, label: &str| line.field(1).is_some_and(|w| w.is(label));
     if !card.lines.iter().any(|line| is(line, "CAVITY")) {
         for parameter in card.parameters.iter().filter(|p| matches!(p.name, "TARGET" | "FRICTION")) {
@@ -67,7 +67,7 @@ fn check_load_options(context: &mut ReadContext<'_>, card: &Card) {
     }
 }
 
-fn concentrated(context: &mut ReadContext<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
+fn concentrated(context: &mut Context<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
     let set = context.region(line)?;
     let nodes = context.original_nodes(set)?;
     let dof = context.integer(line, 1, "the degree of freedom")? as u8;
@@ -75,7 +75,7 @@ fn concentrated(context: &mut ReadContext<'_>, line: &DataLine) -> Option<(LoadK
     Some((LoadKind::Concentrated { nodes, dof, set: set.text.clone() }, magnitude))
 }
 
-fn label<'l>(context: &mut ReadContext<'_>, line: &'l DataLine) -> Option<&'l Word> {
+fn label<'l>(context: &mut Context<'_>, line: &'l DataLine) -> Option<&'l Word> {
     let word = line.field(1);
     if word.is_none() {
         let diagnostic = Diagnostic::error("M102", "the load label is missing").at(line.span, "second field");
@@ -84,13 +84,13 @@ fn label<'l>(context: &mut ReadContext<'_>, line: &'l DataLine) -> Option<&'l Wo
     word
 }
 
-fn unknown_label(context: &mut ReadContext<'_>, label: &Word) {
+fn unknown_label(context: &mut Context<'_>, label: &Word) {
     let message = format!("load type {} is not supported", label.text);
     let diagnostic = Diagnostic::error("M132", message).at(label.span, "this label");
     context.diagnostics.push(diagnostic.help(format!("supported: {LABELS}")));
 }
 
-fn element_load(context: &mut ReadContext<'_>, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
+fn element_load(context: &mut Context<'_>, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
     let label = label(context, line)?;
     let name = upper(&label.text);
     if name == "GRAV" {
@@ -143,7 +143,7 @@ fn element_load(context: &mut ReadContext<'_>, card: &Card, line: &DataLine) -> 
 
 /// Selects the negative sides of shell elements: positive pressure on shell elements acts along their normals
 /// (ABAQUS Analysis User's Guide 29.6.1, "Shell elements: overview").
-fn orient_shell_sides(context: &ReadContext<'_>, sides: &mut [(usize, ElementSide)]) {
+fn orient_shell_sides(context: &Context<'_>, sides: &mut [(usize, ElementSide)]) {
     for (element, side) in sides {
         if context.model.mesh.elements[*element].kind == ElementKind::Sax1 {
             *side = ElementSide::Negative;
@@ -151,7 +151,7 @@ fn orient_shell_sides(context: &ReadContext<'_>, sides: &mut [(usize, ElementSid
     }
 }
 
-fn surface_load(context: &mut ReadContext<'_>, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
+fn surface_load(context: &mut Context<'_>, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
     let word = context.region(line)?;
     let sides = surfaces::loaded_sides(context, word)?;
     let label = label(context, line)?;
@@ -167,7 +167,7 @@ fn surface_load(context: &mut ReadContext<'_>, card: &Card, line: &DataLine) -> 
 }
 
 fn distributed(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     card: &Card,
     line: &DataLine,
     sides: SideSelection,
@@ -187,7 +187,7 @@ fn distributed(
 }
 
 fn traction_load(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     card: &Card,
     line: &DataLine,
     sides: SideSelection,
@@ -220,7 +220,7 @@ fn traction_load(
 }
 
 /// Returns the three components of the direction after the magnitude.
-fn direction(context: &mut ReadContext<'_>, line: &DataLine) -> Option<[f64; 3]> {
+fn direction(context: &mut Context<'_>, line: &DataLine) -> Option<[f64; 3]> {
     let mut direction = [0.0; 3];
     for (i, component) in direction.iter_mut().enumerate() {
         *component = context.number_or(line, 3 + i, 0.0)?;
@@ -230,7 +230,7 @@ fn direction(context: &mut ReadContext<'_>, line: &DataLine) -> Option<[f64; 3]>
 
 /// Reports a centrifugal load about another axis than that of symmetry: its point must have r = 0, and its
 /// direction must be z.
-fn check_rotation_axis(context: &mut ReadContext<'_>, line: &DataLine) {
+fn check_rotation_axis(context: &mut Context<'_>, line: &DataLine) {
     let value = |k: usize| line.field(k).and_then(|word| Some((word, word.text.parse::<f64>().ok()?)));
     let off = [3, 5, 6, 8].into_iter().filter_map(value).find(|(_, given)| *given != 0.0);
     let along = value(7).filter(|(_, given)| *given == 0.0);
@@ -240,7 +240,7 @@ fn check_rotation_axis(context: &mut ReadContext<'_>, line: &DataLine) {
     }
 }
 
-fn cavity_load(context: &mut ReadContext<'_>, card: &Card, sides: SideSelection) -> Option<LoadKind> {
+fn cavity_load(context: &mut Context<'_>, card: &Card, sides: SideSelection) -> Option<LoadKind> {
     let word = context.required(card, "TARGET")?;
     let target = context.model.targets.iter().position(|t| t.name == upper(&word.text));
     if target.is_none() {
@@ -251,7 +251,7 @@ fn cavity_load(context: &mut ReadContext<'_>, card: &Card, sides: SideSelection)
     Some(LoadKind::Cavity { sides, target: TargetId::new(target?), friction })
 }
 
-fn gravity(context: &mut ReadContext<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
+fn gravity(context: &mut Context<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
     let elements = match line.field(0) {
         Some(word) => Some(context.element_members(word)?),
         None => None,

@@ -1,6 +1,6 @@
 //! Reads mass scaling: `*FIXED MASS SCALING` and `*VARIABLE MASS SCALING`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::StepReader;
 use super::types::{MassScaling, ScalingSchedule, ScalingType};
 use crate::deck::Card;
@@ -8,7 +8,7 @@ use crate::deck::table::steps as cards;
 
 /// Reads mass scaling. The first card of a step replaces the mass scaling of earlier steps, which otherwise
 /// continues.
-pub(super) fn read_mass_scaling(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_mass_scaling(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Some(request) = scaling_request(context, card) else { return };
     let state = steps.state();
     if !state.cleared.contains(&"MASS SCALING") {
@@ -18,7 +18,7 @@ pub(super) fn read_mass_scaling(context: &mut ReadContext<'_>, steps: &mut StepR
     state.mass_scalings.push(request);
 }
 
-fn scaling_request(context: &mut ReadContext<'_>, card: &Card) -> Option<MassScaling> {
+fn scaling_request(context: &mut Context<'_>, card: &Card) -> Option<MassScaling> {
     let elements = match card.value("ELSET") {
         Some(word) => Some(context.element_members(word)?),
         None => None,

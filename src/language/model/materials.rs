@@ -1,6 +1,6 @@
 //! `*MATERIAL` with the cards that follow it, and `*SOLID SECTION`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{MaterialReader, SectionIndex, SectionReader};
 use super::names::upper;
 use super::types::{
@@ -20,7 +20,7 @@ const ISOTROPIC: usize = 0;
 const KINEMATIC: usize = 1;
 const USER: usize = 3;
 
-pub(super) fn read_material(context: &mut ReadContext<'_>, materials: &mut MaterialReader, card: &Card) {
+pub(super) fn read_material(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     materials.in_interaction = false;
     if let Some(name) = context.required(card, "NAME") {
         let material = MaterialDefinition { name: upper(&name.text), span: card.span, ..MaterialDefinition::default() };
@@ -28,39 +28,39 @@ pub(super) fn read_material(context: &mut ReadContext<'_>, materials: &mut Mater
     }
 }
 
-pub(super) fn read_density(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_density(context: &mut Context<'_>, card: &Card) {
     let cards::Density { rows } = card.values();
     let material = context.last_material();
     material.density = rows.first().map(|r| r[0]);
     material.densities = if rows.iter().any(|r| r[1].is_nan()) { Vec::new() } else { rows };
 }
 
-pub(super) fn read_viscosity(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_viscosity(context: &mut Context<'_>, card: &Card) {
     let cards::Viscosity { viscosity: [viscosity] } = card.values();
     context.last_material().viscosity = Some((viscosity, card.span));
 }
 
-pub(super) fn read_inelastic_heat_fraction(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_inelastic_heat_fraction(context: &mut Context<'_>, card: &Card) {
     let cards::InelasticHeatFraction { fraction: [fraction] } = card.values();
     context.last_material().thermal.inelastic_heat_fraction = Some(fraction);
 }
 
-pub(super) fn read_specific_heat(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_specific_heat(context: &mut Context<'_>, card: &Card) {
     let cards::SpecificHeat { rows } = card.values();
     context.last_material().thermal.specific_heat = Some(rows);
 }
 
-pub(super) fn read_conductivity(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_conductivity(context: &mut Context<'_>, card: &Card) {
     let cards::Conductivity { rows } = card.values();
     context.last_material().thermal.conductivity = Some((rows, card.span));
 }
 
-pub(super) fn read_expansion(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_expansion(context: &mut Context<'_>, card: &Card) {
     let cards::Expansion { zero, rows } = card.values();
     context.last_material().thermal.expansion = Some(ThermalExpansion { rows, zero, span: card.span });
 }
 
-pub(super) fn read_elastic(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_elastic(context: &mut Context<'_>, card: &Card) {
     let cards::Elastic { kind, fields } = card.values();
     match kind {
         ISOTROPIC => {}
@@ -79,7 +79,7 @@ pub(super) fn read_elastic(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Stores moduli that depend on temperature and field variables.
-fn elastic_table(context: &mut ReadContext<'_>, card: &Card, fields: usize) -> Option<()> {
+fn elastic_table(context: &mut Context<'_>, card: &Card, fields: usize) -> Option<()> {
     let rows = fields::rows_over_fields(context, card, 2, fields)?;
     let over: Vec<&[f64]> = rows.iter().map(|r| &r[1..]).collect();
     if NestedTable::new(&over).is_none() {
@@ -93,7 +93,7 @@ fn elastic_table(context: &mut ReadContext<'_>, card: &Card, fields: usize) -> O
     Some(())
 }
 
-pub(super) fn read_plastic(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_plastic(context: &mut Context<'_>, card: &Card) {
     let cards::Plastic { hardening, fields, extrapolates } = card.values();
     let extrapolates = match (extrapolates, card.value("EXTRAPOLATION")) {
         (Some(_), Some(word)) if hardening != ISOTROPIC => {
@@ -123,7 +123,7 @@ pub(super) fn read_plastic(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Reads a yield stress table over plastic strain, temperature and field variables.
-fn plastic_over_fields(context: &mut ReadContext<'_>, card: &Card, other: bool, fields: usize) {
+fn plastic_over_fields(context: &mut Context<'_>, card: &Card, other: bool, fields: usize) {
     if other || context.last_material().extrapolates {
         let message = "DEPENDENCIES requires HARDENING=ISOTROPIC without EXTRAPOLATION=LINEAR";
         return context.unsupported(card.span, message, "remove DEPENDENCIES");
@@ -140,7 +140,7 @@ fn plastic_over_fields(context: &mut ReadContext<'_>, card: &Card, other: bool, 
 
 /// Returns whether plastic strains start at zero and ascend at each temperature; reports the first row that does
 /// not.
-fn plastic_strains_ascend(context: &mut ReadContext<'_>, card: &Card, rows: &[[f64; 3]]) -> bool {
+fn plastic_strains_ascend(context: &mut Context<'_>, card: &Card, rows: &[[f64; 3]]) -> bool {
     for (i, row) in rows.iter().enumerate() {
         let before = i.checked_sub(1).map(|k| rows[k]).filter(|b| b[2] == row[2] || b[2].is_nan() && row[2].is_nan());
         let message = match before {
@@ -161,7 +161,7 @@ fn plastic_strains_ascend(context: &mut ReadContext<'_>, card: &Card, rows: &[[f
 }
 
 /// Reads linear kinematic hardening: two rows per temperature define a line.
-fn kinematic(context: &mut ReadContext<'_>, card: &Card) {
+fn kinematic(context: &mut Context<'_>, card: &Card) {
     let rows: Vec<[f64; 3]> = card.read_lines();
     let cold = rows.iter().all(|r| r[2].is_nan());
     let (pairs, rest) = rows.as_chunks::<2>();
@@ -189,7 +189,7 @@ fn kinematic(context: &mut ReadContext<'_>, card: &Card) {
     }
 }
 
-pub(super) fn read_rate_dependent(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_rate_dependent(context: &mut Context<'_>, card: &Card) {
     let cards::RateDependent { kind } = card.values();
     let rate = match kind {
         0 => Some(RateDependence::PowerLaw(card.read_lines())),
@@ -200,7 +200,7 @@ pub(super) fn read_rate_dependent(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Returns rows of ratio, strain rate and temperature: rates ascend at each temperature, then temperatures ascend.
-fn yield_ratios(context: &mut ReadContext<'_>, card: &Card, rows: Vec<[f64; 3]>) -> Option<RateDependence> {
+fn yield_ratios(context: &mut Context<'_>, card: &Card, rows: Vec<[f64; 3]>) -> Option<RateDependence> {
     let cold = rows.iter().all(|r| r[2].is_nan());
     let follows = |w: &[[f64; 3]]| w[1][1] > w[0][1] && (cold || w[1][2] == w[0][2]) || w[1][2] > w[0][2];
     let complete = cold || rows.iter().all(|r| !r[2].is_nan());
@@ -211,7 +211,7 @@ fn yield_ratios(context: &mut ReadContext<'_>, card: &Card, rows: Vec<[f64; 3]>)
     Some(RateDependence::YieldRatio(rows))
 }
 
-pub(super) fn read_cavity_expansion(context: &mut ReadContext<'_>, materials: &mut MaterialReader, card: &Card) {
+pub(super) fn read_cavity_expansion(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     let values: cards::CavityExpansion = card.values();
     if values.derives {
         return derive::derivation(context, materials, card, &values);
@@ -226,7 +226,7 @@ pub(super) fn read_cavity_expansion(context: &mut ReadContext<'_>, materials: &m
     context.last_material().cavity = Some(CavityExpansion { yield_stress, a, b, c, derived: None, span: card.span });
 }
 
-pub(super) fn read_solid_section(context: &mut ReadContext<'_>, sections: &mut SectionReader, card: &Card) {
+pub(super) fn read_solid_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let Some((elements, material)) = section_of(context, sections, card, ElementKind::is_solid) else { return };
     let named = card.value("CONTROLS").cloned();
     sections.controls_used.extend(named.map(|word| (SectionIndex::Solid(context.model.sections.len()), word)));
@@ -236,7 +236,7 @@ pub(super) fn read_solid_section(context: &mut ReadContext<'_>, sections: &mut S
 
 /// Returns the elements of a section, checked for their types, and the material.
 pub(super) fn section_of(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     sections: &mut SectionReader,
     card: &Card,
     fits: fn(ElementKind) -> bool,
@@ -264,7 +264,7 @@ pub(super) fn section_of(
 }
 
 /// Assigns section controls to sections; the controls may be defined after the section.
-pub(super) fn apply_controls(context: &mut ReadContext<'_>, sections: &mut SectionReader) {
+pub(super) fn apply_controls(context: &mut Context<'_>, sections: &mut SectionReader) {
     for (section, word) in std::mem::take(&mut sections.controls_used) {
         match sections.controls.get(&upper(&word.text)) {
             Some(controls) => match section {

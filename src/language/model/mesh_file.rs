@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{MeshReader, PartReader};
 use super::mesh_data::{MeshFile, is_recognized_array};
 use super::types::ElementKind;
@@ -36,7 +36,7 @@ fn lossy_text(bytes: Vec<u8>) -> String {
 }
 
 pub(super) fn read_mesh_file(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     parts: &mut PartReader<'_>,
     mesh: &mut MeshReader,
     card: &Card,
@@ -71,7 +71,7 @@ pub(super) fn read_mesh_file(
 }
 
 fn add_mesh(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     parts: &mut PartReader<'_>,
     mesh: &mut MeshReader,
     file: &MeshFile,
@@ -113,7 +113,7 @@ fn add_mesh(
 }
 
 /// Reports cards and arrays that were not read; a set may only lack its prefix.
-fn report_unread(context: &mut ReadContext<'_>, mesh: &MeshFile, span: Span) {
+fn report_unread(context: &mut Context<'_>, mesh: &MeshFile, span: Span) {
     if !mesh.unread.is_empty() {
         let message = format!("cards of the mesh file are not read: *{}", mesh.unread.join(", *"));
         let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");
@@ -134,7 +134,7 @@ fn report_unread(context: &mut ReadContext<'_>, mesh: &MeshFile, span: Span) {
 }
 
 fn mesh_cell(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     mesh: &mut MeshReader,
     cell: &[usize],
     label: i64,

@@ -1,7 +1,7 @@
 //! Reads nodes: `*NODE`, and the generators `*NGEN` and `*NFILL`.
 
 use super::budget::BudgetedItem;
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{MeshReader, PartReader};
 use super::name::EntityName;
 use super::names::{qualified, upper};
@@ -10,12 +10,7 @@ use super::{contact, sets};
 use crate::deck::rows::label_and_coordinates;
 use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
 
-pub(super) fn read_nodes(
-    context: &mut ReadContext<'_>,
-    parts: &mut PartReader<'_>,
-    mesh: &mut MeshReader,
-    card: &Card,
-) {
+pub(super) fn read_nodes(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
     let sources = &context.deck.sources;
     let mut made = Vec::with_capacity(if card.has("NSET") { card.rows.len() } else { 0 });
     let mut again = RedefinedNodes::default();
@@ -37,7 +32,7 @@ pub(super) fn read_nodes(
     collect_nodes(context, card, made);
 }
 
-fn node_line(context: &mut ReadContext<'_>, line: &DataLine) -> Option<(i64, [f64; 2])> {
+fn node_line(context: &mut Context<'_>, line: &DataLine) -> Option<(i64, [f64; 2])> {
     let label = context.integer(line, 0, "the node label")?;
     // Report errors of both fields.
     let place = [1, 2].map(|at| context.number_or(line, at, 0.0));
@@ -46,7 +41,7 @@ fn node_line(context: &mut ReadContext<'_>, line: &DataLine) -> Option<(i64, [f6
 
 /// Adds a node in the current scope. If the label exists, the node is moved: the last definition is used.
 pub(super) fn add_node(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     parts: &mut PartReader<'_>,
     mesh: &mut MeshReader,
     label: i64,
@@ -70,13 +65,13 @@ pub(super) fn add_node(
     index
 }
 
-fn collect_nodes(context: &mut ReadContext<'_>, card: &Card, made: Vec<usize>) {
+fn collect_nodes(context: &mut Context<'_>, card: &Card, made: Vec<usize>) {
     if let Some(name) = card.value("NSET") {
         sets::add_node_set(context, &name.text, made, card.span);
     }
 }
 
-fn label_of(context: &mut ReadContext<'_>, word: Option<&Word>, line: &DataLine, what: &str) -> Option<(i64, usize)> {
+fn label_of(context: &mut Context<'_>, word: Option<&Word>, line: &DataLine, what: &str) -> Option<(i64, usize)> {
     let Some(word) = word else {
         let diagnostic = Diagnostic::error("M102", format!("{what} is missing")).at(line.span, "here");
         return context.diagnostics.refuse(diagnostic);
@@ -96,7 +91,7 @@ fn label_of(context: &mut ReadContext<'_>, word: Option<&Word>, line: &DataLine,
 }
 
 /// Generates nodes between two nodes (ABAQUS Keywords Guide, *NGEN), on a line or, with LINE=C, on an arc.
-pub(super) fn read_ngen(context: &mut ReadContext<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_ngen(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
     let arc = card.value("LINE").is_some_and(|w| w.is("C"));
     if let Some(line) = card.value("LINE").filter(|w| !w.is("C")) {
         context.unsupported(line.span, format!("LINE={} is not supported", line.text), "use a straight line or LINE=C");
@@ -111,7 +106,7 @@ pub(super) fn read_ngen(context: &mut ReadContext<'_>, parts: &mut PartReader<'_
 }
 
 fn ngen_line(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     parts: &mut PartReader<'_>,
     mesh: &mut MeshReader,
     line: &DataLine,
@@ -154,7 +149,7 @@ fn ngen_line(
 
 /// Adds a generated node without placement by the instance, because its end nodes are placed already.
 pub(super) fn place_generated(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     parts: &mut PartReader<'_>,
     mesh: &mut MeshReader,
     label: i64,
@@ -174,7 +169,7 @@ pub(super) fn place_generated(
     index
 }
 
-fn centre(context: &mut ReadContext<'_>, line: &DataLine) -> Option<[f64; 2]> {
+fn centre(context: &mut Context<'_>, line: &DataLine) -> Option<[f64; 2]> {
     if line.field(3).is_some() {
         let is_zero = |word: &&Word| word.text.parse().is_ok_and(|value: f64| value == 0.0);
         let given = [4, 5].into_iter().filter_map(|k| line.field(k));
@@ -187,18 +182,13 @@ fn centre(context: &mut ReadContext<'_>, line: &DataLine) -> Option<[f64; 2]> {
     Some([context.number(line, 4, "r of the centre")?, context.number(line, 5, "z of the centre")?])
 }
 
-fn count(context: &mut ReadContext<'_>, count: i128, span: Span) -> Option<usize> {
+fn count(context: &mut Context<'_>, count: i128, span: Span) -> Option<usize> {
     let count = count.max(1);
     context.fits_budget(BudgetedItem::Nodes, count.unsigned_abs(), span).then_some(count as usize)
 }
 
 /// Generates rows of nodes between corresponding nodes of two sets (ABAQUS Keywords Guide, *NFILL).
-pub(super) fn read_nfill(
-    context: &mut ReadContext<'_>,
-    parts: &mut PartReader<'_>,
-    mesh: &mut MeshReader,
-    card: &Card,
-) {
+pub(super) fn read_nfill(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
     let singular = card.read::<Option<usize>>("SINGULAR").unwrap_or(0);
     let spacing = FillSpacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
     let mut made = Vec::new();
@@ -211,7 +201,7 @@ pub(super) fn read_nfill(
 }
 
 fn nfill_line(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     parts: &mut PartReader<'_>,
     mesh: &mut MeshReader,
     line: &DataLine,
@@ -257,7 +247,7 @@ fn nfill_line(
 
 /// Returns the nodes of a set: in the given order for an UNSORTED set, otherwise in order of labels. The new nodes
 /// of a refined mesh have no order and are left out.
-pub(super) fn nodes_in_order(context: &mut ReadContext<'_>, mesh: &mut MeshReader, word: &Word) -> Option<Vec<usize>> {
+pub(super) fn nodes_in_order(context: &mut Context<'_>, mesh: &mut MeshReader, word: &Word) -> Option<Vec<usize>> {
     for name in [qualified(&context.scope, &word.text), upper(&word.text)] {
         if let Some(nodes) = mesh.unsorted.get(&name) {
             let nodes = nodes.clone();
@@ -270,7 +260,7 @@ pub(super) fn nodes_in_order(context: &mut ReadContext<'_>, mesh: &mut MeshReade
     Some(nodes)
 }
 
-pub(super) fn label_of_index(context: &ReadContext<'_>, index: usize) -> Option<i64> {
+pub(super) fn label_of_index(context: &Context<'_>, index: usize) -> Option<i64> {
     context.model.mesh.node_names[index].rsplit('.').next()?.parse().ok()
 }
 

@@ -1,7 +1,7 @@
 //! `*OUTPUT` with the cards that follow it, `*RESTART`, `*TIME POINTS`.
 
 use super::contact;
-use super::context::{MAX_GENERATED, ReadContext};
+use super::context::{Context, MAX_GENERATED};
 use super::families::{ContactReader, OutputReader, StepReader};
 use super::names::{qualified, upper};
 use super::types::{
@@ -17,7 +17,7 @@ const NEW: usize = 0;
 const ADD: usize = 1;
 
 pub(super) fn read_output(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     contact: &mut ContactReader,
     steps: &mut StepReader,
     output: &mut OutputReader,
@@ -30,7 +30,7 @@ pub(super) fn read_output(
     }
 }
 
-fn request(context: &mut ReadContext<'_>, steps: &mut StepReader, output: &mut OutputReader, card: &Card) {
+fn request(context: &mut Context<'_>, steps: &mut StepReader, output: &mut OutputReader, card: &Card) {
     let kind = if card.has("HISTORY") { OutputKind::History } else { OutputKind::Field };
     if !card.has("HISTORY") && !card.has("FIELD") {
         if card.has("DIAGNOSTICS") {
@@ -81,7 +81,7 @@ fn output_operation(steps: &mut StepReader, card: &Card, kind: OutputKind, inter
 /// Reads `*RESTART, WRITE`, which remains in force until replaced. The default is one restart file per step;
 /// FREQUENCY=0 ends restart output. READ is reported by the keyword table, because restarts are started from the
 /// command line.
-pub(super) fn read_restart(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_restart(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     if card.has("READ") {
         return;
     }
@@ -99,7 +99,7 @@ pub(super) fn read_restart(context: &mut ReadContext<'_>, steps: &mut StepReader
     steps.state().restart = Some(RestartRequest { interval, span: card.span });
 }
 
-fn note_time_marks(context: &mut ReadContext<'_>, card: &Card) {
+fn note_time_marks(context: &mut Context<'_>, card: &Card) {
     if card.has("TIME MARKS") {
         let message = "with TIME MARKS=YES output is written at the first increment at or after the requested time";
         context
@@ -109,7 +109,7 @@ fn note_time_marks(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Returns the sensor name of a request; `None` if it is missing, which is reported.
-fn sensor(context: &mut ReadContext<'_>, card: &Card) -> Option<Option<String>> {
+fn sensor(context: &mut Context<'_>, card: &Card) -> Option<Option<String>> {
     if !card.has("SENSOR") {
         return Some(None);
     }
@@ -121,7 +121,7 @@ fn sensor(context: &mut ReadContext<'_>, card: &Card) -> Option<Option<String>> 
 }
 
 /// Reads step times, listed or generated (ABAQUS Keywords Reference Guide, *TIME POINTS).
-pub(super) fn read_time_points(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_time_points(context: &mut Context<'_>, card: &Card) {
     let Some(name) = context.required(card, "NAME") else { return };
     let mut times: Vec<f64> = Vec::new();
     if card.has("GENERATE") {
@@ -144,7 +144,7 @@ pub(super) fn read_time_points(context: &mut ReadContext<'_>, card: &Card) {
     context.model.output.time_points.push(TimePoints { name: upper(&name.text), times });
 }
 
-fn interval(context: &mut ReadContext<'_>, card: &Card) -> Option<OutputInterval> {
+fn interval(context: &mut Context<'_>, card: &Card) -> Option<OutputInterval> {
     if let Some(word) = card.value("TIME POINTS") {
         let names: Vec<String> = context.model.output.time_points.iter().map(|p| p.name.clone()).collect();
         let found = names.iter().position(|n| *n == upper(&word.text));
@@ -164,7 +164,7 @@ fn interval(context: &mut ReadContext<'_>, card: &Card) -> Option<OutputInterval
 }
 
 fn sub_request(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     contact: &mut ContactReader,
     steps: &mut StepReader,
     output: &mut OutputReader,
@@ -212,7 +212,7 @@ fn sub_request(
 
 /// Returns the section points of shells listed on the first data line, counted from 1 on the side SNEG (ABAQUS
 /// Keywords Reference Guide, *ELEMENT OUTPUT); `None` without such a line.
-fn section_points(context: &mut ReadContext<'_>, card: &Card, region: &OutputRegion) -> Option<Vec<SectionPoint>> {
+fn section_points(context: &mut Context<'_>, card: &Card, region: &OutputRegion) -> Option<Vec<SectionPoint>> {
     let line = card.lines.first().filter(|_| card.keyword.name == "ELEMENT OUTPUT")?;
     let words: Vec<&Word> = line.fields.iter().filter(|w| !w.text.is_empty()).collect();
     let numbers: Vec<usize> = words.iter().map(|w| w.text.trim().parse().ok()).collect::<Option<_>>()?;
@@ -250,7 +250,7 @@ fn section_points(context: &mut ReadContext<'_>, card: &Card, region: &OutputReg
 
 /// Returns the position of field output. History output of elements is always at integration points (ABAQUS
 /// Keywords Reference Guide, *ELEMENT OUTPUT, "Writing element output to the output database").
-fn position(context: &mut ReadContext<'_>, card: &Card, kind: OutputKind) -> OutputPosition {
+fn position(context: &mut Context<'_>, card: &Card, kind: OutputKind) -> OutputPosition {
     let Some(word) = card.value("POSITION").filter(|_| card.keyword.name == "ELEMENT OUTPUT") else {
         return OutputPosition::Element;
     };
@@ -268,7 +268,7 @@ fn position(context: &mut ReadContext<'_>, card: &Card, kind: OutputKind) -> Out
 }
 
 /// Returns the statistics of a history request over a set (`STATISTICS`, extension).
-fn statistics(context: &mut ReadContext<'_>, card: &Card, kind: OutputKind, region: &OutputRegion) -> Vec<Statistic> {
+fn statistics(context: &mut Context<'_>, card: &Card, kind: OutputKind, region: &OutputRegion) -> Vec<Statistic> {
     let Some(word) = card.value("STATISTICS") else { return Vec::new() };
     if kind == OutputKind::Field || *region == OutputRegion::Whole {
         let message = "STATISTICS requires *OUTPUT, HISTORY and a set (NSET or ELSET)";
@@ -295,7 +295,7 @@ fn default_variables(card: &Card) -> Vec<VariableRequest> {
 }
 
 /// Names a surface for integrated output (ABAQUS Keywords Reference Guide, *INTEGRATED OUTPUT SECTION).
-pub(super) fn read_integrated_section(context: &mut ReadContext<'_>, output: &mut OutputReader, card: &Card) {
+pub(super) fn read_integrated_section(context: &mut Context<'_>, output: &mut OutputReader, card: &Card) {
     let Some(name) = context.required(card, "NAME") else { return };
     let Some(surface) = context.required(card, "SURFACE") else { return };
     if let Some(id) = context.surface_id(surface) {
@@ -304,7 +304,7 @@ pub(super) fn read_integrated_section(context: &mut ReadContext<'_>, output: &mu
 }
 
 fn output_region(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     contact: &mut ContactReader,
     output: &mut OutputReader,
     card: &Card,
@@ -339,7 +339,7 @@ fn output_region(
 }
 
 /// Lists the filters of pairs of a `*CONTACT OUTPUT` card with NSET as unused.
-fn note_unused_filters(context: &mut ReadContext<'_>, card: &Card) {
+fn note_unused_filters(context: &mut Context<'_>, card: &Card) {
     const FILTERS: [&str; 7] =
         ["CPSET", "CONTACT PAIR", "GENERAL CONTACT", "SURFACE", "SECOND SURFACE", "MASTER", "SLAVE"];
     for parameter in FILTERS.iter().filter_map(|name| card.parameter(name)) {
@@ -350,7 +350,7 @@ fn note_unused_filters(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Returns the contact pairs selected by a `*CONTACT OUTPUT` card.
-fn pairs_of(context: &mut ReadContext<'_>, contact: &mut ContactReader, card: &Card) -> Option<OutputRegion> {
+fn pairs_of(context: &mut Context<'_>, contact: &mut ContactReader, card: &Card) -> Option<OutputRegion> {
     let mut surfaces = Vec::new();
     for name in ["SURFACE", "SECOND SURFACE", "MASTER", "SLAVE"] {
         if let Some(word) = card.value(name) {
@@ -373,7 +373,7 @@ fn pairs_of(context: &mut ReadContext<'_>, contact: &mut ContactReader, card: &C
     Some(if pairs == ContactPairFilter::default() { OutputRegion::Whole } else { OutputRegion::Pairs(pairs) })
 }
 
-fn integrated_region(context: &mut ReadContext<'_>, output: &mut OutputReader, card: &Card) -> Option<OutputRegion> {
+fn integrated_region(context: &mut Context<'_>, output: &mut OutputReader, card: &Card) -> Option<OutputRegion> {
     if let Some(word) = card.value("SECTION") {
         let name = upper(&word.text);
         let Some(id) = output.integrated_sections.get(&name).copied() else {
@@ -390,7 +390,7 @@ fn integrated_region(context: &mut ReadContext<'_>, output: &mut OutputReader, c
 }
 
 /// Returns whether a word is an out-of-plane component, which is zero in a body of revolution; the ledger lists it.
-fn out_of_plane(context: &mut ReadContext<'_>, word: &Word) -> bool {
+fn out_of_plane(context: &mut Context<'_>, word: &Word) -> bool {
     let name = upper(&word.text);
     let stem =
         |ends: &[&str]| ends.iter().find_map(|e| name.strip_suffix(e)).and_then(VariableRequest::parse).is_some();
@@ -404,7 +404,7 @@ fn out_of_plane(context: &mut ReadContext<'_>, word: &Word) -> bool {
 }
 
 /// Reports all unknown variables of a card in one warning.
-fn unknown_variables(context: &mut ReadContext<'_>, words: &[&Word], card: OutputCard) {
+fn unknown_variables(context: &mut Context<'_>, words: &[&Word], card: OutputCard) {
     let Some(first) = words.first() else { return };
     let names: Vec<&str> = words.iter().map(|w| w.text.as_str()).collect();
     let message = match &names[..] {

@@ -3,7 +3,7 @@
 
 use super::budget::BudgetedItem;
 use super::builder::ModelBuilder;
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::PartReader;
 use super::names::upper;
 use super::placement::read_placement;
@@ -28,7 +28,7 @@ pub(super) fn read_block<'a>(builder: &mut ModelBuilder<'a>, card: &'a Card) {
     }
 }
 
-fn begin_part(context: &mut ReadContext<'_>, parts: &mut PartReader<'_>, card: &Card) {
+fn begin_part(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card) {
     parts.open("PART", card);
     if let Some(name) = context.required(card, "NAME") {
         let name = upper(&name.text);

@@ -1,6 +1,6 @@
 //! Rubber, foam and damping: `*HYPERELASTIC`, `*CRUSHABLE FOAM`, `*CRUSHABLE FOAM HARDENING`, `*DAMPING`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::types::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, RayleighCoefficients};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
@@ -26,7 +26,7 @@ fn reduced(order: usize) -> Vec<(usize, usize)> {
 type EnergyConstructor = fn(&[f64], usize) -> DeviatoricEnergy;
 
 /// Reads `*HYPERELASTIC`; the default form is the polynomial. A data line has eight constants.
-pub(super) fn read_hyperelastic(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_hyperelastic(context: &mut Context<'_>, card: &Card) {
     let given: Vec<&str> = FORMS.into_iter().filter(|form| card.has(form)).collect();
     if given.len() > 1 {
         return context.out_of_range(card.span, format!("{} and {} cannot be combined", given[0], given[1]));
@@ -61,7 +61,7 @@ pub(super) fn read_hyperelastic(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Returns the order N of the form.
-fn order(context: &mut ReadContext<'_>, card: &Card, form: &str) -> Option<usize> {
+fn order(context: &mut Context<'_>, card: &Card, form: &str) -> Option<usize> {
     let fixed = match form {
         "YEOH" => Some(3),
         "NEO HOOKE" | "MOONEY-RIVLIN" => Some(1),
@@ -81,7 +81,7 @@ fn order(context: &mut ReadContext<'_>, card: &Card, form: &str) -> Option<usize
 
 /// Reads the constants, eight per line; all but the first are zero by default. A temperature may follow and is
 /// ignored.
-fn rubber_constants(context: &mut ReadContext<'_>, card: &Card, count: usize) -> Option<Vec<f64>> {
+fn rubber_constants(context: &mut Context<'_>, card: &Card, count: usize) -> Option<Vec<f64>> {
     let line = context.first_line(card)?;
     context.number(line, 0, "the first constant")?;
     if let Some(line) = card.lines.get(count / 8 + 1) {
@@ -106,14 +106,14 @@ fn rubber_constants(context: &mut ReadContext<'_>, card: &Card, count: usize) ->
 }
 
 /// Reads the yield surface of `*CRUSHABLE FOAM`.
-pub(super) fn read_crushable_foam(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_crushable_foam(context: &mut Context<'_>, card: &Card) {
     let cards::CrushableFoam { isotropic, ratios } = card.values();
     let shape = if isotropic { FoamYieldSurface::Isotropic(ratios) } else { FoamYieldSurface::Volumetric(ratios) };
     context.last_material().foam.shape = Some((shape, card.span));
 }
 
 /// Reads `*CRUSHABLE FOAM HARDENING`; both columns are positive in compression.
-pub(super) fn read_foam_hardening(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_foam_hardening(context: &mut Context<'_>, card: &Card) {
     let cards::CrushableFoamHardening { rows } = card.values();
     if rows.first().is_some_and(|row| row[1] != 0.0) {
         return context.out_of_range(card.span, "plastic strains must start at 0");
@@ -122,7 +122,7 @@ pub(super) fn read_foam_hardening(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Reads Rayleigh damping; coefficients of zero mean none.
-pub(super) fn read_damping(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_damping(context: &mut Context<'_>, card: &Card) {
     let cards::Damping { alpha, beta } = card.values();
     let damping = RayleighCoefficients { alpha, beta, span: card.span };
     context.last_material().damping = (alpha > 0.0 || beta > 0.0).then_some(damping);

@@ -1,7 +1,7 @@
 //! `*NSET` and `*ELSET`. A set that is defined again is extended.
 
 use super::budget::BudgetedItem;
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{MeshReader, PartReader};
 use super::names::{qualified, upper};
 use super::refinement::pass::ReadPass;
@@ -9,7 +9,7 @@ use super::types::MemberSet;
 use crate::deck::rows::words;
 use crate::deck::{Card, DataLine, Diagnostic, Span};
 
-pub(super) fn read_nset(context: &mut ReadContext<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_nset(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(name) = context.required(card, "NSET") else { return };
     let outer = enter_instance(context, parts, card);
     let mut members = members(context, card, true);
@@ -27,7 +27,7 @@ pub(super) fn read_nset(context: &mut ReadContext<'_>, parts: &mut PartReader<'_
     add_node_set(context, &name.text, members, card.span);
 }
 
-pub(super) fn read_elset(context: &mut ReadContext<'_>, parts: &mut PartReader<'_>, card: &Card) {
+pub(super) fn read_elset(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card) {
     let Some(name) = context.required(card, "ELSET") else { return };
     let outer = enter_instance(context, parts, card);
     let members = members(context, card, false);
@@ -36,7 +36,7 @@ pub(super) fn read_elset(context: &mut ReadContext<'_>, parts: &mut PartReader<'
 }
 
 /// Enters the scope of `INSTANCE=` and returns the previous scope.
-fn enter_instance(context: &mut ReadContext<'_>, parts: &mut PartReader<'_>, card: &Card) -> String {
+fn enter_instance(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card) -> String {
     if let Some(word) = card.value("INSTANCE").filter(|word| !parts.instances.contains(&upper(&word.text))) {
         let word = word.clone();
         context.unknown("M115", "instance", &word, |_| parts.instances.iter().cloned().collect());
@@ -45,7 +45,7 @@ fn enter_instance(context: &mut ReadContext<'_>, parts: &mut PartReader<'_>, car
     std::mem::replace(&mut context.scope, inner)
 }
 
-fn members(context: &mut ReadContext<'_>, card: &Card, nodes: bool) -> Vec<usize> {
+fn members(context: &mut Context<'_>, card: &Card, nodes: bool) -> Vec<usize> {
     let mut members = Vec::new();
     let sources = &context.deck.sources;
     let mut name = String::new();
@@ -68,7 +68,7 @@ fn members(context: &mut ReadContext<'_>, card: &Card, nodes: bool) -> Vec<usize
 }
 
 /// Adds the labels of a line to a set; `false` if the line also has set names. `name` is a buffer.
-fn labels(context: &ReadContext<'_>, text: &str, nodes: bool, name: &mut String, members: &mut Vec<usize>) -> bool {
+fn labels(context: &Context<'_>, text: &str, nodes: bool, name: &mut String, members: &mut Vec<usize>) -> bool {
     let (labels, sets) = match nodes {
         true => (&context.nodes, &context.model.node_sets),
         false => (&context.elements, &context.model.element_sets),
@@ -86,7 +86,7 @@ fn labels(context: &ReadContext<'_>, text: &str, nodes: bool, name: &mut String,
     })
 }
 
-fn generated(context: &mut ReadContext<'_>, line: &DataLine, nodes: bool, members: &mut Vec<usize>) {
+fn generated(context: &mut Context<'_>, line: &DataLine, nodes: bool, members: &mut Vec<usize>) {
     let (Some(first), Some(last)) =
         (context.integer(line, 0, "the first label"), context.integer(line, 1, "the last label"))
     else {
@@ -127,12 +127,12 @@ fn generated(context: &mut ReadContext<'_>, line: &DataLine, nodes: bool, member
     }
 }
 
-pub(super) fn add_node_set(context: &mut ReadContext<'_>, name: &str, members: Vec<usize>, span: Span) {
+pub(super) fn add_node_set(context: &mut Context<'_>, name: &str, members: Vec<usize>, span: Span) {
     let name = qualified(&context.scope, name);
     unite(context.model.node_sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
 }
 
-pub(super) fn add_element_set(context: &mut ReadContext<'_>, name: &str, members: Vec<usize>, span: Span) {
+pub(super) fn add_element_set(context: &mut Context<'_>, name: &str, members: Vec<usize>, span: Span) {
     let name = qualified(&context.scope, name);
     unite(context.model.element_sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
 }

@@ -1,13 +1,13 @@
 //! Reads `*SHELL SECTION`: thickness, section points and the material of shells.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::SectionReader;
 use super::materials;
 use super::types::{ElementKind, ShellSection, ShellThinning};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 
-pub(super) fn read_shell_section(context: &mut ReadContext<'_>, sections: &mut SectionReader, card: &Card) {
+pub(super) fn read_shell_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let Some((elements, material)) = materials::section_of(context, sections, card, |kind| kind == ElementKind::Sax1)
     else {
         return;
@@ -24,7 +24,7 @@ pub(super) fn read_shell_section(context: &mut ReadContext<'_>, sections: &mut S
 }
 
 /// Returns the thickness change of `POISSON`; the default of explicit analyses is MATERIAL.
-fn thinning(context: &mut ReadContext<'_>, card: &Card) -> Option<ShellThinning> {
+fn thinning(context: &mut Context<'_>, card: &Card) -> Option<ShellThinning> {
     let Some(word) = card.value("POISSON") else { return Some(ShellThinning::Material) };
     if word.is("MATERIAL") {
         return Some(ShellThinning::Material);

@@ -1,6 +1,6 @@
 //! `*STEP` to `*END STEP`, `*DYNAMIC`, `*BULK VISCOSITY`.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{PartReader, StepReader, StepState};
 use super::history::StepTiming;
 use super::types::{IncrementControl, LoadVelocity, OutputKind, OutputRequest, Step};
@@ -15,7 +15,7 @@ const MOST_INCREMENTS: f64 = 1e15;
 pub const DEFAULT_ACCURACY: f64 = 1e-4;
 
 pub(super) fn read_end_step(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     parts: &mut PartReader<'_>,
     steps: &mut StepReader,
     card: &Card,
@@ -24,12 +24,7 @@ pub(super) fn read_end_step(
     close_step(context, steps);
 }
 
-pub(super) fn read_step(
-    context: &mut ReadContext<'_>,
-    parts: &mut PartReader<'_>,
-    steps: &mut StepReader,
-    card: &Card,
-) {
+pub(super) fn read_step(context: &mut Context<'_>, parts: &mut PartReader<'_>, steps: &mut StepReader, card: &Card) {
     close_step(context, steps);
     parts.open("STEP", card);
     let number = context.model.steps.len() + 1;
@@ -47,7 +42,7 @@ pub(super) fn read_step(
 }
 
 /// Warns of general contact that includes nothing; not after an error, which may have removed inclusions.
-fn check_general_contact(context: &mut ReadContext<'_>, steps: &mut StepReader) {
+fn check_general_contact(context: &mut Context<'_>, steps: &mut StepReader) {
     if context.diagnostics.has_errors() {
         return;
     }
@@ -60,7 +55,7 @@ fn check_general_contact(context: &mut ReadContext<'_>, steps: &mut StepReader) 
     }
 }
 
-pub(super) fn close_step(context: &mut ReadContext<'_>, steps: &mut StepReader) {
+pub(super) fn close_step(context: &mut Context<'_>, steps: &mut StepReader) {
     check_general_contact(context, steps);
     adaptive::apply_adaptive_controls(context, steps);
     if steps.current.is_some() {
@@ -112,7 +107,7 @@ pub(super) fn close_step(context: &mut ReadContext<'_>, steps: &mut StepReader) 
 }
 
 /// Reports output types that end because a request of this step has OP=NEW.
-fn ended_outputs(context: &mut ReadContext<'_>, steps: &mut StepReader, state: &StepState) {
+fn ended_outputs(context: &mut Context<'_>, steps: &mut StepReader, state: &StepState) {
     if !state.cleared.contains(&"OUTPUT") {
         return;
     }
@@ -132,7 +127,7 @@ fn ended_outputs(context: &mut ReadContext<'_>, steps: &mut StepReader, state: &
     }
 }
 
-pub(super) fn read_dynamic(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_dynamic(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     if !card.has("EXPLICIT") {
         let help = format!("write *{}, EXPLICIT", card.keyword.name);
         return context.unsupported(card.span, "implicit dynamics is not supported", &help);
@@ -152,7 +147,7 @@ pub(super) fn read_dynamic(context: &mut ReadContext<'_>, steps: &mut StepReader
 }
 
 fn increment_control(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     card: &Card,
     line: &DataLine,
     values: &cards::Dynamic,
@@ -185,7 +180,7 @@ fn increment_control(
 }
 
 /// Reads bulk viscosity, which remains in force until another step changes it.
-pub(super) fn read_bulk_viscosity(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_bulk_viscosity(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     if context.first_line(card).is_none() {
         return;
     }

@@ -1,7 +1,7 @@
 //! Surfaces and options of the pairs of `*CONTACT PAIR`.
 
 use super::contact;
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{ContactReader, StepReader};
 use super::names::{qualified, upper};
 use super::types::{AnalyticalSide, InteractionLaw, PrescribedClearance, SideSelection, SurfaceContact};
@@ -9,7 +9,7 @@ use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 /// Adds or deletes a pair of element-based surfaces.
 pub(super) fn surface_pair(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     contact: &mut ContactReader,
     steps: &mut StepReader,
     card: &Card,
@@ -34,7 +34,7 @@ pub(super) fn surface_pair(
 
 /// Adds or deletes a contact pair; one surface may be analytical.
 pub(super) fn add_pair(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     contact: &mut ContactReader,
     steps: &mut StepReader,
     card: &Card,
@@ -84,7 +84,7 @@ pub(super) fn add_pair(
 
 /// Warns of a pair that an earlier line of the same step, or before the steps, has defined.
 fn warn_of_pair_given_twice(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     steps: &mut StepReader,
     line: &DataLine,
     same: impl Fn(&SurfaceContact) -> bool,
@@ -98,7 +98,7 @@ fn warn_of_pair_given_twice(
 }
 
 /// Returns the faces of an element-based surface.
-pub(super) fn contact_sides(context: &mut ReadContext<'_>, word: &Word) -> Option<SideSelection> {
+pub(super) fn contact_sides(context: &mut Context<'_>, word: &Word) -> Option<SideSelection> {
     let names = [qualified(&context.scope, &word.text), upper(&word.text)];
     if names.iter().any(|n| context.model.surfaces.nodes.contains_key(n)) {
         let message = format!("`{}` is a node-based surface, which can only contact analytical surfaces", word.text);
@@ -121,7 +121,7 @@ pub(super) fn contact_sides(context: &mut ReadContext<'_>, word: &Word) -> Optio
 }
 
 /// Returns the largest initial gap that `ADJUST` closes.
-fn adjust(context: &mut ReadContext<'_>, word: &Word) -> Option<f64> {
+fn adjust(context: &mut Context<'_>, word: &Word) -> Option<f64> {
     let Some(value) = word.text.trim().parse::<f64>().ok() else {
         return context.refuse_unsupported(
             word.span,

@@ -2,19 +2,14 @@
 
 use std::collections::HashSet;
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::families::{PartReader, StepReader};
 use super::names::{qualified, upper};
 use super::types::{ElementKind, ElementSide, ElementSurface, IgnoredCard, SideSelection};
 use super::{adaptive, contact};
 use crate::deck::{Card, Diagnostic, Word};
 
-pub(super) fn read_surface(
-    context: &mut ReadContext<'_>,
-    parts: &mut PartReader<'_>,
-    steps: &mut StepReader,
-    card: &Card,
-) {
+pub(super) fn read_surface(context: &mut Context<'_>, parts: &mut PartReader<'_>, steps: &mut StepReader, card: &Card) {
     let Some(name) = context.required(card, "NAME") else { return };
     let of_faces = card.value("TYPE").is_none_or(|w| w.is("ELEMENT"));
     if let Some(parameter) = card.parameters.iter().find(|p| p.name == "REGION TYPE").filter(|_| !of_faces) {
@@ -58,7 +53,7 @@ pub(super) fn read_surface(
 
 /// Adds faces, and elements whose free faces follow element deletion, to a surface.
 fn add_faces(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     steps: &mut StepReader,
     card: &Card,
     name: &Word,
@@ -79,7 +74,7 @@ fn add_faces(
 }
 
 /// Reads `COMBINE=UNION`: the faces of several element surfaces, each once.
-fn union_of_surfaces(context: &mut ReadContext<'_>, steps: &mut StepReader, card: &Card, name: &Word) {
+fn union_of_surfaces(context: &mut Context<'_>, steps: &mut StepReader, card: &Card, name: &Word) {
     let (mut faces, mut whole) = (Vec::new(), Vec::new());
     for word in card.lines.iter().flat_map(|line| &line.fields).filter(|word| !word.text.is_empty()) {
         let Some(id) = context.surface_id(word) else { return };
@@ -97,7 +92,7 @@ fn union_of_surfaces(context: &mut ReadContext<'_>, steps: &mut StepReader, card
 /// Reads the face identifier INTERIOR (ABAQUS Analysis User's Guide 2.3.2, "Element-based surface definition"): the
 /// faces that element deletion exposes. Exterior faces of the same elements must be in the surface; they already
 /// follow element deletion.
-fn interior_sides(context: &mut ReadContext<'_>, elements: &[usize], side: &Word, exterior: &[usize]) {
+fn interior_sides(context: &mut Context<'_>, elements: &[usize], side: &Word, exterior: &[usize]) {
     let mesh = &context.model.mesh;
     let known: HashSet<&usize> = exterior.iter().collect();
     let refusal = if elements.iter().any(|&e| !mesh.elements[e].kind.is_solid()) {
@@ -118,7 +113,7 @@ fn interior_sides(context: &mut ReadContext<'_>, elements: &[usize], side: &Word
 
 /// Returns the faces of elements, which `set` names, on a side.
 pub(super) fn sides(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     set: &Word,
     elements: &[usize],
     word: &Word,
@@ -146,7 +141,7 @@ pub(super) fn sides(
 }
 
 /// Returns the exterior faces of solids and both sides of shells.
-fn free_sides(context: &ReadContext<'_>, elements: &[usize]) -> Vec<(usize, ElementSide)> {
+fn free_sides(context: &Context<'_>, elements: &[usize]) -> Vec<(usize, ElementSide)> {
     let mesh = &context.model.mesh;
     let outside = mesh.exterior_faces();
     let of = |&e: &usize| {
@@ -161,7 +156,7 @@ fn free_sides(context: &ReadContext<'_>, elements: &[usize]) -> Vec<(usize, Elem
 
 /// Returns the faces of a surface on which a load acts. A surface with both sides of a shell is an error: the load
 /// has no direction.
-pub(super) fn loaded_sides(context: &mut ReadContext<'_>, word: &Word) -> Option<SideSelection> {
+pub(super) fn loaded_sides(context: &mut Context<'_>, word: &Word) -> Option<SideSelection> {
     let id = context.surface_id(word)?;
     let sides = context.model.surfaces.faces[id].sides(&word.text);
     let Some(element) = sides.two_sided_element() else { return Some(sides) };

@@ -1,13 +1,13 @@
 //! Targets without mesh (`*TARGET`): layers and free surfaces.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::types::{FreeSurfaces, TargetLayer, TargetStack};
 use crate::deck::read::FromValue;
 use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Diagnostic};
 use crate::kernel::free_surface::FiniteSphere;
 
-pub(super) fn read_target(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_target(context: &mut Context<'_>, card: &Card) {
     let values: cards::Target = card.values();
     if values.direction.abs() != 1.0 {
         return context.out_of_range(card.span, format!("DIRECTION must be 1 or -1, found {}", values.direction));
@@ -43,7 +43,7 @@ pub(super) fn read_target(context: &mut ReadContext<'_>, card: &Card) {
     });
 }
 
-fn layer(context: &mut ReadContext<'_>, card: &Card, at: usize, radius: f64) -> Option<TargetLayer> {
+fn layer(context: &mut Context<'_>, card: &Card, at: usize, radius: f64) -> Option<TargetLayer> {
     let line = &card.lines[at];
     let material = match line.field(0) {
         Some(word) => Some(context.material(word)?),
@@ -70,13 +70,13 @@ fn layer(context: &mut ReadContext<'_>, card: &Card, at: usize, radius: f64) -> 
 }
 
 /// Checks the layers of targets with free surfaces, whose effect depends on Young's modulus and the yield stress Y.
-pub(super) fn check_free_surfaces(context: &mut ReadContext<'_>) {
+pub(super) fn check_free_surfaces(context: &mut Context<'_>) {
     let free = context.model.targets.iter().filter(|t| t.free_surfaces != FreeSurfaces::Off);
     let layers: Vec<TargetLayer> = free.flat_map(|t| t.layers.iter().copied()).collect();
     layers.iter().for_each(|layer| check_elasticity(context, layer));
 }
 
-fn check_elasticity(context: &mut ReadContext<'_>, layer: &TargetLayer) {
+fn check_elasticity(context: &mut Context<'_>, layer: &TargetLayer) {
     let Some(properties) = layer.material.map(|m| &context.model.materials[m]) else { return };
     // Constants that could not be derived are reported already.
     let Some(cavity) = properties.cavity.filter(|law| law.yield_stress > 0.0) else { return };

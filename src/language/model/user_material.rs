@@ -1,7 +1,7 @@
 //! Material data of user subroutines: `*USER MATERIAL`, `*PLASTIC, HARDENING=USER`, `*USER DEFINED FIELD`, `*DEPVAR`,
 //! and initial state variables.
 
-use super::context::ReadContext;
+use super::context::Context;
 use super::types::{InitialCondition, InitialKind, PlasticityModel, StateVariables};
 use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine};
@@ -10,25 +10,25 @@ use crate::deck::{Card, DataLine};
 const ROW: usize = 8;
 
 /// Reads `*USER MATERIAL, CONSTANTS=n`.
-pub(super) fn read_user_material(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_user_material(context: &mut Context<'_>, card: &Card) {
     if context.required(card, "CONSTANTS").is_some() {
         context.last_material().user.material = constants(context, card, "CONSTANTS");
     }
 }
 
 /// Reads `*PLASTIC, HARDENING=USER, PROPERTIES=n`.
-pub(super) fn user_hardening(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn user_hardening(context: &mut Context<'_>, card: &Card) {
     context.last_material().plastic = constants(context, card, "PROPERTIES").map(PlasticityModel::User);
 }
 
 /// Reads `*USER DEFINED FIELD, PROPERTIES=n`.
-pub(super) fn read_user_fields(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_user_fields(context: &mut Context<'_>, card: &Card) {
     context.last_material().user.fields =
         constants(context, card, "PROPERTIES").map(|constants| (constants, card.span));
 }
 
 /// Reads `*CHARACTERISTIC LENGTH`: the square root of the area (default) or a user subroutine.
-pub(super) fn read_characteristic_length(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_characteristic_length(context: &mut Context<'_>, card: &Card) {
     if card.read("DEFINITION") {
         context.last_material().user.lengths = constants(context, card, "PROPERTIES").map(|list| (list, card.span));
     }
@@ -36,7 +36,7 @@ pub(super) fn read_characteristic_length(context: &mut ReadContext<'_>, card: &C
 
 /// Reads the number of constants given by a parameter, default 0, from data lines with eight values each. Empty
 /// fields, and missing fields of all but the last line, are zero.
-fn constants(context: &mut ReadContext<'_>, card: &Card, parameter: &str) -> Option<Vec<f64>> {
+fn constants(context: &mut Context<'_>, card: &Card, parameter: &str) -> Option<Vec<f64>> {
     let expected: usize = card.read(parameter);
     let mut constants = Vec::new();
     for (row, line) in card.lines.iter().enumerate() {
@@ -62,7 +62,7 @@ fn constants(context: &mut ReadContext<'_>, card: &Card, parameter: &str) -> Opt
 }
 
 /// Reads `*DEPVAR`: the number of variables, then lines of number, name and description.
-pub(super) fn read_state_variables(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn read_state_variables(context: &mut Context<'_>, card: &Card) {
     let calls = |c: &&Card| {
         let name = c.keyword.name;
         let hardening = name == "PLASTIC" && c.value("HARDENING").is_some_and(|w| w.is("USER"));
@@ -84,7 +84,7 @@ pub(super) fn read_state_variables(context: &mut ReadContext<'_>, card: &Card) {
 }
 
 /// Reads the index from 0 and the name of a state variable.
-fn state_name(context: &mut ReadContext<'_>, line: &DataLine, count: usize) -> Option<(usize, String)> {
+fn state_name(context: &mut Context<'_>, line: &DataLine, count: usize) -> Option<(usize, String)> {
     let number = context.integer(line, 0, "the number of a state variable")?;
     let Some(variable) = usize::try_from(number).ok().filter(|n| (1..=count).contains(n)) else {
         return context
@@ -95,7 +95,7 @@ fn state_name(context: &mut ReadContext<'_>, line: &DataLine, count: usize) -> O
 
 /// Reads `*INITIAL CONDITIONS, TYPE=SOLUTION`: a set with seven state variables, then eight per line. A line of
 /// numbers continues the previous one until all variables are given; other lines start a new set.
-pub(super) fn initial_state(context: &mut ReadContext<'_>, card: &Card) {
+pub(super) fn initial_state(context: &mut Context<'_>, card: &Card) {
     let most = context.deck.cards.iter().filter(|c| c.keyword.name == "DEPVAR");
     let counts = most.filter_map(|c| c.lines.first()?.field(0)?.text.parse::<usize>().ok());
     let most = counts.max().unwrap_or(0);
@@ -103,7 +103,7 @@ pub(super) fn initial_state(context: &mut ReadContext<'_>, card: &Card) {
     while let Some(line) = lines.next() {
         let Some(set) = line.field(0) else { continue };
         let mut values = Vec::new();
-        let mut read = |context: &mut ReadContext<'_>, line: &DataLine, from: usize, to: usize| {
+        let mut read = |context: &mut Context<'_>, line: &DataLine, from: usize, to: usize| {
             for i in from..to {
                 values.push(context.number_or(line, i, 0.0)?);
             }

@@ -1,7 +1,7 @@
 //! Coarsening of the mesh of a deck, between the cards of the mesh and all other cards.
 
 use crate::model::builder::ModelBuilder;
-use crate::model::context::ReadContext;
+use crate::model::context::Context;
 use std::collections::HashMap;
 
 use super::blocks::find_blocks;
@@ -50,7 +50,7 @@ fn report(faults: Vec<CoarseningFault>, diagnostics: &mut Diagnostics) {
     }
 }
 
-fn coarsen_mesh(context: &mut ReadContext<'_>, factor: usize, fine_model: &Model) {
+fn coarsen_mesh(context: &mut Context<'_>, factor: usize, fine_model: &Model) {
     let fine: Mesh = std::mem::take(&mut *context.model.mesh);
     let mut mesh = Mesh { points: fine.points.clone(), node_names: fine.node_names.clone(), elements: Vec::new() };
     let mut merged = CoarsenedMesh { merged: vec![0; fine.elements.len()], ..CoarsenedMesh::default() };

@@ -10,7 +10,7 @@ use crate::kernel::lists::sorted_unique;
 use crate::model::budget::BudgetedItem;
 use crate::model::builder::ModelBuilder;
 use crate::model::coarsening::apply::regions;
-use crate::model::context::ReadContext;
+use crate::model::context::Context;
 use crate::model::name::{EntityName, NewLabels};
 use crate::model::types::{Element, ElementSide, Model, OutputKind, OutputRegion};
 use crate::platform::PortableMath as _;
@@ -34,7 +34,7 @@ pub(in crate::model) fn read<'a>(deck: &'a Deck, factor: usize, coarse: &Model, 
     builder
 }
 
-impl ReadContext<'_> {
+impl Context<'_> {
     /// Divides all edges into `factor` parts, and extends all sets of nodes and elements.
     fn refine_mesh(&mut self, factor: usize, coarse: &Model) {
         if !self.affords_refinement(factor) {

@@ -1,6 +1,6 @@
 //! Conditions that are listed node by node. New nodes between listed nodes get the interpolated value.
 
-use crate::model::context::ReadContext;
+use crate::model::context::Context;
 use crate::model::families::StepReader;
 use std::hash::Hash;
 
@@ -19,7 +19,7 @@ fn is_label(region: &str) -> bool {
 }
 
 /// Returns the values of new nodes between nodes with values: each value with its nodes, ascending.
-fn between(context: &ReadContext<'_>, listed: &NodeValues) -> Vec<(f64, Vec<usize>)> {
+fn between(context: &Context<'_>, listed: &NodeValues) -> Vec<(f64, Vec<usize>)> {
     let Some(refined) = &context.scaling.refined else { return Vec::new() };
     let nodes: Vec<usize> = listed.keys().copied().collect();
     let mut found: IndexMap<u64, Vec<usize>> = IndexMap::new();
@@ -34,7 +34,7 @@ fn between(context: &ReadContext<'_>, listed: &NodeValues) -> Vec<(f64, Vec<usiz
 
 /// Returns conditions for new nodes from conditions at single nodes. Conditions with the same key belong together.
 fn completed<C: Clone, K: Hash + Eq>(
-    context: &ReadContext<'_>,
+    context: &Context<'_>,
     conditions: &[C],
     of: impl Fn(&C) -> Option<(K, usize, f64)>,
     with: impl Fn(&mut C, Vec<usize>, f64),
@@ -56,7 +56,7 @@ fn completed<C: Clone, K: Hash + Eq>(
 }
 
 /// Completes the boundary conditions of a card, which are those from index `from` on.
-pub(in crate::model) fn complete_boundaries(context: &mut ReadContext<'_>, steps: &mut StepReader, from: usize) {
+pub(in crate::model) fn complete_boundaries(context: &mut Context<'_>, steps: &mut StepReader, from: usize) {
     if context.scaling.refined.is_none() {
         return;
     }
@@ -74,7 +74,7 @@ pub(in crate::model) fn complete_boundaries(context: &mut ReadContext<'_>, steps
 }
 
 /// Completes the prescribed fields of a card.
-pub(in crate::model) fn complete_fields(context: &mut ReadContext<'_>, steps: &mut StepReader, from: usize) {
+pub(in crate::model) fn complete_fields(context: &mut Context<'_>, steps: &mut StepReader, from: usize) {
     if context.scaling.refined.is_none() {
         return;
     }
@@ -92,7 +92,7 @@ pub(in crate::model) fn complete_fields(context: &mut ReadContext<'_>, steps: &m
 }
 
 /// Completes the initial conditions of a card at nodes.
-pub(in crate::model) fn complete_initial_conditions(context: &mut ReadContext<'_>, from: usize) {
+pub(in crate::model) fn complete_initial_conditions(context: &mut Context<'_>, from: usize) {
     if context.scaling.refined.is_none() {
         return;
     }
@@ -131,7 +131,7 @@ pub(in crate::model) fn complete_initial_conditions(context: &mut ReadContext<'_
 
 /// Returns the new nodes between the nodes that lines list by labels.
 pub(in crate::model) fn between_labels<'w>(
-    context: &mut ReadContext<'_>,
+    context: &mut Context<'_>,
     words: impl Iterator<Item = &'w Word>,
 ) -> Vec<usize> {
     let labels = words.filter(|word| is_label(&word.text));

@@ -1,6 +1,6 @@
 //! Equations and multi-point constraints between nodes of two lines, which are completed by the new nodes of both.
 
-use crate::model::context::ReadContext;
+use crate::model::context::Context;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 use indexmap::IndexMap;
@@ -127,12 +127,12 @@ impl RefinedMesh {
 }
 
 /// Adds equations and multi-point constraints of the new nodes.
-pub(super) fn refine_relations(context: &mut ReadContext<'_>) {
+pub(super) fn refine_relations(context: &mut Context<'_>) {
     refine_equations(context);
     refine_pairs(context);
 }
 
-fn refine_equations(context: &mut ReadContext<'_>) {
+fn refine_equations(context: &mut Context<'_>) {
     let Some(refined) = &context.scaling.refined else { return };
     let equations = &context.model.constraints.equations;
     let of_sets = repeated(equations.iter().map(|equation| equation.span));
@@ -154,7 +154,7 @@ fn refine_equations(context: &mut ReadContext<'_>) {
     findings.into_iter().for_each(|finding| context.diagnostics.push(finding));
 }
 
-fn equation_card(context: &ReadContext<'_>, equation: &LinearEquation) -> String {
+fn equation_card(context: &Context<'_>, equation: &LinearEquation) -> String {
     let names = &context.model.mesh.node_names;
     let term = |&(node, dof, c): &(usize, u8, f64)| format!(" {}, {dof}, {c:?}", names[node]);
     let terms: Vec<String> = equation.terms.iter().map(term).collect();
@@ -162,7 +162,7 @@ fn equation_card(context: &ReadContext<'_>, equation: &LinearEquation) -> String
     format!("*Equation\n {}\n{}\n", terms.len(), lines.join(",\n"))
 }
 
-fn refine_pairs(context: &mut ReadContext<'_>) {
+fn refine_pairs(context: &mut Context<'_>) {
     let Some(refined) = &context.scaling.refined else { return };
     let of_sets = repeated(context.scaling.linked_pairs.iter().map(|pair| pair.span));
     let mut groups: IndexMap<(Option<Span>, &str), Vec<Relation>> = IndexMap::new();

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::edits::{DeckEdits, EditCondition, NewSetKind, Replacement};
 use crate::deck::{Span, Word};
-use crate::model::context::ReadContext;
+use crate::model::context::Context;
 use crate::model::names::{qualified, upper};
 use crate::model::types::ElementSide;
 
@@ -19,7 +19,7 @@ fn derived_name(word: &Word, kind: NewSetKind, ending: &str) -> String {
     format!("{base}-{ending}")
 }
 
-impl ReadContext<'_> {
+impl Context<'_> {
     /// Starts to record changes, if the deck is to be written.
     pub(in crate::model) fn record_edits(&mut self, is_written: bool) {
         self.scaling.edits = is_written.then(|| Box::new(DeckEdits::of(&self.model)));
