@@ -5,7 +5,7 @@ use super::families::{ConditionReader, StepReader};
 use super::names::upper;
 use super::surfaces;
 use super::types::{BlastCharge, BlastProperty, Load, LoadKind};
-use crate::deck::{Card, Diagnostic};
+use crate::deck::Card;
 use crate::kernel::blast_wave::BurstShape;
 
 pub(super) fn read_blast_property(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
@@ -55,20 +55,16 @@ pub(super) fn read_incident_wave(
     let charge = property.charge;
     if !property.has_charge {
         let message = format!("{} has no *CONWEP CHARGE PROPERTY", word.text);
-        return context.diagnostics.push(Diagnostic::error("M102", message).at(word.span, "this property"));
+        return context.error("M102", message, word.span, "this property");
     }
     for line in &card.lines {
         let Some(sides) = context.region(line).and_then(|set| surfaces::loaded_sides(context, set)) else { continue };
         let Some(word) = line.field(1) else {
             let message = "the source node is missing";
-            context.diagnostics.push(Diagnostic::error("M102", message).at(line.span, "second field"));
+            context.error("M102", message, line.span, "second field");
             continue;
         };
-        let Some(nodes) = context.node_members(word) else { continue };
-        let [source] = nodes[..] else {
-            context.out_of_range(word.span, format!("the source must be one node, found a set of {}", nodes.len()));
-            continue;
-        };
+        let Some(source) = context.single_node(word, "the source") else { continue };
         let place = context.model.mesh.points[source];
         if place[0] != 0.0 {
             context

@@ -17,11 +17,7 @@ const SOLUTION: usize = 6;
 
 pub(super) fn read_rigid_body(context: &mut Context<'_>, card: &Card) {
     let Some(reference) = context.required(card, "REF NODE") else { return };
-    let Some(nodes) = context.node_members(reference) else { return };
-    let [reference] = nodes[..] else {
-        return context
-            .out_of_range(reference.span, format!("REF NODE must be one node, found a set of {}", nodes.len()));
-    };
+    let Some(reference) = context.single_node(reference, "REF NODE") else { return };
     if let Some(word) = card.value("ANALYTICAL SURFACE") {
         contact::carry_surface(context, word, reference);
     }
@@ -37,7 +33,7 @@ pub(super) fn read_rigid_body(context: &mut Context<'_>, card: &Card) {
         && elements.iter().any(is_facet)
     {
         let message = "DENSITY of RAX2 elements requires their thickness on the data line";
-        context.diagnostics.push(Diagnostic::error("M102", message).at(word.span, "the mass would be zero"));
+        context.error("M102", message, word.span, "the mass would be zero");
     }
     let name = card.value("ELSET").map_or_else(|| "RIGID BODY".into(), |w| upper(&w.text));
     context.model.rigid_bodies.push(RigidBody {
@@ -111,11 +107,7 @@ pub(super) fn read_rotary_inertia(context: &mut Context<'_>, sections: &mut Sect
 
 pub(super) fn read_attitude(context: &mut Context<'_>, card: &Card) {
     let Some(reference) = context.required(card, "REF NODE") else { return };
-    let Some(nodes) = context.node_members(reference) else { return };
-    let [reference] = nodes[..] else {
-        return context
-            .out_of_range(reference.span, format!("REF NODE must be one node, found a set of {}", nodes.len()));
-    };
+    let Some(reference) = context.single_node(reference, "REF NODE") else { return };
     let cards::Attitude { stations, inertia, angles } = card.values();
     let uniform = inertia.is_some();
     context.model.attitudes.push(InitialAttitude { reference, angles, stations, uniform, span: card.span });

@@ -1,8 +1,7 @@
 //! `*BOUNDARY`. Propagation over the steps is in `history`.
 
 use super::context::Context;
-use super::degrees::RotationalCondition;
-use super::families::{ConditionReader, StepReader};
+use super::families::{ConditionReader, RotationalCondition, StepReader};
 use super::names::upper;
 use super::refinement::listed;
 use super::types::{AmplitudeId, BoundaryCondition, MotionKind};

@@ -25,6 +25,8 @@ const MODE_TABLE: usize = 0;
 const MODE_INDEPENDENT: usize = 1;
 const POWER_LAW: usize = 2;
 
+pub(super) const NO_INITIATION: &str = "*DAMAGE EVOLUTION must follow a *DAMAGE INITIATION";
+
 pub(super) fn read_cohesive_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     if context.required(card, "RESPONSE").is_none() {
         return;
@@ -110,9 +112,7 @@ pub(super) fn interface_initiation(context: &mut Context<'_>, card: &Card, crite
 /// Reads `*DAMAGE EVOLUTION` after a criterion of cohesive elements.
 pub(super) fn interface_evolution(context: &mut Context<'_>, card: &Card) {
     if context.last_material().interface.evolution.is_some() {
-        let message = "*DAMAGE EVOLUTION must follow a *DAMAGE INITIATION";
-        let diagnostic = Diagnostic::error("M105", message).at(card.span, "no *DAMAGE INITIATION before");
-        return context.diagnostics.push(diagnostic);
+        return context.misplaced(card, NO_INITIATION, "DAMAGE INITIATION");
     }
     let values: cards::DamageEvolution = card.values();
     if let Some(softening) = softening(context, card, &values) {

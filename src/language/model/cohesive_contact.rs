@@ -1,7 +1,7 @@
 //! Cohesive behaviour of contact surfaces: `*COHESIVE BEHAVIOR` of a surface interaction, and the `*DAMAGE INITIATION`,
 //! `*DAMAGE EVOLUTION` and `*DAMAGE STABILIZATION` that follow it (ABAQUS Keywords Reference Guide).
 
-use super::cohesive::initiation_of;
+use super::cohesive::{NO_INITIATION, initiation_of};
 use super::context::Context;
 use super::types::{CohesiveBehavior, InitiationMeasure, InterfaceEvolution};
 use super::{cohesive, contact};
@@ -70,9 +70,7 @@ pub(super) fn read_cohesive_evolution(context: &mut Context<'_>, card: &Card) {
     let Some(cohesion) = last_cohesion(context, card) else { return };
     if cohesion.initiation.is_none() || cohesion.evolution.is_some() {
         if !context.missing.has_card("DAMAGE INITIATION") {
-            let message = "*DAMAGE EVOLUTION must follow a *DAMAGE INITIATION";
-            let finding = Diagnostic::error("M105", message).at(card.span, "no *DAMAGE INITIATION before");
-            context.diagnostics.push(finding);
+            context.misplaced(card, NO_INITIATION, "DAMAGE INITIATION");
         }
         return;
     }
@@ -89,9 +87,7 @@ pub(super) fn read_cohesive_stabilization(context: &mut Context<'_>, card: &Card
     let Some(cohesion) = last_cohesion(context, card) else { return };
     if cohesion.evolution.is_none() {
         if !context.missing.has_card("DAMAGE INITIATION") && !context.missing.has_card("DAMAGE EVOLUTION") {
-            let message = "*DAMAGE STABILIZATION must follow a *DAMAGE EVOLUTION";
-            let finding = Diagnostic::error("M105", message).at(card.span, "no *DAMAGE EVOLUTION before");
-            context.diagnostics.push(finding);
+            context.misplaced(card, "*DAMAGE STABILIZATION must follow a *DAMAGE EVOLUTION", "DAMAGE EVOLUTION");
         }
         return;
     }

@@ -2,8 +2,7 @@
 //! conditions on degrees of freedom that do not exist.
 
 use super::context::Context;
-use super::degrees::RotationalCondition;
-use super::families::{ConditionReader, MaterialReader};
+use super::families::{ConditionReader, MaterialReader, RotationalCondition};
 use super::types::{DamageEvolution, ElementKind, InitialKind, LoadKind};
 use super::{derive, targets};
 use crate::deck::{Diagnostic, Span};
@@ -136,7 +135,7 @@ fn check_element_deletion(context: &mut Context<'_>) {
         if fails {
             let message = "ELEMENT DELETION=NO requires *DAMAGE EVOLUTION; *SHEAR \
                            FAILURE and *TENSILE FAILURE delete elements";
-            context.diagnostics.push(Diagnostic::error("M104", message).at(span, "not supported"));
+            context.error("M104", message, span, "not supported");
         }
     }
 }

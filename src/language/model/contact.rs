@@ -175,10 +175,7 @@ pub(super) fn read_rigid_surface(context: &mut Context<'_>, parts: &mut PartRead
     };
     analytical_surface(context, parts, card, name);
     let Some(word) = card.value("REF NODE") else { return };
-    let Some(nodes) = context.node_members(word) else { return };
-    let [reference] = nodes[..] else {
-        return context.out_of_range(word.span, format!("REF NODE must be one node, found a set of {}", nodes.len()));
-    };
+    let Some(reference) = context.single_node(word, "REF NODE") else { return };
     if let Some(surface) = context.model.surfaces.analytical.get_mut(&qualified(&context.scope, &name.text)) {
         surface.reference = Some(reference);
     }
@@ -220,12 +217,10 @@ pub(super) fn read_contact_pair(
     }
     for line in &card.lines {
         let Some(first) = line.field(0) else {
-            context
-                .diagnostics
-                .push(Diagnostic::error("M102", "a contact pair requires two surfaces").at(line.span, "here"));
+            context.error("M102", "a contact pair requires two surfaces", line.span, "here");
             continue;
         };
-        // A single surface defines context-contact.
+        // A single surface defines self-contact.
         let second = line.field(1).unwrap_or(first);
         let (side, surface, other) = match (analytical_id(context, first), analytical_id(context, second)) {
             (Some(surface), None) => (0, surface, second),
@@ -267,7 +262,7 @@ pub(super) fn analytical_id(context: &Context<'_>, word: &Word) -> Option<RigidS
 
 pub(super) fn report_missing_pair(context: &mut Context<'_>, span: Span) {
     let message = "the contact pair to delete does not exist";
-    context.diagnostics.push(Diagnostic::error("M114", message).at(span, "not in force here"));
+    context.error("M114", message, span, "not in force here");
 }
 
 /// Copies the laws of interactions to the contacts after all cards are read; a pair may precede its interaction.

@@ -103,7 +103,7 @@ impl<'a> Context<'a> {
         let value = card.value(name);
         if value.is_none() && !card.faulty {
             let message = format!("*{} requires {name}=", card.keyword.name);
-            self.diagnostics.push(Diagnostic::error("M101", message).at(card.span, format!("{name}= is missing")));
+            self.error("M101", message, card.span, format!("{name}= is missing"));
         }
         value
     }
@@ -112,20 +112,23 @@ impl<'a> Context<'a> {
         let line = card.lines.first();
         if line.is_none() {
             let message = format!("*{} requires a data line", card.keyword.name);
-            self.diagnostics.push(Diagnostic::error("M107", message).at(card.span, "data line missing"));
+            self.error("M107", message, card.span, "data line missing");
         }
         line
     }
 
     /// Returns the number in a required field; reports an error if it is missing.
     pub fn number(&mut self, line: &DataLine, index: usize, what: &str) -> Option<f64> {
-        match line.field(index) {
-            Some(word) => word.number(&mut self.diagnostics),
-            None => {
-                let diagnostic = Diagnostic::error("M102", format!("{what} is missing"));
-                self.diagnostics.refuse(diagnostic.at(line.span, format!("field {} should be {what}", index + 1)))
-            }
+        self.required_field(line, index, what)?.number(&mut self.diagnostics)
+    }
+
+    fn required_field<'l>(&mut self, line: &'l DataLine, index: usize, what: &str) -> Option<&'l Word> {
+        let word = line.field(index);
+        if word.is_none() {
+            let label = format!("field {} should be {what}", index + 1);
+            self.error("M102", format!("{what} is missing"), line.span, label);
         }
+        word
     }
 
     /// Returns the number in an optional field.
@@ -135,17 +138,21 @@ impl<'a> Context<'a> {
 
     /// Returns the integer in a required field; reports an error if it is missing.
     pub fn integer(&mut self, line: &DataLine, index: usize, what: &str) -> Option<i64> {
-        match line.field(index) {
-            Some(word) => word.integer(&mut self.diagnostics),
-            None => {
-                let diagnostic = Diagnostic::error("M102", format!("{what} is missing"));
-                self.diagnostics.refuse(diagnostic.at(line.span, format!("field {} should be {what}", index + 1)))
-            }
-        }
+        self.required_field(line, index, what)?.integer(&mut self.diagnostics)
+    }
+
+    /// Reports an error with a label.
+    pub fn error(&mut self, code: &'static str, message: impl Into<String>, span: Span, label: impl Into<String>) {
+        self.diagnostics.push(Diagnostic::error(code, message).at(span, label));
+    }
+
+    /// Reports a card that does not follow the card that it needs.
+    pub fn misplaced(&mut self, card: &Card, message: impl Into<String>, missing: &str) {
+        self.error("M105", message, card.span, format!("no *{missing} before"));
     }
 
     pub fn out_of_range(&mut self, span: Span, message: impl Into<String>) {
-        self.diagnostics.push(Diagnostic::error("M103", message).at(span, "here"));
+        self.error("M103", message, span, "here");
     }
 
     pub fn unsupported(&mut self, span: Span, message: impl Into<String>, help: &str) {
@@ -196,7 +203,7 @@ impl<'a> Context<'a> {
         let mesh = [self.model.mesh.points.len(), self.model.mesh.elements.len()];
         let Err(too_much) = self.budget.spend(good, count, mesh) else { return true };
         if !std::mem::replace(&mut self.budget.reported, true) {
-            self.diagnostics.push(Diagnostic::error("M125", too_much).at(span, "limit exceeded here"));
+            self.error("M125", too_much, span, "limit exceeded here");
         }
         self.missing.everything = true;
         false
@@ -250,6 +257,16 @@ impl<'a> Context<'a> {
         None
     }
 
+    /// Returns the node that `what` requires, or reports a set of several nodes.
+    pub fn single_node(&mut self, word: &Word, what: &str) -> Option<usize> {
+        match self.node_members(word)?[..] {
+            [node] => Some(node),
+            ref nodes => {
+                self.refuse_value(word.span, format!("{what} must be one node, found a set of {}", nodes.len()))
+            }
+        }
+    }
+
     /// Returns the elements of a set or label, or reports that it is unknown.
     pub fn element_members(&mut self, word: &Word) -> Option<Vec<usize>> {
         for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
@@ -275,8 +292,7 @@ impl<'a> Context<'a> {
     pub fn region<'l>(&mut self, line: &'l DataLine) -> Option<&'l Word> {
         let word = line.field(0);
         if word.is_none() {
-            self.diagnostics
-                .push(Diagnostic::error("M102", "the set or surface is missing").at(line.span, "first field"));
+            self.error("M102", "the set or surface is missing", line.span, "first field");
         }
         word
     }

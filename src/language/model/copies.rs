@@ -122,7 +122,7 @@ fn reflection(context: &mut Context<'_>, card: &Card, kind: usize) -> Option<Pla
         if upright { PlaneMapping::mirror(flat, [-normal[1], normal[0]]) } else { None }
     };
     if found.is_none() {
-        context.diagnostics.push(Diagnostic::error("M126", leaves).at(line.span, "these points"));
+        context.error("M126", leaves, line.span, "these points");
     }
     found
 }
@@ -292,7 +292,7 @@ pub(super) fn read_system(context: &mut Context<'_>, mesh: &mut MeshReader, card
         Some(axes) => mesh.system = Some(LocalSystem { origin: [a[0], a[1]], axes }),
         None => {
             let message = "this local system is not in the r-z plane, or its points are collinear";
-            context.diagnostics.push(Diagnostic::error("M126", message).at(line.span, "these points"));
+            context.error("M126", message, line.span, "these points");
         }
     }
 }

@@ -2,8 +2,7 @@
 //! DEPENDENT` of the same material. The computation is in `resistance`.
 
 use super::context::Context;
-use super::derivation::DerivationRequest;
-use super::families::MaterialReader;
+use super::families::{DerivationRequest, MaterialReader};
 use super::types::{CavityExpansion, MaterialDefinition, PlasticityModel, RateDependence, ResistanceDerivation};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};

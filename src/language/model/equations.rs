@@ -4,7 +4,7 @@ use super::context::{Context, MAX_GENERATED};
 use super::families::MeshReader;
 use super::nodes;
 use super::types::LinearEquation;
-use crate::deck::{Card, Diagnostic, Span, Word};
+use crate::deck::{Card, Span, Word};
 
 /// A term: nodes (in order of labels, or in the order of an UNSORTED set), degree of freedom, coefficient.
 type EquationTerm = (Vec<usize>, u8, f64);
@@ -29,7 +29,7 @@ pub(super) fn read_equation(context: &mut Context<'_>, mesh: &mut MeshReader, ca
         };
         if words.len() != 3 * count as usize {
             let message = format!("{count} terms require {} values, found {}", 3 * count, words.len());
-            return context.diagnostics.push(Diagnostic::error("M102", message).at(line.span, "this equation"));
+            return context.error("M102", message, line.span, "this equation");
         }
         let terms: Option<Vec<EquationTerm>> = words.chunks(3).map(|w| equation_term(context, mesh, w)).collect();
         if let Some(terms) = terms {

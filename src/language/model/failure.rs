@@ -4,8 +4,8 @@ use super::context::Context;
 use super::families::MaterialReader;
 use super::types::{DamageEvolution, FailureCriterion, StrainAtFailure, TensileFailure};
 use super::{cohesive, cohesive_contact};
+use crate::deck::Card;
 use crate::deck::table::materials as cards;
-use crate::deck::{Card, Diagnostic};
 use crate::kernel::levels::NestedTable;
 
 /// Index of the value of `CRITERION` in the keyword table.
@@ -95,10 +95,7 @@ pub(super) fn read_damage_evolution(context: &mut Context<'_>, materials: &mut M
     match context.last_material().failures.last_mut() {
         Some(last) if last.evolution == DamageEvolution::Absent => last.evolution = evolution,
         _ if is_refused => {}
-        _ => {
-            let message = "*DAMAGE EVOLUTION must follow a *DAMAGE INITIATION";
-            context.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *DAMAGE INITIATION before"));
-        }
+        _ => context.misplaced(card, cohesive::NO_INITIATION, "DAMAGE INITIATION"),
     }
 }
 

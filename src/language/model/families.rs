@@ -5,9 +5,6 @@ use std::collections::{HashMap, HashSet};
 use indexmap::IndexMap;
 
 use super::context::Context;
-use super::coupling::PendingCoupling;
-use super::degrees::RotationalCondition;
-use super::derivation::DerivationRequest;
 use super::history::StepHistory;
 use super::placement::InstancePlacement;
 use super::types::{
@@ -17,6 +14,7 @@ use super::types::{
 };
 use crate::deck::{Card, Diagnostic, Span, Word};
 use crate::kernel::bulk_viscosity::BulkViscosity;
+use crate::resistance::{CavityShape, FitRequest};
 
 /// A block without its end card yet, such as `*PART` without `*END PART`.
 #[derive(Debug)]
@@ -123,6 +121,22 @@ impl MeshReader {
     }
 }
 
+/// A request to derive cavity expansion constants.
+pub(super) struct DerivationRequest {
+    /// Index of the material whose resistance is derived.
+    pub material: usize,
+    /// Range and form of the fit.
+    pub request: FitRequest,
+    /// Shape of the cavity.
+    pub shape: CavityShape,
+    /// Radius of the cavity, which determines strain rates; `None` for quasi-static constants.
+    pub radius: Option<f64>,
+    /// Tensile strength at which the target cracks.
+    pub tension: Option<f64>,
+    /// Source position of the card.
+    pub span: Span,
+}
+
 /// Materials and their resistances.
 #[derive(Default)]
 pub(super) struct MaterialReader {
@@ -183,6 +197,37 @@ pub(super) struct ContactReader {
     pub interactions_used: Vec<Word>,
     /// Initial clearances of general contact, by name.
     pub clearances: IndexMap<String, PrescribedClearance>,
+}
+
+/// A `*COUPLING` card whose kind is not known yet.
+pub(super) struct PendingCoupling {
+    /// Upper-case name.
+    pub name: String,
+    /// Index of the reference node.
+    pub reference: usize,
+    /// Indices of the nodes of the surface, ascending.
+    pub nodes: Vec<usize>,
+    /// Tributary area of each node; 1 for each node of a node-based surface.
+    pub areas: Vec<f64>,
+    /// Source position of the card.
+    pub span: Span,
+}
+
+/// A condition on degrees of freedom above 2.
+#[derive(Clone, Debug)]
+pub(super) struct RotationalCondition {
+    /// Source position of the data line.
+    pub span: Span,
+    /// Node set as named in the deck; empty if not known.
+    pub set: String,
+    /// First and last degree of freedom.
+    pub dofs: [u8; 2],
+    /// Node indices.
+    pub nodes: Vec<usize>,
+    /// Intended effect, for the message: `nothing {lost} by this line`.
+    pub lost: &'static str,
+    /// Prescribed value; it is multiplied with the amplitude.
+    pub value: f64,
 }
 
 /// Initial conditions, couplings and waves.

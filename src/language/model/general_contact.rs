@@ -5,7 +5,7 @@ use super::families::{ContactReader, StepReader};
 use super::types::{AssignedInteraction, ContactDomain, GeneralContact, InteractionLaw};
 use super::{clearance, contact, surface_contact};
 use crate::deck::read::FromValue;
-use crate::deck::{Card, DataLine, Diagnostic, Word};
+use crate::deck::{Card, DataLine, Word};
 
 /// Reads `*CONTACT` (ABAQUS Keywords Reference Guide): OP=MOD, the default, extends the definition in force; NEW
 /// replaces it.
@@ -25,8 +25,7 @@ pub(super) fn read_general_contact_option(
     card: &Card,
 ) {
     if steps.state().general_contact.is_none() {
-        let message = format!("*{} must follow a *CONTACT", card.keyword.name);
-        return context.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *CONTACT before"));
+        return context.misplaced(card, format!("*{} must follow a *CONTACT", card.keyword.name), "CONTACT");
     }
     if let Some(general) = &mut steps.state().general_contact {
         general.all |= card.has("ALL EXTERIOR");

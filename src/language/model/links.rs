@@ -1,8 +1,7 @@
 //! Linked nodes: `*MPC`, `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING`, `*TIE`.
 
 use super::context::Context;
-use super::coupling::PendingCoupling;
-use super::families::{ConditionReader, MeshReader};
+use super::families::{ConditionReader, MeshReader, PendingCoupling};
 use super::names::upper;
 use super::refinement::pair::NodePair;
 use super::types::{LinkKind, NodeLink, SurfaceTie};
@@ -122,8 +121,7 @@ pub(super) fn read_coupling_kind(context: &mut Context<'_>, conditions: &mut Con
     let Some(coupling) = conditions.coupling.take() else {
         // After an invalid *COUPLING this message would be a consequential error.
         if !context.deck.cards.iter().any(|c| c.keyword.name == "COUPLING") {
-            let message = format!("*{} must follow a *COUPLING", card.keyword.name);
-            context.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *COUPLING before"));
+            context.misplaced(card, format!("*{} must follow a *COUPLING", card.keyword.name), "COUPLING");
         }
         return;
     };
@@ -182,8 +180,7 @@ pub(super) fn end_coupling(context: &mut Context<'_>, conditions: &mut Condition
     let faulty = context.missing.has_card("KINEMATIC") || context.missing.has_card("DISTRIBUTING");
     if let Some(coupling) = conditions.coupling.take().filter(|_| !faulty) {
         let message = format!("the coupling {} has neither *KINEMATIC nor *DISTRIBUTING", coupling.name);
-        let diagnostic = Diagnostic::error("M101", message).at(coupling.span, "one of the two cards must follow");
-        context.diagnostics.push(diagnostic);
+        context.error("M101", message, coupling.span, "one of the two cards must follow");
     }
 }
 

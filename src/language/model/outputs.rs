@@ -86,8 +86,7 @@ pub(super) fn read_restart(context: &mut Context<'_>, steps: &mut StepReader, ca
         return;
     }
     if !card.has("WRITE") {
-        let diagnostic = Diagnostic::error("M101", "*RESTART requires WRITE").at(card.span, "WRITE is missing");
-        return context.diagnostics.push(diagnostic);
+        return context.error("M101", "*RESTART requires WRITE", card.span, "WRITE is missing");
     }
     if card.value("FREQUENCY").is_some_and(|w| w.is("0")) {
         steps.state().restart = None;
@@ -171,8 +170,7 @@ fn sub_request(
     card: &Card,
 ) {
     let Some(request) = output.request.clone() else {
-        let message = format!("*{} must follow an *OUTPUT", card.keyword.name);
-        return context.diagnostics.push(Diagnostic::error("M105", message).at(card.span, "no *OUTPUT before"));
+        return context.misplaced(card, format!("*{} must follow an *OUTPUT", card.keyword.name), "OUTPUT");
     };
     let Some(region) = output_region(context, contact, output, card) else { return };
     let of = match card.keyword.name {

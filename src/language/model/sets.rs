@@ -110,7 +110,7 @@ fn generated(context: &mut Context<'_>, line: &DataLine, nodes: bool, members: &
     let missing = count.max(0) - (members.len() - before) as i128;
     if members.len() == before {
         let message = format!("no label from {first} to {last} in increments of {step} is defined");
-        context.diagnostics.push(Diagnostic::error("M110", message).at(line.span, "empty range"));
+        context.error("M110", message, line.span, "empty range");
     } else if missing > 0 || (last - first) % step != 0 {
         let what = if nodes { "nodes" } else { "elements" };
         let message = match missing {
