@@ -2,12 +2,12 @@
 
 use super::context::Context;
 use super::families::{
-    ConditionReader, ContactReader, MaterialReader, MeshReader, OutputReader, PartReader, SectionReader, StepReader,
+    ConditionReader, MaterialReader, MeshReader, OutputReader, PartReader, SectionReader, StepReader,
 };
 use super::lost::is_skipped;
 use super::readers::find_reader;
 use super::types::Model;
-use super::{bodies, completion, contact, copies, elements, links, materials, named_clearances, order, steps};
+use super::{bodies, completion, contact, copies, elements, links, materials, order, steps};
 use crate::deck::keywords::KeywordTier;
 use crate::deck::{Card, Deck, Diagnostic, Diagnostics};
 
@@ -18,7 +18,6 @@ pub(super) struct ModelBuilder<'a> {
     pub mesh: MeshReader,
     pub materials: MaterialReader,
     pub sections: SectionReader,
-    pub contact: ContactReader,
     pub conditions: ConditionReader,
     pub steps: StepReader,
     pub output: OutputReader,
@@ -29,14 +28,12 @@ impl<'a> ModelBuilder<'a> {
     pub fn checked(deck: &'a Deck) -> Self {
         let mut context = Context::new(deck);
         (context.model.origin.inert, context.missing.faulty) = super::check::check(deck, &mut context.diagnostics);
-        let clearances = named_clearances::named_clearances(deck);
         ModelBuilder {
             context,
             parts: PartReader::default(),
             mesh: MeshReader::default(),
             materials: MaterialReader::default(),
             sections: SectionReader::default(),
-            contact: ContactReader { clearances, ..ContactReader::default() },
             conditions: ConditionReader::default(),
             steps: StepReader::default(),
             output: OutputReader::default(),
@@ -85,12 +82,12 @@ impl<'a> ModelBuilder<'a> {
         steps::close_step(context, &mut self.steps);
         links::end_coupling(context, &mut self.conditions);
         bodies::apply_masses(context);
-        elements::report_duplicate_labels(context, &mut self.mesh);
+        elements::report_duplicate_labels(context);
         elements::report_shape_faults(context, &mut self.mesh);
         copies::report_regenerated_nodes(context, &mut self.mesh);
         copies::check_transforms(context, &mut self.mesh);
         materials::apply_controls(context, &mut self.sections);
-        contact::apply_interactions(context, &mut self.contact);
+        contact::apply_interactions(context);
         completion::complete(context, &mut self.materials, &mut self.conditions);
         context.reduce_output_sets();
         let mesh = &mut *context.model.mesh;

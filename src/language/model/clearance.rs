@@ -1,21 +1,17 @@
 //! Initial clearances of contact: `*CLEARANCE` of contact pairs, and the assignments of general contact.
 
 use super::context::Context;
-use super::families::{ContactReader, StepReader};
+use super::families::StepReader;
 use super::names::upper;
 use super::types::{IgnoredCard, PrescribedClearance, SurfaceContact};
 use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Word};
 
 /// Returns the clearance with a name, or reports that it is unknown.
-pub(super) fn clearance(
-    context: &mut Context<'_>,
-    contact: &mut ContactReader,
-    word: &Word,
-) -> Option<PrescribedClearance> {
-    let found = contact.clearances.get(&upper(&word.text)).copied();
+pub(super) fn clearance(context: &mut Context<'_>, word: &Word) -> Option<PrescribedClearance> {
+    let found = context.names.clearances.get(&upper(&word.text)).copied();
     if found.is_none() {
-        context.unknown("M114", "contact clearance", word, |_| contact.clearances.keys().cloned().collect());
+        context.unknown("M114", "contact clearance", word, |c| c.names.clearances.keys().cloned().collect());
     }
     found
 }

@@ -1,7 +1,7 @@
 //! Analytical surfaces and contact pairs: `*SURFACE, TYPE=SEGMENTS`, `*RIGID SURFACE`, `*CONTACT PAIR`.
 
 use super::context::Context;
-use super::families::{ContactReader, PartReader, StepReader};
+use super::families::{MeshReader, StepReader};
 use super::names::{qualified, upper};
 use super::refinement::listed;
 use super::surface_contact;
@@ -29,7 +29,7 @@ fn equidistant_centre(a: [f64; 2], b: [f64; 2], centre: [f64; 2]) -> [f64; 2] {
 
 /// Reads an analytical surface: START, then LINE and CIRCL (ABAQUS Keywords Reference Guide, *SURFACE,
 /// TYPE=SEGMENTS).
-pub(super) fn analytical_surface(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card, name: &Word) {
+pub(super) fn analytical_surface(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card, name: &Word) {
     let Some((start, rest)) = card.lines.split_first() else {
         required_lines(context, card);
         return;
@@ -61,7 +61,7 @@ pub(super) fn analytical_surface(context: &mut Context<'_>, parts: &mut PartRead
             }
         }
     }
-    let profile = placed(parts, profile);
+    let profile = placed(mesh, profile);
     let surface = RigidSurface { profile, reference: None, span: card.span };
     let key = qualified(&context.scope, &name.text);
     if let Some(first) =
@@ -81,8 +81,8 @@ fn required_lines(context: &mut Context<'_>, card: &Card) {
 
 /// Places a profile by the current instance. If the placement mirrors the plane, the profile is reversed, so that
 /// its contact side is preserved.
-fn placed(parts: &PartReader<'_>, profile: SurfaceProfile) -> SurfaceProfile {
-    let Some(placement) = &parts.placement else { return profile };
+fn placed(mesh: &MeshReader, profile: SurfaceProfile) -> SurfaceProfile {
+    let Some(placement) = &mesh.placement else { return profile };
     let put = |p: [f64; 2]| placement.apply(p);
     let moved = |s: &ProfileSegment| match *s {
         ProfileSegment::Line(ends) => ProfileSegment::Line(ends.map(put)),
@@ -164,7 +164,7 @@ pub(super) fn arc_centre(
 
 /// Reads an analytical surface with its reference node in the older syntax (ABAQUS Keywords Reference Guide, *RIGID
 /// SURFACE).
-pub(super) fn read_rigid_surface(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card) {
+pub(super) fn read_rigid_surface(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     if !card.value("TYPE").is_some_and(|w| w.is("SEGMENTS")) {
         let message = "*RIGID SURFACE supports TYPE=SEGMENTS only, a surface of revolution";
         return context.unsupported(card.span, message, "use TYPE=SEGMENTS");
@@ -173,7 +173,7 @@ pub(super) fn read_rigid_surface(context: &mut Context<'_>, parts: &mut PartRead
         context.required(card, "NAME");
         return;
     };
-    analytical_surface(context, parts, card, name);
+    analytical_surface(context, mesh, card, name);
     let Some(word) = card.value("REF NODE") else { return };
     let Some(reference) = context.single_node(word, "REF NODE") else { return };
     if let Some(surface) = context.model.surfaces.analytical.get_mut(&qualified(&context.scope, &name.text)) {
@@ -205,12 +205,7 @@ pub(super) fn contact_note(context: &mut Context<'_>, card: &Card) {
     }
 }
 
-pub(super) fn read_contact_pair(
-    context: &mut Context<'_>,
-    contact: &mut ContactReader,
-    steps: &mut StepReader,
-    card: &Card,
-) {
+pub(super) fn read_contact_pair(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let adds = card.read("OP");
     if context.first_line(card).is_none() {
         return;
@@ -227,7 +222,7 @@ pub(super) fn read_contact_pair(
             (None, Some(surface)) => (1, surface, first),
             _ if context.missing.explains("surface", first) || context.missing.explains("surface", second) => continue,
             (None, None) => {
-                surface_contact::surface_pair(context, contact, steps, card, line, [first, second], adds);
+                surface_contact::surface_pair(context, steps, card, line, [first, second], adds);
                 continue;
             }
             _ => {
@@ -243,7 +238,6 @@ pub(super) fn read_contact_pair(
         let sides = if side == 0 { [rigid, sides] } else { [sides, rigid] };
         surface_contact::add_pair(
             context,
-            contact,
             steps,
             card,
             line,
@@ -266,9 +260,9 @@ pub(super) fn report_missing_pair(context: &mut Context<'_>, span: Span) {
 }
 
 /// Copies the laws of interactions to the contacts after all cards are read; a pair may precede its interaction.
-pub(super) fn apply_interactions(context: &mut Context<'_>, contact: &mut ContactReader) {
+pub(super) fn apply_interactions(context: &mut Context<'_>) {
     let names: Vec<String> = context.model.interactions.iter().map(|i| i.name.clone()).collect();
-    let mut used = std::mem::take(&mut contact.interactions_used);
+    let mut used = std::mem::take(&mut context.names.interactions_used);
     used.dedup_by_key(|word| word.span);
     for word in used {
         if !names.contains(&upper(&word.text)) {
@@ -287,12 +281,8 @@ pub(super) fn apply_interactions(context: &mut Context<'_>, contact: &mut Contac
 }
 
 /// Returns the surface interaction with a name, which may be defined later.
-pub(super) fn interaction(
-    context: &mut Context<'_>,
-    contact: &mut ContactReader,
-    word: &Word,
-) -> Option<InteractionId> {
-    contact.interactions_used.push(word.clone());
+pub(super) fn interaction(context: &mut Context<'_>, word: &Word) -> Option<InteractionId> {
+    context.names.interactions_used.push(word.clone());
     context.names.interactions.get(&upper(&word.text)).copied().map(InteractionId::new)
 }
 

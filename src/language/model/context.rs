@@ -8,13 +8,16 @@ use indexmap::IndexMap;
 use super::budget::{BudgetedItem, SizeBudget};
 use super::coarsening::mesh::CoarsenedMesh;
 use super::lost::MissingDefinitions;
+use super::named_clearances::named_clearances;
 use super::names::{LabelTable, places, qualified, upper};
 use super::refinement::curves::EdgeCurves;
 use super::refinement::mesh::RefinedMesh;
 use super::refinement::pair::NodePair;
 use super::refinement::pass::ReadPass;
 use super::relisting::edits::DeckEdits;
-use super::types::{IgnoredCard, MaterialDefinition, MaterialId, MemberSet, Model, ModelOrigin, SurfaceId};
+use super::types::{
+    IgnoredCard, MaterialDefinition, MaterialId, MemberSet, Model, ModelOrigin, PrescribedClearance, SurfaceId,
+};
 use crate::deck::names::nearest;
 use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 use crate::kernel::lists::sorted_unique;
@@ -42,13 +45,17 @@ pub(super) struct Context<'a> {
     pub scaling: ScalingState,
 }
 
-/// Index of each definition that cards before it may refer to, by upper-case name.
+/// Definitions by upper-case name: their index, or their value. Cards may refer to them before they are read.
 #[derive(Default)]
 pub(super) struct DefinitionNames {
     pub materials: IndexMap<String, usize>,
     pub interactions: IndexMap<String, usize>,
     /// Amplitudes that have been read.
     pub amplitudes: IndexMap<String, usize>,
+    /// Initial clearances of general contact.
+    pub clearances: IndexMap<String, PrescribedClearance>,
+    /// Names of surface interactions that contact refers to.
+    pub interactions_used: Vec<Word>,
 }
 
 /// Refinement or coarsening of the mesh.
@@ -87,6 +94,7 @@ impl<'a> Context<'a> {
             names: DefinitionNames {
                 materials: places(deck, "MATERIAL"),
                 interactions: places(deck, "SURFACE INTERACTION"),
+                clearances: named_clearances(deck),
                 ..DefinitionNames::default()
             },
             budget: SizeBudget::default(),

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::budget::BudgetedItem;
 use super::context::Context;
-use super::families::{LocalSystem, MeshReader, PartReader};
+use super::families::{LocalSystem, MeshReader};
 use super::placement::read_placement;
 use super::refinement::curves::{AffineMap, polar_point};
 use super::{elements, nodes, sets};
@@ -39,7 +39,7 @@ impl PlaneMapping {
 
 /// Copies nodes with shifted labels (ABAQUS Keywords Reference Guide, *NCOPY). SHIFT translates and rotates them as
 /// `*INSTANCE` does; REFLECT reflects them through a point or across a line or plane.
-pub(super) fn read_ncopy(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_ncopy(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(change) = label_shift(context, card, "CHANGE NUMBER") else { return };
     let Some(old) = context.required(card, "OLD SET").and_then(|w| nodes::nodes_in_order(context, mesh, w)) else {
         return;
@@ -49,7 +49,7 @@ pub(super) fn read_ncopy(context: &mut Context<'_>, parts: &mut PartReader<'_>, 
         return;
     }
     // Nodes of a part have the coordinates of its instance, but the copy is defined in the coordinates of the part.
-    let placement = parts.placement.clone();
+    let placement = mesh.placement.clone();
     let image = |point| match &placement {
         Some(placement) => placement.apply(place(placement.undo(point))),
         None => place(point),
@@ -59,7 +59,7 @@ pub(super) fn read_ncopy(context: &mut Context<'_>, parts: &mut PartReader<'_>, 
     for node in old {
         let Some(label) = nodes::label_of_index(context, node) else { continue };
         let copy = image(context.model.mesh.points[node]);
-        made.push(nodes::place_generated(context, parts, mesh, label.saturating_add(change), copy, card.span));
+        made.push(nodes::place_generated(context, mesh, label.saturating_add(change), copy, card.span));
         images.insert(node, made[made.len() - 1]);
     }
     if context.deck.mesh_scaling.is_some() {
@@ -138,7 +138,7 @@ pub(super) fn space_point(context: &mut Context<'_>, line: &DataLine, first: usi
 
 /// Copies elements with shifted element and node labels (ABAQUS Keywords Reference Guide, *ELCOPY). REFLECT
 /// reverses the node order, for copies of reflected nodes.
-pub(super) fn read_elcopy(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_elcopy(context: &mut Context<'_>, card: &Card) {
     let shift_of_nodes = context.required(card, "SHIFT NODES").and_then(|w| w.integer(&mut context.diagnostics));
     let (Some(change), Some(shift)) = (label_shift(context, card, "ELEMENT SHIFT"), shift_of_nodes) else {
         return;
@@ -160,7 +160,7 @@ pub(super) fn read_elcopy(context: &mut Context<'_>, mesh: &mut MeshReader, card
         if card.has("REFLECT") && nodes.len() > 2 {
             nodes[1..].reverse();
         }
-        made.extend(elements::add_element(context, mesh, label, kind, nodes[..].into(), card.span));
+        made.extend(elements::add_element(context, label, kind, nodes[..].into(), card.span));
     }
     if let Some(name) = card.value("NEW SET") {
         sets::add_element_set(context, &name.text, made, card.span);
@@ -169,7 +169,7 @@ pub(super) fn read_elcopy(context: &mut Context<'_>, mesh: &mut MeshReader, card
 
 /// Maps nodes from coordinates of a local system (ABAQUS Keywords Reference Guide, *NMAP): RECTANGULAR, or
 /// CYLINDRICAL about an axis perpendicular to the r-z plane, with angles in degrees.
-pub(super) fn read_nmap(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card) {
+pub(super) fn read_nmap(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(nodes) = context.required(card, "NSET").and_then(|w| context.node_members(w)) else { return };
     let Some(line) = context.first_line(card) else { return };
     let (Some(a), Some(b)) = (space_point(context, line, 0), space_point(context, line, 3)) else { return };
@@ -196,7 +196,7 @@ pub(super) fn read_nmap(context: &mut Context<'_>, parts: &mut PartReader<'_>, c
             *value = if given == 0.0 { 1.0 } else { given };
         }
     }
-    let placement = parts.placement.as_ref();
+    let placement = mesh.placement.as_ref();
     let local = |p: [f64; 2]| {
         let p = placement.map_or(p, |placement| placement.undo(p));
         [scale[0] * p[0], scale[1] * p[1]]

@@ -9,6 +9,7 @@ use super::context::Context;
 use super::element_nodes::NodeIndices;
 use super::families::MeshReader;
 use super::name::EntityName;
+use super::names::DuplicateLabel;
 use super::types::{Element, ElementKind};
 use super::{cohesive, sets};
 use crate::deck::names::nearest;
@@ -167,7 +168,7 @@ fn replacement(name: &str) -> Option<String> {
     Some(format!("{READ}, or write TYPE={counterpart}"))
 }
 
-pub(super) fn read_elements(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_elements(context: &mut Context<'_>, card: &Card) {
     let Some(kind) = context.required(card, "TYPE").and_then(|w| element_kind(context, w)) else {
         context.missing.elements = true;
         return;
@@ -177,9 +178,9 @@ pub(super) fn read_elements(context: &mut Context<'_>, mesh: &mut MeshReader, ca
     context.model.mesh.reserve_elements(card.rows.len());
     let mut at = 0;
     while at < card.rows.len() {
-        let (element, next) = match plain_element(context, mesh, kind, &card.rows[at]) {
+        let (element, next) = match plain_element(context, kind, &card.rows[at]) {
             Some(element) => (Some(element), at + 1),
-            None => element_of_rows(context, mesh, kind, &card.rows, at),
+            None => element_of_rows(context, kind, &card.rows, at),
         };
         made.extend(element.filter(|_| listed));
         at = next;
@@ -212,12 +213,7 @@ pub(super) fn element_kind(context: &mut Context<'_>, word: &Word) -> Option<Ele
 }
 
 /// Reads an element from one line of labels, the most frequent form; `None` for any other form.
-fn plain_element(
-    context: &mut Context<'_>,
-    mesh: &mut MeshReader,
-    kind: ElementKind,
-    row: &ListingRow,
-) -> Option<usize> {
+fn plain_element(context: &mut Context<'_>, kind: ElementKind, row: &ListingRow) -> Option<usize> {
     let mut numbers = words(row.text(&context.deck.sources)?).map(|word| word.parse::<i64>().ok());
     let label = numbers.next()??;
     let (mut nodes, need) = ([0; 6], kind.node_count());
@@ -225,13 +221,12 @@ fn plain_element(
     for node in &mut nodes[..need] {
         *node = scope.find(numbers.next()??)?;
     }
-    add_element(context, mesh, label, kind, kind.around(&nodes[..need]), row.span())
+    add_element(context, label, kind, kind.around(&nodes[..need]), row.span())
 }
 
 /// Reads an element that may continue over several lines; returns its index and the index of the next row.
 fn element_of_rows(
     context: &mut Context<'_>,
-    mesh: &mut MeshReader,
     kind: ElementKind,
     rows: &[ListingRow],
     at: usize,
@@ -243,16 +238,10 @@ fn element_of_rows(
         all.extend(rows[next].line(sources).into_owned().fields.into_iter().filter(|w| !w.text.is_empty()));
         next += 1;
     }
-    (element_line(context, mesh, kind, &all, rows[at].span()), next)
+    (element_line(context, kind, &all, rows[at].span()), next)
 }
 
-fn element_line(
-    context: &mut Context<'_>,
-    mesh: &mut MeshReader,
-    kind: ElementKind,
-    words: &[Word],
-    span: Span,
-) -> Option<usize> {
+fn element_line(context: &mut Context<'_>, kind: ElementKind, words: &[Word], span: Span) -> Option<usize> {
     let need = kind.node_count();
     if words.len() < need + 1 {
         let message = format!("a {} element requires a label and {need} nodes", kind.name());
@@ -277,13 +266,12 @@ fn element_line(
             }
         }
     }
-    add_element(context, mesh, label, kind, kind.around(&nodes), span)
+    add_element(context, label, kind, kind.around(&nodes), span)
 }
 
 /// Adds an element in the current scope; its nodes are in order around the boundary.
 pub(super) fn add_element(
     context: &mut Context<'_>,
-    mesh: &mut MeshReader,
     label: i64,
     kind: ElementKind,
     nodes: NodeIndices,
@@ -291,7 +279,8 @@ pub(super) fn add_element(
 ) -> Option<usize> {
     let index = context.model.mesh.elements.len();
     if let Some(other) = context.elements.insert(&context.scope, label, index) {
-        mesh.used_twice.push((label, span, context.model.mesh.elements[other].span));
+        let first = context.model.mesh.elements[other].span;
+        context.elements.duplicates.push(DuplicateLabel { label, first, second: span });
     }
     let name = EntityName::of_label(&context.scope, label);
     context.model.mesh.elements.push(Element { name, kind, nodes, span });
@@ -325,13 +314,13 @@ fn shape_fault(context: &Context<'_>, kind: ElementKind, nodes: &[usize]) -> Opt
 }
 
 /// Reports duplicate element labels.
-pub(super) fn report_duplicate_labels(context: &mut Context<'_>, mesh: &mut MeshReader) {
-    let Some(&(label, span, first)) = mesh.used_twice.first() else { return };
-    let who = match mesh.used_twice.len() {
+pub(super) fn report_duplicate_labels(context: &mut Context<'_>) {
+    let Some(&DuplicateLabel { label, first, second }) = context.elements.duplicates.first() else { return };
+    let who = match context.elements.duplicates.len() {
         1 => format!("element label {label} is"),
         count => format!("element label {label} and {} more are", count - 1),
     };
-    let diagnostic = Diagnostic::error("M124", format!("{who} defined twice")).at(span, "second definition");
+    let diagnostic = Diagnostic::error("M124", format!("{who} defined twice")).at(second, "second definition");
     context.diagnostics.push(diagnostic.at(first, "first definition"));
     context.missing.bodies = true;
 }
@@ -414,17 +403,17 @@ fn node_lines<'c>(context: &'c Context<'_>) -> HashMap<&'c str, Span> {
 }
 
 /// Generates elements in rows, layers and groups of layers (ABAQUS Keywords Guide, *ELGEN).
-pub(super) fn read_elgen(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_elgen(context: &mut Context<'_>, card: &Card) {
     let mut made = Vec::new();
     for (line, row) in card.lines.iter().zip(card.read_lines::<Vec<[f64; 10]>>()) {
-        made.extend(elgen_line(context, mesh, line, row).unwrap_or_default());
+        made.extend(elgen_line(context, line, row).unwrap_or_default());
     }
     if let Some(name) = card.value("ELSET") {
         sets::add_element_set(context, &name.text, made, card.span);
     }
 }
 
-fn elgen_line(context: &mut Context<'_>, mesh: &mut MeshReader, line: &DataLine, row: [f64; 10]) -> Option<Vec<usize>> {
+fn elgen_line(context: &mut Context<'_>, line: &DataLine, row: [f64; 10]) -> Option<Vec<usize>> {
     if row[0].is_nan() {
         return None;
     }
@@ -461,7 +450,7 @@ fn elgen_line(context: &mut Context<'_>, mesh: &mut MeshReader, line: &DataLine,
         let shift = sum([node_step, row_node_step, layer_node]);
         let label = master.saturating_add(sum([element_step, row_element_step, layer_element]));
         let nodes = shifted(context, &labels, shift, label, line.span)?;
-        made.extend(add_element(context, mesh, label, kind, nodes[..].into(), line.span));
+        made.extend(add_element(context, label, kind, nodes[..].into(), line.span));
     }
     Some(made)
 }

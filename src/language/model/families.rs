@@ -34,8 +34,6 @@ pub(super) struct PartReader<'a> {
     pub instances: HashSet<String>,
     /// Name of the part whose cards are recorded.
     pub recording: Option<String>,
-    /// Placement of the instance whose cards are read.
-    pub placement: Option<InstancePlacement>,
 }
 
 impl<'a> PartReader<'a> {
@@ -87,10 +85,10 @@ pub(super) struct LocalSystem {
 pub(super) struct MeshReader {
     /// Card being read.
     pub current_card: Span,
+    /// Placement of the instance whose cards are read.
+    pub placement: Option<InstancePlacement>,
     /// Nodes that were redefined at other coordinates, and the card that did so.
     pub moved: HashMap<usize, Span>,
-    /// Element labels that were defined twice: label, second and first position.
-    pub used_twice: Vec<(i64, Span, Span)>,
     /// Cards that generated existing nodes at other coordinates: first label, and number of nodes.
     pub regenerated_by_card: HashMap<Span, (i64, usize)>,
     /// Nodes generated again at other coordinates, and elements that are degenerate because of them.
@@ -188,15 +186,6 @@ impl SectionReader {
                 .help("remove one of the definitions, or limit them to different elements"),
         );
     }
-}
-
-/// Contact of surfaces.
-#[derive(Default)]
-pub(super) struct ContactReader {
-    /// Names of surface interactions used by contact, which may be defined later.
-    pub interactions_used: Vec<Word>,
-    /// Initial clearances of general contact, by name.
-    pub clearances: IndexMap<String, PrescribedClearance>,
 }
 
 /// A `*COUPLING` card whose kind is not known yet.

@@ -1,7 +1,7 @@
 //! General contact: `*CONTACT`, `*CONTACT INCLUSIONS`, `*CONTACT EXCLUSIONS` and the assignment cards.
 
 use super::context::Context;
-use super::families::{ContactReader, StepReader};
+use super::families::StepReader;
 use super::types::{AssignedInteraction, ContactDomain, GeneralContact, InteractionLaw};
 use super::{clearance, contact, surface_contact};
 use crate::deck::read::FromValue;
@@ -18,12 +18,7 @@ pub(super) fn read_contact(steps: &mut StepReader, card: &Card) {
 }
 
 /// Reads a card that follows `*CONTACT`.
-pub(super) fn read_general_contact_option(
-    context: &mut Context<'_>,
-    contact: &mut ContactReader,
-    steps: &mut StepReader,
-    card: &Card,
-) {
+pub(super) fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     if steps.state().general_contact.is_none() {
         return context.misplaced(card, format!("*{} must follow a *CONTACT", card.keyword.name), "CONTACT");
     }
@@ -50,12 +45,12 @@ pub(super) fn read_general_contact_option(
             ("CONTACT FORMULATION", _) => general.roles.push((domains, usize::from_value(given()) < 2)),
             (_, None) => {}
             ("CONTACT PROPERTY ASSIGNMENT", Some(word)) => {
-                let interaction = contact::interaction(context, contact, &word);
+                let interaction = contact::interaction(context, &word);
                 let Some(general) = &mut steps.state().general_contact else { continue };
                 general.assigned.push(AssignedInteraction { domains, interaction, law: InteractionLaw::default() });
             }
             (_, Some(word)) => {
-                let clearance = clearance::clearance(context, contact, &word);
+                let clearance = clearance::clearance(context, &word);
                 let Some(general) = &mut steps.state().general_contact else { continue };
                 general.clearances.extend(clearance.map(|clearance| (domains, clearance)));
             }

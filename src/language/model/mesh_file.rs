@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::context::Context;
-use super::families::{MeshReader, PartReader};
+use super::families::MeshReader;
 use super::mesh_data::{MeshFile, is_recognized_array};
 use super::types::ElementKind;
 use super::vtk_file::read;
@@ -35,12 +35,7 @@ fn lossy_text(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned())
 }
 
-pub(super) fn read_mesh_file(
-    context: &mut Context<'_>,
-    parts: &mut PartReader<'_>,
-    mesh: &mut MeshReader,
-    card: &Card,
-) {
+pub(super) fn read_mesh_file(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(input) = context.required(card, "INPUT") else { return };
     let kind = match card.value("TYPE") {
         Some(word) => match elements::element_kind(context, word) {
@@ -58,7 +53,7 @@ pub(super) fn read_mesh_file(
         return context.diagnostics.push(finding.help(help));
     }
     match read_any(&path) {
-        Ok(file) => add_mesh(context, parts, mesh, &file, kind, card.span),
+        Ok(file) => add_mesh(context, mesh, &file, kind, card.span),
         Err((why, help)) => {
             let message = format!("cannot read the mesh file `{}`: {why}", input.text);
             let diagnostic = Diagnostic::error("M150", message).at(input.span, "this file");
@@ -70,14 +65,7 @@ pub(super) fn read_mesh_file(
     }
 }
 
-fn add_mesh(
-    context: &mut Context<'_>,
-    parts: &mut PartReader<'_>,
-    mesh: &mut MeshReader,
-    file: &MeshFile,
-    kind: Option<ElementKind>,
-    span: Span,
-) {
+fn add_mesh(context: &mut Context<'_>, mesh: &mut MeshReader, file: &MeshFile, kind: Option<ElementKind>, span: Span) {
     let node_labels = labels(&file.point_arrays, "NODE_LABEL", file.points.len());
     let element_labels = labels(&file.cell_arrays, "ELEMENT_LABEL", file.cells.len());
     let in_plane = |p: &[f64; 3]| p[2] == 0.0 && p[0] >= 0.0 && p[0].is_finite() && p[1].is_finite();
@@ -87,15 +75,11 @@ fn add_mesh(
         let diagnostic = Diagnostic::error("M126", message).at(span, "this mesh");
         return context.diagnostics.push(diagnostic.help("x of the file is r, and y is z of the axisymmetric model"));
     }
-    let nodes: Vec<usize> = file
-        .points
-        .iter()
-        .zip(&node_labels)
-        .map(|(p, &l)| nodes::add_node(context, parts, mesh, l, [p[0], p[1]]))
-        .collect();
+    let nodes: Vec<usize> =
+        file.points.iter().zip(&node_labels).map(|(p, &l)| nodes::add_node(context, mesh, l, [p[0], p[1]])).collect();
     let mut elements = Vec::with_capacity(file.cells.len());
     for (cell, &label) in file.cells.iter().zip(&element_labels) {
-        elements.push(mesh_cell(context, mesh, cell, label, kind, &nodes, span));
+        elements.push(mesh_cell(context, cell, label, kind, &nodes, span));
     }
     report_unread(context, file, span);
     for (name, values) in &file.point_arrays {
@@ -135,7 +119,6 @@ fn report_unread(context: &mut Context<'_>, mesh: &MeshFile, span: Span) {
 
 fn mesh_cell(
     context: &mut Context<'_>,
-    mesh: &mut MeshReader,
     cell: &[usize],
     label: i64,
     expected: Option<ElementKind>,
@@ -154,7 +137,7 @@ fn mesh_cell(
     let fits = kind.filter(|k| k.node_count() == cell.len());
     let corners: Option<Vec<usize>> = cell.iter().map(|&p| nodes.get(p).copied()).collect();
     if let (Some(kind), Some(corners)) = (fits, corners) {
-        return elements::add_element(context, mesh, label, kind, kind.around(&corners), span);
+        return elements::add_element(context, label, kind, kind.around(&corners), span);
     }
     let expected = kind.map_or("an element type", ElementKind::name);
     let message = format!("cell {label} of the mesh file has {} points, which does not match {expected}", cell.len());

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::deck::Word;
+use crate::deck::{Span, Word};
 
 /// Labels of nodes or of elements. Each part, each instance and the assembly is a scope.
 #[derive(Debug, Default)]
@@ -10,6 +10,15 @@ pub struct LabelTable {
     scopes: Vec<(String, ScopeLabels)>,
     places: HashMap<String, usize>,
     count: usize,
+    pub duplicates: Vec<DuplicateLabel>,
+}
+
+/// A label that was defined twice.
+#[derive(Debug)]
+pub struct DuplicateLabel {
+    pub label: i64,
+    pub first: Span,
+    pub second: Span,
 }
 
 /// Labels of one scope. Mostly consecutive labels are indices of a list; others are hashed.

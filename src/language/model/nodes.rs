@@ -2,7 +2,7 @@
 
 use super::budget::BudgetedItem;
 use super::context::Context;
-use super::families::{MeshReader, PartReader};
+use super::families::MeshReader;
 use super::name::EntityName;
 use super::names::{qualified, upper};
 use super::refinement::curves::{on_arc, polar_point};
@@ -10,7 +10,7 @@ use super::{contact, sets};
 use crate::deck::rows::label_and_coordinates;
 use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
 
-pub(super) fn read_nodes(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_nodes(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let sources = &context.deck.sources;
     let mut made = Vec::with_capacity(if card.has("NSET") { card.rows.len() } else { 0 });
     let mut again = RedefinedNodes::default();
@@ -23,7 +23,7 @@ pub(super) fn read_nodes(context: &mut Context<'_>, parts: &mut PartReader<'_>, 
             again.note(label, row.span());
         }
         let given = if polar { polar_point(r, z) } else { [r, z] };
-        let node = add_node(context, parts, mesh, label, mesh.global_coordinates(given));
+        let node = add_node(context, mesh, label, mesh.global_coordinates(given));
         if made.capacity() > 0 {
             made.push(node);
         }
@@ -40,14 +40,8 @@ fn node_line(context: &mut Context<'_>, line: &DataLine) -> Option<(i64, [f64; 2
 }
 
 /// Adds a node in the current scope. If the label exists, the node is moved: the last definition is used.
-pub(super) fn add_node(
-    context: &mut Context<'_>,
-    parts: &mut PartReader<'_>,
-    mesh: &mut MeshReader,
-    label: i64,
-    [r, z]: [f64; 2],
-) -> usize {
-    let place = match &parts.placement {
+pub(super) fn add_node(context: &mut Context<'_>, mesh: &mut MeshReader, label: i64, [r, z]: [f64; 2]) -> usize {
+    let place = match &mesh.placement {
         Some(placement) => placement.apply([r, z]),
         None => [r, z],
     };
@@ -91,27 +85,21 @@ fn label_of(context: &mut Context<'_>, word: Option<&Word>, line: &DataLine, wha
 }
 
 /// Generates nodes between two nodes (ABAQUS Keywords Guide, *NGEN), on a line or, with LINE=C, on an arc.
-pub(super) fn read_ngen(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_ngen(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let arc = card.value("LINE").is_some_and(|w| w.is("C"));
     if let Some(line) = card.value("LINE").filter(|w| !w.is("C")) {
         context.unsupported(line.span, format!("LINE={} is not supported", line.text), "use a straight line or LINE=C");
     }
     let mut made = Vec::new();
     for line in &card.lines {
-        if let Some(nodes) = ngen_line(context, parts, mesh, line, arc) {
+        if let Some(nodes) = ngen_line(context, mesh, line, arc) {
             made.extend(nodes);
         }
     }
     collect_nodes(context, card, made);
 }
 
-fn ngen_line(
-    context: &mut Context<'_>,
-    parts: &mut PartReader<'_>,
-    mesh: &mut MeshReader,
-    line: &DataLine,
-    arc: bool,
-) -> Option<Vec<usize>> {
+fn ngen_line(context: &mut Context<'_>, mesh: &mut MeshReader, line: &DataLine, arc: bool) -> Option<Vec<usize>> {
     let normal = context.number_or(line, 9, 0.0)?;
     let (first, from) = label_of(context, line.field(0), line, "the first node")?;
     let (last, to) = label_of(context, line.field(1), line, "the last node")?;
@@ -138,7 +126,7 @@ fn ngen_line(
             Some(c) => on_arc(a, b, c, normal, s),
             None => [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])],
         };
-        made.push(place_generated(context, parts, mesh, first + sign * step * i as i64, [r, z], line.span));
+        made.push(place_generated(context, mesh, first + sign * step * i as i64, [r, z], line.span));
     }
     made.push(to);
     if let (Some(centre), true) = (centre, context.deck.mesh_scaling.is_some()) {
@@ -150,16 +138,15 @@ fn ngen_line(
 /// Adds a generated node without placement by the instance, because its end nodes are placed already.
 pub(super) fn place_generated(
     context: &mut Context<'_>,
-    parts: &mut PartReader<'_>,
     mesh: &mut MeshReader,
     label: i64,
     [r, z]: [f64; 2],
     span: Span,
 ) -> usize {
     let known = context.nodes.find(&context.scope, label).map(|n| (n, context.model.mesh.points[n]));
-    let placement = parts.placement.take();
-    let index = add_node(context, parts, mesh, label, [r, z]);
-    parts.placement = placement;
+    let placement = mesh.placement.take();
+    let index = add_node(context, mesh, label, [r, z]);
+    mesh.placement = placement;
     if let Some((node, before)) = known {
         let far = (before[0] - r).abs().max((before[1] - z).abs());
         if far > 1e-6 * r.abs().max(z.abs()) {
@@ -188,12 +175,12 @@ fn count(context: &mut Context<'_>, count: i128, span: Span) -> Option<usize> {
 }
 
 /// Generates rows of nodes between corresponding nodes of two sets (ABAQUS Keywords Guide, *NFILL).
-pub(super) fn read_nfill(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
+pub(super) fn read_nfill(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let singular = card.read::<Option<usize>>("SINGULAR").unwrap_or(0);
     let spacing = FillSpacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
     let mut made = Vec::new();
     for line in &card.lines {
-        if let Some(nodes) = nfill_line(context, parts, mesh, line, &spacing) {
+        if let Some(nodes) = nfill_line(context, mesh, line, &spacing) {
             made.extend(nodes);
         }
     }
@@ -202,7 +189,6 @@ pub(super) fn read_nfill(context: &mut Context<'_>, parts: &mut PartReader<'_>, 
 
 fn nfill_line(
     context: &mut Context<'_>,
-    parts: &mut PartReader<'_>,
     mesh: &mut MeshReader,
     line: &DataLine,
     spacing: &FillSpacing,
@@ -234,7 +220,7 @@ fn nfill_line(
         let row = made.len();
         for (i, s) in shares.iter().enumerate() {
             let place = [start[0] + s * (end[0] - start[0]), start[1] + s * (end[1] - start[1])];
-            made.push(place_generated(context, parts, mesh, label + step * (i as i64 + 1), place, line.span));
+            made.push(place_generated(context, mesh, label + step * (i as i64 + 1), place, line.span));
         }
         rows.push(made[row..].to_vec());
         made.extend([*a, *b]);

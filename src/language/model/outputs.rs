@@ -2,7 +2,7 @@
 
 use super::contact;
 use super::context::{Context, MAX_GENERATED};
-use super::families::{ContactReader, OutputReader, StepReader};
+use super::families::{OutputReader, StepReader};
 use super::names::{qualified, upper};
 use super::types::{
     ContactPairFilter, ElementSetId, IgnoredCard, NodeSetId, OutputCard, OutputInterval, OutputKind, OutputPosition,
@@ -16,17 +16,11 @@ use crate::variables::statistic::Statistic;
 const NEW: usize = 0;
 const ADD: usize = 1;
 
-pub(super) fn read_output(
-    context: &mut Context<'_>,
-    contact: &mut ContactReader,
-    steps: &mut StepReader,
-    output: &mut OutputReader,
-    card: &Card,
-) {
+pub(super) fn read_output(context: &mut Context<'_>, steps: &mut StepReader, output: &mut OutputReader, card: &Card) {
     if card.keyword.name == "OUTPUT" {
         request(context, steps, output, card);
     } else {
-        sub_request(context, contact, steps, output, card);
+        sub_request(context, steps, output, card);
     }
 }
 
@@ -162,17 +156,11 @@ fn interval(context: &mut Context<'_>, card: &Card) -> Option<OutputInterval> {
     })
 }
 
-fn sub_request(
-    context: &mut Context<'_>,
-    contact: &mut ContactReader,
-    steps: &mut StepReader,
-    output: &mut OutputReader,
-    card: &Card,
-) {
+fn sub_request(context: &mut Context<'_>, steps: &mut StepReader, output: &mut OutputReader, card: &Card) {
     let Some(request) = output.request.clone() else {
         return context.misplaced(card, format!("*{} must follow an *OUTPUT", card.keyword.name), "OUTPUT");
     };
-    let Some(region) = output_region(context, contact, output, card) else { return };
+    let Some(region) = output_region(context, output, card) else { return };
     let of = match card.keyword.name {
         "NODE OUTPUT" => OutputCard::Node,
         "ELEMENT OUTPUT" => OutputCard::Element,
@@ -301,12 +289,7 @@ pub(super) fn read_integrated_section(context: &mut Context<'_>, output: &mut Ou
     }
 }
 
-fn output_region(
-    context: &mut Context<'_>,
-    contact: &mut ContactReader,
-    output: &mut OutputReader,
-    card: &Card,
-) -> Option<OutputRegion> {
+fn output_region(context: &mut Context<'_>, output: &mut OutputReader, card: &Card) -> Option<OutputRegion> {
     if card.keyword.name == "INTEGRATED OUTPUT" {
         return integrated_region(context, output, card);
     }
@@ -331,7 +314,7 @@ fn output_region(
         return Some(OutputRegion::Elements(ElementSetId::new(index)));
     }
     if card.keyword.name == "CONTACT OUTPUT" {
-        return pairs_of(context, contact, card);
+        return pairs_of(context, card);
     }
     Some(OutputRegion::Whole)
 }
@@ -348,7 +331,7 @@ fn note_unused_filters(context: &mut Context<'_>, card: &Card) {
 }
 
 /// Returns the contact pairs selected by a `*CONTACT OUTPUT` card.
-fn pairs_of(context: &mut Context<'_>, contact: &mut ContactReader, card: &Card) -> Option<OutputRegion> {
+fn pairs_of(context: &mut Context<'_>, card: &Card) -> Option<OutputRegion> {
     let mut surfaces = Vec::new();
     for name in ["SURFACE", "SECOND SURFACE", "MASTER", "SLAVE"] {
         if let Some(word) = card.value(name) {
@@ -364,7 +347,7 @@ fn pairs_of(context: &mut Context<'_>, contact: &mut ContactReader, card: &Card)
     let name = |parameter: &str| card.value(parameter).map(|w| upper(&w.text));
     let cpset = name("CPSET");
     let interaction = match card.value("CONTACT PAIR") {
-        Some(word) => Some(contact::interaction(context, contact, word)?),
+        Some(word) => Some(contact::interaction(context, word)?),
         None => None,
     };
     let pairs = ContactPairFilter { cpset, interaction, general: card.has("GENERAL CONTACT"), surfaces };

@@ -20,7 +20,7 @@ pub(super) fn read_block<'a>(builder: &mut ModelBuilder<'a>, card: &'a Card) {
             parts.close(context, "PART", card);
         }
         "END INSTANCE" => {
-            parts.placement = None;
+            builder.mesh.placement = None;
             context.scope.clear();
             parts.close(context, "INSTANCE", card);
         }
@@ -53,7 +53,7 @@ fn begin_instance<'a>(builder: &mut ModelBuilder<'a>, card: &'a Card) {
         return;
     }
     context.scope = upper(&name.text);
-    parts.placement = read_placement(context, card);
+    builder.mesh.placement = read_placement(context, card);
     for inner in super::order::ordered(&cards, &context.deck.sources) {
         builder.read_card(inner);
     }

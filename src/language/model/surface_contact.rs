@@ -2,7 +2,7 @@
 
 use super::contact;
 use super::context::Context;
-use super::families::{ContactReader, StepReader};
+use super::families::StepReader;
 use super::names::{qualified, upper};
 use super::types::{AnalyticalSide, InteractionLaw, PrescribedClearance, SideSelection, SurfaceContact};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
@@ -10,7 +10,6 @@ use crate::deck::{Card, DataLine, Diagnostic, Word};
 /// Adds or deletes a pair of element-based surfaces.
 pub(super) fn surface_pair(
     context: &mut Context<'_>,
-    contact: &mut ContactReader,
     steps: &mut StepReader,
     card: &Card,
     line: &DataLine,
@@ -21,13 +20,13 @@ pub(super) fn surface_pair(
     let Some(second) = contact_sides(context, words[1]) else { return };
     if first.name == second.name {
         for side in first.one_sided() {
-            add_pair(context, contact, steps, card, line, ([side.clone(), side], None), adds);
+            add_pair(context, steps, card, line, ([side.clone(), side], None), adds);
         }
         return;
     }
     for a in first.one_sided() {
         for b in second.one_sided() {
-            add_pair(context, contact, steps, card, line, ([a.clone(), b], None), adds);
+            add_pair(context, steps, card, line, ([a.clone(), b], None), adds);
         }
     }
 }
@@ -35,7 +34,6 @@ pub(super) fn surface_pair(
 /// Adds or deletes a contact pair; one surface may be analytical.
 pub(super) fn add_pair(
     context: &mut Context<'_>,
-    contact: &mut ContactReader,
     steps: &mut StepReader,
     card: &Card,
     line: &DataLine,
@@ -66,7 +64,7 @@ pub(super) fn add_pair(
         return;
     }
     let weight = card.read::<f64>("WEIGHT");
-    let interaction = card.value("INTERACTION").and_then(|word| contact::interaction(context, contact, word));
+    let interaction = card.value("INTERACTION").and_then(|word| contact::interaction(context, word));
     steps.state().surface_contacts.push(SurfaceContact {
         sides,
         analytical,

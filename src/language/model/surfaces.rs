@@ -3,13 +3,13 @@
 use std::collections::HashSet;
 
 use super::context::Context;
-use super::families::{PartReader, StepReader};
+use super::families::{MeshReader, StepReader};
 use super::names::{qualified, upper};
 use super::types::{ElementKind, ElementSide, ElementSurface, IgnoredCard, SideSelection};
 use super::{adaptive, contact};
 use crate::deck::{Card, Diagnostic, Word};
 
-pub(super) fn read_surface(context: &mut Context<'_>, parts: &mut PartReader<'_>, steps: &mut StepReader, card: &Card) {
+pub(super) fn read_surface(context: &mut Context<'_>, mesh: &mut MeshReader, steps: &mut StepReader, card: &Card) {
     let Some(name) = context.required(card, "NAME") else { return };
     let of_faces = card.value("TYPE").is_none_or(|w| w.is("ELEMENT"));
     if let Some(parameter) = card.parameters.iter().find(|p| p.name == "REGION TYPE").filter(|_| !of_faces) {
@@ -21,7 +21,7 @@ pub(super) fn read_surface(context: &mut Context<'_>, parts: &mut PartReader<'_>
         return;
     }
     if card.value("TYPE").is_some_and(|w| w.is("SEGMENTS")) {
-        contact::analytical_surface(context, parts, card, name);
+        contact::analytical_surface(context, mesh, card, name);
         return;
     }
     if let Some(kind) = card.value("TYPE").filter(|w| !w.is("ELEMENT")) {
