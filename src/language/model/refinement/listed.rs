@@ -56,7 +56,7 @@ fn completed<C: Clone, K: Hash + Eq>(
 }
 
 /// Completes the boundary conditions of a card, which are those from index `from` on.
-pub(in crate::model) fn complete_boundaries(context: &mut Context<'_>, steps: &mut StepReader, from: usize) {
+pub fn complete_boundaries(context: &mut Context<'_>, steps: &mut StepReader, from: usize) {
     if context.scaling.refined.is_none() {
         return;
     }
@@ -74,7 +74,7 @@ pub(in crate::model) fn complete_boundaries(context: &mut Context<'_>, steps: &m
 }
 
 /// Completes the prescribed fields of a card.
-pub(in crate::model) fn complete_fields(context: &mut Context<'_>, steps: &mut StepReader, from: usize) {
+pub fn complete_fields(context: &mut Context<'_>, steps: &mut StepReader, from: usize) {
     if context.scaling.refined.is_none() {
         return;
     }
@@ -92,7 +92,7 @@ pub(in crate::model) fn complete_fields(context: &mut Context<'_>, steps: &mut S
 }
 
 /// Completes the initial conditions of a card at nodes.
-pub(in crate::model) fn complete_initial_conditions(context: &mut Context<'_>, from: usize) {
+pub fn complete_initial_conditions(context: &mut Context<'_>, from: usize) {
     if context.scaling.refined.is_none() {
         return;
     }
@@ -130,7 +130,7 @@ pub(in crate::model) fn complete_initial_conditions(context: &mut Context<'_>, f
 }
 
 /// Returns the new nodes between the nodes that lines list by labels.
-pub(in crate::model) fn between_labels<'w>(
+pub fn between_labels<'w>(
     context: &mut Context<'_>,
     words: impl Iterator<Item = &'w Word>,
 ) -> Vec<usize> {
