@@ -131,10 +131,29 @@ pub struct Keyword {
 }
 
 impl Keyword {
-    /// Returns the allowed values of a parameter or field, for checks of models composed in Rust.
-    pub fn value(&self, name: &str) -> Option<ValueSpec> {
-        let fields = self.data.iter().flat_map(|d| d.shape.rules());
-        self.parameters.iter().chain(fields).find(|rule| rule.name == name).map(|rule| rule.value)
+    /// Returns the rule of a parameter or field. In a constant, an unknown name is an error of the compiler.
+    ///
+    /// # Panics
+    /// If the card has no such parameter or field.
+    pub const fn field(&self, name: &str) -> &'static InputRule {
+        let mut found = find(self.parameters, name);
+        let mut at = 0;
+        while at < self.data.len() && found.is_none() {
+            found = match &self.data[at].shape {
+                DataShape::Nothing => None,
+                DataShape::Text(rule) | DataShape::List(rule) => find(std::slice::from_ref(rule), name),
+                DataShape::Stream(rules) | DataShape::Wrapped(_, rules) => find(rules, name),
+                DataShape::Lines(lines, _) => {
+                    let mut line = 0;
+                    while line + 1 < lines.len() && find(lines[line], name).is_none() {
+                        line += 1;
+                    }
+                    if lines.is_empty() { None } else { find(lines[line], name) }
+                }
+            };
+            at += 1;
+        }
+        found.expect("the card has no such parameter or field")
     }
 
     /// Returns the rule of a parameter by its canonical name.
@@ -154,6 +173,22 @@ impl Keyword {
         };
         self.data.iter().find(applies).map_or(&DataShape::Nothing, |data| &data.shape)
     }
+}
+
+/// Returns the first rule with a name.
+const fn find(rules: &'static [InputRule], name: &str) -> Option<&'static InputRule> {
+    let mut at = 0;
+    while at < rules.len() {
+        let (known, mut length) = (rules[at].name.as_bytes(), 0);
+        while length < known.len() && length < name.len() && known[length] == name.as_bytes()[length] {
+            length += 1;
+        }
+        if length == known.len() && length == name.len() {
+            return Some(&rules[at]);
+        }
+        at += 1;
+    }
+    None
 }
 
 impl DataShape {

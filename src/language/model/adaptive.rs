@@ -4,6 +4,7 @@
 use super::amplitudes;
 use super::context::Context;
 use super::families::StepReader;
+use super::faults::{ValueCheck, require};
 use super::names::upper;
 use super::types::{
     AdaptiveControls, AdaptiveMesh, AdaptiveRegion, BoundaryCondition, ElementSide, Load, LoadKind, MotionKind,
@@ -65,9 +66,6 @@ pub(super) fn read_remesh(context: &mut Context<'_>, card: &Card) {
         mut strain_change,
         mut minimum_size,
     } = card.values();
-    if minimum_size.is_some() && curvature_angle.is_none() && strain_change.is_none() {
-        context.out_of_range(card.span, "MINIMUM SIZE requires CURVATURE ANGLE or STRAIN CHANGE");
-    }
     // Lengths of edges, and what they are computed from, follow a refined or coarsened mesh.
     if let Some(scaling) = context.deck.mesh_scaling {
         let lengths = [("SIZE", &mut size), ("MINIMUM SIZE", &mut minimum_size)];
@@ -83,7 +81,13 @@ pub(super) fn read_remesh(context: &mut Context<'_>, card: &Card) {
     let elements = sorted_unique(elements);
     let curvature_angle = curvature_angle.map(f64::to_radians);
     let limits = SizeLimits { curvature_angle, strain_change, smallest: minimum_size };
+    context.accepts(card, check_size_limits(&limits));
     context.model.remeshings.push(Remeshing { span, set, elements, angle, increment, frequency, size, limits });
+}
+
+pub(super) fn check_size_limits(limits: &SizeLimits) -> ValueCheck {
+    let varies = limits.curvature_angle.is_some() || limits.strain_change.is_some();
+    require(varies || limits.smallest.is_none(), "MINIMUM SIZE requires CURVATURE ANGLE or STRAIN CHANGE")
 }
 
 /// Reads nodes that move with the material, and motions of the mesh that are prescribed in space.

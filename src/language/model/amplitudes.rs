@@ -1,6 +1,7 @@
 //! `*AMPLITUDE`. The kernel evaluates amplitudes.
 
 use super::context::Context;
+use super::faults::{ValueCheck, require};
 use super::names::upper;
 use super::types::{Amplitude, AmplitudeDefinition, AmplitudeId};
 use crate::deck::table::steps as cards;
@@ -40,11 +41,19 @@ fn amplitude_definition(
     }
     let (scale, shift) = ([amplitude.scale_time, amplitude.scale], [amplitude.shift_time, amplitude.shift]);
     points.iter_mut().for_each(|p| *p = [0, 1].map(|i: usize| p[i] * scale[i] + shift[i]));
-    if points.windows(2).any(|w| w[1][0] <= w[0][0]) || points.is_empty() {
-        return context.refuse_value(card.span, "the times of an amplitude must ascend");
-    }
     let (smooth, total_time) = (amplitude.definition == SMOOTH_STEP, amplitude.total_time);
-    Some(AmplitudeDefinition::Curve { points, smooth, total_time })
+    let definition = AmplitudeDefinition::Curve { points, smooth, total_time };
+    context.accepts(card, definition.check()).then_some(definition)
+}
+
+impl AmplitudeDefinition {
+    /// Checks the points of a curve.
+    pub(super) fn check(&self) -> ValueCheck {
+        let AmplitudeDefinition::Curve { points, .. } = self else { return Ok(()) };
+        let ascends = !points.is_empty() && points.windows(2).all(|w| w[0][0] < w[1][0]);
+        require(ascends, "the times of an amplitude must ascend")?;
+        require(points.iter().flatten().all(|x| x.is_finite()), "times and values of an amplitude must be finite")
+    }
 }
 
 /// Returns the definition of a user amplitude: properties and number of state variables (`DEFINITION=USER`).

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use super::context::Context;
 use super::families::{SectionIndex, SectionReader};
+use super::faults::{ValueCheck, is_non_negative, is_positive, require_line};
 use super::materials;
 use super::types::{
     CohesiveSection, ElementKind, InitiationMeasure, InterfaceEvolution, InterfaceInitiation, InterfaceSoftening,
@@ -51,30 +52,21 @@ pub(super) fn read_cohesive_section(context: &mut Context<'_>, sections: &mut Se
 /// Reads `*ELASTIC, TYPE=COUPLED TRACTION`.
 pub(super) fn coupled_traction(context: &mut Context<'_>, card: &Card) {
     let [normal, shear, _, coupling]: [f64; 4] = card.read_lines();
-    if is_stable_coupling(context, card, [normal, shear], coupling) {
+    if context.accepts(card, check_coupling([normal, shear], coupling)) {
         let interface = &mut context.last_material().interface;
         (interface.elastic, interface.coupling) = (Some([normal, shear]), coupling);
     }
 }
 
-/// Returns whether a separation in any direction needs work; otherwise the stiffnesses are reported.
-pub(super) fn is_stable_coupling(
-    context: &mut Context<'_>,
-    card: &Card,
-    [normal, shear]: [f64; 2],
-    coupling: f64,
-) -> bool {
-    // Stiffnesses out of range have been reported.
-    let good = coupling * coupling < normal * shear || !(normal > 0.0 && shear > 0.0);
-    if !good {
-        let limit = (normal * shear).sqrt();
-        let message = format!(
-            "the coupling stiffness {coupling:e} must be less than {limit:e} in absolute value, the root of the product \
-             of normal and shear stiffness"
-        );
-        context.out_of_range(line_span(card), &message);
-    }
-    good
+/// Checks that a separation in any direction needs work. Stiffnesses out of range are reported elsewhere.
+pub(super) fn check_coupling([normal, shear]: [f64; 2], coupling: f64) -> ValueCheck {
+    let is_stable = coupling * coupling < normal * shear || !(normal > 0.0 && shear > 0.0);
+    let limit = (normal * shear).sqrt();
+    let message = format!(
+        "the coupling stiffness {coupling:e} must be less than {limit:e} in absolute value, the root of the product \
+         of normal and shear stiffness"
+    );
+    require_line(0, is_stable, message)
 }
 
 /// Reads `*DAMAGE STABILIZATION` of a material of cohesive elements.
@@ -212,13 +204,8 @@ fn mode_dependence(
         return Some(ModeDependence::Independent(first[0]));
     };
     let rows: Vec<[f64; 2]> = values.rows.iter().map(|row| [row[0], row[column]]).collect();
-    let within = rows.iter().all(|row| (0.0..=1.0).contains(&row[1]));
-    if !within || !rows.windows(2).all(|pair| pair[0][1] < pair[1][1]) {
-        let message = "the mode mix ratios must ascend from row to row, from 0 (normal) to at most 1 (shear)";
-        return context.refuse_value(line_span(card), message);
-    }
-    let measure = [ModeMixRatio::Energy, ModeMixRatio::Traction][ratio.min(1)];
-    Some(ModeDependence::Table(measure, rows))
+    let mode = ModeDependence::Table([ModeMixRatio::Energy, ModeMixRatio::Traction][ratio.min(1)], rows);
+    context.accepts(card, check_mode_dependence(&mode)).then_some(mode)
 }
 
 fn softening_table(
@@ -230,14 +217,49 @@ fn softening_table(
         let span = card.value("SOFTENING").map_or(card.span, |word| word.span);
         return context.refuse_value(span, "SOFTENING=TABULAR requires TYPE=DISPLACEMENT");
     }
-    let rows: Vec<[f64; 2]> = values.rows.iter().map(|row| [row[0], row[1]]).collect();
-    let ascending = |pair: &[[f64; 2]]| pair[0][1] < pair[1][1] && pair[0][0] <= pair[1][0];
-    if rows.len() < 2 || rows[0] != [0.0; 2] || !rows.windows(2).all(ascending) {
-        let message = "a softening table begins with damage 0 at displacement 0; displacements must ascend, and \
-                       damage must not decrease";
-        return context.refuse_value(line_span(card), message);
+    let table = InterfaceSoftening::Tabular(values.rows.iter().map(|row| [row[0], row[1]]).collect());
+    context.accepts(card, check_softening(&table)).then_some(table)
+}
+
+/// Checks the values at failure, and the order of a table.
+fn check_mode_dependence(mode: &ModeDependence) -> ValueCheck {
+    match mode {
+        ModeDependence::Independent(value) => {
+            require_line(0, is_non_negative(*value), format!("the value must not be negative, found {value}"))
+        }
+        ModeDependence::Table(_, rows) => {
+            let within = rows.iter().all(|row| (0.0..=1.0).contains(&row[1]));
+            let ascends = rows.windows(2).all(|pair| pair[0][1] < pair[1][1]);
+            let message = "the mode mix ratios must ascend from row to row, from 0 (normal) to at most 1 (shear)";
+            require_line(0, within && ascends && !rows.is_empty(), message)?;
+            require_line(0, rows.iter().all(|row| is_non_negative(row[0])), "the values must not be negative")
+        }
+        ModeDependence::PowerLaw(energies, power) | ModeDependence::BenzeggaghKenane(energies, power) => {
+            let is_valid = energies.iter().chain([power]).all(|value| is_positive(*value));
+            require_line(0, is_valid, format!("energies and power must be positive, found {energies:?} and {power}"))
+        }
     }
-    Some(InterfaceSoftening::Tabular(rows))
+}
+
+/// Checks the values at failure, and the order of a table.
+pub(super) fn check_softening(softening: &InterfaceSoftening) -> ValueCheck {
+    match softening {
+        InterfaceSoftening::Displacement(mode)
+        | InterfaceSoftening::Energy(mode)
+        | InterfaceSoftening::ExponentialEnergy(mode) => check_mode_dependence(mode),
+        InterfaceSoftening::ExponentialDisplacement(mode, rate) => {
+            check_mode_dependence(mode)?;
+            require_line(0, is_positive(*rate), format!("the exponent must be positive, found {rate}"))
+        }
+        InterfaceSoftening::Tabular(rows) => {
+            let ascends = |pair: &[[f64; 2]]| pair[0][1] < pair[1][1] && pair[0][0] <= pair[1][0];
+            let is_valid = rows.len() > 1 && rows[0] == [0.0; 2] && rows.windows(2).all(ascends);
+            let message = "a softening table begins with damage 0 at displacement 0; displacements must ascend, and \
+                           damage must not decrease";
+            require_line(0, is_valid, message)?;
+            require_line(0, rows.iter().all(|row| row[0] <= 1.0), "the damage must be at most 1")
+        }
+    }
 }
 
 /// Reports a cohesive element whose faces are exchanged, which its zero thickness hides: the solid element at its

@@ -1,10 +1,10 @@
 //! Cohesive behaviour of contact surfaces: `*COHESIVE BEHAVIOR` of a surface interaction, and the `*DAMAGE INITIATION`,
 //! `*DAMAGE EVOLUTION` and `*DAMAGE STABILIZATION` that follow it (ABAQUS Keywords Reference Guide).
 
-use super::cohesive::{NO_INITIATION, initiation_of};
+use super::cohesive::{NO_INITIATION, check_coupling, initiation_of, softening};
+use super::contact;
 use super::context::Context;
 use super::types::{CohesiveBehavior, InitiationMeasure, InterfaceEvolution};
-use super::{cohesive, contact};
 use crate::deck::table::{constraints, materials};
 use crate::deck::{Card, Diagnostic};
 
@@ -12,7 +12,7 @@ pub(super) fn read_cohesive_behavior(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let constraints::CohesiveBehavior { original, coupled, repeated, stiffness } = card.values();
     let (stiffness, coupling) = ([stiffness[0], stiffness[1]], if coupled { stiffness[3] } else { 0.0 });
-    if coupled && !cohesive::is_stable_coupling(context, card, stiffness, coupling) {
+    if coupled && !context.accepts(card, check_coupling(stiffness, coupling)) {
         return;
     }
     if stiffness[0].is_nan() != stiffness[1].is_nan() {
@@ -75,7 +75,7 @@ pub(super) fn read_cohesive_evolution(context: &mut Context<'_>, card: &Card) {
         return;
     }
     let values: materials::DamageEvolution = card.values();
-    let softening = cohesive::softening(context, card, &values);
+    let softening = softening(context, card, &values);
     if let (Some(softening), Some(cohesion)) = (softening, last_cohesion(context, card)) {
         cohesion.evolution = Some(InterfaceEvolution { softening, span: card.span });
     }

@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::families::SectionReader;
+use super::faults::{ValueCheck, is_non_negative, require};
 use super::types::{ConnectorLaw, ConnectorProperty, ElementKind};
 use crate::deck::{Card, DataLine};
 
@@ -45,13 +46,8 @@ fn connector_law(context: &mut Context<'_>, card: &Card, lines: &[&DataLine], is
         let over = if is_spring { "the relative displacement" } else { "the relative velocity" };
         let row = |line: &&DataLine| Some([context.number(line, 1, over)?, context.number(line, 0, "the force")?]);
         let rows: Vec<[f64; 2]> = lines.iter().map(row).collect::<Option<_>>()?;
-        if rows.is_empty()
-            || rows.windows(2).any(|w| w[1][0].partial_cmp(&w[0][0]) != Some(std::cmp::Ordering::Greater))
-        {
-            return context.refuse_value(card.span, format!("{over} must increase from row to row"));
-        }
-        let table = if is_spring { ConnectorLaw::Table } else { ConnectorLaw::DashpotTable };
-        return Some(table(rows));
+        let law = if is_spring { ConnectorLaw::Table(rows) } else { ConnectorLaw::DashpotTable(rows) };
+        return context.accepts(card, law.check()).then_some(law);
     }
     // For SPRINGA and DASHPOTA the first data line is optional and has no meaning.
     let line = match lines {
@@ -61,8 +57,22 @@ fn connector_law(context: &mut Context<'_>, card: &Card, lines: &[&DataLine], is
         }
     };
     let value = context.number(line, 0, if is_spring { "the stiffness" } else { "the coefficient" })?;
-    if value < 0.0 || !value.is_finite() {
-        return context.refuse_value(line.span, format!("the value must not be negative, found {value}"));
+    let law = if is_spring { ConnectorLaw::Spring(value) } else { ConnectorLaw::Dashpot(value) };
+    context.accepts_at(line.span, law.check()).then_some(law)
+}
+
+impl ConnectorLaw {
+    /// Checks the value, or the order of the rows.
+    pub(super) fn check(&self) -> ValueCheck {
+        let (rows, over) = match self {
+            ConnectorLaw::Spring(value) | ConnectorLaw::Dashpot(value) => {
+                return require(is_non_negative(*value), format!("the value must not be negative, found {value}"));
+            }
+            ConnectorLaw::Table(rows) => (rows, "the relative displacement"),
+            ConnectorLaw::DashpotTable(rows) => (rows, "the relative velocity"),
+        };
+        let ascends = !rows.is_empty() && rows.windows(2).all(|w| w[0][0] < w[1][0]);
+        require(ascends, format!("{over} must increase from row to row"))?;
+        require(rows.iter().flatten().all(|x| x.is_finite()), "the rows must be finite")
     }
-    Some(if is_spring { ConnectorLaw::Spring(value) } else { ConnectorLaw::Dashpot(value) })
 }

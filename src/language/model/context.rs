@@ -7,6 +7,7 @@ use indexmap::IndexMap;
 
 use super::budget::{BudgetedItem, SizeBudget};
 use super::coarsening::mesh::CoarsenedMesh;
+use super::faults::ValueCheck;
 use super::lost::MissingDefinitions;
 use super::named_clearances::named_clearances;
 use super::names::{LabelTable, places, qualified, upper};
@@ -161,6 +162,17 @@ impl<'a> Context<'a> {
 
     pub fn out_of_range(&mut self, span: Span, message: impl Into<String>) {
         self.error("M103", message, span, "here");
+    }
+
+    /// Reports the fault of a card that a check has found. Returns whether there is none.
+    pub fn accepts(&mut self, card: &Card, check: ValueCheck) -> bool {
+        let line = check.as_ref().err().and_then(|fault| card.lines.get(fault.line?));
+        self.accepts_at(line.map_or(card.span, |line| line.span), check)
+    }
+
+    /// Reports a fault at a place. Returns whether there is none.
+    pub fn accepts_at(&mut self, span: Span, check: ValueCheck) -> bool {
+        check.map_err(|fault| self.diagnostics.push(fault.at("", span))).is_ok()
     }
 
     pub fn unsupported(&mut self, span: Span, message: impl Into<String>, help: &str) {

@@ -1,6 +1,7 @@
 //! Reads `*EROSION`: criteria for the deletion of elements.
 
 use super::context::Context;
+use super::faults::{ValueCheck, require};
 use super::types::ErosionCriteria;
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
@@ -15,9 +16,16 @@ pub(super) fn read_erosion(context: &mut Context<'_>, card: &Card) {
         None => None,
     };
     let cards::Erosion { distortion, plastic, strain, increment } = card.values();
-    if [distortion, plastic, strain, increment].iter().all(Option::is_none) {
-        return context
-            .out_of_range(card.span, "*EROSION requires DISTORTION, PLASTIC STRAIN, PRINCIPAL STRAIN or INCREMENT");
+    let erosion = ErosionCriteria { span: card.span, elements, distortion, plastic, strain, increment };
+    if context.accepts(card, erosion.check()) {
+        context.model.erosions.push(erosion);
     }
-    context.model.erosions.push(ErosionCriteria { span: card.span, elements, distortion, plastic, strain, increment });
+}
+
+impl ErosionCriteria {
+    /// Checks that there is a limit.
+    pub(super) fn check(&self) -> ValueCheck {
+        let is_limited = [self.distortion, self.plastic, self.strain, self.increment].iter().any(Option::is_some);
+        require(is_limited, "*EROSION requires DISTORTION, PLASTIC STRAIN, PRINCIPAL STRAIN or INCREMENT")
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::families::MaterialReader;
+use super::faults::{ValueCheck, require, require_line};
 use super::types::{DamageEvolution, FailureCriterion, StrainAtFailure, TensileFailure};
 use super::{cohesive, cohesive_contact};
 use crate::deck::Card;
@@ -15,43 +16,48 @@ pub(super) fn read_shear_failure(context: &mut Context<'_>, card: &Card) {
     let cards::ShearFailure { johnson_cook } = card.values();
     let Some(line) = context.first_line(card) else { return };
     let strain = if johnson_cook {
-        Some(StrainAtFailure::JohnsonCook(card.read_lines(), None))
+        StrainAtFailure::JohnsonCook(card.read_lines(), None)
     } else if card.lines.len() > 1 || (1..4).any(|i| line.field(i).is_some()) {
-        strains(context, card).map(StrainAtFailure::Shear)
+        StrainAtFailure::Shear(card.read_lines())
     } else {
         let [strain]: [f64; 1] = card.read_lines();
-        Some(StrainAtFailure::Constant(strain))
+        StrainAtFailure::Constant(strain)
     };
     criterion(context, card, strain, DamageEvolution::Sudden);
 }
 
-fn criterion(context: &mut Context<'_>, card: &Card, strain: Option<StrainAtFailure>, evolution: DamageEvolution) {
-    if let Some(strain) = strain {
+fn criterion(context: &mut Context<'_>, card: &Card, strain: StrainAtFailure, evolution: DamageEvolution) {
+    if context.accepts(card, strain.check()) {
         context.last_material().failures.push(FailureCriterion { strain, evolution, span: card.span });
     }
 }
 
-/// Reads rows of a strain and three variables, the first of which varies fastest.
-fn strains(context: &mut Context<'_>, card: &Card) -> Option<Vec<[f64; 4]>> {
-    let line = context.first_line(card)?;
-    let rows: Vec<[f64; 4]> = card.read_lines();
-    if NestedTable::new(&rows).is_none() {
-        let message = "the rows must be in ascending order, with the first variable varying fastest";
-        return context.refuse_value(line.span, message);
+impl StrainAtFailure {
+    /// Checks the order of tables, and the constants of Johnson and Cook.
+    pub(super) fn check(&self) -> ValueCheck {
+        match self {
+            StrainAtFailure::Constant(strain) => {
+                require(*strain > 0.0, format!("the strain at failure must be positive, found {strain}"))
+            }
+            StrainAtFailure::JohnsonCook(constants, thermal) => {
+                let [melt, transition, rate] = thermal.unwrap_or([f64::INFINITY, 0.0, 1.0]);
+                let message = "d4 requires a positive reference strain rate, d5 a melting \
+                               temperature above the transition temperature";
+                require_line(
+                    0,
+                    (constants[3] == 0.0 || rate > 0.0) && (constants[4] == 0.0 || melt > transition),
+                    message,
+                )?;
+                require(constants.iter().all(|d| d.is_finite()), "d1 to d5 must be finite")
+            }
+            // The first of three variables varies fastest.
+            StrainAtFailure::Ductile(rows) | StrainAtFailure::Shear(rows) => {
+                let message = "the rows must be in ascending order, with the first variable varying fastest";
+                require_line(0, NestedTable::new(rows).is_some(), message)?;
+                require(rows.iter().all(|row| row[0] > 0.0), "the strains at failure must be positive")
+            }
+        }
     }
-    Some(rows)
-}
-
-/// Reads d1 to d5, melting temperature, transition temperature and reference strain rate.
-fn johnson_cook(context: &mut Context<'_>, card: &Card) -> Option<StrainAtFailure> {
-    let line = context.first_line(card)?;
-    let [d1, d2, d3, d4, d5, melt, transition, rate]: [f64; 8] = card.read_lines();
-    if d4 != 0.0 && rate <= 0.0 || d5 != 0.0 && melt <= transition {
-        let message = "d4 requires a positive reference strain rate, d5 a melting \
-             temperature above the transition temperature";
-        return context.refuse_value(line.span, message);
-    }
-    Some(StrainAtFailure::JohnsonCook([d1, d2, d3, d4, d5], Some([melt, transition, rate])))
 }
 
 /// Reads `*DAMAGE INITIATION` of a material or of a surface interaction.
@@ -69,10 +75,15 @@ pub(super) fn read_damage_initiation(context: &mut Context<'_>, materials: &mut 
     if cohesive {
         return;
     }
+    if context.first_line(card).is_none() {
+        return;
+    }
     let strain = if kind == DUCTILE {
-        strains(context, card).map(StrainAtFailure::Ductile)
+        StrainAtFailure::Ductile(card.read_lines())
     } else {
-        johnson_cook(context, card)
+        // d1 to d5, melting temperature, transition temperature and reference strain rate.
+        let [d1, d2, d3, d4, d5, melt, transition, rate]: [f64; 8] = card.read_lines();
+        StrainAtFailure::JohnsonCook([d1, d2, d3, d4, d5], Some([melt, transition, rate]))
     };
     criterion(context, card, strain, DamageEvolution::Absent);
 }

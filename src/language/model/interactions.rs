@@ -4,6 +4,7 @@
 use super::contact;
 use super::context::Context;
 use super::families::MaterialReader;
+use super::faults::{ValueCheck, require};
 use super::names::upper;
 use super::types::{ContactDamping, CoulombFriction, InteractionLaw, PressureOverclosure, SurfaceInteraction};
 use crate::deck::table::constraints as cards;
@@ -110,13 +111,17 @@ fn overclosure(context: &mut Context<'_>, card: &Card) -> Option<PressureOverclo
             Some(PressureOverclosure::Exponential([pressure, clearance]))
         }
         _ => {
-            let rows: Vec<[f64; 2]> = card.read_lines();
-            if rows.len() > 1 && rows[0][0] == 0.0 && rows.windows(2).all(|w| w[0][0] <= w[1][0]) {
-                return Some(PressureOverclosure::Table(rows));
-            }
-            let message = "the table requires at least two rows, with pressures \
-                           that start at zero and do not decrease";
-            context.refuse_value(card.span, message)
+            let table = PressureOverclosure::Table(card.read_lines());
+            context.accepts(card, check_overclosure(&table)).then_some(table)
         }
     }
+}
+
+/// Checks rows of pressure and overclosure.
+pub(super) fn check_overclosure(overclosure: &PressureOverclosure) -> ValueCheck {
+    let PressureOverclosure::Table(rows) = overclosure else { return Ok(()) };
+    let is_valid = rows.len() > 1 && rows[0][0] == 0.0 && rows.windows(2).all(|w| w[0][0] <= w[1][0]);
+    let message = "the table requires at least two rows, with pressures \
+                   that start at zero and do not decrease";
+    require(is_valid, message)
 }

@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::families::{MaterialReader, SectionIndex, SectionReader};
+use super::faults::{ValueCheck, ValueFault, is_non_negative, is_positive, require};
 use super::names::upper;
 use super::types::{
     CavityExpansion, Element, ElementKind, MaterialDefinition, MaterialId, PlasticityModel, RateDependence,
@@ -81,16 +82,21 @@ pub(super) fn read_elastic(context: &mut Context<'_>, card: &Card) {
 /// Stores moduli that depend on temperature and field variables.
 fn elastic_table(context: &mut Context<'_>, card: &Card, fields: usize) -> Option<()> {
     let rows = fields::rows_over_fields(context, card, 2, fields)?;
-    let over: Vec<&[f64]> = rows.iter().map(|r| &r[1..]).collect();
-    if NestedTable::new(&over).is_none() {
-        let message = "the temperatures must ascend for each value of the first \
-             field variable, and so on for further variables";
-        return context.refuse_value(card.span, message);
+    if !context.accepts(card, check_elastic_table(&rows)) {
+        return None;
     }
     if rows.len() > 1 {
         context.last_material().elastic_table = rows;
     }
     Some(())
+}
+
+/// Checks rows of moduli over temperature and field variables.
+pub(super) fn check_elastic_table(rows: &[Vec<f64>]) -> ValueCheck {
+    let over: Vec<&[f64]> = rows.iter().map(|r| r.get(1..).unwrap_or_default()).collect();
+    let message = "the temperatures must ascend for each value of the first \
+                   field variable, and so on for further variables";
+    require(rows.is_empty() || NestedTable::new(&over).is_some(), message)
 }
 
 pub(super) fn read_plastic(context: &mut Context<'_>, card: &Card) {
@@ -111,9 +117,9 @@ pub(super) fn read_plastic(context: &mut Context<'_>, card: &Card) {
     }
     match hardening {
         ISOTROPIC => {
-            let rows: Vec<[f64; 3]> = card.read_lines();
-            if plastic_strains_ascend(context, card, &rows) {
-                context.last_material().plastic = Some(PlasticityModel::Tabular(rows));
+            let table = PlasticityModel::Tabular(card.read_lines());
+            if context.accepts(card, table.check()) {
+                context.last_material().plastic = Some(table);
             }
         }
         KINEMATIC => kinematic(context, card),
@@ -129,35 +135,56 @@ fn plastic_over_fields(context: &mut Context<'_>, card: &Card, other: bool, fiel
         return context.unsupported(card.span, message, "remove DEPENDENCIES");
     }
     let Some(rows) = fields::rows_over_fields(context, card, 2, fields) else { return };
-    let starts = |w: &[Vec<f64>]| w[0][2..] == w[1][2..] || w[1][1] == 0.0;
-    if NestedTable::new(&rows).is_none() || rows[0][1] != 0.0 || !rows.windows(2).all(starts) {
-        let message = "the plastic strains must start at 0 and ascend for each temperature, and the \
-                       temperatures must ascend for each value of the first field variable, and so on";
-        return context.out_of_range(card.span, message);
+    let table = PlasticityModel::OverFields(rows);
+    if context.accepts(card, table.check()) {
+        context.last_material().plastic = Some(table);
     }
-    context.last_material().plastic = Some(PlasticityModel::OverFields(rows));
 }
 
-/// Returns whether plastic strains start at zero and ascend at each temperature; reports the first row that does
-/// not.
-fn plastic_strains_ascend(context: &mut Context<'_>, card: &Card, rows: &[[f64; 3]]) -> bool {
-    for (i, row) in rows.iter().enumerate() {
-        let before = i.checked_sub(1).map(|k| rows[k]).filter(|b| b[2] == row[2] || b[2].is_nan() && row[2].is_nan());
+impl PlasticityModel {
+    /// Checks the order of tables, and values that no range of the keyword table limits.
+    pub(super) fn check(&self) -> ValueCheck {
+        let is_finite = |values: &[f64]| require(values.iter().all(|v| v.is_finite()), "the constants must be finite");
+        match self {
+            PlasticityModel::JohnsonCook(values) => is_finite(values),
+            PlasticityModel::User(constants) => is_finite(constants),
+            PlasticityModel::Tabular(rows) => check_plastic_strains(rows),
+            PlasticityModel::OverFields(rows) => {
+                let is_table = rows.iter().all(|r| r.len() > 2) && NestedTable::new(rows).is_some();
+                let starts = |w: &[Vec<f64>]| w[0][2..] == w[1][2..] || w[1][1] == 0.0;
+                let message = "the plastic strains must start at 0 and ascend for each temperature, and the \
+                               temperatures must ascend for each value of the first field variable, and so on";
+                require(is_table && rows[0][1] == 0.0 && rows.windows(2).all(starts), message)
+            }
+            PlasticityModel::Kinematic(lines) => {
+                let hardens = lines.iter().all(|line| is_positive(line[0]) && is_non_negative(line[1]));
+                let message =
+                    "the yield stresses must be positive and their slopes not negative; temperatures must ascend";
+                require(hardens && !lines.is_empty() && lines.windows(2).all(|w| w[0][2] < w[1][2]), message)
+            }
+        }
+    }
+}
+
+/// Checks that plastic strains start at zero and ascend at each temperature.
+fn check_plastic_strains(rows: &[[f64; 3]]) -> ValueCheck {
+    for (line, row) in rows.iter().enumerate() {
+        let before =
+            line.checked_sub(1).map(|k| rows[k]).filter(|b| b[2] == row[2] || b[2].is_nan() && row[2].is_nan());
         let message = match before {
             None if row[1] != 0.0 => format!("plastic strains must start at 0, found {}", row[1]),
             Some(before) if row[1] <= before[1] => {
                 format!("plastic strains must ascend, found {} after {}", row[1], before[1])
             }
+            _ if !(row[0].is_finite() && row[1].is_finite()) => {
+                format!("yield stress and plastic strain must be finite, found {} and {}", row[0], row[1])
+            }
             _ => continue,
         };
-        let diagnostic =
-            Diagnostic::error("M103", message).at(card.lines[i.min(card.lines.len() - 1)].span, "this row");
-        context.diagnostics.push(
-            diagnostic.help("a row is `yield stress, plastic strain`; the first row is the yield stress at strain 0"),
-        );
-        return false;
+        let help = "a row is `yield stress, plastic strain`; the first row is the yield stress at strain 0";
+        return Err(ValueFault { line: Some(line), message, label: "this row", help });
     }
-    true
+    Ok(())
 }
 
 /// Reads linear kinematic hardening: two rows per temperature define a line.
@@ -192,23 +219,23 @@ fn kinematic(context: &mut Context<'_>, card: &Card) {
 pub(super) fn read_rate_dependent(context: &mut Context<'_>, card: &Card) {
     let cards::RateDependent { kind } = card.values();
     let rate = match kind {
-        0 => Some(RateDependence::PowerLaw(card.read_lines())),
-        1 => yield_ratios(context, card, card.read_lines()),
-        _ => Some(RateDependence::JohnsonCook(card.read_lines())),
+        0 => RateDependence::PowerLaw(card.read_lines()),
+        1 => RateDependence::YieldRatio(card.read_lines()),
+        _ => RateDependence::JohnsonCook(card.read_lines()),
     };
-    context.last_material().rate = rate;
+    context.last_material().rate = context.accepts(card, rate.check()).then_some(rate);
 }
 
-/// Returns rows of ratio, strain rate and temperature: rates ascend at each temperature, then temperatures ascend.
-fn yield_ratios(context: &mut Context<'_>, card: &Card, rows: Vec<[f64; 3]>) -> Option<RateDependence> {
-    let cold = rows.iter().all(|r| r[2].is_nan());
-    let follows = |w: &[[f64; 3]]| w[1][1] > w[0][1] && (cold || w[1][2] == w[0][2]) || w[1][2] > w[0][2];
-    let complete = cold || rows.iter().all(|r| !r[2].is_nan());
-    if !complete || !rows.windows(2).all(follows) {
+impl RateDependence {
+    /// Checks rows of ratio, strain rate and temperature: rates ascend at each temperature, then temperatures ascend.
+    pub(super) fn check(&self) -> ValueCheck {
+        let RateDependence::YieldRatio(rows) = self else { return Ok(()) };
+        let cold = rows.iter().all(|r| r[2].is_nan());
+        let follows = |w: &[[f64; 3]]| w[1][1] > w[0][1] && (cold || w[1][2] == w[0][2]) || w[1][2] > w[0][2];
+        let complete = cold || rows.iter().all(|r| !r[2].is_nan());
         let message = "the strain rates must ascend at each temperature, and the temperatures must ascend";
-        return context.refuse_value(card.span, message);
+        require(complete && rows.windows(2).all(follows), message)
     }
-    Some(RateDependence::YieldRatio(rows))
 }
 
 pub(super) fn read_cavity_expansion(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {

@@ -34,6 +34,7 @@ mod erosion;
 mod expressions;
 mod failure;
 mod families;
+mod faults;
 mod fields;
 mod general_contact;
 mod gmsh_file;

@@ -1,12 +1,13 @@
 //! Rubber, foam and damping: `*HYPERELASTIC`, `*CRUSHABLE FOAM`, `*CRUSHABLE FOAM HARDENING`, `*DAMPING`.
 
 use super::context::Context;
+use super::faults::{ValueCheck, is_non_negative, is_positive, require};
 use super::types::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, RayleighCoefficients};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
 /// Highest order of polynomial forms.
-pub(super) const ORDER: usize = 6;
+const ORDER: usize = 6;
 /// Highest order of the Ogden form.
 const OGDEN_ORDER: usize = 3;
 
@@ -42,22 +43,34 @@ pub(super) fn read_hyperelastic(context: &mut Context<'_>, card: &Card) {
     let Some(values) = rubber_constants(context, card, constant_count + order) else { return };
     let (constants, compressibility) = values.split_at(constant_count);
     let shape = shape(constants, order);
-    if let DeviatoricEnergy::Ogden(terms) = &shape
-        && terms.iter().any(|t| t[1] == 0.0)
-    {
-        return context.out_of_range(card.span, "each alpha must be nonzero");
-    }
-    if shape.shear() <= 0.0 {
-        let message = format!("the initial shear modulus must be positive, found {}", shape.shear());
-        return context.out_of_range(card.span, message);
-    }
-    // An incompressible material has no stable time increment: D = 0 selects the default compressibility.
-    let first = compressibility[0];
-    if compressibility.iter().any(|d| *d < 0.0) || first == 0.0 && compressibility.iter().any(|d| *d != 0.0) {
-        return context.out_of_range(card.span, "D1 must be positive and the others not negative, or all must be zero");
-    }
     let rubber = HyperelasticLaw { shape, compressibility: compressibility.to_vec(), span: card.span };
-    context.last_material().hyperelastic = Some(rubber);
+    if context.accepts(card, rubber.check()) {
+        context.last_material().hyperelastic = Some(rubber);
+    }
+}
+
+impl HyperelasticLaw {
+    /// Checks the constants. An incompressible material has no stable time increment: D = 0 selects the default
+    /// compressibility.
+    pub(super) fn check(&self) -> ValueCheck {
+        let is_valid = match &self.shape {
+            DeviatoricEnergy::NeoHooke(_) => true,
+            DeviatoricEnergy::Polynomial(terms) => {
+                terms.iter().all(|&(c, i, j)| c.is_finite() && i <= ORDER && j <= ORDER && i + j > 0)
+            }
+            DeviatoricEnergy::Ogden(terms) => {
+                require(terms.iter().all(|term| term[1] != 0.0), "each alpha must be nonzero")?;
+                terms.iter().flatten().all(|value| value.is_finite())
+            }
+        };
+        require(is_valid, format!("the constants must be finite, and exponents at most {ORDER}"))?;
+        let shear = self.shape.shear();
+        require(is_positive(shear), format!("the initial shear modulus must be positive, found {shear}"))?;
+        let all_zero = self.compressibility.iter().all(|d| *d == 0.0);
+        let is_compressible = self.compressibility.first().is_some_and(|first| all_zero || is_positive(*first));
+        let message = "D1 must be positive and the others not negative, or all must be zero";
+        require(is_compressible && self.compressibility.iter().all(|d| is_non_negative(*d)), message)
+    }
 }
 
 /// Returns the order N of the form.
@@ -115,10 +128,13 @@ pub(super) fn read_crushable_foam(context: &mut Context<'_>, card: &Card) {
 /// Reads `*CRUSHABLE FOAM HARDENING`; both columns are positive in compression.
 pub(super) fn read_foam_hardening(context: &mut Context<'_>, card: &Card) {
     let cards::CrushableFoamHardening { rows } = card.values();
-    if rows.first().is_some_and(|row| row[1] != 0.0) {
-        return context.out_of_range(card.span, "plastic strains must start at 0");
+    if context.accepts(card, check_foam_hardening(&rows)) {
+        context.last_material().foam.hardening = rows;
     }
-    context.last_material().foam.hardening = rows;
+}
+
+pub(super) fn check_foam_hardening(rows: &[[f64; 2]]) -> ValueCheck {
+    require(rows.first().is_none_or(|row| row[1] == 0.0), "plastic strains must start at 0")
 }
 
 /// Reads Rayleigh damping; coefficients of zero mean none.

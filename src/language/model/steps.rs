@@ -2,11 +2,12 @@
 
 use super::context::Context;
 use super::families::{PartReader, StepReader, StepState};
+use super::faults::{ValueCheck, require_line};
 use super::history::StepTiming;
 use super::types::{IncrementControl, LoadVelocity, OutputKind, OutputRequest, Step};
 use super::{adaptive, clearance};
 use crate::deck::table::steps as cards;
-use crate::deck::{Card, DataLine, Diagnostic};
+use crate::deck::{Card, Diagnostic};
 use crate::kernel::bulk_viscosity::BulkViscosity;
 
 /// Largest number of increments of a fixed size in a step: four months of computing at ten nanoseconds each.
@@ -132,13 +133,15 @@ pub(super) fn read_dynamic(context: &mut Context<'_>, steps: &mut StepReader, ca
         let help = format!("write *{}, EXPLICIT", card.keyword.name);
         return context.unsupported(card.span, "implicit dynamics is not supported", &help);
     }
-    let Some(line) = context.first_line(card) else { return };
+    if context.first_line(card).is_none() {
+        return;
+    }
     let coupled = card.keyword.name != "DYNAMIC";
     let mut values: cards::Dynamic = card.values();
     if coupled {
         values = cards::Dynamic { accuracy: DEFAULT_ACCURACY, global: false, ..values };
     }
-    let Some(increment) = increment_control(context, card, line, &values) else { return };
+    let Some(increment) = increment_control(context, card, &values) else { return };
     let load_velocity = if values.lagged { LoadVelocity::Lagged } else { LoadVelocity::Predicted };
     let (scale_factor, adiabatic) = (values.scale_factor, values.adiabatic);
     let begun = Step::new("", values.times[1]);
@@ -146,37 +149,37 @@ pub(super) fn read_dynamic(context: &mut Context<'_>, steps: &mut StepReader, ca
     steps.state().procedure = Some(procedure);
 }
 
-fn increment_control(
-    context: &mut Context<'_>,
-    card: &Card,
-    line: &DataLine,
-    values: &cards::Dynamic,
-) -> Option<IncrementControl> {
+fn increment_control(context: &mut Context<'_>, card: &Card, values: &cards::Dynamic) -> Option<IncrementControl> {
     let [increment, duration, _, largest] = values.times;
-    let given = if values.direct { increment } else { largest };
-    if given > 0.0 && duration / given > MOST_INCREMENTS {
-        let message = format!(
-            "the step would take {:.1e} increments, more than the allowed {MOST_INCREMENTS:.0e}",
-            duration / given
-        );
-        return context.refuse_value(line.span, message);
-    }
-    if values.direct {
-        if increment <= duration {
-            return Some(IncrementControl::Fixed(increment));
-        }
-        return context.refuse_value(
-            line.span,
-            format!("the increment must be at most the step duration {duration}, found {increment}"),
-        );
-    }
-    let element_by_element = values.element_by_element;
-    if element_by_element && values.global {
-        return context.refuse_value(card.span, "GLOBAL and ELEMENT BY ELEMENT cannot be combined");
-    }
+    let (accuracy, element_by_element) = (values.accuracy, values.element_by_element);
     // An empty field or zero means no limit (ABAQUS Keywords Reference Guide, *DYNAMIC).
     let largest = if largest == 0.0 { f64::INFINITY } else { largest };
-    Some(IncrementControl::Automatic { accuracy: values.accuracy, element_by_element, largest })
+    let control = match values.direct {
+        true => IncrementControl::Fixed(increment),
+        false => IncrementControl::Automatic { accuracy, element_by_element, largest },
+    };
+    if !context.accepts(card, control.check(duration)) {
+        return None;
+    }
+    if !values.direct && element_by_element && values.global {
+        return context.refuse_value(card.span, "GLOBAL and ELEMENT BY ELEMENT cannot be combined");
+    }
+    Some(control)
+}
+
+impl IncrementControl {
+    /// Checks given and largest increments in a step of this duration.
+    pub(super) fn check(&self, duration: f64) -> ValueCheck {
+        let (IncrementControl::Fixed(given) | IncrementControl::Automatic { largest: given, .. }) = *self;
+        let count = duration / given;
+        let message =
+            format!("the step would take {count:.1e} increments, more than the allowed {MOST_INCREMENTS:.0e}");
+        require_line(0, given <= 0.0 || count <= MOST_INCREMENTS, message)?;
+        let is_short = given <= duration || !matches!(self, IncrementControl::Fixed(_));
+        let message = format!("the increment must be at most the step duration {duration}, found {given}");
+        require_line(0, is_short, message)?;
+        require_line(0, given > 0.0, format!("the increment must be positive, found {given}"))
+    }
 }
 
 /// Reads bulk viscosity, which remains in force until another step changes it.

@@ -130,10 +130,7 @@ pub fn complete_initial_conditions(context: &mut Context<'_>, from: usize) {
 }
 
 /// Returns the new nodes between the nodes that lines list by labels.
-pub fn between_labels<'w>(
-    context: &mut Context<'_>,
-    words: impl Iterator<Item = &'w Word>,
-) -> Vec<usize> {
+pub fn between_labels<'w>(context: &mut Context<'_>, words: impl Iterator<Item = &'w Word>) -> Vec<usize> {
     let labels = words.filter(|word| is_label(&word.text));
     let listed: Vec<usize> = labels.filter_map(|word| context.nodes.resolve(&context.scope, word)).collect();
     context.scaling.refined.as_ref().map_or_else(Vec::new, |refined| refined.selection(&listed).nodes(refined))
