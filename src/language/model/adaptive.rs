@@ -93,7 +93,7 @@ pub(super) fn check_size_limits(limits: &SizeLimits) -> ValueCheck {
 /// Reads nodes that move with the material, and motions of the mesh that are prescribed in space.
 pub(super) fn read_adaptive_constraint(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let cards::AdaptiveMeshConstraint { in_space, velocity, new } = card.values();
-    let Ok(amplitude) = amplitudes::amplitude_of(context, card) else { return };
+    let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
     let state = steps.state();
     if new && !state.cleared.contains(&"ADAPTIVE MESH CONSTRAINT") {
         state.cleared.push("ADAPTIVE MESH CONSTRAINT");

@@ -4,8 +4,8 @@ use super::context::Context;
 use super::faults::{ValueCheck, require};
 use super::names::upper;
 use super::types::{Amplitude, AmplitudeDefinition, AmplitudeId};
+use crate::deck::Card;
 use crate::deck::table::steps as cards;
-use crate::deck::{Card, Word};
 
 /// Indices of the values of `DEFINITION` in the keyword table.
 const SMOOTH_STEP: usize = 1;
@@ -71,23 +71,12 @@ pub(super) fn scaled(context: &Context<'_>, magnitude: f64, amplitude: Option<Am
     if amplitude.is_some_and(|i| context.model.amplitudes[i].absolute) { 1.0 } else { magnitude }
 }
 
-/// Returns the amplitude of a card; `Err` if the name is unknown, which is reported.
-pub(super) fn amplitude_of(context: &mut Context<'_>, card: &Card) -> Result<Option<AmplitudeId>, ()> {
-    let Some(word) = card.value("AMPLITUDE") else { return Ok(None) };
-    find_amplitude(context, word).map(Some).ok_or(())
-}
-
-/// Returns the amplitude of a film coefficient, with the same errors.
-pub(super) fn film_amplitude(context: &mut Context<'_>, card: &Card) -> Result<Option<AmplitudeId>, ()> {
-    let Some(word) = card.value("FILM AMPLITUDE") else { return Ok(None) };
-    find_amplitude(context, word).map(Some).ok_or(())
-}
-
-fn find_amplitude(context: &mut Context<'_>, word: &Word) -> Option<AmplitudeId> {
-    let name = upper(&word.text);
-    let found = context.names.amplitudes.get(&name).copied();
+/// Returns the amplitude that a parameter of a card names; `Err` if the name is unknown, which is reported.
+pub(super) fn amplitude_of(context: &mut Context<'_>, card: &Card, name: &str) -> Result<Option<AmplitudeId>, ()> {
+    let Some(word) = card.value(name) else { return Ok(None) };
+    let found = context.names.amplitudes.get(&upper(&word.text)).copied();
     if found.is_none() {
         context.unknown("M112", "amplitude", word, |b| b.model.amplitudes.iter().map(|a| a.name.clone()).collect());
     }
-    found.map(AmplitudeId::new)
+    found.map(|index| Some(AmplitudeId::new(index))).ok_or(())
 }

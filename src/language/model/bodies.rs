@@ -36,15 +36,8 @@ pub(super) fn read_rigid_body(context: &mut Context<'_>, card: &Card) {
         context.error("M102", message, word.span, "the mass would be zero");
     }
     let name = card.value("ELSET").map_or_else(|| "RIGID BODY".into(), |w| upper(&w.text));
-    context.model.rigid_bodies.push(RigidBody {
-        name,
-        reference,
-        elements,
-        nodes: tied,
-        thickness,
-        density,
-        span: card.span,
-    });
+    let span = card.span;
+    context.model.rigid_bodies.push(RigidBody { name, reference, elements, nodes: tied, thickness, density, span });
 }
 
 /// Assigns a mass to the nodes of the MASS elements of a set.

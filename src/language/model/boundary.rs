@@ -35,7 +35,7 @@ pub(super) fn read_boundary(
     };
     let user = card.has("USER");
     let ramp = steps.current.as_ref().is_some_and(|s| s.ramp);
-    let Ok(amplitude) = amplitudes::amplitude_of(context, card) else { return };
+    let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
     boundary_operation(context, steps, card);
     let from = steps.state().boundaries.len();
     for line in &card.lines {
@@ -63,27 +63,13 @@ pub(super) fn read_boundary(
         }
         if first > 2 {
             let (span, set, nodes) = (line.span, set.text.clone(), nodes.clone());
-            conditions.rotational.push(RotationalCondition {
-                span,
-                set,
-                dofs: [first, last],
-                nodes,
-                lost: "is constrained",
-                value,
-            });
+            let (dofs, lost) = ([first, last], "is constrained");
+            conditions.rotational.push(RotationalCondition { span, set, dofs, nodes, lost, value });
         }
         for dof in (first..=last).chain(rotation) {
-            let boundary = BoundaryCondition {
-                nodes: nodes.clone(),
-                set: set.text.clone(),
-                dof,
-                kind,
-                user,
-                value,
-                amplitude,
-                span: line.span,
-            };
-            steps.state().boundaries.push(boundary);
+            let (nodes, set, span) = (nodes.clone(), set.text.clone(), line.span);
+            let condition = BoundaryCondition { nodes, set, dof, kind, user, value, amplitude, span };
+            steps.state().boundaries.push(condition);
         }
     }
     listed::complete_boundaries(context, steps, from);
@@ -142,12 +128,9 @@ fn boundary_operation(context: &mut Context<'_>, steps: &mut StepReader, card: &
 
 /// Returns the degrees of freedom of a data line, and the value.
 fn boundary_dofs(context: &mut Context<'_>, line: &DataLine) -> Option<(DofSelection, f64)> {
-    let word: &Word = match line.field(1) {
-        Some(word) => word,
-        None => {
-            let diagnostic = Diagnostic::error("M102", "a degree of freedom is missing").at(line.span, "here");
-            return context.diagnostics.refuse(diagnostic);
-        }
+    let Some(word) = line.field(1) else {
+        let diagnostic = Diagnostic::error("M102", "a degree of freedom is missing").at(line.span, "here");
+        return context.diagnostics.refuse(diagnostic);
     };
     let name = upper(&word.text);
     let is_zero = |word: &&Word| word.text.parse().is_ok_and(|value: f64| value == 0.0);
@@ -161,11 +144,9 @@ fn boundary_dofs(context: &mut Context<'_>, line: &DataLine) -> Option<(DofSelec
         "PINNED" => return Some((DofSelection::range(1, 3), 0.0)),
         // Symmetry also constrains the rotations about axes in the plane: 5 and 6, 4 and 6, 4 and 5 (ABAQUS
         // Analysis User's Guide 34.3.1, "Boundary conditions").
-        "XSYMM" => {
-            return Some((DofSelection { rotation: shell_rotation(context), ..DofSelection::range(1, 1) }, 0.0));
-        }
-        "YSYMM" => {
-            return Some((DofSelection { rotation: shell_rotation(context), ..DofSelection::range(2, 2) }, 0.0));
+        "XSYMM" | "YSYMM" => {
+            let dof = if name == "XSYMM" { 1 } else { 2 };
+            return Some((DofSelection { rotation: shell_rotation(context), range: [dof; 2] }, 0.0));
         }
         "ZSYMM" => return Some((DofSelection::range(3, 3), 0.0)),
         other @ ("XASYMM" | "YASYMM" | "ZASYMM") => {

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::families::StepReader;
 use super::names::upper;
-use super::types::{IgnoredCard, PrescribedClearance, SurfaceContact};
+use super::types::{PrescribedClearance, SurfaceContact};
 use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Word};
 
@@ -53,9 +53,8 @@ fn note_unused_penalties(context: &mut Context<'_>, factors: &[(Word, f64)], pai
     for (word, _) in factors.iter().filter(|factor| factor.1 != 1.0) {
         let mut own = pairs.iter().filter(|pair| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text)));
         if own.clone().next().is_some() && own.all(|pair| pair.penalty.is_none()) {
-            let why = "kinematic contact pairs have no penalty stiffness".to_owned();
-            let keyword = "CONTACT CONTROLS, SCALE PENALTY".to_owned();
-            context.model.origin.inert.push(IgnoredCard { keyword, span: word.span, why });
+            let why = "kinematic contact pairs have no penalty stiffness";
+            context.ignore("CONTACT CONTROLS, SCALE PENALTY", word.span, why);
         }
     }
 }

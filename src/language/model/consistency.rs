@@ -5,15 +5,17 @@ use super::faults::{ValueCheck, is_non_negative, is_positive, require};
 use super::fields::MOST_FIELDS;
 use super::interactions::check_overclosure;
 use super::shells::check_points;
+use super::targets::no_resistance;
 use super::types::{
     AdaptiveControls, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorProperty, CoulombFriction, ElementKind,
-    ElementSide, ErosionCriteria, IncrementControl, InitialKind, InteractionId, LinkKind, Load, LoadKind, Model,
-    MotionKind, OutputInterval, OutputRegion, OutputRequest, PrescribedClearance, Remeshing, ShellSection,
-    SideSelection, Step, SurfaceContact, SurfaceTraction, TargetStack,
+    ElementSide, ErosionCriteria, IncrementControl, InitialKind, InteractionId, LinkKind, Load, LoadKind, MaterialId,
+    Model, MotionKind, OutputInterval, OutputRegion, OutputRequest, PrescribedClearance, Remeshing, ShellSection,
+    SideSelection, Step, SurfaceContact, SurfaceTraction, TargetLayer, TargetStack,
 };
 use crate::deck::keywords::InputRule;
 use crate::deck::table::{adaptive, constraints, materials, steps};
 use crate::deck::{Diagnostic, Diagnostics, Span};
+use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::platform::PortableMath as _;
 use crate::variables::request::VariableRequest;
 
@@ -27,7 +29,7 @@ impl Model {
             check.names();
             self.materials.iter().for_each(|m| check.material(m));
             check.bodies();
-            check.amplitudes();
+            self.amplitudes.iter().for_each(|a| check.accept("", a.span, a.definition.check()));
             self.erosions.iter().for_each(|e| check.erosion(e));
             self.remeshings.iter().for_each(|r| check.remeshing(r));
             self.targets.iter().for_each(|t| check.target(t));
@@ -88,6 +90,17 @@ impl ConsistencyCheck<'_> {
         }
     }
 
+    /// Reports values that are negative or not finite.
+    fn not_negative<const N: usize>(&mut self, span: Span, values: [(&str, f64); N]) {
+        for (name, value) in values {
+            self.value(is_non_negative(value), span, format!("{name} must not be negative, found {value}"));
+        }
+    }
+
+    fn ascending(&mut self, span: Span, members: &str, indices: &[usize]) {
+        self.value(is_ascending(indices), span, format!("the {members} must be in ascending order"));
+    }
+
     /// Reports the first index that is out of range.
     fn indices(&mut self, code: &'static str, span: Span, what: &str, indices: &[usize], count: usize) {
         if let Some(stray) = indices.iter().find(|i| **i >= count) {
@@ -106,7 +119,7 @@ impl ConsistencyCheck<'_> {
     fn remeshing(&mut self, remeshing: &Remeshing) {
         let Remeshing { span, elements, angle, increment, frequency, size, limits, .. } = remeshing;
         self.elements(*span, elements);
-        self.value(is_ascending(elements), *span, "the elements of a body must be in ascending order");
+        self.ascending(*span, "elements of a body", elements);
         let fields = fields!(adaptive::Remesh: "ANGLE", "INCREMENT", "FREQUENCY", "SIZE", "CURVATURE ANGLE", "STRAIN CHANGE", "MINIMUM SIZE");
         let (angle, curvature) = (Some(angle.to_degrees()), limits.curvature_angle.map(f64::to_degrees));
         let (increment, frequency) = (Some(*increment), Some(*frequency as f64));
@@ -128,11 +141,8 @@ impl ConsistencyCheck<'_> {
     }
 
     fn degree(&mut self, span: Span, dof: u8, last: u8) {
-        self.value(
-            (1..=last).contains(&dof),
-            span,
-            format!("degree of freedom must be from 1 to {last} (1 = r, 2 = z), found {dof}"),
-        );
+        let message = format!("degree of freedom must be from 1 to {last} (1 = r, 2 = z), found {dof}");
+        self.value((1..=last).contains(&dof), span, message);
     }
 
     fn mesh(&mut self) {
@@ -171,11 +181,7 @@ impl ConsistencyCheck<'_> {
     fn names(&mut self) {
         let model = self.model;
         for (name, set) in model.node_sets.iter().chain(&model.element_sets) {
-            self.value(
-                is_ascending(&set.members),
-                set.span,
-                format!("the members of set `{name}` must be in ascending order"),
-            );
+            self.ascending(set.span, &format!("members of set `{name}`"), &set.members);
         }
         model.node_sets.values().for_each(|set| self.nodes(set.span, &set.members));
         model.element_sets.values().for_each(|set| self.elements(set.span, &set.members));
@@ -237,31 +243,27 @@ impl ConsistencyCheck<'_> {
         }
     }
 
+    fn section(&mut self, span: Span, elements: &[usize], material: MaterialId) {
+        self.elements(span, elements);
+        self.indices("M111", span, "material", &[material.index()], self.model.materials.len());
+    }
+
     fn bodies(&mut self) {
         let model = self.model;
-        for section in &model.sections {
-            self.elements(section.span, &section.elements);
-            self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
-        }
+        model.sections.iter().for_each(|s| self.section(s.span, &s.elements, s.material));
         for section in &model.shell_sections {
-            self.elements(section.span, &section.elements);
-            self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
+            self.section(section.span, &section.elements, section.material);
             self.shell_section(section);
         }
         for section in &model.cohesive_sections {
-            self.elements(section.span, &section.elements);
-            self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
+            self.section(section.span, &section.elements, section.material);
             self.ranges(section.span, "", fields!(materials::CohesiveSection: "thickness"), [section.thickness]);
         }
         for body in &model.rigid_bodies {
             self.nodes(body.span, &[body.reference]);
             self.nodes(body.span, &body.nodes);
             self.elements(body.span, &body.elements);
-            self.value(
-                is_non_negative(body.density) && is_non_negative(body.thickness),
-                body.span,
-                "density and thickness of a rigid body must not be negative",
-            );
+            self.not_negative(body.span, [("DENSITY", body.density), ("thickness", body.thickness)]);
         }
         for point in &model.discrete.masses {
             self.nodes(point.span, &[point.node]);
@@ -284,11 +286,8 @@ impl ConsistencyCheck<'_> {
             self.nodes(surface.span, surface.reference.as_slice());
             let segments = &surface.profile.segments;
             let finite = segments.iter().flat_map(|s| s.ends()).flatten().all(f64::is_finite);
-            self.value(
-                finite && !segments.is_empty(),
-                surface.span,
-                "an analytical surface requires segments with finite coordinates",
-            );
+            let message = "an analytical surface requires segments with finite coordinates";
+            self.value(finite && !segments.is_empty(), surface.span, message);
         }
     }
 
@@ -300,37 +299,20 @@ impl ConsistencyCheck<'_> {
         self.accept("", section.span, section.thinning.check());
     }
 
-    fn amplitudes(&mut self) {
-        let model = self.model;
-        for amplitude in &model.amplitudes {
-            self.accept("", amplitude.span, amplitude.definition.check());
-        }
-    }
-
     fn target(&mut self, target: &TargetStack) {
         let good = target.front.is_finite() && target.direction.abs() == 1.0 && !target.layers.is_empty();
         self.value(good, target.span, "a target requires a finite front, a direction of +1 or -1, and layers");
         let owner = format!("`{}`: ", target.name);
         self.ranges(target.span, &owner, fields!(constraints::Target: "OBLIQUITY"), [Some(target.obliquity)]);
         for layer in &target.layers {
-            self.value(
-                layer.thickness > 0.0 && layer.radius > 0.0,
-                layer.span,
-                format!(
-                    "thickness and radius of a layer must be positive, found {} and {}",
-                    layer.thickness, layer.radius
-                ),
-            );
+            let TargetLayer { thickness, radius, .. } = *layer;
+            let message = format!("thickness and radius of a layer must be positive, found {thickness} and {radius}");
+            self.value(thickness > 0.0 && radius > 0.0, layer.span, message);
             let Some(index) = layer.material else { continue };
             self.indices("M111", layer.span, "material", &[index.index()], self.model.materials.len());
             let Some(material) = self.model.materials.get(index.index()) else { continue };
             if material.cavity.is_none() || material.density.is_none() {
-                let name = &material.name;
-                let message = format!(
-                    "material {name} has no resistance: a target layer \
-                             requires *DENSITY and *CAVITY EXPANSION"
-                );
-                self.error("M101", layer.span, message);
+                self.error("M101", layer.span, no_resistance(material));
             }
         }
     }
@@ -339,11 +321,8 @@ impl ConsistencyCheck<'_> {
         self.elements(property.span, &property.elements);
         let elements = property.elements.iter().filter_map(|&e| self.model.mesh.elements.get(e));
         let kinds: Vec<ElementKind> = elements.map(|e| e.kind).collect();
-        self.value(
-            kinds.iter().all(|k| k.is_connector()),
-            property.span,
-            "a spring or dashpot property is assigned to elements of another type",
-        );
+        let message = "a spring or dashpot property is assigned to elements of another type";
+        self.value(kinds.iter().all(|k| k.is_connector()), property.span, message);
         if kinds.iter().any(|k| k.node_count() == 1) {
             self.degree(property.span, property.dof, 2);
         }
@@ -380,8 +359,7 @@ impl ConsistencyCheck<'_> {
             self.nodes(tie.span, tie.chosen.as_deref().unwrap_or_default());
             self.faces(tie.span, &tie.slave_faces);
             self.faces(tie.span, &tie.masters);
-            let tolerance = tie.tolerance.is_none_or(is_non_negative);
-            self.value(tolerance, tie.span, "POSITION TOLERANCE must not be negative");
+            self.not_negative(tie.span, [("POSITION TOLERANCE", tie.tolerance.unwrap_or(0.0))]);
         }
         for condition in &model.initial_conditions {
             let finite = match &condition.kind {
@@ -393,11 +371,7 @@ impl ConsistencyCheck<'_> {
                 | InitialKind::Field(_, v) => v.is_finite(),
             };
             self.value(finite, condition.span, "the values of an initial condition must be finite");
-            self.value(
-                is_ascending(&condition.members),
-                condition.span,
-                "the members of an initial condition must be in ascending order",
-            );
+            self.ascending(condition.span, "members of an initial condition", &condition.members);
             if condition.kind.applies_to_elements() {
                 self.elements(condition.span, &condition.members);
             } else {
@@ -419,11 +393,8 @@ impl ConsistencyCheck<'_> {
         let owner = format!("step `{}`: ", step.name);
         self.ranges(step.span, &owner, fields, [Some(step.duration), Some(step.scale_factor), accuracy]);
         self.accept(&owner, step.span, step.increment.check(step.duration));
-        self.value(
-            is_non_negative(step.bulk_viscosity.linear) && is_non_negative(step.bulk_viscosity.quadratic),
-            step.span,
-            "bulk viscosity must not be negative",
-        );
+        let BulkViscosity { linear, quadratic, .. } = step.bulk_viscosity;
+        self.not_negative(step.span, [("linear bulk viscosity", linear), ("quadratic bulk viscosity", quadratic)]);
         step.boundaries.iter().for_each(|b| self.boundary(b));
         step.loads.iter().for_each(|l| self.load(l));
         for field in &step.fields {
@@ -488,11 +459,7 @@ impl ConsistencyCheck<'_> {
 
     fn analytical_side(&mut self, contact: &SurfaceContact, analytical: &AnalyticalSide) {
         self.nodes(contact.span, &analytical.nodes);
-        self.value(
-            is_ascending(&analytical.nodes),
-            contact.span,
-            "the nodes of a contact surface must be in ascending order",
-        );
+        self.ascending(contact.span, "nodes of a contact surface", &analytical.nodes);
         let count = self.model.surfaces.analytical.len();
         self.indices("M114", contact.span, "analytical surface", &[analytical.surface.index()], count);
     }
@@ -537,7 +504,7 @@ impl ConsistencyCheck<'_> {
             LoadKind::Film { sides, coefficient, amplitude } => {
                 self.sides(load.span, sides);
                 self.amplitude(load.span, *amplitude);
-                self.value(is_non_negative(*coefficient), load.span, "a film coefficient must not be negative");
+                self.not_negative(load.span, [("the film coefficient", *coefficient)]);
             }
             LoadKind::User { sides, load_type } => {
                 self.sides(load.span, sides);
@@ -550,11 +517,7 @@ impl ConsistencyCheck<'_> {
             LoadKind::Cavity { sides, target, friction } => {
                 self.sides(load.span, sides);
                 self.indices("M113", load.span, "target", &[target.index()], self.model.targets.len());
-                self.value(
-                    is_non_negative(*friction),
-                    load.span,
-                    format!("FRICTION must not be negative, found {friction}"),
-                );
+                self.not_negative(load.span, [("FRICTION", *friction)]);
             }
         }
     }
@@ -562,11 +525,8 @@ impl ConsistencyCheck<'_> {
     fn traction(&mut self, span: Span, law: &SurfaceTraction) {
         match law {
             SurfaceTraction::Vector { direction: [r, z], .. } | SurfaceTraction::Shear { direction: [r, z] } => {
-                self.value(
-                    (r.portable_hypot(*z) - 1.0).abs() < 1e-9,
-                    span,
-                    "the direction of a traction must be a unit vector",
-                );
+                let is_unit = (r.portable_hypot(*z) - 1.0).abs() < 1e-9;
+                self.value(is_unit, span, "the direction of a traction must be a unit vector");
             }
             SurfaceTraction::Viscous { reference } => self.nodes(span, reference.as_slice()),
         }

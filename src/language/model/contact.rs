@@ -201,7 +201,7 @@ pub(super) fn carry_surface(context: &mut Context<'_>, word: &Word, reference: u
 
 pub(super) fn contact_note(context: &mut Context<'_>, card: &Card) {
     if !context.deck.cards.iter().any(|c| matches!(c.keyword.name, "CONTACT PAIR" | "CONTACT")) {
-        context.inert(card, "it is used by contact only".into());
+        context.inert(card, "it is used by contact only");
     }
 }
 

@@ -103,8 +103,14 @@ impl<'a> Context<'a> {
         }
     }
 
-    pub fn inert(&mut self, card: &Card, why: String) {
-        self.model.origin.inert.push(IgnoredCard { keyword: card.keyword.name.into(), span: card.span, why });
+    /// Lists a card as ignored.
+    pub fn inert(&mut self, card: &Card, why: &str) {
+        self.ignore(card.keyword.name, card.span, why);
+    }
+
+    /// Lists input as ignored.
+    pub fn ignore(&mut self, keyword: impl Into<String>, span: Span, why: &str) {
+        self.model.origin.inert.push(IgnoredCard { keyword: keyword.into(), span, why: why.into() });
     }
 
     /// Returns the value of a required parameter; reports an error if it is missing.

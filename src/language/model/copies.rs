@@ -307,10 +307,10 @@ pub(super) fn read_transform(context: &mut Context<'_>, mesh: &mut MeshReader, c
     let rectangular = card.value("TYPE").is_none_or(|w| w.is("R"));
     let as_they_are = rectangular && a[0] > 0.0 && a[1] == 0.0 && a[2] == 0.0 && b[1] > 0.0 && b[2] == 0.0;
     if as_they_are {
-        context.inert(card, "its directions are r and z".into());
+        context.inert(card, "its directions are r and z");
     } else {
         mesh.transforms.push((nodes, card.span));
-        context.inert(card, "no condition or force uses its directions".into());
+        context.inert(card, "no condition or force uses its directions");
     }
 }
 

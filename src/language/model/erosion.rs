@@ -8,12 +8,9 @@ use crate::deck::table::materials as cards;
 
 /// Reads erosion criteria, which delete elements independently of their material.
 pub(super) fn read_erosion(context: &mut Context<'_>, card: &Card) {
-    let elements = match card.value("ELSET") {
-        Some(word) => match context.element_members(word) {
-            Some(members) => Some(members),
-            None => return,
-        },
-        None => None,
+    let elements = match card.value("ELSET").map(|word| context.element_members(word)) {
+        Some(None) => return,
+        elements => elements.flatten(),
     };
     let cards::Erosion { distortion, plastic, strain, increment } = card.values();
     let erosion = ErosionCriteria { span: card.span, elements, distortion, plastic, strain, increment };

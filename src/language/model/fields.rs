@@ -15,7 +15,7 @@ pub(super) const MOST_FIELDS: usize = 100;
 /// Reads `*FIELD`. A value without amplitude is applied at once (ABAQUS Analysis User's Guide 34.6.1, "Predefined
 /// fields", and 34.1.2, "Amplitude curves").
 pub(super) fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
-    let Ok(amplitude) = amplitudes::amplitude_of(context, card) else { return };
+    let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
     if steps.current.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
         return context.unsupported(card.span, "*STEP, AMPLITUDE=RAMP with *FIELD is not supported", "give AMPLITUDE=");
     }

@@ -2,35 +2,24 @@
 
 use super::context::Context;
 use super::families::StepReader;
-use super::loads::load_family;
+use super::loads::read_lines;
 use super::names::upper;
-use super::types::{AmplitudeId, Load, LoadKind, SideSelection};
-use super::{adaptive, amplitudes, surfaces};
+use super::types::{AmplitudeId, LoadKind, SideSelection};
+use super::{amplitudes, surfaces};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 pub(super) fn read_heat_loads(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
-    let Ok(amplitude) = amplitudes::amplitude_of(context, card) else { return };
-    let Ok(of_film) = amplitudes::film_amplitude(context, card) else { return };
-    let family = card.keyword.name;
-    if steps.operation(card, family) {
-        steps.state().history.loads.retain(|l| load_family(&l.kind) != family);
-    }
-    let first = steps.state().loads.len();
-    for line in &card.lines {
-        let parsed = match family {
-            "CFLUX" => nodal_heat(context, line),
-            "DFLUX" => element_heat(context, line),
-            "DSFLUX" => surface_sides(context, line).and_then(|sides| {
-                Some((LoadKind::SurfaceHeat(sides), context.number(line, 2, "the heat flux per area")?))
-            }),
-            _ => film(context, line, family, of_film),
-        };
-        if let Some((kind, magnitude)) = parsed {
-            let magnitude = amplitudes::scaled(context, magnitude, amplitude);
-            steps.state().loads.push(Load { kind, magnitude, amplitude, span: line.span });
+    let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
+    let Ok(of_film) = amplitudes::amplitude_of(context, card, "FILM AMPLITUDE") else { return };
+    read_lines(context, steps, card, amplitude, |context, line| match card.keyword.name {
+        "CFLUX" => nodal_heat(context, line),
+        "DFLUX" => element_heat(context, line),
+        "DSFLUX" => {
+            let sides = surface_sides(context, line)?;
+            Some((LoadKind::SurfaceHeat(sides), context.number(line, 2, "the heat flux per area")?))
         }
-    }
-    adaptive::region_of_loads(steps, card, first);
+        family => film(context, line, family, of_film),
+    });
 }
 
 fn nodal_heat(context: &mut Context<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {

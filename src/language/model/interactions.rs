@@ -18,21 +18,19 @@ const EXPONENTIAL: usize = 2;
 pub(super) fn read_surface_interaction(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     materials.in_interaction = true;
     let Some(name) = context.required(card, "NAME") else { return };
-    let name = upper(&name.text);
-    context.model.interactions.push(SurfaceInteraction {
-        name,
-        law: InteractionLaw::default(),
-        heat_cards: Vec::new(),
-        cohesion: None,
-    });
+    let (name, law) = (upper(&name.text), InteractionLaw::default());
+    context.model.interactions.push(SurfaceInteraction { name, law, heat_cards: Vec::new(), cohesion: None });
     contact::contact_note(context, card);
+}
+
+fn last_law<'c>(context: &'c mut Context<'_>) -> Option<&'c mut InteractionLaw> {
+    context.model.interactions.last_mut().map(|interaction| &mut interaction.law)
 }
 
 pub(super) fn read_friction(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
-    let Some(friction) = friction_law(context, card) else { return };
-    if let Some(interaction) = context.model.interactions.last_mut() {
-        interaction.law.friction = friction;
+    if let (Some(friction), Some(law)) = (friction_law(context, card), last_law(context)) {
+        law.friction = friction;
     }
 }
 
@@ -56,9 +54,8 @@ fn friction_law(context: &mut Context<'_>, card: &Card) -> Option<CoulombFrictio
 
 pub(super) fn read_surface_behavior(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
-    let Some(overclosure) = overclosure(context, card) else { return };
-    if let Some(interaction) = context.model.interactions.last_mut() {
-        interaction.law.overclosure = overclosure;
+    if let (Some(overclosure), Some(law)) = (overclosure(context, card), last_law(context)) {
+        law.overclosure = overclosure;
     }
 }
 
@@ -66,8 +63,8 @@ pub(super) fn read_contact_damping(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let cards::ContactDamping { is_fraction, values: [value] } = card.values();
     let damping = if is_fraction { ContactDamping::CriticalFraction } else { ContactDamping::Coefficient };
-    if let Some(interaction) = context.model.interactions.last_mut() {
-        interaction.law.damping = Some(damping(value));
+    if let Some(law) = last_law(context) {
+        law.damping = Some(damping(value));
     }
 }
 

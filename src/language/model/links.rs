@@ -131,7 +131,7 @@ pub(super) fn read_coupling_kind(context: &mut Context<'_>, conditions: &mut Con
     };
     let Some(kind) = kind else { return };
     if kind == LinkKind::Rigid([false; 2]) {
-        return context.inert(card, "it couples neither r nor z, and symmetry fixes the rotation".into());
+        return context.inert(card, "it couples neither r nor z, and symmetry fixes the rotation");
     }
     link(context, format!("coupling {}", coupling.name), kind, coupling.reference, coupling.nodes, coupling.span);
 }
@@ -191,12 +191,9 @@ pub(super) fn read_tie(context: &mut Context<'_>, card: &Card) {
     }
     let (adjust, tolerance) = (card.read("ADJUST"), card.read::<Option<f64>>("POSITION TOLERANCE"));
     let by_nodes = card.read::<usize>("TYPE") == 1;
-    let chosen = match card.value("TIED NSET") {
-        None => None,
-        Some(word) => match context.node_members(word) {
-            Some(nodes) => Some(nodes),
-            None => return,
-        },
+    let chosen = match card.value("TIED NSET").map(|word| context.node_members(word)) {
+        Some(None) => return,
+        chosen => chosen.flatten(),
     };
     for line in &card.lines {
         let (Some(slave), Some(master)) = (line.field(0), line.field(1)) else {

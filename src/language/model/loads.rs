@@ -3,7 +3,9 @@
 use super::context::Context;
 use super::families::StepReader;
 use super::names::upper;
-use super::types::{BodyForce, ElementKind, ElementSide, Load, LoadKind, SideSelection, SurfaceTraction, TargetId};
+use super::types::{
+    AmplitudeId, BodyForce, ElementKind, ElementSide, Load, LoadKind, SideSelection, SurfaceTraction, TargetId,
+};
 use super::{adaptive, amplitudes, completion, surfaces};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 use crate::platform::PortableMath as _;
@@ -13,20 +15,30 @@ const LABELS: &str = "GRAV, BR, BZ, BRNU, BZNU, CENTRIF, P, VP, TRVEC, TRSHR and
                       TRVEC1 ..., TRSHR1 ...), CAVITY";
 
 pub(super) fn read_loads(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
-    let Ok(amplitude) = amplitudes::amplitude_of(context, card) else { return };
+    let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
+    check_load_options(context, card);
+    read_lines(context, steps, card, amplitude, |context, line| match card.keyword.name {
+        "CLOAD" => concentrated(context, line),
+        "DLOAD" => element_load(context, card, line),
+        _ => surface_load(context, card, line),
+    });
+}
+
+/// Reads the loads of a card line by line. OP=NEW removes the loads of its family from earlier steps.
+pub(super) fn read_lines(
+    context: &mut Context<'_>,
+    steps: &mut StepReader,
+    card: &Card,
+    amplitude: Option<AmplitudeId>,
+    read: impl Fn(&mut Context<'_>, &DataLine) -> Option<(LoadKind, f64)>,
+) {
     let family = card.keyword.name;
     if steps.operation(card, family) {
         steps.state().history.loads.retain(|l| load_family(&l.kind) != family);
     }
-    check_load_options(context, card);
     let first = steps.state().loads.len();
     for line in &card.lines {
-        let parsed = match family {
-            "CLOAD" => concentrated(context, line),
-            "DLOAD" => element_load(context, card, line),
-            _ => surface_load(context, card, line),
-        };
-        if let Some((kind, magnitude)) = parsed {
+        if let Some((kind, magnitude)) = read(context, line) {
             let magnitude = amplitudes::scaled(context, magnitude, amplitude);
             steps.state().loads.push(Load { kind, magnitude, amplitude, span: line.span });
         }

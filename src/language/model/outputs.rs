@@ -5,8 +5,8 @@ use super::context::{Context, MAX_GENERATED};
 use super::families::{OutputReader, StepReader};
 use super::names::{qualified, upper};
 use super::types::{
-    ContactPairFilter, ElementSetId, IgnoredCard, NodeSetId, OutputCard, OutputInterval, OutputKind, OutputPosition,
-    OutputRegion, OutputRequest, RestartRequest, TimePoints, TimePointsId,
+    ContactPairFilter, ElementSetId, NodeSetId, OutputCard, OutputInterval, OutputKind, OutputPosition, OutputRegion,
+    OutputRequest, RestartRequest, TimePoints, TimePointsId,
 };
 use crate::deck::{Card, Diagnostic, Word};
 use crate::variables::request::{self, SectionPoint, VariableRequest};
@@ -170,7 +170,7 @@ fn sub_request(context: &mut Context<'_>, steps: &mut StepReader, output: &mut O
         _ => OutputCard::Incrementation,
     };
     if request.kind == OutputKind::Field && region != OutputRegion::Whole {
-        context.inert(card, "field output is always written for the whole model".into());
+        context.inert(card, "field output is always written for the whole model");
     }
     let position = position(context, card, request.kind);
     let statistics = statistics(context, card, request.kind, &region);
@@ -324,9 +324,8 @@ fn note_unused_filters(context: &mut Context<'_>, card: &Card) {
     const FILTERS: [&str; 7] =
         ["CPSET", "CONTACT PAIR", "GENERAL CONTACT", "SURFACE", "SECOND SURFACE", "MASTER", "SLAVE"];
     for parameter in FILTERS.iter().filter_map(|name| card.parameter(name)) {
-        let why = "with NSET the contact variables of the nodes include all pairs".to_owned();
-        let keyword = format!("CONTACT OUTPUT, {}", parameter.name);
-        context.model.origin.inert.push(IgnoredCard { keyword, span: parameter.span, why });
+        let why = "with NSET the contact variables of the nodes include all pairs";
+        context.ignore(format!("CONTACT OUTPUT, {}", parameter.name), parameter.span, why);
     }
 }
 
@@ -377,9 +376,8 @@ fn out_of_plane(context: &mut Context<'_>, word: &Word) -> bool {
         |ends: &[&str]| ends.iter().find_map(|e| name.strip_suffix(e)).and_then(VariableRequest::parse).is_some();
     let zero = stem(&["13", "23"]) || matches!(name.as_str(), "U3" | "V3" | "A3" | "RF3" | "CF3" | "COOR3");
     if zero {
-        let why = "this component is zero in a body of revolution".into();
-        let keyword = format!("{name} of an output request");
-        context.model.origin.inert.push(IgnoredCard { keyword, span: word.span, why });
+        let why = "this component is zero in a body of revolution";
+        context.ignore(format!("{name} of an output request"), word.span, why);
     }
     zero
 }

@@ -108,7 +108,7 @@ fn rubber_constants(context: &mut Context<'_>, card: &Card, count: usize) -> Opt
         return context.refuse_value(span, format!("this form has {count} constants and a temperature"));
     }
     if card.lines.get(count / 8).is_some_and(|line| line.field(count % 8).is_some()) {
-        context.inert(card, "the constants do not depend on temperature".into());
+        context.inert(card, "the constants do not depend on temperature");
     }
     (0..count)
         .map(|k| match card.lines.get(k / 8) {

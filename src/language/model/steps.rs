@@ -190,6 +190,6 @@ pub(super) fn read_bulk_viscosity(context: &mut Context<'_>, steps: &mut StepRea
     let cards::BulkViscosity { whole_rate, factors: [linear, quadratic] } = card.values();
     steps.state().bulk_viscosity = Some(BulkViscosity { linear, quadratic, filtered: !whole_rate });
     if !context.model.mesh.elements.iter().any(|e| e.kind.is_solid() || e.kind == super::ElementKind::Sax1) {
-        context.inert(card, "the model has no deformable elements".into());
+        context.inert(card, "the model has no deformable elements");
     }
 }

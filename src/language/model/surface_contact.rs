@@ -42,10 +42,10 @@ pub(super) fn add_pair(
 ) {
     let clearance = match card.value("ADJUST") {
         None => None,
-        Some(word) => match adjust(context, word) {
-            Some(fits) => Some(PrescribedClearance { gap: 0.0, above: Some(fits), below: Some(0.0) }),
-            None => return,
-        },
+        Some(word) => {
+            let Some(fits) = adjust(context, word) else { return };
+            Some(PrescribedClearance { gap: 0.0, above: Some(fits), below: Some(0.0) })
+        }
     };
     let penalty = card.read::<bool>("MECHANICAL CONSTRAINT").then_some(1.0);
     let same = |c: &SurfaceContact| {

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::context::Context;
 use super::families::{MeshReader, StepReader};
 use super::names::{qualified, upper};
-use super::types::{ElementKind, ElementSide, ElementSurface, IgnoredCard, SideSelection};
+use super::types::{ElementKind, ElementSide, ElementSurface, SideSelection};
 use super::{adaptive, contact};
 use crate::deck::{Card, Diagnostic, Word};
 
@@ -106,9 +106,8 @@ fn interior_sides(context: &mut Context<'_>, elements: &[usize], side: &Word, ex
     if let Some((message, help)) = refusal {
         return context.diagnostics.push(Diagnostic::error("M131", message).at(side.span, "here").help(help));
     }
-    let why = "exterior faces always include the faces that element deletion exposes".into();
-    let keyword = "SURFACE, INTERIOR".into();
-    context.model.origin.inert.push(IgnoredCard { keyword, span: side.span, why });
+    let why = "exterior faces always include the faces that element deletion exposes";
+    context.ignore("SURFACE, INTERIOR", side.span, why);
 }
 
 /// Returns the faces of elements, which `set` names, on a side.

@@ -1,7 +1,7 @@
 //! Targets without mesh (`*TARGET`): layers and free surfaces.
 
 use super::context::Context;
-use super::types::{FreeSurfaces, TargetLayer, TargetStack};
+use super::types::{FreeSurfaces, MaterialDefinition, TargetLayer, TargetStack};
 use crate::deck::read::FromValue;
 use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Diagnostic};
@@ -18,15 +18,11 @@ pub(super) fn read_target(context: &mut Context<'_>, card: &Card) {
     let radius = values.radius.unwrap_or(f64::INFINITY);
     let layers: Vec<TargetLayer> = (0..card.lines.len()).filter_map(|at| layer(context, card, at, radius)).collect();
     if let Some(layer) = layers.iter().rev().skip(1).find(|l| l.thickness.is_infinite()) {
-        let span = layer.span;
-        context.out_of_range(span, "only the last layer may have infinite thickness");
+        context.out_of_range(layer.span, "only the last layer may have infinite thickness");
     }
     if let Some(gap) = [layers.first(), layers.last()].into_iter().flatten().find(|l| l.material.is_none()) {
-        let span = gap.span;
-        context.out_of_range(
-            span,
-            "the first and the last layer require a material; gaps are allowed between layers only",
-        );
+        let message = "the first and the last layer require a material; gaps are allowed between layers only";
+        context.out_of_range(gap.span, message);
     }
     let free_surfaces = [FreeSurfaces::Off, FreeSurfaces::Plates, FreeSurfaces::Layers][values.free_surface];
     context.model.targets.push(TargetStack {
@@ -58,12 +54,9 @@ fn layer(context: &mut Context<'_>, card: &Card, at: usize, radius: f64) -> Opti
     if let Some(properties) = material.map(|m| &context.model.materials[m])
         && (properties.cavity.is_none() || properties.density.is_none())
     {
-        let message = format!(
-            "material {} has no resistance: a target layer requires *DENSITY and *CAVITY EXPANSION",
-            properties.name
-        );
-        let diagnostic =
-            Diagnostic::error("M101", message).at(line.span, "this layer").at(properties.span, "the material");
+        let diagnostic = Diagnostic::error("M101", no_resistance(properties))
+            .at(line.span, "this layer")
+            .at(properties.span, "the material");
         context.diagnostics.push(diagnostic);
     }
     Some(TargetLayer { material, thickness, radius, span: line.span })
@@ -92,4 +85,10 @@ fn check_elasticity(context: &mut Context<'_>, layer: &TargetLayer) {
     let diagnostic =
         Diagnostic::error("M181", message).at(layer.span, "this layer").at(properties.span, "the material");
     context.diagnostics.push(diagnostic);
+}
+
+/// Returns the message about a material of a layer that lacks density or resistance.
+pub(super) fn no_resistance(material: &MaterialDefinition) -> String {
+    let name = &material.name;
+    format!("material {name} has no resistance: a target layer requires *DENSITY and *CAVITY EXPANSION")
 }

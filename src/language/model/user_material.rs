@@ -69,8 +69,7 @@ pub(super) fn read_state_variables(context: &mut Context<'_>, card: &Card) {
         hardening || matches!(name, "USER MATERIAL" | "USER DEFINED FIELD")
     };
     if !context.deck.cards.iter().any(|c| calls(&c)) {
-        return context
-            .inert(card, "it is used by user subroutines only, and this deck has none at material points".into());
+        return context.inert(card, "it is used by user subroutines only, and this deck has none at material points");
     }
     let count = usize::from_value(card.given_field(0, 0));
     let delete = card.read::<Option<usize>>("DELETE");
