@@ -161,10 +161,7 @@ fn boundary_dofs(context: &mut Context<'_>, line: &DataLine) -> Option<(DofSelec
     if [first, last] != [11; 2] && (!(1..=6).contains(&first) || !(first..=6).contains(&last)) {
         return context.refuse_value(
             line.span,
-            format!(
-                "invalid degrees of freedom {first} to {last}: 1 is r, 2 \
-                     is z, 6 is rotation, 11 is temperature"
-            ),
+            format!("invalid degrees of freedom {first} to {last}: 1 is r, 2 is z, 6 is rotation, 11 is temperature"),
         );
     }
     Some((DofSelection::range(first as u8, last as u8), value))

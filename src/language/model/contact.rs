@@ -108,11 +108,8 @@ fn surface_point(context: &mut Context<'_>, line: &DataLine, word: &str) -> Opti
 fn segment(context: &mut Context<'_>, line: &DataLine, from: [f64; 2]) -> Option<ProfileSegment> {
     let is = |what: &str| line.field(0).is_some_and(|w| w.is(what));
     if !is("LINE") && !is("CIRCL") {
-        return context.refuse_unsupported(
-            line.span,
-            "this segment of an analytical surface is not supported",
-            "use LINE or CIRCL",
-        );
+        let help = "use LINE or CIRCL";
+        return context.refuse_unsupported(line.span, "this segment of an analytical surface is not supported", help);
     }
     let to = [context.number(line, 1, "r")?, context.number(line, 2, "z")?];
     if from == to {
@@ -149,8 +146,7 @@ pub(super) fn arc_centre(
         return Some(centre);
     }
     let message = format!(
-        "the ends of the arc have the distances {a} and {b} from the \
-         centre ({}, {}); relative difference {off:.1e}",
+        "the ends of the arc have the distances {a} and {b} from the centre ({}, {}); relative difference {off:.1e}",
         centre[0], centre[1]
     );
     if off.is_nan() || off > ARC_LIMIT {

@@ -44,10 +44,8 @@ fn equation_term(context: &mut Context<'_>, mesh: &mut MeshReader, words: &[&Wor
     let dof = words[1].integer(&mut context.diagnostics)?;
     let coefficient = words[2].number(&mut context.diagnostics)?;
     if !matches!(dof, 1 | 2 | 11) {
-        return context.refuse_value(
-            words[1].span,
-            format!("degree of freedom must be 1 (r), 2 (z) or 11 (temperature), found {dof}"),
-        );
+        let message = format!("degree of freedom must be 1 (r), 2 (z) or 11 (temperature), found {dof}");
+        return context.refuse_value(words[1].span, message);
     }
     if coefficient == 0.0 || !coefficient.is_finite() {
         return context

@@ -118,7 +118,6 @@ fn overclosure(context: &mut Context<'_>, card: &Card) -> Option<PressureOverclo
 pub(super) fn check_overclosure(overclosure: &PressureOverclosure) -> ValueCheck {
     let PressureOverclosure::Table(rows) = overclosure else { return Ok(()) };
     let is_valid = rows.len() > 1 && rows[0][0] == 0.0 && rows.windows(2).all(|w| w[0][0] <= w[1][0]);
-    let message = "the table requires at least two rows, with pressures \
-                   that start at zero and do not decrease";
+    let message = "the table requires at least two rows, with pressures that start at zero and do not decrease";
     require(is_valid, message)
 }

@@ -38,8 +38,7 @@ pub(super) fn read_mpc(context: &mut Context<'_>, mesh: &mut MeshReader, card: &
         if references.len() != 1 && references.len() != followers.len() {
             let (n, m) = (followers.len(), references.len());
             let message = format!(
-                "{n} dependent nodes have {m} reference nodes; give one, \
-                                   or as many as there are dependent nodes"
+                "{n} dependent nodes have {m} reference nodes; give one, or as many as there are dependent nodes"
             );
             context.out_of_range(line.span, message);
             continue;
@@ -216,19 +215,13 @@ fn master_faces(context: &mut Context<'_>, word: &Word) -> Option<Vec<(usize, su
     let names = [super::names::qualified(&context.scope, &word.text), upper(&word.text)];
     if names.iter().any(|n| context.model.surfaces.nodes.contains_key(n)) {
         let message = "a node-based surface cannot be the master surface of a tie";
-        return context.refuse_unsupported(
-            word.span,
-            message,
-            "give an element-based surface as the second one, or use *MPC, TIE for pairs of nodes",
-        );
+        let help = "give an element-based surface as the second one, or use *MPC, TIE for pairs of nodes";
+        return context.refuse_unsupported(word.span, message, help);
     }
     if names.iter().any(|n| context.model.surfaces.analytical.contains_key(n)) {
         let message = "an analytical surface cannot be tied";
-        return context.refuse_unsupported(
-            word.span,
-            message,
-            "use *RIGID BODY, TIE NSET= to connect nodes to a rigid body",
-        );
+        let help = "use *RIGID BODY, TIE NSET= to connect nodes to a rigid body";
+        return context.refuse_unsupported(word.span, message, help);
     }
     let id = context.surface_id(word)?;
     Some(context.model.surfaces.faces[id].sides("").first_sides())

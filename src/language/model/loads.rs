@@ -71,11 +71,9 @@ fn check_load_options(context: &mut Context<'_>, card: &Card) {
     }
     let fixed = card.parameters.iter().find(|p| p.name == "FOLLOWER").filter(|_| !card.read::<bool>("FOLLOWER"));
     if let Some(parameter) = fixed.filter(|_| card.lines.iter().any(|line| !begins(line, "TRVEC"))) {
-        context.unsupported(
-            parameter.span,
-            "FOLLOWER=NO applies only to TRVEC: other tractions follow their faces",
-            "put the TRVEC loads on a separate card",
-        );
+        let help = "put the TRVEC loads on a separate card";
+        let message = "FOLLOWER=NO applies only to TRVEC: other tractions follow their faces";
+        context.unsupported(parameter.span, message, help);
     }
 }
 

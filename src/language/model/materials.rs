@@ -194,11 +194,9 @@ fn kinematic(context: &mut Context<'_>, card: &Card) {
     let (pairs, rest) = rows.as_chunks::<2>();
     let matched = pairs.iter().all(|[a, b]| cold || a[2] == b[2]) && (pairs.len() == 1 || !cold);
     if pairs.is_empty() || !rest.is_empty() || !matched {
-        return context.unsupported(
-            card.span,
-            format!("HARDENING=KINEMATIC with {} rows is not supported", rows.len()),
-            "give two rows per temperature: the yield stress at plastic strain 0, and another point of the line",
-        );
+        let help = "give two rows per temperature: the yield stress at plastic strain 0, and another point of the line";
+        let message = format!("HARDENING=KINEMATIC with {} rows is not supported", rows.len());
+        return context.unsupported(card.span, message, help);
     }
     let line = |[first, second]: &[[f64; 3]; 2]| {
         let slope = (second[0] - first[0]) / (second[1] - first[1]);

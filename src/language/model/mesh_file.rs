@@ -101,10 +101,10 @@ fn report_unread(context: &mut Context<'_>, mesh: &MeshFile, span: Span) {
     if !mesh.unread.is_empty() {
         let message = format!("cards of the mesh file are not read: *{}", mesh.unread.join(", *"));
         let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");
-        context.diagnostics.push(diagnostic.help(
-            "only nodes, elements and sets of an .inp file are \
-                                read; use *INCLUDE to read the whole file",
-        ));
+        context.diagnostics.push(
+            diagnostic
+                .help("only nodes, elements and sets of an .inp file are read; use *INCLUDE to read the whole file"),
+        );
     }
     let arrays = mesh.point_arrays.iter().chain(&mesh.cell_arrays).map(|a| a.0.as_str());
     let unread: Vec<&str> = arrays.filter(|name| !is_recognized_array(name)).collect();

@@ -121,10 +121,8 @@ pub(super) fn read_time_points(context: &mut Context<'_>, card: &Card) {
         for (line, [first, last, step]) in card.lines.iter().zip(card.read_lines::<Vec<[f64; 3]>>()) {
             let count = ((last - first) / step * (1.0 + 1e-12)).floor();
             if !(0.0..=MAX_GENERATED as f64).contains(&count) {
-                return context.out_of_range(
-                    line.span,
-                    "GENERATE requires first and last times in ascending order and at most 20 million points",
-                );
+                let message = "GENERATE requires first and last times in ascending order and at most 20 million points";
+                return context.out_of_range(line.span, message);
             }
             times.extend((0..=count as usize).map(|i| first + i as f64 * step));
         }

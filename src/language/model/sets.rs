@@ -117,8 +117,7 @@ fn generated(context: &mut Context<'_>, line: &DataLine, nodes: bool, members: &
             0 => format!("{last} is not reached from {first} in increments of {step}"),
             _ => {
                 format!(
-                    "{missing} of the {count} {what} from {first} to {last} \
-                         in increments of {step} are not defined"
+                    "{missing} of the {count} {what} from {first} to {last} in increments of {step} are not defined"
                 )
             }
         };

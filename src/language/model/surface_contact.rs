@@ -121,11 +121,8 @@ pub(super) fn contact_sides(context: &mut Context<'_>, word: &Word) -> Option<Si
 /// Returns the largest initial gap that `ADJUST` closes.
 fn adjust(context: &mut Context<'_>, word: &Word) -> Option<f64> {
     let Some(value) = word.text.trim().parse::<f64>().ok() else {
-        return context.refuse_unsupported(
-            word.span,
-            "ADJUST with a node set is not supported",
-            "give the largest gap to be closed",
-        );
+        let help = "give the largest gap to be closed";
+        return context.refuse_unsupported(word.span, "ADJUST with a node set is not supported", help);
     };
     if value >= 0.0 && value.is_finite() {
         return Some(value);

@@ -25,11 +25,8 @@ pub(super) fn read_surface(context: &mut Context<'_>, mesh: &mut MeshReader, ste
         return;
     }
     if let Some(kind) = card.value("TYPE").filter(|w| !w.is("ELEMENT")) {
-        return context.unsupported(
-            kind.span,
-            format!("TYPE={} is not supported", kind.text),
-            "supported: ELEMENT, NODE, SEGMENTS",
-        );
+        let help = "supported: ELEMENT, NODE, SEGMENTS";
+        return context.unsupported(kind.span, format!("TYPE={} is not supported", kind.text), help);
     }
     if card.has("COMBINE") {
         return union_of_surfaces(context, steps, card, name);
