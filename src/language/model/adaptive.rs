@@ -16,7 +16,7 @@ use crate::kernel::lists::sorted_unique;
 use crate::remesh::sizes::SizeLimits;
 
 /// Reads the controls of adaptive meshes. Weights are normalised to the sum 1.
-pub(super) fn read_adaptive_controls(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_adaptive_controls(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let values: cards::AdaptiveMeshControls = card.values();
     let sum: f64 = values.weights.iter().sum();
     if sum <= 0.0 {
@@ -33,7 +33,7 @@ pub(super) fn read_adaptive_controls(context: &mut Context<'_>, steps: &mut Step
 }
 
 /// Reads a domain. It replaces a domain of an earlier step with the same set.
-pub(super) fn read_adaptive_mesh(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_adaptive_mesh(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Some(word) = card.value("ELSET") else { return };
     let Some(elements) = context.element_members(word) else { return };
     let cards::AdaptiveMesh { frequency, sweeps, initial_sweeps, new } = card.values();
@@ -54,7 +54,7 @@ pub(super) fn read_adaptive_mesh(context: &mut Context<'_>, steps: &mut StepRead
 }
 
 /// Reads a body that is remeshed.
-pub(super) fn read_remesh(context: &mut Context<'_>, card: &Card) {
+pub fn read_remesh(context: &mut Context<'_>, card: &Card) {
     let Some(word) = card.value("ELSET") else { return };
     let Some(elements) = context.element_members(word) else { return };
     let cards::Remesh {
@@ -85,13 +85,13 @@ pub(super) fn read_remesh(context: &mut Context<'_>, card: &Card) {
     context.model.remeshings.push(Remeshing { span, set, elements, angle, increment, frequency, size, limits });
 }
 
-pub(super) fn check_size_limits(limits: &SizeLimits) -> ValueCheck {
+pub fn check_size_limits(limits: &SizeLimits) -> ValueCheck {
     let varies = limits.curvature_angle.is_some() || limits.strain_change.is_some();
     require(varies || limits.smallest.is_none(), "MINIMUM SIZE requires CURVATURE ANGLE or STRAIN CHANGE")
 }
 
 /// Reads nodes that move with the material, and motions of the mesh that are prescribed in space.
-pub(super) fn read_adaptive_constraint(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_adaptive_constraint(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let cards::AdaptiveMeshConstraint { in_space, velocity, new } = card.values();
     let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
     let state = steps.state();
@@ -146,7 +146,7 @@ fn mesh_dofs(context: &mut Context<'_>, line: &DataLine) -> Option<([u8; 2], f64
 }
 
 /// Reads `REGION TYPE` of loads that have been added to the list of the step from `first` on.
-pub(super) fn region_of_loads(steps: &mut StepReader, card: &Card, first: usize) {
+pub fn region_of_loads(steps: &mut StepReader, card: &Card, first: usize) {
     let of_load = |load: &Load| match &load.kind {
         LoadKind::Concentrated { nodes, .. } | LoadKind::NodalHeat { nodes, .. } => (Vec::new(), nodes.clone()),
         kind => (kind.sides().map_or_else(Vec::new, |sides| sides.faces.clone()), Vec::new()),
@@ -156,12 +156,7 @@ pub(super) fn region_of_loads(steps: &mut StepReader, card: &Card, first: usize)
 }
 
 /// Reads `REGION TYPE` of a card that acts on these faces and nodes. OP=NEW ends the regions of earlier steps.
-pub(super) fn adaptive_region(
-    steps: &mut StepReader,
-    card: &Card,
-    faces: Vec<(usize, ElementSide)>,
-    nodes: Vec<usize>,
-) {
+pub fn adaptive_region(steps: &mut StepReader, card: &Card, faces: Vec<(usize, ElementSide)>, nodes: Vec<usize>) {
     let (keyword, of_surface) = (card.keyword.name, card.keyword.name == "SURFACE");
     if !of_surface && card.read::<bool>("OP") {
         let state = steps.state();
@@ -177,7 +172,7 @@ pub(super) fn adaptive_region(
 }
 
 /// Assigns controls to the domains of the step.
-pub(super) fn apply_adaptive_controls(context: &mut Context<'_>, steps: &mut StepReader) {
+pub fn apply_adaptive_controls(context: &mut Context<'_>, steps: &mut StepReader) {
     let used = steps.current.iter_mut().flat_map(|state| std::mem::take(&mut state.adaptive_controls_used));
     for (set, word) in used.collect::<Vec<_>>() {
         let Some(controls) = steps.adaptive_controls.get(&upper(&word.text)).copied() else {

@@ -12,7 +12,7 @@ const SMOOTH_STEP: usize = 1;
 const EQUALLY_SPACED: usize = 2;
 const USER: usize = 3;
 
-pub(super) fn read_amplitude(context: &mut Context<'_>, card: &Card) {
+pub fn read_amplitude(context: &mut Context<'_>, card: &Card) {
     let amplitude: cards::Amplitude = card.values();
     let Some(definition) = amplitude_definition(context, card, &amplitude) else { return };
     let (name, absolute) = (amplitude.name, amplitude.absolute);
@@ -48,7 +48,7 @@ fn amplitude_definition(
 
 impl AmplitudeDefinition {
     /// Checks the points of a curve.
-    pub(super) fn check(&self) -> ValueCheck {
+    pub fn check(&self) -> ValueCheck {
         let AmplitudeDefinition::Curve { points, .. } = self else { return Ok(()) };
         let ascends = !points.is_empty() && points.windows(2).all(|w| w[0][0] < w[1][0]);
         require(ascends, "the times of an amplitude must ascend")?;
@@ -67,12 +67,12 @@ fn user_amplitude(context: &mut Context<'_>, card: &Card, amplitude: &cards::Amp
 }
 
 /// Returns the magnitude to which an amplitude is applied: 1 for an amplitude of absolute values.
-pub(super) fn scaled(context: &Context<'_>, magnitude: f64, amplitude: Option<AmplitudeId>) -> f64 {
+pub fn scaled(context: &Context<'_>, magnitude: f64, amplitude: Option<AmplitudeId>) -> f64 {
     if amplitude.is_some_and(|i| context.model.amplitudes[i].absolute) { 1.0 } else { magnitude }
 }
 
 /// Returns the amplitude that a parameter of a card names; `Err` if the name is unknown, which is reported.
-pub(super) fn amplitude_of(context: &mut Context<'_>, card: &Card, name: &str) -> Result<Option<AmplitudeId>, ()> {
+pub fn amplitude_of(context: &mut Context<'_>, card: &Card, name: &str) -> Result<Option<AmplitudeId>, ()> {
     let Some(word) = card.value(name) else { return Ok(None) };
     let found = context.names.amplitudes.get(&upper(&word.text)).copied();
     if found.is_none() {

@@ -8,7 +8,7 @@ use super::types::{BlastCharge, BlastProperty, Load, LoadKind};
 use crate::deck::Card;
 use crate::kernel::blast_wave::BurstShape;
 
-pub(super) fn read_blast_property(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
+pub fn read_blast_property(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let Some(name) = context.required(card, "NAME").map(|word| upper(&word.text)) else { return };
     let is_surface_burst: usize = card.read("TYPE");
     let shape = [BurstShape::Spherical, BurstShape::Hemispherical][is_surface_burst];
@@ -18,7 +18,7 @@ pub(super) fn read_blast_property(context: &mut Context<'_>, conditions: &mut Co
 
 /// Reads mass and units of a charge. The first line has the mass and its factor to kilograms, the second line, which
 /// may be missing, the factors from the units of the model to metres, seconds and pascals.
-pub(super) fn read_blast_charge(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
+pub fn read_blast_charge(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let Some(line) = context.first_line(card) else { return };
     let (Some(mass), Some(factor)) = (context.number(line, 0, "the mass of TNT"), context.number_or(line, 1, 1.0))
     else {
@@ -37,7 +37,7 @@ pub(super) fn read_blast_charge(context: &mut Context<'_>, conditions: &mut Cond
     }
 }
 
-pub(super) fn read_incident_wave(
+pub fn read_incident_wave(
     context: &mut Context<'_>,
     conditions: &mut ConditionReader,
     steps: &mut StepReader,

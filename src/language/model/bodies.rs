@@ -15,7 +15,7 @@ use crate::deck::{Card, Diagnostic, Span, Word};
 const FIELD: usize = 5;
 const SOLUTION: usize = 6;
 
-pub(super) fn read_rigid_body(context: &mut Context<'_>, card: &Card) {
+pub fn read_rigid_body(context: &mut Context<'_>, card: &Card) {
     let Some(reference) = context.required(card, "REF NODE") else { return };
     let Some(reference) = context.single_node(reference, "REF NODE") else { return };
     if let Some(word) = card.value("ANALYTICAL SURFACE") {
@@ -41,7 +41,7 @@ pub(super) fn read_rigid_body(context: &mut Context<'_>, card: &Card) {
 }
 
 /// Assigns a mass to the nodes of the MASS elements of a set.
-pub(super) fn read_mass(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
+pub fn read_mass(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let Some(set) = context.required(card, "ELSET") else { return };
     let cards::Mass { mass: [mass] } = card.values();
     let elements = match point_elements(context, card, set, ElementKind::Mass) {
@@ -82,7 +82,7 @@ fn point_elements(
 }
 
 /// Reads the rotary inertia of ROTARYI elements. A body of revolution has no products of inertia.
-pub(super) fn read_rotary_inertia(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
+pub fn read_rotary_inertia(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let Some(set) = context.required(card, "ELSET") else { return };
     let cards::RotaryInertia { moments: [first, axial, third] } = card.values();
     let [axial, third] = [axial, third].map(|moment| if moment.is_nan() { first } else { moment });
@@ -98,7 +98,7 @@ pub(super) fn read_rotary_inertia(context: &mut Context<'_>, sections: &mut Sect
     }
 }
 
-pub(super) fn read_attitude(context: &mut Context<'_>, card: &Card) {
+pub fn read_attitude(context: &mut Context<'_>, card: &Card) {
     let Some(reference) = context.required(card, "REF NODE") else { return };
     let Some(reference) = context.single_node(reference, "REF NODE") else { return };
     let cards::Attitude { stations, inertia, angles } = card.values();
@@ -107,11 +107,11 @@ pub(super) fn read_attitude(context: &mut Context<'_>, card: &Card) {
 }
 
 /// Removes masses of zero. Several masses on one node add up.
-pub(super) fn apply_masses(context: &mut Context<'_>) {
+pub fn apply_masses(context: &mut Context<'_>) {
     context.model.discrete.masses.retain(|p| p.mass > 0.0);
 }
 
-pub(super) fn read_initial_conditions(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
+pub fn read_initial_conditions(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let kind: usize = card.read("TYPE");
     if kind == SOLUTION {
         return user_material::initial_state(context, card);

@@ -22,12 +22,7 @@ impl DofSelection {
     }
 }
 
-pub(super) fn read_boundary(
-    context: &mut Context<'_>,
-    conditions: &mut ConditionReader,
-    steps: &mut StepReader,
-    card: &Card,
-) {
+pub fn read_boundary(context: &mut Context<'_>, conditions: &mut ConditionReader, steps: &mut StepReader, card: &Card) {
     let kinds = [MotionKind::Displacement, MotionKind::Velocity, MotionKind::Acceleration];
     let kind = match card.read::<Option<usize>>("TYPE") {
         None if card.has("TYPE") => return,

@@ -12,7 +12,7 @@ use crate::deck::keywords::KeywordTier;
 use crate::deck::{Card, Deck, Diagnostic, Diagnostics};
 
 /// State of reading a deck.
-pub(super) struct ModelBuilder<'a> {
+pub struct ModelBuilder<'a> {
     pub context: Context<'a>,
     pub parts: PartReader<'a>,
     pub mesh: MeshReader,

@@ -8,7 +8,7 @@ use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Word};
 
 /// Returns the clearance with a name, or reports that it is unknown.
-pub(super) fn clearance(context: &mut Context<'_>, word: &Word) -> Option<PrescribedClearance> {
+pub fn clearance(context: &mut Context<'_>, word: &Word) -> Option<PrescribedClearance> {
     let found = context.names.clearances.get(&upper(&word.text)).copied();
     if found.is_none() {
         context.unknown("M114", "contact clearance", word, |c| c.names.clearances.keys().cloned().collect());
@@ -17,7 +17,7 @@ pub(super) fn clearance(context: &mut Context<'_>, word: &Word) -> Option<Prescr
 }
 
 /// Records the initial clearance of all pairs of a contact pair set (ABAQUS Keywords Reference Guide, *CLEARANCE).
-pub(super) fn read_pair_clearance(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_pair_clearance(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Some(set) = context.required(card, "CPSET").cloned() else { return };
     let cards::Clearance { gap } = card.values();
     let [above, below] = [Some(f64::INFINITY); 2];
@@ -25,7 +25,7 @@ pub(super) fn read_pair_clearance(context: &mut Context<'_>, steps: &mut StepRea
 }
 
 /// Applies the clearances and penalty scale factors of the step to the contact pair sets.
-pub(super) fn apply_to_sets(context: &mut Context<'_>, steps: &mut StepReader) {
+pub fn apply_to_sets(context: &mut Context<'_>, steps: &mut StepReader) {
     let state = steps.state();
     let (clearances, factors) =
         (std::mem::take(&mut state.pair_clearances), std::mem::take(&mut state.penalty_factors));

@@ -26,9 +26,9 @@ const MODE_TABLE: usize = 0;
 const MODE_INDEPENDENT: usize = 1;
 const POWER_LAW: usize = 2;
 
-pub(super) const NO_INITIATION: &str = "*DAMAGE EVOLUTION must follow a *DAMAGE INITIATION";
+pub const NO_INITIATION: &str = "*DAMAGE EVOLUTION must follow a *DAMAGE INITIATION";
 
-pub(super) fn read_cohesive_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
+pub fn read_cohesive_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     if context.required(card, "RESPONSE").is_none() {
         return;
     }
@@ -50,7 +50,7 @@ pub(super) fn read_cohesive_section(context: &mut Context<'_>, sections: &mut Se
 }
 
 /// Reads `*ELASTIC, TYPE=COUPLED TRACTION`.
-pub(super) fn coupled_traction(context: &mut Context<'_>, card: &Card) {
+pub fn coupled_traction(context: &mut Context<'_>, card: &Card) {
     let [normal, shear, _, coupling]: [f64; 4] = card.read_lines();
     if context.accepts(card, check_coupling([normal, shear], coupling)) {
         let interface = &mut context.last_material().interface;
@@ -59,7 +59,7 @@ pub(super) fn coupled_traction(context: &mut Context<'_>, card: &Card) {
 }
 
 /// Checks that a separation in any direction needs work. Stiffnesses out of range are reported elsewhere.
-pub(super) fn check_coupling([normal, shear]: [f64; 2], coupling: f64) -> ValueCheck {
+pub fn check_coupling([normal, shear]: [f64; 2], coupling: f64) -> ValueCheck {
     let is_stable = coupling * coupling < normal * shear || !(normal > 0.0 && shear > 0.0);
     let limit = (normal * shear).sqrt();
     let message = format!(
@@ -70,7 +70,7 @@ pub(super) fn check_coupling([normal, shear]: [f64; 2], coupling: f64) -> ValueC
 }
 
 /// Reads `*DAMAGE STABILIZATION` of a material of cohesive elements.
-pub(super) fn read_interface_stabilization(context: &mut Context<'_>, card: &Card) {
+pub fn read_interface_stabilization(context: &mut Context<'_>, card: &Card) {
     let cards::DamageStabilization { viscosity: [viscosity] } = card.values();
     let interface = &context.last_material().interface;
     if interface.evolution.is_none() {
@@ -87,7 +87,7 @@ pub(super) fn read_interface_stabilization(context: &mut Context<'_>, card: &Car
 }
 
 /// Reads `*DAMAGE INITIATION` with a criterion of cohesive elements. Returns whether it has one.
-pub(super) fn interface_initiation(context: &mut Context<'_>, card: &Card, criterion: usize) -> bool {
+pub fn interface_initiation(context: &mut Context<'_>, card: &Card, criterion: usize) -> bool {
     let Some(initiation) = initiation_of(card, criterion) else { return false };
     if initiation.measure == InitiationMeasure::Separation {
         let message = "MAXU and QUADU apply only to cohesive surfaces";
@@ -102,7 +102,7 @@ pub(super) fn interface_initiation(context: &mut Context<'_>, card: &Card, crite
 }
 
 /// Reads `*DAMAGE EVOLUTION` after a criterion of cohesive elements.
-pub(super) fn interface_evolution(context: &mut Context<'_>, card: &Card) {
+pub fn interface_evolution(context: &mut Context<'_>, card: &Card) {
     if context.last_material().interface.evolution.is_some() {
         return context.misplaced(card, NO_INITIATION, "DAMAGE INITIATION");
     }
@@ -113,7 +113,7 @@ pub(super) fn interface_evolution(context: &mut Context<'_>, card: &Card) {
 }
 
 /// Reports parameters of `*DAMAGE EVOLUTION` that are for cohesive elements only. Returns whether there is none.
-pub(super) fn is_bulk_evolution(context: &mut Context<'_>, card: &Card) -> bool {
+pub fn is_bulk_evolution(context: &mut Context<'_>, card: &Card) -> bool {
     let names = ["SOFTENING", "MIXED MODE BEHAVIOR", "MODE MIX RATIO", "POWER"];
     let linear = |name: &str| name == "SOFTENING" && card.value(name).is_some_and(|word| word.is("LINEAR"));
     let Some(name) = names.into_iter().find(|name| card.has(name) && !linear(name)) else { return true };
@@ -124,7 +124,7 @@ pub(super) fn is_bulk_evolution(context: &mut Context<'_>, card: &Card) -> bool 
 }
 
 /// Returns the softening of `*DAMAGE EVOLUTION`. Unsupported combinations are reported.
-pub(super) fn softening(
+pub fn softening(
     context: &mut Context<'_>,
     card: &Card,
     values: &cards::DamageEvolution,
@@ -242,7 +242,7 @@ fn check_mode_dependence(mode: &ModeDependence) -> ValueCheck {
 }
 
 /// Checks the values at failure, and the order of a table.
-pub(super) fn check_softening(softening: &InterfaceSoftening) -> ValueCheck {
+pub fn check_softening(softening: &InterfaceSoftening) -> ValueCheck {
     match softening {
         InterfaceSoftening::Displacement(mode)
         | InterfaceSoftening::Energy(mode)
@@ -264,7 +264,7 @@ pub(super) fn check_softening(softening: &InterfaceSoftening) -> ValueCheck {
 
 /// Reports a cohesive element whose faces are exchanged, which its zero thickness hides: the solid element at its
 /// bottom face is above it, or the one at its top face below.
-pub(super) fn report_exchanged_faces(context: &mut Context<'_>) {
+pub fn report_exchanged_faces(context: &mut Context<'_>) {
     let mesh = &context.model.mesh;
     let is_cohesive = |kind: ElementKind| kind == ElementKind::Cohax4;
     if !mesh.elements.iter().any(|e| is_cohesive(e.kind)) {
@@ -288,7 +288,7 @@ pub(super) fn report_exchanged_faces(context: &mut Context<'_>) {
 
 /// Returns a criterion of interfaces; `None` for the criteria of solids. `criterion` is the index of the value in the
 /// keyword table.
-pub(super) fn initiation_of(card: &Card, criterion: usize) -> Option<InterfaceInitiation> {
+pub fn initiation_of(card: &Card, criterion: usize) -> Option<InterfaceInitiation> {
     let measure = if criterion < TRACTIONS {
         return None;
     } else if criterion < STRAINS {

@@ -8,7 +8,7 @@ use super::types::{CohesiveBehavior, InitiationMeasure, InterfaceEvolution};
 use crate::deck::table::{constraints, materials};
 use crate::deck::{Card, Diagnostic};
 
-pub(super) fn read_cohesive_behavior(context: &mut Context<'_>, card: &Card) {
+pub fn read_cohesive_behavior(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let constraints::CohesiveBehavior { original, coupled, repeated, stiffness } = card.values();
     let (stiffness, coupling) = ([stiffness[0], stiffness[1]], if coupled { stiffness[3] } else { 0.0 });
@@ -46,7 +46,7 @@ fn last_cohesion<'c>(context: &'c mut Context<'_>, card: &Card) -> Option<&'c mu
 }
 
 /// Reads `*DAMAGE INITIATION` of a surface interaction.
-pub(super) fn read_cohesive_initiation(context: &mut Context<'_>, card: &Card) {
+pub fn read_cohesive_initiation(context: &mut Context<'_>, card: &Card) {
     let materials::DamageInitiation { criterion } = card.values();
     let Some(before) = last_cohesion(context, card).map(|cohesion| cohesion.initiation) else { return };
     let initiation = initiation_of(card, criterion).filter(|i| i.measure != InitiationMeasure::Strain);
@@ -66,7 +66,7 @@ pub(super) fn read_cohesive_initiation(context: &mut Context<'_>, card: &Card) {
 }
 
 /// Reads `*DAMAGE EVOLUTION` of a surface interaction.
-pub(super) fn read_cohesive_evolution(context: &mut Context<'_>, card: &Card) {
+pub fn read_cohesive_evolution(context: &mut Context<'_>, card: &Card) {
     let Some(cohesion) = last_cohesion(context, card) else { return };
     if cohesion.initiation.is_none() || cohesion.evolution.is_some() {
         if !context.missing.has_card("DAMAGE INITIATION") {
@@ -82,7 +82,7 @@ pub(super) fn read_cohesive_evolution(context: &mut Context<'_>, card: &Card) {
 }
 
 /// Reads `*DAMAGE STABILIZATION` of a surface interaction.
-pub(super) fn read_cohesive_stabilization(context: &mut Context<'_>, card: &Card) {
+pub fn read_cohesive_stabilization(context: &mut Context<'_>, card: &Card) {
     let materials::DamageStabilization { viscosity: [viscosity] } = card.values();
     let Some(cohesion) = last_cohesion(context, card) else { return };
     if cohesion.evolution.is_none() {

@@ -10,7 +10,7 @@ use crate::kernel::hardening::LinearTable;
 use crate::kernel::lists::sorted_unique;
 
 /// Completes the model after all cards are read.
-pub(super) fn complete(context: &mut Context<'_>, materials: &mut MaterialReader, conditions: &mut ConditionReader) {
+pub fn complete(context: &mut Context<'_>, materials: &mut MaterialReader, conditions: &mut ConditionReader) {
     if !context.missing.bodies {
         initial_densities(context);
     }
@@ -72,7 +72,7 @@ fn report_missing_dofs(context: &mut Context<'_>, conditions: &mut ConditionRead
 }
 
 /// Returns whether rigid bodies may have six degrees of freedom.
-pub(super) fn has_oblique_impact(context: &Context<'_>) -> bool {
+pub fn has_oblique_impact(context: &Context<'_>) -> bool {
     !context.model.attitudes.is_empty() || context.model.targets.iter().any(|target| target.obliquity != 0.0)
 }
 

@@ -6,7 +6,7 @@ use super::faults::{ValueCheck, is_non_negative, require};
 use super::types::{ConnectorLaw, ConnectorProperty, ElementKind};
 use crate::deck::{Card, DataLine};
 
-pub(super) fn read_connectors(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
+pub fn read_connectors(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let Some(set) = context.required(card, "ELSET") else { return };
     let Some(elements) = context.element_members(set) else { return };
     let is_spring = card.keyword.name == "SPRING";
@@ -63,7 +63,7 @@ fn connector_law(context: &mut Context<'_>, card: &Card, lines: &[&DataLine], is
 
 impl ConnectorLaw {
     /// Checks the value, or the order of the rows.
-    pub(super) fn check(&self) -> ValueCheck {
+    pub fn check(&self) -> ValueCheck {
         let (rows, over) = match self {
             ConnectorLaw::Spring(value) | ConnectorLaw::Dashpot(value) => {
                 return require(is_non_negative(*value), format!("the value must not be negative, found {value}"));

@@ -42,7 +42,7 @@ impl Model {
 }
 
 /// A keyword and the rules of some of its fields.
-pub(super) type FieldRules<const N: usize> = (&'static str, [&'static InputRule; N]);
+pub type FieldRules<const N: usize> = (&'static str, [&'static InputRule; N]);
 
 /// Returns the rules of fields of a card. A name that the card does not have is an error of the compiler.
 macro_rules! fields {
@@ -51,7 +51,7 @@ macro_rules! fields {
 pub(super) use fields;
 
 /// Validation state: the model and the diagnostics.
-pub(super) struct ConsistencyCheck<'a> {
+pub struct ConsistencyCheck<'a> {
     model: &'a Model,
     found: Diagnostics,
 }
@@ -71,12 +71,12 @@ impl ConsistencyCheck<'_> {
     }
 
     /// Reports the fault that a check has found; `owner` precedes the message.
-    pub(super) fn accept(&mut self, owner: &str, span: Span, check: ValueCheck) {
+    pub fn accept(&mut self, owner: &str, span: Span, check: ValueCheck) {
         check.unwrap_or_else(|fault| self.found.push(fault.at(owner, span)));
     }
 
     /// Reports values outside the ranges of their fields in the keyword table; `owner` precedes the message.
-    pub(super) fn ranges<const N: usize>(
+    pub fn ranges<const N: usize>(
         &mut self,
         span: Span,
         owner: &str,

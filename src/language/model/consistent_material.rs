@@ -12,7 +12,7 @@ use super::types::{
 use crate::deck::table::materials as cards;
 
 impl ConsistencyCheck<'_> {
-    pub(super) fn material(&mut self, material: &MaterialDefinition) {
+    pub fn material(&mut self, material: &MaterialDefinition) {
         self.elasticity(material);
         self.compressible(material);
         self.heat(material);

@@ -29,7 +29,7 @@ fn equidistant_centre(a: [f64; 2], b: [f64; 2], centre: [f64; 2]) -> [f64; 2] {
 
 /// Reads an analytical surface: START, then LINE and CIRCL (ABAQUS Keywords Reference Guide, *SURFACE,
 /// TYPE=SEGMENTS).
-pub(super) fn analytical_surface(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card, name: &Word) {
+pub fn analytical_surface(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card, name: &Word) {
     let Some((start, rest)) = card.lines.split_first() else {
         required_lines(context, card);
         return;
@@ -133,7 +133,7 @@ fn segment(context: &mut Context<'_>, line: &DataLine, from: [f64; 2]) -> Option
 
 /// Returns the centre of an arc. If the distances to the ends differ by more than rounding, the centre is corrected
 /// with a warning; if they differ by more than 1 % of the radius, an error is reported.
-pub(super) fn arc_centre(
+pub fn arc_centre(
     context: &mut Context<'_>,
     from: [f64; 2],
     to: [f64; 2],
@@ -160,7 +160,7 @@ pub(super) fn arc_centre(
 
 /// Reads an analytical surface with its reference node in the older syntax (ABAQUS Keywords Reference Guide, *RIGID
 /// SURFACE).
-pub(super) fn read_rigid_surface(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_rigid_surface(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     if !card.value("TYPE").is_some_and(|w| w.is("SEGMENTS")) {
         let message = "*RIGID SURFACE supports TYPE=SEGMENTS only, a surface of revolution";
         return context.unsupported(card.span, message, "use TYPE=SEGMENTS");
@@ -184,7 +184,7 @@ pub(super) fn read_rigid_surface(context: &mut Context<'_>, mesh: &mut MeshReade
 }
 
 /// Assigns an analytical surface to the rigid body with a reference node.
-pub(super) fn carry_surface(context: &mut Context<'_>, word: &Word, reference: usize) {
+pub fn carry_surface(context: &mut Context<'_>, word: &Word, reference: usize) {
     for name in [qualified(&context.scope, &word.text), upper(&word.text)] {
         if let Some(surface) = context.model.surfaces.analytical.get_mut(&name) {
             surface.reference = Some(reference);
@@ -195,13 +195,13 @@ pub(super) fn carry_surface(context: &mut Context<'_>, word: &Word, reference: u
     context.unknown("M114", "analytical surface", word, |_| names.clone());
 }
 
-pub(super) fn contact_note(context: &mut Context<'_>, card: &Card) {
+pub fn contact_note(context: &mut Context<'_>, card: &Card) {
     if !context.deck.cards.iter().any(|c| matches!(c.keyword.name, "CONTACT PAIR" | "CONTACT")) {
         context.inert(card, "it is used by contact only");
     }
 }
 
-pub(super) fn read_contact_pair(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_contact_pair(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let adds = card.read("OP");
     if context.first_line(card).is_none() {
         return;
@@ -244,19 +244,19 @@ pub(super) fn read_contact_pair(context: &mut Context<'_>, steps: &mut StepReade
 }
 
 /// Returns the analytical surface with a name.
-pub(super) fn analytical_id(context: &Context<'_>, word: &Word) -> Option<RigidSurfaceId> {
+pub fn analytical_id(context: &Context<'_>, word: &Word) -> Option<RigidSurfaceId> {
     let known = &context.model.surfaces.analytical;
     let names = [qualified(&context.scope, &word.text), upper(&word.text)];
     names.iter().find_map(|name| known.get_index_of(name)).map(RigidSurfaceId::new)
 }
 
-pub(super) fn report_missing_pair(context: &mut Context<'_>, span: Span) {
+pub fn report_missing_pair(context: &mut Context<'_>, span: Span) {
     let message = "the contact pair to delete does not exist";
     context.error("M114", message, span, "not in force here");
 }
 
 /// Copies the laws of interactions to the contacts after all cards are read; a pair may precede its interaction.
-pub(super) fn apply_interactions(context: &mut Context<'_>) {
+pub fn apply_interactions(context: &mut Context<'_>) {
     let names: Vec<String> = context.model.interactions.iter().map(|i| i.name.clone()).collect();
     let mut used = std::mem::take(&mut context.names.interactions_used);
     used.dedup_by_key(|word| word.span);
@@ -277,18 +277,18 @@ pub(super) fn apply_interactions(context: &mut Context<'_>) {
 }
 
 /// Returns the surface interaction with a name, which may be defined later.
-pub(super) fn interaction(context: &mut Context<'_>, word: &Word) -> Option<InteractionId> {
+pub fn interaction(context: &mut Context<'_>, word: &Word) -> Option<InteractionId> {
     context.names.interactions_used.push(word.clone());
     context.names.interactions.get(&upper(&word.text)).copied().map(InteractionId::new)
 }
 
 /// Returns the nodes of a node-based or element-based surface, ascending.
-pub(super) fn contact_nodes(context: &mut Context<'_>, word: &Word) -> Option<Vec<usize>> {
+pub fn contact_nodes(context: &mut Context<'_>, word: &Word) -> Option<Vec<usize>> {
     nodes_and_faces(context, word).map(|sides| sides.0)
 }
 
 /// Returns the nodes and the faces of a surface; a node-based surface has no faces.
-pub(super) fn nodes_and_faces(context: &mut Context<'_>, word: &Word) -> Option<(Vec<usize>, SideSelection)> {
+pub fn nodes_and_faces(context: &mut Context<'_>, word: &Word) -> Option<(Vec<usize>, SideSelection)> {
     for name in [qualified(&context.scope, &word.text), upper(&word.text)] {
         if let Some(nodes) = context.model.surfaces.nodes.get(&name) {
             return Some((nodes.clone(), SideSelection::new(&name, &[])));
@@ -302,7 +302,7 @@ pub(super) fn nodes_and_faces(context: &mut Context<'_>, word: &Word) -> Option<
 }
 
 /// Defines a node-based surface from node sets and single nodes.
-pub(super) fn node_surface(context: &mut Context<'_>, card: &Card, name: &Word) {
+pub fn node_surface(context: &mut Context<'_>, card: &Card, name: &Word) {
     let words = card.lines.iter().filter_map(|l| l.field(0));
     let between = listed::between_labels(context, words.clone());
     if let Some(last) = card.lines.last().filter(|_| !between.is_empty()) {

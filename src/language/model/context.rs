@@ -24,13 +24,13 @@ use crate::deck::{Card, DataLine, Deck, Diagnostic, Diagnostics, Span, Word};
 use crate::kernel::lists::sorted_unique;
 
 /// Largest number of nodes, elements or set members that one card may generate.
-pub(super) const MAX_GENERATED: usize = 20_000_000;
+pub const MAX_GENERATED: usize = 20_000_000;
 
 /// Number of unknown names for which similar names are suggested.
 const SUGGESTIONS: usize = 20;
 
 /// State that all readers of cards share.
-pub(super) struct Context<'a> {
+pub struct Context<'a> {
     pub deck: &'a Deck,
     pub model: Model,
     pub diagnostics: Diagnostics,
@@ -48,7 +48,7 @@ pub(super) struct Context<'a> {
 
 /// Definitions by upper-case name: their index, or their value. Cards may refer to them before they are read.
 #[derive(Default)]
-pub(super) struct DefinitionNames {
+pub struct DefinitionNames {
     pub materials: IndexMap<String, usize>,
     pub interactions: IndexMap<String, usize>,
     /// Amplitudes that have been read.
@@ -61,7 +61,7 @@ pub(super) struct DefinitionNames {
 
 /// Refinement or coarsening of the mesh.
 #[derive(Default)]
-pub(super) struct ScalingState {
+pub struct ScalingState {
     /// Cards that are read at present.
     pub pass: ReadPass,
     /// Curved edges, and the refined mesh after the cards of the mesh are read.

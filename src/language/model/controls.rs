@@ -9,7 +9,7 @@ use crate::deck::table::materials as cards;
 /// Default `LENGTH RATIO` of distortion control (ABAQUS Analysis User's Guide, "Section controls").
 const LENGTH_RATIO: f64 = 0.1;
 
-pub(super) fn read_section_controls(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
+pub fn read_section_controls(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let values: cards::SectionControls = card.values();
     if values.length_ratio.is_some() && !values.distortion {
         return context.out_of_range(card.span, "LENGTH RATIO requires DISTORTION CONTROL=YES");

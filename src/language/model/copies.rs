@@ -39,7 +39,7 @@ impl PlaneMapping {
 
 /// Copies nodes with shifted labels (ABAQUS Keywords Reference Guide, *NCOPY). SHIFT translates and rotates them as
 /// `*INSTANCE` does; REFLECT reflects them through a point or across a line or plane.
-pub(super) fn read_ncopy(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_ncopy(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(change) = label_shift(context, card, "CHANGE NUMBER") else { return };
     let Some(old) = context.required(card, "OLD SET").and_then(|w| nodes::nodes_in_order(context, mesh, w)) else {
         return;
@@ -128,7 +128,7 @@ fn reflection(context: &mut Context<'_>, card: &Card, kind: usize) -> Option<Pla
 }
 
 /// Reads three coordinates, starting at a field; empty fields are zero.
-pub(super) fn space_point(context: &mut Context<'_>, line: &DataLine, first: usize) -> Option<[f64; 3]> {
+pub fn space_point(context: &mut Context<'_>, line: &DataLine, first: usize) -> Option<[f64; 3]> {
     let mut point = [0.0; 3];
     for (i, value) in point.iter_mut().enumerate() {
         *value = context.number_or(line, first + i, 0.0)?;
@@ -138,7 +138,7 @@ pub(super) fn space_point(context: &mut Context<'_>, line: &DataLine, first: usi
 
 /// Copies elements with shifted element and node labels (ABAQUS Keywords Reference Guide, *ELCOPY). REFLECT
 /// reverses the node order, for copies of reflected nodes.
-pub(super) fn read_elcopy(context: &mut Context<'_>, card: &Card) {
+pub fn read_elcopy(context: &mut Context<'_>, card: &Card) {
     let shift_of_nodes = context.required(card, "SHIFT NODES").and_then(|w| w.integer(&mut context.diagnostics));
     let (Some(change), Some(shift)) = (label_shift(context, card, "ELEMENT SHIFT"), shift_of_nodes) else {
         return;
@@ -169,7 +169,7 @@ pub(super) fn read_elcopy(context: &mut Context<'_>, card: &Card) {
 
 /// Maps nodes from coordinates of a local system (ABAQUS Keywords Reference Guide, *NMAP): RECTANGULAR, or
 /// CYLINDRICAL about an axis perpendicular to the r-z plane, with angles in degrees.
-pub(super) fn read_nmap(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_nmap(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(nodes) = context.required(card, "NSET").and_then(|w| context.node_members(w)) else { return };
     let Some(line) = context.first_line(card) else { return };
     let (Some(a), Some(b)) = (space_point(context, line, 0), space_point(context, line, 3)) else { return };
@@ -227,7 +227,7 @@ pub(super) fn read_nmap(context: &mut Context<'_>, mesh: &mut MeshReader, card: 
 
 /// Reports nodes that were generated again at other coordinates: an error if elements become degenerate, else a
 /// warning.
-pub(super) fn report_regenerated_nodes(context: &mut Context<'_>, mesh: &mut MeshReader) {
+pub fn report_regenerated_nodes(context: &mut Context<'_>, mesh: &mut MeshReader) {
     let bad = mesh.shapeless_elements.len();
     context.missing.bodies |= bad > 0;
     let mut again: Vec<(Span, (i64, usize))> = std::mem::take(&mut mesh.regenerated_by_card).into_iter().collect();
@@ -247,7 +247,7 @@ pub(super) fn report_regenerated_nodes(context: &mut Context<'_>, mesh: &mut Mes
 }
 
 /// Returns the axes of a rectangular system in the r-z plane: from a to b, and perpendicular to it towards c.
-pub(super) fn plane_system(a: [f64; 3], b: [f64; 3], c: [f64; 3], alone: bool) -> Option<[[f64; 2]; 2]> {
+pub fn plane_system(a: [f64; 3], b: [f64; 3], c: [f64; 3], alone: bool) -> Option<[[f64; 2]; 2]> {
     if alone {
         return Some([[1.0, 0.0], [0.0, 1.0]]);
     }
@@ -275,7 +275,7 @@ fn axis_system(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> Option<[[f64; 2]; 2]> {
 
 /// Sets the local system of the following `*NODE` cards (ABAQUS Keywords Reference Guide, *SYSTEM). Without data
 /// lines the coordinates are r and z again.
-pub(super) fn read_system(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_system(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(line) = card.lines.first() else {
         mesh.system = None;
         return;
@@ -299,7 +299,7 @@ pub(super) fn read_system(context: &mut Context<'_>, mesh: &mut MeshReader, card
 
 /// Reads transformed directions at nodes (ABAQUS Keywords Reference Guide, *TRANSFORM). Directions along r and z
 /// have no effect; others are reported by [`ModelBuilder::check_transforms`] if the nodes have a condition or force.
-pub(super) fn read_transform(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_transform(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(set) = context.required(card, "NSET") else { return };
     let Some(nodes) = context.node_members(set) else { return };
     let Some(line) = context.first_line(card) else { return };
@@ -315,7 +315,7 @@ pub(super) fn read_transform(context: &mut Context<'_>, mesh: &mut MeshReader, c
 }
 
 /// Reports conditions and forces on nodes with transformed directions, which are not supported.
-pub(super) fn check_transforms(context: &mut Context<'_>, mesh: &mut MeshReader) {
+pub fn check_transforms(context: &mut Context<'_>, mesh: &mut MeshReader) {
     for (nodes, span) in std::mem::take(&mut mesh.transforms) {
         let steps = &context.model.steps;
         let meant = |list: &[usize]| list.iter().any(|n| nodes.contains(n));

@@ -168,7 +168,7 @@ fn replacement(name: &str) -> Option<String> {
     Some(format!("{READ}, or write TYPE={counterpart}"))
 }
 
-pub(super) fn read_elements(context: &mut Context<'_>, card: &Card) {
+pub fn read_elements(context: &mut Context<'_>, card: &Card) {
     let Some(kind) = context.required(card, "TYPE").and_then(|w| element_kind(context, w)) else {
         context.missing.elements = true;
         return;
@@ -191,7 +191,7 @@ pub(super) fn read_elements(context: &mut Context<'_>, card: &Card) {
 }
 
 /// Returns the element type with a name, or reports that it is unknown or unsupported.
-pub(super) fn element_kind(context: &mut Context<'_>, word: &Word) -> Option<ElementKind> {
+pub fn element_kind(context: &mut Context<'_>, word: &Word) -> Option<ElementKind> {
     let name = word.text.to_uppercase();
     if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
         return Some(found.1);
@@ -270,7 +270,7 @@ fn element_line(context: &mut Context<'_>, kind: ElementKind, words: &[Word], sp
 }
 
 /// Adds an element in the current scope; its nodes are in order around the boundary.
-pub(super) fn add_element(
+pub fn add_element(
     context: &mut Context<'_>,
     label: i64,
     kind: ElementKind,
@@ -314,7 +314,7 @@ fn shape_fault(context: &Context<'_>, kind: ElementKind, nodes: &[usize]) -> Opt
 }
 
 /// Reports duplicate element labels.
-pub(super) fn report_duplicate_labels(context: &mut Context<'_>) {
+pub fn report_duplicate_labels(context: &mut Context<'_>) {
     let Some(&DuplicateLabel { label, first, second }) = context.elements.duplicates.first() else { return };
     let who = match context.elements.duplicates.len() {
         1 => format!("element label {label} is"),
@@ -326,7 +326,7 @@ pub(super) fn report_duplicate_labels(context: &mut Context<'_>) {
 }
 
 /// Reports elements with an invalid shape after all nodes are read, one error per kind of fault.
-pub(super) fn report_shape_faults(context: &mut Context<'_>, mesh: &mut MeshReader) {
+pub fn report_shape_faults(context: &mut Context<'_>, mesh: &mut MeshReader) {
     if context.missing.nodes {
         return;
     }
@@ -403,7 +403,7 @@ fn node_lines<'c>(context: &'c Context<'_>) -> HashMap<&'c str, Span> {
 }
 
 /// Generates elements in rows, layers and groups of layers (ABAQUS Keywords Guide, *ELGEN).
-pub(super) fn read_elgen(context: &mut Context<'_>, card: &Card) {
+pub fn read_elgen(context: &mut Context<'_>, card: &Card) {
     let mut made = Vec::new();
     for (line, row) in card.lines.iter().zip(card.read_lines::<Vec<[f64; 10]>>()) {
         made.extend(elgen_line(context, line, row).unwrap_or_default());
@@ -455,13 +455,7 @@ fn elgen_line(context: &mut Context<'_>, line: &DataLine, row: [f64; 10]) -> Opt
     Some(made)
 }
 
-pub(super) fn shifted(
-    context: &mut Context<'_>,
-    labels: &[i64],
-    shift: i64,
-    element: i64,
-    span: Span,
-) -> Option<Vec<usize>> {
+pub fn shifted(context: &mut Context<'_>, labels: &[i64], shift: i64, element: i64, span: Span) -> Option<Vec<usize>> {
     let mut nodes = Vec::with_capacity(labels.len());
     for label in labels {
         let label = label.saturating_add(shift);
@@ -567,7 +561,7 @@ fn has_inward_corner(points: &[[f64; 2]], area: f64) -> bool {
 }
 
 /// Returns the fields of as many lines as are needed for `need` values, and the index of the next line.
-pub(super) fn joined(card: &Card, at: usize, need: usize) -> (Vec<&Word>, usize) {
+pub fn joined(card: &Card, at: usize, need: usize) -> (Vec<&Word>, usize) {
     let mut words: Vec<&Word> = card.lines[at].fields.iter().filter(|w| !w.text.is_empty()).collect();
     let mut next = at + 1;
     while words.len() < need && next < card.lines.len() {

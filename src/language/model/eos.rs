@@ -6,7 +6,7 @@ use super::types::{EosKind, EquationOfState};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 
-pub(super) fn read_eos(context: &mut Context<'_>, card: &Card) {
+pub fn read_eos(context: &mut Context<'_>, card: &Card) {
     let cards::Eos { kind } = card.values();
     let kind = match kind {
         0 => EosKind::IdealGas(card.read_lines()),
@@ -37,7 +37,7 @@ fn warn_of_large_energy(context: &mut Context<'_>, card: &Card, square: f64, ene
 
 impl EosKind {
     /// Checks rows of f1, f2 and volumetric strain, from tension to compression.
-    pub(super) fn check(&self) -> ValueCheck {
+    pub fn check(&self) -> ValueCheck {
         let EosKind::Tabular(rows) = self else { return Ok(()) };
         if let Some(row) = (1..rows.len()).find(|&i| rows[i - 1][2] <= rows[i][2]) {
             let message = "the volumetric strain must decrease from row to row, from tension to compression";
@@ -50,7 +50,7 @@ impl EosKind {
 }
 
 /// Reads detonation points: coordinates and, in the fourth field, the delay time.
-pub(super) fn read_detonation_points(context: &mut Context<'_>, card: &Card) {
+pub fn read_detonation_points(context: &mut Context<'_>, card: &Card) {
     let cards::DetonationPoint { points } = card.values();
     if context.first_line(card).is_some() {
         context.last_material().detonation = points.iter().map(|p| [p[0], p[1], p[3]]).collect();
@@ -58,7 +58,7 @@ pub(super) fn read_detonation_points(context: &mut Context<'_>, card: &Card) {
 }
 
 /// Reads absolute zero; the other physical constants are not used.
-pub(super) fn read_physical_constants(context: &mut Context<'_>, card: &Card) {
+pub fn read_physical_constants(context: &mut Context<'_>, card: &Card) {
     let cards::PhysicalConstants { absolute_zero } = card.values();
     context.model.settings.absolute_zero = absolute_zero.unwrap_or(0.0);
 }

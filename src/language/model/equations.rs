@@ -9,7 +9,7 @@ use crate::deck::{Card, Span, Word};
 /// A term: nodes (in order of labels, or in the order of an UNSORTED set), degree of freedom, coefficient.
 type EquationTerm = (Vec<usize>, u8, f64);
 
-pub(super) fn read_equation(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_equation(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     if context.first_line(card).is_none() {
         return;
     }

@@ -7,7 +7,7 @@ use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
 /// Reads erosion criteria, which delete elements independently of their material.
-pub(super) fn read_erosion(context: &mut Context<'_>, card: &Card) {
+pub fn read_erosion(context: &mut Context<'_>, card: &Card) {
     let elements = match card.value("ELSET").map(|word| context.element_members(word)) {
         Some(None) => return,
         elements => elements.flatten(),
@@ -21,7 +21,7 @@ pub(super) fn read_erosion(context: &mut Context<'_>, card: &Card) {
 
 impl ErosionCriteria {
     /// Checks that there is a limit.
-    pub(super) fn check(&self) -> ValueCheck {
+    pub fn check(&self) -> ValueCheck {
         let is_limited = [self.distortion, self.plastic, self.strain, self.increment].iter().any(Option::is_some);
         require(is_limited, "*EROSION requires DISTORTION, PLASTIC STRAIN, PRINCIPAL STRAIN or INCREMENT")
     }

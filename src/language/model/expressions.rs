@@ -7,7 +7,7 @@ use super::types::OutputExpression;
 use crate::deck::{Card, Diagnostic, Span, Word};
 
 /// Reads data lines of the form `name = expression`.
-pub(super) fn read_output_expressions(context: &mut Context<'_>, card: &Card) {
+pub fn read_output_expressions(context: &mut Context<'_>, card: &Card) {
     for word in card.lines.iter().filter_map(|line| line.fields.first()) {
         let Some((name, text)) = word.text.split_once('=') else {
             no_expression(context, word.span, "there is no equals sign");

@@ -12,7 +12,7 @@ use crate::kernel::levels::NestedTable;
 /// Index of the value of `CRITERION` in the keyword table.
 const DUCTILE: usize = 1;
 
-pub(super) fn read_shear_failure(context: &mut Context<'_>, card: &Card) {
+pub fn read_shear_failure(context: &mut Context<'_>, card: &Card) {
     let cards::ShearFailure { johnson_cook } = card.values();
     let Some(line) = context.first_line(card) else { return };
     let strain = if johnson_cook {
@@ -34,7 +34,7 @@ fn criterion(context: &mut Context<'_>, card: &Card, strain: StrainAtFailure, ev
 
 impl StrainAtFailure {
     /// Checks the order of tables, and the constants of Johnson and Cook.
-    pub(super) fn check(&self) -> ValueCheck {
+    pub fn check(&self) -> ValueCheck {
         match self {
             StrainAtFailure::Constant(strain) => {
                 require(*strain > 0.0, format!("the strain at failure must be positive, found {strain}"))
@@ -61,7 +61,7 @@ impl StrainAtFailure {
 }
 
 /// Reads `*DAMAGE INITIATION` of a material or of a surface interaction.
-pub(super) fn read_damage_initiation(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
+pub fn read_damage_initiation(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     if materials.in_interaction {
         return cohesive_contact::read_cohesive_initiation(context, card);
     }
@@ -89,7 +89,7 @@ pub(super) fn read_damage_initiation(context: &mut Context<'_>, materials: &mut 
 }
 
 /// Reads `*DAMAGE EVOLUTION` of a material or of a surface interaction.
-pub(super) fn read_damage_evolution(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
+pub fn read_damage_evolution(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     if materials.in_interaction {
         return cohesive_contact::read_cohesive_evolution(context, card);
     }
@@ -111,14 +111,14 @@ pub(super) fn read_damage_evolution(context: &mut Context<'_>, materials: &mut M
 }
 
 /// Reads `*DAMAGE STABILIZATION` of a material or of a surface interaction.
-pub(super) fn read_damage_stabilization(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
+pub fn read_damage_stabilization(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     if materials.in_interaction {
         return cohesive_contact::read_cohesive_stabilization(context, card);
     }
     cohesive::read_interface_stabilization(context, card);
 }
 
-pub(super) fn read_tensile_failure(context: &mut Context<'_>, card: &Card) {
+pub fn read_tensile_failure(context: &mut Context<'_>, card: &Card) {
     let cards::TensileFailure { deletes, cutoff: [cutoff] } = card.values();
     context.last_material().tensile_failure = Some(TensileFailure { cutoff, deletes, span: card.span });
 }

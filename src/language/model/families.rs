@@ -18,7 +18,7 @@ use crate::resistance::{CavityShape, FitRequest};
 
 /// A block without its end card yet, such as `*PART` without `*END PART`.
 #[derive(Debug)]
-pub(super) struct OpenBlock {
+pub struct OpenBlock {
     /// `PART`, `ASSEMBLY`, `INSTANCE` or `STEP`.
     pub kind: &'static str,
     pub span: Span,
@@ -26,7 +26,7 @@ pub(super) struct OpenBlock {
 
 /// Parts, instances and other blocks.
 #[derive(Default)]
-pub(super) struct PartReader<'a> {
+pub struct PartReader<'a> {
     pub blocks: Vec<OpenBlock>,
     /// Cards of each part, read again for each instance.
     pub cards: HashMap<String, Vec<&'a Card>>,
@@ -75,14 +75,14 @@ impl<'a> PartReader<'a> {
 }
 
 /// Origin and axes of a local coordinate system in the r-z plane.
-pub(super) struct LocalSystem {
+pub struct LocalSystem {
     pub origin: [f64; 2],
     pub axes: [[f64; 2]; 2],
 }
 
 /// Nodes, elements and their sets.
 #[derive(Default)]
-pub(super) struct MeshReader {
+pub struct MeshReader {
     /// Card being read.
     pub current_card: Span,
     /// Placement of the instance whose cards are read.
@@ -120,7 +120,7 @@ impl MeshReader {
 }
 
 /// A request to derive cavity expansion constants.
-pub(super) struct DerivationRequest {
+pub struct DerivationRequest {
     /// Index of the material whose resistance is derived.
     pub material: usize,
     /// Range and form of the fit.
@@ -137,7 +137,7 @@ pub(super) struct DerivationRequest {
 
 /// Materials and their resistances.
 #[derive(Default)]
-pub(super) struct MaterialReader {
+pub struct MaterialReader {
     /// Whether the last `*MATERIAL` or `*SURFACE INTERACTION` was a surface interaction.
     pub in_interaction: bool,
     /// Cavity expansion constants to be derived after all cards are read.
@@ -153,7 +153,7 @@ pub enum SectionIndex {
 
 /// Sections, masses and connectors: the properties of elements.
 #[derive(Default)]
-pub(super) struct SectionReader {
+pub struct SectionReader {
     /// Source position of the section, mass, spring or dashpot of each element, by kind of property.
     pub property_of: HashMap<&'static str, Vec<Option<Span>>>,
     /// Section controls by name.
@@ -189,7 +189,7 @@ impl SectionReader {
 }
 
 /// A `*COUPLING` card whose kind is not known yet.
-pub(super) struct PendingCoupling {
+pub struct PendingCoupling {
     /// Upper-case name.
     pub name: String,
     /// Index of the reference node.
@@ -204,7 +204,7 @@ pub(super) struct PendingCoupling {
 
 /// A condition on degrees of freedom above 2.
 #[derive(Clone, Debug)]
-pub(super) struct RotationalCondition {
+pub struct RotationalCondition {
     /// Source position of the data line.
     pub span: Span,
     /// Node set as named in the deck; empty if not known.
@@ -221,7 +221,7 @@ pub(super) struct RotationalCondition {
 
 /// Initial conditions, couplings and waves.
 #[derive(Default)]
-pub(super) struct ConditionReader {
+pub struct ConditionReader {
     /// Initial conditions by the number of their members and the first member.
     pub repeated_conditions: HashMap<(usize, Option<usize>), Vec<usize>>,
     /// Boundary conditions on degrees of freedom above 2 only.
@@ -234,7 +234,7 @@ pub(super) struct ConditionReader {
 
 /// Procedure and conditions of a step while its cards are read.
 #[derive(Clone, Debug, Default)]
-pub(super) struct StepState {
+pub struct StepState {
     pub name: String,
     pub span: Span,
     /// Procedure of the step, set by `*DYNAMIC`.
@@ -279,7 +279,7 @@ pub(super) struct StepState {
 
 /// Steps and the conditions in them.
 #[derive(Default)]
-pub(super) struct StepReader {
+pub struct StepReader {
     /// The open step.
     pub current: Option<StepState>,
     /// Model data before the first step, and the state at the end of the previous step.
@@ -311,7 +311,7 @@ impl StepReader {
 
 /// Output requests.
 #[derive(Default)]
-pub(super) struct OutputReader {
+pub struct OutputReader {
     /// The `*OUTPUT` card whose variables follow.
     pub request: Option<OutputRequest>,
     /// Surfaces of `*INTEGRATED OUTPUT SECTION`, by section name.

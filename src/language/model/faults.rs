@@ -5,7 +5,7 @@ use crate::deck::{Diagnostic, Span};
 
 /// A value that is not allowed.
 #[derive(Debug)]
-pub(super) struct ValueFault {
+pub struct ValueFault {
     /// Index of the data line at fault; `None` for the whole card.
     pub line: Option<usize>,
     pub message: String,
@@ -15,15 +15,15 @@ pub(super) struct ValueFault {
     pub help: &'static str,
 }
 
-pub(super) type ValueCheck = Result<(), ValueFault>;
+pub type ValueCheck = Result<(), ValueFault>;
 
 /// Returns a fault of the card unless `is_valid`.
-pub(super) fn require(is_valid: bool, message: impl Into<String>) -> ValueCheck {
+pub fn require(is_valid: bool, message: impl Into<String>) -> ValueCheck {
     if is_valid { Ok(()) } else { Err(ValueFault { line: None, message: message.into(), label: "here", help: "" }) }
 }
 
 /// Returns a fault of a data line unless `is_valid`.
-pub(super) fn require_line(line: usize, is_valid: bool, message: impl Into<String>) -> ValueCheck {
+pub fn require_line(line: usize, is_valid: bool, message: impl Into<String>) -> ValueCheck {
     require(is_valid, message).map_err(|fault| ValueFault { line: Some(line), ..fault })
 }
 
@@ -35,10 +35,10 @@ impl ValueFault {
     }
 }
 
-pub(super) fn is_positive(value: f64) -> bool {
+pub fn is_positive(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }
 
-pub(super) fn is_non_negative(value: f64) -> bool {
+pub fn is_non_negative(value: f64) -> bool {
     value >= 0.0 && value.is_finite()
 }

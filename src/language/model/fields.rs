@@ -10,11 +10,11 @@ use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine};
 
 /// Largest number of field variables.
-pub(super) const MOST_FIELDS: usize = 100;
+pub const MOST_FIELDS: usize = 100;
 
 /// Reads `*FIELD`. A value without amplitude is applied at once (ABAQUS Analysis User's Guide 34.6.1, "Predefined
 /// fields", and 34.1.2, "Amplitude curves").
-pub(super) fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
     if steps.current.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
         return context.unsupported(card.span, "*STEP, AMPLITUDE=RAMP with *FIELD is not supported", "give AMPLITUDE=");
@@ -37,12 +37,7 @@ pub(super) fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut Step
 
 /// Reads rows of `values` values, the temperature and `fields` field variables. If no row has a temperature, it is
 /// 0.
-pub(super) fn rows_over_fields(
-    context: &mut Context<'_>,
-    card: &Card,
-    values: usize,
-    fields: usize,
-) -> Option<Vec<Vec<f64>>> {
+pub fn rows_over_fields(context: &mut Context<'_>, card: &Card, values: usize, fields: usize) -> Option<Vec<Vec<f64>>> {
     let first = context.first_line(card)?;
     let most = values + 1 + fields;
     for word in card.lines.iter().flat_map(|line| (most..line.fields.len()).filter_map(|at| line.field(at))) {

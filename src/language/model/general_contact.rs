@@ -9,7 +9,7 @@ use crate::deck::{Card, DataLine, Word};
 
 /// Reads `*CONTACT` (ABAQUS Keywords Reference Guide): OP=MOD, the default, extends the definition in force; NEW
 /// replaces it.
-pub(super) fn read_contact(steps: &mut StepReader, card: &Card) {
+pub fn read_contact(steps: &mut StepReader, card: &Card) {
     let new = card.read::<bool>("OP");
     let in_force = &mut steps.state().general_contact;
     if new || in_force.is_none() {
@@ -18,7 +18,7 @@ pub(super) fn read_contact(steps: &mut StepReader, card: &Card) {
 }
 
 /// Reads a card that follows `*CONTACT`.
-pub(super) fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     if steps.state().general_contact.is_none() {
         return context.misplaced(card, format!("*{} must follow a *CONTACT", card.keyword.name), "CONTACT");
     }

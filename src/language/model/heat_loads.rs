@@ -8,7 +8,7 @@ use super::types::{AmplitudeId, LoadKind, SideSelection};
 use super::{amplitudes, surfaces};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
-pub(super) fn read_heat_loads(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_heat_loads(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
     let Ok(of_film) = amplitudes::amplitude_of(context, card, "FILM AMPLITUDE") else { return };
     read_lines(context, steps, card, amplitude, |context, line| match card.keyword.name {

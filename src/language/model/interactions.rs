@@ -15,7 +15,7 @@ const HARD: usize = 0;
 const LINEAR: usize = 1;
 const EXPONENTIAL: usize = 2;
 
-pub(super) fn read_surface_interaction(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
+pub fn read_surface_interaction(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     materials.in_interaction = true;
     let Some(name) = context.required(card, "NAME") else { return };
     let (name, law) = (upper(&name.text), InteractionLaw::default());
@@ -27,7 +27,7 @@ fn last_law<'c>(context: &'c mut Context<'_>) -> Option<&'c mut InteractionLaw> 
     context.model.interactions.last_mut().map(|interaction| &mut interaction.law)
 }
 
-pub(super) fn read_friction(context: &mut Context<'_>, card: &Card) {
+pub fn read_friction(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     if let (Some(friction), Some(law)) = (friction_law(context, card), last_law(context)) {
         law.friction = friction;
@@ -52,14 +52,14 @@ fn friction_law(context: &mut Context<'_>, card: &Card) -> Option<CoulombFrictio
     Some(friction)
 }
 
-pub(super) fn read_surface_behavior(context: &mut Context<'_>, card: &Card) {
+pub fn read_surface_behavior(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     if let (Some(overclosure), Some(law)) = (overclosure(context, card), last_law(context)) {
         law.overclosure = overclosure;
     }
 }
 
-pub(super) fn read_contact_damping(context: &mut Context<'_>, card: &Card) {
+pub fn read_contact_damping(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let cards::ContactDamping { is_fraction, values: [value] } = card.values();
     let damping = if is_fraction { ContactDamping::CriticalFraction } else { ContactDamping::Coefficient };
@@ -68,7 +68,7 @@ pub(super) fn read_contact_damping(context: &mut Context<'_>, card: &Card) {
     }
 }
 
-pub(super) fn read_gap_conductance(context: &mut Context<'_>, card: &Card) {
+pub fn read_gap_conductance(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let cards::GapConductance { over_pressure, rows } = card.values();
     if rows.len() < 2 {
@@ -87,7 +87,7 @@ pub(super) fn read_gap_conductance(context: &mut Context<'_>, card: &Card) {
     interaction.heat_cards.push((card.keyword.name, card.span));
 }
 
-pub(super) fn read_gap_heat_generation(context: &mut Context<'_>, card: &Card) {
+pub fn read_gap_heat_generation(context: &mut Context<'_>, card: &Card) {
     contact::contact_note(context, card);
     let cards::GapHeatGeneration { values: [fraction, to_first] } = card.values();
     let Some(interaction) = context.model.interactions.last_mut() else { return };
@@ -115,7 +115,7 @@ fn overclosure(context: &mut Context<'_>, card: &Card) -> Option<PressureOverclo
 }
 
 /// Checks rows of pressure and overclosure.
-pub(super) fn check_overclosure(overclosure: &PressureOverclosure) -> ValueCheck {
+pub fn check_overclosure(overclosure: &PressureOverclosure) -> ValueCheck {
     let PressureOverclosure::Table(rows) = overclosure else { return Ok(()) };
     let is_valid = rows.len() > 1 && rows[0][0] == 0.0 && rows.windows(2).all(|w| w[0][0] <= w[1][0]);
     let message = "the table requires at least two rows, with pressures that start at zero and do not decrease";

@@ -12,7 +12,7 @@ use crate::platform::PortableMath as _;
 /// Links nodes to reference nodes. Two sets are paired in the order of their labels, or in the given order of an
 /// UNSORTED set (ABAQUS Analysis User's Guide, "General multi-point constraints", "Identifying the nodes involved
 /// in the MPC").
-pub(super) fn read_mpc(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_mpc(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     if context.first_line(card).is_none() {
         return;
     }
@@ -68,7 +68,7 @@ fn link(context: &mut Context<'_>, name: String, kind: LinkKind, reference: usiz
     context.model.constraints.links.push(NodeLink { name, kind, reference, nodes, span });
 }
 
-pub(super) fn read_coupling(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
+pub fn read_coupling(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     end_coupling(context, conditions);
     let name = card.value("CONSTRAINT NAME").map_or_else(String::new, |w| upper(&w.text));
     let (reference, surface) = (context.required(card, "REF NODE"), context.required(card, "SURFACE"));
@@ -116,7 +116,7 @@ fn areas(context: &Context<'_>, word: &Word, members: &[usize]) -> Vec<f64> {
     areas
 }
 
-pub(super) fn read_coupling_kind(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
+pub fn read_coupling_kind(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let Some(coupling) = conditions.coupling.take() else {
         // After an invalid *COUPLING this message would be a consequential error.
         if !context.deck.cards.iter().any(|c| c.keyword.name == "COUPLING") {
@@ -175,7 +175,7 @@ fn distributing(context: &mut Context<'_>, card: &Card, coupling: &PendingCoupli
 }
 
 /// Reports a coupling without `*KINEMATIC` or `*DISTRIBUTING`.
-pub(super) fn end_coupling(context: &mut Context<'_>, conditions: &mut ConditionReader) {
+pub fn end_coupling(context: &mut Context<'_>, conditions: &mut ConditionReader) {
     let faulty = context.missing.has_card("KINEMATIC") || context.missing.has_card("DISTRIBUTING");
     if let Some(coupling) = conditions.coupling.take().filter(|_| !faulty) {
         let message = format!("the coupling {} has neither *KINEMATIC nor *DISTRIBUTING", coupling.name);
@@ -183,7 +183,7 @@ pub(super) fn end_coupling(context: &mut Context<'_>, conditions: &mut Condition
     }
 }
 
-pub(super) fn read_tie(context: &mut Context<'_>, card: &Card) {
+pub fn read_tie(context: &mut Context<'_>, card: &Card) {
     let Some(name) = context.required(card, "NAME") else { return };
     if context.first_line(card).is_none() {
         return;

@@ -14,7 +14,7 @@ use crate::platform::PortableMath as _;
 const LABELS: &str = "GRAV, BR, BZ, BRNU, BZNU, CENTRIF, P, VP, TRVEC, TRSHR and PNU (on element faces P1 to P4, P1NU to P4NU, VP1 ..., \
                       TRVEC1 ..., TRSHR1 ...), CAVITY";
 
-pub(super) fn read_loads(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_loads(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
     check_load_options(context, card);
     read_lines(context, steps, card, amplitude, |context, line| match card.keyword.name {
@@ -25,7 +25,7 @@ pub(super) fn read_loads(context: &mut Context<'_>, steps: &mut StepReader, card
 }
 
 /// Reads the loads of a card line by line. OP=NEW removes the loads of its family from earlier steps.
-pub(super) fn read_lines(
+pub fn read_lines(
     context: &mut Context<'_>,
     steps: &mut StepReader,
     card: &Card,
@@ -298,7 +298,7 @@ fn traction(label: &str) -> Option<(&'static str, &str)> {
     found.filter(|(_, face)| matches!(*face, "" | "1" | "2" | "3" | "4"))
 }
 
-pub(super) fn load_family(kind: &LoadKind) -> &'static str {
+pub fn load_family(kind: &LoadKind) -> &'static str {
     match kind {
         LoadKind::Concentrated { .. } => "CLOAD",
         LoadKind::Gravity { .. } | LoadKind::UserBody { .. } | LoadKind::Body { .. } => "DLOAD",

@@ -8,7 +8,7 @@ use crate::deck::{Card, Deck, Diagnostics, Span, Word};
 
 /// Definitions that are missing because of reported errors.
 #[derive(Debug, Default)]
-pub(super) struct MissingDefinitions {
+pub struct MissingDefinitions {
     /// An included file is missing, which may have contained anything.
     pub everything: bool,
     /// Some nodes are missing.
@@ -98,7 +98,7 @@ impl MissingDefinitions {
 
 /// Returns whether a card with a reported error is skipped, because further errors would be consequential. Cards that
 /// open blocks or define many items are read anyway, since other cards depend on them.
-pub(super) fn is_skipped(card: &Card) -> bool {
+pub fn is_skipped(card: &Card) -> bool {
     const READ: &[&str] = &[
         "HEADING",
         "PART",
@@ -133,7 +133,7 @@ pub(super) fn is_skipped(card: &Card) -> bool {
 }
 
 /// Removes diagnostics that only follow from unsupported (plane or three-dimensional) element types.
-pub(super) fn drop_consequential_diagnostics(diagnostics: &mut Diagnostics) {
+pub fn drop_consequential_diagnostics(diagnostics: &mut Diagnostics) {
     const OTHER: &str = "this code is axisymmetric";
     if diagnostics.iter().any(|d| d.code == "M121" && d.message.ends_with(OTHER)) {
         diagnostics.retain(|d| {

@@ -8,7 +8,7 @@ use crate::deck::table::steps as cards;
 
 /// Reads mass scaling. The first card of a step replaces the mass scaling of earlier steps, which otherwise
 /// continues.
-pub(super) fn read_mass_scaling(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_mass_scaling(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Some(request) = scaling_request(context, card) else { return };
     let state = steps.state();
     if !state.cleared.contains(&"MASS SCALING") {

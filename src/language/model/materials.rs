@@ -21,7 +21,7 @@ const ISOTROPIC: usize = 0;
 const KINEMATIC: usize = 1;
 const USER: usize = 3;
 
-pub(super) fn read_material(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
+pub fn read_material(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     materials.in_interaction = false;
     if let Some(name) = context.required(card, "NAME") {
         let material = MaterialDefinition { name: upper(&name.text), span: card.span, ..MaterialDefinition::default() };
@@ -29,39 +29,39 @@ pub(super) fn read_material(context: &mut Context<'_>, materials: &mut MaterialR
     }
 }
 
-pub(super) fn read_density(context: &mut Context<'_>, card: &Card) {
+pub fn read_density(context: &mut Context<'_>, card: &Card) {
     let cards::Density { rows } = card.values();
     let material = context.last_material();
     material.density = rows.first().map(|r| r[0]);
     material.densities = if rows.iter().any(|r| r[1].is_nan()) { Vec::new() } else { rows };
 }
 
-pub(super) fn read_viscosity(context: &mut Context<'_>, card: &Card) {
+pub fn read_viscosity(context: &mut Context<'_>, card: &Card) {
     let cards::Viscosity { viscosity: [viscosity] } = card.values();
     context.last_material().viscosity = Some((viscosity, card.span));
 }
 
-pub(super) fn read_inelastic_heat_fraction(context: &mut Context<'_>, card: &Card) {
+pub fn read_inelastic_heat_fraction(context: &mut Context<'_>, card: &Card) {
     let cards::InelasticHeatFraction { fraction: [fraction] } = card.values();
     context.last_material().thermal.inelastic_heat_fraction = Some(fraction);
 }
 
-pub(super) fn read_specific_heat(context: &mut Context<'_>, card: &Card) {
+pub fn read_specific_heat(context: &mut Context<'_>, card: &Card) {
     let cards::SpecificHeat { rows } = card.values();
     context.last_material().thermal.specific_heat = Some(rows);
 }
 
-pub(super) fn read_conductivity(context: &mut Context<'_>, card: &Card) {
+pub fn read_conductivity(context: &mut Context<'_>, card: &Card) {
     let cards::Conductivity { rows } = card.values();
     context.last_material().thermal.conductivity = Some((rows, card.span));
 }
 
-pub(super) fn read_expansion(context: &mut Context<'_>, card: &Card) {
+pub fn read_expansion(context: &mut Context<'_>, card: &Card) {
     let cards::Expansion { zero, rows } = card.values();
     context.last_material().thermal.expansion = Some(ThermalExpansion { rows, zero, span: card.span });
 }
 
-pub(super) fn read_elastic(context: &mut Context<'_>, card: &Card) {
+pub fn read_elastic(context: &mut Context<'_>, card: &Card) {
     let cards::Elastic { kind, fields } = card.values();
     match kind {
         ISOTROPIC => {}
@@ -92,14 +92,14 @@ fn elastic_table(context: &mut Context<'_>, card: &Card, fields: usize) -> Optio
 }
 
 /// Checks rows of moduli over temperature and field variables.
-pub(super) fn check_elastic_table(rows: &[Vec<f64>]) -> ValueCheck {
+pub fn check_elastic_table(rows: &[Vec<f64>]) -> ValueCheck {
     let over: Vec<&[f64]> = rows.iter().map(|r| r.get(1..).unwrap_or_default()).collect();
     let message = "the temperatures must ascend for each value of the first \
                    field variable, and so on for further variables";
     require(rows.is_empty() || NestedTable::new(&over).is_some(), message)
 }
 
-pub(super) fn read_plastic(context: &mut Context<'_>, card: &Card) {
+pub fn read_plastic(context: &mut Context<'_>, card: &Card) {
     let cards::Plastic { hardening, fields, extrapolates } = card.values();
     let extrapolates = match (extrapolates, card.value("EXTRAPOLATION")) {
         (Some(_), Some(word)) if hardening != ISOTROPIC => {
@@ -143,7 +143,7 @@ fn plastic_over_fields(context: &mut Context<'_>, card: &Card, other: bool, fiel
 
 impl PlasticityModel {
     /// Checks the order of tables, and values that no range of the keyword table limits.
-    pub(super) fn check(&self) -> ValueCheck {
+    pub fn check(&self) -> ValueCheck {
         let is_finite = |values: &[f64]| require(values.iter().all(|v| v.is_finite()), "the constants must be finite");
         match self {
             PlasticityModel::JohnsonCook(values) => is_finite(values),
@@ -214,7 +214,7 @@ fn kinematic(context: &mut Context<'_>, card: &Card) {
     }
 }
 
-pub(super) fn read_rate_dependent(context: &mut Context<'_>, card: &Card) {
+pub fn read_rate_dependent(context: &mut Context<'_>, card: &Card) {
     let cards::RateDependent { kind } = card.values();
     let rate = match kind {
         0 => RateDependence::PowerLaw(card.read_lines()),
@@ -226,7 +226,7 @@ pub(super) fn read_rate_dependent(context: &mut Context<'_>, card: &Card) {
 
 impl RateDependence {
     /// Checks rows of ratio, strain rate and temperature: rates ascend at each temperature, then temperatures ascend.
-    pub(super) fn check(&self) -> ValueCheck {
+    pub fn check(&self) -> ValueCheck {
         let RateDependence::YieldRatio(rows) = self else { return Ok(()) };
         let cold = rows.iter().all(|r| r[2].is_nan());
         let follows = |w: &[[f64; 3]]| w[1][1] > w[0][1] && (cold || w[1][2] == w[0][2]) || w[1][2] > w[0][2];
@@ -236,7 +236,7 @@ impl RateDependence {
     }
 }
 
-pub(super) fn read_cavity_expansion(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
+pub fn read_cavity_expansion(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     let values: cards::CavityExpansion = card.values();
     if values.derives {
         return derive::derivation(context, materials, card, &values);
@@ -251,7 +251,7 @@ pub(super) fn read_cavity_expansion(context: &mut Context<'_>, materials: &mut M
     context.last_material().cavity = Some(CavityExpansion { yield_stress, a, b, c, derived: None, span: card.span });
 }
 
-pub(super) fn read_solid_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
+pub fn read_solid_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let Some((elements, material)) = section_of(context, sections, card, ElementKind::is_solid) else { return };
     let named = card.value("CONTROLS").cloned();
     sections.controls_used.extend(named.map(|word| (SectionIndex::Solid(context.model.sections.len()), word)));
@@ -260,7 +260,7 @@ pub(super) fn read_solid_section(context: &mut Context<'_>, sections: &mut Secti
 }
 
 /// Returns the elements of a section, checked for their types, and the material.
-pub(super) fn section_of(
+pub fn section_of(
     context: &mut Context<'_>,
     sections: &mut SectionReader,
     card: &Card,
@@ -289,7 +289,7 @@ pub(super) fn section_of(
 }
 
 /// Assigns section controls to sections; the controls may be defined after the section.
-pub(super) fn apply_controls(context: &mut Context<'_>, sections: &mut SectionReader) {
+pub fn apply_controls(context: &mut Context<'_>, sections: &mut SectionReader) {
     for (section, word) in std::mem::take(&mut sections.controls_used) {
         match sections.controls.get(&upper(&word.text)) {
             Some(controls) => match section {

@@ -35,7 +35,7 @@ fn lossy_text(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned())
 }
 
-pub(super) fn read_mesh_file(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_mesh_file(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(input) = context.required(card, "INPUT") else { return };
     let kind = match card.value("TYPE") {
         Some(word) => match elements::element_kind(context, word) {

@@ -122,7 +122,7 @@ pub fn qualified(scope: &str, name: &str) -> String {
 }
 
 /// Returns the ordinal of each card of a keyword by its upper-case `NAME`; the first one for duplicate names.
-pub(super) fn places(deck: &crate::deck::Deck, keyword: &str) -> indexmap::IndexMap<String, usize> {
+pub fn places(deck: &crate::deck::Deck, keyword: &str) -> indexmap::IndexMap<String, usize> {
     let cards = deck.cards.iter().filter(|c| c.keyword.name == keyword);
     let mut places = indexmap::IndexMap::new();
     for (place, name) in cards.filter_map(|c| c.value("NAME")).enumerate() {

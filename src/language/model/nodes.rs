@@ -10,7 +10,7 @@ use super::{contact, sets};
 use crate::deck::rows::label_and_coordinates;
 use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
 
-pub(super) fn read_nodes(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_nodes(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let sources = &context.deck.sources;
     let mut made = Vec::with_capacity(if card.has("NSET") { card.rows.len() } else { 0 });
     let mut again = RedefinedNodes::default();
@@ -40,7 +40,7 @@ fn node_line(context: &mut Context<'_>, line: &DataLine) -> Option<(i64, [f64; 2
 }
 
 /// Adds a node in the current scope. If the label exists, the node is moved: the last definition is used.
-pub(super) fn add_node(context: &mut Context<'_>, mesh: &mut MeshReader, label: i64, [r, z]: [f64; 2]) -> usize {
+pub fn add_node(context: &mut Context<'_>, mesh: &mut MeshReader, label: i64, [r, z]: [f64; 2]) -> usize {
     let place = match &mesh.placement {
         Some(placement) => placement.apply([r, z]),
         None => [r, z],
@@ -85,7 +85,7 @@ fn label_of(context: &mut Context<'_>, word: Option<&Word>, line: &DataLine, wha
 }
 
 /// Generates nodes between two nodes (ABAQUS Keywords Guide, *NGEN), on a line or, with LINE=C, on an arc.
-pub(super) fn read_ngen(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_ngen(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let arc = card.value("LINE").is_some_and(|w| w.is("C"));
     if let Some(line) = card.value("LINE").filter(|w| !w.is("C")) {
         context.unsupported(line.span, format!("LINE={} is not supported", line.text), "use a straight line or LINE=C");
@@ -136,7 +136,7 @@ fn ngen_line(context: &mut Context<'_>, mesh: &mut MeshReader, line: &DataLine, 
 }
 
 /// Adds a generated node without placement by the instance, because its end nodes are placed already.
-pub(super) fn place_generated(
+pub fn place_generated(
     context: &mut Context<'_>,
     mesh: &mut MeshReader,
     label: i64,
@@ -175,7 +175,7 @@ fn count(context: &mut Context<'_>, count: i128, span: Span) -> Option<usize> {
 }
 
 /// Generates rows of nodes between corresponding nodes of two sets (ABAQUS Keywords Guide, *NFILL).
-pub(super) fn read_nfill(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_nfill(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let singular = card.read::<Option<usize>>("SINGULAR").unwrap_or(0);
     let spacing = FillSpacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
     let mut made = Vec::new();
@@ -233,7 +233,7 @@ fn nfill_line(
 
 /// Returns the nodes of a set: in the given order for an UNSORTED set, otherwise in order of labels. The new nodes
 /// of a refined mesh have no order and are left out.
-pub(super) fn nodes_in_order(context: &mut Context<'_>, mesh: &mut MeshReader, word: &Word) -> Option<Vec<usize>> {
+pub fn nodes_in_order(context: &mut Context<'_>, mesh: &mut MeshReader, word: &Word) -> Option<Vec<usize>> {
     for name in [qualified(&context.scope, &word.text), upper(&word.text)] {
         if let Some(nodes) = mesh.unsorted.get(&name) {
             let nodes = nodes.clone();
@@ -246,7 +246,7 @@ pub(super) fn nodes_in_order(context: &mut Context<'_>, mesh: &mut MeshReader, w
     Some(nodes)
 }
 
-pub(super) fn label_of_index(context: &Context<'_>, index: usize) -> Option<i64> {
+pub fn label_of_index(context: &Context<'_>, index: usize) -> Option<i64> {
     context.model.mesh.node_names[index].rsplit('.').next()?.parse().ok()
 }
 

@@ -16,7 +16,7 @@ use crate::variables::statistic::Statistic;
 const NEW: usize = 0;
 const ADD: usize = 1;
 
-pub(super) fn read_output(context: &mut Context<'_>, steps: &mut StepReader, output: &mut OutputReader, card: &Card) {
+pub fn read_output(context: &mut Context<'_>, steps: &mut StepReader, output: &mut OutputReader, card: &Card) {
     if card.keyword.name == "OUTPUT" {
         request(context, steps, output, card);
     } else {
@@ -75,7 +75,7 @@ fn output_operation(steps: &mut StepReader, card: &Card, kind: OutputKind, inter
 /// Reads `*RESTART, WRITE`, which remains in force until replaced. The default is one restart file per step;
 /// FREQUENCY=0 ends restart output. READ is reported by the keyword table, because restarts are started from the
 /// command line.
-pub(super) fn read_restart(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_restart(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     if card.has("READ") {
         return;
     }
@@ -114,7 +114,7 @@ fn sensor(context: &mut Context<'_>, card: &Card) -> Option<Option<String>> {
 }
 
 /// Reads step times, listed or generated (ABAQUS Keywords Reference Guide, *TIME POINTS).
-pub(super) fn read_time_points(context: &mut Context<'_>, card: &Card) {
+pub fn read_time_points(context: &mut Context<'_>, card: &Card) {
     let Some(name) = context.required(card, "NAME") else { return };
     let mut times: Vec<f64> = Vec::new();
     if card.has("GENERATE") {
@@ -279,7 +279,7 @@ fn default_variables(card: &Card) -> Vec<VariableRequest> {
 }
 
 /// Names a surface for integrated output (ABAQUS Keywords Reference Guide, *INTEGRATED OUTPUT SECTION).
-pub(super) fn read_integrated_section(context: &mut Context<'_>, output: &mut OutputReader, card: &Card) {
+pub fn read_integrated_section(context: &mut Context<'_>, output: &mut OutputReader, card: &Card) {
     let Some(name) = context.required(card, "NAME") else { return };
     let Some(surface) = context.required(card, "SURFACE") else { return };
     if let Some(id) = context.surface_id(surface) {

@@ -9,7 +9,7 @@ use super::names::upper;
 use super::placement::read_placement;
 use crate::deck::Card;
 
-pub(super) fn read_block<'a>(builder: &mut ModelBuilder<'a>, card: &'a Card) {
+pub fn read_block<'a>(builder: &mut ModelBuilder<'a>, card: &'a Card) {
     let (context, parts) = (&mut builder.context, &mut builder.parts);
     match card.keyword.name {
         "PART" => begin_part(context, parts, card),

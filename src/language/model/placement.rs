@@ -36,7 +36,7 @@ impl InstancePlacement {
 }
 
 /// Reads the placement of an instance; `None` if it is not moved, or after an error.
-pub(super) fn read_placement(context: &mut Context<'_>, card: &Card) -> Option<InstancePlacement> {
+pub fn read_placement(context: &mut Context<'_>, card: &Card) -> Option<InstancePlacement> {
     card.lines.first()?;
     let [r, z]: [f64; 2] = card.read_lines();
     let rotation = match (card.lines.get(1), card.read_lines::<Vec<[f64; 7]>>().get(1)) {

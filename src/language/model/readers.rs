@@ -11,13 +11,13 @@ use super::{
 use crate::deck::Card;
 
 /// Reader of the cards of some keywords.
-pub(super) struct CardReader {
+pub struct CardReader {
     pub keywords: &'static [&'static str],
     pub read: for<'a> fn(&mut ModelBuilder<'a>, &'a Card),
 }
 
 /// Returns the reader of a keyword; `None` if its cards do not change the model.
-pub(super) fn find_reader(keyword: &str) -> Option<&'static CardReader> {
+pub fn find_reader(keyword: &str) -> Option<&'static CardReader> {
     READERS.iter().find(|reader| reader.keywords.contains(&keyword))
 }
 

@@ -27,7 +27,7 @@ fn reduced(order: usize) -> Vec<(usize, usize)> {
 type EnergyConstructor = fn(&[f64], usize) -> DeviatoricEnergy;
 
 /// Reads `*HYPERELASTIC`; the default form is the polynomial. A data line has eight constants.
-pub(super) fn read_hyperelastic(context: &mut Context<'_>, card: &Card) {
+pub fn read_hyperelastic(context: &mut Context<'_>, card: &Card) {
     let given: Vec<&str> = FORMS.into_iter().filter(|form| card.has(form)).collect();
     if given.len() > 1 {
         return context.out_of_range(card.span, format!("{} and {} cannot be combined", given[0], given[1]));
@@ -52,7 +52,7 @@ pub(super) fn read_hyperelastic(context: &mut Context<'_>, card: &Card) {
 impl HyperelasticLaw {
     /// Checks the constants. An incompressible material has no stable time increment: D = 0 selects the default
     /// compressibility.
-    pub(super) fn check(&self) -> ValueCheck {
+    pub fn check(&self) -> ValueCheck {
         let is_valid = match &self.shape {
             DeviatoricEnergy::NeoHooke(_) => true,
             DeviatoricEnergy::Polynomial(terms) => {
@@ -119,26 +119,26 @@ fn rubber_constants(context: &mut Context<'_>, card: &Card, count: usize) -> Opt
 }
 
 /// Reads the yield surface of `*CRUSHABLE FOAM`.
-pub(super) fn read_crushable_foam(context: &mut Context<'_>, card: &Card) {
+pub fn read_crushable_foam(context: &mut Context<'_>, card: &Card) {
     let cards::CrushableFoam { isotropic, ratios } = card.values();
     let shape = if isotropic { FoamYieldSurface::Isotropic(ratios) } else { FoamYieldSurface::Volumetric(ratios) };
     context.last_material().foam.shape = Some((shape, card.span));
 }
 
 /// Reads `*CRUSHABLE FOAM HARDENING`; both columns are positive in compression.
-pub(super) fn read_foam_hardening(context: &mut Context<'_>, card: &Card) {
+pub fn read_foam_hardening(context: &mut Context<'_>, card: &Card) {
     let cards::CrushableFoamHardening { rows } = card.values();
     if context.accepts(card, check_foam_hardening(&rows)) {
         context.last_material().foam.hardening = rows;
     }
 }
 
-pub(super) fn check_foam_hardening(rows: &[[f64; 2]]) -> ValueCheck {
+pub fn check_foam_hardening(rows: &[[f64; 2]]) -> ValueCheck {
     require(rows.first().is_none_or(|row| row[1] == 0.0), "plastic strains must start at 0")
 }
 
 /// Reads Rayleigh damping; coefficients of zero mean none.
-pub(super) fn read_damping(context: &mut Context<'_>, card: &Card) {
+pub fn read_damping(context: &mut Context<'_>, card: &Card) {
     let cards::Damping { alpha, beta } = card.values();
     let damping = RayleighCoefficients { alpha, beta, span: card.span };
     context.last_material().damping = (alpha > 0.0 || beta > 0.0).then_some(damping);

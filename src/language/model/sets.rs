@@ -9,7 +9,7 @@ use super::types::MemberSet;
 use crate::deck::rows::words;
 use crate::deck::{Card, DataLine, Diagnostic, Span};
 
-pub(super) fn read_nset(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
+pub fn read_nset(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(name) = context.required(card, "NSET") else { return };
     let outer = enter_instance(context, parts, card);
     let mut members = members(context, card, true);
@@ -27,7 +27,7 @@ pub(super) fn read_nset(context: &mut Context<'_>, parts: &mut PartReader<'_>, m
     add_node_set(context, &name.text, members, card.span);
 }
 
-pub(super) fn read_elset(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card) {
+pub fn read_elset(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card) {
     let Some(name) = context.required(card, "ELSET") else { return };
     let outer = enter_instance(context, parts, card);
     let members = members(context, card, false);
@@ -126,12 +126,12 @@ fn generated(context: &mut Context<'_>, line: &DataLine, nodes: bool, members: &
     }
 }
 
-pub(super) fn add_node_set(context: &mut Context<'_>, name: &str, members: Vec<usize>, span: Span) {
+pub fn add_node_set(context: &mut Context<'_>, name: &str, members: Vec<usize>, span: Span) {
     let name = qualified(&context.scope, name);
     unite(context.model.node_sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
 }
 
-pub(super) fn add_element_set(context: &mut Context<'_>, name: &str, members: Vec<usize>, span: Span) {
+pub fn add_element_set(context: &mut Context<'_>, name: &str, members: Vec<usize>, span: Span) {
     let name = qualified(&context.scope, name);
     unite(context.model.element_sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
 }

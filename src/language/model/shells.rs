@@ -8,7 +8,7 @@ use super::types::{ElementKind, ShellSection, ShellThinning};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
-pub(super) fn read_shell_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
+pub fn read_shell_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
     let Some((elements, material)) = materials::section_of(context, sections, card, |kind| kind == ElementKind::Sax1)
     else {
         return;
@@ -37,13 +37,13 @@ fn thinning(context: &mut Context<'_>, card: &Card) -> Option<ShellThinning> {
 }
 
 /// Checks the number of section points.
-pub(super) fn check_points(points: usize) -> ValueCheck {
+pub fn check_points(points: usize) -> ValueCheck {
     require(points % 2 == 1, format!("the number of Simpson points must be odd, found {points}"))
 }
 
 impl ShellThinning {
     /// Checks the range of an effective Poisson's ratio.
-    pub(super) fn check(&self) -> ValueCheck {
+    pub fn check(&self) -> ValueCheck {
         let ShellThinning::Ratio(ratio) = *self else { return Ok(()) };
         let message = format!("POISSON must be above -1 and at most 0.5, found {ratio}");
         let label = "expected MATERIAL, ELASTIC or a ratio";

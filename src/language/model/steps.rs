@@ -15,17 +15,12 @@ const MOST_INCREMENTS: f64 = 1e15;
 /// Default relative error of automatic increments.
 pub const DEFAULT_ACCURACY: f64 = 1e-4;
 
-pub(super) fn read_end_step(
-    context: &mut Context<'_>,
-    parts: &mut PartReader<'_>,
-    steps: &mut StepReader,
-    card: &Card,
-) {
+pub fn read_end_step(context: &mut Context<'_>, parts: &mut PartReader<'_>, steps: &mut StepReader, card: &Card) {
     parts.close(context, "STEP", card);
     close_step(context, steps);
 }
 
-pub(super) fn read_step(context: &mut Context<'_>, parts: &mut PartReader<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_step(context: &mut Context<'_>, parts: &mut PartReader<'_>, steps: &mut StepReader, card: &Card) {
     close_step(context, steps);
     parts.open("STEP", card);
     let number = context.model.steps.len() + 1;
@@ -56,7 +51,7 @@ fn check_general_contact(context: &mut Context<'_>, steps: &mut StepReader) {
     }
 }
 
-pub(super) fn close_step(context: &mut Context<'_>, steps: &mut StepReader) {
+pub fn close_step(context: &mut Context<'_>, steps: &mut StepReader) {
     check_general_contact(context, steps);
     adaptive::apply_adaptive_controls(context, steps);
     if steps.current.is_some() {
@@ -128,7 +123,7 @@ fn ended_outputs(context: &mut Context<'_>, steps: &mut StepReader, state: &Step
     }
 }
 
-pub(super) fn read_dynamic(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_dynamic(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     if !card.has("EXPLICIT") {
         let help = format!("write *{}, EXPLICIT", card.keyword.name);
         return context.unsupported(card.span, "implicit dynamics is not supported", &help);
@@ -169,7 +164,7 @@ fn increment_control(context: &mut Context<'_>, card: &Card, values: &cards::Dyn
 
 impl IncrementControl {
     /// Checks given and largest increments in a step of this duration.
-    pub(super) fn check(&self, duration: f64) -> ValueCheck {
+    pub fn check(&self, duration: f64) -> ValueCheck {
         let (IncrementControl::Fixed(given) | IncrementControl::Automatic { largest: given, .. }) = *self;
         let count = duration / given;
         let message =
@@ -183,7 +178,7 @@ impl IncrementControl {
 }
 
 /// Reads bulk viscosity, which remains in force until another step changes it.
-pub(super) fn read_bulk_viscosity(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+pub fn read_bulk_viscosity(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     if context.first_line(card).is_none() {
         return;
     }

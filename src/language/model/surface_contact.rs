@@ -8,7 +8,7 @@ use super::types::{AnalyticalSide, InteractionLaw, PrescribedClearance, SideSele
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
 /// Adds or deletes a pair of element-based surfaces.
-pub(super) fn surface_pair(
+pub fn surface_pair(
     context: &mut Context<'_>,
     steps: &mut StepReader,
     card: &Card,
@@ -32,7 +32,7 @@ pub(super) fn surface_pair(
 }
 
 /// Adds or deletes a contact pair; one surface may be analytical.
-pub(super) fn add_pair(
+pub fn add_pair(
     context: &mut Context<'_>,
     steps: &mut StepReader,
     card: &Card,
@@ -96,7 +96,7 @@ fn warn_of_pair_given_twice(
 }
 
 /// Returns the faces of an element-based surface.
-pub(super) fn contact_sides(context: &mut Context<'_>, word: &Word) -> Option<SideSelection> {
+pub fn contact_sides(context: &mut Context<'_>, word: &Word) -> Option<SideSelection> {
     let names = [qualified(&context.scope, &word.text), upper(&word.text)];
     if names.iter().any(|n| context.model.surfaces.nodes.contains_key(n)) {
         let message = format!("`{}` is a node-based surface, which can only contact analytical surfaces", word.text);

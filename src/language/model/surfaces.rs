@@ -9,7 +9,7 @@ use super::types::{ElementKind, ElementSide, ElementSurface, SideSelection};
 use super::{adaptive, contact};
 use crate::deck::{Card, Diagnostic, Word};
 
-pub(super) fn read_surface(context: &mut Context<'_>, mesh: &mut MeshReader, steps: &mut StepReader, card: &Card) {
+pub fn read_surface(context: &mut Context<'_>, mesh: &mut MeshReader, steps: &mut StepReader, card: &Card) {
     let Some(name) = context.required(card, "NAME") else { return };
     let of_faces = card.value("TYPE").is_none_or(|w| w.is("ELEMENT"));
     if let Some(parameter) = card.parameters.iter().find(|p| p.name == "REGION TYPE").filter(|_| !of_faces) {
@@ -108,12 +108,7 @@ fn interior_sides(context: &mut Context<'_>, elements: &[usize], side: &Word, ex
 }
 
 /// Returns the faces of elements, which `set` names, on a side.
-pub(super) fn sides(
-    context: &mut Context<'_>,
-    set: &Word,
-    elements: &[usize],
-    word: &Word,
-) -> Vec<(usize, ElementSide)> {
+pub fn sides(context: &mut Context<'_>, set: &Word, elements: &[usize], word: &Word) -> Vec<(usize, ElementSide)> {
     let name = upper(&word.text);
     let mut faces = Vec::new();
     for &element in elements {
@@ -152,7 +147,7 @@ fn free_sides(context: &Context<'_>, elements: &[usize]) -> Vec<(usize, ElementS
 
 /// Returns the faces of a surface on which a load acts. A surface with both sides of a shell is an error: the load
 /// has no direction.
-pub(super) fn loaded_sides(context: &mut Context<'_>, word: &Word) -> Option<SideSelection> {
+pub fn loaded_sides(context: &mut Context<'_>, word: &Word) -> Option<SideSelection> {
     let id = context.surface_id(word)?;
     let sides = context.model.surfaces.faces[id].sides(&word.text);
     let Some(element) = sides.two_sided_element() else { return Some(sides) };
@@ -167,7 +162,7 @@ pub(super) fn loaded_sides(context: &mut Context<'_>, word: &Word) -> Option<Sid
 
 impl ElementSurface {
     /// Returns the faces of the surface under the name used by a card.
-    pub(super) fn sides(&self, name: &str) -> SideSelection {
+    pub fn sides(&self, name: &str) -> SideSelection {
         SideSelection {
             name: name.into(),
             surface: true,
@@ -179,7 +174,7 @@ impl ElementSurface {
 
 impl SideSelection {
     /// Returns an element that has both of its sides in this surface.
-    pub(super) fn two_sided_element(&self) -> Option<usize> {
+    pub fn two_sided_element(&self) -> Option<usize> {
         let first: HashSet<_> = self.first_sides().into_iter().collect();
         self.faces.iter().find(|f| !first.contains(f)).map(|f| f.0)
     }
@@ -208,7 +203,7 @@ impl SideSelection {
 }
 
 /// Returns the sides that a label denotes for an element type; none if the type has no such side.
-pub(super) fn sides_of(name: &str, kind: ElementKind) -> impl Iterator<Item = ElementSide> {
+pub fn sides_of(name: &str, kind: ElementKind) -> impl Iterator<Item = ElementSide> {
     let shell = matches!(kind, ElementKind::Rax2 | ElementKind::Sax1);
     let of_shell = match name {
         "SPOS" if shell => Some(ElementSide::Positive),

@@ -7,7 +7,7 @@ use crate::deck::table::constraints as cards;
 use crate::deck::{Card, Diagnostic};
 use crate::kernel::free_surface::FiniteSphere;
 
-pub(super) fn read_target(context: &mut Context<'_>, card: &Card) {
+pub fn read_target(context: &mut Context<'_>, card: &Card) {
     let values: cards::Target = card.values();
     if values.direction.abs() != 1.0 {
         return context.out_of_range(card.span, format!("DIRECTION must be 1 or -1, found {}", values.direction));
@@ -63,7 +63,7 @@ fn layer(context: &mut Context<'_>, card: &Card, at: usize, radius: f64) -> Opti
 }
 
 /// Checks the layers of targets with free surfaces, whose effect depends on Young's modulus and the yield stress Y.
-pub(super) fn check_free_surfaces(context: &mut Context<'_>) {
+pub fn check_free_surfaces(context: &mut Context<'_>) {
     let free = context.model.targets.iter().filter(|t| t.free_surfaces != FreeSurfaces::Off);
     let layers: Vec<TargetLayer> = free.flat_map(|t| t.layers.iter().copied()).collect();
     layers.iter().for_each(|layer| check_elasticity(context, layer));
@@ -88,7 +88,7 @@ fn check_elasticity(context: &mut Context<'_>, layer: &TargetLayer) {
 }
 
 /// Returns the message about a material of a layer that lacks density or resistance.
-pub(super) fn no_resistance(material: &MaterialDefinition) -> String {
+pub fn no_resistance(material: &MaterialDefinition) -> String {
     let name = &material.name;
     format!("material {name} has no resistance: a target layer requires *DENSITY and *CAVITY EXPANSION")
 }

@@ -10,25 +10,25 @@ use crate::deck::{Card, DataLine};
 const ROW: usize = 8;
 
 /// Reads `*USER MATERIAL, CONSTANTS=n`.
-pub(super) fn read_user_material(context: &mut Context<'_>, card: &Card) {
+pub fn read_user_material(context: &mut Context<'_>, card: &Card) {
     if context.required(card, "CONSTANTS").is_some() {
         context.last_material().user.material = constants(context, card, "CONSTANTS");
     }
 }
 
 /// Reads `*PLASTIC, HARDENING=USER, PROPERTIES=n`.
-pub(super) fn user_hardening(context: &mut Context<'_>, card: &Card) {
+pub fn user_hardening(context: &mut Context<'_>, card: &Card) {
     context.last_material().plastic = constants(context, card, "PROPERTIES").map(PlasticityModel::User);
 }
 
 /// Reads `*USER DEFINED FIELD, PROPERTIES=n`.
-pub(super) fn read_user_fields(context: &mut Context<'_>, card: &Card) {
+pub fn read_user_fields(context: &mut Context<'_>, card: &Card) {
     context.last_material().user.fields =
         constants(context, card, "PROPERTIES").map(|constants| (constants, card.span));
 }
 
 /// Reads `*CHARACTERISTIC LENGTH`: the square root of the area (default) or a user subroutine.
-pub(super) fn read_characteristic_length(context: &mut Context<'_>, card: &Card) {
+pub fn read_characteristic_length(context: &mut Context<'_>, card: &Card) {
     if card.read("DEFINITION") {
         context.last_material().user.lengths = constants(context, card, "PROPERTIES").map(|list| (list, card.span));
     }
@@ -62,7 +62,7 @@ fn constants(context: &mut Context<'_>, card: &Card, parameter: &str) -> Option<
 }
 
 /// Reads `*DEPVAR`: the number of variables, then lines of number, name and description.
-pub(super) fn read_state_variables(context: &mut Context<'_>, card: &Card) {
+pub fn read_state_variables(context: &mut Context<'_>, card: &Card) {
     let calls = |c: &&Card| {
         let name = c.keyword.name;
         let hardening = name == "PLASTIC" && c.value("HARDENING").is_some_and(|w| w.is("USER"));
@@ -94,7 +94,7 @@ fn state_name(context: &mut Context<'_>, line: &DataLine, count: usize) -> Optio
 
 /// Reads `*INITIAL CONDITIONS, TYPE=SOLUTION`: a set with seven state variables, then eight per line. A line of
 /// numbers continues the previous one until all variables are given; other lines start a new set.
-pub(super) fn initial_state(context: &mut Context<'_>, card: &Card) {
+pub fn initial_state(context: &mut Context<'_>, card: &Card) {
     let most = context.deck.cards.iter().filter(|c| c.keyword.name == "DEPVAR");
     let counts = most.filter_map(|c| c.lines.first()?.field(0)?.text.parse::<usize>().ok());
     let most = counts.max().unwrap_or(0);
