@@ -136,23 +136,10 @@ impl Keyword {
     /// # Panics
     /// If the card has no such parameter or field.
     pub const fn field(&self, name: &str) -> &'static InputRule {
-        let mut found = find(self.parameters, name);
-        let mut at = 0;
-        while at < self.data.len() && found.is_none() {
-            found = match &self.data[at].shape {
-                DataShape::Nothing => None,
-                DataShape::Text(rule) | DataShape::List(rule) => find(std::slice::from_ref(rule), name),
-                DataShape::Stream(rules) | DataShape::Wrapped(_, rules) => find(rules, name),
-                DataShape::Lines(lines, _) => {
-                    let mut line = 0;
-                    while line + 1 < lines.len() && find(lines[line], name).is_none() {
-                        line += 1;
-                    }
-                    if lines.is_empty() { None } else { find(lines[line], name) }
-                }
-            };
-            at += 1;
-        }
+        let found = match find(self.parameters, name) {
+            None => find_in_data(self.data, name),
+            found => found,
+        };
         found.expect("the card has no such parameter or field")
     }
 
@@ -175,20 +162,36 @@ impl Keyword {
     }
 }
 
-/// Returns the first rule with a name.
 const fn find(rules: &'static [InputRule], name: &str) -> Option<&'static InputRule> {
-    let mut at = 0;
-    while at < rules.len() {
-        let (known, mut length) = (rules[at].name.as_bytes(), 0);
-        while length < known.len() && length < name.len() && known[length] == name.as_bytes()[length] {
-            length += 1;
-        }
-        if length == known.len() && length == name.len() {
-            return Some(&rules[at]);
-        }
-        at += 1;
+    match rules {
+        [] => None,
+        [first, ..] if is_same(first.name.as_bytes(), name.as_bytes()) => Some(first),
+        [_, rest @ ..] => find(rest, name),
     }
-    None
+}
+
+const fn find_in_lines(lines: &'static [&'static [InputRule]], name: &str) -> Option<&'static InputRule> {
+    let [first, rest @ ..] = lines else { return None };
+    if let Some(rule) = find(first, name) { Some(rule) } else { find_in_lines(rest, name) }
+}
+
+const fn find_in_data(shapes: &'static [ConditionalShape], name: &str) -> Option<&'static InputRule> {
+    let [first, rest @ ..] = shapes else { return None };
+    let found = match &first.shape {
+        DataShape::Nothing => None,
+        DataShape::Text(rule) | DataShape::List(rule) => find(std::slice::from_ref(rule), name),
+        DataShape::Stream(rules) | DataShape::Wrapped(_, rules) => find(rules, name),
+        DataShape::Lines(lines, _) => find_in_lines(lines, name),
+    };
+    if let Some(rule) = found { Some(rule) } else { find_in_data(rest, name) }
+}
+
+const fn is_same(name: &[u8], other: &[u8]) -> bool {
+    match (name, other) {
+        ([], []) => true,
+        ([first, name @ ..], [second, other @ ..]) => *first == *second && is_same(name, other),
+        _ => false,
+    }
 }
 
 impl DataShape {

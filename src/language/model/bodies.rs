@@ -9,7 +9,7 @@ use super::types::{ElementKind, InitialAttitude, InitialCondition, InitialKind, 
 use super::{contact, user_material};
 use crate::deck::read::FromValue;
 use crate::deck::table::constraints as cards;
-use crate::deck::{Card, Diagnostic, Span, Word};
+use crate::deck::{Card, Diagnostic, Word};
 
 /// Indices of the values of `TYPE` in the keyword table.
 const FIELD: usize = 5;
@@ -135,21 +135,17 @@ pub fn read_initial_conditions(context: &mut Context<'_>, conditions: &mut Condi
         };
         let members = if kind.applies_to_elements() { context.element_members(set) } else { context.node_members(set) };
         if let Some(members) = members {
-            warn_of_repeated_condition(context, conditions, &kind, &members, line.span);
-            context.model.initial_conditions.push(InitialCondition { kind, members, span: line.span });
+            let condition = InitialCondition { kind, members, span: line.span };
+            warn_of_repeated_condition(context, conditions, &condition);
+            context.model.initial_conditions.push(condition);
         }
     }
     listed::complete_initial_conditions(context, from);
 }
 
 /// Warns if an earlier condition of the same kind has the same members: it has no effect.
-fn warn_of_repeated_condition(
-    context: &mut Context<'_>,
-    conditions: &mut ConditionReader,
-    kind: &InitialKind,
-    members: &[usize],
-    span: Span,
-) {
+fn warn_of_repeated_condition(context: &mut Context<'_>, conditions: &mut ConditionReader, added: &InitialCondition) {
+    let InitialCondition { kind, members, span } = added;
     let same = |other: &InitialKind| match (kind, other) {
         (InitialKind::Velocity(dof, _), InitialKind::Velocity(other, _)) => dof == other,
         (InitialKind::Field(variable, _), InitialKind::Field(other, _)) => variable == other,
@@ -158,11 +154,11 @@ fn warn_of_repeated_condition(
     // The number of conditions can be that of nodes, and each comparison of members is short if they differ.
     let first = conditions.repeated_conditions.entry((members.len(), members.first().copied())).or_default();
     let earlier = first.iter().map(|at| &context.model.initial_conditions[*at]);
-    let repeated = earlier.filter(|c| same(&c.kind) && c.members == members).map(|c| c.span).next();
+    let repeated = earlier.filter(|c| same(&c.kind) && c.members == *members).map(|c| c.span).next();
     first.push(context.model.initial_conditions.len());
     if let Some(earlier) = repeated {
         let message = "this initial condition replaces an earlier one of the same kind on the same members";
-        let diagnostic = Diagnostic::warning("M160", message).at(span, "second definition");
+        let diagnostic = Diagnostic::warning("M160", message).at(*span, "second definition");
         context.diagnostics.push(diagnostic.at(earlier, "has no effect").help("remove one definition"));
     }
 }

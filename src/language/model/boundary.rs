@@ -4,7 +4,7 @@ use super::context::Context;
 use super::families::{ConditionReader, RotationalCondition, StepReader};
 use super::names::upper;
 use super::refinement::listed;
-use super::types::{AmplitudeId, BoundaryCondition, MotionKind};
+use super::types::{BoundaryCondition, MotionKind};
 use super::{adaptive, amplitudes};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
@@ -40,8 +40,9 @@ pub fn read_boundary(context: &mut Context<'_>, conditions: &mut ConditionReader
         let ([first, last], rotation) = (degrees.range, degrees.rotation);
         let value = amplitudes::scaled(context, value, amplitude);
         if first == 11 {
-            let line = (line, set.text.clone(), nodes, value);
-            prescribed_temperature(context, steps, card, line, amplitude);
+            let (set, kind, span) = (set.text.clone(), MotionKind::Temperature, line.span);
+            let condition = BoundaryCondition { nodes, set, dof: 11, kind, user: false, value, amplitude, span };
+            prescribe_temperature(context, steps, card, condition);
             continue;
         }
         if steps.current.is_none() && (value != 0.0 || user) {
@@ -74,27 +75,20 @@ pub fn read_boundary(context: &mut Context<'_>, conditions: &mut ConditionReader
 
 /// Prescribes a temperature (degree of freedom 11). Without amplitude the value is applied at once (ABAQUS Analysis
 /// User's Guide 34.1.2, "Amplitude curves").
-fn prescribed_temperature(
-    context: &mut Context<'_>,
-    steps: &mut StepReader,
-    card: &Card,
-    (line, set, nodes, value): (&DataLine, String, Vec<usize>, f64),
-    amplitude: Option<AmplitudeId>,
-) {
+fn prescribe_temperature(context: &mut Context<'_>, steps: &mut StepReader, card: &Card, condition: BoundaryCondition) {
     let refusal = if card.has("USER") || card.value("TYPE").is_some_and(|w| !w.is("DISPLACEMENT")) {
         Some(("USER and TYPE of a prescribed temperature are not supported", "give a value, with AMPLITUDE="))
     } else if steps.current.is_none() {
         Some(("a temperature cannot be prescribed before the first step", "give it inside a *STEP"))
-    } else if steps.current.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
+    } else if steps.current.as_ref().is_some_and(|s| s.ramp) && condition.amplitude.is_none() {
         Some(("*STEP, AMPLITUDE=RAMP with a prescribed temperature is not supported", "give AMPLITUDE="))
     } else {
         None
     };
     if let Some((message, help)) = refusal {
-        return context.unsupported(line.span, message, help);
+        return context.unsupported(condition.span, message, help);
     }
-    let (span, kind) = (line.span, MotionKind::Temperature);
-    steps.state().boundaries.push(BoundaryCondition { nodes, set, dof: 11, kind, user: false, value, amplitude, span });
+    steps.state().boundaries.push(condition);
 }
 
 /// Reports a nonzero value before the first step, where boundary conditions can only fix degrees of freedom (ABAQUS

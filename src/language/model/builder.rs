@@ -4,7 +4,6 @@ use super::context::Context;
 use super::families::{
     ConditionReader, MaterialReader, MeshReader, OutputReader, PartReader, SectionReader, StepReader,
 };
-use super::lost::is_skipped;
 use super::readers::find_reader;
 use super::types::Model;
 use super::{bodies, completion, contact, copies, elements, links, materials, order, steps};
@@ -63,7 +62,7 @@ impl<'a> ModelBuilder<'a> {
         let is_lost = card.keyword.place.is_below("MATERIAL")
             && self.context.model.materials.is_empty()
             && !self.materials.in_interaction;
-        if let Some(reader) = find_reader(name).filter(|_| !(is_lost || faulty && is_skipped(card))) {
+        if let Some(reader) = find_reader(name).filter(|reader| !is_lost && (reader.always || !faulty)) {
             (reader.read)(self, card);
         }
         if faulty || self.context.diagnostics.error_count() > errors_before {

@@ -106,8 +106,7 @@ pub fn interface_evolution(context: &mut Context<'_>, card: &Card) {
     if context.last_material().interface.evolution.is_some() {
         return context.misplaced(card, NO_INITIATION, "DAMAGE INITIATION");
     }
-    let values: cards::DamageEvolution = card.values();
-    if let Some(softening) = softening(context, card, &values) {
+    if let Some(softening) = softening(context, card) {
         context.last_material().interface.evolution = Some(InterfaceEvolution { softening, span: card.span });
     }
 }
@@ -124,11 +123,8 @@ pub fn is_bulk_evolution(context: &mut Context<'_>, card: &Card) -> bool {
 }
 
 /// Returns the softening of `*DAMAGE EVOLUTION`. Unsupported combinations are reported.
-pub fn softening(
-    context: &mut Context<'_>,
-    card: &Card,
-    values: &cards::DamageEvolution,
-) -> Option<InterfaceSoftening> {
+pub fn softening(context: &mut Context<'_>, card: &Card) -> Option<InterfaceSoftening> {
+    let values = &card.values::<cards::DamageEvolution>();
     check_mode_parameters(context, card, values)?;
     if values.softening == TABULAR {
         return softening_table(context, card, values);

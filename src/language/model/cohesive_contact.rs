@@ -74,8 +74,7 @@ pub fn read_cohesive_evolution(context: &mut Context<'_>, card: &Card) {
         }
         return;
     }
-    let values: materials::DamageEvolution = card.values();
-    let softening = softening(context, card, &values);
+    let softening = softening(context, card);
     if let (Some(softening), Some(cohesion)) = (softening, last_cohesion(context, card)) {
         cohesion.evolution = Some(InterfaceEvolution { softening, span: card.span });
     }

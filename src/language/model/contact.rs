@@ -31,8 +31,8 @@ fn equidistant_centre(a: [f64; 2], b: [f64; 2], centre: [f64; 2]) -> [f64; 2] {
 /// TYPE=SEGMENTS).
 pub fn analytical_surface(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card, name: &Word) {
     let Some((start, rest)) = card.lines.split_first() else {
-        required_lines(context, card);
-        return;
+        let message = "an analytical surface must start with `START, r, z`";
+        return context.error("M102", message, card.span, "no data lines");
     };
     let Some(mut at) = surface_point(context, start, "START") else { return };
     let (mut segments, mut lines) = (Vec::new(), Vec::new());
@@ -64,19 +64,13 @@ pub fn analytical_surface(context: &mut Context<'_>, mesh: &mut MeshReader, card
     let profile = placed(mesh, profile);
     let surface = RigidSurface { profile, reference: None, span: card.span };
     let key = qualified(&context.scope, &name.text);
-    if let Some(first) =
-        context.model.surfaces.analytical.get(&key).filter(|_| !context.missing.faulty.contains(&card.span))
-    {
+    let first = context.model.surfaces.analytical.get(&key);
+    if let Some(first) = first.filter(|_| !context.missing.faulty.contains(&card.span)) {
         let message = format!("the surface {} is defined twice", name.text);
         let diagnostic = Diagnostic::error("M160", message).at(card.span, "second definition");
         return context.diagnostics.push(diagnostic.at(first.span, "first definition").help("remove one definition"));
     }
     context.model.surfaces.analytical.insert(key, surface);
-}
-
-fn required_lines(context: &mut Context<'_>, card: &Card) {
-    let diagnostic = Diagnostic::error("M102", "an analytical surface must start with `START, r, z`");
-    context.diagnostics.push(diagnostic.at(card.span, "no data lines"));
 }
 
 /// Places a profile by the current instance. If the placement mirrors the plane, the profile is reversed, so that
@@ -202,7 +196,6 @@ pub fn contact_note(context: &mut Context<'_>, card: &Card) {
 }
 
 pub fn read_contact_pair(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
-    let adds = card.read("OP");
     if context.first_line(card).is_none() {
         return;
     }
@@ -218,7 +211,7 @@ pub fn read_contact_pair(context: &mut Context<'_>, steps: &mut StepReader, card
             (None, Some(surface)) => (1, surface, first),
             _ if context.missing.explains("surface", first) || context.missing.explains("surface", second) => continue,
             (None, None) => {
-                surface_contact::surface_pair(context, steps, card, line, [first, second], adds);
+                surface_contact::surface_pair(context, steps, card, line, [first, second]);
                 continue;
             }
             _ => {
@@ -232,14 +225,8 @@ pub fn read_contact_pair(context: &mut Context<'_>, steps: &mut StepReader, card
         // Nodes of shells contact an analytical surface on either side.
         let sides = SideSelection { faces: sides.first_sides(), ..sides };
         let sides = if side == 0 { [rigid, sides] } else { [sides, rigid] };
-        surface_contact::add_pair(
-            context,
-            steps,
-            card,
-            line,
-            (sides, Some(AnalyticalSide { side, surface, nodes })),
-            adds,
-        );
+        let analytical = AnalyticalSide { side, surface, nodes };
+        surface_contact::add_pair(context, steps, card, line, sides, Some(analytical));
     }
 }
 
@@ -248,11 +235,6 @@ pub fn analytical_id(context: &Context<'_>, word: &Word) -> Option<RigidSurfaceI
     let known = &context.model.surfaces.analytical;
     let names = [qualified(&context.scope, &word.text), upper(&word.text)];
     names.iter().find_map(|name| known.get_index_of(name)).map(RigidSurfaceId::new)
-}
-
-pub fn report_missing_pair(context: &mut Context<'_>, span: Span) {
-    let message = "the contact pair to delete does not exist";
-    context.error("M114", message, span, "not in force here");
 }
 
 /// Copies the laws of interactions to the contacts after all cards are read; a pair may precede its interaction.

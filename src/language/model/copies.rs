@@ -81,7 +81,6 @@ fn label_shift(context: &mut Context<'_>, card: &Card, name: &str) -> Option<i64
 }
 
 /// Returns the coordinate transformation of a `*NCOPY` card.
-#[allow(clippy::type_complexity)] // The function depends on the card.
 fn copy_transform(context: &mut Context<'_>, card: &Card) -> Option<Box<dyn Fn([f64; 2]) -> [f64; 2]>> {
     if card.has("SHIFT") {
         let placement = if card.lines.is_empty() { None } else { Some(read_placement(context, card)?) };

@@ -18,12 +18,8 @@ const ROWS: i32 = 140;
 const STRAINS: [f64; 2] = [1e-5, 30.0];
 
 /// Stores the request until the other cards of the material are read.
-pub(super) fn derivation(
-    context: &mut Context<'_>,
-    materials: &mut MaterialReader,
-    card: &Card,
-    values: &cards::CavityExpansion,
-) {
+pub(super) fn derivation(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
+    let values: cards::CavityExpansion = card.values();
     // A target checks that its materials have a resistance; the constants follow after all cards are read.
     context.last_material().cavity =
         Some(CavityExpansion { yield_stress: 0.0, a: 0.0, b: 0.0, c: 0.0, derived: None, span: card.span });

@@ -2,11 +2,11 @@
 
 use super::context::Context;
 use super::families::StepReader;
-use super::loads::read_lines;
+use super::loads::{ReadLoad, label, read_lines, unknown_label};
 use super::names::upper;
 use super::types::{AmplitudeId, LoadKind, SideSelection};
 use super::{amplitudes, surfaces};
-use crate::deck::{Card, DataLine, Diagnostic, Word};
+use crate::deck::{Card, DataLine, Word};
 
 pub fn read_heat_loads(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
@@ -22,13 +22,13 @@ pub fn read_heat_loads(context: &mut Context<'_>, steps: &mut StepReader, card: 
     });
 }
 
-fn nodal_heat(context: &mut Context<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
+fn nodal_heat(context: &mut Context<'_>, line: &DataLine) -> Option<ReadLoad> {
     let set = context.region(line)?;
     let nodes = context.original_nodes(set)?;
     Some((LoadKind::NodalHeat { nodes, set: set.text.clone() }, context.number(line, 2, "the heat flux")?))
 }
 
-fn element_heat(context: &mut Context<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
+fn element_heat(context: &mut Context<'_>, line: &DataLine) -> Option<ReadLoad> {
     if line.field(1).is_some_and(|label| label.is("BF")) {
         let set = context.region(line)?;
         let elements = context.element_members(set)?;
@@ -39,12 +39,7 @@ fn element_heat(context: &mut Context<'_>, line: &DataLine) -> Option<(LoadKind,
     Some((LoadKind::SurfaceHeat(sides), context.number(line, 2, "the heat flux per area")?))
 }
 
-fn film(
-    context: &mut Context<'_>,
-    line: &DataLine,
-    family: &str,
-    amplitude: Option<AmplitudeId>,
-) -> Option<(LoadKind, f64)> {
+fn film(context: &mut Context<'_>, line: &DataLine, family: &str, amplitude: Option<AmplitudeId>) -> Option<ReadLoad> {
     let sides =
         if family == "FILM" { element_sides(context, line, 'F', "F1 to F4")? } else { surface_sides(context, line)? };
     let fluid = context.number(line, 2, "the fluid temperature")?;
@@ -56,15 +51,10 @@ fn film(
 fn element_sides(context: &mut Context<'_>, line: &DataLine, letter: char, known: &str) -> Option<SideSelection> {
     let set = context.region(line)?;
     let elements = context.element_members(set)?;
-    let Some(label) = line.field(1) else {
-        let diagnostic = Diagnostic::error("M102", "the load label is missing").at(line.span, "second field");
-        return context.diagnostics.refuse(diagnostic.help(format!("supported: {known}")));
-    };
+    let label = label(context, line, known)?;
     let number = upper(&label.text).strip_prefix(letter).and_then(|n| n.parse::<u8>().ok());
     let Some(number) = number.filter(|n| (1..=4).contains(n)) else {
-        let message = format!("load type {} is not supported", label.text);
-        let diagnostic = Diagnostic::error("M132", message).at(label.span, "this label");
-        return context.diagnostics.refuse(diagnostic.help(format!("supported: {known}")));
+        return unknown_label(context, label, known);
     };
     let word = Word { text: format!("S{number}"), ..label.clone() };
     Some(SideSelection {

@@ -14,6 +14,9 @@ use crate::platform::PortableMath as _;
 const LABELS: &str = "GRAV, BR, BZ, BRNU, BZNU, CENTRIF, P, VP, TRVEC, TRSHR and PNU (on element faces P1 to P4, P1NU to P4NU, VP1 ..., \
                       TRVEC1 ..., TRSHR1 ...), CAVITY";
 
+/// Kind and magnitude of the load of a data line.
+pub type ReadLoad = (LoadKind, f64);
+
 pub fn read_loads(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
     check_load_options(context, card);
@@ -30,7 +33,7 @@ pub fn read_lines(
     steps: &mut StepReader,
     card: &Card,
     amplitude: Option<AmplitudeId>,
-    read: impl Fn(&mut Context<'_>, &DataLine) -> Option<(LoadKind, f64)>,
+    read: impl Fn(&mut Context<'_>, &DataLine) -> Option<ReadLoad>,
 ) {
     let family = card.keyword.name;
     if steps.operation(card, family) {
@@ -77,7 +80,7 @@ fn check_load_options(context: &mut Context<'_>, card: &Card) {
     }
 }
 
-fn concentrated(context: &mut Context<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
+fn concentrated(context: &mut Context<'_>, line: &DataLine) -> Option<ReadLoad> {
     let set = context.region(line)?;
     let nodes = context.original_nodes(set)?;
     let dof = context.integer(line, 1, "the degree of freedom")? as u8;
@@ -85,23 +88,25 @@ fn concentrated(context: &mut Context<'_>, line: &DataLine) -> Option<(LoadKind,
     Some((LoadKind::Concentrated { nodes, dof, set: set.text.clone() }, magnitude))
 }
 
-fn label<'l>(context: &mut Context<'_>, line: &'l DataLine) -> Option<&'l Word> {
+/// Returns the load label of a line, or reports that it is missing.
+pub fn label<'l>(context: &mut Context<'_>, line: &'l DataLine, supported: &str) -> Option<&'l Word> {
     let word = line.field(1);
     if word.is_none() {
         let diagnostic = Diagnostic::error("M102", "the load label is missing").at(line.span, "second field");
-        context.diagnostics.push(diagnostic.help(format!("supported: {LABELS}")));
+        context.diagnostics.push(diagnostic.help(format!("supported: {supported}")));
     }
     word
 }
 
-fn unknown_label(context: &mut Context<'_>, label: &Word) {
+/// Reports an unsupported load label.
+pub fn unknown_label<T>(context: &mut Context<'_>, label: &Word, supported: &str) -> Option<T> {
     let message = format!("load type {} is not supported", label.text);
     let diagnostic = Diagnostic::error("M132", message).at(label.span, "this label");
-    context.diagnostics.push(diagnostic.help(format!("supported: {LABELS}")));
+    context.diagnostics.refuse(diagnostic.help(format!("supported: {supported}")))
 }
 
-fn element_load(context: &mut Context<'_>, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
-    let label = label(context, line)?;
+fn element_load(context: &mut Context<'_>, card: &Card, line: &DataLine) -> Option<ReadLoad> {
+    let label = label(context, line, LABELS)?;
     let name = upper(&label.text);
     if name == "GRAV" {
         return gravity(context, line);
@@ -141,14 +146,16 @@ fn element_load(context: &mut Context<'_>, card: &Card, line: &DataLine) -> Opti
             surfaces::sides(context, set, &elements, &word)
         }
         _ => {
-            unknown_label(context, label);
-            return None;
+            return unknown_label(context, label, LABELS);
         }
     };
     let sides = SideSelection { name: set.text.clone(), surface: false, faces, free_face_elements: Vec::new() };
     // Load type codes of VDLOAD: 20 is PNU, 21 to 24 are P1NU to P4NU.
     let load_type = user.map(|_| 20 + number.and_then(|n| n.parse::<i32>().ok()).unwrap_or(0));
-    distributed(context, card, line, sides, load_type, name == "CAVITY")
+    if name == "CAVITY" {
+        return cavity_load(context, card, line, sides);
+    }
+    pressure(context, line, sides, load_type)
 }
 
 /// Selects the negative sides of shell elements: positive pressure on shell elements acts along their normals
@@ -161,35 +168,24 @@ fn orient_shell_sides(context: &Context<'_>, sides: &mut [(usize, ElementSide)])
     }
 }
 
-fn surface_load(context: &mut Context<'_>, card: &Card, line: &DataLine) -> Option<(LoadKind, f64)> {
+fn surface_load(context: &mut Context<'_>, card: &Card, line: &DataLine) -> Option<ReadLoad> {
     let word = context.region(line)?;
     let sides = surfaces::loaded_sides(context, word)?;
-    let label = label(context, line)?;
+    let label = label(context, line, LABELS)?;
     let name = upper(&label.text);
     if let Some((traction, "")) = traction(&name) {
         return traction_load(context, card, line, sides, traction);
     }
     if !matches!(name.as_str(), "P" | "PNU" | "CAVITY") {
-        unknown_label(context, label);
-        return None;
+        return unknown_label(context, label, LABELS);
     }
-    distributed(context, card, line, sides, (name == "PNU").then_some(0), name == "CAVITY")
+    if name == "CAVITY" {
+        return cavity_load(context, card, line, sides);
+    }
+    pressure(context, line, sides, (name == "PNU").then_some(0))
 }
 
-fn distributed(
-    context: &mut Context<'_>,
-    card: &Card,
-    line: &DataLine,
-    sides: SideSelection,
-    user: Option<i32>,
-    cavity: bool,
-) -> Option<(LoadKind, f64)> {
-    if cavity {
-        if let Some(word) = line.field(2).filter(|word| !word.text.parse().is_ok_and(|value: f64| value == 1.0)) {
-            context.report_surplus(word, "CAVITY has no magnitude: the target determines the pressure");
-        }
-        return cavity_load(context, card, sides).map(|kind| (kind, 1.0));
-    }
+fn pressure(context: &mut Context<'_>, line: &DataLine, sides: SideSelection, user: Option<i32>) -> Option<ReadLoad> {
     if let Some(load_type) = user {
         return Some((LoadKind::User { sides, load_type }, context.number_or(line, 2, 1.0)?));
     }
@@ -202,7 +198,7 @@ fn traction_load(
     line: &DataLine,
     sides: SideSelection,
     label: &str,
-) -> Option<(LoadKind, f64)> {
+) -> Option<ReadLoad> {
     let magnitude = context.number(line, 2, "the traction")?;
     let law = match label {
         "VP" => {
@@ -250,7 +246,10 @@ fn check_rotation_axis(context: &mut Context<'_>, line: &DataLine) {
     }
 }
 
-fn cavity_load(context: &mut Context<'_>, card: &Card, sides: SideSelection) -> Option<LoadKind> {
+fn cavity_load(context: &mut Context<'_>, card: &Card, line: &DataLine, sides: SideSelection) -> Option<ReadLoad> {
+    if let Some(word) = line.field(2).filter(|word| !word.text.parse().is_ok_and(|value: f64| value == 1.0)) {
+        context.report_surplus(word, "CAVITY has no magnitude: the target determines the pressure");
+    }
     let word = context.required(card, "TARGET")?;
     let target = context.model.targets.iter().position(|t| t.name == upper(&word.text));
     if target.is_none() {
@@ -258,10 +257,10 @@ fn cavity_load(context: &mut Context<'_>, card: &Card, sides: SideSelection) -> 
         context.unknown("M113", "target", word, |_| names.clone());
     }
     let friction = card.read("FRICTION");
-    Some(LoadKind::Cavity { sides, target: TargetId::new(target?), friction })
+    Some((LoadKind::Cavity { sides, target: TargetId::new(target?), friction }, 1.0))
 }
 
-fn gravity(context: &mut Context<'_>, line: &DataLine) -> Option<(LoadKind, f64)> {
+fn gravity(context: &mut Context<'_>, line: &DataLine) -> Option<ReadLoad> {
     let elements = match line.field(0) {
         Some(word) => Some(context.element_members(word)?),
         None => None,

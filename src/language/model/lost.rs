@@ -96,42 +96,6 @@ impl MissingDefinitions {
     }
 }
 
-/// Returns whether a card with a reported error is skipped, because further errors would be consequential. Cards that
-/// open blocks or define many items are read anyway, since other cards depend on them.
-pub fn is_skipped(card: &Card) -> bool {
-    const READ: &[&str] = &[
-        "HEADING",
-        "PART",
-        "END PART",
-        "ASSEMBLY",
-        "END ASSEMBLY",
-        "INSTANCE",
-        "END INSTANCE",
-        "STEP",
-        "END STEP",
-        "MATERIAL",
-        "OUTPUT",
-        "NODE",
-        "NGEN",
-        "NFILL",
-        "ELEMENT",
-        "ELGEN",
-        "NSET",
-        "ELSET",
-        "SURFACE",
-        "SURFACE INTERACTION",
-        "SECTION CONTROLS",
-        "BOUNDARY",
-        "RIGID BODY",
-        "ATTITUDE",
-        "ROTARY INERTIA",
-        "SOLID SECTION",
-        "SHELL SECTION",
-        "COHESIVE SECTION",
-    ];
-    !READ.contains(&card.keyword.name)
-}
-
 /// Removes diagnostics that only follow from unsupported (plane or three-dimensional) element types.
 pub fn drop_consequential_diagnostics(diagnostics: &mut Diagnostics) {
     const OTHER: &str = "this code is axisymmetric";

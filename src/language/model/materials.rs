@@ -239,7 +239,7 @@ impl RateDependence {
 pub fn read_cavity_expansion(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     let values: cards::CavityExpansion = card.values();
     if values.derives {
-        return derive::derivation(context, materials, card, &values);
+        return derive::derivation(context, materials, card);
     }
     if let Some(word) = card.value("TYPE") {
         return context.out_of_range(word.span, "TYPE is used with DERIVE only; remove it, or derive A, B and C");

@@ -90,12 +90,7 @@ pub fn read_ngen(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) 
     if let Some(line) = card.value("LINE").filter(|w| !w.is("C")) {
         context.unsupported(line.span, format!("LINE={} is not supported", line.text), "use a straight line or LINE=C");
     }
-    let mut made = Vec::new();
-    for line in &card.lines {
-        if let Some(nodes) = ngen_line(context, mesh, line, arc) {
-            made.extend(nodes);
-        }
-    }
+    let made = card.lines.iter().filter_map(|line| ngen_line(context, mesh, line, arc)).flatten().collect();
     collect_nodes(context, card, made);
 }
 
@@ -178,12 +173,7 @@ fn count(context: &mut Context<'_>, count: i128, span: Span) -> Option<usize> {
 pub fn read_nfill(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let singular = card.read::<Option<usize>>("SINGULAR").unwrap_or(0);
     let spacing = FillSpacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
-    let mut made = Vec::new();
-    for line in &card.lines {
-        if let Some(nodes) = nfill_line(context, mesh, line, &spacing) {
-            made.extend(nodes);
-        }
-    }
+    let made = card.lines.iter().filter_map(|line| nfill_line(context, mesh, line, &spacing)).flatten().collect();
     collect_nodes(context, card, made);
 }
 

@@ -17,14 +17,6 @@ const NEW: usize = 0;
 const ADD: usize = 1;
 
 pub fn read_output(context: &mut Context<'_>, steps: &mut StepReader, output: &mut OutputReader, card: &Card) {
-    if card.keyword.name == "OUTPUT" {
-        request(context, steps, output, card);
-    } else {
-        sub_request(context, steps, output, card);
-    }
-}
-
-fn request(context: &mut Context<'_>, steps: &mut StepReader, output: &mut OutputReader, card: &Card) {
     let kind = if card.has("HISTORY") { OutputKind::History } else { OutputKind::Field };
     if !card.has("HISTORY") && !card.has("FIELD") {
         if card.has("DIAGNOSTICS") {
@@ -154,7 +146,12 @@ fn interval(context: &mut Context<'_>, card: &Card) -> Option<OutputInterval> {
     })
 }
 
-fn sub_request(context: &mut Context<'_>, steps: &mut StepReader, output: &mut OutputReader, card: &Card) {
+pub fn read_output_variables(
+    context: &mut Context<'_>,
+    steps: &mut StepReader,
+    output: &mut OutputReader,
+    card: &Card,
+) {
     let Some(request) = output.request.clone() else {
         return context.misplaced(card, format!("*{} must follow an *OUTPUT", card.keyword.name), "OUTPUT");
     };

@@ -13,6 +13,9 @@ use crate::deck::Card;
 /// Reader of the cards of some keywords.
 pub struct CardReader {
     pub keywords: &'static [&'static str],
+    /// Whether cards with a reported error are read too, because other cards depend on them. Further errors of other
+    /// cards would be consequential.
+    pub always: bool,
     pub read: for<'a> fn(&mut ModelBuilder<'a>, &'a Card),
 }
 
@@ -21,12 +24,14 @@ pub fn find_reader(keyword: &str) -> Option<&'static CardReader> {
     READERS.iter().find(|reader| reader.keywords.contains(&keyword))
 }
 
-/// Builds readers from keywords, a function, and the shared context and families that are its arguments. Blocks are read
-/// with the whole builder, because an instance reads the cards of its part.
+/// Builds readers from `always`, keywords, a function, and the shared context and families that are its arguments.
+/// Blocks are read with the whole builder, because an instance reads the cards of its part.
 macro_rules! readers {
-    ($($block:literal)|+ => $read_block:path; $($($keyword:literal)|+ => $module:ident::$function:ident($($family:ident),+);)+) => {
-        &[CardReader { keywords: &[$($block),+], read: $read_block }, $(CardReader {
+    ($($block:literal)|+ => $read_block:path;
+    $($($always:ident)? $($keyword:literal)|+ => $module:ident::$function:ident($($family:ident),+);)+) => {
+        &[CardReader { keywords: &[$($block),+], always: true, read: $read_block }, $(CardReader {
             keywords: &[$($keyword),+],
+            always: stringify!($($always)?).len() > 0,
             read: |builder, card| $module::$function($(&mut builder.$family,)+ card),
         }),+]
     };
@@ -34,24 +39,24 @@ macro_rules! readers {
 
 static READERS: &[CardReader] = readers! {
     "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => parts::read_block;
-    "HEADING" => heading::read_heading(context);
+    always "HEADING" => heading::read_heading(context);
     "UNITS" => heading::read_units(context);
-    "NODE" => nodes::read_nodes(context, mesh);
-    "NGEN" => nodes::read_ngen(context, mesh);
-    "NFILL" => nodes::read_nfill(context, mesh);
+    always "NODE" => nodes::read_nodes(context, mesh);
+    always "NGEN" => nodes::read_ngen(context, mesh);
+    always "NFILL" => nodes::read_nfill(context, mesh);
     "NCOPY" => copies::read_ncopy(context, mesh);
     "NMAP" => copies::read_nmap(context, mesh);
     "SYSTEM" => copies::read_system(context, mesh);
     "TRANSFORM" => copies::read_transform(context, mesh);
-    "ELEMENT" => elements::read_elements(context);
-    "ELGEN" => elements::read_elgen(context);
+    always "ELEMENT" => elements::read_elements(context);
+    always "ELGEN" => elements::read_elgen(context);
     "ELCOPY" => copies::read_elcopy(context);
-    "NSET" => sets::read_nset(context, parts, mesh);
-    "ELSET" => sets::read_elset(context, parts);
-    "SURFACE" => surfaces::read_surface(context, mesh, steps);
+    always "NSET" => sets::read_nset(context, parts, mesh);
+    always "ELSET" => sets::read_elset(context, parts);
+    always "SURFACE" => surfaces::read_surface(context, mesh, steps);
     "RIGID SURFACE" => contact::read_rigid_surface(context, mesh);
     "MESH" => mesh_file::read_mesh_file(context, mesh);
-    "MATERIAL" => materials::read_material(context, materials);
+    always "MATERIAL" => materials::read_material(context, materials);
     "ELASTIC" => materials::read_elastic(context);
     "EOS" => eos::read_eos(context);
     "DETONATION POINT" => eos::read_detonation_points(context);
@@ -78,16 +83,16 @@ static READERS: &[CardReader] = readers! {
     "DAMAGE EVOLUTION" => failure::read_damage_evolution(context, materials);
     "DAMAGE STABILIZATION" => failure::read_damage_stabilization(context, materials);
     "PHYSICAL CONSTANTS" => eos::read_physical_constants(context);
-    "SOLID SECTION" => materials::read_solid_section(context, sections);
-    "SHELL SECTION" => shells::read_shell_section(context, sections);
-    "COHESIVE SECTION" => cohesive::read_cohesive_section(context, sections);
-    "SECTION CONTROLS" => controls::read_section_controls(context, sections);
+    always "SOLID SECTION" => materials::read_solid_section(context, sections);
+    always "SHELL SECTION" => shells::read_shell_section(context, sections);
+    always "COHESIVE SECTION" => cohesive::read_cohesive_section(context, sections);
+    always "SECTION CONTROLS" => controls::read_section_controls(context, sections);
     "EROSION" => erosion::read_erosion(context);
     "REMESH" => adaptive::read_remesh(context);
-    "RIGID BODY" => bodies::read_rigid_body(context);
+    always "RIGID BODY" => bodies::read_rigid_body(context);
     "MASS" => bodies::read_mass(context, sections);
-    "ROTARY INERTIA" => bodies::read_rotary_inertia(context, sections);
-    "ATTITUDE" => bodies::read_attitude(context);
+    always "ROTARY INERTIA" => bodies::read_rotary_inertia(context, sections);
+    always "ATTITUDE" => bodies::read_attitude(context);
     "CONTACT PAIR" => contact::read_contact_pair(context, steps);
     "CONTACT" => general_contact::read_contact(steps);
     "CONTACT INCLUSIONS" | "CONTACT EXCLUSIONS" | "CONTACT PROPERTY ASSIGNMENT" | "CONTACT CLEARANCE ASSIGNMENT"
@@ -95,7 +100,7 @@ static READERS: &[CardReader] = readers! {
     => general_contact::read_general_contact_option(context, steps);
     "CONTACT CONTROLS" => contact_controls::read_contact_controls(context, steps);
     "CLEARANCE" => clearance::read_pair_clearance(context, steps);
-    "SURFACE INTERACTION" => interactions::read_surface_interaction(context, materials);
+    always "SURFACE INTERACTION" => interactions::read_surface_interaction(context, materials);
     "SURFACE BEHAVIOR" => interactions::read_surface_behavior(context);
     "CONTACT DAMPING" => interactions::read_contact_damping(context);
     "COHESIVE BEHAVIOR" => cohesive_contact::read_cohesive_behavior(context);
@@ -111,8 +116,8 @@ static READERS: &[CardReader] = readers! {
     "TARGET" => targets::read_target(context);
     "AMPLITUDE" => amplitudes::read_amplitude(context);
     "INITIAL CONDITIONS" => bodies::read_initial_conditions(context, conditions);
-    "STEP" => steps::read_step(context, parts, steps);
-    "END STEP" => steps::read_end_step(context, parts, steps);
+    always "STEP" => steps::read_step(context, parts, steps);
+    always "END STEP" => steps::read_end_step(context, parts, steps);
     "DYNAMIC" | "DYNAMIC TEMPERATURE-DISPLACEMENT" => steps::read_dynamic(context, steps);
     "BULK VISCOSITY" => steps::read_bulk_viscosity(context, steps);
     "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => mass_scaling::read_mass_scaling(context, steps);
@@ -120,15 +125,16 @@ static READERS: &[CardReader] = readers! {
     "ADAPTIVE MESH" => adaptive::read_adaptive_mesh(context, steps);
     "ADAPTIVE MESH CONTROLS" => adaptive::read_adaptive_controls(context, steps);
     "ADAPTIVE MESH CONSTRAINT" => adaptive::read_adaptive_constraint(context, steps);
-    "BOUNDARY" => boundary::read_boundary(context, conditions, steps);
+    always "BOUNDARY" => boundary::read_boundary(context, conditions, steps);
     "CLOAD" | "DLOAD" | "DSLOAD" => loads::read_loads(context, steps);
     "INCIDENT WAVE INTERACTION PROPERTY" => blast::read_blast_property(context, conditions);
     "CONWEP CHARGE PROPERTY" => blast::read_blast_charge(context, conditions);
     "INCIDENT WAVE INTERACTION" => blast::read_incident_wave(context, conditions, steps);
     "FIELD" => fields::read_prescribed_fields(context, steps);
     "CFLUX" | "DFLUX" | "DSFLUX" | "FILM" | "SFILM" => heat_loads::read_heat_loads(context, steps);
-    "OUTPUT" | "NODE OUTPUT" | "ELEMENT OUTPUT" | "ENERGY OUTPUT" | "INCREMENTATION OUTPUT" | "CONTACT OUTPUT"
-    | "INTEGRATED OUTPUT" => outputs::read_output(context, steps, output);
+    always "OUTPUT" => outputs::read_output(context, steps, output);
+    "NODE OUTPUT" | "ELEMENT OUTPUT" | "ENERGY OUTPUT" | "INCREMENTATION OUTPUT" | "CONTACT OUTPUT" | "INTEGRATED OUTPUT"
+    => outputs::read_output_variables(context, steps, output);
     "OUTPUT EXPRESSION" => expressions::read_output_expressions(context);
     "INTEGRATED OUTPUT SECTION" => outputs::read_integrated_section(context, output);
     "TIME POINTS" => outputs::read_time_points(context);

@@ -29,9 +29,7 @@ pub fn read_step(context: &mut Context<'_>, parts: &mut PartReader<'_>, steps: &
     let mut carried = steps.carried.clone();
     carried.earlier_outputs = std::mem::take(&mut carried.outputs);
     if !carried.boundaries.is_empty() {
-        let mut diagnostics = Vec::new();
-        carried.history.model_data(std::mem::take(&mut carried.boundaries), &mut diagnostics);
-        diagnostics.into_iter().for_each(|d| context.diagnostics.push(d));
+        carried.history.model_data(std::mem::take(&mut carried.boundaries), &mut context.diagnostics);
     }
     let fresh = StepState { name, span: card.span, ramp, procedure: None, cleared: Vec::new(), ..carried };
     steps.current = Some(StepState { new_boundaries: None, ..fresh });
@@ -69,17 +67,16 @@ pub fn close_step(context: &mut Context<'_>, steps: &mut StepReader) {
     };
     ended_outputs(context, steps, &state);
     let time = StepTiming { duration: procedure.duration, ramp: state.ramp };
-    let mut diagnostics = Vec::new();
+    let Context { model, diagnostics, .. } = context;
     let given = std::mem::take(&mut state.boundaries);
-    let boundaries = state.history.boundaries(given, &time, &mut context.model, &mut diagnostics);
+    let boundaries = state.history.boundaries(given, &time, model, diagnostics);
     let given = std::mem::take(&mut state.loads);
-    let loads = state.history.loads(given, &time, &mut context.model, &mut diagnostics);
-    let fields = state.history.fields(std::mem::take(&mut state.fields), &time, &context.model);
+    let loads = state.history.loads(given, &time, model, diagnostics);
+    let fields = state.history.fields(std::mem::take(&mut state.fields), &time, model);
     state.history.end(&time);
     let (given, of_mesh) = (std::mem::take(&mut state.mesh_motions), StepTiming { ramp: false, ..time });
-    let mesh_motions = state.mesh_history.boundaries(given, &of_mesh, &mut context.model, &mut diagnostics);
+    let mesh_motions = state.mesh_history.boundaries(given, &of_mesh, model, diagnostics);
     state.mesh_history.end(&of_mesh);
-    diagnostics.into_iter().for_each(|d| context.diagnostics.push(d));
     state.outputs.splice(0..0, state.earlier_outputs.drain(..));
     steps.carried = state.clone();
     context.model.steps.push(Step {

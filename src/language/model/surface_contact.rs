@@ -14,19 +14,16 @@ pub fn surface_pair(
     card: &Card,
     line: &DataLine,
     words: [&Word; 2],
-    adds: bool,
 ) {
     let Some(first) = contact_sides(context, words[0]) else { return };
     let Some(second) = contact_sides(context, words[1]) else { return };
-    if first.name == second.name {
-        for side in first.one_sided() {
-            add_pair(context, steps, card, line, ([side.clone(), side], None), adds);
-        }
-        return;
-    }
     for a in first.one_sided() {
+        if first.name == second.name {
+            add_pair(context, steps, card, line, [a.clone(), a], None);
+            continue;
+        }
         for b in second.one_sided() {
-            add_pair(context, steps, card, line, ([a.clone(), b], None), adds);
+            add_pair(context, steps, card, line, [a.clone(), b], None);
         }
     }
 }
@@ -37,8 +34,8 @@ pub fn add_pair(
     steps: &mut StepReader,
     card: &Card,
     line: &DataLine,
-    (sides, analytical): ([SideSelection; 2], Option<AnalyticalSide>),
-    adds: bool,
+    sides: [SideSelection; 2],
+    analytical: Option<AnalyticalSide>,
 ) {
     let clearance = match card.value("ADJUST") {
         None => None,
@@ -57,9 +54,9 @@ pub fn add_pair(
     let before = pairs.len();
     // A redefined pair replaces the earlier one.
     pairs.retain(|c| !same(c));
-    if !adds {
+    if !card.read::<bool>("OP") {
         if pairs.len() == before {
-            contact::report_missing_pair(context, line.span);
+            context.error("M114", "the contact pair to delete does not exist", line.span, "not in force here");
         }
         return;
     }

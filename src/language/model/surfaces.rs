@@ -45,29 +45,21 @@ pub fn read_surface(context: &mut Context<'_>, mesh: &mut MeshReader, steps: &mu
         }
     }
     interior.iter().for_each(|(elements, side)| interior_sides(context, elements, side, &whole));
-    add_faces(context, steps, card, name, faces, whole);
+    let name = name.text.clone();
+    add_faces(context, steps, card, ElementSurface { name, faces, free_face_elements: whole, span: card.span });
 }
 
 /// Adds faces, and elements whose free faces follow element deletion, to a surface.
-fn add_faces(
-    context: &mut Context<'_>,
-    steps: &mut StepReader,
-    card: &Card,
-    name: &Word,
-    faces: Vec<(usize, ElementSide)>,
-    whole: Vec<usize>,
-) {
-    adaptive::adaptive_region(steps, card, faces.clone(), Vec::new());
-    let key = qualified(&context.scope, &name.text);
-    let fresh = || ElementSurface {
-        name: name.text.clone(),
-        faces: Vec::new(),
-        free_face_elements: Vec::new(),
-        span: card.span,
-    };
-    let surface = context.model.surfaces.faces.entry(key).or_insert_with(fresh);
-    surface.faces.extend(faces);
-    surface.free_face_elements.extend(whole);
+fn add_faces(context: &mut Context<'_>, steps: &mut StepReader, card: &Card, added: ElementSurface) {
+    adaptive::adaptive_region(steps, card, added.faces.clone(), Vec::new());
+    let surfaces = &mut context.model.surfaces.faces;
+    match surfaces.get_mut(&qualified(&context.scope, &added.name)) {
+        Some(surface) => {
+            surface.faces.extend(added.faces);
+            surface.free_face_elements.extend(added.free_face_elements);
+        }
+        None => drop(surfaces.insert(qualified(&context.scope, &added.name), added)),
+    }
 }
 
 /// Reads `COMBINE=UNION`: the faces of several element surfaces, each once.
@@ -83,7 +75,8 @@ fn union_of_surfaces(context: &mut Context<'_>, steps: &mut StepReader, card: &C
     faces.retain(|face| seen.insert(*face));
     let mut seen = HashSet::new();
     whole.retain(|element| seen.insert(*element));
-    add_faces(context, steps, card, name, faces, whole);
+    let name = name.text.clone();
+    add_faces(context, steps, card, ElementSurface { name, faces, free_face_elements: whole, span: card.span });
 }
 
 /// Reads the face identifier INTERIOR (ABAQUS Analysis User's Guide 2.3.2, "Element-based surface definition"): the
