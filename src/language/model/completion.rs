@@ -29,25 +29,16 @@ fn report_missing_dofs(context: &mut Context<'_>, conditions: &mut ConditionRead
     let in_space = |nodes: &[usize]| context.model.attitudes.iter().any(|a| nodes.contains(&a.reference));
     let velocities = context.model.initial_conditions.iter().filter_map(|c| match c.kind {
         InitialKind::Velocity(dof, value) if dof > 2 && value != 0.0 && !in_space(&c.members) => {
-            let (nodes, set) = (
-                c.members.clone(),
-                context.model.origin.sources.text(c.span).split(',').next().unwrap_or("").trim().into(),
-            );
+            let set = context.model.origin.sources.text(c.span).split(',').next().unwrap_or("").trim().into();
+            let nodes = c.members.clone();
             Some(RotationalCondition { span: c.span, set, dofs: [dof; 2], nodes, lost: "moves", value })
         }
         _ => None,
     });
     let forces = context.model.steps.iter().flat_map(|s| &s.loads).filter_map(|l| match &l.kind {
         LoadKind::Concentrated { nodes, dof, set } if *dof > 2 && l.magnitude != 0.0 && !oblique => {
-            let (dofs, nodes) = ([*dof; 2], nodes.clone());
-            Some(RotationalCondition {
-                span: l.span,
-                set: set.clone(),
-                dofs,
-                nodes,
-                lost: "is loaded",
-                value: l.magnitude,
-            })
+            let (span, set, dofs, nodes) = (l.span, set.clone(), [*dof; 2], nodes.clone());
+            Some(RotationalCondition { span, set, dofs, nodes, lost: "is loaded", value: l.magnitude })
         }
         _ => None,
     });
@@ -79,8 +70,7 @@ pub fn has_oblique_impact(context: &Context<'_>) -> bool {
 /// Returns the nodes of shells, which have a rotation, in ascending order.
 fn nodes_of_shells(context: &Context<'_>) -> Vec<usize> {
     let shells = context.model.mesh.elements.iter().filter(|e| e.kind == ElementKind::Sax1);
-    let nodes: Vec<usize> = sorted_unique(shells.flat_map(|e| e.nodes.iter().copied()));
-    nodes
+    sorted_unique(shells.flat_map(|e| e.nodes.iter().copied()))
 }
 
 /// Sets a temperature-dependent density to its value at the initial temperature, because mass is constant (ABAQUS
@@ -124,19 +114,17 @@ fn initial_temperature(context: &Context<'_>, material: usize) -> Result<f64, &'
 
 /// Reports `ELEMENT DELETION=NO` for materials whose failure deletes elements immediately.
 fn check_element_deletion(context: &mut Context<'_>) {
-    let kept = |section: &super::SolidSection| -> Option<(Span, bool)> {
-        let span = section.controls.keep_failed_elements?;
+    let deletes = |section: &super::SolidSection| {
         let material = context.model.materials.get(section.material.index())?;
         let sudden = material.failures.iter().any(|f| f.evolution == DamageEvolution::Sudden);
-        Some((span, sudden || material.tensile_failure.is_some_and(|t| t.deletes)))
+        let fails = sudden || material.tensile_failure.is_some_and(|t| t.deletes);
+        section.controls.keep_failed_elements.filter(|_| fails)
     };
-    let kept: Vec<(Span, bool)> = context.model.sections.iter().filter_map(kept).collect();
-    for (span, fails) in kept {
-        if fails {
-            let message = "ELEMENT DELETION=NO requires *DAMAGE EVOLUTION; *SHEAR \
-                           FAILURE and *TENSILE FAILURE delete elements";
-            context.error("M104", message, span, "not supported");
-        }
+    let spans: Vec<Span> = context.model.sections.iter().filter_map(deletes).collect();
+    for span in spans {
+        let message = "ELEMENT DELETION=NO requires *DAMAGE EVOLUTION; *SHEAR \
+                       FAILURE and *TENSILE FAILURE delete elements";
+        context.error("M104", message, span, "not supported");
     }
 }
 

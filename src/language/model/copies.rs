@@ -66,9 +66,7 @@ pub fn read_ncopy(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card)
         let map = AffineMap::of(image);
         context.scaling.curves.record_images(&images, &map);
     }
-    if let Some(name) = card.value("NEW SET") {
-        sets::add_node_set(context, &name.text, made, card.span);
-    }
+    sets::collect_nodes(context, card, "NEW SET", made);
 }
 
 fn label_shift(context: &mut Context<'_>, card: &Card, name: &str) -> Option<i64> {
@@ -81,6 +79,7 @@ fn label_shift(context: &mut Context<'_>, card: &Card, name: &str) -> Option<i64
 }
 
 /// Returns the coordinate transformation of a `*NCOPY` card.
+#[allow(clippy::type_complexity)] // The function depends on the card.
 fn copy_transform(context: &mut Context<'_>, card: &Card) -> Option<Box<dyn Fn([f64; 2]) -> [f64; 2]>> {
     if card.has("SHIFT") {
         let placement = if card.lines.is_empty() { None } else { Some(read_placement(context, card)?) };
@@ -161,9 +160,7 @@ pub fn read_elcopy(context: &mut Context<'_>, card: &Card) {
         }
         made.extend(elements::add_element(context, label, kind, nodes[..].into(), card.span));
     }
-    if let Some(name) = card.value("NEW SET") {
-        sets::add_element_set(context, &name.text, made, card.span);
-    }
+    sets::collect_elements(context, card, "NEW SET", made);
 }
 
 /// Maps nodes from coordinates of a local system (ABAQUS Keywords Reference Guide, *NMAP): RECTANGULAR, or

@@ -185,9 +185,7 @@ pub fn read_elements(context: &mut Context<'_>, card: &Card) {
         made.extend(element.filter(|_| listed));
         at = next;
     }
-    if let Some(name) = card.value("ELSET") {
-        sets::add_element_set(context, &name.text, made, card.span);
-    }
+    sets::collect_elements(context, card, "ELSET", made);
 }
 
 /// Returns the element type with a name, or reports that it is unknown or unsupported.
@@ -404,13 +402,9 @@ fn node_lines<'c>(context: &'c Context<'_>) -> HashMap<&'c str, Span> {
 
 /// Generates elements in rows, layers and groups of layers (ABAQUS Keywords Guide, *ELGEN).
 pub fn read_elgen(context: &mut Context<'_>, card: &Card) {
-    let mut made = Vec::new();
-    for (line, row) in card.lines.iter().zip(card.read_lines::<Vec<[f64; 10]>>()) {
-        made.extend(elgen_line(context, line, row).unwrap_or_default());
-    }
-    if let Some(name) = card.value("ELSET") {
-        sets::add_element_set(context, &name.text, made, card.span);
-    }
+    let rows = card.lines.iter().zip(card.read_lines::<Vec<[f64; 10]>>());
+    let made = rows.filter_map(|(line, row)| elgen_line(context, line, row)).flatten().collect();
+    sets::collect_elements(context, card, "ELSET", made);
 }
 
 fn elgen_line(context: &mut Context<'_>, line: &DataLine, row: [f64; 10]) -> Option<Vec<usize>> {

@@ -16,11 +16,8 @@ pub fn read_output_expressions(context: &mut Context<'_>, card: &Card) {
         let (name, text) = (upper(name), text.trim());
         let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
         if !name.starts_with(letter) || !name.chars().all(|c| letter(c) || c.is_ascii_digit()) {
-            no_expression(
-                context,
-                word.span,
-                "a name consists of letters, digits and `_` and does not start with a digit",
-            );
+            let why = "a name consists of letters, digits and `_` and does not start with a digit";
+            no_expression(context, word.span, why);
             continue;
         }
         let (text, place) = (text.to_owned(), place_of(word, text));

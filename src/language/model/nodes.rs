@@ -29,7 +29,7 @@ pub fn read_nodes(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card)
         }
     }
     again.report(&mut context.diagnostics);
-    collect_nodes(context, card, made);
+    sets::collect_nodes(context, card, "NSET", made);
 }
 
 fn node_line(context: &mut Context<'_>, line: &DataLine) -> Option<(i64, [f64; 2])> {
@@ -59,12 +59,6 @@ pub fn add_node(context: &mut Context<'_>, mesh: &mut MeshReader, label: i64, [r
     index
 }
 
-fn collect_nodes(context: &mut Context<'_>, card: &Card, made: Vec<usize>) {
-    if let Some(name) = card.value("NSET") {
-        sets::add_node_set(context, &name.text, made, card.span);
-    }
-}
-
 fn label_of(context: &mut Context<'_>, word: Option<&Word>, line: &DataLine, what: &str) -> Option<(i64, usize)> {
     let Some(word) = word else {
         let diagnostic = Diagnostic::error("M102", format!("{what} is missing")).at(line.span, "here");
@@ -91,7 +85,7 @@ pub fn read_ngen(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) 
         context.unsupported(line.span, format!("LINE={} is not supported", line.text), "use a straight line or LINE=C");
     }
     let made = card.lines.iter().filter_map(|line| ngen_line(context, mesh, line, arc)).flatten().collect();
-    collect_nodes(context, card, made);
+    sets::collect_nodes(context, card, "NSET", made);
 }
 
 fn ngen_line(context: &mut Context<'_>, mesh: &mut MeshReader, line: &DataLine, arc: bool) -> Option<Vec<usize>> {
@@ -174,7 +168,7 @@ pub fn read_nfill(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card)
     let singular = card.read::<Option<usize>>("SINGULAR").unwrap_or(0);
     let spacing = FillSpacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
     let made = card.lines.iter().filter_map(|line| nfill_line(context, mesh, line, &spacing)).flatten().collect();
-    collect_nodes(context, card, made);
+    sets::collect_nodes(context, card, "NSET", made);
 }
 
 fn nfill_line(

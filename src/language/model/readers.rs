@@ -140,3 +140,24 @@ static READERS: &[CardReader] = readers! {
     "TIME POINTS" => outputs::read_time_points(context);
     "RESTART" => outputs::read_restart(context, steps);
 };
+
+#[cfg(test)]
+mod tests {
+    use super::READERS;
+    use crate::deck::keywords::{KeywordTier, keywords};
+
+    /// Cards that the parser or other cards read; the last one allows only values without effect.
+    const WITHOUT_READER: &[&str] =
+        &["PARAMETER", "INCLUDE", "CONTACT CLEARANCE", "CONTACT INITIALIZATION DATA", "SURFACE PROPERTY ASSIGNMENT"];
+
+    #[test]
+    fn each_keyword_has_one_reader() {
+        let read: Vec<&str> = READERS.iter().flat_map(|reader| reader.keywords).copied().collect();
+        for keyword in keywords() {
+            let count = read.iter().filter(|name| **name == keyword.name).count();
+            let is_read = keyword.tier == KeywordTier::Used && !WITHOUT_READER.contains(&keyword.name);
+            assert_eq!(count, usize::from(is_read), "{}", keyword.name);
+        }
+        assert!(read.iter().all(|name| keywords().any(|keyword| keyword.name == *name)));
+    }
+}

@@ -131,6 +131,20 @@ pub fn add_node_set(context: &mut Context<'_>, name: &str, members: Vec<usize>, 
     unite(context.model.node_sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
 }
 
+/// Adds nodes to the set that a parameter of a card names.
+pub fn collect_nodes(context: &mut Context<'_>, card: &Card, parameter: &str, nodes: Vec<usize>) {
+    if let Some(name) = card.value(parameter) {
+        add_node_set(context, &name.text, nodes, card.span);
+    }
+}
+
+/// Adds elements to the set that a parameter of a card names.
+pub fn collect_elements(context: &mut Context<'_>, card: &Card, parameter: &str, elements: Vec<usize>) {
+    if let Some(name) = card.value(parameter) {
+        add_element_set(context, &name.text, elements, card.span);
+    }
+}
+
 pub fn add_element_set(context: &mut Context<'_>, name: &str, members: Vec<usize>, span: Span) {
     let name = qualified(&context.scope, name);
     unite(context.model.element_sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
