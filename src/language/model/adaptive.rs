@@ -36,13 +36,12 @@ pub fn read_adaptive_controls(context: &mut Context<'_>, steps: &mut StepReader,
 pub fn read_adaptive_mesh(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Some(word) = card.value("ELSET") else { return };
     let Some(elements) = context.element_members(word) else { return };
-    let cards::AdaptiveMesh { frequency, sweeps, initial_sweeps, new } = card.values();
+    let cards::AdaptiveMesh { frequency, sweeps, initial_sweeps } = card.values();
     let named = card.value("CONTROLS").cloned();
-    let state = steps.state();
-    if new && !state.cleared.contains(&"ADAPTIVE MESH") {
-        state.cleared.push("ADAPTIVE MESH");
-        state.adaptive.clear();
+    if steps.operation(card, "ADAPTIVE MESH") {
+        steps.state().adaptive.clear();
     }
+    let state = steps.state();
     let set = upper(&word.text);
     state.adaptive.retain(|domain| domain.set != set);
     if let Some(word) = named {
@@ -92,13 +91,11 @@ pub fn check_size_limits(limits: &SizeLimits) -> ValueCheck {
 
 /// Reads nodes that move with the material, and motions of the mesh that are prescribed in space.
 pub fn read_adaptive_constraint(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
-    let cards::AdaptiveMeshConstraint { in_space, velocity, new } = card.values();
+    let cards::AdaptiveMeshConstraint { in_space, velocity } = card.values();
     let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
-    let state = steps.state();
-    if new && !state.cleared.contains(&"ADAPTIVE MESH CONSTRAINT") {
-        state.cleared.push("ADAPTIVE MESH CONSTRAINT");
-        state.adaptive_fixed.clear();
-        state.mesh_history.boundaries.clear();
+    if steps.operation(card, "ADAPTIVE MESH CONSTRAINT") {
+        steps.state().adaptive_fixed.clear();
+        steps.state().mesh_history.boundaries.clear();
     }
     let kind = if velocity { MotionKind::Velocity } else { MotionKind::Displacement };
     let mut fixed = Vec::new();
@@ -117,17 +114,12 @@ pub fn read_adaptive_constraint(context: &mut Context<'_>, steps: &mut StepReade
             let diagnostic = Diagnostic::warning("M140", message).at(line.span, "as ABAQUS/Explicit does");
             context.diagnostics.push(diagnostic.help("give AMPLITUDE=, or prescribe a velocity"));
         }
-        let (value, set, span) = (amplitudes::scaled(context, value, amplitude), &set.text, line.span);
-        steps.state().mesh_motions.extend((first..=last).map(|dof| BoundaryCondition {
-            nodes: nodes.clone(),
-            set: set.clone(),
-            dof,
-            kind,
-            user: false,
-            value,
-            amplitude,
-            span,
-        }));
+        let (value, span, user) = (amplitudes::scaled(context, value, amplitude), line.span, false);
+        for dof in first..=last {
+            let (nodes, set) = (nodes.clone(), set.text.clone());
+            let motion = BoundaryCondition { nodes, set, dof, kind, user, value, amplitude, span };
+            steps.state().mesh_motions.push(motion);
+        }
     }
     if !in_space {
         steps.state().adaptive_fixed.push((card.span, fixed));

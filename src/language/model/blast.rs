@@ -60,15 +60,14 @@ pub fn read_incident_wave(
     for line in &card.lines {
         let Some(sides) = context.region(line).and_then(|set| surfaces::loaded_sides(context, set)) else { continue };
         let Some(word) = line.field(1) else {
-            let message = "the source node is missing";
-            context.error("M102", message, line.span, "second field");
+            context.error("M102", "the source node is missing", line.span, "second field");
             continue;
         };
         let Some(source) = context.single_node(word, "the source") else { continue };
         let place = context.model.mesh.points[source];
         if place[0] != 0.0 {
-            context
-                .out_of_range(word.span, format!("the source must be on the axis of symmetry, found r = {}", place[0]));
+            let message = format!("the source must be on the axis of symmetry, found r = {}", place[0]);
+            context.out_of_range(word.span, message);
         }
         let (Some(detonation), Some(magnitude)) = (context.number_or(line, 2, 0.0), context.number_or(line, 3, 1.0))
         else {

@@ -179,12 +179,9 @@ impl SectionReader {
         let more =
             if twice.len() > 1 { format!(" and {} more already have", twice.len() - 1) } else { " already has".into() };
         let diagnostic = Diagnostic::error("M165", format!("element {name}{more} a {kind}"));
-        context.diagnostics.push(
-            diagnostic
-                .at(span, "second definition")
-                .at(first, "first definition")
-                .help("remove one of the definitions, or limit them to different elements"),
-        );
+        let diagnostic = diagnostic.at(span, "second definition").at(first, "first definition");
+        let help = "remove one of the definitions, or limit them to different elements";
+        context.diagnostics.push(diagnostic.help(help));
     }
 }
 
@@ -297,15 +294,15 @@ impl StepReader {
     /// Returns whether a card removes the conditions of its family from earlier steps: the first one of a step with
     /// OP=NEW.
     pub fn operation(&mut self, card: &Card, family: &'static str) -> bool {
-        if !card.read::<bool>("OP") {
-            return false;
-        }
+        card.read::<bool>("OP") && self.clear_once(family)
+    }
+
+    /// Returns whether this is the first card of the step that removes the conditions of a family.
+    pub fn clear_once(&mut self, family: &'static str) -> bool {
         let cleared = &mut self.state().cleared;
-        let first = !cleared.contains(&family);
-        if first {
-            cleared.push(family);
-        }
-        first
+        let is_first = !cleared.contains(&family);
+        cleared.extend(is_first.then_some(family));
+        is_first
     }
 }
 

@@ -10,12 +10,10 @@ use crate::deck::table::steps as cards;
 /// continues.
 pub fn read_mass_scaling(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Some(request) = scaling_request(context, card) else { return };
-    let state = steps.state();
-    if !state.cleared.contains(&"MASS SCALING") {
-        state.cleared.push("MASS SCALING");
-        state.mass_scalings.clear();
+    if steps.clear_once("MASS SCALING") {
+        steps.state().mass_scalings.clear();
     }
-    state.mass_scalings.push(request);
+    steps.state().mass_scalings.push(request);
 }
 
 fn scaling_request(context: &mut Context<'_>, card: &Card) -> Option<MassScaling> {

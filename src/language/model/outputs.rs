@@ -54,10 +54,8 @@ pub fn read_output(context: &mut Context<'_>, steps: &mut StepReader, output: &m
 fn output_operation(steps: &mut StepReader, card: &Card, kind: OutputKind, interval: OutputInterval) {
     match card.read::<usize>("OP") {
         NEW => {
+            steps.clear_once("OUTPUT");
             steps.state().earlier_outputs.clear();
-            if !steps.state().cleared.contains(&"OUTPUT") {
-                steps.state().cleared.push("OUTPUT");
-            }
         }
         ADD => {}
         _ => steps.state().earlier_outputs.retain(|o| (o.kind, o.interval) != (kind, interval)),
