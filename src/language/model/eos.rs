@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::faults::{ValueCheck, require, require_line};
-use super::types::{EosKind, EquationOfState};
+use super::types::{EosKind, EquationOfState, MaterialDefinition};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 
@@ -33,6 +33,35 @@ fn warn_of_large_energy(context: &mut Context<'_>, card: &Card, square: f64, ene
         let diagnostic = Diagnostic::warning("M169", message).at(card.lines[0].span, "seventh value");
         context.diagnostics.push(diagnostic.help("if it is an energy per volume, divide it by the density"));
     }
+}
+
+impl MaterialDefinition {
+    /// Returns the bulk modulus of the equation of state at the initial density: the density times the slope of the
+    /// pressure over the density. That of an ideal gas depends on the absolute temperature. That of an explosive is the
+    /// larger of the bulk modulus before detonation and that at the detonation front, ρ D² γ/(γ + 1) with γ = 3
+    /// (C. L. Mader, Numerical Modeling of Explosives and Propellants, 2008, chapter 2). `None` without an equation of
+    /// state, or if the material has no stiffness.
+    pub fn bulk_modulus(&self, absolute_temperature: Option<f64>) -> Option<f64> {
+        let density = self.density?;
+        let modulus = match &self.eos.as_ref()?.kind {
+            EosKind::UsUp([c, ..]) => density * c * c,
+            EosKind::Tabular(rows) => slope_at_reference(rows),
+            EosKind::IdealGas([gas_constant, _]) => {
+                let &[[specific_heat, _]] = self.thermal.specific_heat.as_deref()? else { return None };
+                (1.0 + gas_constant / specific_heat) * density * gas_constant * absolute_temperature?
+            }
+            EosKind::Jwl([speed, .., before]) => before.max(0.75 * density * speed * speed),
+        };
+        (modulus > 0.0).then_some(modulus)
+    }
+}
+
+/// Returns the bulk modulus of a tabulated equation of state at zero volumetric strain and energy: minus the slope of the
+/// first function, there or in the stiffest interval if the table is flat there.
+fn slope_at_reference(rows: &[[f64; 3]]) -> f64 {
+    let slope = |pair: &[[f64; 3]]| (pair[1][0] - pair[0][0]) / (pair[0][2] - pair[1][2]);
+    let around = rows.windows(2).filter(|pair| pair[0][2] >= 0.0 && pair[1][2] <= 0.0).map(slope).fold(0.0, f64::max);
+    if around > 0.0 { around } else { rows.windows(2).map(slope).fold(0.0, f64::max) }
 }
 
 impl EosKind {
