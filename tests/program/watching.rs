@@ -51,7 +51,8 @@ fn check_summarises_a_deck() {
 /// gas, which is (1 + R/cv) rho R T.
 #[test]
 fn wave_speeds_follow_from_every_equation_of_state() {
-    let gas = "*Eos, type=IDEAL GAS\n 0.4, 0.\n*Specific Heat\n 1.,\n*Initial Conditions, type=TEMPERATURE\n ALL, 0.625\n";
+    let gas =
+        "*Eos, type=IDEAL GAS\n 0.4, 0.\n*Specific Heat\n 1.,\n*Initial Conditions, type=TEMPERATURE\n ALL, 0.625\n";
     let laws = [
         ("*Eos, type=USUP\n 0.5, 1.5, 2.\n", 1.0),
         ("*Eos, type=TABULAR\n -0.1, 0., 0.1\n 0., 0., 0.\n 0.2, 0., -0.2\n", 1.0),
