@@ -46,7 +46,10 @@ pub fn read_boundary(context: &mut Context<'_>, conditions: &mut ConditionReader
             continue;
         }
         if steps.current.is_none() && (value != 0.0 || user) {
-            report_nonzero_value(context, line);
+            // ABAQUS Analysis User's Guide 34.3.1, "Prescribing boundary conditions as model data".
+            let message = "a boundary condition before the first step can only fix degrees of freedom";
+            let diagnostic = Diagnostic::error("M105", message).at(line.span, "nonzero value");
+            context.diagnostics.push(diagnostic.help("give it inside a *STEP"));
             continue;
         }
         if kind == MotionKind::Displacement && value != 0.0 && amplitude.is_none() && !user && !ramp {
@@ -89,14 +92,6 @@ fn prescribe_temperature(context: &mut Context<'_>, steps: &mut StepReader, card
         return context.unsupported(condition.span, message, help);
     }
     steps.state().boundaries.push(condition);
-}
-
-/// Reports a nonzero value before the first step, where boundary conditions can only fix degrees of freedom (ABAQUS
-/// Analysis User's Guide 34.3.1, "Prescribing boundary conditions as model data").
-fn report_nonzero_value(context: &mut Context<'_>, line: &DataLine) {
-    let message = "a boundary condition before the first step can only fix degrees of freedom";
-    let diagnostic = Diagnostic::error("M105", message).at(line.span, "nonzero value");
-    context.diagnostics.push(diagnostic.help("give it inside a *STEP"));
 }
 
 /// Applies `OP`: `OP=NEW` removes the boundary conditions of earlier steps. All `*BOUNDARY` cards of a step must
@@ -148,10 +143,8 @@ fn boundary_dofs(context: &mut Context<'_>, line: &DataLine) -> Option<(DofSelec
     let last = line.field(2).map_or(Some(first), |w| w.integer(&mut context.diagnostics))?;
     let value = context.number_or(line, 3, 0.0)?;
     if [first, last] != [11; 2] && (!(1..=6).contains(&first) || !(first..=6).contains(&last)) {
-        return context.refuse_value(
-            line.span,
-            format!("invalid degrees of freedom {first} to {last}: 1 is r, 2 is z, 6 is rotation, 11 is temperature"),
-        );
+        let allowed = "1 is r, 2 is z, 6 is rotation, 11 is temperature";
+        return context.refuse_value(line.span, format!("invalid degrees of freedom {first} to {last}: {allowed}"));
     }
     Some((DofSelection::range(first as u8, last as u8), value))
 }

@@ -1,4 +1,5 @@
-//! Initial clearances of contact: `*CLEARANCE` of contact pairs, and the assignments of general contact.
+//! Initial clearances of contact: `*CLEARANCE` of contact pairs, and the assignments of general contact. Penalty scale
+//! factors of contact pair sets: `*CONTACT CONTROLS`.
 
 use super::context::Context;
 use super::families::StepReader;
@@ -22,6 +23,17 @@ pub fn read_pair_clearance(context: &mut Context<'_>, steps: &mut StepReader, ca
     let cards::Clearance { gap } = card.values();
     let [above, below] = [Some(f64::INFINITY); 2];
     steps.state().pair_clearances.push((set, PrescribedClearance { gap, above, below }));
+}
+
+/// Records the penalty scale factor of a contact pair set (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS).
+pub fn read_contact_controls(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+    let Some(set) = context.required(card, "CPSET").cloned() else { return };
+    let cards::ContactControls { penalty, reset } = card.values();
+    let factors = &mut steps.state().penalty_factors;
+    if reset {
+        factors.push((set.clone(), 1.0));
+    }
+    factors.extend(penalty.map(|f| (set, f)));
 }
 
 /// Applies the clearances and penalty scale factors of the step to the contact pair sets.

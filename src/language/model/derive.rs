@@ -33,14 +33,9 @@ pub(super) fn derivation(context: &mut Context<'_>, materials: &mut MaterialRead
     let points = if points.fract() == 0.0 { points as usize } else { 0 };
     let request = FitRequest { range: [from, to], points, linear: values.linear, pinned: values.pinned, weight };
     let material = context.model.materials.len() - 1;
-    materials.derivations.push(DerivationRequest {
-        material,
-        request,
-        shape: [CavityShape::Spherical, CavityShape::Cylindrical][values.shape],
-        radius: values.radius,
-        tension: values.tension,
-        span: card.span,
-    });
+    let shape = [CavityShape::Spherical, CavityShape::Cylindrical][values.shape];
+    let (radius, tension, span) = (values.radius, values.tension, card.span);
+    materials.derivations.push(DerivationRequest { material, request, shape, radius, tension, span });
 }
 
 /// Derives the requested constants after all cards are read.

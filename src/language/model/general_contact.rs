@@ -10,31 +10,27 @@ use crate::deck::{Card, DataLine, Word};
 /// Reads `*CONTACT` (ABAQUS Keywords Reference Guide): OP=MOD, the default, extends the definition in force; NEW
 /// replaces it.
 pub fn read_contact(steps: &mut StepReader, card: &Card) {
-    let new = card.read::<bool>("OP");
     let in_force = &mut steps.state().general_contact;
-    if new || in_force.is_none() {
+    if card.read("OP") || in_force.is_none() {
         *in_force = Some(GeneralContact { span: card.span, ..GeneralContact::default() });
     }
 }
 
 /// Reads a card that follows `*CONTACT`.
 pub fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
-    if steps.state().general_contact.is_none() {
+    let Some(general) = &mut steps.state().general_contact else {
         return context.misplaced(card, format!("*{} must follow a *CONTACT", card.keyword.name), "CONTACT");
-    }
-    if let Some(general) = &mut steps.state().general_contact {
-        general.all |= card.has("ALL EXTERIOR");
-        // NODAL EROSION=NO, the default, keeps the nodes of completely eroded elements in contact as point masses;
-        // YES removes them (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT).
-        if card.has("NODAL EROSION") {
-            general.excludes_detached_nodes = card.read("NODAL EROSION");
-        }
+    };
+    general.all |= card.has("ALL EXTERIOR");
+    // NODAL EROSION=NO, the default, keeps the nodes of completely eroded elements in contact as point masses; YES
+    // removes them (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT).
+    if card.has("NODAL EROSION") {
+        general.excludes_detached_nodes = card.read("NODAL EROSION");
     }
     for (at, line) in card.lines.iter().enumerate() {
         let Some(domains) = domains(context, line) else { continue };
-        let (third, given) = (line.field(2).cloned(), || card.given_field(at, 2));
-        let Some(general) = &mut steps.state().general_contact else { continue };
-        match (card.keyword.name, third) {
+        let given = || card.given_field(at, 2);
+        match (card.keyword.name, line.field(2)) {
             ("CONTACT INCLUSIONS", _) if domains.iter().all(|d| matches!(d, ContactDomain::Analytical(_))) => {
                 let message = "contact of analytical surfaces with each other is not supported";
                 context.unsupported(line.span, message, "one of the surfaces must have elements");
@@ -45,13 +41,11 @@ pub fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepRe
             ("CONTACT FORMULATION", _) => general.roles.push((domains, usize::from_value(given()) < 2)),
             (_, None) => {}
             ("CONTACT PROPERTY ASSIGNMENT", Some(word)) => {
-                let interaction = contact::interaction(context, &word);
-                let Some(general) = &mut steps.state().general_contact else { continue };
+                let interaction = contact::interaction(context, word);
                 general.assigned.push(AssignedInteraction { domains, interaction, law: InteractionLaw::default() });
             }
             (_, Some(word)) => {
-                let clearance = clearance::clearance(context, &word);
-                let Some(general) = &mut steps.state().general_contact else { continue };
+                let clearance = clearance::clearance(context, word);
                 general.clearances.extend(clearance.map(|clearance| (domains, clearance)));
             }
         }

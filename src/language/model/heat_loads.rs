@@ -57,12 +57,8 @@ fn element_sides(context: &mut Context<'_>, line: &DataLine, letter: char, known
         return unknown_label(context, label, known);
     };
     let word = Word { text: format!("S{number}"), ..label.clone() };
-    Some(SideSelection {
-        name: set.text.clone(),
-        surface: false,
-        faces: surfaces::sides(context, set, &elements, &word),
-        free_face_elements: Vec::new(),
-    })
+    let (name, faces) = (set.text.clone(), surfaces::sides(context, set, &elements, &word));
+    Some(SideSelection { name, surface: false, faces, free_face_elements: Vec::new() })
 }
 
 fn surface_sides(context: &mut Context<'_>, line: &DataLine) -> Option<SideSelection> {

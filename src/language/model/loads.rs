@@ -133,22 +133,17 @@ fn element_load(context: &mut Context<'_>, card: &Card, line: &DataLine) -> Opti
     }
     let user = name.strip_suffix("NU");
     let number = user.unwrap_or(&name).strip_prefix('P');
-    let faces = match (number, name.as_str()) {
+    let side = match (number, name.as_str()) {
         // P on RAX2: pressure on the positive side (ABAQUS Elements Guide, rigid element library).
-        (Some(""), _) | (_, "CAVITY") => {
-            let spos = Word { text: "SPOS".into(), ..label.clone() };
-            let mut sides = surfaces::sides(context, set, &elements, &spos);
-            orient_shell_sides(context, &mut sides);
-            sides
-        }
-        (Some(n), _) if n.parse::<u8>().is_ok_and(|n| (1..=4).contains(&n)) => {
-            let word = Word { text: format!("S{n}"), ..label.clone() };
-            surfaces::sides(context, set, &elements, &word)
-        }
-        _ => {
-            return unknown_label(context, label, LABELS);
-        }
+        (Some(""), _) | (_, "CAVITY") => "SPOS".to_owned(),
+        (Some(n), _) if n.parse::<u8>().is_ok_and(|n| (1..=4).contains(&n)) => format!("S{n}"),
+        _ => return unknown_label(context, label, LABELS),
     };
+    let is_positive = side == "SPOS";
+    let mut faces = surfaces::sides(context, set, &elements, &Word { text: side, ..label.clone() });
+    if is_positive {
+        orient_shell_sides(context, &mut faces);
+    }
     let sides = SideSelection { name: set.text.clone(), surface: false, faces, free_face_elements: Vec::new() };
     // Load type codes of VDLOAD: 20 is PNU, 21 to 24 are P1NU to P4NU.
     let load_type = user.map(|_| 20 + number.and_then(|n| n.parse::<i32>().ok()).unwrap_or(0));

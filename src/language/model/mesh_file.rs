@@ -37,12 +37,9 @@ fn lossy_text(bytes: Vec<u8>) -> String {
 
 pub fn read_mesh_file(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(input) = context.required(card, "INPUT") else { return };
-    let kind = match card.value("TYPE") {
-        Some(word) => match elements::element_kind(context, word) {
-            Some(kind) => Some(kind),
-            None => return,
-        },
-        None => None,
+    let kind = match card.value("TYPE").map(|word| elements::element_kind(context, word)) {
+        Some(None) => return,
+        kind => kind.flatten(),
     };
     let path = context.deck.sources.folder(card.span).join(input.text.replace('\\', "/"));
     let deck = Span { file: 0, ..Span::default() };

@@ -41,10 +41,7 @@ fn node_line(context: &mut Context<'_>, line: &DataLine) -> Option<(i64, [f64; 2
 
 /// Adds a node in the current scope. If the label exists, the node is moved: the last definition is used.
 pub fn add_node(context: &mut Context<'_>, mesh: &mut MeshReader, label: i64, [r, z]: [f64; 2]) -> usize {
-    let place = match &mesh.placement {
-        Some(placement) => placement.apply([r, z]),
-        None => [r, z],
-    };
+    let place = mesh.placement.as_ref().map_or([r, z], |placement| placement.apply([r, z]));
     if let Some(known) = context.nodes.find(&context.scope, label) {
         let before = std::mem::replace(&mut context.model.mesh.points[known], place);
         if before != place {
@@ -95,30 +92,28 @@ fn ngen_line(context: &mut Context<'_>, mesh: &mut MeshReader, line: &DataLine, 
     let step = line.field(2).map_or(Some(1), |w| w.integer(&mut context.diagnostics))?;
     let span = (i128::from(last) - i128::from(first)).abs();
     if step <= 0 || span % i128::from(step) != 0 {
-        return context
-            .refuse_value(line.span, format!("label {last} cannot be reached from {first} in increments of {step}"));
+        let message = format!("label {last} cannot be reached from {first} in increments of {step}");
+        return context.refuse_value(line.span, message);
     }
     let count = count(context, span / i128::from(step), line.span)?;
     let (a, b) = (context.model.mesh.points[from], context.model.mesh.points[to]);
-    let centre = match arc {
-        true => {
-            let given = centre(context, line)?;
-            Some(contact::arc_centre(context, a, b, given, line.span)?)
-        }
-        false => None,
-    };
+    let mut arc_centre = None;
+    if arc {
+        let given = centre(context, line)?;
+        arc_centre = Some(contact::arc_centre(context, a, b, given, line.span)?);
+    }
     let sign = (last - first).signum();
     let mut made = vec![from];
     for i in 1..count {
         let s = i as f64 / count as f64;
-        let [r, z] = match centre {
+        let [r, z] = match arc_centre {
             Some(c) => on_arc(a, b, c, normal, s),
             None => [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])],
         };
         made.push(place_generated(context, mesh, first + sign * step * i as i64, [r, z], line.span));
     }
     made.push(to);
-    if let (Some(centre), true) = (centre, context.deck.mesh_scaling.is_some()) {
+    if let (Some(centre), true) = (arc_centre, context.deck.mesh_scaling.is_some()) {
         context.scaling.curves.record_arc(&made, centre, normal);
     }
     Some(made)

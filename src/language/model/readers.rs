@@ -4,9 +4,9 @@
 use super::builder::ModelBuilder;
 use super::{
     adaptive, amplitudes, blast, bodies, boundary, clearance, cohesive, cohesive_contact, connectors, contact,
-    contact_controls, controls, copies, elements, energy_limit, eos, equations, erosion, expressions, failure, fields,
-    general_contact, heading, heat_loads, interactions, links, loads, mass_scaling, materials, mesh_file, nodes,
-    outputs, parts, rubber, sets, shells, steps, surfaces, targets, user_material,
+    controls, copies, elements, eos, equations, erosion, expressions, failure, fields, general_contact, heading,
+    heat_loads, interactions, links, loads, mass_scaling, materials, mesh_file, nodes, outputs, parts, rubber, sets,
+    shells, steps, surfaces, targets, user_material,
 };
 use crate::deck::Card;
 
@@ -98,7 +98,7 @@ static READERS: &[CardReader] = readers! {
     "CONTACT INCLUSIONS" | "CONTACT EXCLUSIONS" | "CONTACT PROPERTY ASSIGNMENT" | "CONTACT CLEARANCE ASSIGNMENT"
     | "CONTACT INITIALIZATION ASSIGNMENT" | "CONTACT CONTROLS ASSIGNMENT" | "CONTACT FORMULATION"
     => general_contact::read_general_contact_option(context, steps);
-    "CONTACT CONTROLS" => contact_controls::read_contact_controls(context, steps);
+    "CONTACT CONTROLS" => clearance::read_contact_controls(context, steps);
     "CLEARANCE" => clearance::read_pair_clearance(context, steps);
     always "SURFACE INTERACTION" => interactions::read_surface_interaction(context, materials);
     "SURFACE BEHAVIOR" => interactions::read_surface_behavior(context);
@@ -121,7 +121,7 @@ static READERS: &[CardReader] = readers! {
     "DYNAMIC" | "DYNAMIC TEMPERATURE-DISPLACEMENT" => steps::read_dynamic(context, steps);
     "BULK VISCOSITY" => steps::read_bulk_viscosity(context, steps);
     "FIXED MASS SCALING" | "VARIABLE MASS SCALING" => mass_scaling::read_mass_scaling(context, steps);
-    "ENERGY LIMIT" => energy_limit::read_energy_limit(context, steps);
+    "ENERGY LIMIT" => steps::read_energy_limit(context, steps);
     "ADAPTIVE MESH" => adaptive::read_adaptive_mesh(context, steps);
     "ADAPTIVE MESH CONTROLS" => adaptive::read_adaptive_controls(context, steps);
     "ADAPTIVE MESH CONSTRAINT" => adaptive::read_adaptive_constraint(context, steps);

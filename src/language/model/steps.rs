@@ -1,10 +1,10 @@
-//! `*STEP` to `*END STEP`, `*DYNAMIC`, `*BULK VISCOSITY`.
+//! `*STEP` to `*END STEP`, `*DYNAMIC`, `*BULK VISCOSITY`, `*ENERGY LIMIT`.
 
 use super::context::Context;
 use super::families::{PartReader, StepReader, StepState};
 use super::faults::{ValueCheck, require_line};
 use super::history::StepTiming;
-use super::types::{IncrementControl, LoadVelocity, OutputKind, OutputRequest, Step};
+use super::types::{EnergyLimit, IncrementControl, LoadVelocity, OutputKind, OutputRequest, Step};
 use super::{adaptive, clearance};
 use crate::deck::table::steps as cards;
 use crate::deck::{Card, Diagnostic};
@@ -184,4 +184,13 @@ pub fn read_bulk_viscosity(context: &mut Context<'_>, steps: &mut StepReader, ca
     if !context.model.mesh.elements.iter().any(|e| e.kind.is_solid() || e.kind == super::ElementKind::Sax1) {
         context.inert(card, "the model has no deformable elements");
     }
+}
+
+/// Sets the energy limits, which remain in force until a later step sets others.
+pub fn read_energy_limit(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+    let cards::EnergyLimit { error, artificial, halts } = card.values();
+    if error.is_none() && artificial.is_none() {
+        return context.out_of_range(card.span, "*ENERGY LIMIT requires ERROR or ARTIFICIAL");
+    }
+    steps.state().energy_limit = Some(EnergyLimit { span: card.span, error, artificial, halts });
 }

@@ -107,12 +107,8 @@ pub fn contact_sides(context: &mut Context<'_>, word: &Word) -> Option<SideSelec
         }
         return context.refuse_value(word.span, format!("surface `{}` has no faces", word.text));
     }
-    Some(SideSelection {
-        name: context.model.surfaces.name(id).to_owned(),
-        surface: true,
-        faces,
-        free_face_elements: Vec::new(),
-    })
+    let name = context.model.surfaces.name(id).to_owned();
+    Some(SideSelection { name, surface: true, faces, free_face_elements: Vec::new() })
 }
 
 /// Returns the largest initial gap that `ADJUST` closes.
