@@ -271,8 +271,8 @@ impl ConsistencyCheck<'_> {
         }
         for attitude in &model.attitudes {
             self.nodes(attitude.span, &[attitude.reference]);
-            let good = attitude.angles.iter().all(|a| a.is_finite());
-            self.value(good, attitude.span, "the angles of an attitude must be finite");
+            let is_valid = attitude.angles.iter().all(|a| a.is_finite());
+            self.value(is_valid, attitude.span, "the angles of an attitude must be finite");
             let stations = Some(attitude.stations as f64);
             self.ranges(attitude.span, "", fields!(constraints::Attitude: "STATIONS"), [stations]);
         }
@@ -300,8 +300,8 @@ impl ConsistencyCheck<'_> {
     }
 
     fn target(&mut self, target: &TargetStack) {
-        let good = target.front.is_finite() && target.direction.abs() == 1.0 && !target.layers.is_empty();
-        self.value(good, target.span, "a target requires a finite front, a direction of +1 or -1, and layers");
+        let is_valid = target.front.is_finite() && target.direction.abs() == 1.0 && !target.layers.is_empty();
+        self.value(is_valid, target.span, "a target requires a finite front, a direction of +1 or -1, and layers");
         let owner = format!("`{}`: ", target.name);
         self.ranges(target.span, &owner, fields!(constraints::Target: "OBLIQUITY"), [Some(target.obliquity)]);
         for layer in &target.layers {
@@ -340,18 +340,18 @@ impl ConsistencyCheck<'_> {
             } else {
                 equation.terms.iter().for_each(|t| self.degree(equation.span, t.1, 2));
             }
-            let good = !nodes.is_empty() && equation.terms.iter().all(|t| t.2.is_finite() && t.2 != 0.0);
-            self.value(good, equation.span, "an equation requires terms with nonzero coefficients");
+            let is_valid = !nodes.is_empty() && equation.terms.iter().all(|t| t.2.is_finite() && t.2 != 0.0);
+            self.value(is_valid, equation.span, "an equation requires terms with nonzero coefficients");
         }
         for link in &model.constraints.links {
             self.nodes(link.span, &[link.reference]);
             self.nodes(link.span, &link.nodes);
             if let LinkKind::Distributing(weights) = &link.kind {
                 let sum: f64 = weights.iter().sum();
-                let good = weights.len() == link.nodes.len()
+                let is_valid = weights.len() == link.nodes.len()
                     && weights.iter().all(|w| is_non_negative(*w))
                     && is_positive(sum);
-                self.value(good, link.span, "a coupling requires one weight per node, with a positive sum");
+                self.value(is_valid, link.span, "a coupling requires one weight per node, with a positive sum");
             }
         }
         for tie in &model.constraints.ties {
@@ -400,8 +400,8 @@ impl ConsistencyCheck<'_> {
         for field in &step.fields {
             self.nodes(field.span, &field.nodes);
             self.amplitude(field.span, field.amplitude);
-            let good = field.value.is_finite() && field.variable < MOST_FIELDS && is_ascending(&field.nodes);
-            self.value(good, field.span, "a field requires a finite value and nodes in ascending order");
+            let is_valid = field.value.is_finite() && field.variable < MOST_FIELDS && is_ascending(&field.nodes);
+            self.value(is_valid, field.span, "a field requires a finite value and nodes in ascending order");
         }
         step.outputs.iter().for_each(|o| self.output(o));
         if let Some(restart) = step.restart {
@@ -424,17 +424,17 @@ impl ConsistencyCheck<'_> {
             let count = self.model.interactions.len();
             self.indices("M114", contact.span, "surface interaction", interaction.as_slice(), count);
             let CoulombFriction { at_rest, sliding, decay, largest, damping } = contact.law.friction;
-            let good = [at_rest, sliding, decay, largest, damping].iter().all(|x| *x >= 0.0);
-            self.value(good, contact.span, "friction parameters must not be negative");
+            let is_valid = [at_rest, sliding, decay, largest, damping].iter().all(|x| *x >= 0.0);
+            self.value(is_valid, contact.span, "friction parameters must not be negative");
             self.accept("", contact.span, check_overclosure(&contact.law.overclosure));
-            let good = contact.law.damping.is_none_or(|damping| damping.value() >= 0.0);
-            self.value(good, contact.span, "contact damping must not be negative");
+            let is_valid = contact.law.damping.is_none_or(|damping| damping.value() >= 0.0);
+            self.value(is_valid, contact.span, "contact damping must not be negative");
             if let Some(PrescribedClearance { gap, above, below }) = contact.clearance {
-                let good = [Some(gap), above, below].into_iter().flatten().all(|x| x >= 0.0);
-                self.value(good, contact.span, "a clearance and its search distances must not be negative");
+                let is_valid = [Some(gap), above, below].into_iter().flatten().all(|x| x >= 0.0);
+                self.value(is_valid, contact.span, "a clearance and its search distances must not be negative");
             }
-            let good = contact.penalty.is_none_or(is_positive);
-            self.value(good, contact.span, "the scale factor of the penalty stiffness must be positive");
+            let is_valid = contact.penalty.is_none_or(is_positive);
+            self.value(is_valid, contact.span, "the scale factor of the penalty stiffness must be positive");
         }
         for scaling in &step.mass_scalings {
             self.elements(scaling.span, scaling.elements.as_deref().unwrap_or_default());
@@ -447,8 +447,8 @@ impl ConsistencyCheck<'_> {
             let values = [mesh.frequency.map(|count| count as f64), Some(mesh.sweeps as f64)];
             self.ranges(mesh.span, "", fields, values);
             let AdaptiveControls { weights, corner_angle, .. } = mesh.controls;
-            let good = weights.iter().all(|w| *w >= 0.0) && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-9;
-            self.value(good, mesh.span, "weights of smoothing must not be negative, and their sum must be 1");
+            let is_valid = weights.iter().all(|w| *w >= 0.0) && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-9;
+            self.value(is_valid, mesh.span, "weights of smoothing must not be negative, and their sum must be 1");
             let fields = fields!(adaptive::AdaptiveMeshControls: "TRANSITION FEATURE ANGLE");
             self.ranges(mesh.span, "", fields, [Some(corner_angle.to_degrees())]);
         }
@@ -495,8 +495,8 @@ impl ConsistencyCheck<'_> {
             }
             LoadKind::Blast { sides, charge, .. } => {
                 self.sides(load.span, sides);
-                let good = charge.mass > 0.0 && charge.units.iter().all(|unit| *unit > 0.0);
-                self.value(good, load.span, "mass and units of a charge must be positive");
+                let is_valid = charge.mass > 0.0 && charge.units.iter().all(|unit| *unit > 0.0);
+                self.value(is_valid, load.span, "mass and units of a charge must be positive");
             }
             LoadKind::Body { elements, .. } => self.loaded_elements(load.span, elements),
             LoadKind::NodalHeat { nodes, .. } => self.nodes(load.span, nodes),

@@ -225,9 +225,9 @@ impl<'a> Context<'a> {
     }
 
     /// Counts model items against the size limits. The first excess is reported at the card; returns `false` then.
-    pub fn fits_budget(&mut self, good: BudgetedItem, count: u128, span: Span) -> bool {
+    pub fn fits_budget(&mut self, item: BudgetedItem, count: u128, span: Span) -> bool {
         let mesh = [self.model.mesh.points.len(), self.model.mesh.elements.len()];
-        let Err(too_much) = self.budget.spend(good, count, mesh) else { return true };
+        let Err(too_much) = self.budget.spend(item, count, mesh) else { return true };
         if !std::mem::replace(&mut self.budget.reported, true) {
             self.error("M125", too_much, span, "limit exceeded here");
         }
