@@ -47,6 +47,32 @@ fn check_summarises_a_deck() {
     assert!((0.98..=1.0 + 1e-12).contains(&part), "{part}");
 }
 
+/// Longitudinal wave speed sqrt(K/rho) of every equation of state, with the density 4 and the bulk modulus 1, or 1.4 of the
+/// gas, which is (1 + R/cv) rho R T.
+#[test]
+fn wave_speeds_follow_from_every_equation_of_state() {
+    let gas =
+        "*Eos, type=IDEAL GAS\n 0.4, 0.\n*Specific Heat\n 1.,\n*Initial Conditions, type=TEMPERATURE\n ALL, 0.625\n";
+    let laws = [
+        ("*Eos, type=USUP\n 0.5, 1.5, 2.\n", 1.0),
+        ("*Eos, type=TABULAR\n -0.1, 0., 0.1\n 0., 0., 0.\n 0.2, 0., -0.2\n", 1.0),
+        (gas, 1.4),
+        ("*Eos, type=JWL\n 0.5, 1., 1., 0.3, 4., 1., 0.05, 1.\n", 1.0),
+    ];
+    let folder = tempfile::tempdir().expect("a folder");
+    for (law, modulus) in laws {
+        let deck = folder.path().join("block.inp");
+        let text = format!(
+            "*Node, nset=ALL\n 1, 0., 0.\n 2, 1., 0.\n 3, 1., 1.\n 4, 0., 1.\n*Element, type=CAX4R, elset=E\n 1, 1, 2, 3, 4\n\
+             *Solid Section, elset=E, material=M\n*Material, name=M\n*Density\n 4.,\n{law}*Step\n*Dynamic, Explicit\n , \
+             1.\n*End Step\n"
+        );
+        std::fs::write(&deck, text).expect("a deck");
+        let found = checked(&[deck.to_str().expect("a path")]);
+        near(&found["overview"]["waves"][0]["longitudinal"], (modulus / 4.0_f64).sqrt());
+    }
+}
+
 /// A short trial run: runs that end within it are reported completely, for others the increment and its element.
 #[test]
 fn check_estimates_the_run_time() {

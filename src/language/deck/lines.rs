@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::keywords::{NameLookup, find_keyword};
 use super::lexer::{self, LineIterator, LineKind};
 use super::source::Span;
-use super::syntax::{Card, Deck, Word};
+use super::syntax::{Card, Deck};
 
 /// Part of a card that a line contains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,12 +91,4 @@ impl LineReader<'_> {
 fn is_include(line: &str) -> bool {
     let keyword = line.trim_start_matches('*').split(',').next().unwrap_or_default();
     matches!(find_keyword(keyword), NameLookup::Found(keyword) if keyword.name == "INCLUDE")
-}
-
-impl Card {
-    /// Returns the position after the last parameter of the keyword line.
-    pub fn keyword_end(&self) -> u32 {
-        let end = |p: &super::Parameter| p.value.as_ref().map_or(p.span.end, |value: &Word| value.span.end);
-        self.parameters.iter().map(end).fold(self.span.end, u32::max)
-    }
 }

@@ -111,6 +111,11 @@ fn row<const N: usize>(card: &Card, line: usize) -> [f64; N] {
 }
 
 impl Card {
+    /// Returns the parameters and data lines of a checked card.
+    pub fn values<T: ReadCard>(&self) -> T {
+        T::read(self)
+    }
+
     /// Returns a parameter converted to a type.
     pub fn read<T: FromValue>(&self, name: &str) -> T {
         let word = self.parameter(name).map(|parameter| parameter.value.as_ref());

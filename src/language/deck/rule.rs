@@ -131,10 +131,16 @@ pub struct Keyword {
 }
 
 impl Keyword {
-    /// Returns the allowed values of a parameter or field, for checks of models composed in Rust.
-    pub fn value(&self, name: &str) -> Option<ValueSpec> {
-        let fields = self.data.iter().flat_map(|d| d.shape.rules());
-        self.parameters.iter().chain(fields).find(|rule| rule.name == name).map(|rule| rule.value)
+    /// Returns the rule of a parameter or field. In a constant, an unknown name is an error of the compiler.
+    ///
+    /// # Panics
+    /// If the card has no such parameter or field.
+    pub const fn field(&self, name: &str) -> &'static InputRule {
+        let found = match find(self.parameters, name) {
+            None => find_in_data(self.data, name),
+            found => found,
+        };
+        found.expect("the card has no such parameter or field")
     }
 
     /// Returns the rule of a parameter by its canonical name.
@@ -153,6 +159,38 @@ impl Keyword {
             }
         };
         self.data.iter().find(applies).map_or(&DataShape::Nothing, |data| &data.shape)
+    }
+}
+
+const fn find(rules: &'static [InputRule], name: &str) -> Option<&'static InputRule> {
+    match rules {
+        [] => None,
+        [first, ..] if is_same(first.name.as_bytes(), name.as_bytes()) => Some(first),
+        [_, rest @ ..] => find(rest, name),
+    }
+}
+
+const fn find_in_lines(lines: &'static [&'static [InputRule]], name: &str) -> Option<&'static InputRule> {
+    let [first, rest @ ..] = lines else { return None };
+    if let Some(rule) = find(first, name) { Some(rule) } else { find_in_lines(rest, name) }
+}
+
+const fn find_in_data(shapes: &'static [ConditionalShape], name: &str) -> Option<&'static InputRule> {
+    let [first, rest @ ..] = shapes else { return None };
+    let found = match &first.shape {
+        DataShape::Nothing => None,
+        DataShape::Text(rule) | DataShape::List(rule) => find(std::slice::from_ref(rule), name),
+        DataShape::Stream(rules) | DataShape::Wrapped(_, rules) => find(rules, name),
+        DataShape::Lines(lines, _) => find_in_lines(lines, name),
+    };
+    if let Some(rule) = found { Some(rule) } else { find_in_data(rest, name) }
+}
+
+const fn is_same(name: &[u8], other: &[u8]) -> bool {
+    match (name, other) {
+        ([], []) => true,
+        ([first, name @ ..], [second, other @ ..]) => *first == *second && is_same(name, other),
+        _ => false,
     }
 }
 

@@ -149,6 +149,12 @@ impl Card {
         let is_off = |word: &Word| self.keyword.rule(name).is_some_and(|rule| rule.value.is_off(&word.text));
         self.parameter(name).is_some_and(|parameter| !parameter.value.as_ref().is_some_and(is_off))
     }
+
+    /// Returns the position after the last parameter of the keyword line.
+    pub fn keyword_end(&self) -> u32 {
+        let end = |p: &Parameter| p.value.as_ref().map_or(p.span.end, |value| value.span.end);
+        self.parameters.iter().map(end).fold(self.span.end, u32::max)
+    }
 }
 
 impl DataLine {

@@ -1,7 +1,10 @@
 //! Reads adaptive meshes: `*ADAPTIVE MESH`, `*ADAPTIVE MESH CONTROLS`, `*ADAPTIVE MESH CONSTRAINT`, `*REMESH`
 //! and the region types of boundaries.
 
-use super::builder::ModelBuilder;
+use super::amplitudes;
+use super::context::Context;
+use super::families::StepReader;
+use super::faults::{ValueCheck, require};
 use super::names::upper;
 use super::types::{
     AdaptiveControls, AdaptiveMesh, AdaptiveRegion, BoundaryCondition, ElementSide, Load, LoadKind, MotionKind,
@@ -12,172 +15,165 @@ use crate::deck::{Card, DataLine, Diagnostic};
 use crate::kernel::lists::sorted_unique;
 use crate::remesh::sizes::SizeLimits;
 
-impl ModelBuilder<'_> {
-    /// Reads the controls of adaptive meshes. Weights are normalised to the sum 1.
-    pub(super) fn adaptive_controls(&mut self, card: &Card) {
-        let values: cards::AdaptiveMeshControls = self.values(card);
-        let sum: f64 = values.weights.iter().sum();
-        if sum <= 0.0 {
-            return self.out_of_range(card.span, "at least one smoothing method requires a weight above 0");
-        }
-        let controls = AdaptiveControls {
-            weights: values.weights.map(|weight| weight / sum),
-            graded: values.graded,
-            corner_angle: values.transition_angle.to_radians(),
-            second_order: values.second_order,
-            previous: values.previous,
-        };
-        self.adaptive_controls.entry(upper(&values.name)).or_insert(controls);
+/// Reads the controls of adaptive meshes. Weights are normalised to the sum 1.
+pub fn read_adaptive_controls(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+    let values: cards::AdaptiveMeshControls = card.values();
+    let sum: f64 = values.weights.iter().sum();
+    if sum <= 0.0 {
+        return context.out_of_range(card.span, "at least one smoothing method requires a weight above 0");
     }
+    let controls = AdaptiveControls {
+        weights: values.weights.map(|weight| weight / sum),
+        graded: values.graded,
+        corner_angle: values.transition_angle.to_radians(),
+        second_order: values.second_order,
+        previous: values.previous,
+    };
+    steps.adaptive_controls.entry(upper(&values.name)).or_insert(controls);
+}
 
-    /// Reads a domain. It replaces a domain of an earlier step with the same set.
-    pub(super) fn adaptive_mesh(&mut self, card: &Card) {
-        let Some(word) = card.value("ELSET") else { return };
-        let Some(elements) = self.element_members(word) else { return };
-        let cards::AdaptiveMesh { frequency, sweeps, initial_sweeps, new } = self.values(card);
-        let named = card.value("CONTROLS").cloned();
-        let state = self.state();
-        if new && !state.cleared.contains(&"ADAPTIVE MESH") {
-            state.cleared.push("ADAPTIVE MESH");
-            state.adaptive.clear();
-        }
-        let set = upper(&word.text);
-        state.adaptive.retain(|domain| domain.set != set);
-        if let Some(word) = named {
-            state.adaptive_controls_used.push((set.clone(), word));
-        }
-        let (span, controls) = (card.span, AdaptiveControls::default());
-        let frequency = frequency.map(|count| count as u64);
-        state.adaptive.push(AdaptiveMesh { span, set, elements, frequency, sweeps, initial_sweeps, controls });
+/// Reads a domain. It replaces a domain of an earlier step with the same set.
+pub fn read_adaptive_mesh(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+    let Some(word) = card.value("ELSET") else { return };
+    let Some(elements) = context.element_members(word) else { return };
+    let cards::AdaptiveMesh { frequency, sweeps, initial_sweeps } = card.values();
+    let named = card.value("CONTROLS").cloned();
+    if steps.operation(card, "ADAPTIVE MESH") {
+        steps.state().adaptive.clear();
     }
+    let state = steps.state();
+    let set = upper(&word.text);
+    state.adaptive.retain(|domain| domain.set != set);
+    if let Some(word) = named {
+        state.adaptive_controls_used.push((set.clone(), word));
+    }
+    let (span, controls) = (card.span, AdaptiveControls::default());
+    let frequency = frequency.map(|count| count as u64);
+    state.adaptive.push(AdaptiveMesh { span, set, elements, frequency, sweeps, initial_sweeps, controls });
+}
 
-    /// Reads a body that is remeshed.
-    pub(super) fn remeshing(&mut self, card: &Card) {
-        let Some(word) = card.value("ELSET") else { return };
-        let Some(elements) = self.element_members(word) else { return };
-        let cards::Remesh {
-            angle,
-            increment,
-            frequency,
-            mut size,
-            mut curvature_angle,
-            mut strain_change,
-            mut minimum_size,
-        } = self.values(card);
-        if minimum_size.is_some() && curvature_angle.is_none() && strain_change.is_none() {
-            self.out_of_range(card.span, "MINIMUM SIZE requires CURVATURE ANGLE or STRAIN CHANGE");
-        }
-        // Lengths of edges, and what they are computed from, follow a refined or coarsened mesh.
-        if let Some(scaling) = self.deck.mesh_scaling {
-            let lengths = [("SIZE", &mut size), ("MINIMUM SIZE", &mut minimum_size)];
-            let ratios = [("CURVATURE ANGLE", &mut curvature_angle), ("STRAIN CHANGE", &mut strain_change)];
-            for (key, value) in lengths.into_iter().chain(ratios) {
-                if let (Some(value), Some(word)) = (value, card.value(key)) {
-                    *value *= scaling.edge_factor();
-                    self.edit_number(word, *value);
-                }
+/// Reads a body that is remeshed.
+pub fn read_remesh(context: &mut Context<'_>, card: &Card) {
+    let Some(word) = card.value("ELSET") else { return };
+    let Some(elements) = context.element_members(word) else { return };
+    let cards::Remesh {
+        angle,
+        increment,
+        frequency,
+        mut size,
+        mut curvature_angle,
+        mut strain_change,
+        mut minimum_size,
+    } = card.values();
+    // Lengths of edges, and what they are computed from, follow a refined or coarsened mesh.
+    if let Some(scaling) = context.deck.mesh_scaling {
+        let lengths = [("SIZE", &mut size), ("MINIMUM SIZE", &mut minimum_size)];
+        let ratios = [("CURVATURE ANGLE", &mut curvature_angle), ("STRAIN CHANGE", &mut strain_change)];
+        for (key, value) in lengths.into_iter().chain(ratios) {
+            if let (Some(value), Some(word)) = (value, card.value(key)) {
+                *value *= scaling.edge_factor();
+                context.edit_number(word, *value);
             }
         }
-        let (span, set, angle, frequency) = (card.span, upper(&word.text), angle.to_radians(), frequency as u64);
-        let elements = sorted_unique(elements);
-        let curvature_angle = curvature_angle.map(f64::to_radians);
-        let limits = SizeLimits { curvature_angle, strain_change, smallest: minimum_size };
-        self.model.remeshings.push(Remeshing { span, set, elements, angle, increment, frequency, size, limits });
     }
+    let (span, set, angle, frequency) = (card.span, upper(&word.text), angle.to_radians(), frequency as u64);
+    let elements = sorted_unique(elements);
+    let curvature_angle = curvature_angle.map(f64::to_radians);
+    let limits = SizeLimits { curvature_angle, strain_change, smallest: minimum_size };
+    context.accepts(card, check_size_limits(&limits));
+    context.model.remeshings.push(Remeshing { span, set, elements, angle, increment, frequency, size, limits });
+}
 
-    /// Reads nodes that move with the material, and motions of the mesh that are prescribed in space.
-    pub(super) fn adaptive_constraint(&mut self, card: &Card) {
-        let cards::AdaptiveMeshConstraint { in_space, velocity, new } = self.values(card);
-        let Ok(amplitude) = self.amplitude_of(card) else { return };
-        let state = self.state();
-        if new && !state.cleared.contains(&"ADAPTIVE MESH CONSTRAINT") {
-            state.cleared.push("ADAPTIVE MESH CONSTRAINT");
-            state.adaptive_fixed.clear();
-            state.mesh_history.boundaries.clear();
-        }
-        let kind = if velocity { MotionKind::Velocity } else { MotionKind::Displacement };
-        let mut fixed = Vec::new();
-        for line in &card.lines {
-            let Some(set) = line.field(0) else { continue };
-            let Some(nodes) = self.node_members(set) else { continue };
-            if !in_space {
-                fixed.extend(nodes);
-                continue;
-            }
-            let Some(([first, last], value)) = self.mesh_dofs(line) else { continue };
-            if value != 0.0 && amplitude.is_none() && !velocity {
-                let message = format!(
-                    "the displacement {value} of the mesh without AMPLITUDE would be a jump: the nodes stay where they are"
-                );
-                let diagnostic = Diagnostic::warning("M140", message).at(line.span, "as ABAQUS/Explicit does");
-                self.diagnostics.push(diagnostic.help("give AMPLITUDE=, or prescribe a velocity"));
-            }
-            let (value, set, span) = (self.scaled(value, amplitude), &set.text, line.span);
-            self.state().mesh_motions.extend((first..=last).map(|dof| BoundaryCondition {
-                nodes: nodes.clone(),
-                set: set.clone(),
-                dof,
-                kind,
-                user: false,
-                value,
-                amplitude,
-                span,
-            }));
-        }
+pub fn check_size_limits(limits: &SizeLimits) -> ValueCheck {
+    let varies = limits.curvature_angle.is_some() || limits.strain_change.is_some();
+    require(varies || limits.smallest.is_none(), "MINIMUM SIZE requires CURVATURE ANGLE or STRAIN CHANGE")
+}
+
+/// Reads nodes that move with the material, and motions of the mesh that are prescribed in space.
+pub fn read_adaptive_constraint(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+    let cards::AdaptiveMeshConstraint { in_space, velocity } = card.values();
+    let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
+    if steps.operation(card, "ADAPTIVE MESH CONSTRAINT") {
+        steps.state().adaptive_fixed.clear();
+        steps.state().mesh_history.boundaries.clear();
+    }
+    let kind = if velocity { MotionKind::Velocity } else { MotionKind::Displacement };
+    let mut fixed = Vec::new();
+    for line in &card.lines {
+        let Some(set) = line.field(0) else { continue };
+        let Some(nodes) = context.node_members(set) else { continue };
         if !in_space {
-            self.state().adaptive_fixed.push((card.span, fixed));
+            fixed.extend(nodes);
+            continue;
+        }
+        let Some(([first, last], value)) = mesh_dofs(context, line) else { continue };
+        if value != 0.0 && amplitude.is_none() && !velocity {
+            let message = format!(
+                "the displacement {value} of the mesh without AMPLITUDE would be a jump: the nodes stay where they are"
+            );
+            let diagnostic = Diagnostic::warning("M140", message).at(line.span, "as ABAQUS/Explicit does");
+            context.diagnostics.push(diagnostic.help("give AMPLITUDE=, or prescribe a velocity"));
+        }
+        let (value, span, user) = (amplitudes::scaled(context, value, amplitude), line.span, false);
+        for dof in first..=last {
+            let (nodes, set) = (nodes.clone(), set.text.clone());
+            let motion = BoundaryCondition { nodes, set, dof, kind, user, value, amplitude, span };
+            steps.state().mesh_motions.push(motion);
         }
     }
-
-    /// Returns the degrees of freedom along which a data line prescribes the motion of the mesh, and the value.
-    fn mesh_dofs(&mut self, line: &DataLine) -> Option<([u8; 2], f64)> {
-        let first = self.integer(line, 1, "the degree of freedom")?;
-        let last = line.field(2).map_or(Some(first), |word| word.integer(&mut self.diagnostics))?;
-        if !(1..=2).contains(&first) || !(first..=2).contains(&last) {
-            let message = format!("invalid degrees of freedom {first} to {last} of a mesh: 1 is r, 2 is z");
-            return self.refuse_value(line.span, message);
-        }
-        Some(([first as u8, last as u8], self.number_or(line, 3, 0.0)?))
+    if !in_space {
+        steps.state().adaptive_fixed.push((card.span, fixed));
     }
+}
 
-    /// Reads `REGION TYPE` of loads that have been added to the list of the step from `first` on.
-    pub(super) fn region_of_loads(&mut self, card: &Card, first: usize) {
-        let of_load = |load: &Load| match &load.kind {
-            LoadKind::Concentrated { nodes, .. } | LoadKind::NodalHeat { nodes, .. } => (Vec::new(), nodes.clone()),
-            kind => (kind.sides().map_or_else(Vec::new, |sides| sides.faces.clone()), Vec::new()),
+/// Returns the degrees of freedom along which a data line prescribes the motion of the mesh, and the value.
+fn mesh_dofs(context: &mut Context<'_>, line: &DataLine) -> Option<([u8; 2], f64)> {
+    let first = context.integer(line, 1, "the degree of freedom")?;
+    let last = line.field(2).map_or(Some(first), |word| word.integer(&mut context.diagnostics))?;
+    if !(1..=2).contains(&first) || !(first..=2).contains(&last) {
+        let message = format!("invalid degrees of freedom {first} to {last} of a mesh: 1 is r, 2 is z");
+        return context.refuse_value(line.span, message);
+    }
+    Some(([first as u8, last as u8], context.number_or(line, 3, 0.0)?))
+}
+
+/// Reads `REGION TYPE` of loads that have been added to the list of the step from `first` on.
+pub fn region_of_loads(steps: &mut StepReader, card: &Card, first: usize) {
+    let of_load = |load: &Load| match &load.kind {
+        LoadKind::Concentrated { nodes, .. } | LoadKind::NodalHeat { nodes, .. } => (Vec::new(), nodes.clone()),
+        kind => (kind.sides().map_or_else(Vec::new, |sides| sides.faces.clone()), Vec::new()),
+    };
+    let (faces, nodes): (Vec<_>, Vec<_>) = steps.state().loads[first..].iter().map(of_load).unzip();
+    adaptive_region(steps, card, faces.concat(), nodes.concat());
+}
+
+/// Reads `REGION TYPE` of a card that acts on these faces and nodes. OP=NEW ends the regions of earlier steps.
+pub fn adaptive_region(steps: &mut StepReader, card: &Card, faces: Vec<(usize, ElementSide)>, nodes: Vec<usize>) {
+    let (keyword, of_surface) = (card.keyword.name, card.keyword.name == "SURFACE");
+    if !of_surface && card.read::<bool>("OP") {
+        let state = steps.state();
+        let start = state.span.start;
+        state.adaptive_regions.retain(|region| region.keyword != keyword || region.span.start > start);
+    }
+    let kinds = [RegionType::Lagrangian, RegionType::Sliding, RegionType::Eulerian];
+    let kind = card.read::<Option<usize>>("REGION TYPE").map_or(RegionType::Sliding, |at| kinds[at]);
+    let default = if of_surface { RegionType::Sliding } else { RegionType::Lagrangian };
+    if card.has("REGION TYPE") && kind != default {
+        steps.state().adaptive_regions.push(AdaptiveRegion { span: card.span, keyword, kind, faces, nodes });
+    }
+}
+
+/// Assigns controls to the domains of the step.
+pub fn apply_adaptive_controls(context: &mut Context<'_>, steps: &mut StepReader) {
+    let used = steps.current.iter_mut().flat_map(|state| std::mem::take(&mut state.adaptive_controls_used));
+    for (set, word) in used.collect::<Vec<_>>() {
+        let Some(controls) = steps.adaptive_controls.get(&upper(&word.text)).copied() else {
+            context.unknown("M116", "adaptive mesh controls", &word, |_| {
+                steps.adaptive_controls.keys().cloned().collect()
+            });
+            continue;
         };
-        let (faces, nodes): (Vec<_>, Vec<_>) = self.state().loads[first..].iter().map(of_load).unzip();
-        self.adaptive_region(card, faces.concat(), nodes.concat());
-    }
-
-    /// Reads `REGION TYPE` of a card that acts on these faces and nodes. OP=NEW ends the regions of earlier steps.
-    pub(super) fn adaptive_region(&mut self, card: &Card, faces: Vec<(usize, ElementSide)>, nodes: Vec<usize>) {
-        let (keyword, of_surface) = (card.keyword.name, card.keyword.name == "SURFACE");
-        if !of_surface && self.is_new(card) {
-            let state = self.state();
-            let start = state.span.start;
-            state.adaptive_regions.retain(|region| region.keyword != keyword || region.span.start > start);
-        }
-        let kinds = [RegionType::Lagrangian, RegionType::Sliding, RegionType::Eulerian];
-        let kind = card.read::<Option<usize>>("REGION TYPE").map_or(RegionType::Sliding, |at| kinds[at]);
-        let default = if of_surface { RegionType::Sliding } else { RegionType::Lagrangian };
-        if card.has("REGION TYPE") && kind != default {
-            self.state().adaptive_regions.push(AdaptiveRegion { span: card.span, keyword, kind, faces, nodes });
-        }
-    }
-
-    /// Assigns controls to the domains of the step.
-    pub(super) fn apply_adaptive_controls(&mut self) {
-        let used = self.step.iter_mut().flat_map(|state| std::mem::take(&mut state.adaptive_controls_used));
-        for (set, word) in used.collect::<Vec<_>>() {
-            let Some(controls) = self.adaptive_controls.get(&upper(&word.text)).copied() else {
-                self.unknown("M116", "adaptive mesh controls", &word, |b| {
-                    b.adaptive_controls.keys().cloned().collect()
-                });
-                continue;
-            };
-            let domains = self.step.iter_mut().flat_map(|state| &mut state.adaptive);
-            domains.filter(|domain| domain.set == set).for_each(|domain| domain.controls = controls);
-        }
+        let domains = steps.current.iter_mut().flat_map(|state| &mut state.adaptive);
+        domains.filter(|domain| domain.set == set).for_each(|domain| domain.controls = controls);
     }
 }

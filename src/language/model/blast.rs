@@ -1,81 +1,79 @@
 //! Blast waves: `*INCIDENT WAVE INTERACTION PROPERTY`, `*CONWEP CHARGE PROPERTY`, `*INCIDENT WAVE INTERACTION`.
 
-use super::builder::ModelBuilder;
+use super::context::Context;
+use super::families::{ConditionReader, StepReader};
 use super::names::upper;
+use super::surfaces;
 use super::types::{BlastCharge, BlastProperty, Load, LoadKind};
-use crate::deck::{Card, Diagnostic};
+use crate::deck::Card;
 use crate::kernel::blast_wave::BurstShape;
 
-impl ModelBuilder<'_> {
-    pub(super) fn blast_property(&mut self, card: &Card) {
-        let Some(name) = self.required(card, "NAME").map(|word| upper(&word.text)) else { return };
-        let is_surface_burst: usize = card.read("TYPE");
-        let shape = [BurstShape::Spherical, BurstShape::Hemispherical][is_surface_burst];
-        let charge = BlastCharge { shape, mass: 0.0, units: [1.0; 3] };
-        self.blasts.push(BlastProperty { name, charge, has_charge: false });
-    }
+pub fn read_blast_property(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
+    let Some(name) = context.required(card, "NAME").map(|word| upper(&word.text)) else { return };
+    let is_surface_burst: usize = card.read("TYPE");
+    let shape = [BurstShape::Spherical, BurstShape::Hemispherical][is_surface_burst];
+    let charge = BlastCharge { shape, mass: 0.0, units: [1.0; 3] };
+    conditions.blasts.push(BlastProperty { name, charge, has_charge: false });
+}
 
-    /// Reads mass and units of a charge. The first line has the mass and its factor to kilograms, the second line, which
-    /// may be missing, the factors from the units of the model to metres, seconds and pascals.
-    pub(super) fn blast_charge(&mut self, card: &Card) {
-        let Some(line) = self.first_line(card) else { return };
-        let (Some(mass), Some(factor)) = (self.number(line, 0, "the mass of TNT"), self.number_or(line, 1, 1.0)) else {
-            return;
-        };
-        let mut units = [1.0; 3];
-        if let Some(line) = card.lines.get(1) {
-            for (i, unit) in units.iter_mut().enumerate() {
-                let Some(value) = self.number_or(line, i, 1.0) else { return };
-                *unit = value;
-            }
-        }
-        if let Some(property) = self.blasts.last_mut() {
-            property.charge = BlastCharge { mass: mass * factor, units, ..property.charge };
-            property.has_charge = true;
+/// Reads mass and units of a charge. The first line has the mass and its factor to kilograms, the second line, which
+/// may be missing, the factors from the units of the model to metres, seconds and pascals.
+pub fn read_blast_charge(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
+    let Some(line) = context.first_line(card) else { return };
+    let (Some(mass), Some(factor)) = (context.number(line, 0, "the mass of TNT"), context.number_or(line, 1, 1.0))
+    else {
+        return;
+    };
+    let mut units = [1.0; 3];
+    if let Some(line) = card.lines.get(1) {
+        for (i, unit) in units.iter_mut().enumerate() {
+            let Some(value) = context.number_or(line, i, 1.0) else { return };
+            *unit = value;
         }
     }
+    if let Some(property) = conditions.blasts.last_mut() {
+        property.charge = BlastCharge { mass: mass * factor, units, ..property.charge };
+        property.has_charge = true;
+    }
+}
 
-    pub(super) fn incident_wave(&mut self, card: &Card) {
-        if !card.has("CONWEP") {
-            let help =
-                "give the pressure history as *DSLOAD, P with *AMPLITUDE, or as PNU with a VDLOAD user subroutine";
-            return self.unsupported(card.span, "only waves of *CONWEP CHARGE PROPERTY (CONWEP) are supported", help);
-        }
-        let Some(word) = self.required(card, "PROPERTY") else { return };
-        let Some(property) = self.blasts.iter().find(|property| property.name == upper(&word.text)) else {
-            let names: Vec<String> = self.blasts.iter().map(|property| property.name.clone()).collect();
-            return self.unknown("M113", "incident wave interaction property", word, |_| names.clone());
+pub fn read_incident_wave(
+    context: &mut Context<'_>,
+    conditions: &mut ConditionReader,
+    steps: &mut StepReader,
+    card: &Card,
+) {
+    if !card.has("CONWEP") {
+        let help = "give the pressure history as *DSLOAD, P with *AMPLITUDE, or as PNU with a VDLOAD user subroutine";
+        return context.unsupported(card.span, "only waves of *CONWEP CHARGE PROPERTY (CONWEP) are supported", help);
+    }
+    let Some(word) = context.required(card, "PROPERTY") else { return };
+    let Some(property) = conditions.blasts.iter().find(|property| property.name == upper(&word.text)) else {
+        let names: Vec<String> = conditions.blasts.iter().map(|property| property.name.clone()).collect();
+        return context.unknown("M113", "incident wave interaction property", word, |_| names.clone());
+    };
+    let charge = property.charge;
+    if !property.has_charge {
+        let message = format!("{} has no *CONWEP CHARGE PROPERTY", word.text);
+        return context.error("M102", message, word.span, "this property");
+    }
+    for line in &card.lines {
+        let Some(sides) = context.region(line).and_then(|set| surfaces::loaded_sides(context, set)) else { continue };
+        let Some(word) = line.field(1) else {
+            context.error("M102", "the source node is missing", line.span, "second field");
+            continue;
         };
-        let charge = property.charge;
-        if !property.has_charge {
-            let message = format!("{} has no *CONWEP CHARGE PROPERTY", word.text);
-            return self.diagnostics.push(Diagnostic::error("M102", message).at(word.span, "this property"));
+        let Some(source) = context.single_node(word, "the source") else { continue };
+        let place = context.model.mesh.points[source];
+        if place[0] != 0.0 {
+            let message = format!("the source must be on the axis of symmetry, found r = {}", place[0]);
+            context.out_of_range(word.span, message);
         }
-        for line in &card.lines {
-            let Some(sides) = self.region(line).and_then(|set| self.loaded_sides(set)) else { continue };
-            let Some(word) = line.field(1) else {
-                let message = "the source node is missing";
-                self.diagnostics.push(Diagnostic::error("M102", message).at(line.span, "second field"));
-                continue;
-            };
-            let Some(nodes) = self.node_members(word) else { continue };
-            let [source] = nodes[..] else {
-                self.out_of_range(word.span, format!("the source must be one node, found a set of {}", nodes.len()));
-                continue;
-            };
-            let place = self.model.mesh.points[source];
-            if place[0] != 0.0 {
-                self.out_of_range(
-                    word.span,
-                    format!("the source must be on the axis of symmetry, found r = {}", place[0]),
-                );
-            }
-            let (Some(detonation), Some(magnitude)) = (self.number_or(line, 2, 0.0), self.number_or(line, 3, 1.0))
-            else {
-                continue;
-            };
-            let kind = LoadKind::Blast { sides, charge, height: place[1], detonation };
-            self.state().loads.push(Load { kind, magnitude, amplitude: None, span: line.span });
-        }
+        let (Some(detonation), Some(magnitude)) = (context.number_or(line, 2, 0.0), context.number_or(line, 3, 1.0))
+        else {
+            continue;
+        };
+        let kind = LoadKind::Blast { sides, charge, height: place[1], detonation };
+        steps.state().loads.push(Load { kind, magnitude, amplitude: None, span: line.span });
     }
 }

@@ -1,16 +1,21 @@
 //! Validation of composed models: indices and value ranges, with the diagnostic codes of decks.
 
+use super::adaptive::check_size_limits;
+use super::faults::{ValueCheck, is_non_negative, is_positive, require};
 use super::fields::MOST_FIELDS;
+use super::interactions::check_overclosure;
+use super::shells::check_points;
+use super::targets::no_resistance;
 use super::types::{
-    AdaptiveControls, AmplitudeDefinition, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorLaw,
-    ConnectorProperty, CoulombFriction, ElementKind, ElementSide, ErosionCriteria, IncrementControl, InitialKind,
-    InteractionId, LinkKind, Load, LoadKind, Model, MotionKind, OutputInterval, OutputRegion, OutputRequest,
-    PrescribedClearance, Remeshing, ShellSection, ShellThinning, SideSelection, Step, SurfaceContact, SurfaceTraction,
-    TargetStack,
+    AdaptiveControls, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorProperty, CoulombFriction, ElementKind,
+    ElementSide, ErosionCriteria, IncrementControl, InitialKind, InteractionId, LinkKind, Load, LoadKind, MaterialId,
+    Model, MotionKind, OutputInterval, OutputRegion, OutputRequest, PrescribedClearance, Remeshing, ShellSection,
+    SideSelection, Step, SurfaceContact, SurfaceTraction, TargetLayer, TargetStack,
 };
-use crate::deck::keywords::Keyword;
+use crate::deck::keywords::InputRule;
 use crate::deck::table::{adaptive, constraints, materials, steps};
 use crate::deck::{Diagnostic, Diagnostics, Span};
+use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::platform::PortableMath as _;
 use crate::variables::request::VariableRequest;
 
@@ -24,7 +29,7 @@ impl Model {
             check.names();
             self.materials.iter().for_each(|m| check.material(m));
             check.bodies();
-            check.amplitudes();
+            self.amplitudes.iter().for_each(|a| check.accept("", a.span, a.definition.check()));
             self.erosions.iter().for_each(|e| check.erosion(e));
             self.remeshings.iter().for_each(|r| check.remeshing(r));
             self.targets.iter().for_each(|t| check.target(t));
@@ -36,18 +41,19 @@ impl Model {
     }
 }
 
+/// A keyword and the rules of some of its fields.
+pub type FieldRules<const N: usize> = (&'static str, [&'static InputRule; N]);
+
+/// Returns the rules of fields of a card. A name that the card does not have is an error of the compiler.
+macro_rules! fields {
+    ($card:ty: $($name:literal),+) => { (<$card>::ROW.name, const { [$(<$card>::ROW.field($name)),+] }) };
+}
+pub(super) use fields;
+
 /// Validation state: the model and the diagnostics.
-pub(super) struct ConsistencyCheck<'a> {
+pub struct ConsistencyCheck<'a> {
     model: &'a Model,
     found: Diagnostics,
-}
-
-pub(super) fn is_positive(value: f64) -> bool {
-    value > 0.0 && value.is_finite()
-}
-
-pub(super) fn is_non_negative(value: f64) -> bool {
-    value >= 0.0 && value.is_finite()
 }
 
 fn is_ascending(members: &[usize]) -> bool {
@@ -59,20 +65,40 @@ impl ConsistencyCheck<'_> {
         self.found.push(Diagnostic::error(code, message).at(span, "here"));
     }
 
-    /// Reports an invalid value unless `good`.
-    pub(super) fn value(&mut self, good: bool, span: Span, message: impl FnOnce() -> String) {
-        if !good {
-            self.error("M103", span, message());
+    /// Reports an invalid value unless `is_valid`.
+    fn value(&mut self, is_valid: bool, span: Span, message: impl Into<String>) {
+        self.accept("", span, require(is_valid, message));
+    }
+
+    /// Reports the fault that a check has found; `owner` precedes the message.
+    pub fn accept(&mut self, owner: &str, span: Span, check: ValueCheck) {
+        check.unwrap_or_else(|fault| self.found.push(fault.at(owner, span)));
+    }
+
+    /// Reports values outside the ranges of their fields in the keyword table; `owner` precedes the message.
+    pub fn ranges<const N: usize>(
+        &mut self,
+        span: Span,
+        owner: &str,
+        (keyword, rules): FieldRules<N>,
+        values: [Option<f64>; N],
+    ) {
+        for (rule, value) in rules.into_iter().zip(values) {
+            let Some(value) = value.filter(|value| !rule.value.allows(*value)) else { continue };
+            let message = format!("{} of *{keyword} must be {}, found {value}", rule.name, rule.value.allowed());
+            self.accept(owner, span, require(false, message));
         }
     }
 
-    /// Reports a value outside the range of its field in the keyword table.
-    pub(super) fn in_range(&mut self, span: Span, of: &str, row: &Keyword, field: &str, value: Option<f64>) {
-        let (Some(allowed), Some(value)) = (row.value(field), value) else { return };
-        self.value(allowed.allows(value), span, || {
-            let of = if of.is_empty() { String::new() } else { format!("`{of}`: ") };
-            format!("{of}{field} of *{} must be {}, found {value}", row.name, allowed.allowed())
-        });
+    /// Reports values that are negative or not finite.
+    fn not_negative<const N: usize>(&mut self, span: Span, values: [(&str, f64); N]) {
+        for (name, value) in values {
+            self.value(is_non_negative(value), span, format!("{name} must not be negative, found {value}"));
+        }
+    }
+
+    fn ascending(&mut self, span: Span, members: &str, indices: &[usize]) {
+        self.value(is_ascending(indices), span, format!("the {members} must be in ascending order"));
     }
 
     /// Reports the first index that is out of range.
@@ -93,29 +119,21 @@ impl ConsistencyCheck<'_> {
     fn remeshing(&mut self, remeshing: &Remeshing) {
         let Remeshing { span, elements, angle, increment, frequency, size, limits, .. } = remeshing;
         self.elements(*span, elements);
-        self.value(is_ascending(elements), *span, || "the elements of a body must be in ascending order".into());
-        let row = &adaptive::Remesh::ROW;
-        self.in_range(*span, "", row, "ANGLE", Some(angle.to_degrees()));
-        self.in_range(*span, "", row, "INCREMENT", Some(*increment));
-        self.in_range(*span, "", row, "FREQUENCY", Some(*frequency as f64));
-        self.in_range(*span, "", row, "SIZE", *size);
-        self.in_range(*span, "", row, "CURVATURE ANGLE", limits.curvature_angle.map(f64::to_degrees));
-        self.in_range(*span, "", row, "STRAIN CHANGE", limits.strain_change);
-        self.in_range(*span, "", row, "MINIMUM SIZE", limits.smallest);
+        self.ascending(*span, "elements of a body", elements);
+        let fields = fields!(adaptive::Remesh: "ANGLE", "INCREMENT", "FREQUENCY", "SIZE", "CURVATURE ANGLE", "STRAIN CHANGE", "MINIMUM SIZE");
+        let (angle, curvature) = (Some(angle.to_degrees()), limits.curvature_angle.map(f64::to_degrees));
+        let (increment, frequency) = (Some(*increment), Some(*frequency as f64));
+        let values = [angle, increment, frequency, *size, curvature, limits.strain_change, limits.smallest];
+        self.ranges(*span, "", fields, values);
+        self.accept("", *span, check_size_limits(limits));
     }
 
     fn erosion(&mut self, erosion: &ErosionCriteria) {
         self.elements(erosion.span, erosion.elements.as_deref().unwrap_or_default());
-        let row = &materials::Erosion::ROW;
-        let limits = [
-            ("DISTORTION", erosion.distortion),
-            ("PLASTIC STRAIN", erosion.plastic),
-            ("PRINCIPAL STRAIN", erosion.strain),
-            ("INCREMENT", erosion.increment),
-        ];
-        limits.iter().for_each(|(field, limit)| self.in_range(erosion.span, "", row, field, *limit));
-        let any = limits.iter().any(|limit| limit.1.is_some());
-        self.value(any, erosion.span, || "*EROSION requires at least one limit".into());
+        let fields = fields!(materials::Erosion: "DISTORTION", "PLASTIC STRAIN", "PRINCIPAL STRAIN", "INCREMENT");
+        let limits = [erosion.distortion, erosion.plastic, erosion.strain, erosion.increment];
+        self.ranges(erosion.span, "", fields, limits);
+        self.accept("", erosion.span, erosion.check());
     }
 
     fn amplitude(&mut self, span: Span, id: Option<AmplitudeId>) {
@@ -123,9 +141,8 @@ impl ConsistencyCheck<'_> {
     }
 
     fn degree(&mut self, span: Span, dof: u8, last: u8) {
-        self.value((1..=last).contains(&dof), span, || {
-            format!("degree of freedom must be from 1 to {last} (1 = r, 2 = z), found {dof}")
-        });
+        let message = format!("degree of freedom must be from 1 to {last} (1 = r, 2 = z), found {dof}");
+        self.value((1..=last).contains(&dof), span, message);
     }
 
     fn mesh(&mut self) {
@@ -164,9 +181,7 @@ impl ConsistencyCheck<'_> {
     fn names(&mut self) {
         let model = self.model;
         for (name, set) in model.node_sets.iter().chain(&model.element_sets) {
-            self.value(is_ascending(&set.members), set.span, || {
-                format!("the members of set `{name}` must be in ascending order")
-            });
+            self.ascending(set.span, &format!("members of set `{name}`"), &set.members);
         }
         model.node_sets.values().for_each(|set| self.nodes(set.span, &set.members));
         model.element_sets.values().for_each(|set| self.elements(set.span, &set.members));
@@ -228,105 +243,76 @@ impl ConsistencyCheck<'_> {
         }
     }
 
+    fn section(&mut self, span: Span, elements: &[usize], material: MaterialId) {
+        self.elements(span, elements);
+        self.indices("M111", span, "material", &[material.index()], self.model.materials.len());
+    }
+
     fn bodies(&mut self) {
         let model = self.model;
-        for section in &model.sections {
-            self.elements(section.span, &section.elements);
-            self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
-        }
+        model.sections.iter().for_each(|s| self.section(s.span, &s.elements, s.material));
         for section in &model.shell_sections {
-            self.elements(section.span, &section.elements);
-            self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
+            self.section(section.span, &section.elements, section.material);
             self.shell_section(section);
         }
         for section in &model.cohesive_sections {
-            self.elements(section.span, &section.elements);
-            self.indices("M111", section.span, "material", &[section.material.index()], model.materials.len());
-            self.in_range(section.span, "", &materials::CohesiveSection::ROW, "thickness", section.thickness);
+            self.section(section.span, &section.elements, section.material);
+            self.ranges(section.span, "", fields!(materials::CohesiveSection: "thickness"), [section.thickness]);
         }
         for body in &model.rigid_bodies {
             self.nodes(body.span, &[body.reference]);
             self.nodes(body.span, &body.nodes);
             self.elements(body.span, &body.elements);
-            self.value(is_non_negative(body.density) && is_non_negative(body.thickness), body.span, || {
-                "density and thickness of a rigid body must not be negative".into()
-            });
+            self.not_negative(body.span, [("DENSITY", body.density), ("thickness", body.thickness)]);
         }
         for point in &model.discrete.masses {
             self.nodes(point.span, &[point.node]);
-            self.in_range(point.span, "", &constraints::Mass::ROW, "mass", Some(point.mass));
+            self.ranges(point.span, "", fields!(constraints::Mass: "mass"), [Some(point.mass)]);
         }
         for attitude in &model.attitudes {
             self.nodes(attitude.span, &[attitude.reference]);
-            let good = attitude.angles.iter().all(|a| a.is_finite());
-            self.value(good, attitude.span, || "the angles of an attitude must be finite".into());
+            let is_valid = attitude.angles.iter().all(|a| a.is_finite());
+            self.value(is_valid, attitude.span, "the angles of an attitude must be finite");
             let stations = Some(attitude.stations as f64);
-            self.in_range(attitude.span, "", &constraints::Attitude::ROW, "STATIONS", stations);
+            self.ranges(attitude.span, "", fields!(constraints::Attitude: "STATIONS"), [stations]);
         }
         for inertia in &model.discrete.inertias {
             self.nodes(inertia.span, &[inertia.node]);
             for moment in inertia.moments {
-                self.in_range(inertia.span, "", &constraints::RotaryInertia::ROW, "I11", Some(moment));
+                self.ranges(inertia.span, "", fields!(constraints::RotaryInertia: "I11"), [Some(moment)]);
             }
         }
         for surface in model.surfaces.analytical.values() {
             self.nodes(surface.span, surface.reference.as_slice());
             let segments = &surface.profile.segments;
             let finite = segments.iter().flat_map(|s| s.ends()).flatten().all(f64::is_finite);
-            self.value(finite && !segments.is_empty(), surface.span, || {
-                "an analytical surface requires segments with finite coordinates".into()
-            });
+            let message = "an analytical surface requires segments with finite coordinates";
+            self.value(finite && !segments.is_empty(), surface.span, message);
         }
     }
 
     fn shell_section(&mut self, section: &ShellSection) {
-        let row = &materials::ShellSection::ROW;
-        self.in_range(section.span, "", row, "thickness", Some(section.thickness));
-        self.in_range(section.span, "", row, "points", Some(section.points as f64));
-        self.in_range(section.span, "", row, "DENSITY", Some(section.per_area));
-        let odd = section.points % 2 == 1;
-        self.value(odd, section.span, || {
-            format!("the number of shell section points must be odd, found {}", section.points)
-        });
-        let ratio = |r: f64| r > -1.0 && r <= 0.5;
-        let thins = !matches!(section.thinning, ShellThinning::Ratio(r) if !ratio(r));
-        self.value(thins, section.span, || "POISSON of a shell must be above -1 and at most 0.5".into());
-    }
-
-    fn amplitudes(&mut self) {
-        let model = self.model;
-        for amplitude in &model.amplitudes {
-            let AmplitudeDefinition::Curve { points, .. } = &amplitude.definition else { continue };
-            let finite = points.iter().flatten().all(|x| x.is_finite());
-            let good = finite && !points.is_empty() && points.windows(2).all(|w| w[0][0] < w[1][0]);
-            self.value(good, amplitude.span, || "the times of an amplitude must ascend".into());
-        }
+        let fields = fields!(materials::ShellSection: "thickness", "points", "DENSITY");
+        let values = [section.thickness, section.points as f64, section.per_area].map(Some);
+        self.ranges(section.span, "", fields, values);
+        self.accept("", section.span, check_points(section.points));
+        self.accept("", section.span, section.thinning.check());
     }
 
     fn target(&mut self, target: &TargetStack) {
-        let good = target.front.is_finite() && target.direction.abs() == 1.0 && !target.layers.is_empty();
-        self.value(good, target.span, || {
-            "a target requires a finite front, a direction of +1 or -1, and layers".into()
-        });
-        let row = &constraints::Target::ROW;
-        self.in_range(target.span, &target.name, row, "OBLIQUITY", Some(target.obliquity));
+        let is_valid = target.front.is_finite() && target.direction.abs() == 1.0 && !target.layers.is_empty();
+        self.value(is_valid, target.span, "a target requires a finite front, a direction of +1 or -1, and layers");
+        let owner = format!("`{}`: ", target.name);
+        self.ranges(target.span, &owner, fields!(constraints::Target: "OBLIQUITY"), [Some(target.obliquity)]);
         for layer in &target.layers {
-            self.value(layer.thickness > 0.0 && layer.radius > 0.0, layer.span, || {
-                format!(
-                    "thickness and radius of a layer must be positive, found {} and {}",
-                    layer.thickness, layer.radius
-                )
-            });
+            let TargetLayer { thickness, radius, .. } = *layer;
+            let message = format!("thickness and radius of a layer must be positive, found {thickness} and {radius}");
+            self.value(thickness > 0.0 && radius > 0.0, layer.span, message);
             let Some(index) = layer.material else { continue };
             self.indices("M111", layer.span, "material", &[index.index()], self.model.materials.len());
             let Some(material) = self.model.materials.get(index.index()) else { continue };
             if material.cavity.is_none() || material.density.is_none() {
-                let name = &material.name;
-                let message = format!(
-                    "material {name} has no resistance: a target layer \
-                             requires *DENSITY and *CAVITY EXPANSION"
-                );
-                self.error("M101", layer.span, message);
+                self.error("M101", layer.span, no_resistance(material));
             }
         }
     }
@@ -335,22 +321,12 @@ impl ConsistencyCheck<'_> {
         self.elements(property.span, &property.elements);
         let elements = property.elements.iter().filter_map(|&e| self.model.mesh.elements.get(e));
         let kinds: Vec<ElementKind> = elements.map(|e| e.kind).collect();
-        self.value(kinds.iter().all(|k| k.is_connector()), property.span, || {
-            "a spring or dashpot property is assigned to elements of another type".into()
-        });
+        let message = "a spring or dashpot property is assigned to elements of another type";
+        self.value(kinds.iter().all(|k| k.is_connector()), property.span, message);
         if kinds.iter().any(|k| k.node_count() == 1) {
             self.degree(property.span, property.dof, 2);
         }
-        let good = match &property.law {
-            ConnectorLaw::Spring(value) | ConnectorLaw::Dashpot(value) => is_non_negative(*value),
-            ConnectorLaw::Table(rows) | ConnectorLaw::DashpotTable(rows) => {
-                let finite = rows.iter().flatten().all(|x| x.is_finite());
-                finite && !rows.is_empty() && rows.windows(2).all(|w| w[0][0] < w[1][0])
-            }
-        };
-        self.value(good, property.span, || {
-            "a spring or dashpot requires a value that is not negative, or rows in ascending order".into()
-        });
+        self.accept("", property.span, property.law.check());
     }
 
     fn conditions(&mut self) {
@@ -360,24 +336,22 @@ impl ConsistencyCheck<'_> {
             self.nodes(equation.span, &nodes);
             if equation.is_thermal() {
                 let all = equation.terms.iter().all(|t| t.1 == 11);
-                self.value(all, equation.span, || {
-                    "an equation cannot combine temperatures (11) and displacements".into()
-                });
+                self.value(all, equation.span, "an equation cannot combine temperatures (11) and displacements");
             } else {
                 equation.terms.iter().for_each(|t| self.degree(equation.span, t.1, 2));
             }
-            let good = !nodes.is_empty() && equation.terms.iter().all(|t| t.2.is_finite() && t.2 != 0.0);
-            self.value(good, equation.span, || "an equation requires terms with nonzero coefficients".into());
+            let is_valid = !nodes.is_empty() && equation.terms.iter().all(|t| t.2.is_finite() && t.2 != 0.0);
+            self.value(is_valid, equation.span, "an equation requires terms with nonzero coefficients");
         }
         for link in &model.constraints.links {
             self.nodes(link.span, &[link.reference]);
             self.nodes(link.span, &link.nodes);
             if let LinkKind::Distributing(weights) = &link.kind {
                 let sum: f64 = weights.iter().sum();
-                let good = weights.len() == link.nodes.len()
+                let is_valid = weights.len() == link.nodes.len()
                     && weights.iter().all(|w| is_non_negative(*w))
                     && is_positive(sum);
-                self.value(good, link.span, || "a coupling requires one weight per node, with a positive sum".into());
+                self.value(is_valid, link.span, "a coupling requires one weight per node, with a positive sum");
             }
         }
         for tie in &model.constraints.ties {
@@ -385,8 +359,7 @@ impl ConsistencyCheck<'_> {
             self.nodes(tie.span, tie.chosen.as_deref().unwrap_or_default());
             self.faces(tie.span, &tie.slave_faces);
             self.faces(tie.span, &tie.masters);
-            let tolerance = tie.tolerance.is_none_or(is_non_negative);
-            self.value(tolerance, tie.span, || "POSITION TOLERANCE must not be negative".into());
+            self.not_negative(tie.span, [("POSITION TOLERANCE", tie.tolerance.unwrap_or(0.0))]);
         }
         for condition in &model.initial_conditions {
             let finite = match &condition.kind {
@@ -397,10 +370,8 @@ impl ConsistencyCheck<'_> {
                 | InitialKind::Hardening(v)
                 | InitialKind::Field(_, v) => v.is_finite(),
             };
-            self.value(finite, condition.span, || "the values of an initial condition must be finite".into());
-            self.value(is_ascending(&condition.members), condition.span, || {
-                "the members of an initial condition must be in ascending order".into()
-            });
+            self.value(finite, condition.span, "the values of an initial condition must be finite");
+            self.ascending(condition.span, "members of an initial condition", &condition.members);
             if condition.kind.applies_to_elements() {
                 self.elements(condition.span, &condition.members);
             } else {
@@ -410,33 +381,27 @@ impl ConsistencyCheck<'_> {
                 self.degree(condition.span, dof, 6);
             }
         }
-        self.value(model.settings.absolute_zero.is_finite(), Span::default(), || "absolute zero must be finite".into());
+        self.value(model.settings.absolute_zero.is_finite(), Span::default(), "absolute zero must be finite");
     }
 
     fn step(&mut self, step: &Step) {
-        let row = &steps::Dynamic::ROW;
-        self.in_range(step.span, &step.name, row, "length of the step", Some(step.duration));
-        self.in_range(step.span, &step.name, row, "SCALE FACTOR", Some(step.scale_factor));
-        let increment = match step.increment {
-            IncrementControl::Automatic { accuracy, largest, .. } => {
-                self.in_range(step.span, &step.name, row, "ACCURACY", Some(accuracy));
-                largest > 0.0
-            }
-            IncrementControl::Fixed(increment) => increment > 0.0 && increment <= step.duration,
+        let fields = fields!(steps::Dynamic: "length of the step", "SCALE FACTOR", "ACCURACY");
+        let accuracy = match step.increment {
+            IncrementControl::Automatic { accuracy, .. } => Some(accuracy),
+            IncrementControl::Fixed(_) => None,
         };
-        self.value(increment, step.span, || format!("invalid increment control {:?}", step.increment));
-        self.value(
-            is_non_negative(step.bulk_viscosity.linear) && is_non_negative(step.bulk_viscosity.quadratic),
-            step.span,
-            || "bulk viscosity must not be negative".into(),
-        );
+        let owner = format!("step `{}`: ", step.name);
+        self.ranges(step.span, &owner, fields, [Some(step.duration), Some(step.scale_factor), accuracy]);
+        self.accept(&owner, step.span, step.increment.check(step.duration));
+        let BulkViscosity { linear, quadratic, .. } = step.bulk_viscosity;
+        self.not_negative(step.span, [("linear bulk viscosity", linear), ("quadratic bulk viscosity", quadratic)]);
         step.boundaries.iter().for_each(|b| self.boundary(b));
         step.loads.iter().for_each(|l| self.load(l));
         for field in &step.fields {
             self.nodes(field.span, &field.nodes);
             self.amplitude(field.span, field.amplitude);
-            let good = field.value.is_finite() && field.variable < MOST_FIELDS && is_ascending(&field.nodes);
-            self.value(good, field.span, || "a field requires a finite value and nodes in ascending order".into());
+            let is_valid = field.value.is_finite() && field.variable < MOST_FIELDS && is_ascending(&field.nodes);
+            self.value(is_valid, field.span, "a field requires a finite value and nodes in ascending order");
         }
         step.outputs.iter().for_each(|o| self.output(o));
         if let Some(restart) = step.restart {
@@ -459,33 +424,33 @@ impl ConsistencyCheck<'_> {
             let count = self.model.interactions.len();
             self.indices("M114", contact.span, "surface interaction", interaction.as_slice(), count);
             let CoulombFriction { at_rest, sliding, decay, largest, damping } = contact.law.friction;
-            let good = [at_rest, sliding, decay, largest, damping].iter().all(|x| *x >= 0.0);
-            self.value(good, contact.span, || "friction parameters must not be negative".into());
-            let good = contact.law.damping.is_none_or(|damping| damping.value() >= 0.0);
-            self.value(good, contact.span, || "contact damping must not be negative".into());
+            let is_valid = [at_rest, sliding, decay, largest, damping].iter().all(|x| *x >= 0.0);
+            self.value(is_valid, contact.span, "friction parameters must not be negative");
+            self.accept("", contact.span, check_overclosure(&contact.law.overclosure));
+            let is_valid = contact.law.damping.is_none_or(|damping| damping.value() >= 0.0);
+            self.value(is_valid, contact.span, "contact damping must not be negative");
             if let Some(PrescribedClearance { gap, above, below }) = contact.clearance {
-                let good = [Some(gap), above, below].into_iter().flatten().all(|x| x >= 0.0);
-                self.value(good, contact.span, || "a clearance and its search distances must not be negative".into());
+                let is_valid = [Some(gap), above, below].into_iter().flatten().all(|x| x >= 0.0);
+                self.value(is_valid, contact.span, "a clearance and its search distances must not be negative");
             }
-            let good = contact.penalty.is_none_or(is_positive);
-            self.value(good, contact.span, || "the scale factor of the penalty stiffness must be positive".into());
+            let is_valid = contact.penalty.is_none_or(is_positive);
+            self.value(is_valid, contact.span, "the scale factor of the penalty stiffness must be positive");
         }
         for scaling in &step.mass_scalings {
             self.elements(scaling.span, scaling.elements.as_deref().unwrap_or_default());
-            let row = &steps::FixedMassScaling::ROW;
-            self.in_range(scaling.span, "", row, "FACTOR", Some(scaling.factor));
-            self.in_range(scaling.span, "", row, "DT", scaling.target.map(|t| t.1));
+            let fields = fields!(steps::FixedMassScaling: "FACTOR", "DT");
+            self.ranges(scaling.span, "", fields, [Some(scaling.factor), scaling.target.map(|t| t.1)]);
         }
         for mesh in &step.adaptive {
             self.elements(mesh.span, &mesh.elements);
-            let row = &adaptive::AdaptiveMesh::ROW;
-            self.in_range(mesh.span, "", row, "FREQUENCY", mesh.frequency.map(|count| count as f64));
-            self.in_range(mesh.span, "", row, "MESH SWEEPS", Some(mesh.sweeps as f64));
+            let fields = fields!(adaptive::AdaptiveMesh: "FREQUENCY", "MESH SWEEPS");
+            let values = [mesh.frequency.map(|count| count as f64), Some(mesh.sweeps as f64)];
+            self.ranges(mesh.span, "", fields, values);
             let AdaptiveControls { weights, corner_angle, .. } = mesh.controls;
-            let good = weights.iter().all(|w| *w >= 0.0) && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-9;
-            self.value(good, mesh.span, || "weights of smoothing must not be negative, and their sum must be 1".into());
-            let row = &adaptive::AdaptiveMeshControls::ROW;
-            self.in_range(mesh.span, "", row, "TRANSITION FEATURE ANGLE", Some(corner_angle.to_degrees()));
+            let is_valid = weights.iter().all(|w| *w >= 0.0) && (weights.iter().sum::<f64>() - 1.0).abs() < 1e-9;
+            self.value(is_valid, mesh.span, "weights of smoothing must not be negative, and their sum must be 1");
+            let fields = fields!(adaptive::AdaptiveMeshControls: "TRANSITION FEATURE ANGLE");
+            self.ranges(mesh.span, "", fields, [Some(corner_angle.to_degrees())]);
         }
         step.adaptive_fixed.iter().for_each(|(span, nodes)| self.nodes(*span, nodes));
         step.adaptive_regions.iter().for_each(|region| self.nodes(region.span, &region.nodes));
@@ -494,9 +459,7 @@ impl ConsistencyCheck<'_> {
 
     fn analytical_side(&mut self, contact: &SurfaceContact, analytical: &AnalyticalSide) {
         self.nodes(contact.span, &analytical.nodes);
-        self.value(is_ascending(&analytical.nodes), contact.span, || {
-            "the nodes of a contact surface must be in ascending order".into()
-        });
+        self.ascending(contact.span, "nodes of a contact surface", &analytical.nodes);
         let count = self.model.surfaces.analytical.len();
         self.indices("M114", contact.span, "analytical surface", &[analytical.surface.index()], count);
     }
@@ -504,19 +467,17 @@ impl ConsistencyCheck<'_> {
     fn boundary(&mut self, boundary: &BoundaryCondition) {
         self.nodes(boundary.span, &boundary.nodes);
         if boundary.kind == MotionKind::Temperature {
-            self.value(boundary.dof == 11, boundary.span, || {
-                "a temperature must be prescribed at degree of freedom 11".into()
-            });
+            self.value(boundary.dof == 11, boundary.span, "a temperature must be prescribed at degree of freedom 11");
         } else {
             self.degree(boundary.span, boundary.dof, 6);
         }
         self.amplitude(boundary.span, boundary.amplitude);
-        self.value(boundary.value.is_finite(), boundary.span, || "a prescribed motion must be finite".into());
+        self.value(boundary.value.is_finite(), boundary.span, "a prescribed motion must be finite");
     }
 
     fn load(&mut self, load: &Load) {
         self.amplitude(load.span, load.amplitude);
-        self.value(load.magnitude.is_finite(), load.span, || "the magnitude of a load must be finite".into());
+        self.value(load.magnitude.is_finite(), load.span, "the magnitude of a load must be finite");
         match &load.kind {
             LoadKind::Concentrated { nodes, dof, .. } => {
                 self.nodes(load.span, nodes);
@@ -525,9 +486,7 @@ impl ConsistencyCheck<'_> {
             LoadKind::Gravity { elements, direction } => {
                 self.elements(load.span, elements.as_deref().unwrap_or_default());
                 let length = direction[0].portable_hypot(direction[1]).portable_hypot(direction[2]);
-                self.value((length - 1.0).abs() < 1e-9, load.span, || {
-                    "the direction of GRAV must be a unit vector".into()
-                });
+                self.value((length - 1.0).abs() < 1e-9, load.span, "the direction of GRAV must be a unit vector");
             }
             LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) => self.sides(load.span, sides),
             LoadKind::Traction { sides, law } => {
@@ -536,8 +495,8 @@ impl ConsistencyCheck<'_> {
             }
             LoadKind::Blast { sides, charge, .. } => {
                 self.sides(load.span, sides);
-                let good = charge.mass > 0.0 && charge.units.iter().all(|unit| *unit > 0.0);
-                self.value(good, load.span, || "mass and units of a charge must be positive".into());
+                let is_valid = charge.mass > 0.0 && charge.units.iter().all(|unit| *unit > 0.0);
+                self.value(is_valid, load.span, "mass and units of a charge must be positive");
             }
             LoadKind::Body { elements, .. } => self.loaded_elements(load.span, elements),
             LoadKind::NodalHeat { nodes, .. } => self.nodes(load.span, nodes),
@@ -545,9 +504,7 @@ impl ConsistencyCheck<'_> {
             LoadKind::Film { sides, coefficient, amplitude } => {
                 self.sides(load.span, sides);
                 self.amplitude(load.span, *amplitude);
-                self.value(is_non_negative(*coefficient), load.span, || {
-                    "a film coefficient must not be negative".into()
-                });
+                self.not_negative(load.span, [("the film coefficient", *coefficient)]);
             }
             LoadKind::User { sides, load_type } => {
                 self.sides(load.span, sides);
@@ -560,9 +517,7 @@ impl ConsistencyCheck<'_> {
             LoadKind::Cavity { sides, target, friction } => {
                 self.sides(load.span, sides);
                 self.indices("M113", load.span, "target", &[target.index()], self.model.targets.len());
-                self.value(is_non_negative(*friction), load.span, || {
-                    format!("FRICTION must not be negative, found {friction}")
-                });
+                self.not_negative(load.span, [("FRICTION", *friction)]);
             }
         }
     }
@@ -570,9 +525,8 @@ impl ConsistencyCheck<'_> {
     fn traction(&mut self, span: Span, law: &SurfaceTraction) {
         match law {
             SurfaceTraction::Vector { direction: [r, z], .. } | SurfaceTraction::Shear { direction: [r, z] } => {
-                self.value((r.portable_hypot(*z) - 1.0).abs() < 1e-9, span, || {
-                    "the direction of a traction must be a unit vector".into()
-                });
+                let is_unit = (r.portable_hypot(*z) - 1.0).abs() < 1e-9;
+                self.value(is_unit, span, "the direction of a traction must be a unit vector");
             }
             SurfaceTraction::Viscous { reference } => self.nodes(span, reference.as_slice()),
         }
@@ -605,7 +559,7 @@ impl ConsistencyCheck<'_> {
 
     fn interval(&mut self, span: Span, interval: OutputInterval) {
         if let OutputInterval::Time(time) = interval {
-            self.value(time > 0.0, span, || format!("an output interval must be positive, found {time}"));
+            self.value(time > 0.0, span, format!("an output interval must be positive, found {time}"));
         }
     }
 }

@@ -1,250 +1,170 @@
-//! Validation of the material data of composed models. The plan checks the combination of laws.
+//! Validation of the material data of composed models: ranges of the keyword table, and the checks of the readers of
+//! cards. The plan checks the combination of laws.
 
-use super::consistency::{ConsistencyCheck, is_non_negative, is_positive};
-use super::eos::stiffens;
-use super::rubber::ORDER;
+use super::cohesive::{check_coupling, check_softening};
+use super::consistency::{ConsistencyCheck, FieldRules, fields};
+use super::faults::{ValueCheck, is_non_negative, is_positive, require};
+use super::materials::check_elastic_table;
+use super::rubber::check_foam_hardening;
 use super::types::{
-    DamageEvolution, DeviatoricEnergy, EosKind, FailureCriterion, FoamYieldSurface, HyperelasticLaw,
-    InterfaceSoftening, MaterialDefinition, ModeDependence, PlasticityModel, RateDependence, StateVariables,
-    StrainAtFailure,
+    DamageEvolution, EosKind, FoamYieldSurface, HyperelasticLaw, MaterialDefinition, RateDependence, StateVariables,
 };
-use crate::deck::keywords::Keyword;
 use crate::deck::table::materials as cards;
-use crate::kernel::levels::NestedTable;
-
-/// Returns whether the temperatures of the rows ascend; a single row needs none.
-fn by_temperature(rows: &[[f64; 3]]) -> bool {
-    !rows.is_empty() && (rows.len() == 1 || rows.windows(2).all(|w| w[0][2] < w[1][2]))
-}
-
-/// Fields of a card, with their values.
-type NamedValues<'a> = &'a [(&'static str, Option<f64>)];
 
 impl ConsistencyCheck<'_> {
-    pub(super) fn material(&mut self, material: &MaterialDefinition) {
+    pub fn material(&mut self, material: &MaterialDefinition) {
         self.elasticity(material);
         self.compressible(material);
         self.heat(material);
         self.flow(material);
         self.failure(material);
         self.interface(material);
-        let (name, span, user) = (&material.name, material.span, &material.user);
+        let user = &material.user;
         let of_fields = user.fields.iter().chain(&user.lengths).flat_map(|f| &f.0);
-        let mut constants = user.material.iter().flatten().chain(of_fields);
+        let is_finite = user.material.iter().flatten().chain(of_fields).all(|constant| constant.is_finite());
+        self.check_of(material, require(is_finite, "the constants of user subroutines must be finite"));
         let StateVariables { count, delete } = user.state;
-        let good = constants.all(|c| c.is_finite()) && count <= 10_000 && delete.is_none_or(|d| d < count);
-        self.value(good, span, || {
-            format!("material `{name}`: user material properties or state variables out of range")
-        });
+        let is_valid = count <= 10_000 && delete.is_none_or(|d| d < count);
+        self.check_of(material, require(is_valid, format!("state variables out of range: {count}, DELETE {delete:?}")));
     }
 
-    /// Checks the values of a card against the ranges of the keyword table.
-    fn card(&mut self, material: &MaterialDefinition, row: &Keyword, fields: NamedValues<'_>) {
-        fields.iter().for_each(|(field, value)| self.in_range(material.span, &material.name, row, field, *value));
+    /// Reports the fault that a check has found.
+    fn check_of(&mut self, material: &MaterialDefinition, check: ValueCheck) {
+        self.accept(&owner(material), material.span, check);
     }
 
-    fn rows<const N: usize>(
-        &mut self,
-        material: &MaterialDefinition,
-        row: &Keyword,
-        names: [&'static str; N],
-        rows: &[[f64; N]],
-    ) {
-        for values in rows {
-            let given = |i: usize| (names[i], Some(values[i]).filter(|v| names[i] != "temperature" || !v.is_nan()));
-            self.card(material, row, &std::array::from_fn::<_, N, _>(given));
+    /// Checks rows of values against the rules of their fields. Temperatures may be absent (NaN).
+    fn rows<const N: usize>(&mut self, material: &MaterialDefinition, fields: FieldRules<N>, rows: &[[f64; N]]) {
+        let (keyword, rules) = fields;
+        for row in rows {
+            let is_given = |at: usize| rules[at].name != "temperature" || !row[at].is_nan();
+            let values = std::array::from_fn(|at| Some(row[at]).filter(|_| is_given(at)));
+            self.ranges(material.span, &owner(material), fields, values);
+        }
+        for (rule, column) in rules.into_iter().zip(0..) {
+            let descends = |w: &&[[f64; N]]| rule.value.ascends && w[1][column] <= w[0][column];
+            if let Some([before, after]) = rows.windows(2).find(descends) {
+                let (before, after) = (before[column], after[column]);
+                let message =
+                    format!("{} of *{keyword} must increase from row to row, found {after} after {before}", rule.name);
+                self.check_of(material, require(false, message));
+            }
         }
     }
 
     fn elasticity(&mut self, material: &MaterialDefinition) {
-        self.card(material, &cards::Density::ROW, &[("density", material.density)]);
-        let names = ["Young's modulus", "Poisson's ratio"];
-        self.rows(material, &cards::Elastic::ROW, names, material.elastic.as_slice());
-        self.card(material, &cards::Elastic::ROW, &[("shear modulus", material.shear_modulus)]);
-        self.card(material, &cards::Viscosity::ROW, &[("viscosity", material.viscosity.map(|v| v.0))]);
-        self.card(material, &cards::Damping::ROW, &[("ALPHA", material.damping.map(|d| d.alpha))]);
-        self.card(material, &cards::Damping::ROW, &[("BETA", material.damping.map(|d| d.beta))]);
-        let (name, span) = (&material.name, material.span);
-        let mut need = |good: bool, what: &str| self.value(good, span, || format!("material `{name}`: {what}"));
-        need(is_elastic_table(&material.elastic_table), "elastic moduli table out of range");
-        need(material.hyperelastic.as_ref().is_none_or(is_rubber), "hyperelastic constants out of range");
+        self.rows(material, fields!(cards::Density: "density"), material.density.map(|density| [density]).as_slice());
+        let moduli: Vec<[f64; 2]> =
+            material.elastic_table.iter().filter_map(|row| row.first_chunk().copied()).collect();
+        for moduli in [material.elastic.as_slice(), &moduli] {
+            self.rows(material, fields!(cards::Elastic: "Young's modulus", "Poisson's ratio"), moduli);
+        }
+        self.check_of(material, check_elastic_table(&material.elastic_table));
+        self.rows(material, fields!(cards::Elastic: "shear modulus"), material.shear_modulus.map(|g| [g]).as_slice());
+        self.rows(material, fields!(cards::Viscosity: "viscosity"), material.viscosity.map(|v| [v.0]).as_slice());
+        self.rows(
+            material,
+            fields!(cards::Damping: "ALPHA", "BETA"),
+            material.damping.map(|d| [d.alpha, d.beta]).as_slice(),
+        );
+        self.check_of(material, material.hyperelastic.as_ref().map_or(Ok(()), HyperelasticLaw::check));
     }
 
     /// Checks equation of state and crushable foam.
     fn compressible(&mut self, material: &MaterialDefinition) {
-        let row = &cards::Eos::ROW;
         match material.eos.as_ref().map(|eos| &eos.kind) {
             Some(EosKind::IdealGas(values)) => {
-                self.rows(material, row, ["gas constant", "ambient pressure"], &[*values]);
+                self.rows(material, fields!(cards::Eos: "gas constant", "ambient pressure"), &[*values]);
             }
-            Some(EosKind::UsUp(values)) => self.rows(material, row, ["c0", "s", "Gamma0"], &[*values]),
-            Some(EosKind::Jwl(values)) => self.rows(material, row, JWL, &[*values]),
-            Some(EosKind::Tabular(rows)) => {
-                let good = stiffens(rows) && rows.windows(2).all(|w| w[0][2] > w[1][2]);
-                self.value(good, material.span, || "equation of state table out of range".into());
+            Some(EosKind::UsUp(values)) => self.rows(material, fields!(cards::Eos: "c0", "s", "Gamma0"), &[*values]),
+            Some(EosKind::Jwl(values)) => {
+                let fields = fields!(cards::Eos: "detonation wave speed", "A", "B", "omega", "R1", "R2", "detonation energy",
+                    "pre-detonation bulk modulus");
+                self.rows(material, fields, &[*values]);
             }
+            Some(kind @ EosKind::Tabular(_)) => self.check_of(material, kind.check()),
             None => {}
         }
-        let [first, second, third] =
-            ["compression yield stress ratio", "hydrostatic yield stress ratio", "plastic Poisson's ratio"];
         match material.foam.shape {
             Some((FoamYieldSurface::Volumetric(values), _)) => {
-                self.rows(material, &cards::CrushableFoam::ROW, [first, second], &[values]);
-                self.value(values[0] > 0.0, material.span, || format!("{first} must be positive"));
+                let fields =
+                    fields!(cards::CrushableFoam: "compression yield stress ratio", "hydrostatic yield stress ratio");
+                self.rows(material, fields, &[values]);
+                let message = format!("the compression yield stress ratio must be positive, found {}", values[0]);
+                self.check_of(material, require(values[0] > 0.0, message));
             }
             Some((FoamYieldSurface::Isotropic(values), _)) => {
-                self.rows(material, &cards::CrushableFoam::ROW, [first, third], &[values]);
+                let fields = fields!(cards::CrushableFoam: "compression yield stress ratio", "plastic Poisson's ratio");
+                self.rows(material, fields, &[values]);
             }
             None => {}
         }
-        let rows = &material.foam.hardening;
-        let names = ["yield stress in uniaxial compression", "plastic strain in compression"];
-        self.rows(material, &cards::CrushableFoamHardening::ROW, names, rows);
-        let starts = rows.first().is_none_or(|r| r[1] == 0.0) && rows.windows(2).all(|w| w[0][1] < w[1][1]);
-        self.value(starts, material.span, || "plastic strains of the foam must start at 0 and ascend".into());
+        let fields = fields!(cards::CrushableFoamHardening: "yield stress in uniaxial compression", "plastic strain in compression");
+        self.rows(material, fields, &material.foam.hardening);
+        self.check_of(material, check_foam_hardening(&material.foam.hardening));
     }
 
     fn heat(&mut self, material: &MaterialDefinition) {
         let thermal = &material.thermal;
-        self.card(material, &cards::InelasticHeatFraction::ROW, &[("fraction", thermal.inelastic_heat_fraction)]);
+        let fraction = thermal.inelastic_heat_fraction.map(|fraction| [fraction]);
+        self.rows(material, fields!(cards::InelasticHeatFraction: "fraction"), fraction.as_slice());
         let capacity = thermal.specific_heat.as_deref().unwrap_or_default();
-        self.rows(material, &cards::SpecificHeat::ROW, ["specific heat", "temperature"], capacity);
+        self.rows(material, fields!(cards::SpecificHeat: "specific heat", "temperature"), capacity);
         let conductivity = thermal.conductivity.as_ref().map_or(&[][..], |(rows, _)| rows);
-        self.rows(material, &cards::Conductivity::ROW, ["conductivity", "temperature"], conductivity);
+        self.rows(material, fields!(cards::Conductivity: "conductivity", "temperature"), conductivity);
         let expansion = thermal.expansion.as_ref().map_or(&[][..], |e| &e.rows);
-        self.rows(material, &cards::Expansion::ROW, ["coefficient", "temperature"], expansion);
-        let zero = thermal.expansion.as_ref().map(|e| e.zero);
-        self.card(material, &cards::Expansion::ROW, &[("ZERO", zero)]);
+        self.rows(material, fields!(cards::Expansion: "coefficient", "temperature"), expansion);
+        self.rows(material, fields!(cards::Expansion: "ZERO"), thermal.expansion.as_ref().map(|e| [e.zero]).as_slice());
     }
 
     fn flow(&mut self, material: &MaterialDefinition) {
-        let (name, span) = (&material.name, material.span);
-        let mut need = |good: bool, what: &str| self.value(good, span, || format!("material `{name}`: {what}"));
-        need(material.plastic.as_ref().is_none_or(yields), "yield stress table out of range");
-        need(material.rate.as_ref().is_none_or(is_rate), "rate dependence table out of range");
-        let Some(law) = material.cavity else { return };
-        let row = &cards::CavityExpansion::ROW;
-        let values = [("YIELD", law.yield_stress), ("A", law.a), ("B", law.b), ("C", law.c)];
-        self.card(material, row, &values.map(|(field, value)| (field, Some(value))));
+        self.check_of(material, material.plastic.as_ref().map_or(Ok(()), |plastic| plastic.check()));
+        match &material.rate {
+            Some(RateDependence::PowerLaw(rows)) => {
+                self.rows(material, fields!(cards::RateDependent: "D", "n", "temperature"), rows);
+            }
+            Some(RateDependence::JohnsonCook(values)) => {
+                self.rows(material, fields!(cards::RateDependent: "C", "reference strain rate"), &[*values]);
+            }
+            Some(rate @ RateDependence::YieldRatio(_)) => self.check_of(material, rate.check()),
+            None => {}
+        }
+        let resistance = material.cavity.map(|law| [law.yield_stress, law.a, law.b, law.c]);
+        self.rows(material, fields!(cards::CavityExpansion: "YIELD", "A", "B", "C"), resistance.as_slice());
     }
 
     /// Checks the traction-separation law of cohesive elements.
     fn interface(&mut self, material: &MaterialDefinition) {
         let interface = &material.interface;
-        self.rows(material, &cards::Elastic::ROW, ["Enn", "Ess"], interface.elastic.as_slice());
-        let (name, span) = (&material.name, material.span);
-        let mut need = |good: bool, what: &str| self.value(good, span, || format!("material `{name}`: {what}"));
+        self.rows(material, fields!(cards::Elastic: "Enn", "Ess"), interface.elastic.as_slice());
         let begins = interface.initiation.is_none_or(|i| i.limits.iter().all(|limit| is_positive(*limit)));
-        need(begins, "values of damage initiation must be positive");
-        let good = interface.evolution.as_ref().is_none_or(|e| softens(&e.softening));
-        need(good, "damage evolution of cohesive elements out of range");
-        let coupled =
-            interface.elastic.is_none_or(|[normal, shear]| interface.coupling * interface.coupling < normal * shear);
-        need(coupled, "the coupling stiffness of cohesive elements is too large");
-        need(interface.viscosity.is_none_or(|v| is_non_negative(v.0)), "the viscosity of damage must not be negative");
-        let based = interface.evolution.is_none() || interface.initiation.is_some();
-        need(based, "damage evolution of cohesive elements requires damage initiation");
+        self.check_of(material, require(begins, "values of damage initiation must be positive"));
+        self.check_of(material, interface.evolution.as_ref().map_or(Ok(()), |e| check_softening(&e.softening)));
+        self.check_of(material, interface.elastic.map_or(Ok(()), |e| check_coupling(e, interface.coupling)));
+        let viscosity = interface.viscosity.map_or(0.0, |v| v.0);
+        let message = format!("the viscosity of damage must not be negative, found {viscosity}");
+        self.check_of(material, require(is_non_negative(viscosity), message));
+        let is_complete = interface.evolution.is_none() || interface.initiation.is_some();
+        self.check_of(
+            material,
+            require(is_complete, "damage evolution of cohesive elements requires damage initiation"),
+        );
     }
 
     fn failure(&mut self, material: &MaterialDefinition) {
-        let cutoff = material.tensile_failure.map(|t| t.cutoff);
-        self.card(material, &cards::TensileFailure::ROW, &[("mean stress, tension", cutoff)]);
-        let (name, span) = (&material.name, material.span);
-        let good = material.failures.iter().all(fails);
-        self.value(good, span, || format!("material `{name}`: failure strain or damage evolution out of range"));
-    }
-}
-
-/// Returns whether the values at failure of cohesive elements are in range.
-fn is_mode_dependence(mode: &ModeDependence) -> bool {
-    match mode {
-        ModeDependence::Independent(value) => is_non_negative(*value),
-        ModeDependence::Table(_, rows) => {
-            let good = |row: &[f64; 2]| is_non_negative(row[0]) && (0.0..=1.0).contains(&row[1]);
-            !rows.is_empty() && rows.iter().all(good) && rows.windows(2).all(|w| w[0][1] < w[1][1])
-        }
-        ModeDependence::PowerLaw(energies, power) | ModeDependence::BenzeggaghKenane(energies, power) => {
-            energies.iter().chain([power]).all(|value| is_positive(*value))
+        let cutoff = material.tensile_failure.map(|t| [t.cutoff]);
+        self.rows(material, fields!(cards::TensileFailure: "mean stress, tension"), cutoff.as_slice());
+        for criterion in &material.failures {
+            self.check_of(material, criterion.strain.check());
+            if let DamageEvolution::Displacement(value) | DamageEvolution::Energy(value) = criterion.evolution {
+                let message = format!("the value of damage evolution must not be negative, found {value}");
+                self.check_of(material, require(is_non_negative(value), message));
+            }
         }
     }
 }
 
-fn softens(softening: &InterfaceSoftening) -> bool {
-    match softening {
-        InterfaceSoftening::Displacement(mode)
-        | InterfaceSoftening::Energy(mode)
-        | InterfaceSoftening::ExponentialEnergy(mode) => is_mode_dependence(mode),
-        InterfaceSoftening::ExponentialDisplacement(mode, rate) => is_mode_dependence(mode) && is_positive(*rate),
-        InterfaceSoftening::Tabular(rows) => {
-            let ascends = |w: &[[f64; 2]]| w[0][1] < w[1][1] && w[0][0] <= w[1][0] && w[1][0] <= 1.0;
-            rows.len() > 1 && rows[0] == [0.0; 2] && rows.windows(2).all(ascends)
-        }
-    }
-}
-
-/// Names of the JWL constants, in their order.
-const JWL: [&str; 8] =
-    ["detonation wave speed", "A", "B", "omega", "R1", "R2", "detonation energy", "pre-detonation bulk modulus"];
-
-fn is_elastic_table(rows: &[Vec<f64>]) -> bool {
-    let good = |r: &Vec<f64>| r.len() > 2 && is_positive(r[0]) && r[1] > -1.0 && r[1] < 0.5;
-    let over = || NestedTable::new(&rows.iter().map(|r| &r[1..]).collect::<Vec<_>>());
-    rows.is_empty() || rows.iter().all(good) && over().is_some()
-}
-
-fn is_rubber(rubber: &HyperelasticLaw) -> bool {
-    let [first, more @ ..] = &rubber.compressibility[..] else { return false };
-    let alike = is_positive(*first) || more.iter().all(|d| *d == 0.0);
-    let shape = match &rubber.shape {
-        DeviatoricEnergy::NeoHooke(_) => true,
-        DeviatoricEnergy::Polynomial(terms) => {
-            terms.iter().all(|&(c, i, j)| c.is_finite() && i <= ORDER && j <= ORDER && i + j > 0)
-        }
-        DeviatoricEnergy::Ogden(terms) => terms.iter().all(|t| t[0].is_finite() && t[1].is_finite() && t[1] != 0.0),
-    };
-    is_positive(rubber.shape.shear()) && rubber.compressibility.iter().all(|d| is_non_negative(*d)) && alike && shape
-}
-
-/// Returns whether the yield stress data are in range. The plan checks tables further.
-fn yields(plastic: &PlasticityModel) -> bool {
-    match plastic {
-        PlasticityModel::JohnsonCook(values) => values.iter().all(|v| v.is_finite()),
-        PlasticityModel::Tabular(rows) => rows.iter().all(|r| r[0].is_finite() && r[1].is_finite()),
-        PlasticityModel::OverFields(rows) => {
-            rows.iter().flatten().all(|v| v.is_finite()) && NestedTable::new(rows).is_some()
-        }
-        PlasticityModel::User(constants) => constants.iter().all(|c| c.is_finite()),
-        PlasticityModel::Kinematic(lines) => {
-            by_temperature(lines) && lines.iter().all(|l| is_positive(l[0]) && is_non_negative(l[1]))
-        }
-    }
-}
-
-fn is_rate(rate: &RateDependence) -> bool {
-    match rate {
-        RateDependence::JohnsonCook(values) => values.iter().all(|v| v.is_finite()),
-        RateDependence::PowerLaw(rows) => {
-            by_temperature(rows) && rows.iter().all(|r| is_positive(r[0]) && is_positive(r[1]))
-        }
-        RateDependence::YieldRatio(rows) => {
-            let follows = |w: &[[f64; 3]]| w[0][1] < w[1][1] || w[0][2] < w[1][2];
-            !rows.is_empty()
-                && rows.windows(2).all(follows)
-                && rows.iter().all(|r| r[0].is_finite() && r[1].is_finite())
-        }
-    }
-}
-
-fn fails(criterion: &FailureCriterion) -> bool {
-    let table = |rows: &Vec<[f64; 4]>| rows.iter().all(|r| r[0] > 0.0) && NestedTable::new(rows).is_some();
-    let strain = match &criterion.strain {
-        StrainAtFailure::Constant(strain) => *strain > 0.0,
-        StrainAtFailure::JohnsonCook(d, _) => d.iter().all(|v| v.is_finite()),
-        StrainAtFailure::Ductile(rows) | StrainAtFailure::Shear(rows) => table(rows),
-    };
-    strain
-        && match criterion.evolution {
-            DamageEvolution::Sudden | DamageEvolution::Absent => true,
-            DamageEvolution::Displacement(value) | DamageEvolution::Energy(value) => is_non_negative(value),
-        }
+/// Returns the begin of messages about a material.
+fn owner(material: &MaterialDefinition) -> String {
+    format!("material `{}`: ", material.name)
 }

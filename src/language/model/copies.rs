@@ -3,8 +3,11 @@
 use std::collections::HashMap;
 
 use super::budget::BudgetedItem;
-use super::builder::ModelBuilder;
+use super::context::Context;
+use super::families::{LocalSystem, MeshReader};
+use super::placement::read_placement;
 use super::refinement::curves::{AffineMap, polar_point};
+use super::{elements, nodes, sets};
 use crate::deck::{Card, DataLine, Diagnostic, Span};
 
 /// An affine map of the r-z plane: fixed point, and images of the unit vectors along r and z.
@@ -34,224 +37,213 @@ impl PlaneMapping {
     }
 }
 
-impl ModelBuilder<'_> {
-    /// Copies nodes with shifted labels (ABAQUS Keywords Reference Guide, *NCOPY). SHIFT translates and rotates them as
-    /// `*INSTANCE` does; REFLECT reflects them through a point or across a line or plane.
-    pub(super) fn ncopy(&mut self, card: &Card) {
-        let Some(change) = self.label_shift(card, "CHANGE NUMBER") else { return };
-        let Some(old) = self.required(card, "OLD SET").and_then(|w| self.nodes_in_order(w)) else { return };
-        let Some(place) = self.copy_transform(card) else { return };
-        if !self.fits_budget(BudgetedItem::Nodes, old.len() as u128, card.span) {
-            return;
+/// Copies nodes with shifted labels (ABAQUS Keywords Reference Guide, *NCOPY). SHIFT translates and rotates them as
+/// `*INSTANCE` does; REFLECT reflects them through a point or across a line or plane.
+pub fn read_ncopy(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+    let Some(change) = label_shift(context, card, "CHANGE NUMBER") else { return };
+    let Some(old) = context.required(card, "OLD SET").and_then(|w| nodes::nodes_in_order(context, mesh, w)) else {
+        return;
+    };
+    let Some(place) = copy_transform(context, card) else { return };
+    if !context.fits_budget(BudgetedItem::Nodes, old.len() as u128, card.span) {
+        return;
+    }
+    // Nodes of a part have the coordinates of its instance, but the copy is defined in the coordinates of the part.
+    let placement = mesh.placement.clone();
+    let image = |point| match &placement {
+        Some(placement) => placement.apply(place(placement.undo(point))),
+        None => place(point),
+    };
+    let mut made = Vec::with_capacity(old.len());
+    let mut images = HashMap::new();
+    for node in old {
+        let Some(label) = nodes::label_of_index(context, node) else { continue };
+        let copy = image(context.model.mesh.points[node]);
+        made.push(nodes::place_generated(context, mesh, label.saturating_add(change), copy, card.span));
+        images.insert(node, made[made.len() - 1]);
+    }
+    if context.deck.mesh_scaling.is_some() {
+        let map = AffineMap::of(image);
+        context.scaling.curves.record_images(&images, &map);
+    }
+    sets::collect_nodes(context, card, "NEW SET", made);
+}
+
+fn label_shift(context: &mut Context<'_>, card: &Card, name: &str) -> Option<i64> {
+    let word = context.required(card, name)?;
+    let change = word.integer(&mut context.diagnostics)?;
+    if change == 0 {
+        context.out_of_range(word.span, format!("{name} must not be zero, because the copies need their own labels"));
+    }
+    (change != 0).then_some(change)
+}
+
+/// Returns the coordinate transformation of a `*NCOPY` card.
+#[allow(clippy::type_complexity)] // The function depends on the card.
+fn copy_transform(context: &mut Context<'_>, card: &Card) -> Option<Box<dyn Fn([f64; 2]) -> [f64; 2]>> {
+    if card.has("SHIFT") {
+        let placement = if card.lines.is_empty() { None } else { Some(read_placement(context, card)?) };
+        return Some(Box::new(move |p| placement.as_ref().map_or(p, |placement| placement.apply(p))));
+    }
+    let Some(kind) = card.read::<Option<usize>>("REFLECT") else {
+        let diagnostic = Diagnostic::error("M101", "*NCOPY requires SHIFT or REFLECT=");
+        return context.diagnostics.refuse(diagnostic.at(card.span, "no transformation given"));
+    };
+    let mapping = reflection(context, card, kind)?;
+    Some(Box::new(move |p| mapping.apply(p)))
+}
+
+fn reflection(context: &mut Context<'_>, card: &Card, kind: usize) -> Option<PlaneMapping> {
+    let line = context.first_line(card)?;
+    let [a, b] = [space_point(context, line, 0)?, space_point(context, line, 3)?];
+    let way = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+    let (flat, leaves) = ([a[0], a[1]], "this reflection maps points out of the r-z plane");
+    let found = if kind == 0 {
+        (a[2] == 0.0).then(|| PlaneMapping::point_reflection(flat))
+    } else if kind == 1 {
+        match (way[2] == 0.0, way[0] == 0.0 && way[1] == 0.0) {
+            (true, _) if a[2] == 0.0 => PlaneMapping::mirror(flat, [way[0], way[1]]),
+            (false, true) => Some(PlaneMapping::point_reflection(flat)),
+            _ => None,
         }
-        // Nodes of a part have the coordinates of its instance, but the copy is defined in the coordinates of the part.
-        let image = |builder: &Self, point| match &builder.instance {
-            Some(placement) => placement.apply(place(builder, placement.undo(point))),
-            None => place(builder, point),
+    } else {
+        let second = card.lines.get(1).unwrap_or(line);
+        let c = space_point(context, second, 0)?;
+        let other = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
+        // The plane is perpendicular to the r-z plane if its normal is in the r-z plane.
+        let normal = [
+            way[1] * other[2] - way[2] * other[1],
+            way[2] * other[0] - way[0] * other[2],
+            way[0] * other[1] - way[1] * other[0],
+        ];
+        let upright = normal[2].abs() <= 1e-9 * normal[0].abs().max(normal[1].abs());
+        if upright { PlaneMapping::mirror(flat, [-normal[1], normal[0]]) } else { None }
+    };
+    if found.is_none() {
+        context.error("M126", leaves, line.span, "these points");
+    }
+    found
+}
+
+/// Reads three coordinates, starting at a field; empty fields are zero.
+pub fn space_point(context: &mut Context<'_>, line: &DataLine, first: usize) -> Option<[f64; 3]> {
+    let mut point = [0.0; 3];
+    for (i, value) in point.iter_mut().enumerate() {
+        *value = context.number_or(line, first + i, 0.0)?;
+    }
+    Some(point)
+}
+
+/// Copies elements with shifted element and node labels (ABAQUS Keywords Reference Guide, *ELCOPY). REFLECT
+/// reverses the node order, for copies of reflected nodes.
+pub fn read_elcopy(context: &mut Context<'_>, card: &Card) {
+    let shift_of_nodes = context.required(card, "SHIFT NODES").and_then(|w| w.integer(&mut context.diagnostics));
+    let (Some(change), Some(shift)) = (label_shift(context, card, "ELEMENT SHIFT"), shift_of_nodes) else {
+        return;
+    };
+    let Some(old) = context.required(card, "OLD SET").and_then(|w| context.element_members(w)) else { return };
+    if !context.fits_budget(BudgetedItem::Elements, old.len() as u128, card.span) {
+        return;
+    }
+    let mut made = Vec::with_capacity(old.len());
+    for element in old {
+        let (kind, nodes) = {
+            let e = &context.model.mesh.elements[element];
+            (e.kind, e.nodes.clone())
         };
-        let mut made = Vec::with_capacity(old.len());
-        let mut images = HashMap::new();
-        for node in old {
-            let Some(label) = self.label_of_index(node) else { continue };
-            let copy = image(self, self.model.mesh.points[node]);
-            made.push(self.place_generated(label.saturating_add(change), copy, card.span));
-            images.insert(node, made[made.len() - 1]);
+        let label = context.model.mesh.elements[element].name.rsplit('.').next().and_then(|l| l.parse::<i64>().ok());
+        let labels: Vec<i64> = nodes.iter().filter_map(|&n| nodes::label_of_index(context, n)).collect();
+        let Some(label) = label.map(|l| l.saturating_add(change)) else { continue };
+        let Some(mut nodes) = elements::shifted(context, &labels, shift, label, card.span) else { return };
+        if card.has("REFLECT") && nodes.len() > 2 {
+            nodes[1..].reverse();
         }
-        if self.deck.mesh_scaling.is_some() {
-            let map = AffineMap::of(|point| image(self, point));
-            self.curves.record_images(&images, &map);
-        }
-        if let Some(name) = card.value("NEW SET") {
-            self.add_node_set(&name.text, made, card.span);
+        made.extend(elements::add_element(context, label, kind, nodes[..].into(), card.span));
+    }
+    sets::collect_elements(context, card, "NEW SET", made);
+}
+
+/// Maps nodes from coordinates of a local system (ABAQUS Keywords Reference Guide, *NMAP): RECTANGULAR, or
+/// CYLINDRICAL about an axis perpendicular to the r-z plane, with angles in degrees.
+pub fn read_nmap(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+    let Some(nodes) = context.required(card, "NSET").and_then(|w| context.node_members(w)) else { return };
+    let Some(line) = context.first_line(card) else { return };
+    let (Some(a), Some(b)) = (space_point(context, line, 0), space_point(context, line, 3)) else { return };
+    let polar = card.read("TYPE");
+    let alone = line.fields.len() <= 3;
+    let c = match card.lines.get(1) {
+        Some(second) => space_point(context, second, 0),
+        None => Some([a[0], a[1] + 1.0, a[2]]),
+    };
+    let Some(c) = c else { return };
+    let axes = if polar { axis_system(a, b, c) } else { plane_system(a, b, c, alone) };
+    let Some([e1, e2]) = axes else {
+        let message = "this local system is not in the r-z plane";
+        let diagnostic = Diagnostic::error("M126", message).at(line.span, "these points");
+        return context.diagnostics.push(diagnostic.help(
+            "the axis a-b of CYLINDRICAL must be perpendicular to the r-z \
+                          plane, for example a = 0, 0, 0 and b = 0, 0, 1",
+        ));
+    };
+    let mut scale = [1.0; 2];
+    if let Some(third) = card.lines.get(2) {
+        for (i, value) in scale.iter_mut().enumerate() {
+            let Some(given) = context.number_or(third, i, 1.0) else { return };
+            *value = if given == 0.0 { 1.0 } else { given };
         }
     }
-
-    fn label_shift(&mut self, card: &Card, name: &str) -> Option<i64> {
-        let word = self.required(card, name)?;
-        let change = word.integer(&mut self.diagnostics)?;
-        if change == 0 {
-            self.out_of_range(word.span, format!("{name} must not be zero, because the copies need their own labels"));
-        }
-        (change != 0).then_some(change)
+    let placement = mesh.placement.as_ref();
+    let local = |p: [f64; 2]| {
+        let p = placement.map_or(p, |placement| placement.undo(p));
+        [scale[0] * p[0], scale[1] * p[1]]
+    };
+    let global = |local: [f64; 2]| {
+        let place = [0, 1].map(|i| a[i] + local[0] * e1[i] + local[1] * e2[i]);
+        placement.map_or(place, |placement| placement.apply(place))
+    };
+    let points = &mut context.model.mesh.points;
+    let mut is_straightened = false;
+    if context.deck.mesh_scaling.is_some() && polar {
+        let places = nodes.iter().map(|&node| (node, local(points[node])));
+        context.scaling.curves.record_polar(places, AffineMap::of(global));
+    } else if context.deck.mesh_scaling.is_some() {
+        let same = nodes.iter().map(|&node| (node, node)).collect();
+        is_straightened = context.scaling.curves.record_images(&same, &AffineMap::of(|p| global(local(p))));
     }
-
-    /// Returns the coordinate transformation of a `*NCOPY` card.
-    #[allow(clippy::type_complexity)] // The function depends on the card.
-    fn copy_transform(&mut self, card: &Card) -> Option<Box<dyn Fn(&Self, [f64; 2]) -> [f64; 2]>> {
-        if card.has("SHIFT") {
-            let placement = if card.lines.is_empty() { None } else { Some(self.placement(card)?) };
-            return Some(Box::new(move |_, p| placement.as_ref().map_or(p, |placement| placement.apply(p))));
-        }
-        let Some(kind) = card.read::<Option<usize>>("REFLECT") else {
-            let diagnostic = Diagnostic::error("M101", "*NCOPY requires SHIFT or REFLECT=");
-            return self.diagnostics.refuse(diagnostic.at(card.span, "no transformation given"));
-        };
-        let mapping = self.reflection(card, kind)?;
-        Some(Box::new(move |_, p| mapping.apply(p)))
+    for node in nodes {
+        let [first, second] = local(points[node]);
+        points[node] = global(if polar { polar_point(first, second) } else { [first, second] });
     }
-
-    fn reflection(&mut self, card: &Card, kind: usize) -> Option<PlaneMapping> {
-        let line = self.first_line(card)?;
-        let [a, b] = [self.space_point(line, 0)?, self.space_point(line, 3)?];
-        let way = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
-        let (flat, leaves) = ([a[0], a[1]], "this reflection maps points out of the r-z plane");
-        let found = if kind == 0 {
-            (a[2] == 0.0).then(|| PlaneMapping::point_reflection(flat))
-        } else if kind == 1 {
-            match (way[2] == 0.0, way[0] == 0.0 && way[1] == 0.0) {
-                (true, _) if a[2] == 0.0 => PlaneMapping::mirror(flat, [way[0], way[1]]),
-                (false, true) => Some(PlaneMapping::point_reflection(flat)),
-                _ => None,
-            }
-        } else {
-            let second = card.lines.get(1).unwrap_or(line);
-            let c = self.space_point(second, 0)?;
-            let other = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
-            // The plane is perpendicular to the r-z plane if its normal is in the r-z plane.
-            let normal = [
-                way[1] * other[2] - way[2] * other[1],
-                way[2] * other[0] - way[0] * other[2],
-                way[0] * other[1] - way[1] * other[0],
-            ];
-            let upright = normal[2].abs() <= 1e-9 * normal[0].abs().max(normal[1].abs());
-            if upright { PlaneMapping::mirror(flat, [-normal[1], normal[0]]) } else { None }
-        };
-        if found.is_none() {
-            self.diagnostics.push(Diagnostic::error("M126", leaves).at(line.span, "these points"));
-        }
-        found
+    if is_straightened {
+        let message = "unequal scale factors change arcs into ellipses, whose edges are straight in the refined mesh";
+        let diagnostic = Diagnostic::warning("M193", message).at(card.span, "these nodes are on arcs");
+        context.diagnostics.push(diagnostic.help("use equal factors, or fit the boundary with --curved"));
     }
+}
 
-    /// Reads three coordinates, starting at a field; empty fields are zero.
-    pub(super) fn space_point(&mut self, line: &DataLine, first: usize) -> Option<[f64; 3]> {
-        let mut point = [0.0; 3];
-        for (i, value) in point.iter_mut().enumerate() {
-            *value = self.number_or(line, first + i, 0.0)?;
-        }
-        Some(point)
-    }
-
-    /// Copies elements with shifted element and node labels (ABAQUS Keywords Reference Guide, *ELCOPY). REFLECT
-    /// reverses the node order, for copies of reflected nodes.
-    pub(super) fn elcopy(&mut self, card: &Card) {
-        let shift_of_nodes = self.required(card, "SHIFT NODES").and_then(|w| w.integer(&mut self.diagnostics));
-        let (Some(change), Some(shift)) = (self.label_shift(card, "ELEMENT SHIFT"), shift_of_nodes) else {
-            return;
+/// Reports nodes that were generated again at other coordinates: an error if elements become degenerate, else a
+/// warning.
+pub fn report_regenerated_nodes(context: &mut Context<'_>, mesh: &mut MeshReader) {
+    let bad = mesh.shapeless_elements.len();
+    context.missing.bodies |= bad > 0;
+    let mut again: Vec<(Span, (i64, usize))> = std::mem::take(&mut mesh.regenerated_by_card).into_iter().collect();
+    again.sort_unstable_by_key(|(span, _)| (span.file, span.start));
+    for (span, (label, count)) in again {
+        let more = if count > 1 { format!(" and {} more nodes are", count - 1) } else { " is".into() };
+        let message = format!("node {label}{more} generated again at other coordinates");
+        let diagnostic =
+            if bad > 0 { Diagnostic::error("M164", message) } else { Diagnostic::warning("M164", message) };
+        let help = "choose increments so that all generated nodes have different labels";
+        let label = match bad {
+            0 => "the last coordinates are used".to_owned(),
+            _ => format!("the last coordinates are used, and {bad} elements with these nodes are degenerate"),
         };
-        let Some(old) = self.required(card, "OLD SET").and_then(|w| self.element_members(w)) else { return };
-        if !self.fits_budget(BudgetedItem::Elements, old.len() as u128, card.span) {
-            return;
-        }
-        let mut made = Vec::with_capacity(old.len());
-        for element in old {
-            let (kind, nodes) = {
-                let e = &self.model.mesh.elements[element];
-                (e.kind, e.nodes.clone())
-            };
-            let label = self.model.mesh.elements[element].name.rsplit('.').next().and_then(|l| l.parse::<i64>().ok());
-            let labels: Vec<i64> = nodes.iter().filter_map(|&n| self.label_of_index(n)).collect();
-            let Some(label) = label.map(|l| l.saturating_add(change)) else { continue };
-            let Some(mut nodes) = self.shifted(&labels, shift, label, card.span) else { return };
-            if card.has("REFLECT") && nodes.len() > 2 {
-                nodes[1..].reverse();
-            }
-            made.extend(self.add_element(label, kind, nodes[..].into(), card.span));
-        }
-        if let Some(name) = card.value("NEW SET") {
-            self.add_element_set(&name.text, made, card.span);
-        }
-    }
-
-    /// Maps nodes from coordinates of a local system (ABAQUS Keywords Reference Guide, *NMAP): RECTANGULAR, or
-    /// CYLINDRICAL about an axis perpendicular to the r-z plane, with angles in degrees.
-    pub(super) fn nmap(&mut self, card: &Card) {
-        let Some(nodes) = self.required(card, "NSET").and_then(|w| self.node_members(w)) else { return };
-        let Some(line) = self.first_line(card) else { return };
-        let (Some(a), Some(b)) = (self.space_point(line, 0), self.space_point(line, 3)) else { return };
-        let polar = card.read("TYPE");
-        let alone = line.fields.len() <= 3;
-        let c = match card.lines.get(1) {
-            Some(second) => self.space_point(second, 0),
-            None => Some([a[0], a[1] + 1.0, a[2]]),
-        };
-        let Some(c) = c else { return };
-        let axes = if polar { axis_system(a, b, c) } else { plane_system(a, b, c, alone) };
-        let Some([e1, e2]) = axes else {
-            let message = "this local system is not in the r-z plane";
-            let diagnostic = Diagnostic::error("M126", message).at(line.span, "these points");
-            return self.diagnostics.push(diagnostic.help(
-                "the axis a-b of CYLINDRICAL must be perpendicular to the r-z \
-                              plane, for example a = 0, 0, 0 and b = 0, 0, 1",
-            ));
-        };
-        let mut scale = [1.0; 2];
-        if let Some(third) = card.lines.get(2) {
-            for (i, value) in scale.iter_mut().enumerate() {
-                let Some(given) = self.number_or(third, i, 1.0) else { return };
-                *value = if given == 0.0 { 1.0 } else { given };
-            }
-        }
-        let placement = self.instance.as_ref();
-        let local = |p: [f64; 2]| {
-            let p = placement.map_or(p, |placement| placement.undo(p));
-            [scale[0] * p[0], scale[1] * p[1]]
-        };
-        let global = |local: [f64; 2]| {
-            let place = [0, 1].map(|i| a[i] + local[0] * e1[i] + local[1] * e2[i]);
-            placement.map_or(place, |placement| placement.apply(place))
-        };
-        let points = &mut self.model.mesh.points;
-        let mut is_straightened = false;
-        if self.deck.mesh_scaling.is_some() && polar {
-            let places = nodes.iter().map(|&node| (node, local(points[node])));
-            self.curves.record_polar(places, AffineMap::of(global));
-        } else if self.deck.mesh_scaling.is_some() {
-            let same = nodes.iter().map(|&node| (node, node)).collect();
-            is_straightened = self.curves.record_images(&same, &AffineMap::of(|p| global(local(p))));
-        }
-        for node in nodes {
-            let [first, second] = local(points[node]);
-            points[node] = global(if polar { polar_point(first, second) } else { [first, second] });
-        }
-        if is_straightened {
-            let message =
-                "unequal scale factors change arcs into ellipses, whose edges are straight in the refined mesh";
-            let diagnostic = Diagnostic::warning("M193", message).at(card.span, "these nodes are on arcs");
-            self.diagnostics.push(diagnostic.help("use equal factors, or fit the boundary with --curved"));
-        }
-    }
-
-    /// Records a node that was generated again at other coordinates.
-    pub(super) fn note_regenerated_node(&mut self, node: usize, label: i64, span: Span) {
-        let entry = self.regenerated_by_card.entry(span).or_insert((label, 0));
-        entry.1 += 1;
-        self.regenerated.insert(node);
-    }
-
-    /// Reports nodes that were generated again at other coordinates: an error if elements become degenerate, else a
-    /// warning.
-    pub(super) fn report_regenerated_nodes(&mut self) {
-        let bad = self.shapeless_elements.len();
-        self.missing.bodies |= bad > 0;
-        let mut again: Vec<(Span, (i64, usize))> = std::mem::take(&mut self.regenerated_by_card).into_iter().collect();
-        again.sort_unstable_by_key(|(span, _)| (span.file, span.start));
-        for (span, (label, count)) in again {
-            let more = if count > 1 { format!(" and {} more nodes are", count - 1) } else { " is".into() };
-            let message = format!("node {label}{more} generated again at other coordinates");
-            let diagnostic =
-                if bad > 0 { Diagnostic::error("M164", message) } else { Diagnostic::warning("M164", message) };
-            let help = "choose increments so that all generated nodes have different labels";
-            let label = match bad {
-                0 => "the last coordinates are used".to_owned(),
-                _ => format!("the last coordinates are used, and {bad} elements with these nodes are degenerate"),
-            };
-            self.diagnostics.push(diagnostic.at(span, label).help(help));
-        }
+        context.diagnostics.push(diagnostic.at(span, label).help(help));
     }
 }
 
 /// Returns the axes of a rectangular system in the r-z plane: from a to b, and perpendicular to it towards c.
-pub(super) fn plane_system(a: [f64; 3], b: [f64; 3], c: [f64; 3], alone: bool) -> Option<[[f64; 2]; 2]> {
+pub fn plane_system(a: [f64; 3], b: [f64; 3], c: [f64; 3], alone: bool) -> Option<[[f64; 2]; 2]> {
     if alone {
         return Some([[1.0, 0.0], [0.0, 1.0]]);
     }
@@ -277,77 +269,67 @@ fn axis_system(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> Option<[[f64; 2]; 2]> {
     Some([e1, [-up.signum() * e1[1], up.signum() * e1[0]]])
 }
 
-impl ModelBuilder<'_> {
-    /// Sets the local system of the following `*NODE` cards (ABAQUS Keywords Reference Guide, *SYSTEM). Without data
-    /// lines the coordinates are r and z again.
-    pub(super) fn system(&mut self, card: &Card) {
-        let Some(line) = card.lines.first() else {
-            self.system = None;
-            return;
+/// Sets the local system of the following `*NODE` cards (ABAQUS Keywords Reference Guide, *SYSTEM). Without data
+/// lines the coordinates are r and z again.
+pub fn read_system(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+    let Some(line) = card.lines.first() else {
+        mesh.system = None;
+        return;
+    };
+    let (Some(a), Some(b)) = (space_point(context, line, 0), space_point(context, line, 3)) else { return };
+    let alone = line.fields.len() <= 3;
+    // Without c the local z axis is normal to the plane, as the global one.
+    let c = match card.lines.get(1) {
+        Some(second) => space_point(context, second, 0),
+        None => Some([a[0] - (b[1] - a[1]), a[1] + (b[0] - a[0]), 0.0]),
+    };
+    let Some(c) = c else { return };
+    match plane_system(a, b, c, alone).filter(|_| a[2] == 0.0) {
+        Some(axes) => mesh.system = Some(LocalSystem { origin: [a[0], a[1]], axes }),
+        None => {
+            let message = "this local system is not in the r-z plane, or its points are collinear";
+            context.error("M126", message, line.span, "these points");
+        }
+    }
+}
+
+/// Reads transformed directions at nodes (ABAQUS Keywords Reference Guide, *TRANSFORM). Directions along r and z
+/// have no effect; others are reported by [`ModelBuilder::check_transforms`] if the nodes have a condition or force.
+pub fn read_transform(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+    let Some(set) = context.required(card, "NSET") else { return };
+    let Some(nodes) = context.node_members(set) else { return };
+    let Some(line) = context.first_line(card) else { return };
+    let (Some(a), Some(b)) = (space_point(context, line, 0), space_point(context, line, 3)) else { return };
+    let rectangular = card.value("TYPE").is_none_or(|w| w.is("R"));
+    let as_they_are = rectangular && a[0] > 0.0 && a[1] == 0.0 && a[2] == 0.0 && b[1] > 0.0 && b[2] == 0.0;
+    if as_they_are {
+        context.inert(card, "its directions are r and z");
+    } else {
+        mesh.transforms.push((nodes, card.span));
+        context.inert(card, "no condition or force uses its directions");
+    }
+}
+
+/// Reports conditions and forces on nodes with transformed directions, which are not supported.
+pub fn check_transforms(context: &mut Context<'_>, mesh: &mut MeshReader) {
+    for (nodes, span) in std::mem::take(&mut mesh.transforms) {
+        let steps = &context.model.steps;
+        let meant = |list: &[usize]| list.iter().any(|n| nodes.contains(n));
+        let conditions = || steps.iter().flat_map(|s| &s.boundaries);
+        // A node that is fixed along r and z is fixed in all directions.
+        let whole = |b: &&super::types::BoundaryCondition| {
+            b.value == 0.0 && conditions().any(|o| o.dof + b.dof == 3 && o.nodes == b.nodes && o.value == 0.0)
         };
-        let (Some(a), Some(b)) = (self.space_point(line, 0), self.space_point(line, 3)) else { return };
-        let alone = line.fields.len() <= 3;
-        // Without c the local z axis is normal to the plane, as the global one.
-        let c = match card.lines.get(1) {
-            Some(second) => self.space_point(second, 0),
-            None => Some([a[0] - (b[1] - a[1]), a[1] + (b[0] - a[0]), 0.0]),
-        };
-        let Some(c) = c else { return };
-        match plane_system(a, b, c, alone).filter(|_| a[2] == 0.0) {
-            Some(axes) => self.system = Some(([a[0], a[1]], axes)),
-            None => {
-                let message = "this local system is not in the r-z plane, or its points are collinear";
-                self.diagnostics.push(Diagnostic::error("M126", message).at(line.span, "these points"));
-            }
-        }
-    }
-
-    /// Reads transformed directions at nodes (ABAQUS Keywords Reference Guide, *TRANSFORM). Directions along r and z
-    /// have no effect; others are reported by [`ModelBuilder::check_transforms`] if the nodes have a condition or force.
-    pub(super) fn transform(&mut self, card: &Card) {
-        let Some(set) = self.required(card, "NSET") else { return };
-        let Some(nodes) = self.node_members(set) else { return };
-        let Some(line) = self.first_line(card) else { return };
-        let (Some(a), Some(b)) = (self.space_point(line, 0), self.space_point(line, 3)) else { return };
-        let rectangular = card.value("TYPE").is_none_or(|w| w.is("R"));
-        let as_they_are = rectangular && a[0] > 0.0 && a[1] == 0.0 && a[2] == 0.0 && b[1] > 0.0 && b[2] == 0.0;
-        if as_they_are {
-            self.inert(card, "its directions are r and z".into());
-        } else {
-            self.transforms.push((nodes, card.span));
-            self.inert(card, "no condition or force uses its directions".into());
-        }
-    }
-
-    /// Reports conditions and forces on nodes with transformed directions, which are not supported.
-    pub(super) fn check_transforms(&mut self) {
-        for (nodes, span) in std::mem::take(&mut self.transforms) {
-            let steps = &self.model.steps;
-            let meant = |list: &[usize]| list.iter().any(|n| nodes.contains(n));
-            let conditions = || steps.iter().flat_map(|s| &s.boundaries);
-            // A node that is fixed along r and z is fixed in all directions.
-            let whole = |b: &&super::types::BoundaryCondition| {
-                b.value == 0.0 && conditions().any(|o| o.dof + b.dof == 3 && o.nodes == b.nodes && o.value == 0.0)
-            };
-            let held = conditions().find(|b| b.dof < 3 && meant(&b.nodes) && !whole(b)).map(|b| b.span);
-            let pushed = steps.iter().flat_map(|s| &s.loads).find_map(|l| match &l.kind {
-                super::types::LoadKind::Concentrated { nodes, .. } if meant(nodes) => Some(l.span),
-                _ => None,
-            });
-            let Some(given) = held.or(pushed) else { continue };
-            let message = "conditions in transformed directions are not supported";
-            let diagnostic =
-                Diagnostic::error("M104", message).at(given, "on nodes of a *TRANSFORM").at(span, "transformed here");
-            self.diagnostics.push(diagnostic.help("give them along r and z, or write the direction as an *EQUATION"));
-            self.model.origin.inert.retain(|i| i.span != span);
-        }
-    }
-
-    /// Converts a point of the system set by `*SYSTEM` to r and z.
-    pub(super) fn global_coordinates(&self, p: [f64; 2]) -> [f64; 2] {
-        match &self.system {
-            Some((origin, [e1, e2])) => [0, 1].map(|i| origin[i] + p[0] * e1[i] + p[1] * e2[i]),
-            None => p,
-        }
+        let held = conditions().find(|b| b.dof < 3 && meant(&b.nodes) && !whole(b)).map(|b| b.span);
+        let pushed = steps.iter().flat_map(|s| &s.loads).find_map(|l| match &l.kind {
+            super::types::LoadKind::Concentrated { nodes, .. } if meant(nodes) => Some(l.span),
+            _ => None,
+        });
+        let Some(given) = held.or(pushed) else { continue };
+        let message = "conditions in transformed directions are not supported";
+        let diagnostic =
+            Diagnostic::error("M104", message).at(given, "on nodes of a *TRANSFORM").at(span, "transformed here");
+        context.diagnostics.push(diagnostic.help("give them along r and z, or write the direction as an *EQUATION"));
+        context.model.origin.inert.retain(|i| i.span != span);
     }
 }

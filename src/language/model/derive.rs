@@ -1,8 +1,8 @@
 //! `*CAVITY EXPANSION, DERIVE`: cavity expansion constants from `*ELASTIC`, `*DENSITY`, `*PLASTIC` and `*RATE
 //! DEPENDENT` of the same material. The computation is in `resistance`.
 
-use super::builder::ModelBuilder;
-use super::derivation::DerivationRequest;
+use super::context::Context;
+use super::families::{DerivationRequest, MaterialReader};
 use super::types::{CavityExpansion, MaterialDefinition, PlasticityModel, RateDependence, ResistanceDerivation};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
@@ -17,60 +17,54 @@ use crate::resistance::{
 const ROWS: i32 = 140;
 const STRAINS: [f64; 2] = [1e-5, 30.0];
 
-impl ModelBuilder<'_> {
-    /// Stores the request until the other cards of the material are read.
-    pub(super) fn derivation(&mut self, card: &Card, values: &cards::CavityExpansion) {
-        // A target checks that its materials have a resistance; the constants follow after all cards are read.
-        self.last_material().cavity =
-            Some(CavityExpansion { yield_stress: 0.0, a: 0.0, b: 0.0, c: 0.0, derived: None, span: card.span });
-        if let Some(word) = card.value("YIELD") {
-            let message = "DERIVE takes Y from the first row of *PLASTIC, not from YIELD";
-            return self.out_of_range(word.span, message);
-        }
-        let [from, to, points] = values.values;
-        let weight = [FitWeight::Even, FitWeight::Relative, FitWeight::Velocity][values.weight];
-        // Invalid numbers of points become 0, which the fit reports.
-        let points = if points.fract() == 0.0 { points as usize } else { 0 };
-        let request = FitRequest { range: [from, to], points, linear: values.linear, pinned: values.pinned, weight };
-        let material = self.model.materials.len() - 1;
-        self.derivations.push(DerivationRequest {
-            material,
-            request,
-            shape: [CavityShape::Spherical, CavityShape::Cylindrical][values.shape],
-            radius: values.radius,
-            tension: values.tension,
-            span: card.span,
-        });
+/// Stores the request until the other cards of the material are read.
+pub(super) fn derivation(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
+    let values: cards::CavityExpansion = card.values();
+    // A target checks that its materials have a resistance; the constants follow after all cards are read.
+    context.last_material().cavity =
+        Some(CavityExpansion { yield_stress: 0.0, a: 0.0, b: 0.0, c: 0.0, derived: None, span: card.span });
+    if let Some(word) = card.value("YIELD") {
+        let message = "DERIVE takes Y from the first row of *PLASTIC, not from YIELD";
+        return context.out_of_range(word.span, message);
     }
+    let [from, to, points] = values.values;
+    let weight = [FitWeight::Even, FitWeight::Relative, FitWeight::Velocity][values.weight];
+    // Invalid numbers of points become 0, which the fit reports.
+    let points = if points.fract() == 0.0 { points as usize } else { 0 };
+    let request = FitRequest { range: [from, to], points, linear: values.linear, pinned: values.pinned, weight };
+    let material = context.model.materials.len() - 1;
+    let shape = [CavityShape::Spherical, CavityShape::Cylindrical][values.shape];
+    let (radius, tension, span) = (values.radius, values.tension, card.span);
+    materials.derivations.push(DerivationRequest { material, request, shape, radius, tension, span });
+}
 
-    /// Derives the requested constants after all cards are read.
-    pub(super) fn derive_resistances(&mut self) {
-        for requested in std::mem::take(&mut self.derivations) {
-            match self.derived(&requested) {
-                Ok(resistance) => self.model.materials[requested.material].cavity = Some(resistance),
-                Err(diagnostic) => self.diagnostics.push(diagnostic),
-            }
+/// Derives the requested constants after all cards are read.
+pub(super) fn derive_resistances(context: &mut Context<'_>, materials: &mut MaterialReader) {
+    for requested in std::mem::take(&mut materials.derivations) {
+        match derived(context, &requested) {
+            Ok(resistance) => context.model.materials[requested.material].cavity = Some(resistance),
+            Err(diagnostic) => context.diagnostics.push(diagnostic),
         }
     }
+}
 
-    fn derived(&mut self, requested: &DerivationRequest) -> Result<CavityExpansion, Diagnostic> {
-        let material = &self.model.materials[requested.material];
-        if material.rate.is_some() && requested.radius.is_none() {
-            let message = format!("the resistance of material {} is derived without *RATE DEPENDENT", material.name);
-            let diagnostic = Diagnostic::warning("M185", message).at(requested.span, "cavity radius missing");
-            self.diagnostics.push(diagnostic.help("give RADIUS=, the radius of the projectile shank"));
-        }
-        let target = target_of(material, requested.radius, requested.tension)
-            .map_err(|error| error.at(requested.span, "derived here"))?;
-        let target = TargetMaterial { shape: requested.shape, ..target };
-        let to_diagnostic = |fault: resistance::ResistanceError| {
-            let message = format!("material {}: {fault}", material.name);
-            Diagnostic::error(fault.code(), message).at(requested.span, "derived here")
-        };
-        let target = ScaledTarget::new(&target).map_err(to_diagnostic)?;
-        let derived = derive(&target, &requested.request).map_err(to_diagnostic)?;
-        Ok(card_of(&target, requested, &derived))
+fn derived(context: &mut Context<'_>, requested: &DerivationRequest) -> Result<CavityExpansion, Diagnostic> {
+    let material = &context.model.materials[requested.material];
+    if material.rate.is_some() && requested.radius.is_none() {
+        let message = format!("the resistance of material {} is derived without *RATE DEPENDENT", material.name);
+        let diagnostic = Diagnostic::warning("M185", message).at(requested.span, "cavity radius missing");
+        context.diagnostics.push(diagnostic.help("give RADIUS=, the radius of the projectile shank"));
     }
+    let target = target_of(material, requested.radius, requested.tension)
+        .map_err(|error| error.at(requested.span, "derived here"))?;
+    let target = TargetMaterial { shape: requested.shape, ..target };
+    let to_diagnostic = |fault: resistance::ResistanceError| {
+        let message = format!("material {}: {fault}", material.name);
+        Diagnostic::error(fault.code(), message).at(requested.span, "derived here")
+    };
+    let target = ScaledTarget::new(&target).map_err(to_diagnostic)?;
+    let derived = derive(&target, &requested.request).map_err(to_diagnostic)?;
+    Ok(card_of(&target, requested, &derived))
 }
 
 fn card_of(target: &ScaledTarget, requested: &DerivationRequest, derived: &DerivedResistance) -> CavityExpansion {

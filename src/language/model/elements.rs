@@ -5,10 +5,13 @@ use std::collections::HashMap;
 use indexmap::IndexMap;
 
 use super::budget::BudgetedItem;
-use super::builder::ModelBuilder;
+use super::context::Context;
 use super::element_nodes::NodeIndices;
+use super::families::MeshReader;
 use super::name::EntityName;
+use super::names::DuplicateLabel;
 use super::types::{Element, ElementKind};
+use super::{cohesive, sets};
 use crate::deck::names::nearest;
 use crate::deck::rows::words;
 use crate::deck::syntax::ListingRow;
@@ -165,302 +168,304 @@ fn replacement(name: &str) -> Option<String> {
     Some(format!("{READ}, or write TYPE={counterpart}"))
 }
 
-impl ModelBuilder<'_> {
-    pub(super) fn element(&mut self, card: &Card) {
-        let Some(kind) = self.required(card, "TYPE").and_then(|w| self.element_kind(w)) else {
-            self.missing.elements = true;
-            return;
+pub fn read_elements(context: &mut Context<'_>, card: &Card) {
+    let Some(kind) = context.required(card, "TYPE").and_then(|w| element_kind(context, w)) else {
+        context.missing.elements = true;
+        return;
+    };
+    let listed = card.has("ELSET");
+    let mut made = Vec::with_capacity(if listed { card.rows.len() } else { 0 });
+    context.model.mesh.reserve_elements(card.rows.len());
+    let mut at = 0;
+    while at < card.rows.len() {
+        let (element, next) = match plain_element(context, kind, &card.rows[at]) {
+            Some(element) => (Some(element), at + 1),
+            None => element_of_rows(context, kind, &card.rows, at),
         };
-        let listed = card.has("ELSET");
-        let mut made = Vec::with_capacity(if listed { card.rows.len() } else { 0 });
-        self.model.mesh.reserve_elements(card.rows.len());
-        let mut at = 0;
-        while at < card.rows.len() {
-            let (element, next) = match self.plain_element(kind, &card.rows[at]) {
-                Some(element) => (Some(element), at + 1),
-                None => self.element_of_rows(kind, &card.rows, at),
-            };
-            made.extend(element.filter(|_| listed));
-            at = next;
-        }
-        if let Some(name) = card.value("ELSET") {
-            self.add_element_set(&name.text, made, card.span);
-        }
+        made.extend(element.filter(|_| listed));
+        at = next;
     }
+    sets::collect_elements(context, card, "ELSET", made);
+}
 
-    /// Returns the element type with a name, or reports that it is unknown or unsupported.
-    pub(super) fn element_kind(&mut self, word: &Word) -> Option<ElementKind> {
-        let name = word.text.to_uppercase();
-        if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
-            return Some(found.1);
-        }
-        let supported = "supported: RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, COHAX4, MASS, \
-                         ROTARYI, SPRINGA, SPRING1, DASHPOTA, DASHPOT1";
-        let diagnostic = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
-            Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
-        } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
-            let instead = replacement(&name).map_or_else(String::new, |help| format!("{help}; "));
-            Diagnostic::error("M121", format!("element type {name} is {what}; this code is axisymmetric"))
-                .help(format!("{instead}{supported}"))
-        } else {
-            let names = SUPPORTED.iter().map(|s| s.0).chain(AXISYMMETRIC.iter().map(|a| a.0));
-            let help = nearest(&name, names).map_or(supported.into(), |n| format!("did you mean {n}? {supported}"));
-            Diagnostic::error("M120", format!("unknown element type {name}")).help(help)
-        };
-        self.diagnostics.refuse(diagnostic.at(word.span, "this type"))
+/// Returns the element type with a name, or reports that it is unknown or unsupported.
+pub fn element_kind(context: &mut Context<'_>, word: &Word) -> Option<ElementKind> {
+    let name = word.text.to_uppercase();
+    if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
+        return Some(found.1);
     }
+    let supported = "supported: RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, COHAX4, MASS, \
+                     ROTARYI, SPRINGA, SPRING1, DASHPOTA, DASHPOT1";
+    let diagnostic = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
+        Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
+    } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
+        let instead = replacement(&name).map_or_else(String::new, |help| format!("{help}; "));
+        Diagnostic::error("M121", format!("element type {name} is {what}; this code is axisymmetric"))
+            .help(format!("{instead}{supported}"))
+    } else {
+        let names = SUPPORTED.iter().map(|s| s.0).chain(AXISYMMETRIC.iter().map(|a| a.0));
+        let help = nearest(&name, names).map_or(supported.into(), |n| format!("did you mean {n}? {supported}"));
+        Diagnostic::error("M120", format!("unknown element type {name}")).help(help)
+    };
+    context.diagnostics.refuse(diagnostic.at(word.span, "this type"))
+}
 
-    /// Reads an element from one line of labels, the most frequent form; `None` for any other form.
-    fn plain_element(&mut self, kind: ElementKind, row: &ListingRow) -> Option<usize> {
-        let mut numbers = words(row.text(&self.deck.sources)?).map(|word| word.parse::<i64>().ok());
-        let label = numbers.next()??;
-        let (mut nodes, need) = ([0; 6], kind.node_count());
-        let scope = self.nodes.scope(&self.scope)?;
-        for node in &mut nodes[..need] {
-            *node = scope.find(numbers.next()??)?;
-        }
-        self.add_element(label, kind, kind.around(&nodes[..need]), row.span())
+/// Reads an element from one line of labels, the most frequent form; `None` for any other form.
+fn plain_element(context: &mut Context<'_>, kind: ElementKind, row: &ListingRow) -> Option<usize> {
+    let mut numbers = words(row.text(&context.deck.sources)?).map(|word| word.parse::<i64>().ok());
+    let label = numbers.next()??;
+    let (mut nodes, need) = ([0; 6], kind.node_count());
+    let scope = context.nodes.scope(&context.scope)?;
+    for node in &mut nodes[..need] {
+        *node = scope.find(numbers.next()??)?;
     }
+    add_element(context, label, kind, kind.around(&nodes[..need]), row.span())
+}
 
-    /// Reads an element that may continue over several lines; returns its index and the index of the next row.
-    fn element_of_rows(&mut self, kind: ElementKind, rows: &[ListingRow], at: usize) -> (Option<usize>, usize) {
-        let sources = &self.deck.sources;
-        let mut all: Vec<Word> = Vec::new();
-        let mut next = at;
-        while next < rows.len() && all.len() <= kind.node_count() {
-            all.extend(rows[next].line(sources).into_owned().fields.into_iter().filter(|w| !w.text.is_empty()));
-            next += 1;
-        }
-        (self.element_line(kind, &all, rows[at].span()), next)
+/// Reads an element that may continue over several lines; returns its index and the index of the next row.
+fn element_of_rows(
+    context: &mut Context<'_>,
+    kind: ElementKind,
+    rows: &[ListingRow],
+    at: usize,
+) -> (Option<usize>, usize) {
+    let sources = &context.deck.sources;
+    let mut all: Vec<Word> = Vec::new();
+    let mut next = at;
+    while next < rows.len() && all.len() <= kind.node_count() {
+        all.extend(rows[next].line(sources).into_owned().fields.into_iter().filter(|w| !w.text.is_empty()));
+        next += 1;
     }
+    (element_line(context, kind, &all, rows[at].span()), next)
+}
 
-    fn element_line(&mut self, kind: ElementKind, words: &[Word], span: Span) -> Option<usize> {
-        let need = kind.node_count();
-        if words.len() < need + 1 {
-            let message = format!("a {} element requires a label and {need} nodes", kind.name());
-            return self
-                .diagnostics
-                .refuse(Diagnostic::error("M102", message).at(span, format!("found {} values", words.len())));
-        }
-        let label = words[0].integer(&mut self.diagnostics)?;
-        let mut nodes = Vec::with_capacity(need);
-        for word in &words[1..=need] {
-            match self.nodes.resolve(&self.scope, word) {
-                Some(node) => nodes.push(node),
-                None if self.missing.explains("node", word) => {
-                    self.missing.elements = true;
-                    return None;
-                }
-                None => {
-                    let message = format!("element {label} refers to node {}, which is not defined", word.text);
-                    let diagnostic = Diagnostic::error("M122", message).at(word.span, "no such node");
-                    let help = format!("{} nodes are defined so far", self.nodes.len());
-                    return self.diagnostics.refuse(diagnostic.help(help));
-                }
-            }
-        }
-        self.add_element(label, kind, kind.around(&nodes), span)
+fn element_line(context: &mut Context<'_>, kind: ElementKind, words: &[Word], span: Span) -> Option<usize> {
+    let need = kind.node_count();
+    if words.len() < need + 1 {
+        let message = format!("a {} element requires a label and {need} nodes", kind.name());
+        return context
+            .diagnostics
+            .refuse(Diagnostic::error("M102", message).at(span, format!("found {} values", words.len())));
     }
-
-    /// Adds an element in the current scope; its nodes are in order around the boundary.
-    pub(super) fn add_element(
-        &mut self,
-        label: i64,
-        kind: ElementKind,
-        nodes: NodeIndices,
-        span: Span,
-    ) -> Option<usize> {
-        let index = self.model.mesh.elements.len();
-        if let Some(other) = self.elements.insert(&self.scope, label, index) {
-            self.used_twice.push((label, span, self.model.mesh.elements[other].span));
-        }
-        let name = EntityName::of_label(&self.scope, label);
-        self.model.mesh.elements.push(Element { name, kind, nodes, span });
-        Some(index)
-    }
-
-    fn shape_fault(&self, kind: ElementKind, nodes: &[usize]) -> Option<ShapeFault> {
-        let mut places = [[0.0; 2]; 6];
-        let points = &mut places[..nodes.len()];
-        points.iter_mut().zip(nodes).for_each(|(point, &n)| *point = self.model.mesh.points[n]);
-        if kind.is_discrete() {
-            return None;
-        }
-        let extent = points.iter().fold(0.0, |m: f64, p| m.max(p[0].abs()));
-        if points.iter().any(|p| p[0] < -1e-9 * extent) {
-            return Some(ShapeFault::AcrossAxis);
-        }
-        let area: f64 = (0..points.len())
-            .map(|i| (points[i], points[(i + 1) % points.len()]))
-            .map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1]))
-            .sum();
-        match kind {
-            ElementKind::Rax2 | ElementKind::Sax1 if points[0] == points[1] => Some(ShapeFault::NoLength),
-            ElementKind::Cohax4 => cohesive_fault(points),
-            kind if kind.is_solid() && area < 0.0 => Some(ShapeFault::Clockwise),
-            kind if kind.is_solid() && area == 0.0 => Some(ShapeFault::NoArea),
-            ElementKind::Cax4r | ElementKind::Cax4rt if has_inward_corner(points, area) => Some(ShapeFault::Concave),
-            ElementKind::Cax6m if has_folded_cell(points) => Some(ShapeFault::Folded),
-            _ => None,
-        }
-    }
-
-    /// Reports duplicate element labels.
-    pub(super) fn report_duplicate_labels(&mut self) {
-        let Some(&(label, span, first)) = self.used_twice.first() else { return };
-        let who = match self.used_twice.len() {
-            1 => format!("element label {label} is"),
-            count => format!("element label {label} and {} more are", count - 1),
-        };
-        let diagnostic = Diagnostic::error("M124", format!("{who} defined twice")).at(span, "second definition");
-        self.diagnostics.push(diagnostic.at(first, "first definition"));
-        self.missing.bodies = true;
-    }
-
-    /// Reports elements with an invalid shape after all nodes are read, one error per kind of fault.
-    pub(super) fn report_shape_faults(&mut self) {
-        if self.missing.nodes {
-            return;
-        }
-        let mut faults: IndexMap<ShapeFault, Vec<usize>> = IndexMap::new();
-        for (index, element) in self.model.mesh.elements.iter().enumerate() {
-            let Some(fault) = self.shape_fault(element.kind, &element.nodes) else { continue };
-            if element.nodes.iter().any(|n| self.regenerated.contains(n)) {
-                // Reported once for all, at the card that generated the nodes again.
-                self.shapeless_elements.insert(index);
-            } else {
-                faults.entry(fault).or_default().push(index);
-            }
-        }
-        for (fault, elements) in faults {
-            let diagnostic = self.shape_diagnostic(fault, &elements);
-            self.diagnostics.push(diagnostic);
-            self.missing.bodies = true;
-        }
-        self.report_exchanged_faces();
-    }
-
-    fn shape_diagnostic(&self, fault: ShapeFault, elements: &[usize]) -> Diagnostic {
-        let mesh = &self.model.mesh;
-        let Element { name, kind, span, .. } = &mesh.elements[elements[0]];
-        let who = match elements.len() {
-            1 => format!("element {name} ({})", kind.name()),
-            count => format!("element {name} ({}) and {} more", kind.name(), count - 1),
-        };
-        let (what, help) = fault.words();
-        let mut diagnostic = Diagnostic::error("M123", format!("{who}: {what}"));
-        diagnostic = match self.is_generated(*span) {
-            _ if self.refined.is_some() && self.deck.mesh_curves.is_some() => diagnostic.at(*span, "part of this element").help(
-                "the smooth boundary crosses the element, which is thin: use more elements along the boundary, decrease the \
-                 corner angle of --curved, or omit it",
-            ),
-            true => diagnostic.at(*span, "generated by this line").help(
-                "check the increments of node and element numbers: each row, and each layer, begins at the node of the first element \
-                 plus the increment",
-            ),
-            false => diagnostic.at(*span, "this element").help(help),
-        };
-        let nodes = || elements.iter().flat_map(|&e| &mesh.elements[e].nodes);
-        if fault == ShapeFault::AcrossAxis {
-            let beyond = nodes().filter(|&&n| mesh.points[n][0] < 0.0);
-            let lines = self.node_lines();
-            if let Some((name, line)) =
-                beyond.map(|&n| &mesh.node_names[n]).find_map(|n| Some((n, lines.get(n.as_str())?)))
-            {
-                diagnostic = diagnostic.at(*line, format!("node {name} is beyond the axis"));
-                diagnostic.labels.reverse();
-            }
-        } else if let Some((node, at)) = nodes().find_map(|n| self.moved.get(n).map(|at| (n, at))) {
-            diagnostic.help = Some(format!("node {} is defined twice; define each node once", mesh.node_names[*node]));
-            diagnostic = diagnostic.at(*at, format!("node {} is redefined here", mesh.node_names[*node]));
-        }
-        diagnostic
-    }
-
-    /// Returns whether an element with this source position was generated by `*ELGEN`.
-    fn is_generated(&self, span: Span) -> bool {
-        let mut cards = self.deck.cards.iter().filter(|c| c.keyword.name == "ELGEN");
-        cards.any(|card| card.lines.iter().any(|line| line.span == span))
-    }
-
-    /// Returns the data lines of `*NODE` cards by node label.
-    fn node_lines(&self) -> HashMap<&str, Span> {
-        let cards = self.deck.cards.iter().filter(|c| c.keyword.name == "NODE");
-        let rows = cards.flat_map(|c| &c.rows);
-        rows.filter_map(|row| Some((words(row.text(&self.deck.sources)?).next()?, row.span()))).collect()
-    }
-
-    /// Generates elements in rows, layers and groups of layers (ABAQUS Keywords Guide, *ELGEN).
-    pub(super) fn elgen(&mut self, card: &Card) {
-        let mut made = Vec::new();
-        for (line, row) in card.lines.iter().zip(card.read_lines::<Vec<[f64; 10]>>()) {
-            made.extend(self.elgen_line(line, row).unwrap_or_default());
-        }
-        if let Some(name) = card.value("ELSET") {
-            self.add_element_set(&name.text, made, card.span);
-        }
-    }
-
-    fn elgen_line(&mut self, line: &DataLine, row: [f64; 10]) -> Option<Vec<usize>> {
-        if row[0].is_nan() {
-            return None;
-        }
-        let [master, count, node_step, element_step, given @ ..] = row.map(|number| number as i64);
-        let [rows, row_node_step, row_element_step, layers, layer_node, layer_element] = given;
-        let Some(model) = self.elements.find(&self.scope, master) else {
-            if self.missing.elements || self.missing.everything {
+    let label = words[0].integer(&mut context.diagnostics)?;
+    let mut nodes = Vec::with_capacity(need);
+    for word in &words[1..=need] {
+        match context.nodes.resolve(&context.scope, word) {
+            Some(node) => nodes.push(node),
+            None if context.missing.explains("node", word) => {
+                context.missing.elements = true;
                 return None;
             }
-            let message = format!("the master element {master} is not defined");
-            return self.diagnostics.refuse(Diagnostic::error("M110", message).at(line.span, "no such element"));
-        };
-        let total = i128::from(count) * i128::from(rows).saturating_mul(i128::from(layers));
-        let same = [(count, element_step), (rows, row_element_step), (layers, layer_element)];
-        if same.into_iter().any(|(times, step)| times > 1 && step == 0) {
-            return self.refuse_value(line.span, "repeated elements require a nonzero increment of element labels");
-        }
-        if !self.fits_budget(BudgetedItem::Elements, total.unsigned_abs(), line.span) {
-            return None;
-        }
-        let master_nodes = self.model.mesh.elements[model].nodes.clone();
-        let kind = self.model.mesh.elements[model].kind;
-        let labels: Vec<i64> = master_nodes
-            .iter()
-            .filter_map(|&n| self.model.mesh.node_names[n].rsplit('.').next()?.parse().ok())
-            .collect();
-        let mut made = vec![model];
-        for at in 1..count * rows * layers {
-            let (column, row, layer) = (at % count, at / count % rows, at / count / rows);
-            let sum = |steps: [i64; 3]| {
-                let parts = [(column, steps[0]), (row, steps[1]), (layer, steps[2])];
-                parts.into_iter().fold(0_i64, |sum, (n, step)| sum.saturating_add(n.saturating_mul(step)))
-            };
-            let shift = sum([node_step, row_node_step, layer_node]);
-            let label = master.saturating_add(sum([element_step, row_element_step, layer_element]));
-            let nodes = self.shifted(&labels, shift, label, line.span)?;
-            made.extend(self.add_element(label, kind, nodes[..].into(), line.span));
-        }
-        Some(made)
-    }
-
-    pub(super) fn shifted(&mut self, labels: &[i64], shift: i64, element: i64, span: Span) -> Option<Vec<usize>> {
-        let mut nodes = Vec::with_capacity(labels.len());
-        for label in labels {
-            let label = label.saturating_add(shift);
-            match self.nodes.find(&self.scope, label) {
-                Some(node) => nodes.push(node),
-                None if self.missing.nodes || self.missing.everything => {
-                    self.missing.elements = true;
-                    return None;
-                }
-                None => {
-                    let message = format!("generated element {element} refers to node {label}, which is not defined");
-                    return self.diagnostics.refuse(Diagnostic::error("M122", message).at(span, "generated here"));
-                }
+            None => {
+                let message = format!("element {label} refers to node {}, which is not defined", word.text);
+                let diagnostic = Diagnostic::error("M122", message).at(word.span, "no such node");
+                let help = format!("{} nodes are defined so far", context.nodes.len());
+                return context.diagnostics.refuse(diagnostic.help(help));
             }
         }
-        Some(nodes)
     }
+    add_element(context, label, kind, kind.around(&nodes), span)
+}
+
+/// Adds an element in the current scope; its nodes are in order around the boundary.
+pub fn add_element(
+    context: &mut Context<'_>,
+    label: i64,
+    kind: ElementKind,
+    nodes: NodeIndices,
+    span: Span,
+) -> Option<usize> {
+    let index = context.model.mesh.elements.len();
+    if let Some(other) = context.elements.insert(&context.scope, label, index) {
+        let first = context.model.mesh.elements[other].span;
+        context.elements.duplicates.push(DuplicateLabel { label, first, second: span });
+    }
+    let name = EntityName::of_label(&context.scope, label);
+    context.model.mesh.elements.push(Element { name, kind, nodes, span });
+    Some(index)
+}
+
+fn shape_fault(context: &Context<'_>, kind: ElementKind, nodes: &[usize]) -> Option<ShapeFault> {
+    let mut places = [[0.0; 2]; 6];
+    let points = &mut places[..nodes.len()];
+    points.iter_mut().zip(nodes).for_each(|(point, &n)| *point = context.model.mesh.points[n]);
+    if kind.is_discrete() {
+        return None;
+    }
+    let extent = points.iter().fold(0.0, |m: f64, p| m.max(p[0].abs()));
+    if points.iter().any(|p| p[0] < -1e-9 * extent) {
+        return Some(ShapeFault::AcrossAxis);
+    }
+    let area: f64 = (0..points.len())
+        .map(|i| (points[i], points[(i + 1) % points.len()]))
+        .map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1]))
+        .sum();
+    match kind {
+        ElementKind::Rax2 | ElementKind::Sax1 if points[0] == points[1] => Some(ShapeFault::NoLength),
+        ElementKind::Cohax4 => cohesive_fault(points),
+        kind if kind.is_solid() && area < 0.0 => Some(ShapeFault::Clockwise),
+        kind if kind.is_solid() && area == 0.0 => Some(ShapeFault::NoArea),
+        ElementKind::Cax4r | ElementKind::Cax4rt if has_inward_corner(points, area) => Some(ShapeFault::Concave),
+        ElementKind::Cax6m if has_folded_cell(points) => Some(ShapeFault::Folded),
+        _ => None,
+    }
+}
+
+/// Reports duplicate element labels.
+pub fn report_duplicate_labels(context: &mut Context<'_>) {
+    let Some(&DuplicateLabel { label, first, second }) = context.elements.duplicates.first() else { return };
+    let who = match context.elements.duplicates.len() {
+        1 => format!("element label {label} is"),
+        count => format!("element label {label} and {} more are", count - 1),
+    };
+    let diagnostic = Diagnostic::error("M124", format!("{who} defined twice")).at(second, "second definition");
+    context.diagnostics.push(diagnostic.at(first, "first definition"));
+    context.missing.bodies = true;
+}
+
+/// Reports elements with an invalid shape after all nodes are read, one error per kind of fault.
+pub fn report_shape_faults(context: &mut Context<'_>, mesh: &mut MeshReader) {
+    if context.missing.nodes {
+        return;
+    }
+    let mut faults: IndexMap<ShapeFault, Vec<usize>> = IndexMap::new();
+    for (index, element) in context.model.mesh.elements.iter().enumerate() {
+        let Some(fault) = shape_fault(context, element.kind, &element.nodes) else { continue };
+        if element.nodes.iter().any(|n| mesh.regenerated.contains(n)) {
+            // Reported once for all, at the card that generated the nodes again.
+            mesh.shapeless_elements.insert(index);
+        } else {
+            faults.entry(fault).or_default().push(index);
+        }
+    }
+    for (fault, elements) in faults {
+        let diagnostic = shape_diagnostic(context, &mesh.moved, fault, &elements);
+        context.diagnostics.push(diagnostic);
+        context.missing.bodies = true;
+    }
+    cohesive::report_exchanged_faces(context);
+}
+
+fn shape_diagnostic(
+    context: &Context<'_>,
+    moved: &HashMap<usize, Span>,
+    fault: ShapeFault,
+    elements: &[usize],
+) -> Diagnostic {
+    let mesh = &context.model.mesh;
+    let Element { name, kind, span, .. } = &mesh.elements[elements[0]];
+    let who = match elements.len() {
+        1 => format!("element {name} ({})", kind.name()),
+        count => format!("element {name} ({}) and {} more", kind.name(), count - 1),
+    };
+    let (what, help) = fault.words();
+    let mut diagnostic = Diagnostic::error("M123", format!("{who}: {what}"));
+    diagnostic = match is_generated(context, *span) {
+        _ if context.scaling.refined.is_some() && context.deck.mesh_curves.is_some() => diagnostic.at(*span, "part of this element").help(
+            "the smooth boundary crosses the element, which is thin: use more elements along the boundary, decrease the \
+             corner angle of --curved, or omit it",
+        ),
+        true => diagnostic.at(*span, "generated by this line").help(
+            "check the increments of node and element numbers: each row, and each layer, begins at the node of the first element \
+             plus the increment",
+        ),
+        false => diagnostic.at(*span, "this element").help(help),
+    };
+    let nodes = || elements.iter().flat_map(|&e| &mesh.elements[e].nodes);
+    if fault == ShapeFault::AcrossAxis {
+        let beyond = nodes().filter(|&&n| mesh.points[n][0] < 0.0);
+        let lines = node_lines(context);
+        if let Some((name, line)) = beyond.map(|&n| &mesh.node_names[n]).find_map(|n| Some((n, lines.get(n.as_str())?)))
+        {
+            diagnostic = diagnostic.at(*line, format!("node {name} is beyond the axis"));
+            diagnostic.labels.reverse();
+        }
+    } else if let Some((node, at)) = nodes().find_map(|n| moved.get(n).map(|at| (n, at))) {
+        diagnostic.help = Some(format!("node {} is defined twice; define each node once", mesh.node_names[*node]));
+        diagnostic = diagnostic.at(*at, format!("node {} is redefined here", mesh.node_names[*node]));
+    }
+    diagnostic
+}
+
+/// Returns whether an element with this source position was generated by `*ELGEN`.
+fn is_generated(context: &Context<'_>, span: Span) -> bool {
+    let mut cards = context.deck.cards.iter().filter(|c| c.keyword.name == "ELGEN");
+    cards.any(|card| card.lines.iter().any(|line| line.span == span))
+}
+
+/// Returns the data lines of `*NODE` cards by node label.
+fn node_lines<'c>(context: &'c Context<'_>) -> HashMap<&'c str, Span> {
+    let cards = context.deck.cards.iter().filter(|c| c.keyword.name == "NODE");
+    let rows = cards.flat_map(|c| &c.rows);
+    rows.filter_map(|row| Some((words(row.text(&context.deck.sources)?).next()?, row.span()))).collect()
+}
+
+/// Generates elements in rows, layers and groups of layers (ABAQUS Keywords Guide, *ELGEN).
+pub fn read_elgen(context: &mut Context<'_>, card: &Card) {
+    let rows = card.lines.iter().zip(card.read_lines::<Vec<[f64; 10]>>());
+    let made = rows.filter_map(|(line, row)| elgen_line(context, line, row)).flatten().collect();
+    sets::collect_elements(context, card, "ELSET", made);
+}
+
+fn elgen_line(context: &mut Context<'_>, line: &DataLine, row: [f64; 10]) -> Option<Vec<usize>> {
+    if row[0].is_nan() {
+        return None;
+    }
+    let [master, count, node_step, element_step, given @ ..] = row.map(|number| number as i64);
+    let [rows, row_node_step, row_element_step, layers, layer_node, layer_element] = given;
+    let Some(model) = context.elements.find(&context.scope, master) else {
+        if context.missing.elements || context.missing.everything {
+            return None;
+        }
+        let message = format!("the master element {master} is not defined");
+        return context.diagnostics.refuse(Diagnostic::error("M110", message).at(line.span, "no such element"));
+    };
+    let total = i128::from(count) * i128::from(rows).saturating_mul(i128::from(layers));
+    let same = [(count, element_step), (rows, row_element_step), (layers, layer_element)];
+    if same.into_iter().any(|(times, step)| times > 1 && step == 0) {
+        return context.refuse_value(line.span, "repeated elements require a nonzero increment of element labels");
+    }
+    if !context.fits_budget(BudgetedItem::Elements, total.unsigned_abs(), line.span) {
+        return None;
+    }
+    let master_nodes = context.model.mesh.elements[model].nodes.clone();
+    let kind = context.model.mesh.elements[model].kind;
+    let labels: Vec<i64> = master_nodes
+        .iter()
+        .filter_map(|&n| context.model.mesh.node_names[n].rsplit('.').next()?.parse().ok())
+        .collect();
+    let mut made = vec![model];
+    for at in 1..count * rows * layers {
+        let (column, row, layer) = (at % count, at / count % rows, at / count / rows);
+        let sum = |steps: [i64; 3]| {
+            let parts = [(column, steps[0]), (row, steps[1]), (layer, steps[2])];
+            parts.into_iter().fold(0_i64, |sum, (n, step)| sum.saturating_add(n.saturating_mul(step)))
+        };
+        let shift = sum([node_step, row_node_step, layer_node]);
+        let label = master.saturating_add(sum([element_step, row_element_step, layer_element]));
+        let nodes = shifted(context, &labels, shift, label, line.span)?;
+        made.extend(add_element(context, label, kind, nodes[..].into(), line.span));
+    }
+    Some(made)
+}
+
+pub fn shifted(context: &mut Context<'_>, labels: &[i64], shift: i64, element: i64, span: Span) -> Option<Vec<usize>> {
+    let mut nodes = Vec::with_capacity(labels.len());
+    for label in labels {
+        let label = label.saturating_add(shift);
+        match context.nodes.find(&context.scope, label) {
+            Some(node) => nodes.push(node),
+            None if context.missing.nodes || context.missing.everything => {
+                context.missing.elements = true;
+                return None;
+            }
+            None => {
+                let message = format!("generated element {element} refers to node {label}, which is not defined");
+                return context.diagnostics.refuse(Diagnostic::error("M122", message).at(span, "generated here"));
+            }
+        }
+    }
+    Some(nodes)
 }
 
 /// Fault of the shape of an element.
@@ -550,7 +555,7 @@ fn has_inward_corner(points: &[[f64; 2]], area: f64) -> bool {
 }
 
 /// Returns the fields of as many lines as are needed for `need` values, and the index of the next line.
-pub(super) fn joined(card: &Card, at: usize, need: usize) -> (Vec<&Word>, usize) {
+pub fn joined(card: &Card, at: usize, need: usize) -> (Vec<&Word>, usize) {
     let mut words: Vec<&Word> = card.lines[at].fields.iter().filter(|w| !w.text.is_empty()).collect();
     let mut next = at + 1;
     while words.len() < need && next < card.lines.len() {

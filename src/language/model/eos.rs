@@ -1,72 +1,93 @@
 //! Equations of state: `*EOS`, `*DETONATION POINT`, `*PHYSICAL CONSTANTS`.
 
-use super::builder::ModelBuilder;
-use super::types::{EosKind, EquationOfState};
+use super::context::Context;
+use super::faults::{ValueCheck, require, require_line};
+use super::types::{EosKind, EquationOfState, MaterialDefinition};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 
-impl ModelBuilder<'_> {
-    pub(super) fn eos(&mut self, card: &Card) {
-        let cards::Eos { kind } = self.values(card);
-        let kind = match kind {
-            0 => Some(EosKind::IdealGas(card.read_lines())),
-            1 => Some(EosKind::UsUp(card.read_lines())),
-            2 => self.tabulated(card),
-            _ => self.jwl(card),
-        };
-        if let Some(kind) = kind {
-            self.last_material().eos = Some(EquationOfState { kind, span: card.span });
-        }
+pub fn read_eos(context: &mut Context<'_>, card: &Card) {
+    let cards::Eos { kind } = card.values();
+    let kind = match kind {
+        0 => EosKind::IdealGas(card.read_lines()),
+        1 => EosKind::UsUp(card.read_lines()),
+        _ if context.first_line(card).is_none() => return,
+        2 => EosKind::Tabular(card.read_lines()),
+        _ => EosKind::Jwl(card.read_lines()),
+    };
+    if let EosKind::Jwl([speed, .., energy, _]) = kind {
+        warn_of_large_energy(context, card, speed * speed, energy);
     }
-
-    /// Reads rows of f1, f2 and volumetric strain, from tension to compression.
-    fn tabulated(&mut self, card: &Card) -> Option<EosKind> {
-        self.first_line(card)?;
-        let rows: Vec<[f64; 3]> = card.read_lines();
-        if let Some(line) = (1..rows.len()).find(|&i| rows[i - 1][2] <= rows[i][2]) {
-            let message = "the volumetric strain must decrease from row to row, from tension to compression";
-            return self.refuse_value(card.lines[line].span, message);
-        }
-        if !stiffens(&rows) {
-            return self
-                .refuse_value(card.span, "at least two rows are required, and f1 must increase with compression");
-        }
-        Some(EosKind::Tabular(rows))
-    }
-
-    /// Reads a JWL explosive. A very large energy is likely given per volume instead of per mass.
-    fn jwl(&mut self, card: &Card) -> Option<EosKind> {
-        let line = self.first_line(card)?;
-        let values: [f64; 8] = card.read_lines();
-        let [speed, .., energy, _] = values;
-        let square = speed * speed;
-        if energy > square {
-            let message = format!(
-                "the detonation energy per mass, {energy:e}, is above the square of the detonation wave speed, \
-                 {square:e}; it is used as given"
-            );
-            let diagnostic = Diagnostic::warning("M169", message).at(line.span, "seventh value");
-            self.diagnostics.push(diagnostic.help("if it is an energy per volume, divide it by the density"));
-        }
-        Some(EosKind::Jwl(values))
-    }
-
-    /// Reads detonation points: coordinates and, in the fourth field, the delay time.
-    pub(super) fn detonation_points(&mut self, card: &Card) {
-        let cards::DetonationPoint { points } = self.values(card);
-        if self.first_line(card).is_some() {
-            self.last_material().detonation = points.iter().map(|p| [p[0], p[1], p[3]]).collect();
-        }
-    }
-
-    /// Reads absolute zero; the other physical constants are not used.
-    pub(super) fn physical_constants(&mut self, card: &Card) {
-        let cards::PhysicalConstants { absolute_zero } = self.values(card);
-        self.model.settings.absolute_zero = absolute_zero.unwrap_or(0.0);
+    if context.accepts(card, kind.check()) {
+        context.last_material().eos = Some(EquationOfState { kind, span: card.span });
     }
 }
 
-/// Returns whether the pressure increases with compression, for rows in descending order of volumetric strain.
-pub(super) fn stiffens(rows: &[[f64; 3]]) -> bool {
-    rows.len() > 1 && rows.windows(2).all(|w| w[1][0] >= w[0][0]) && rows[rows.len() - 1][0] > rows[0][0]
+/// Warns of a detonation energy above the square of the wave speed, which is likely an energy per volume.
+fn warn_of_large_energy(context: &mut Context<'_>, card: &Card, square: f64, energy: f64) {
+    if energy > square {
+        let message = format!(
+            "the detonation energy per mass, {energy:e}, is above the square of the detonation wave speed, \
+             {square:e}; it is used as given"
+        );
+        let diagnostic = Diagnostic::warning("M169", message).at(card.lines[0].span, "seventh value");
+        context.diagnostics.push(diagnostic.help("if it is an energy per volume, divide it by the density"));
+    }
+}
+
+impl MaterialDefinition {
+    /// Returns the bulk modulus of the equation of state at the initial density: the density times the slope of the
+    /// pressure over the density. That of an ideal gas depends on the absolute temperature. That of an explosive is the
+    /// larger of the bulk modulus before detonation and that at the detonation front, ρ D² γ/(γ + 1) with γ = 3
+    /// (C. L. Mader, Numerical Modeling of Explosives and Propellants, 2008, chapter 2). `None` without an equation of
+    /// state, or if the material has no stiffness.
+    pub fn bulk_modulus(&self, absolute_temperature: Option<f64>) -> Option<f64> {
+        let density = self.density?;
+        let modulus = match &self.eos.as_ref()?.kind {
+            EosKind::UsUp([c, ..]) => density * c * c,
+            EosKind::Tabular(rows) => slope_at_reference(rows),
+            EosKind::IdealGas([gas_constant, _]) => {
+                let &[[specific_heat, _]] = self.thermal.specific_heat.as_deref()? else { return None };
+                (1.0 + gas_constant / specific_heat) * density * gas_constant * absolute_temperature?
+            }
+            EosKind::Jwl([speed, .., before]) => before.max(0.75 * density * speed * speed),
+        };
+        (modulus > 0.0).then_some(modulus)
+    }
+}
+
+/// Returns the bulk modulus of a tabulated equation of state at zero volumetric strain and energy: minus the slope of the
+/// first function, there or in the stiffest interval if the table is flat there.
+fn slope_at_reference(rows: &[[f64; 3]]) -> f64 {
+    let slope = |pair: &[[f64; 3]]| (pair[1][0] - pair[0][0]) / (pair[0][2] - pair[1][2]);
+    let around = rows.windows(2).filter(|pair| pair[0][2] >= 0.0 && pair[1][2] <= 0.0).map(slope).fold(0.0, f64::max);
+    if around > 0.0 { around } else { rows.windows(2).map(slope).fold(0.0, f64::max) }
+}
+
+impl EosKind {
+    /// Checks rows of f1, f2 and volumetric strain, from tension to compression.
+    pub fn check(&self) -> ValueCheck {
+        let EosKind::Tabular(rows) = self else { return Ok(()) };
+        if let Some(row) = (1..rows.len()).find(|&i| rows[i - 1][2] <= rows[i][2]) {
+            let message = "the volumetric strain must decrease from row to row, from tension to compression";
+            return require_line(row, false, message);
+        }
+        let stiffens = rows.windows(2).all(|w| w[1][0] >= w[0][0]);
+        let stiffens = stiffens && rows.first().zip(rows.last()).is_some_and(|(first, last)| last[0] > first[0]);
+        require(stiffens, "at least two rows are required, and f1 must increase with compression")
+    }
+}
+
+/// Reads detonation points: coordinates and, in the fourth field, the delay time.
+pub fn read_detonation_points(context: &mut Context<'_>, card: &Card) {
+    let cards::DetonationPoint { points } = card.values();
+    if context.first_line(card).is_some() {
+        context.last_material().detonation = points.iter().map(|p| [p[0], p[1], p[3]]).collect();
+    }
+}
+
+/// Reads absolute zero; the other physical constants are not used.
+pub fn read_physical_constants(context: &mut Context<'_>, card: &Card) {
+    let cards::PhysicalConstants { absolute_zero } = card.values();
+    context.model.settings.absolute_zero = absolute_zero.unwrap_or(0.0);
 }

@@ -1,27 +1,28 @@
 //! Reads `*EROSION`: criteria for the deletion of elements.
 
-use super::builder::ModelBuilder;
+use super::context::Context;
+use super::faults::{ValueCheck, require};
 use super::types::ErosionCriteria;
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
-impl ModelBuilder<'_> {
-    /// Reads erosion criteria, which delete elements independently of their material.
-    pub(super) fn erosion(&mut self, card: &Card) {
-        let elements = match card.value("ELSET") {
-            Some(word) => match self.element_members(word) {
-                Some(members) => Some(members),
-                None => return,
-            },
-            None => None,
-        };
-        let cards::Erosion { distortion, plastic, strain, increment } = self.values(card);
-        if [distortion, plastic, strain, increment].iter().all(Option::is_none) {
-            return self.out_of_range(
-                card.span,
-                "*EROSION requires DISTORTION, PLASTIC STRAIN, PRINCIPAL STRAIN or INCREMENT",
-            );
-        }
-        self.model.erosions.push(ErosionCriteria { span: card.span, elements, distortion, plastic, strain, increment });
+/// Reads erosion criteria, which delete elements independently of their material.
+pub fn read_erosion(context: &mut Context<'_>, card: &Card) {
+    let elements = match card.value("ELSET").map(|word| context.element_members(word)) {
+        Some(None) => return,
+        elements => elements.flatten(),
+    };
+    let cards::Erosion { distortion, plastic, strain, increment } = card.values();
+    let erosion = ErosionCriteria { span: card.span, elements, distortion, plastic, strain, increment };
+    if context.accepts(card, erosion.check()) {
+        context.model.erosions.push(erosion);
+    }
+}
+
+impl ErosionCriteria {
+    /// Checks that there is a limit.
+    pub fn check(&self) -> ValueCheck {
+        let is_limited = [self.distortion, self.plastic, self.strain, self.increment].iter().any(Option::is_some);
+        require(is_limited, "*EROSION requires DISTORTION, PLASTIC STRAIN, PRINCIPAL STRAIN or INCREMENT")
     }
 }

@@ -1,62 +1,59 @@
 //! Field variables: `*FIELD`, their propagation over steps, and material tables that depend on them (`DEPENDENCIES=`).
 
-use super::builder::ModelBuilder;
+use super::amplitudes;
+use super::context::Context;
+use super::families::StepReader;
 use super::history::{StepHistory, StepTiming};
+use super::refinement::listed;
 use super::types::{Model, PrescribedField};
 use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine};
 
 /// Largest number of field variables.
-pub(super) const MOST_FIELDS: usize = 100;
+pub const MOST_FIELDS: usize = 100;
 
-impl ModelBuilder<'_> {
-    /// Reads `*FIELD`. A value without amplitude is applied at once (ABAQUS Analysis User's Guide 34.6.1, "Predefined
-    /// fields", and 34.1.2, "Amplitude curves").
-    pub(super) fn prescribed_fields(&mut self, card: &Card) {
-        let Ok(amplitude) = self.amplitude_of(card) else { return };
-        if self.step.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
-            return self.unsupported(
-                card.span,
-                "*STEP, AMPLITUDE=RAMP with *FIELD is not supported",
-                "give AMPLITUDE=",
-            );
-        }
-        let variable = card.read::<usize>("VARIABLE") - 1;
-        if self.operation(card, "FIELD") {
-            self.state().history.fields.clear();
-        }
-        let from = self.state().fields.len();
-        for (at, line) in card.lines.iter().enumerate() {
-            let Some(set) = line.field(0) else { continue };
-            let value = f64::from_value(card.given_field(at, 1));
-            let Some(nodes) = self.node_members(set) else { continue };
-            let value = self.scaled(value, amplitude);
-            let (set, span) = (set.text.clone(), line.span);
-            self.state().fields.push(PrescribedField { variable, nodes, set, value, amplitude, span });
-        }
-        self.complete_fields(from);
+/// Reads `*FIELD`. A value without amplitude is applied at once (ABAQUS Analysis User's Guide 34.6.1, "Predefined
+/// fields", and 34.1.2, "Amplitude curves").
+pub fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+    let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
+    if steps.current.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
+        return context.unsupported(card.span, "*STEP, AMPLITUDE=RAMP with *FIELD is not supported", "give AMPLITUDE=");
     }
+    let variable = card.read::<usize>("VARIABLE") - 1;
+    if steps.operation(card, "FIELD") {
+        steps.state().history.fields.clear();
+    }
+    let from = steps.state().fields.len();
+    for (at, line) in card.lines.iter().enumerate() {
+        let Some(set) = line.field(0) else { continue };
+        let value = f64::from_value(card.given_field(at, 1));
+        let Some(nodes) = context.node_members(set) else { continue };
+        let value = amplitudes::scaled(context, value, amplitude);
+        let (set, span) = (set.text.clone(), line.span);
+        steps.state().fields.push(PrescribedField { variable, nodes, set, value, amplitude, span });
+    }
+    listed::complete_fields(context, steps, from);
+}
 
-    /// Reads rows of `values` values, the temperature and `fields` field variables. If no row has a temperature, it is
-    /// 0.
-    pub(super) fn rows_over_fields(&mut self, card: &Card, values: usize, fields: usize) -> Option<Vec<Vec<f64>>> {
-        let first = self.first_line(card)?;
-        let most = values + 1 + fields;
-        for word in card.lines.iter().flat_map(|line| (most..line.fields.len()).filter_map(|at| line.field(at))) {
-            self.report_surplus(word, &format!("DEPENDENCIES={fields} reads {most} values of a row"));
-        }
-        let row = |builder: &mut Self, line: &DataLine| -> Option<Vec<f64>> {
-            let default = |i: usize| if i == values { f64::NAN } else { 0.0 };
-            (0..values + 1 + fields).map(|i| builder.number_or(line, i, default(i))).collect()
-        };
-        let mut rows: Vec<Vec<f64>> = card.lines.iter().map(|line| row(self, line)).collect::<Option<_>>()?;
-        let cold = rows.iter().filter(|r| r[values].is_nan()).count();
-        if cold != 0 && cold != rows.len() {
-            return self.refuse_value(first.span, "all rows of a table must have a temperature, or none");
-        }
-        rows.iter_mut().filter(|r| r[values].is_nan()).for_each(|r| r[values] = 0.0);
-        Some(rows)
+/// Reads rows of `values` values, the temperature and `fields` field variables. If no row has a temperature, it is
+/// 0.
+pub fn rows_over_fields(context: &mut Context<'_>, card: &Card, values: usize, fields: usize) -> Option<Vec<Vec<f64>>> {
+    let first = context.first_line(card)?;
+    let most = values + 1 + fields;
+    for word in card.lines.iter().flat_map(|line| (most..line.fields.len()).filter_map(|at| line.field(at))) {
+        context.report_surplus(word, &format!("DEPENDENCIES={fields} reads {most} values of a row"));
     }
+    let row = |context: &mut Context<'_>, line: &DataLine| -> Option<Vec<f64>> {
+        let default = |i: usize| if i == values { f64::NAN } else { 0.0 };
+        (0..values + 1 + fields).map(|i| context.number_or(line, i, default(i))).collect()
+    };
+    let mut rows: Vec<Vec<f64>> = card.lines.iter().map(|line| row(context, line)).collect::<Option<_>>()?;
+    let cold = rows.iter().filter(|r| r[values].is_nan()).count();
+    if cold != 0 && cold != rows.len() {
+        return context.refuse_value(first.span, "all rows of a table must have a temperature, or none");
+    }
+    rows.iter_mut().filter(|r| r[values].is_nan()).for_each(|r| r[values] = 0.0);
+    Some(rows)
 }
 
 impl StepHistory {

@@ -1,87 +1,67 @@
 //! Thermal loads: `*CFLUX`, `*DFLUX`, `*DSFLUX`, `*FILM`, `*SFILM`.
 
-use super::builder::ModelBuilder;
-use super::loads::load_family;
+use super::context::Context;
+use super::families::StepReader;
+use super::loads::{ReadLoad, label, read_lines, unknown_label};
 use super::names::upper;
-use super::types::{AmplitudeId, Load, LoadKind, SideSelection};
-use crate::deck::{Card, DataLine, Diagnostic, Word};
+use super::types::{AmplitudeId, LoadKind, SideSelection};
+use super::{amplitudes, surfaces};
+use crate::deck::{Card, DataLine, Word};
 
-impl ModelBuilder<'_> {
-    pub(super) fn heat_card(&mut self, card: &Card) {
-        let Ok(amplitude) = self.amplitude_of(card) else { return };
-        let Ok(of_film) = self.film_amplitude(card) else { return };
-        let family = card.keyword.name;
-        if self.operation(card, family) {
-            self.state().history.loads.retain(|l| load_family(&l.kind) != family);
+pub fn read_heat_loads(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+    let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
+    let Ok(of_film) = amplitudes::amplitude_of(context, card, "FILM AMPLITUDE") else { return };
+    read_lines(context, steps, card, amplitude, |context, line| match card.keyword.name {
+        "CFLUX" => nodal_heat(context, line),
+        "DFLUX" => element_heat(context, line),
+        "DSFLUX" => {
+            let sides = surface_sides(context, line)?;
+            Some((LoadKind::SurfaceHeat(sides), context.number(line, 2, "the heat flux per area")?))
         }
-        let first = self.state().loads.len();
-        for line in &card.lines {
-            let parsed = match family {
-                "CFLUX" => self.nodal_heat(line),
-                "DFLUX" => self.element_heat(line),
-                "DSFLUX" => self.surface_sides(line).and_then(|sides| {
-                    Some((LoadKind::SurfaceHeat(sides), self.number(line, 2, "the heat flux per area")?))
-                }),
-                _ => self.film(line, family, of_film),
-            };
-            if let Some((kind, magnitude)) = parsed {
-                let magnitude = self.scaled(magnitude, amplitude);
-                self.state().loads.push(Load { kind, magnitude, amplitude, span: line.span });
-            }
-        }
-        self.region_of_loads(card, first);
-    }
+        family => film(context, line, family, of_film),
+    });
+}
 
-    fn nodal_heat(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
-        let set = self.region(line)?;
-        let nodes = self.original_nodes(set)?;
-        Some((LoadKind::NodalHeat { nodes, set: set.text.clone() }, self.number(line, 2, "the heat flux")?))
-    }
+fn nodal_heat(context: &mut Context<'_>, line: &DataLine) -> Option<ReadLoad> {
+    let set = context.region(line)?;
+    let nodes = context.original_nodes(set)?;
+    Some((LoadKind::NodalHeat { nodes, set: set.text.clone() }, context.number(line, 2, "the heat flux")?))
+}
 
-    fn element_heat(&mut self, line: &DataLine) -> Option<(LoadKind, f64)> {
-        if line.field(1).is_some_and(|label| label.is("BF")) {
-            let set = self.region(line)?;
-            let elements = self.element_members(set)?;
-            let magnitude = self.number(line, 2, "the heat source per volume")?;
-            return Some((LoadKind::BodyHeat { elements, set: set.text.clone() }, magnitude));
-        }
-        let sides = self.element_sides(line, 'S', "S1 to S4 and BF")?;
-        Some((LoadKind::SurfaceHeat(sides), self.number(line, 2, "the heat flux per area")?))
+fn element_heat(context: &mut Context<'_>, line: &DataLine) -> Option<ReadLoad> {
+    if line.field(1).is_some_and(|label| label.is("BF")) {
+        let set = context.region(line)?;
+        let elements = context.element_members(set)?;
+        let magnitude = context.number(line, 2, "the heat source per volume")?;
+        return Some((LoadKind::BodyHeat { elements, set: set.text.clone() }, magnitude));
     }
+    let sides = element_sides(context, line, 'S', "S1 to S4 and BF")?;
+    Some((LoadKind::SurfaceHeat(sides), context.number(line, 2, "the heat flux per area")?))
+}
 
-    fn film(&mut self, line: &DataLine, family: &str, amplitude: Option<AmplitudeId>) -> Option<(LoadKind, f64)> {
-        let sides =
-            if family == "FILM" { self.element_sides(line, 'F', "F1 to F4")? } else { self.surface_sides(line)? };
-        let fluid = self.number(line, 2, "the fluid temperature")?;
-        let coefficient = self.number(line, 3, "the film coefficient")?;
-        Some((LoadKind::Film { sides, coefficient: self.scaled(coefficient, amplitude), amplitude }, fluid))
-    }
+fn film(context: &mut Context<'_>, line: &DataLine, family: &str, amplitude: Option<AmplitudeId>) -> Option<ReadLoad> {
+    let sides =
+        if family == "FILM" { element_sides(context, line, 'F', "F1 to F4")? } else { surface_sides(context, line)? };
+    let fluid = context.number(line, 2, "the fluid temperature")?;
+    let coefficient = context.number(line, 3, "the film coefficient")?;
+    Some((LoadKind::Film { sides, coefficient: amplitudes::scaled(context, coefficient, amplitude), amplitude }, fluid))
+}
 
-    /// Returns the element faces named by a load label: a letter and the face number.
-    fn element_sides(&mut self, line: &DataLine, letter: char, known: &str) -> Option<SideSelection> {
-        let set = self.region(line)?;
-        let elements = self.element_members(set)?;
-        let Some(label) = line.field(1) else {
-            let diagnostic = Diagnostic::error("M102", "the load label is missing").at(line.span, "second field");
-            return self.diagnostics.refuse(diagnostic.help(format!("supported: {known}")));
-        };
-        let number = upper(&label.text).strip_prefix(letter).and_then(|n| n.parse::<u8>().ok());
-        let Some(number) = number.filter(|n| (1..=4).contains(n)) else {
-            let message = format!("load type {} is not supported", label.text);
-            let diagnostic = Diagnostic::error("M132", message).at(label.span, "this label");
-            return self.diagnostics.refuse(diagnostic.help(format!("supported: {known}")));
-        };
-        let word = Word { text: format!("S{number}"), ..label.clone() };
-        Some(SideSelection {
-            name: set.text.clone(),
-            surface: false,
-            faces: self.sides(set, &elements, &word),
-            free_face_elements: Vec::new(),
-        })
-    }
+/// Returns the element faces named by a load label: a letter and the face number.
+fn element_sides(context: &mut Context<'_>, line: &DataLine, letter: char, known: &str) -> Option<SideSelection> {
+    let set = context.region(line)?;
+    let elements = context.element_members(set)?;
+    let label = label(context, line, known)?;
+    let number = upper(&label.text).strip_prefix(letter).and_then(|n| n.parse::<u8>().ok());
+    let Some(number) = number.filter(|n| (1..=4).contains(n)) else {
+        return unknown_label(context, label, known);
+    };
+    let word = Word { text: format!("S{number}"), ..label.clone() };
+    let (name, faces) = (set.text.clone(), surfaces::sides(context, set, &elements, &word));
+    Some(SideSelection { name, surface: false, faces, free_face_elements: Vec::new() })
+}
 
-    fn surface_sides(&mut self, line: &DataLine) -> Option<SideSelection> {
-        let word = self.region(line)?;
-        self.loaded_sides(word)
-    }
+fn surface_sides(context: &mut Context<'_>, line: &DataLine) -> Option<SideSelection> {
+    let word = context.region(line)?;
+    surfaces::loaded_sides(context, word)
 }

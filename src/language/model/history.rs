@@ -9,7 +9,7 @@ use indexmap::IndexMap;
 use super::types::{
     Amplitude, AmplitudeDefinition, AmplitudeId, BoundaryCondition, Load, Model, MotionKind, PrescribedField,
 };
-use crate::deck::{Diagnostic, Span};
+use crate::deck::{Diagnostic, Diagnostics, Span};
 use crate::kernel::amplitude::AmplitudeCurve;
 
 /// Relative difference of displacements up to which a prescribed displacement does not jump.
@@ -55,7 +55,7 @@ impl StepHistory {
         given: Vec<BoundaryCondition>,
         step: &StepTiming,
         model: &mut Model,
-        diagnostics: &mut Vec<Diagnostic>,
+        diagnostics: &mut Diagnostics,
     ) -> Vec<BoundaryCondition> {
         let given = if step.ramp { self.ramped_boundaries(given, step, model) } else { given };
         let spans: HashSet<Span> = given.iter().map(|b| b.span).collect();
@@ -65,9 +65,9 @@ impl StepHistory {
         self.first_values.retain(|(span, _), _| !spans.contains(span));
         let mut in_force = Vec::with_capacity(merged.len());
         for b in merged {
-            diagnostics.extend(self.unknown_start(&b, model));
+            self.unknown_start(&b, model).into_iter().for_each(|d| diagnostics.push(d));
             if spans.contains(&b.span) {
-                diagnostics.extend(self.jump(&b, model));
+                self.jump(&b, model).into_iter().for_each(|d| diagnostics.push(d));
             }
             in_force.push(self.relative_to_start(b, model));
         }
@@ -76,7 +76,7 @@ impl StepHistory {
     }
 
     /// Stores boundary conditions defined before the first step, which are in force from then on.
-    pub fn model_data(&mut self, given: Vec<BoundaryCondition>, diagnostics: &mut Vec<Diagnostic>) {
+    pub fn model_data(&mut self, given: Vec<BoundaryCondition>, diagnostics: &mut Diagnostics) {
         self.boundaries = merge_boundaries(Vec::new(), given, diagnostics);
     }
 
@@ -300,7 +300,7 @@ fn same_condition(a: &BoundaryCondition, b: &BoundaryCondition) -> bool {
 fn merge_boundaries(
     inherited: Vec<BoundaryCondition>,
     given: Vec<BoundaryCondition>,
-    diagnostics: &mut Vec<Diagnostic>,
+    diagnostics: &mut Diagnostics,
 ) -> Vec<BoundaryCondition> {
     let own = inherited.len();
     let all: Vec<BoundaryCondition> = inherited.into_iter().chain(given).collect();

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use super::history::{StepHistory, StepTiming, constant, ramp};
 use super::names::upper;
 use super::types::{BodyForce, ElementSide, Load, LoadKind, Model, SideSelection, SurfaceTraction, TargetId};
-use crate::deck::{Diagnostic, Span};
+use crate::deck::{Diagnostic, Diagnostics, Span};
 
 impl StepHistory {
     /// Returns the loads in force in a step that defines `given`, and stores those that continue in the next step.
@@ -15,12 +15,12 @@ impl StepHistory {
         given: Vec<Load>,
         step: &StepTiming,
         model: &mut Model,
-        diagnostics: &mut Vec<Diagnostic>,
+        diagnostics: &mut Diagnostics,
     ) -> Vec<Load> {
         let mut inherited = std::mem::take(&mut self.loads);
         let before = if step.ramp { self.magnitudes(&inherited, model) } else { HashMap::new() };
         replace_loads(&mut inherited, &given);
-        diagnostics.extend(added_loads(&given));
+        added_loads(&given).into_iter().for_each(|d| diagnostics.push(d));
         let given: Vec<Load> = match step.ramp {
             true => given.into_iter().flat_map(|l| ramped_load(l, &before, step, model)).collect(),
             false => given,

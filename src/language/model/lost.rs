@@ -4,11 +4,11 @@
 use std::collections::HashSet;
 
 use super::names::upper;
-use crate::deck::{Card, Deck, Diagnostics, Word};
+use crate::deck::{Card, Deck, Diagnostics, Span, Word};
 
 /// Definitions that are missing because of reported errors.
 #[derive(Debug, Default)]
-pub(super) struct MissingDefinitions {
+pub struct MissingDefinitions {
     /// An included file is missing, which may have contained anything.
     pub everything: bool,
     /// Some nodes are missing.
@@ -21,6 +21,10 @@ pub(super) struct MissingDefinitions {
     cards: HashSet<&'static str>,
     /// A definition of a body is missing: messages of the plan about bodies are not reliable.
     pub bodies: bool,
+    /// Cards with a reported error.
+    pub faulty: HashSet<Span>,
+    /// Number of unknown names for which similar names were suggested.
+    pub suggested: usize,
 }
 
 /// Cards that do not define bodies.
@@ -92,44 +96,8 @@ impl MissingDefinitions {
     }
 }
 
-/// Returns whether a card with a reported error is skipped, because further errors would be consequential. Cards that
-/// open blocks or define many items are read anyway, since other cards depend on them.
-pub(super) fn is_skipped(card: &Card) -> bool {
-    const READ: &[&str] = &[
-        "HEADING",
-        "PART",
-        "END PART",
-        "ASSEMBLY",
-        "END ASSEMBLY",
-        "INSTANCE",
-        "END INSTANCE",
-        "STEP",
-        "END STEP",
-        "MATERIAL",
-        "OUTPUT",
-        "NODE",
-        "NGEN",
-        "NFILL",
-        "ELEMENT",
-        "ELGEN",
-        "NSET",
-        "ELSET",
-        "SURFACE",
-        "SURFACE INTERACTION",
-        "SECTION CONTROLS",
-        "BOUNDARY",
-        "RIGID BODY",
-        "ATTITUDE",
-        "ROTARY INERTIA",
-        "SOLID SECTION",
-        "SHELL SECTION",
-        "COHESIVE SECTION",
-    ];
-    !READ.contains(&card.keyword.name)
-}
-
 /// Removes diagnostics that only follow from unsupported (plane or three-dimensional) element types.
-pub(super) fn drop_consequential_diagnostics(diagnostics: &mut Diagnostics) {
+pub fn drop_consequential_diagnostics(diagnostics: &mut Diagnostics) {
     const OTHER: &str = "this code is axisymmetric";
     if diagnostics.iter().any(|d| d.code == "M121" && d.message.ends_with(OTHER)) {
         diagnostics.retain(|d| {

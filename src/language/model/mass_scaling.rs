@@ -1,54 +1,49 @@
 //! Reads mass scaling: `*FIXED MASS SCALING` and `*VARIABLE MASS SCALING`.
 
-use super::builder::ModelBuilder;
+use super::context::Context;
+use super::families::StepReader;
 use super::types::{MassScaling, ScalingSchedule, ScalingType};
 use crate::deck::Card;
 use crate::deck::table::steps as cards;
 
-impl ModelBuilder<'_> {
-    /// Reads mass scaling. The first card of a step replaces the mass scaling of earlier steps, which otherwise
-    /// continues.
-    pub(super) fn mass_scaling(&mut self, card: &Card) {
-        let Some(request) = self.scaling_request(card) else { return };
-        let state = self.state();
-        if !state.cleared.contains(&"MASS SCALING") {
-            state.cleared.push("MASS SCALING");
-            state.mass_scalings.clear();
-        }
-        state.mass_scalings.push(request);
+/// Reads mass scaling. The first card of a step replaces the mass scaling of earlier steps, which otherwise
+/// continues.
+pub fn read_mass_scaling(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
+    let Some(request) = scaling_request(context, card) else { return };
+    if steps.clear_once("MASS SCALING") {
+        steps.state().mass_scalings.clear();
     }
+    steps.state().mass_scalings.push(request);
+}
 
-    fn scaling_request(&mut self, card: &Card) -> Option<MassScaling> {
-        let elements = match card.value("ELSET") {
-            Some(word) => Some(self.element_members(word)?),
-            None => None,
+fn scaling_request(context: &mut Context<'_>, card: &Card) -> Option<MassScaling> {
+    let elements = match card.value("ELSET") {
+        Some(word) => Some(context.element_members(word)?),
+        None => None,
+    };
+    let ((factor, dt, kind), rhythm) = if card.keyword.name == "FIXED MASS SCALING" {
+        let cards::FixedMassScaling { factor, dt, kind } = card.values();
+        ((factor, dt, kind), None)
+    } else {
+        let cards::VariableMassScaling { dt, kind, frequency, intervals } = card.values();
+        let rhythm = match (frequency, intervals) {
+            (Some(count), None) => ScalingSchedule::Increments(count as u64),
+            (None, Some(count)) => ScalingSchedule::Intervals(count as u64),
+            _ => {
+                return context
+                    .refuse_value(card.span, "*VARIABLE MASS SCALING requires either FREQUENCY or NUMBER INTERVAL");
+            }
         };
-        let ((factor, dt, kind), rhythm) = if card.keyword.name == "FIXED MASS SCALING" {
-            let cards::FixedMassScaling { factor, dt, kind } = self.values(card);
-            ((factor, dt, kind), None)
-        } else {
-            let cards::VariableMassScaling { dt, kind, frequency, intervals } = self.values(card);
-            let rhythm = match (frequency, intervals) {
-                (Some(count), None) => ScalingSchedule::Increments(count as u64),
-                (None, Some(count)) => ScalingSchedule::Intervals(count as u64),
-                _ => {
-                    return self.refuse_value(
-                        card.span,
-                        "*VARIABLE MASS SCALING requires either FREQUENCY or NUMBER INTERVAL",
-                    );
-                }
-            };
-            ((None, dt, kind), Some(rhythm))
-        };
-        if factor.is_none() && dt.is_none() {
-            let needs = if rhythm.is_none() { "FACTOR or DT" } else { "DT" };
-            return self.refuse_value(card.span, format!("*{} requires {needs}", card.keyword.name));
-        }
-        if dt.is_none() && card.has("TYPE") {
-            return self.refuse_value(card.span, "TYPE requires DT");
-        }
-        let kind = [ScalingType::BelowMin, ScalingType::Uniform, ScalingType::SetEqual][kind];
-        let target = dt.map(|dt| (kind, dt));
-        Some(MassScaling { span: card.span, elements, factor: factor.unwrap_or(1.0), target, schedule: rhythm })
+        ((None, dt, kind), Some(rhythm))
+    };
+    if factor.is_none() && dt.is_none() {
+        let needs = if rhythm.is_none() { "FACTOR or DT" } else { "DT" };
+        return context.refuse_value(card.span, format!("*{} requires {needs}", card.keyword.name));
     }
+    if dt.is_none() && card.has("TYPE") {
+        return context.refuse_value(card.span, "TYPE requires DT");
+    }
+    let kind = [ScalingType::BelowMin, ScalingType::Uniform, ScalingType::SetEqual][kind];
+    let target = dt.map(|dt| (kind, dt));
+    Some(MassScaling { span: card.span, elements, factor: factor.unwrap_or(1.0), target, schedule: rhythm })
 }

@@ -3,10 +3,12 @@
 
 use std::path::Path;
 
-use super::builder::ModelBuilder;
+use super::context::Context;
+use super::families::MeshReader;
 use super::mesh_data::{MeshFile, is_recognized_array};
 use super::types::ElementKind;
 use super::vtk_file::read;
+use super::{elements, nodes, sets};
 use super::{gmsh_file, inp_file};
 use crate::deck::{Card, Diagnostic, Span, files, untrusted};
 
@@ -33,116 +35,110 @@ fn lossy_text(bytes: Vec<u8>) -> String {
     String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned())
 }
 
-impl ModelBuilder<'_> {
-    pub(super) fn mesh_file(&mut self, card: &Card) {
-        let Some(input) = self.required(card, "INPUT") else { return };
-        let kind = match card.value("TYPE") {
-            Some(word) => match self.element_kind(word) {
-                Some(kind) => Some(kind),
-                None => return,
-            },
-            None => None,
-        };
-        let path = self.deck.sources.folder(card.span).join(input.text.replace('\\', "/"));
-        let deck = Span { file: 0, ..Span::default() };
-        if untrusted::forbids(self.deck.sources.folder(deck), &path) {
-            let message = format!("{} is not in the folder of the deck", input.text);
-            let finding = Diagnostic::error("D011", message).at(input.span, "not read with --untrusted");
-            let help = "copy the file into the folder of the deck or a folder below it";
-            return self.diagnostics.push(finding.help(help));
-        }
-        match read_any(&path) {
-            Ok(mesh) => self.add_mesh(&mesh, kind, card.span),
-            Err((why, help)) => {
-                let message = format!("cannot read the mesh file `{}`: {why}", input.text);
-                let diagnostic = Diagnostic::error("M150", message).at(input.span, "this file");
-                self.diagnostics.push(match help {
-                    Some(help) => diagnostic.help(help),
-                    None => diagnostic,
-                });
-            }
+pub fn read_mesh_file(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+    let Some(input) = context.required(card, "INPUT") else { return };
+    let kind = match card.value("TYPE").map(|word| elements::element_kind(context, word)) {
+        Some(None) => return,
+        kind => kind.flatten(),
+    };
+    let path = context.deck.sources.folder(card.span).join(input.text.replace('\\', "/"));
+    let deck = Span { file: 0, ..Span::default() };
+    if untrusted::forbids(context.deck.sources.folder(deck), &path) {
+        let message = format!("{} is not in the folder of the deck", input.text);
+        let finding = Diagnostic::error("D011", message).at(input.span, "not read with --untrusted");
+        let help = "copy the file into the folder of the deck or a folder below it";
+        return context.diagnostics.push(finding.help(help));
+    }
+    match read_any(&path) {
+        Ok(file) => add_mesh(context, mesh, &file, kind, card.span),
+        Err((why, help)) => {
+            let message = format!("cannot read the mesh file `{}`: {why}", input.text);
+            let diagnostic = Diagnostic::error("M150", message).at(input.span, "this file");
+            context.diagnostics.push(match help {
+                Some(help) => diagnostic.help(help),
+                None => diagnostic,
+            });
         }
     }
+}
 
-    fn add_mesh(&mut self, mesh: &MeshFile, kind: Option<ElementKind>, span: Span) {
-        let node_labels = labels(&mesh.point_arrays, "NODE_LABEL", mesh.points.len());
-        let element_labels = labels(&mesh.cell_arrays, "ELEMENT_LABEL", mesh.cells.len());
-        let in_plane = |p: &[f64; 3]| p[2] == 0.0 && p[0] >= 0.0 && p[0].is_finite() && p[1].is_finite();
-        if let Some(i) = mesh.points.iter().position(|p| !in_plane(p)) {
-            let [x, y, z] = mesh.points[i];
-            let message =
-                format!("point {i} of the mesh file, ({x}, {y}, {z}), is not in the half-plane z = 0, x >= 0");
-            let diagnostic = Diagnostic::error("M126", message).at(span, "this mesh");
-            return self.diagnostics.push(diagnostic.help("x of the file is r, and y is z of the axisymmetric model"));
-        }
-        let nodes: Vec<usize> =
-            mesh.points.iter().zip(&node_labels).map(|(p, &l)| self.add_node(l, [p[0], p[1]])).collect();
-        let mut elements = Vec::with_capacity(mesh.cells.len());
-        for (cell, &label) in mesh.cells.iter().zip(&element_labels) {
-            elements.push(self.mesh_cell(cell, label, kind, &nodes, span));
-        }
-        self.report_unread(mesh, span);
-        for (name, values) in &mesh.point_arrays {
-            if let Some(name) = name.strip_prefix("NSET_") {
-                let members = nodes.iter().zip(values).filter(|(_, v)| **v != 0.0).map(|(n, _)| *n).collect();
-                self.add_node_set(name, members, span);
-            }
-        }
-        for (name, values) in &mesh.cell_arrays {
-            if let Some(name) = name.strip_prefix("ELSET_") {
-                let members = elements.iter().zip(values).filter(|(_, v)| **v != 0.0).filter_map(|(e, _)| *e).collect();
-                self.add_element_set(name, members, span);
-            }
+fn add_mesh(context: &mut Context<'_>, mesh: &mut MeshReader, file: &MeshFile, kind: Option<ElementKind>, span: Span) {
+    let node_labels = labels(&file.point_arrays, "NODE_LABEL", file.points.len());
+    let element_labels = labels(&file.cell_arrays, "ELEMENT_LABEL", file.cells.len());
+    let in_plane = |p: &[f64; 3]| p[2] == 0.0 && p[0] >= 0.0 && p[0].is_finite() && p[1].is_finite();
+    if let Some(i) = file.points.iter().position(|p| !in_plane(p)) {
+        let [x, y, z] = file.points[i];
+        let message = format!("point {i} of the mesh file, ({x}, {y}, {z}), is not in the half-plane z = 0, x >= 0");
+        let diagnostic = Diagnostic::error("M126", message).at(span, "this mesh");
+        return context.diagnostics.push(diagnostic.help("x of the file is r, and y is z of the axisymmetric model"));
+    }
+    let nodes: Vec<usize> =
+        file.points.iter().zip(&node_labels).map(|(p, &l)| nodes::add_node(context, mesh, l, [p[0], p[1]])).collect();
+    let mut elements = Vec::with_capacity(file.cells.len());
+    for (cell, &label) in file.cells.iter().zip(&element_labels) {
+        elements.push(mesh_cell(context, cell, label, kind, &nodes, span));
+    }
+    report_unread(context, file, span);
+    for (name, values) in &file.point_arrays {
+        if let Some(name) = name.strip_prefix("NSET_") {
+            let members = nodes.iter().zip(values).filter(|(_, v)| **v != 0.0).map(|(n, _)| *n).collect();
+            sets::add_node_set(context, name, members, span);
         }
     }
+    for (name, values) in &file.cell_arrays {
+        if let Some(name) = name.strip_prefix("ELSET_") {
+            let members = elements.iter().zip(values).filter(|(_, v)| **v != 0.0).filter_map(|(e, _)| *e).collect();
+            sets::add_element_set(context, name, members, span);
+        }
+    }
+}
 
-    /// Reports cards and arrays that were not read; a set may only lack its prefix.
-    fn report_unread(&mut self, mesh: &MeshFile, span: Span) {
-        if !mesh.unread.is_empty() {
-            let message = format!("cards of the mesh file are not read: *{}", mesh.unread.join(", *"));
-            let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");
-            self.diagnostics.push(diagnostic.help(
-                "only nodes, elements and sets of an .inp file are \
-                                    read; use *INCLUDE to read the whole file",
-            ));
-        }
-        let arrays = mesh.point_arrays.iter().chain(&mesh.cell_arrays).map(|a| a.0.as_str());
-        let unread: Vec<&str> = arrays.filter(|name| !is_recognized_array(name)).collect();
-        if !unread.is_empty() {
-            let message = format!("arrays of the mesh file are not read: {}", unread.join(", "));
-            let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");
-            self.diagnostics
-                .push(diagnostic.help("a set is an array named NSET_name or ELSET_name, nonzero on its members"));
-        }
+/// Reports cards and arrays that were not read; a set may only lack its prefix.
+fn report_unread(context: &mut Context<'_>, mesh: &MeshFile, span: Span) {
+    if !mesh.unread.is_empty() {
+        let message = format!("cards of the mesh file are not read: *{}", mesh.unread.join(", *"));
+        let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");
+        context.diagnostics.push(
+            diagnostic
+                .help("only nodes, elements and sets of an .inp file are read; use *INCLUDE to read the whole file"),
+        );
     }
+    let arrays = mesh.point_arrays.iter().chain(&mesh.cell_arrays).map(|a| a.0.as_str());
+    let unread: Vec<&str> = arrays.filter(|name| !is_recognized_array(name)).collect();
+    if !unread.is_empty() {
+        let message = format!("arrays of the mesh file are not read: {}", unread.join(", "));
+        let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");
+        context
+            .diagnostics
+            .push(diagnostic.help("a set is an array named NSET_name or ELSET_name, nonzero on its members"));
+    }
+}
 
-    fn mesh_cell(
-        &mut self,
-        cell: &[usize],
-        label: i64,
-        expected: Option<ElementKind>,
-        nodes: &[usize],
-        span: Span,
-    ) -> Option<usize> {
-        let by_count = match cell.len() {
-            1 => Some(ElementKind::Mass),
-            2 => Some(ElementKind::Rax2),
-            3 => Some(ElementKind::Cax3),
-            4 => Some(ElementKind::Cax4r),
-            6 => Some(ElementKind::Cax6m),
-            _ => None,
-        };
-        let kind = expected.or(by_count);
-        let fits = kind.filter(|k| k.node_count() == cell.len());
-        let corners: Option<Vec<usize>> = cell.iter().map(|&p| nodes.get(p).copied()).collect();
-        if let (Some(kind), Some(corners)) = (fits, corners) {
-            return self.add_element(label, kind, kind.around(&corners), span);
-        }
-        let expected = kind.map_or("an element type", ElementKind::name);
-        let message =
-            format!("cell {label} of the mesh file has {} points, which does not match {expected}", cell.len());
-        self.diagnostics.refuse(Diagnostic::error("M121", message).at(span, "this mesh"))
+fn mesh_cell(
+    context: &mut Context<'_>,
+    cell: &[usize],
+    label: i64,
+    expected: Option<ElementKind>,
+    nodes: &[usize],
+    span: Span,
+) -> Option<usize> {
+    let by_count = match cell.len() {
+        1 => Some(ElementKind::Mass),
+        2 => Some(ElementKind::Rax2),
+        3 => Some(ElementKind::Cax3),
+        4 => Some(ElementKind::Cax4r),
+        6 => Some(ElementKind::Cax6m),
+        _ => None,
+    };
+    let kind = expected.or(by_count);
+    let fits = kind.filter(|k| k.node_count() == cell.len());
+    let corners: Option<Vec<usize>> = cell.iter().map(|&p| nodes.get(p).copied()).collect();
+    if let (Some(kind), Some(corners)) = (fits, corners) {
+        return elements::add_element(context, label, kind, kind.around(&corners), span);
     }
+    let expected = kind.map_or("an element type", ElementKind::name);
+    let message = format!("cell {label} of the mesh file has {} points, which does not match {expected}", cell.len());
+    context.diagnostics.refuse(Diagnostic::error("M121", message).at(span, "this mesh"))
 }
 
 fn labels(arrays: &[(String, Vec<f64>)], name: &str, count: usize) -> Vec<i64> {

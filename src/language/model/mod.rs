@@ -20,21 +20,19 @@ mod connectors;
 mod consistency;
 mod consistent_material;
 mod contact;
-mod contact_controls;
+mod context;
 mod controls;
 mod copies;
-mod coupling;
-mod degrees;
-mod derivation;
 pub mod derive;
 mod element_nodes;
 mod elements;
-mod energy_limit;
 mod eos;
 mod equations;
 mod erosion;
 mod expressions;
 mod failure;
+mod families;
+mod faults;
 mod fields;
 mod general_contact;
 mod gmsh_file;
@@ -59,6 +57,8 @@ mod nodes;
 mod order;
 mod outputs;
 mod parts;
+mod placement;
+mod readers;
 mod refinement;
 pub mod relisting;
 pub mod remesh;
@@ -100,7 +100,7 @@ use crate::deck::{Deck, Diagnostics, MeshScaling};
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
     let mut builder = builder::ModelBuilder::checked(deck);
     for card in builder.ordered_cards() {
-        builder.card(card);
+        builder.read_card(card);
     }
     let (model, mut diagnostics) = builder.finish();
     match deck.mesh_scaling.filter(|_| !diagnostics.has_errors()) {

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::deck::Word;
+use crate::deck::{Span, Word};
 
 /// Labels of nodes or of elements. Each part, each instance and the assembly is a scope.
 #[derive(Debug, Default)]
@@ -10,6 +10,15 @@ pub struct LabelTable {
     scopes: Vec<(String, ScopeLabels)>,
     places: HashMap<String, usize>,
     count: usize,
+    pub duplicates: Vec<DuplicateLabel>,
+}
+
+/// A label that was defined twice.
+#[derive(Debug)]
+pub struct DuplicateLabel {
+    pub label: i64,
+    pub first: Span,
+    pub second: Span,
 }
 
 /// Labels of one scope. Mostly consecutive labels are indices of a list; others are hashed.
@@ -113,7 +122,7 @@ pub fn qualified(scope: &str, name: &str) -> String {
 }
 
 /// Returns the ordinal of each card of a keyword by its upper-case `NAME`; the first one for duplicate names.
-pub(super) fn places(deck: &crate::deck::Deck, keyword: &str) -> indexmap::IndexMap<String, usize> {
+pub fn places(deck: &crate::deck::Deck, keyword: &str) -> indexmap::IndexMap<String, usize> {
     let cards = deck.cards.iter().filter(|c| c.keyword.name == keyword);
     let mut places = indexmap::IndexMap::new();
     for (place, name) in cards.filter_map(|c| c.value("NAME")).enumerate() {

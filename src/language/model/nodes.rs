@@ -1,248 +1,232 @@
 //! Reads nodes: `*NODE`, and the generators `*NGEN` and `*NFILL`.
 
 use super::budget::BudgetedItem;
-use super::builder::ModelBuilder;
+use super::context::Context;
+use super::families::MeshReader;
 use super::name::EntityName;
 use super::names::{qualified, upper};
 use super::refinement::curves::{on_arc, polar_point};
+use super::{contact, sets};
 use crate::deck::rows::label_and_coordinates;
 use crate::deck::{Card, DataLine, Diagnostic, Diagnostics, Span, Word};
 
-impl ModelBuilder<'_> {
-    pub(super) fn node(&mut self, card: &Card) {
-        let sources = &self.deck.sources;
-        let mut made = Vec::with_capacity(if card.has("NSET") { card.rows.len() } else { 0 });
-        let mut again = RedefinedNodes::default();
-        let polar = card.value("SYSTEM").is_some_and(|w| w.is("C"));
-        self.model.mesh.reserve_nodes(card.rows.len());
-        for row in &card.rows {
-            let plain = row.text(sources).and_then(label_and_coordinates);
-            let Some((label, [r, z])) = plain.or_else(|| self.node_line(&row.line(sources))) else { continue };
-            if self.nodes.find(&self.scope, label).is_some() {
-                again.note(label, row.span());
-            }
-            let given = if polar { polar_point(r, z) } else { [r, z] };
-            let node = self.add_node(label, self.global_coordinates(given));
-            if made.capacity() > 0 {
-                made.push(node);
-            }
+pub fn read_nodes(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+    let sources = &context.deck.sources;
+    let mut made = Vec::with_capacity(if card.has("NSET") { card.rows.len() } else { 0 });
+    let mut again = RedefinedNodes::default();
+    let polar = card.value("SYSTEM").is_some_and(|w| w.is("C"));
+    context.model.mesh.reserve_nodes(card.rows.len());
+    for row in &card.rows {
+        let plain = row.text(sources).and_then(label_and_coordinates);
+        let Some((label, [r, z])) = plain.or_else(|| node_line(context, &row.line(sources))) else { continue };
+        if context.nodes.find(&context.scope, label).is_some() {
+            again.note(label, row.span());
         }
-        again.report(&mut self.diagnostics);
-        self.collect_nodes(card, made);
+        let given = if polar { polar_point(r, z) } else { [r, z] };
+        let node = add_node(context, mesh, label, mesh.global_coordinates(given));
+        if made.capacity() > 0 {
+            made.push(node);
+        }
     }
+    again.report(&mut context.diagnostics);
+    sets::collect_nodes(context, card, "NSET", made);
+}
 
-    fn node_line(&mut self, line: &DataLine) -> Option<(i64, [f64; 2])> {
-        let label = self.integer(line, 0, "the node label")?;
-        // Report errors of both fields.
-        let place = [1, 2].map(|at| self.number_or(line, at, 0.0));
-        Some((label, [place[0]?, place[1]?]))
+fn node_line(context: &mut Context<'_>, line: &DataLine) -> Option<(i64, [f64; 2])> {
+    let label = context.integer(line, 0, "the node label")?;
+    // Report errors of both fields.
+    let place = [1, 2].map(|at| context.number_or(line, at, 0.0));
+    Some((label, [place[0]?, place[1]?]))
+}
+
+/// Adds a node in the current scope. If the label exists, the node is moved: the last definition is used.
+pub fn add_node(context: &mut Context<'_>, mesh: &mut MeshReader, label: i64, [r, z]: [f64; 2]) -> usize {
+    let place = mesh.placement.as_ref().map_or([r, z], |placement| placement.apply([r, z]));
+    if let Some(known) = context.nodes.find(&context.scope, label) {
+        let before = std::mem::replace(&mut context.model.mesh.points[known], place);
+        if before != place {
+            mesh.moved.insert(known, mesh.current_card);
+        }
+        return known;
     }
+    let index = context.model.mesh.points.len();
+    context.model.mesh.points.push(place);
+    context.model.mesh.node_names.push(EntityName::of_label(&context.scope, label));
+    context.nodes.insert(&context.scope, label, index);
+    index
+}
 
-    /// Adds a node in the current scope. If the label exists, the node is moved: the last definition is used.
-    pub(super) fn add_node(&mut self, label: i64, [r, z]: [f64; 2]) -> usize {
-        let place = match &self.instance {
-            Some(placement) => placement.apply([r, z]),
-            None => [r, z],
+fn label_of(context: &mut Context<'_>, word: Option<&Word>, line: &DataLine, what: &str) -> Option<(i64, usize)> {
+    let Some(word) = word else {
+        let diagnostic = Diagnostic::error("M102", format!("{what} is missing")).at(line.span, "here");
+        return context.diagnostics.refuse(diagnostic);
+    };
+    let label = word.integer(&mut context.diagnostics)?;
+    match context.nodes.find(&context.scope, label) {
+        Some(index) => Some((label, index)),
+        None if context.missing.nodes || context.missing.everything => {
+            context.missing.nodes = true;
+            None
+        }
+        None => {
+            let message = format!("{what} {label} is not defined");
+            context.diagnostics.refuse(Diagnostic::error("M110", message).at(word.span, "no such node"))
+        }
+    }
+}
+
+/// Generates nodes between two nodes (ABAQUS Keywords Guide, *NGEN), on a line or, with LINE=C, on an arc.
+pub fn read_ngen(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+    let arc = card.value("LINE").is_some_and(|w| w.is("C"));
+    if let Some(line) = card.value("LINE").filter(|w| !w.is("C")) {
+        context.unsupported(line.span, format!("LINE={} is not supported", line.text), "use a straight line or LINE=C");
+    }
+    let made = card.lines.iter().filter_map(|line| ngen_line(context, mesh, line, arc)).flatten().collect();
+    sets::collect_nodes(context, card, "NSET", made);
+}
+
+fn ngen_line(context: &mut Context<'_>, mesh: &mut MeshReader, line: &DataLine, arc: bool) -> Option<Vec<usize>> {
+    let normal = context.number_or(line, 9, 0.0)?;
+    let (first, from) = label_of(context, line.field(0), line, "the first node")?;
+    let (last, to) = label_of(context, line.field(1), line, "the last node")?;
+    let step = line.field(2).map_or(Some(1), |w| w.integer(&mut context.diagnostics))?;
+    let span = (i128::from(last) - i128::from(first)).abs();
+    if step <= 0 || span % i128::from(step) != 0 {
+        let message = format!("label {last} cannot be reached from {first} in increments of {step}");
+        return context.refuse_value(line.span, message);
+    }
+    let count = count(context, span / i128::from(step), line.span)?;
+    let (a, b) = (context.model.mesh.points[from], context.model.mesh.points[to]);
+    let mut arc_centre = None;
+    if arc {
+        let given = centre(context, line)?;
+        arc_centre = Some(contact::arc_centre(context, a, b, given, line.span)?);
+    }
+    let sign = (last - first).signum();
+    let mut made = vec![from];
+    for i in 1..count {
+        let s = i as f64 / count as f64;
+        let [r, z] = match arc_centre {
+            Some(c) => on_arc(a, b, c, normal, s),
+            None => [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])],
         };
-        if let Some(known) = self.nodes.find(&self.scope, label) {
-            let before = std::mem::replace(&mut self.model.mesh.points[known], place);
-            if before != place {
-                self.moved.insert(known, self.current);
-            }
-            return known;
-        }
-        let index = self.model.mesh.points.len();
-        self.model.mesh.points.push(place);
-        self.model.mesh.node_names.push(EntityName::of_label(&self.scope, label));
-        self.nodes.insert(&self.scope, label, index);
-        index
+        made.push(place_generated(context, mesh, first + sign * step * i as i64, [r, z], line.span));
     }
+    made.push(to);
+    if let (Some(centre), true) = (arc_centre, context.deck.mesh_scaling.is_some()) {
+        context.scaling.curves.record_arc(&made, centre, normal);
+    }
+    Some(made)
+}
 
-    fn collect_nodes(&mut self, card: &Card, made: Vec<usize>) {
-        if let Some(name) = card.value("NSET") {
-            self.add_node_set(&name.text, made, card.span);
+/// Adds a generated node without placement by the instance, because its end nodes are placed already.
+pub fn place_generated(
+    context: &mut Context<'_>,
+    mesh: &mut MeshReader,
+    label: i64,
+    [r, z]: [f64; 2],
+    span: Span,
+) -> usize {
+    let known = context.nodes.find(&context.scope, label).map(|n| (n, context.model.mesh.points[n]));
+    let placement = mesh.placement.take();
+    let index = add_node(context, mesh, label, [r, z]);
+    mesh.placement = placement;
+    if let Some((node, before)) = known {
+        let far = (before[0] - r).abs().max((before[1] - z).abs());
+        if far > 1e-6 * r.abs().max(z.abs()) {
+            mesh.note_regenerated_node(node, label, span);
         }
     }
+    index
+}
 
-    fn label_of(&mut self, word: Option<&Word>, line: &DataLine, what: &str) -> Option<(i64, usize)> {
-        let Some(word) = word else {
-            let diagnostic = Diagnostic::error("M102", format!("{what} is missing")).at(line.span, "here");
-            return self.diagnostics.refuse(diagnostic);
-        };
-        let label = word.integer(&mut self.diagnostics)?;
-        match self.nodes.find(&self.scope, label) {
-            Some(index) => Some((label, index)),
-            None if self.missing.nodes || self.missing.everything => {
-                self.missing.nodes = true;
-                None
-            }
-            None => {
-                let message = format!("{what} {label} is not defined");
-                self.diagnostics.refuse(Diagnostic::error("M110", message).at(word.span, "no such node"))
-            }
+fn centre(context: &mut Context<'_>, line: &DataLine) -> Option<[f64; 2]> {
+    if line.field(3).is_some() {
+        let is_zero = |word: &&Word| word.text.parse().is_ok_and(|value: f64| value == 0.0);
+        let given = [4, 5].into_iter().filter_map(|k| line.field(k));
+        if let Some(word) = given.into_iter().find(|word| !is_zero(word)) {
+            context.report_surplus(word, "the centre is given by a node or by its coordinates");
         }
+        let (_, index) = label_of(context, line.field(3), line, "the centre node")?;
+        return Some(context.model.mesh.points[index]);
     }
+    Some([context.number(line, 4, "r of the centre")?, context.number(line, 5, "z of the centre")?])
+}
 
-    /// Generates nodes between two nodes (ABAQUS Keywords Guide, *NGEN), on a line or, with LINE=C, on an arc.
-    pub(super) fn ngen(&mut self, card: &Card) {
-        let arc = card.value("LINE").is_some_and(|w| w.is("C"));
-        if let Some(line) = card.value("LINE").filter(|w| !w.is("C")) {
-            self.unsupported(
-                line.span,
-                format!("LINE={} is not supported", line.text),
-                "use a straight line or LINE=C",
-            );
-        }
-        let mut made = Vec::new();
-        for line in &card.lines {
-            if let Some(nodes) = self.ngen_line(line, arc) {
-                made.extend(nodes);
-            }
-        }
-        self.collect_nodes(card, made);
-    }
+fn count(context: &mut Context<'_>, count: i128, span: Span) -> Option<usize> {
+    let count = count.max(1);
+    context.fits_budget(BudgetedItem::Nodes, count.unsigned_abs(), span).then_some(count as usize)
+}
 
-    fn ngen_line(&mut self, line: &DataLine, arc: bool) -> Option<Vec<usize>> {
-        let normal = self.number_or(line, 9, 0.0)?;
-        let (first, from) = self.label_of(line.field(0), line, "the first node")?;
-        let (last, to) = self.label_of(line.field(1), line, "the last node")?;
-        let step = line.field(2).map_or(Some(1), |w| w.integer(&mut self.diagnostics))?;
-        let span = (i128::from(last) - i128::from(first)).abs();
-        if step <= 0 || span % i128::from(step) != 0 {
-            return self.refuse_value(
-                line.span,
-                format!("label {last} cannot be reached from {first} in increments of {step}"),
-            );
-        }
-        let count = self.count(span / i128::from(step), line.span)?;
-        let (a, b) = (self.model.mesh.points[from], self.model.mesh.points[to]);
-        let centre = match arc {
-            true => {
-                let given = self.centre(line)?;
-                Some(self.arc_centre(a, b, given, line.span)?)
-            }
-            false => None,
-        };
-        let sign = (last - first).signum();
-        let mut made = vec![from];
-        for i in 1..count {
-            let s = i as f64 / count as f64;
-            let [r, z] = match centre {
-                Some(c) => on_arc(a, b, c, normal, s),
-                None => [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])],
-            };
-            made.push(self.place_generated(first + sign * step * i as i64, [r, z], line.span));
-        }
-        made.push(to);
-        if let (Some(centre), true) = (centre, self.deck.mesh_scaling.is_some()) {
-            self.curves.record_arc(&made, centre, normal);
-        }
-        Some(made)
-    }
+/// Generates rows of nodes between corresponding nodes of two sets (ABAQUS Keywords Guide, *NFILL).
+pub fn read_nfill(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
+    let singular = card.read::<Option<usize>>("SINGULAR").unwrap_or(0);
+    let spacing = FillSpacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
+    let made = card.lines.iter().filter_map(|line| nfill_line(context, mesh, line, &spacing)).flatten().collect();
+    sets::collect_nodes(context, card, "NSET", made);
+}
 
-    /// Adds a generated node without placement by the instance, because its end nodes are placed already.
-    pub(super) fn place_generated(&mut self, label: i64, [r, z]: [f64; 2], span: Span) -> usize {
-        let known = self.nodes.find(&self.scope, label).map(|n| (n, self.model.mesh.points[n]));
-        let placement = self.instance.take();
-        let index = self.add_node(label, [r, z]);
-        self.instance = placement;
-        if let Some((node, before)) = known {
-            let far = (before[0] - r).abs().max((before[1] - z).abs());
-            if far > 1e-6 * r.abs().max(z.abs()) {
-                self.note_regenerated_node(node, label, span);
-            }
-        }
-        index
+fn nfill_line(
+    context: &mut Context<'_>,
+    mesh: &mut MeshReader,
+    line: &DataLine,
+    spacing: &FillSpacing,
+) -> Option<Vec<usize>> {
+    let (Some(first), Some(second)) = (line.field(0), line.field(1)) else {
+        return context
+            .diagnostics
+            .refuse(Diagnostic::error("M102", "two node sets are required").at(line.span, "here"));
+    };
+    let (from, to) = (nodes_in_order(context, mesh, first)?, nodes_in_order(context, mesh, second)?);
+    let intervals = context.integer(line, 2, "the number of intervals")?;
+    let step = line.field(3).map_or(Some(1), |w| w.integer(&mut context.diagnostics))?;
+    if context.missing.nodes && from.len() != to.len() {
+        return None;
     }
+    if from.len() != to.len() || intervals < 1 || step < 1 {
+        let message = format!("the sets must have equal numbers of nodes, found {} and {}", from.len(), to.len());
+        return context.refuse_value(line.span, message);
+    }
+    count(context, i128::from(intervals) * from.len() as i128, line.span)?;
+    if (spacing.two_step || spacing.singular > 0) && intervals % 2 != 0 {
+        return context.refuse_value(line.span, "TWO STEP and SINGULAR require an even number of intervals");
+    }
+    let shares = shares(intervals as usize, spacing);
+    let (mut made, mut rows) = (Vec::new(), Vec::new());
+    for (a, b) in from.iter().zip(&to) {
+        let (start, end) = (context.model.mesh.points[*a], context.model.mesh.points[*b]);
+        let label = label_of_index(context, *a)?;
+        let row = made.len();
+        for (i, s) in shares.iter().enumerate() {
+            let place = [start[0] + s * (end[0] - start[0]), start[1] + s * (end[1] - start[1])];
+            made.push(place_generated(context, mesh, label + step * (i as i64 + 1), place, line.span));
+        }
+        rows.push(made[row..].to_vec());
+        made.extend([*a, *b]);
+    }
+    if context.deck.mesh_scaling.is_some() {
+        context.scaling.curves.record_rows([&from, &to], &rows, &shares);
+    }
+    Some(made)
+}
 
-    fn centre(&mut self, line: &DataLine) -> Option<[f64; 2]> {
-        if line.field(3).is_some() {
-            let is_zero = |word: &&Word| word.text.parse().is_ok_and(|value: f64| value == 0.0);
-            let given = [4, 5].into_iter().filter_map(|k| line.field(k));
-            if let Some(word) = given.into_iter().find(|word| !is_zero(word)) {
-                self.report_surplus(word, "the centre is given by a node or by its coordinates");
-            }
-            let (_, index) = self.label_of(line.field(3), line, "the centre node")?;
-            return Some(self.model.mesh.points[index]);
+/// Returns the nodes of a set: in the given order for an UNSORTED set, otherwise in order of labels. The new nodes
+/// of a refined mesh have no order and are left out.
+pub fn nodes_in_order(context: &mut Context<'_>, mesh: &mut MeshReader, word: &Word) -> Option<Vec<usize>> {
+    for name in [qualified(&context.scope, &word.text), upper(&word.text)] {
+        if let Some(nodes) = mesh.unsorted.get(&name) {
+            let nodes = nodes.clone();
+            context.edit_nodes(word, &nodes, true);
+            return Some(nodes);
         }
-        Some([self.number(line, 4, "r of the centre")?, self.number(line, 5, "z of the centre")?])
     }
+    let mut nodes = context.original_nodes(word)?;
+    nodes.sort_by_key(|&n| (label_of_index(context, n), n));
+    Some(nodes)
+}
 
-    fn count(&mut self, count: i128, span: Span) -> Option<usize> {
-        let count = count.max(1);
-        self.fits_budget(BudgetedItem::Nodes, count.unsigned_abs(), span).then_some(count as usize)
-    }
-
-    /// Generates rows of nodes between corresponding nodes of two sets (ABAQUS Keywords Guide, *NFILL).
-    pub(super) fn nfill(&mut self, card: &Card) {
-        let singular = card.read::<Option<usize>>("SINGULAR").unwrap_or(0);
-        let spacing = FillSpacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
-        let mut made = Vec::new();
-        for line in &card.lines {
-            if let Some(nodes) = self.nfill_line(line, &spacing) {
-                made.extend(nodes);
-            }
-        }
-        self.collect_nodes(card, made);
-    }
-
-    fn nfill_line(&mut self, line: &DataLine, spacing: &FillSpacing) -> Option<Vec<usize>> {
-        let (Some(first), Some(second)) = (line.field(0), line.field(1)) else {
-            return self
-                .diagnostics
-                .refuse(Diagnostic::error("M102", "two node sets are required").at(line.span, "here"));
-        };
-        let (from, to) = (self.nodes_in_order(first)?, self.nodes_in_order(second)?);
-        let intervals = self.integer(line, 2, "the number of intervals")?;
-        let step = line.field(3).map_or(Some(1), |w| w.integer(&mut self.diagnostics))?;
-        if self.missing.nodes && from.len() != to.len() {
-            return None;
-        }
-        if from.len() != to.len() || intervals < 1 || step < 1 {
-            let message = format!("the sets must have equal numbers of nodes, found {} and {}", from.len(), to.len());
-            return self.refuse_value(line.span, message);
-        }
-        self.count(i128::from(intervals) * from.len() as i128, line.span)?;
-        if (spacing.two_step || spacing.singular > 0) && intervals % 2 != 0 {
-            return self.refuse_value(line.span, "TWO STEP and SINGULAR require an even number of intervals");
-        }
-        let shares = shares(intervals as usize, spacing);
-        let (mut made, mut rows) = (Vec::new(), Vec::new());
-        for (a, b) in from.iter().zip(&to) {
-            let (start, end) = (self.model.mesh.points[*a], self.model.mesh.points[*b]);
-            let label = self.label_of_index(*a)?;
-            let row = made.len();
-            for (i, s) in shares.iter().enumerate() {
-                let place = [start[0] + s * (end[0] - start[0]), start[1] + s * (end[1] - start[1])];
-                made.push(self.place_generated(label + step * (i as i64 + 1), place, line.span));
-            }
-            rows.push(made[row..].to_vec());
-            made.extend([*a, *b]);
-        }
-        if self.deck.mesh_scaling.is_some() {
-            self.curves.record_rows([&from, &to], &rows, &shares);
-        }
-        Some(made)
-    }
-
-    /// Returns the nodes of a set: in the given order for an UNSORTED set, otherwise in order of labels. The new nodes
-    /// of a refined mesh have no order and are left out.
-    pub(super) fn nodes_in_order(&mut self, word: &Word) -> Option<Vec<usize>> {
-        for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
-            if let Some(nodes) = self.unsorted.get(&name) {
-                let nodes = nodes.clone();
-                self.edit_nodes(word, &nodes, true);
-                return Some(nodes);
-            }
-        }
-        let mut nodes = self.original_nodes(word)?;
-        nodes.sort_by_key(|&n| (self.label_of_index(n), n));
-        Some(nodes)
-    }
-
-    pub(super) fn label_of_index(&self, index: usize) -> Option<i64> {
-        self.model.mesh.node_names[index].rsplit('.').next()?.parse().ok()
-    }
+pub fn label_of_index(context: &Context<'_>, index: usize) -> Option<i64> {
+    context.model.mesh.node_names[index].rsplit('.').next()?.parse().ok()
 }
 
 /// Spacing of nodes generated by `*NFILL`.

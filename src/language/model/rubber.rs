@@ -1,12 +1,13 @@
 //! Rubber, foam and damping: `*HYPERELASTIC`, `*CRUSHABLE FOAM`, `*CRUSHABLE FOAM HARDENING`, `*DAMPING`.
 
-use super::builder::ModelBuilder;
+use super::context::Context;
+use super::faults::{ValueCheck, is_non_negative, is_positive, require};
 use super::types::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, RayleighCoefficients};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
 /// Highest order of polynomial forms.
-pub(super) const ORDER: usize = 6;
+const ORDER: usize = 6;
 /// Highest order of the Ogden form.
 const OGDEN_ORDER: usize = 3;
 
@@ -25,110 +26,122 @@ fn reduced(order: usize) -> Vec<(usize, usize)> {
 /// Constructor of a deviatoric energy from its constants and order.
 type EnergyConstructor = fn(&[f64], usize) -> DeviatoricEnergy;
 
-impl ModelBuilder<'_> {
-    /// Reads `*HYPERELASTIC`; the default form is the polynomial. A data line has eight constants.
-    pub(super) fn hyperelastic(&mut self, card: &Card) {
-        let given: Vec<&str> = FORMS.into_iter().filter(|form| card.has(form)).collect();
-        if given.len() > 1 {
-            return self.out_of_range(card.span, format!("{} and {} cannot be combined", given[0], given[1]));
-        }
-        let form = given.first().copied().unwrap_or("POLYNOMIAL");
-        let Some(order) = self.order(card, form) else { return };
-        let (constant_count, shape): (usize, EnergyConstructor) = match form {
-            "NEO HOOKE" => (1, |c, _| DeviatoricEnergy::NeoHooke(c[0])),
-            "OGDEN" => (2 * order, |c, _| DeviatoricEnergy::Ogden(c.as_chunks::<2>().0.to_vec())),
-            "YEOH" | "REDUCED POLYNOMIAL" => (order, |c, n| polynomial(c, reduced(n))),
-            _ => (full(order).len(), |c, n| polynomial(c, full(n))),
+/// Reads `*HYPERELASTIC`; the default form is the polynomial. A data line has eight constants.
+pub fn read_hyperelastic(context: &mut Context<'_>, card: &Card) {
+    let given: Vec<&str> = FORMS.into_iter().filter(|form| card.has(form)).collect();
+    if given.len() > 1 {
+        return context.out_of_range(card.span, format!("{} and {} cannot be combined", given[0], given[1]));
+    }
+    let form = given.first().copied().unwrap_or("POLYNOMIAL");
+    let Some(order) = order(context, card, form) else { return };
+    let (constant_count, shape): (usize, EnergyConstructor) = match form {
+        "NEO HOOKE" => (1, |c, _| DeviatoricEnergy::NeoHooke(c[0])),
+        "OGDEN" => (2 * order, |c, _| DeviatoricEnergy::Ogden(c.as_chunks::<2>().0.to_vec())),
+        "YEOH" | "REDUCED POLYNOMIAL" => (order, |c, n| polynomial(c, reduced(n))),
+        _ => (full(order).len(), |c, n| polynomial(c, full(n))),
+    };
+    let Some(values) = rubber_constants(context, card, constant_count + order) else { return };
+    let (constants, compressibility) = values.split_at(constant_count);
+    let shape = shape(constants, order);
+    let rubber = HyperelasticLaw { shape, compressibility: compressibility.to_vec(), span: card.span };
+    if context.accepts(card, rubber.check()) {
+        context.last_material().hyperelastic = Some(rubber);
+    }
+}
+
+impl HyperelasticLaw {
+    /// Checks the constants. An incompressible material has no stable time increment: D = 0 selects the default
+    /// compressibility.
+    pub fn check(&self) -> ValueCheck {
+        let is_valid = match &self.shape {
+            DeviatoricEnergy::NeoHooke(_) => true,
+            DeviatoricEnergy::Polynomial(terms) => {
+                terms.iter().all(|&(c, i, j)| c.is_finite() && i <= ORDER && j <= ORDER && i + j > 0)
+            }
+            DeviatoricEnergy::Ogden(terms) => {
+                require(terms.iter().all(|term| term[1] != 0.0), "each alpha must be nonzero")?;
+                terms.iter().flatten().all(|value| value.is_finite())
+            }
         };
-        let Some(values) = self.rubber_constants(card, constant_count + order) else { return };
-        let (constants, compressibility) = values.split_at(constant_count);
-        let shape = shape(constants, order);
-        if let DeviatoricEnergy::Ogden(terms) = &shape
-            && terms.iter().any(|t| t[1] == 0.0)
-        {
-            return self.out_of_range(card.span, "each alpha must be nonzero");
-        }
-        if shape.shear() <= 0.0 {
-            let message = format!("the initial shear modulus must be positive, found {}", shape.shear());
-            return self.out_of_range(card.span, message);
-        }
-        // An incompressible material has no stable time increment: D = 0 selects the default compressibility.
-        let first = compressibility[0];
-        if compressibility.iter().any(|d| *d < 0.0) || first == 0.0 && compressibility.iter().any(|d| *d != 0.0) {
-            return self
-                .out_of_range(card.span, "D1 must be positive and the others not negative, or all must be zero");
-        }
-        let rubber = HyperelasticLaw { shape, compressibility: compressibility.to_vec(), span: card.span };
-        self.last_material().hyperelastic = Some(rubber);
+        require(is_valid, format!("the constants must be finite, and exponents at most {ORDER}"))?;
+        let shear = self.shape.shear();
+        require(is_positive(shear), format!("the initial shear modulus must be positive, found {shear}"))?;
+        let all_zero = self.compressibility.iter().all(|d| *d == 0.0);
+        let is_compressible = self.compressibility.first().is_some_and(|first| all_zero || is_positive(*first));
+        let message = "D1 must be positive and the others not negative, or all must be zero";
+        require(is_compressible && self.compressibility.iter().all(|d| is_non_negative(*d)), message)
     }
+}
 
-    /// Returns the order N of the form.
-    fn order(&mut self, card: &Card, form: &str) -> Option<usize> {
-        let fixed = match form {
-            "YEOH" => Some(3),
-            "NEO HOOKE" | "MOONEY-RIVLIN" => Some(1),
-            _ => None,
-        };
-        let Some(word) = card.value("N") else { return Some(fixed.unwrap_or(1)) };
-        if fixed.is_some() {
-            return self.refuse_value(word.span, format!("N is not allowed for {form}"));
-        }
-        let cards::Hyperelastic { order } = self.values(card);
-        let order = order.unwrap_or(1);
-        if form == "OGDEN" && order > OGDEN_ORDER {
-            return self.refuse_value(word.span, format!("N of OGDEN must be from 1 to {OGDEN_ORDER}, found {order}"));
-        }
-        Some(order)
+/// Returns the order N of the form.
+fn order(context: &mut Context<'_>, card: &Card, form: &str) -> Option<usize> {
+    let fixed = match form {
+        "YEOH" => Some(3),
+        "NEO HOOKE" | "MOONEY-RIVLIN" => Some(1),
+        _ => None,
+    };
+    let Some(word) = card.value("N") else { return Some(fixed.unwrap_or(1)) };
+    if fixed.is_some() {
+        return context.refuse_value(word.span, format!("N is not allowed for {form}"));
     }
+    let cards::Hyperelastic { order } = card.values();
+    let order = order.unwrap_or(1);
+    if form == "OGDEN" && order > OGDEN_ORDER {
+        return context.refuse_value(word.span, format!("N of OGDEN must be from 1 to {OGDEN_ORDER}, found {order}"));
+    }
+    Some(order)
+}
 
-    /// Reads the constants, eight per line; all but the first are zero by default. A temperature may follow and is
-    /// ignored.
-    fn rubber_constants(&mut self, card: &Card, count: usize) -> Option<Vec<f64>> {
-        let line = self.first_line(card)?;
-        self.number(line, 0, "the first constant")?;
-        if let Some(line) = card.lines.get(count / 8 + 1) {
-            let help = "give one row; more than eight values continue on the next line";
-            return self.refuse_unsupported(line.span, "temperature-dependent constants are not supported", help);
-        }
-        let surplus = |(l, line): (usize, &crate::deck::DataLine)| {
-            line.fields.iter().enumerate().find(|(k, w)| 8 * l + k > count && !w.text.is_empty()).map(|f| f.1.span)
-        };
-        if let Some(span) = card.lines.iter().enumerate().find_map(surplus) {
-            return self.refuse_value(span, format!("this form has {count} constants and a temperature"));
-        }
-        if card.lines.get(count / 8).is_some_and(|line| line.field(count % 8).is_some()) {
-            self.inert(card, "the constants do not depend on temperature".into());
-        }
-        (0..count)
-            .map(|k| match card.lines.get(k / 8) {
-                Some(line) => self.number_or(line, k % 8, 0.0),
-                None => Some(0.0),
-            })
-            .collect()
+/// Reads the constants, eight per line; all but the first are zero by default. A temperature may follow and is
+/// ignored.
+fn rubber_constants(context: &mut Context<'_>, card: &Card, count: usize) -> Option<Vec<f64>> {
+    let line = context.first_line(card)?;
+    context.number(line, 0, "the first constant")?;
+    if let Some(line) = card.lines.get(count / 8 + 1) {
+        let help = "give one row; more than eight values continue on the next line";
+        return context.refuse_unsupported(line.span, "temperature-dependent constants are not supported", help);
     }
+    let surplus = |(l, line): (usize, &crate::deck::DataLine)| {
+        line.fields.iter().enumerate().find(|(k, w)| 8 * l + k > count && !w.text.is_empty()).map(|f| f.1.span)
+    };
+    if let Some(span) = card.lines.iter().enumerate().find_map(surplus) {
+        return context.refuse_value(span, format!("this form has {count} constants and a temperature"));
+    }
+    if card.lines.get(count / 8).is_some_and(|line| line.field(count % 8).is_some()) {
+        context.inert(card, "the constants do not depend on temperature");
+    }
+    (0..count)
+        .map(|k| match card.lines.get(k / 8) {
+            Some(line) => context.number_or(line, k % 8, 0.0),
+            None => Some(0.0),
+        })
+        .collect()
+}
 
-    /// Reads the yield surface of `*CRUSHABLE FOAM`.
-    pub(super) fn crushable_foam(&mut self, card: &Card) {
-        let cards::CrushableFoam { isotropic, ratios } = self.values(card);
-        let shape = if isotropic { FoamYieldSurface::Isotropic(ratios) } else { FoamYieldSurface::Volumetric(ratios) };
-        self.last_material().foam.shape = Some((shape, card.span));
-    }
+/// Reads the yield surface of `*CRUSHABLE FOAM`.
+pub fn read_crushable_foam(context: &mut Context<'_>, card: &Card) {
+    let cards::CrushableFoam { isotropic, ratios } = card.values();
+    let shape = if isotropic { FoamYieldSurface::Isotropic(ratios) } else { FoamYieldSurface::Volumetric(ratios) };
+    context.last_material().foam.shape = Some((shape, card.span));
+}
 
-    /// Reads `*CRUSHABLE FOAM HARDENING`; both columns are positive in compression.
-    pub(super) fn foam_hardening(&mut self, card: &Card) {
-        let cards::CrushableFoamHardening { rows } = self.values(card);
-        if rows.first().is_some_and(|row| row[1] != 0.0) {
-            return self.out_of_range(card.span, "plastic strains must start at 0");
-        }
-        self.last_material().foam.hardening = rows;
+/// Reads `*CRUSHABLE FOAM HARDENING`; both columns are positive in compression.
+pub fn read_foam_hardening(context: &mut Context<'_>, card: &Card) {
+    let cards::CrushableFoamHardening { rows } = card.values();
+    if context.accepts(card, check_foam_hardening(&rows)) {
+        context.last_material().foam.hardening = rows;
     }
+}
 
-    /// Reads Rayleigh damping; coefficients of zero mean none.
-    pub(super) fn damping(&mut self, card: &Card) {
-        let cards::Damping { alpha, beta } = self.values(card);
-        let damping = RayleighCoefficients { alpha, beta, span: card.span };
-        self.last_material().damping = (alpha > 0.0 || beta > 0.0).then_some(damping);
-    }
+pub fn check_foam_hardening(rows: &[[f64; 2]]) -> ValueCheck {
+    require(rows.first().is_none_or(|row| row[1] == 0.0), "plastic strains must start at 0")
+}
+
+/// Reads Rayleigh damping; coefficients of zero mean none.
+pub fn read_damping(context: &mut Context<'_>, card: &Card) {
+    let cards::Damping { alpha, beta } = card.values();
+    let damping = RayleighCoefficients { alpha, beta, span: card.span };
+    context.last_material().damping = (alpha > 0.0 || beta > 0.0).then_some(damping);
 }
 
 fn polynomial(constants: &[f64], exponents: Vec<(usize, usize)>) -> DeviatoricEnergy {

@@ -1,47 +1,52 @@
 //! Reads `*SHELL SECTION`: thickness, section points and the material of shells.
 
-use super::builder::ModelBuilder;
+use super::context::Context;
+use super::families::SectionReader;
+use super::faults::{ValueCheck, ValueFault, require};
+use super::materials;
 use super::types::{ElementKind, ShellSection, ShellThinning};
+use crate::deck::Card;
 use crate::deck::table::materials as cards;
-use crate::deck::{Card, Diagnostic};
 
-impl ModelBuilder<'_> {
-    pub(super) fn shell_section(&mut self, card: &Card) {
-        let Some((elements, material)) = self.section_of(card, |kind| kind == ElementKind::Sax1) else { return };
-        let cards::ShellSection { per_area, thickness_points: [thickness, points] } = self.values(card);
-        let points = points as usize;
-        if points.is_multiple_of(2) {
-            let message = format!("the number of Simpson points must be odd, found {points}");
-            return self.out_of_range(card.span, message);
-        }
-        let Some(thinning) = self.thinning(card) else { return };
-        let span = card.span;
-        self.model.shell_sections.push(ShellSection {
-            elements,
-            material,
-            thickness,
-            points,
-            per_area,
-            thinning,
-            span,
-        });
+pub fn read_shell_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
+    let Some((elements, material)) = materials::section_of(context, sections, card, |kind| kind == ElementKind::Sax1)
+    else {
+        return;
+    };
+    let cards::ShellSection { per_area, thickness_points: [thickness, points] } = card.values();
+    let points = points as usize;
+    if !context.accepts(card, check_points(points)) {
+        return;
     }
+    let Some(thinning) = thinning(context, card) else { return };
+    let span = card.span;
+    context.model.shell_sections.push(ShellSection { elements, material, thickness, points, per_area, thinning, span });
+}
 
-    /// Returns the thickness change of `POISSON`; the default of explicit analyses is MATERIAL.
-    fn thinning(&mut self, card: &Card) -> Option<ShellThinning> {
-        let Some(word) = card.value("POISSON") else { return Some(ShellThinning::Material) };
-        if word.is("MATERIAL") {
-            return Some(ShellThinning::Material);
-        }
-        if word.is("ELASTIC") {
-            return Some(ShellThinning::Elastic);
-        }
-        let ratio = word.number(&mut self.diagnostics)?;
-        if !(-1.0..=0.5).contains(&ratio) || ratio == -1.0 {
-            let diagnostic =
-                Diagnostic::error("M103", format!("POISSON must be above -1 and at most 0.5, found {ratio}"));
-            return self.diagnostics.refuse(diagnostic.at(word.span, "expected MATERIAL, ELASTIC or a ratio"));
-        }
-        Some(ShellThinning::Ratio(ratio))
+/// Returns the thickness change of `POISSON`; the default of explicit analyses is MATERIAL.
+fn thinning(context: &mut Context<'_>, card: &Card) -> Option<ShellThinning> {
+    let Some(word) = card.value("POISSON") else { return Some(ShellThinning::Material) };
+    if word.is("MATERIAL") {
+        return Some(ShellThinning::Material);
+    }
+    if word.is("ELASTIC") {
+        return Some(ShellThinning::Elastic);
+    }
+    let thinning = ShellThinning::Ratio(word.number(&mut context.diagnostics)?);
+    context.accepts_at(word.span, thinning.check()).then_some(thinning)
+}
+
+/// Checks the number of section points.
+pub fn check_points(points: usize) -> ValueCheck {
+    require(points % 2 == 1, format!("the number of Simpson points must be odd, found {points}"))
+}
+
+impl ShellThinning {
+    /// Checks the range of an effective Poisson's ratio.
+    pub fn check(&self) -> ValueCheck {
+        let ShellThinning::Ratio(ratio) = *self else { return Ok(()) };
+        let message = format!("POISSON must be above -1 and at most 0.5, found {ratio}");
+        let label = "expected MATERIAL, ELASTIC or a ratio";
+        require(ratio > -1.0 && ratio <= 0.5, message).map_err(|fault| ValueFault { label, ..fault })
     }
 }

@@ -1,7 +1,7 @@
 //! Material data of user subroutines: `*USER MATERIAL`, `*PLASTIC, HARDENING=USER`, `*USER DEFINED FIELD`, `*DEPVAR`,
 //! and initial state variables.
 
-use super::builder::ModelBuilder;
+use super::context::Context;
 use super::types::{InitialCondition, InitialKind, PlasticityModel, StateVariables};
 use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine};
@@ -9,119 +9,117 @@ use crate::deck::{Card, DataLine};
 /// Values on a full data line.
 const ROW: usize = 8;
 
-impl ModelBuilder<'_> {
-    /// Reads `*USER MATERIAL, CONSTANTS=n`.
-    pub(super) fn user_material(&mut self, card: &Card) {
-        if self.required(card, "CONSTANTS").is_some() {
-            self.last_material().user.material = self.constants(card, "CONSTANTS");
+/// Reads `*USER MATERIAL, CONSTANTS=n`.
+pub fn read_user_material(context: &mut Context<'_>, card: &Card) {
+    if context.required(card, "CONSTANTS").is_some() {
+        context.last_material().user.material = constants(context, card, "CONSTANTS");
+    }
+}
+
+/// Reads `*PLASTIC, HARDENING=USER, PROPERTIES=n`.
+pub fn user_hardening(context: &mut Context<'_>, card: &Card) {
+    context.last_material().plastic = constants(context, card, "PROPERTIES").map(PlasticityModel::User);
+}
+
+/// Reads `*USER DEFINED FIELD, PROPERTIES=n`.
+pub fn read_user_fields(context: &mut Context<'_>, card: &Card) {
+    context.last_material().user.fields =
+        constants(context, card, "PROPERTIES").map(|constants| (constants, card.span));
+}
+
+/// Reads `*CHARACTERISTIC LENGTH`: the square root of the area (default) or a user subroutine.
+pub fn read_characteristic_length(context: &mut Context<'_>, card: &Card) {
+    if card.read("DEFINITION") {
+        context.last_material().user.lengths = constants(context, card, "PROPERTIES").map(|list| (list, card.span));
+    }
+}
+
+/// Reads the number of constants given by a parameter, default 0, from data lines with eight values each. Empty
+/// fields, and missing fields of all but the last line, are zero.
+fn constants(context: &mut Context<'_>, card: &Card, parameter: &str) -> Option<Vec<f64>> {
+    let expected: usize = card.read(parameter);
+    let mut constants = Vec::new();
+    for (row, line) in card.lines.iter().enumerate() {
+        constants.resize(ROW * row, 0.0);
+        let filled = line.fields.iter().rposition(|w| !w.text.is_empty()).map_or(0, |last| last + 1);
+        // Trailing empty fields are zeros up to the required number of constants.
+        let empty = line.fields.len().min(expected.saturating_sub(ROW * row));
+        if filled > ROW {
+            let message = format!("a data line has at most {ROW} constants, found {filled}");
+            return context.refuse_value(line.span, message);
+        }
+        for i in 0..filled.max(empty) {
+            constants.push(context.number_or(line, i, 0.0)?);
         }
     }
-
-    /// Reads `*PLASTIC, HARDENING=USER, PROPERTIES=n`.
-    pub(super) fn user_hardening(&mut self, card: &Card) {
-        self.last_material().plastic = self.constants(card, "PROPERTIES").map(PlasticityModel::User);
+    if expected == constants.len() {
+        return Some(constants);
     }
+    let expected = card.value(parameter).map_or(String::new(), |word| format!("{parameter}={}, but ", word.text));
+    let rows =
+        if card.lines.len() > 1 { format!(" (each line except the last counts as {ROW})") } else { String::new() };
+    context.refuse_value(card.span, format!("{expected}found {} constants{rows}", constants.len()))
+}
 
-    /// Reads `*USER DEFINED FIELD, PROPERTIES=n`.
-    pub(super) fn user_fields(&mut self, card: &Card) {
-        self.last_material().user.fields = self.constants(card, "PROPERTIES").map(|constants| (constants, card.span));
+/// Reads `*DEPVAR`: the number of variables, then lines of number, name and description.
+pub fn read_state_variables(context: &mut Context<'_>, card: &Card) {
+    let calls = |c: &&Card| {
+        let name = c.keyword.name;
+        let hardening = name == "PLASTIC" && c.value("HARDENING").is_some_and(|w| w.is("USER"));
+        hardening || matches!(name, "USER MATERIAL" | "USER DEFINED FIELD")
+    };
+    if !context.deck.cards.iter().any(|c| calls(&c)) {
+        return context.inert(card, "it is used by user subroutines only, and this deck has none at material points");
     }
-
-    /// Reads `*CHARACTERISTIC LENGTH`: the square root of the area (default) or a user subroutine.
-    pub(super) fn characteristic_length(&mut self, card: &Card) {
-        if card.read("DEFINITION") {
-            self.last_material().user.lengths = self.constants(card, "PROPERTIES").map(|list| (list, card.span));
-        }
+    let count = usize::from_value(card.given_field(0, 0));
+    let delete = card.read::<Option<usize>>("DELETE");
+    if let Some((number, word)) = delete.zip(card.value("DELETE")).filter(|(number, _)| *number > count) {
+        context.out_of_range(word.span, format!("DELETE must be from 1 to {count}, found {number}"));
     }
+    let delete = delete.filter(|number| *number <= count).map(|number| number - 1);
+    context.last_material().user.state = StateVariables { count, delete };
+    let names = card.lines[1..].iter().filter_map(|line| state_name(context, line, count)).collect();
+    context.last_material().user.state_names = names;
+}
 
-    /// Reads the number of constants given by a parameter, default 0, from data lines with eight values each. Empty
-    /// fields, and missing fields of all but the last line, are zero.
-    fn constants(&mut self, card: &Card, parameter: &str) -> Option<Vec<f64>> {
-        let expected: usize = card.read(parameter);
-        let mut constants = Vec::new();
-        for (row, line) in card.lines.iter().enumerate() {
-            constants.resize(ROW * row, 0.0);
-            let filled = line.fields.iter().rposition(|w| !w.text.is_empty()).map_or(0, |last| last + 1);
-            // Trailing empty fields are zeros up to the required number of constants.
-            let empty = line.fields.len().min(expected.saturating_sub(ROW * row));
-            if filled > ROW {
-                let message = format!("a data line has at most {ROW} constants, found {filled}");
-                return self.refuse_value(line.span, message);
+/// Reads the index from 0 and the name of a state variable.
+fn state_name(context: &mut Context<'_>, line: &DataLine, count: usize) -> Option<(usize, String)> {
+    let number = context.integer(line, 0, "the number of a state variable")?;
+    let Some(variable) = usize::try_from(number).ok().filter(|n| (1..=count).contains(n)) else {
+        return context
+            .refuse_value(line.span, format!("state variable {number} does not exist; the material has {count}"));
+    };
+    line.field(1).map(|name| (variable - 1, name.text.trim_matches('"').to_owned()))
+}
+
+/// Reads `*INITIAL CONDITIONS, TYPE=SOLUTION`: a set with seven state variables, then eight per line. A line of
+/// numbers continues the previous one until all variables are given; other lines start a new set.
+pub fn initial_state(context: &mut Context<'_>, card: &Card) {
+    let most = context.deck.cards.iter().filter(|c| c.keyword.name == "DEPVAR");
+    let counts = most.filter_map(|c| c.lines.first()?.field(0)?.text.parse::<usize>().ok());
+    let most = counts.max().unwrap_or(0);
+    let mut lines = card.lines.iter().peekable();
+    while let Some(line) = lines.next() {
+        let Some(set) = line.field(0) else { continue };
+        let mut values = Vec::new();
+        let mut read = |context: &mut Context<'_>, line: &DataLine, from: usize, to: usize| {
+            for i in from..to {
+                values.push(context.number_or(line, i, 0.0)?);
             }
-            for i in 0..filled.max(empty) {
-                constants.push(self.number_or(line, i, 0.0)?);
-            }
-        }
-        if expected == constants.len() {
-            return Some(constants);
-        }
-        let expected = card.value(parameter).map_or(String::new(), |word| format!("{parameter}={}, but ", word.text));
-        let rows =
-            if card.lines.len() > 1 { format!(" (each line except the last counts as {ROW})") } else { String::new() };
-        self.refuse_value(card.span, format!("{expected}found {} constants{rows}", constants.len()))
-    }
-
-    /// Reads `*DEPVAR`: the number of variables, then lines of number, name and description.
-    pub(super) fn state_variables(&mut self, card: &Card) {
-        let calls = |c: &&Card| {
-            let name = c.keyword.name;
-            let hardening = name == "PLASTIC" && c.value("HARDENING").is_some_and(|w| w.is("USER"));
-            hardening || matches!(name, "USER MATERIAL" | "USER DEFINED FIELD")
+            Some(values.len())
         };
-        if !self.deck.cards.iter().any(|c| calls(&c)) {
-            return self
-                .inert(card, "it is used by user subroutines only, and this deck has none at material points".into());
-        }
-        let count = usize::from_value(card.given_field(0, 0));
-        let delete = card.read::<Option<usize>>("DELETE");
-        if let Some((number, word)) = delete.zip(card.value("DELETE")).filter(|(number, _)| *number > count) {
-            self.out_of_range(word.span, format!("DELETE must be from 1 to {count}, found {number}"));
-        }
-        let delete = delete.filter(|number| *number <= count).map(|number| number - 1);
-        self.last_material().user.state = StateVariables { count, delete };
-        let names = card.lines[1..].iter().filter_map(|line| self.state_name(line, count)).collect();
-        self.last_material().user.state_names = names;
-    }
-
-    /// Reads the index from 0 and the name of a state variable.
-    fn state_name(&mut self, line: &DataLine, count: usize) -> Option<(usize, String)> {
-        let number = self.integer(line, 0, "the number of a state variable")?;
-        let Some(variable) = usize::try_from(number).ok().filter(|n| (1..=count).contains(n)) else {
-            return self
-                .refuse_value(line.span, format!("state variable {number} does not exist; the material has {count}"));
+        let Some(mut count) = read(context, line, 1, if most > ROW - 1 { ROW } else { line.fields.len() }) else {
+            continue;
         };
-        line.field(1).map(|name| (variable - 1, name.text.trim_matches('"').to_owned()))
-    }
-
-    /// Reads `*INITIAL CONDITIONS, TYPE=SOLUTION`: a set with seven state variables, then eight per line. A line of
-    /// numbers continues the previous one until all variables are given; other lines start a new set.
-    pub(super) fn initial_state(&mut self, card: &Card) {
-        let most = self.deck.cards.iter().filter(|c| c.keyword.name == "DEPVAR");
-        let counts = most.filter_map(|c| c.lines.first()?.field(0)?.text.parse::<usize>().ok());
-        let most = counts.max().unwrap_or(0);
-        let mut lines = card.lines.iter().peekable();
-        while let Some(line) = lines.next() {
-            let Some(set) = line.field(0) else { continue };
-            let mut values = Vec::new();
-            let mut read = |builder: &mut Self, line: &DataLine, from: usize, to: usize| {
-                for i in from..to {
-                    values.push(builder.number_or(line, i, 0.0)?);
-                }
-                Some(values.len())
-            };
-            let Some(mut count) = read(self, line, 1, if most > ROW - 1 { ROW } else { line.fields.len() }) else {
-                continue;
-            };
-            while let Some(next) = lines.next_if(|next| count < most && is_continuation(next)) {
-                match read(self, next, 0, ROW) {
-                    Some(more) => count = more,
-                    None => return,
-                }
+        while let Some(next) = lines.next_if(|next| count < most && is_continuation(next)) {
+            match read(context, next, 0, ROW) {
+                Some(more) => count = more,
+                None => return,
             }
-            if let Some(members) = self.element_members(set) {
-                let kind = InitialKind::State(values);
-                self.model.initial_conditions.push(InitialCondition { kind, members, span: line.span });
-            }
+        }
+        if let Some(members) = context.element_members(set) {
+            let kind = InitialKind::State(values);
+            context.model.initial_conditions.push(InitialCondition { kind, members, span: line.span });
         }
     }
 }

@@ -7,7 +7,7 @@ mod text;
 
 use serde::Serialize;
 
-use crate::model::{DeckUnits, EosKind, InitialKind, MaterialDefinition, Model};
+use crate::model::{DeckUnits, InitialKind, MaterialDefinition, Model};
 use crate::plan::{Plan, State};
 pub use bodies::PartOverview;
 pub use effort::{RunEstimate, measure};
@@ -66,13 +66,16 @@ impl DeckOverview {
     /// Summarises a model and its plan.
     pub fn of(model: &Model, plan: &Plan, state: &State) -> DeckOverview {
         let parts = bodies::parts(model, plan, state);
+        let temperatures = temperatures(model);
+        let uniform = temperatures.filter(|[low, high]| low == high);
+        let temperature = uniform.map(|[low, _]| low - model.settings.absolute_zero);
         DeckOverview {
             units: model.settings.units.clone(),
             mass: bodies::mass(plan, state),
             kinetic_energy: bodies::kinetic_energy(state),
             parts,
-            waves: model.materials.iter().filter_map(waves).collect(),
-            temperatures: temperatures(model),
+            waves: model.materials.iter().filter_map(|material| waves(material, temperature)).collect(),
+            temperatures,
             steps: plan.steps.iter().map(|s| StepTime { name: s.name.clone(), duration: s.duration }).collect(),
             effort: None,
             output: None,
@@ -85,15 +88,16 @@ impl DeckOverview {
     }
 }
 
-fn waves(material: &MaterialDefinition) -> Option<WaveSpeeds> {
+/// Returns the wave speeds of a material at an absolute temperature, which is given if it is uniform.
+fn waves(material: &MaterialDefinition, temperature: Option<f64>) -> Option<WaveSpeeds> {
     let density = material.density.or_else(|| Some(material.densities.first()?[0]))?;
-    let [bulk, shear] = moduli(material, density)?;
+    let [bulk, shear] = moduli(material, temperature)?;
     let longitudinal = ((bulk + 4.0 / 3.0 * shear) / density).sqrt();
     Some(WaveSpeeds { material: material.name.clone(), density, longitudinal, shear: (shear / density).sqrt() })
 }
 
 /// Returns the small-strain bulk and shear moduli; `None` if they are defined by a user subroutine.
-fn moduli(material: &MaterialDefinition, density: f64) -> Option<[f64; 2]> {
+fn moduli(material: &MaterialDefinition, temperature: Option<f64>) -> Option<[f64; 2]> {
     if let Some([modulus, ratio]) = material.elastic.filter(|_| material.eos.is_none()) {
         return Some([modulus / (3.0 * (1.0 - 2.0 * ratio)), modulus / (2.0 * (1.0 + ratio))]);
     }
@@ -104,8 +108,7 @@ fn moduli(material: &MaterialDefinition, density: f64) -> Option<[f64; 2]> {
         // "Compressibility").
         return Some([given.map_or(shear * 2.0 * 1.475 / (3.0 * 0.05), |d| 2.0 / d), shear]);
     }
-    let EosKind::UsUp([speed, ..]) = material.eos.as_ref()?.kind else { return None };
-    Some([density * speed * speed, material.shear_modulus.unwrap_or(0.0)])
+    Some([material.bulk_modulus(temperature)?, material.shear_modulus.unwrap_or(0.0)])
 }
 
 fn temperatures(model: &Model) -> Option<[f64; 2]> {

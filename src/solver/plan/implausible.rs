@@ -5,8 +5,7 @@ use super::Compiler;
 use super::doubts::side_lengths;
 use crate::deck::{Diagnostic, Span};
 use crate::model::{
-    EosKind, InitialKind, MaterialDefinition, OutputInterval, PlasticityModel, RateDependence, StrainAtFailure,
-    is_without_units,
+    InitialKind, MaterialDefinition, OutputInterval, PlasticityModel, RateDependence, StrainAtFailure, is_without_units,
 };
 
 /// Largest usual hardening exponent of the Johnson-Cook law; published fits of metals are between 0.05 and 1.
@@ -282,16 +281,14 @@ fn failure(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
 /// Checks the equation of state against the shear modulus, and the specific heat against the stiffness.
 fn stiffness(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
     let (name, Some(density)) = (&material.name, material.density) else { return };
-    if let (Some(eos), Some(shear)) = (&material.eos, material.shear_modulus)
-        && let EosKind::UsUp([c0, ..]) = eos.kind
-        && shear > 1.5 * density * c0 * c0
+    if let (Some(bulk), Some(shear)) = (material.bulk_modulus(None), material.shear_modulus)
+        && shear > 1.5 * bulk
     {
-        let bulk = density * c0 * c0;
         let message = format!(
-            "the shear modulus {shear:e} of `{name}` is above 1.5 times the bulk modulus density times c0 squared, {bulk:e}: \
-             Poisson's ratio is negative"
+            "the shear modulus {shear:e} of `{name}` is above 1.5 times the bulk modulus of *EOS, {bulk:e}: Poisson's ratio \
+             is negative"
         );
-        findings.push(("P140", message, "check the units of the shear modulus and of c0"));
+        findings.push(("P140", message, "check the units of the shear modulus and of *EOS"));
     }
     if let (Some([modulus, _]), Some(heat), true) =
         (material.elastic, &material.thermal.specific_heat, material.plastic.is_some())

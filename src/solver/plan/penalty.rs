@@ -4,7 +4,7 @@
 use super::{Compiler, State};
 use crate::element::group::ElementStiffness;
 use crate::kernel::topology::MOST_NODES;
-use crate::model::{Element, ElementKind, EosKind, InitialKind, MaterialDefinition, MaterialId};
+use crate::model::{Element, ElementKind, InitialKind, MaterialId};
 
 impl Compiler<'_> {
     /// Returns the compliance of a facet, length per pressure, from the stiffness matrix of its element, or else its
@@ -50,30 +50,11 @@ impl Compiler<'_> {
     fn modulus(&self, material: MaterialId, element: usize) -> Option<f64> {
         let material = &self.model.materials[material];
         let shear = material.shear_modulus.or(material.elastic.map(|[e, nu]| e / (2.0 * (1.0 + nu)))).unwrap_or(0.0);
-        match (material.eos.as_ref().map(|eos| &eos.kind), material.elastic) {
-            (Some(eos), _) => Some(self.bulk_modulus(eos, material, element)? + 4.0 / 3.0 * shear),
-            (None, Some([e, nu])) => Some(e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))),
-            _ => None,
+        if material.eos.is_some() {
+            let temperature = self.initial_temperature(element).map(|t| t - self.model.settings.absolute_zero);
+            return Some(material.bulk_modulus(temperature)? + 4.0 / 3.0 * shear);
         }
-    }
-
-    /// Returns the bulk modulus of an equation of state at the initial density; that of an ideal gas also depends on the
-    /// initial temperature. The bulk modulus of an explosive is the larger of that before detonation and that at the
-    /// detonation front, ρ D² γ/(γ + 1) with γ = 3 (C. L. Mader, Numerical Modeling of Explosives and Propellants, 2008,
-    /// chapter 2). `None` if the material has no stiffness at the start.
-    fn bulk_modulus(&self, eos: &EosKind, material: &MaterialDefinition, element: usize) -> Option<f64> {
-        let density = material.density?;
-        let modulus = match eos {
-            EosKind::UsUp([c, ..]) => density * c * c,
-            EosKind::Tabular(rows) => slope_at_reference(rows)?,
-            EosKind::IdealGas([gas_constant, _]) => {
-                let &[[specific_heat, _]] = material.thermal.specific_heat.as_deref()? else { return None };
-                let temperature = self.initial_temperature(element)? - self.model.settings.absolute_zero;
-                (1.0 + gas_constant / specific_heat) * density * gas_constant * temperature
-            }
-            EosKind::Jwl([speed, .., before]) => before.max(0.75 * density * speed * speed),
-        };
-        (modulus > 0.0).then_some(modulus)
+        material.elastic.map(|[e, nu]| e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)))
     }
 
     /// Returns the mean initial temperature of the nodes of an element; `None` if a node has none.
@@ -104,16 +85,6 @@ impl Compiler<'_> {
         };
         facets.iter().map(thickness).fold(f64::INFINITY, f64::min)
     }
-}
-
-/// Returns the bulk modulus of a tabulated equation of state at zero volumetric strain and energy: minus the slope of the
-/// first function, there or in the stiffest interval if the table is flat there.
-fn slope_at_reference(rows: &[[f64; 3]]) -> Option<f64> {
-    let slope = |pair: &[[f64; 3]]| (pair[1][0] - pair[0][0]) / (pair[0][2] - pair[1][2]);
-    let around = rows.windows(2).filter(|pair| pair[0][2] >= 0.0 && pair[1][2] <= 0.0).map(slope).fold(0.0, f64::max);
-    let stiffest = rows.windows(2).map(slope).fold(0.0, f64::max);
-    let modulus = if around > 0.0 { around } else { stiffest };
-    (modulus > 0.0).then_some(modulus)
 }
 
 /// Returns the thickness of an element normal to a side: area over side length, for triangles twice this value.

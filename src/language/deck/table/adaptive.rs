@@ -10,7 +10,7 @@ card!(AdaptiveMesh: "ADAPTIVE MESH", "Moves the nodes of a set of elements to be
     frequency: Option<usize> = "FREQUENCY" (COUNT) "Increments between two changes of the mesh; default 10, or 1 with Eulerian boundaries or constraints in space",
     sweeps: usize = "MESH SWEEPS" (COUNT.or(1.0)) "Sweeps in each change",
     initial_sweeps: usize = "INITIAL MESH SWEEPS" (INTEGER.from(0.0).or(5.0)) "Sweeps at the start of the first step in which the domain is active",
-    new: bool = "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW ends all domains of earlier steps",
+    "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW ends all domains of earlier steps",
 }, []);
 
 card!(AdaptiveMeshControls: "ADAPTIVE MESH CONTROLS", "Smoothing and transport of adaptive meshes", (unique "NAME"), {
@@ -32,7 +32,7 @@ card!(AdaptiveMeshConstraint: "ADAPTIVE MESH CONSTRAINT", "Motion of nodes of an
     in_space: bool = "CONSTRAINT TYPE" (word(&["LAGRANGIAN", "SPATIAL"]).or(1.0)) "SPATIAL: the motion of the mesh is prescribed; LAGRANGIAN: the nodes move with the material",
     "AMPLITUDE" read "Amplitude of the values. A displacement without amplitude is ignored: the nodes stay where they are",
     velocity: bool = "TYPE" (word(&["DISPLACEMENT", "VELOCITY"]).or(0.0)) "Quantity that is prescribed: the displacement of the mesh since the constraint began, or its velocity",
-    new: bool = "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW ends all constraints of earlier steps",
+    "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW ends all constraints of earlier steps",
 } refused {
     "applies only to implicit analyses": "USER", "UNCOUPLED";
 }, [(rows ["node or set" read "Nodes of the domain; those of the boundary stay on the surface of the material, except at Eulerian boundaries", "first degree of freedom" read "1 is r, 2 is z", "last degree of freedom", "value"])]);

@@ -1,5 +1,7 @@
 //! Coarsening of the mesh of a deck, between the cards of the mesh and all other cards.
 
+use crate::model::builder::ModelBuilder;
+use crate::model::context::Context;
 use std::collections::HashMap;
 
 use super::blocks::find_blocks;
@@ -9,9 +11,7 @@ use super::quadrilaterals::{Quadrilaterals, Regions};
 use super::verify::verify;
 use crate::deck::{Deck, Diagnostic, Diagnostics};
 use crate::kernel::lists::sorted_unique;
-use crate::model::builder::ModelBuilder;
 use crate::model::refinement::pass::ReadPass;
-use crate::model::relisting::edits::DeckEdits;
 use crate::model::types::{ElementKind, LoadKind, Mesh, Model, OutputKind, OutputRegion};
 
 /// Largest number of faults that are reported.
@@ -22,18 +22,18 @@ const REPORTED: usize = 10;
 pub(in crate::model) fn read<'a>(deck: &'a Deck, factor: usize, fine: &Model, is_written: bool) -> ModelBuilder<'a> {
     let mut builder = ModelBuilder::checked(deck);
     let cards = builder.ordered_cards();
-    builder.pass = ReadPass::Mesh;
-    cards.iter().for_each(|card| builder.card(card));
-    builder.coarsen_mesh(factor, fine);
-    builder.edits = is_written.then(|| Box::new(DeckEdits::of(&builder.model)));
-    builder.pass = ReadPass::Rest;
-    cards.iter().for_each(|card| builder.card(card));
+    builder.context.scaling.pass = ReadPass::Mesh;
+    cards.iter().for_each(|card| builder.read_card(card));
+    coarsen_mesh(&mut builder.context, factor, fine);
+    builder.context.record_edits(is_written);
+    builder.context.scaling.pass = ReadPass::Rest;
+    cards.iter().for_each(|card| builder.read_card(card));
     builder
 }
 
 /// Completes the coarsened model of a deck, and compares it with the model of the deck.
 pub(in crate::model) fn finish(mut builder: ModelBuilder<'_>, fine: &Model) -> (Model, Diagnostics) {
-    let merged = builder.coarsened.take();
+    let merged = builder.context.scaling.coarsened.take();
     let (model, mut diagnostics) = builder.finish();
     if let Some(merged) = merged.filter(|_| !diagnostics.has_errors()) {
         report(verify(&merged, &model, fine), &mut diagnostics);
@@ -50,26 +50,24 @@ fn report(faults: Vec<CoarseningFault>, diagnostics: &mut Diagnostics) {
     }
 }
 
-impl ModelBuilder<'_> {
-    fn coarsen_mesh(&mut self, factor: usize, fine_model: &Model) {
-        let fine: Mesh = std::mem::take(&mut *self.model.mesh);
-        let mut mesh = Mesh { points: fine.points.clone(), node_names: fine.node_names.clone(), elements: Vec::new() };
-        let mut merged = CoarsenedMesh { merged: vec![0; fine.elements.len()], ..CoarsenedMesh::default() };
-        let faults = merge(&fine, factor, fine_model, (&mut mesh, &mut merged));
-        if !faults.is_empty() {
-            *self.model.mesh = fine;
-            return report(faults, &mut self.diagnostics);
-        }
-        merged.is_removed = removed(&fine, &mesh);
-        *self.model.mesh = mesh;
-        for set in self.model.element_sets.values_mut() {
-            set.members = sorted_unique(set.members.iter().map(|&element| merged.merged[element]));
-        }
-        for set in self.model.node_sets.values_mut() {
-            set.members.retain(|&node| !merged.is_removed[node]);
-        }
-        self.coarsened = Some(merged);
+fn coarsen_mesh(context: &mut Context<'_>, factor: usize, fine_model: &Model) {
+    let fine: Mesh = std::mem::take(&mut *context.model.mesh);
+    let mut mesh = Mesh { points: fine.points.clone(), node_names: fine.node_names.clone(), elements: Vec::new() };
+    let mut merged = CoarsenedMesh { merged: vec![0; fine.elements.len()], ..CoarsenedMesh::default() };
+    let faults = merge(&fine, factor, fine_model, (&mut mesh, &mut merged));
+    if !faults.is_empty() {
+        *context.model.mesh = fine;
+        return report(faults, &mut context.diagnostics);
     }
+    merged.is_removed = removed(&fine, &mesh);
+    *context.model.mesh = mesh;
+    for set in context.model.element_sets.values_mut() {
+        set.members = sorted_unique(set.members.iter().map(|&element| merged.merged[element]));
+    }
+    for set in context.model.node_sets.values_mut() {
+        set.members.retain(|&node| !merged.is_removed[node]);
+    }
+    context.scaling.coarsened = Some(merged);
 }
 
 /// Merges the elements of a mesh; returns why this is not possible.

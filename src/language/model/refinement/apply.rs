@@ -3,14 +3,15 @@
 use super::lattice;
 use super::mesh::RefinedMesh;
 use super::pass::ReadPass;
+use super::relations::refine_relations;
 use super::smooth;
 use crate::deck::{Card, Deck, Span, Word};
 use crate::kernel::lists::sorted_unique;
 use crate::model::budget::BudgetedItem;
 use crate::model::builder::ModelBuilder;
 use crate::model::coarsening::apply::regions;
+use crate::model::context::Context;
 use crate::model::name::{EntityName, NewLabels};
-use crate::model::relisting::edits::DeckEdits;
 use crate::model::types::{Element, ElementSide, Model, OutputKind, OutputRegion};
 use crate::platform::PortableMath as _;
 
@@ -20,26 +21,26 @@ pub(in crate::model) fn read<'a>(deck: &'a Deck, factor: usize, coarse: &Model, 
     let mut builder = ModelBuilder::checked(deck);
     let cards = builder.ordered_cards();
     for pass in [ReadPass::Mesh, ReadPass::Rest] {
-        builder.pass = pass;
+        builder.context.scaling.pass = pass;
         for card in &cards {
-            builder.card(card);
+            builder.read_card(card);
         }
         if pass == ReadPass::Mesh {
-            builder.refine_mesh(factor, coarse);
-            builder.edits = is_written.then(|| Box::new(DeckEdits::of(&builder.model)));
+            builder.context.refine_mesh(factor, coarse);
+            builder.context.record_edits(is_written);
         }
     }
-    builder.refine_relations();
+    refine_relations(&mut builder.context);
     builder
 }
 
-impl ModelBuilder<'_> {
+impl Context<'_> {
     /// Divides all edges into `factor` parts, and extends all sets of nodes and elements.
     fn refine_mesh(&mut self, factor: usize, coarse: &Model) {
         if !self.affords_refinement(factor) {
             return;
         }
-        let mut curves = std::mem::take(&mut self.curves);
+        let mut curves = std::mem::take(&mut self.scaling.curves);
         let mesh = &mut *self.model.mesh;
         if let Some(corner) = self.deck.mesh_curves {
             smooth::fit(mesh, &regions(coarse), corner.to_radians(), &mut curves);
@@ -50,7 +51,7 @@ impl ModelBuilder<'_> {
         for set in self.model.element_sets.values_mut() {
             set.members = set.members.iter().flat_map(|&parent| refined.children(parent)).collect();
         }
-        let regions = std::mem::take(&mut self.regions);
+        let regions = std::mem::take(&mut self.scaling.regions);
         for (name, set) in &mut self.model.node_sets {
             let more = refined.selection(&set.members).nodes(&refined);
             let elements = regions.iter().filter(|region| region.0 == *name).flat_map(|region| &region.1);
@@ -58,7 +59,7 @@ impl ModelBuilder<'_> {
             let inside = children.flat_map(|child| mesh.elements[child].nodes.iter().copied());
             set.members = sorted_unique(set.members.drain(..).chain(more).chain(inside));
         }
-        self.refined = Some(refined);
+        self.scaling.refined = Some(refined);
     }
 
     /// Reports a refined mesh that would exceed the size limits.
@@ -74,7 +75,7 @@ impl ModelBuilder<'_> {
 
     /// Returns the elements of a refined or coarsened mesh that replace an element of the deck.
     pub(in crate::model) fn replacements(&self, element: usize) -> Vec<usize> {
-        match (&self.refined, &self.coarsened) {
+        match (&self.scaling.refined, &self.scaling.coarsened) {
             (Some(refined), _) => refined.children(element).collect(),
             (None, Some(coarsened)) => vec![coarsened.merged[element]],
             (None, None) => vec![element],
@@ -84,7 +85,7 @@ impl ModelBuilder<'_> {
     /// Returns the default position tolerance of a tie: 5 % of the mean facet length of the master surface in the mesh
     /// of the deck. `None` if the mesh is not refined.
     pub(in crate::model) fn tie_tolerance(&mut self, card: &Card, masters: &[(usize, ElementSide)]) -> Option<f64> {
-        let (refined, mesh) = (self.refined.as_ref()?, &self.model.mesh);
+        let (refined, mesh) = (self.scaling.refined.as_ref()?, &self.model.mesh);
         let ends = masters.iter().filter_map(|&(element, side)| mesh.side_nodes(element, side));
         let lengths = ends.map(|ends| {
             let [a, b] = ends.map(|node| mesh.points[node]);
@@ -98,7 +99,7 @@ impl ModelBuilder<'_> {
     /// Returns the nodes of a set or label without those that refinement has added.
     pub(in crate::model) fn original_nodes(&mut self, word: &Word) -> Option<Vec<usize>> {
         let mut nodes = self.node_members(word)?;
-        let Some(refined) = &self.refined else { return Some(nodes) };
+        let Some(refined) = &self.scaling.refined else { return Some(nodes) };
         let count = nodes.len();
         nodes.retain(|&node| refined.is_original(node));
         if nodes.len() < count {
@@ -110,7 +111,7 @@ impl ModelBuilder<'_> {
     /// Reduces sets of one original element to its middle child if history output refers to them, so that the names of
     /// their columns do not depend on the refinement.
     pub(in crate::model) fn reduce_output_sets(&mut self) {
-        let Some(refined) = &self.refined else { return };
+        let Some(refined) = &self.scaling.refined else { return };
         let requests = self.model.steps.iter().flat_map(|step| &step.outputs);
         let history = requests.filter(|request| request.kind == OutputKind::History && request.statistics.is_empty());
         for request in history {

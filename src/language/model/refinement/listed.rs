@@ -1,12 +1,13 @@
 //! Conditions that are listed node by node. New nodes between listed nodes get the interpolated value.
 
+use crate::model::context::Context;
+use crate::model::families::StepReader;
 use std::hash::Hash;
 
 use indexmap::IndexMap;
 
 use crate::deck::{Span, Word};
 use crate::kernel::lists::sorted_unique;
-use crate::model::builder::ModelBuilder;
 use crate::model::types::{BoundaryCondition, InitialCondition, InitialKind, PrescribedField};
 
 /// Nodes of the deck with their values, in the order of the deck.
@@ -17,122 +18,120 @@ fn is_label(region: &str) -> bool {
     region.trim().rsplit('.').next().is_some_and(|label| label.parse::<i64>().is_ok())
 }
 
-impl ModelBuilder<'_> {
-    /// Returns the values of new nodes between nodes with values: each value with its nodes, ascending.
-    fn between(&self, listed: &NodeValues) -> Vec<(f64, Vec<usize>)> {
-        let Some(refined) = &self.refined else { return Vec::new() };
-        let nodes: Vec<usize> = listed.keys().copied().collect();
-        let mut found: IndexMap<u64, Vec<usize>> = IndexMap::new();
-        for node in refined.selection(&nodes).nodes(refined) {
-            let weights = refined.weights(node).map(|(n, weight)| (listed.get(&n).copied().unwrap_or(0.0), weight));
-            let first = weights[0].0;
-            let value = first + weights.iter().map(|(value, weight)| weight * (value - first)).sum::<f64>();
-            found.entry(value.to_bits()).or_default().push(node);
-        }
-        found.into_iter().map(|(bits, nodes)| (f64::from_bits(bits), sorted_unique(nodes))).collect()
+/// Returns the values of new nodes between nodes with values: each value with its nodes, ascending.
+fn between(context: &Context<'_>, listed: &NodeValues) -> Vec<(f64, Vec<usize>)> {
+    let Some(refined) = &context.scaling.refined else { return Vec::new() };
+    let nodes: Vec<usize> = listed.keys().copied().collect();
+    let mut found: IndexMap<u64, Vec<usize>> = IndexMap::new();
+    for node in refined.selection(&nodes).nodes(refined) {
+        let weights = refined.weights(node).map(|(n, weight)| (listed.get(&n).copied().unwrap_or(0.0), weight));
+        let first = weights[0].0;
+        let value = first + weights.iter().map(|(value, weight)| weight * (value - first)).sum::<f64>();
+        found.entry(value.to_bits()).or_default().push(node);
     }
+    found.into_iter().map(|(bits, nodes)| (f64::from_bits(bits), sorted_unique(nodes))).collect()
+}
 
-    /// Returns conditions for new nodes from conditions at single nodes. Conditions with the same key belong together.
-    fn completed<C: Clone, K: Hash + Eq>(
-        &self,
-        conditions: &[C],
-        of: impl Fn(&C) -> Option<(K, usize, f64)>,
-        with: impl Fn(&mut C, Vec<usize>, f64),
-    ) -> Vec<C> {
-        let mut groups: IndexMap<K, (&C, NodeValues)> = IndexMap::new();
-        for condition in conditions {
-            let Some((key, node, value)) = of(condition) else { continue };
-            groups.entry(key).or_insert((condition, NodeValues::new())).1.insert(node, value);
+/// Returns conditions for new nodes from conditions at single nodes. Conditions with the same key belong together.
+fn completed<C: Clone, K: Hash + Eq>(
+    context: &Context<'_>,
+    conditions: &[C],
+    of: impl Fn(&C) -> Option<(K, usize, f64)>,
+    with: impl Fn(&mut C, Vec<usize>, f64),
+) -> Vec<C> {
+    let mut groups: IndexMap<K, (&C, NodeValues)> = IndexMap::new();
+    for condition in conditions {
+        let Some((key, node, value)) = of(condition) else { continue };
+        groups.entry(key).or_insert((condition, NodeValues::new())).1.insert(node, value);
+    }
+    let mut made = Vec::new();
+    for (like, listed) in groups.into_values().filter(|(_, listed)| listed.len() > 1) {
+        for (value, nodes) in between(context, &listed) {
+            let mut condition = like.clone();
+            with(&mut condition, nodes, value);
+            made.push(condition);
         }
-        let mut made = Vec::new();
-        for (like, listed) in groups.into_values().filter(|(_, listed)| listed.len() > 1) {
-            for (value, nodes) in self.between(&listed) {
-                let mut condition = like.clone();
-                with(&mut condition, nodes, value);
-                made.push(condition);
+    }
+    made
+}
+
+/// Completes the boundary conditions of a card, which are those from index `from` on.
+pub fn complete_boundaries(context: &mut Context<'_>, steps: &mut StepReader, from: usize) {
+    if context.scaling.refined.is_none() {
+        return;
+    }
+    let of = |b: &BoundaryCondition| {
+        let node = is_label(&b.set).then(|| b.nodes[0])?;
+        Some(((b.dof, b.kind, b.user, b.amplitude), node, b.value))
+    };
+    let with = |b: &mut BoundaryCondition, nodes, value| (b.nodes, b.value) = (nodes, value);
+    let given = steps.state().boundaries[from..].to_vec();
+    let made = completed(context, &given, of, with);
+    for b in &made {
+        context.add_node_line(given[given.len() - 1].span, &b.nodes, &format!(" {}, {}, {:?}", b.dof, b.dof, b.value));
+    }
+    steps.state().boundaries.extend(made);
+}
+
+/// Completes the prescribed fields of a card.
+pub fn complete_fields(context: &mut Context<'_>, steps: &mut StepReader, from: usize) {
+    if context.scaling.refined.is_none() {
+        return;
+    }
+    let of = |f: &PrescribedField| {
+        let node = is_label(&f.set).then(|| f.nodes[0])?;
+        Some(((f.variable, f.amplitude), node, f.value))
+    };
+    let with = |f: &mut PrescribedField, nodes, value| (f.nodes, f.value) = (nodes, value);
+    let given = steps.state().fields[from..].to_vec();
+    let made = completed(context, &given, of, with);
+    for f in &made {
+        context.add_node_line(given[given.len() - 1].span, &f.nodes, &format!(" {:?}", f.value));
+    }
+    steps.state().fields.extend(made);
+}
+
+/// Completes the initial conditions of a card at nodes.
+pub fn complete_initial_conditions(context: &mut Context<'_>, from: usize) {
+    if context.scaling.refined.is_none() {
+        return;
+    }
+    let sources = context.deck.sources.clone();
+    let of = |c: &InitialCondition| {
+        let (kind, value) = match c.kind {
+            InitialKind::Velocity(dof, value) => ((0, usize::from(dof)), value),
+            InitialKind::Temperature(value) => ((1, 0), value),
+            InitialKind::Field(variable, value) => ((2, variable), value),
+            _ => return None,
+        };
+        let region = sources.text(c.span).split(',').next().unwrap_or_default();
+        is_label(region).then(|| (kind, c.members[0], value))
+    };
+    let with = |c: &mut InitialCondition, nodes, value: f64| {
+        c.members = nodes;
+        match &mut c.kind {
+            InitialKind::Velocity(_, given) | InitialKind::Temperature(given) | InitialKind::Field(_, given) => {
+                *given = value;
             }
+            _ => {}
         }
-        made
-    }
-
-    /// Completes the boundary conditions of a card, which are those from index `from` on.
-    pub(in crate::model) fn complete_boundaries(&mut self, from: usize) {
-        if self.refined.is_none() {
-            return;
-        }
-        let of = |b: &BoundaryCondition| {
-            let node = is_label(&b.set).then(|| b.nodes[0])?;
-            Some(((b.dof, b.kind, b.user, b.amplitude), node, b.value))
+    };
+    let made = completed(context, &context.model.initial_conditions[from..], of, with);
+    let last = context.model.initial_conditions.last().map_or(Span::default(), |c| c.span);
+    for condition in &made {
+        let rest = match condition.kind {
+            InitialKind::Velocity(dof, value) => format!(" {dof}, {value:?}"),
+            InitialKind::Temperature(value) | InitialKind::Field(_, value) => format!(" {value:?}"),
+            _ => continue,
         };
-        let with = |b: &mut BoundaryCondition, nodes, value| (b.nodes, b.value) = (nodes, value);
-        let given = self.state().boundaries[from..].to_vec();
-        let made = self.completed(&given, of, with);
-        for b in &made {
-            self.add_node_line(given[given.len() - 1].span, &b.nodes, &format!(" {}, {}, {:?}", b.dof, b.dof, b.value));
-        }
-        self.state().boundaries.extend(made);
+        context.add_node_line(last, &condition.members, &rest);
     }
+    context.model.initial_conditions.extend(made);
+}
 
-    /// Completes the prescribed fields of a card.
-    pub(in crate::model) fn complete_fields(&mut self, from: usize) {
-        if self.refined.is_none() {
-            return;
-        }
-        let of = |f: &PrescribedField| {
-            let node = is_label(&f.set).then(|| f.nodes[0])?;
-            Some(((f.variable, f.amplitude), node, f.value))
-        };
-        let with = |f: &mut PrescribedField, nodes, value| (f.nodes, f.value) = (nodes, value);
-        let given = self.state().fields[from..].to_vec();
-        let made = self.completed(&given, of, with);
-        for f in &made {
-            self.add_node_line(given[given.len() - 1].span, &f.nodes, &format!(" {:?}", f.value));
-        }
-        self.state().fields.extend(made);
-    }
-
-    /// Completes the initial conditions of a card at nodes.
-    pub(in crate::model) fn complete_initial_conditions(&mut self, from: usize) {
-        if self.refined.is_none() {
-            return;
-        }
-        let sources = self.deck.sources.clone();
-        let of = |c: &InitialCondition| {
-            let (kind, value) = match c.kind {
-                InitialKind::Velocity(dof, value) => ((0, usize::from(dof)), value),
-                InitialKind::Temperature(value) => ((1, 0), value),
-                InitialKind::Field(variable, value) => ((2, variable), value),
-                _ => return None,
-            };
-            let region = sources.text(c.span).split(',').next().unwrap_or_default();
-            is_label(region).then(|| (kind, c.members[0], value))
-        };
-        let with = |c: &mut InitialCondition, nodes, value: f64| {
-            c.members = nodes;
-            match &mut c.kind {
-                InitialKind::Velocity(_, given) | InitialKind::Temperature(given) | InitialKind::Field(_, given) => {
-                    *given = value;
-                }
-                _ => {}
-            }
-        };
-        let made = self.completed(&self.model.initial_conditions[from..], of, with);
-        let last = self.model.initial_conditions.last().map_or(Span::default(), |c| c.span);
-        for condition in &made {
-            let rest = match condition.kind {
-                InitialKind::Velocity(dof, value) => format!(" {dof}, {value:?}"),
-                InitialKind::Temperature(value) | InitialKind::Field(_, value) => format!(" {value:?}"),
-                _ => continue,
-            };
-            self.add_node_line(last, &condition.members, &rest);
-        }
-        self.model.initial_conditions.extend(made);
-    }
-
-    /// Returns the new nodes between the nodes that lines list by labels.
-    pub(in crate::model) fn between_labels<'w>(&mut self, words: impl Iterator<Item = &'w Word>) -> Vec<usize> {
-        let labels = words.filter(|word| is_label(&word.text));
-        let listed: Vec<usize> = labels.filter_map(|word| self.nodes.resolve(&self.scope, word)).collect();
-        self.refined.as_ref().map_or_else(Vec::new, |refined| refined.selection(&listed).nodes(refined))
-    }
+/// Returns the new nodes between the nodes that lines list by labels.
+pub fn between_labels<'w>(context: &mut Context<'_>, words: impl Iterator<Item = &'w Word>) -> Vec<usize> {
+    let labels = words.filter(|word| is_label(&word.text));
+    let listed: Vec<usize> = labels.filter_map(|word| context.nodes.resolve(&context.scope, word)).collect();
+    context.scaling.refined.as_ref().map_or_else(Vec::new, |refined| refined.selection(&listed).nodes(refined))
 }

@@ -5,7 +5,7 @@ pub mod apply;
 pub mod curves;
 mod edges;
 mod lattice;
-mod listed;
+pub mod listed;
 pub mod mesh;
 pub mod pair;
 pub mod pass;

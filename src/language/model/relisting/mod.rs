@@ -22,8 +22,9 @@ pub fn write(deck: &Deck) -> (String, Diagnostics) {
         Some(MeshScaling::Refine(factor)) => (refinement::apply::read(deck, factor, &fine, true), false),
         None => (refinement::apply::read(deck, 1, &fine, true), false),
     };
-    let edits = *builder.edits.take().unwrap_or_default();
-    let is_removed = builder.coarsened.as_ref().map_or_else(Vec::new, |merged| merged.is_removed.clone());
+    let edits = *builder.context.scaling.edits.take().unwrap_or_default();
+    let is_removed =
+        builder.context.scaling.coarsened.as_ref().map_or_else(Vec::new, |merged| merged.is_removed.clone());
     let (model, mut diagnostics) = if is_coarse { coarsening::apply::finish(builder, &fine) } else { builder.finish() };
     moved_profiles(deck).for_each(|finding| diagnostics.push(finding));
     if diagnostics.has_errors() {

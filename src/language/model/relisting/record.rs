@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::edits::{EditCondition, NewSetKind, Replacement};
+use super::edits::{DeckEdits, EditCondition, NewSetKind, Replacement};
 use crate::deck::{Span, Word};
-use crate::model::builder::ModelBuilder;
+use crate::model::context::Context;
 use crate::model::names::{qualified, upper};
 use crate::model::types::ElementSide;
 
@@ -19,16 +19,21 @@ fn derived_name(word: &Word, kind: NewSetKind, ending: &str) -> String {
     format!("{base}-{ending}")
 }
 
-impl ModelBuilder<'_> {
+impl Context<'_> {
+    /// Starts to record changes, if the deck is to be written.
+    pub(in crate::model) fn record_edits(&mut self, is_written: bool) {
+        self.scaling.edits = is_written.then(|| Box::new(DeckEdits::of(&self.model)));
+    }
+
     /// Replaces a word by the name of a new set with given members.
     fn replace_by_set(&mut self, word: &Word, (kind, name): (NewSetKind, &str), members: &[usize], on: EditCondition) {
-        let Some(edits) = &mut self.edits else { return };
+        let Some(edits) = &mut self.scaling.edits else { return };
         let name = edits.set(&self.scope, kind, name, members);
         self.replace_word(word, name, on);
     }
 
     fn replace_word(&mut self, word: &Word, text: String, condition: EditCondition) {
-        let Some(edits) = &mut self.edits else { return };
+        let Some(edits) = &mut self.scaling.edits else { return };
         let place = (self.scope.clone(), word.span.file, word.span.start);
         let text = if text.contains([' ', ',', '=']) { format!("\"{text}\"") } else { text };
         edits.replaced.insert(place, Replacement { end: word.span.end, text, condition });
@@ -41,7 +46,7 @@ impl ModelBuilder<'_> {
 
     /// Records a reference to elements by a set name or a label.
     pub(in crate::model) fn edit_elements(&mut self, word: &Word, members: &[usize], is_label: bool) {
-        let Some(first) = members.first().filter(|_| self.edits.is_some()) else { return };
+        let Some(first) = members.first().filter(|_| self.scaling.edits.is_some()) else { return };
         let elements = NewSetKind::Elements;
         if is_label {
             let name = self.model.mesh.elements[*first].name.to_string();
@@ -57,7 +62,12 @@ impl ModelBuilder<'_> {
                     self.replace_by_set(word, (elements, &name), members, EditCondition::Always);
                 }
             }
-        } else if self.refined.as_ref().is_some_and(|refined| members.len() > 1 && refined.has_one_parent(members)) {
+        } else if self
+            .scaling
+            .refined
+            .as_ref()
+            .is_some_and(|refined| members.len() > 1 && refined.has_one_parent(members))
+        {
             let names = [qualified(&self.scope, &word.text), upper(&word.text)];
             let Some(key) = names.into_iter().find(|name| self.model.element_sets.contains_key(name)) else { return };
             let name = derived_name(word, elements, "PARTS");
@@ -67,7 +77,7 @@ impl ModelBuilder<'_> {
 
     /// Records a reference to elements by an output request, for which history output may reduce the set `key`.
     pub(in crate::model) fn edit_output_elements(&mut self, word: &Word, key: &str) {
-        let Some(edits) = &mut self.edits else { return };
+        let Some(edits) = &mut self.scaling.edits else { return };
         let place = (self.scope.clone(), word.span.file, word.span.start);
         let Some(known) = edits.replaced.get_mut(&place) else { return };
         match known.condition {
@@ -79,7 +89,7 @@ impl ModelBuilder<'_> {
     /// Records the elements of a side of a set: those whose side is on the side of an element of the deck.
     pub(in crate::model) fn edit_sides(&mut self, word: &Word, side: &Word, faces: &[(usize, ElementSide)]) {
         let is_face = |face: &(usize, ElementSide)| matches!(face.1, ElementSide::Face(_));
-        if self.edits.is_none() || self.refined.is_none() || !faces.iter().all(is_face) {
+        if self.scaling.edits.is_none() || self.scaling.refined.is_none() || !faces.iter().all(is_face) {
             return;
         }
         let mut elements: Vec<usize> = faces.iter().map(|face| face.0).collect();
@@ -98,7 +108,7 @@ impl ModelBuilder<'_> {
 
     /// Records a data line after the line at `after`, with new nodes in its first field.
     pub(in crate::model) fn add_node_line(&mut self, after: Span, nodes: &[usize], rest: &str) {
-        let Some(edits) = &mut self.edits else { return };
+        let Some(edits) = &mut self.scaling.edits else { return };
         let name = edits.set(&self.scope, NewSetKind::Nodes, &format!("NEW-NODES-{}", edits.sets.len() + 1), nodes);
         let text = edits.added.entry((self.scope.clone(), after.file, after.end)).or_default();
         let _ = write!(text, "\n {name},{rest}");
@@ -106,18 +116,18 @@ impl ModelBuilder<'_> {
 
     /// Records a parameter of the current keyword line.
     pub(in crate::model) fn add_parameter(&mut self, keyword: Span, text: &str) {
-        let Some(edits) = &mut self.edits else { return };
+        let Some(edits) = &mut self.scaling.edits else { return };
         edits.added.insert((self.scope.clone(), keyword.file, keyword.end), format!(", {text}"));
     }
 
     /// Records that the line of a word refers to removed nodes only.
     pub(in crate::model) fn remove_line(&mut self, word: &Word) {
         let place = (self.scope.clone(), word.span.file, word.span.start);
-        self.edits.iter_mut().for_each(|edits| edits.removed.push(place.clone()));
+        self.scaling.edits.iter_mut().for_each(|edits| edits.removed.push(place.clone()));
     }
 
     /// Records a card at the end of the model data.
     pub(in crate::model) fn add_card(&mut self, card: &str) {
-        self.edits.iter_mut().for_each(|edits| edits.tail.push_str(card));
+        self.scaling.edits.iter_mut().for_each(|edits| edits.tail.push_str(card));
     }
 }
