@@ -1,58 +1,22 @@
 //! Compilation of a model to a plan: decides which effects the run contains, creates them, and lists them in the
 //! ledger. Time integration is in `solve`.
 
-mod adaptive;
-mod analytical;
-mod averaging;
 mod bodies;
 mod bytes;
 pub mod changes;
+mod checks;
 pub mod codes;
-mod cohesive;
-mod cohesive_contact;
-mod connectors;
+mod constraints;
 mod contact;
-mod contact_curves;
-mod contact_doubts;
-mod doubts;
-mod equations;
-mod erosion;
-mod expressions;
-mod fields;
-mod general_contact;
 mod heat;
-mod heat_ties;
-mod implausible;
-mod labels;
 pub mod ledger;
-mod links;
 mod loads;
-mod mass_scaling;
-mod motions;
-mod numbering;
-mod outputs;
-mod overlaps;
-mod penalty;
-mod pieces;
-mod places;
-mod remesh;
+mod meshes;
+mod output;
 pub mod revise;
-mod rigid_bodies_3d;
-mod shells;
-mod soft_material;
-mod solid;
-mod solid_material;
+mod solids;
 mod state;
 mod steps;
-mod surface_ties;
-mod surfaces;
-mod targets;
-mod tie_equations;
-mod tie_integration;
-mod ties;
-mod user;
-mod user_material;
-mod wall_contact;
 
 use std::collections::HashSet;
 use std::rc::Rc;
@@ -74,14 +38,14 @@ use crate::user::Routines;
 use crate::variables::Variable;
 pub use bodies::PlannedRigidBody;
 pub use changes::StepChanges;
-pub use doubts::unit_warning;
-pub use expressions::RowExpression;
-pub use labels::FrameLabels;
+pub use checks::plausibility::unit_warning;
 use ledger::{Ledger, UnusedCard};
-pub use outputs::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule};
-pub use places::MeshIndexMap;
-pub use remesh::{RemeshPlan, RemeshedBody};
-pub use solid::SolidPlaces;
+pub use meshes::labels::FrameLabels;
+pub use meshes::places::MeshIndexMap;
+pub use meshes::remesh::{RemeshPlan, RemeshedBody};
+pub use output::expressions::RowExpression;
+pub use output::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule};
+pub use solids::SolidPlaces;
 pub use state::State;
 
 /// A compiled analysis: the effects that the deck requests. A plan is immutable; it can be run many times, on several
@@ -252,9 +216,9 @@ struct Compiler<'a> {
     /// Expressions of history columns.
     expressions: Vec<RowExpression>,
     /// Equations of each tie of the model.
-    surface_ties: Vec<tie_equations::TieEquations>,
+    surface_ties: Vec<constraints::tie_equations::TieEquations>,
     /// Equations and nodes that move together.
-    links: links::LinkSet,
+    links: constraints::links::LinkSet,
     /// Degrees of freedom (node, axis) of massless nodes without any constraint.
     unresisted_dofs: HashSet<(usize, usize)>,
     /// Contact pairs of each step, and the names of all pairs for histories.
@@ -283,10 +247,10 @@ fn compile_with(
     if diagnostics.has_errors() {
         return (Plan::default(), State::default(), diagnostics);
     }
-    let attached = surface_ties::find_attached_nodes(model, &mut diagnostics);
-    let adjusted = surface_ties::adjusted(model, &attached);
+    let attached = constraints::surface_ties::find_attached_nodes(model, &mut diagnostics);
+    let adjusted = constraints::surface_ties::adjusted(model, &attached);
     let model = adjusted.as_ref().unwrap_or(model);
-    let surface_ties = tie_equations::tie_equations(model, &attached);
+    let surface_ties = constraints::tie_equations::tie_equations(model, &attached);
     let mut compiler = Compiler {
         model,
         routines,
@@ -301,7 +265,7 @@ fn compile_with(
         model_variables: Vec::new(),
         expressions: Vec::new(),
         surface_ties,
-        links: links::LinkSet::default(),
+        links: constraints::links::LinkSet::default(),
         unresisted_dofs: HashSet::new(),
         pairs: Vec::new(),
         pair_names: IndexSet::new(),

@@ -7,13 +7,15 @@ use std::rc::Rc;
 
 use indexmap::{IndexMap, IndexSet};
 
-use super::steps::ActiveEffects;
-use super::{Compiler, Plan, State, bodies::PlannedRigidBody, links};
 use crate::constraint::tie::TiedNodes;
 use crate::deck::{Diagnostics, Span};
 use crate::mesh::surface::SurfaceGeometry;
 use crate::model::Model;
 use crate::model::revise::RevisableNumber;
+use crate::plan::bodies::PlannedRigidBody;
+use crate::plan::constraints::links;
+use crate::plan::steps::ActiveEffects;
+use crate::plan::{Compiler, Plan, State};
 use crate::state::{BodyState, EffectId};
 use crate::user::Routines;
 
@@ -34,7 +36,7 @@ pub struct PlanReviser {
     loads: bool,
 }
 
-/// Compiles a model as [`super::compile`] does, and returns the data to revise the plan for other values of `numbers`;
+/// Compiles a model as [`crate::plan::compile`] does, and returns the data to revise the plan for other values of `numbers`;
 /// `None` if the plan must be compiled for each set of values, because the model has deformable bodies, temperatures,
 /// contact, constraints or user amplitudes.
 pub fn compile(
@@ -43,7 +45,7 @@ pub fn compile(
     numbers: &[RevisableNumber],
 ) -> (Plan, State, Diagnostics, Option<PlanReviser>) {
     let mut reviser = None;
-    let (plan, state, diagnostics) = super::compile_with(model, routines, &mut |compiler, state| {
+    let (plan, state, diagnostics) = crate::plan::compile_with(model, routines, &mut |compiler, state| {
         reviser = PlanReviser::of(compiler, state, numbers);
     });
     (plan, state, diagnostics, reviser)

@@ -1,7 +1,6 @@
 //! The state of an analysis, and the list of its fields that a checkpoint contains. Total time, energy balance and
 //! increment control are in `solve`.
 
-use super::changes::{ListChange, StepChanges};
 use crate::adaptive::AdaptiveDomain;
 use crate::constraint::Constraint;
 use crate::constraint::user_motion::UserMotion;
@@ -11,6 +10,7 @@ use crate::heat::ThermalState;
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::load::{Load, PenetrationRecord};
+use crate::plan::changes::{ListChange, StepChanges};
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
@@ -44,7 +44,7 @@ pub struct State {
 
 impl State {
     /// Activates the effects of the first step.
-    pub(super) fn begin_with(&mut self, first: StepChanges) {
+    pub(crate) fn begin_with(&mut self, first: StepChanges) {
         let StepChanges { loads, constraints, user_motions, scaling, adaptive } = first;
         self.loads = loads.map_or_else(Vec::new, ListChange::into_first);
         self.constraints = constraints.map_or_else(Vec::new, ListChange::into_first);

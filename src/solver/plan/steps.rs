@@ -3,8 +3,6 @@
 use std::collections::HashSet;
 use std::rc::Rc;
 
-use super::changes::{ListChange, ListEntry, StepChanges};
-use super::{Compiler, State, StepPlan};
 use crate::constraint::Constraint;
 use crate::constraint::bonds::PrescribedDofs;
 use crate::constraint::user_motion::UserMotion;
@@ -13,17 +11,19 @@ use crate::load::{Load, VelocityUse};
 use crate::model::{
     self, BoundaryCondition, IncrementControl, LoadKind, MassScaling, ScalingSchedule, Step, SurfaceContact,
 };
+use crate::plan::changes::{ListChange, ListEntry, StepChanges};
+use crate::plan::{Compiler, State, StepPlan};
 use crate::state::dofs::Dof;
 
 /// Active effects of the last compiled step, by their origin in the model.
 #[derive(Default)]
-pub(super) struct ActiveEffects<'a> {
+pub(crate) struct ActiveEffects<'a> {
     loads: Vec<(&'a model::Load, VelocityUse)>,
     constraints: Vec<ConstraintOrigin<'a>>,
 }
 
 /// Origin of a constraint in the model. Constraints with equal origins are equal.
-pub(super) enum ConstraintOrigin<'a> {
+pub(crate) enum ConstraintOrigin<'a> {
     /// A line of `*BOUNDARY`, and the degrees of freedom that it prescribes.
     Motion(&'a BoundaryCondition, Vec<Dof>),
     /// Degrees of freedom on the axis of symmetry.
@@ -79,7 +79,9 @@ impl ConstraintOrigin<'_> {
     /// Returns the prescribed degrees of freedom, and whether they are fixed.
     fn prescribes(&self) -> (&[Dof], bool) {
         match self {
-            ConstraintOrigin::Motion(boundary, dofs) => (dofs, !boundary.user && super::motions::holds(boundary)),
+            ConstraintOrigin::Motion(boundary, dofs) => {
+                (dofs, !boundary.user && crate::plan::constraints::motions::holds(boundary))
+            }
             ConstraintOrigin::Axis(dofs) => (dofs, true),
             _ => (&[], false),
         }
@@ -111,7 +113,7 @@ fn continues_load(load: &model::Load, before: &model::Load) -> bool {
 }
 
 /// Builder of the constraints of a step: kept ones of the previous step, and new ones.
-pub(super) struct ConstraintList<'a> {
+pub(crate) struct ConstraintList<'a> {
     before: Vec<ConstraintOrigin<'a>>,
     origins: Vec<ConstraintOrigin<'a>>,
     entries: Vec<ListEntry<dyn Constraint>>,
@@ -121,7 +123,7 @@ pub(super) struct ConstraintList<'a> {
 impl<'a> ConstraintList<'a> {
     /// Keeps the constraint of the previous step with the same origin. Returns the origin as an error if no constraint
     /// has it.
-    pub(super) fn keep(&mut self, origin: ConstraintOrigin<'a>) -> Result<(), ConstraintOrigin<'a>> {
+    pub(crate) fn keep(&mut self, origin: ConstraintOrigin<'a>) -> Result<(), ConstraintOrigin<'a>> {
         let Some(place) = self.before.iter().position(|b| b.is_same(&origin)) else { return Err(origin) };
         if origin.is_users() {
             self.user_motions.push(ListEntry::Kept(self.before[..place].iter().filter(|b| b.is_users()).count()));
@@ -131,14 +133,14 @@ impl<'a> ConstraintList<'a> {
         Ok(())
     }
 
-    pub(super) fn add(&mut self, origin: ConstraintOrigin<'a>, effect: Box<dyn Constraint>) {
+    pub(crate) fn add(&mut self, origin: ConstraintOrigin<'a>, effect: Box<dyn Constraint>) {
         let places = (0..self.before.len()).filter(|&i| origin.continues(&self.before[i]));
         self.entries.push(ListEntry::Added { effect, continues: places.collect() });
         self.origins.push(origin);
     }
 
     /// Adds the user motion of the constraint that is added next.
-    pub(super) fn add_user_motion(&mut self, motion: UserMotion) {
+    pub(crate) fn add_user_motion(&mut self, motion: UserMotion) {
         self.user_motions.push(ListEntry::Added { effect: Box::new(motion), continues: Vec::new() });
     }
 
@@ -160,7 +162,7 @@ impl<'a> ConstraintList<'a> {
 
 impl<'a> Compiler<'a> {
     /// Compiles all steps. The effects of the first step are added to the state.
-    pub(super) fn steps(&mut self, state: &mut State) -> Vec<StepPlan> {
+    pub(crate) fn steps(&mut self, state: &mut State) -> Vec<StepPlan> {
         let mut steps = Vec::with_capacity(self.model.steps.len());
         for (index, step) in self.model.steps.iter().enumerate() {
             let mut changes = self.changes(index, state);
@@ -183,7 +185,7 @@ impl<'a> Compiler<'a> {
     }
 
     /// Updates the loads of a compiled step from the current model.
-    pub(super) fn replan_loads(&mut self, index: usize, plan: &mut StepPlan, state: &mut State) {
+    pub(crate) fn replan_loads(&mut self, index: usize, plan: &mut StepPlan, state: &mut State) {
         let loads = self.load_changes(index, state);
         if index == 0 {
             state.loads = loads.map_or_else(Vec::new, ListChange::into_first);
@@ -324,7 +326,7 @@ impl<'a> Compiler<'a> {
     }
 
     /// Adds the card at `other`, which repeats the card at `first`, to the ledger rows of the latter.
-    pub(super) fn share_ledger_rows(&mut self, first: Span, other: Span) {
+    pub(crate) fn share_ledger_rows(&mut self, first: Span, other: Span) {
         if first == other {
             return;
         }
