@@ -1,61 +1,24 @@
 //! Rigid bodies of the plan: nodes, lumped mass and initial velocity.
 
 pub(crate) mod rigid_bodies_3d;
+pub(crate) mod rigid_body;
 
 use std::collections::{HashMap, HashSet};
 
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::facet::Facet;
-use crate::kernel::lists::{heap_bytes, sorted_unique};
+use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad::corner_masses;
 use crate::model::{ElementKind, InitialCondition, InitialKind, Model, RigidBody, RigidSurface};
-use crate::plan::Compiler;
+use crate::plan::bodies::rigid_bodies_3d::{is_oblique, starts_in_space};
+use crate::plan::bodies::rigid_body::{Bodies, PlannedRigidBody};
+use crate::plan::constraints::links::add_followers_of_body;
+use crate::plan::constraints::tie_equations::TieEquations;
+use crate::plan::meshes::places::SolidPlaces;
+use crate::plan::report::Report;
 
 /// Names of the velocities of an oblique body, by degree of freedom.
 const ALONG: [&str; 6] = ["v_1", "v_2", "v_3", "w_1", "w_2", "w_3"];
-
-/// A rigid body of the plan. Nodes and elements are mesh indices.
-#[derive(Clone, Debug)]
-pub struct PlannedRigidBody {
-    /// Name in messages and results.
-    pub name: String,
-    /// Index of the reference node.
-    pub reference: usize,
-    /// Nodes with lumped mass: `(node, mass)`, in ascending order.
-    pub lumped_mass: Vec<(usize, f64)>,
-    /// Mass of deformable elements at shared nodes.
-    pub tied_mass: f64,
-    /// All nodes that move with the body, in ascending order.
-    pub nodes: Vec<usize>,
-    /// Elements of the body.
-    pub elements: Vec<usize>,
-    /// Whether the body has six degrees of freedom; otherwise it moves along z only.
-    pub spatial: bool,
-    /// Lowest and highest initial z of elements, nodes and analytical surfaces; without any, of the reference node.
-    pub along_z: [f64; 2],
-    /// Initial velocity along z.
-    pub initial_velocity: f64,
-    /// Span of `*RIGID BODY`.
-    pub span: Span,
-}
-
-impl PlannedRigidBody {
-    /// Returns the total mass: own mass and mass of tied deformable elements.
-    pub fn mass(&self) -> f64 {
-        self.own_mass() + self.tied_mass
-    }
-
-    /// Returns the size in bytes, including lists.
-    pub fn bytes(&self) -> usize {
-        let places = size_of::<usize>() * (self.nodes.capacity() + self.elements.capacity());
-        size_of_val(self) + self.name.capacity() + places + heap_bytes(&self.lumped_mass)
-    }
-
-    /// Returns the mass without tied deformable elements: the sum of the lumped masses.
-    pub fn own_mass(&self) -> f64 {
-        self.lumped_mass.iter().map(|m| m.1).sum()
-    }
-}
 
 /// Densities of the elements of rigid bodies, and point masses by node.
 struct MassSources {
@@ -77,254 +40,260 @@ impl MassSources {
     }
 }
 
-impl Compiler<'_> {
-    /// Creates all rigid bodies.
-    pub(crate) fn bodies(&mut self) {
-        let sources = MassSources::new(self.model);
-        for body in &self.model.rigid_bodies {
-            self.body(body, &sources);
+/// Creates all rigid bodies.
+pub(crate) fn plan(model: &Model, ties: &[TieEquations], report: &mut Report<'_>) -> Bodies {
+    let (sources, mut bodies) = (MassSources::new(model), Bodies::default());
+    for body in &model.rigid_bodies {
+        add_body(model, &mut bodies, ties, body, &sources, report);
+    }
+    bodies
+}
+
+/// Sets initial velocities and checks the bodies, after the deformable bodies are known.
+pub(crate) fn start(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, report: &mut Report<'_>) {
+    initial_velocities(model, bodies, places, report);
+    refuse_strays(model, bodies, places, report);
+    check_masses(model, bodies, report);
+}
+
+/// Updates masses of existing bodies from the current model.
+pub(crate) fn update_masses(model: &Model, bodies: &mut Bodies, report: &mut Report<'_>) {
+    let sources = MassSources::new(model);
+    for (index, rigid) in model.rigid_bodies.iter().enumerate() {
+        bodies.list[index].lumped_mass = lumped_mass(model, rigid, &bodies.list[index].nodes, &sources);
+    }
+    check_masses(model, bodies, report);
+}
+
+/// Updates initial velocities of existing bodies from the current model.
+pub(crate) fn update_initial_velocities(
+    model: &Model,
+    bodies: &mut Bodies,
+    places: &SolidPlaces,
+    report: &mut Report<'_>,
+) {
+    bodies.list.iter_mut().for_each(|body| body.initial_velocity = 0.0);
+    initial_velocities(model, bodies, places, report);
+}
+
+fn add_body(
+    model: &Model,
+    bodies: &mut Bodies,
+    ties: &[TieEquations],
+    rigid: &RigidBody,
+    sources: &MassSources,
+    report: &mut Report<'_>,
+) {
+    let index = bodies.list.len();
+    let mesh = &model.mesh;
+    let mut nodes: Vec<usize> = rigid.elements.iter().flat_map(|&e| mesh.elements[e].nodes.iter().copied()).collect();
+    nodes.extend(&rigid.nodes);
+    nodes.push(rigid.reference);
+    add_followers_of_body(model, ties, rigid, &mut nodes);
+    nodes.sort_unstable();
+    nodes.dedup();
+    for &node in &nodes {
+        if bodies.of_node.insert(node, index).is_some_and(|other| other != index) {
+            refuse_shared_member(rigid, format!("node {}", mesh.node_names[node]), report);
         }
     }
-
-    /// Sets initial velocities and checks the bodies, after the deformable bodies are known.
-    pub(crate) fn start_and_check_bodies(&mut self) {
-        self.initial_velocities();
-        self.refuse_strays();
-        self.check_masses();
-    }
-
-    /// Updates masses of existing bodies from the current model.
-    pub(crate) fn update_body_masses(&mut self) {
-        let sources = MassSources::new(self.model);
-        for (index, rigid) in self.model.rigid_bodies.iter().enumerate() {
-            self.bodies[index].lumped_mass = self.lumped_mass(rigid, &self.bodies[index].nodes, &sources);
+    for &element in &rigid.elements {
+        if bodies.of_element.insert(element, index).is_some_and(|other| other != index) {
+            refuse_shared_member(rigid, format!("element {}", mesh.elements[element].name), report);
         }
-        self.check_masses();
     }
+    let lumped_mass = lumped_mass(model, rigid, &nodes, sources);
+    let spatial = is_oblique(model, rigid);
+    let along_z = extent_along_z(model, rigid, &nodes);
+    let body = PlannedRigidBody {
+        name: rigid.name.clone(),
+        reference: rigid.reference,
+        lumped_mass,
+        tied_mass: 0.0,
+        nodes,
+        elements: rigid.elements.clone(),
+        spatial,
+        along_z,
+        initial_velocity: 0.0,
+        span: rigid.span,
+    };
+    let how = if spatial { "six degrees of freedom" } else { "moves along z" };
+    let detail = format!("reference node {}, {how}", mesh.node_names[rigid.reference]);
+    report.ledger_row(rigid.span, "rigid body", body.nodes.len(), "nodes", detail);
+    let detail = format!("mass {}", body.mass());
+    report.ledger_row(rigid.span, "lumped mass", body.lumped_mass.len(), "nodes", detail);
+    bodies.list.push(body);
+}
 
-    /// Updates initial velocities of existing bodies from the current model.
-    pub(crate) fn update_initial_velocities(&mut self) {
-        self.bodies.iter_mut().for_each(|body| body.initial_velocity = 0.0);
-        self.initial_velocities();
+/// Returns the lowest and the highest initial z of a rigid body.
+fn extent_along_z(model: &Model, rigid: &RigidBody, nodes: &[usize]) -> [f64; 2] {
+    let own = |surface: &&RigidSurface| surface.reference == Some(rigid.reference);
+    let profiles = model.surfaces.analytical.values().filter(own).flat_map(|s| s.profile.bounds());
+    let others = nodes.iter().filter(|node| **node != rigid.reference).map(|node| model.mesh.points[*node]);
+    let all = || profiles.clone().chain(others.clone()).map(|place| place[1]);
+    match all().next() {
+        None => [model.mesh.points[rigid.reference][1]; 2],
+        Some(_) => [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)],
     }
+}
 
-    fn body(&mut self, rigid: &RigidBody, sources: &MassSources) {
-        let index = self.bodies.len();
-        let mesh = &self.model.mesh;
-        let mut nodes: Vec<usize> =
-            rigid.elements.iter().flat_map(|&e| mesh.elements[e].nodes.iter().copied()).collect();
-        nodes.extend(&rigid.nodes);
-        nodes.push(rigid.reference);
-        self.add_followers_of_body(rigid, &mut nodes);
-        nodes.sort_unstable();
-        nodes.dedup();
-        for &node in &nodes {
-            if self.body_of_node.insert(node, index).is_some_and(|other| other != index) {
-                self.refuse_shared_member(rigid, format!("node {}", mesh.node_names[node]));
+fn refuse_shared_member(rigid: &RigidBody, what: String, report: &mut Report<'_>) {
+    let message = format!("{what} belongs to two rigid bodies");
+    report.diagnostics.push(Diagnostic::error("P009", message).at(rigid.span, "the second body"));
+}
+
+/// Returns the lumped nodal masses: row sums of RAX2 elements, point masses, and solid elements with the density of
+/// their section (ABAQUS Analysis User's Guide, "Rigid body definition", "Rigid body mass").
+fn lumped_mass(model: &Model, rigid: &RigidBody, nodes: &[usize], sources: &MassSources) -> Vec<(usize, f64)> {
+    let mesh = &model.mesh;
+    let mut masses = vec![0.0; nodes.len()];
+    let mut add = |node: usize, mass: f64| {
+        if let Ok(at) = nodes.binary_search(&node) {
+            masses[at] += mass;
+        }
+    };
+    for &element in &rigid.elements {
+        if let Some(&density) = sources.densities.get(&element) {
+            for cell in mesh.cells(element) {
+                let masses = corner_masses(cell.map(|n| mesh.points[n]), density);
+                cell.into_iter().zip(masses).for_each(|(n, mass)| add(n, mass));
             }
         }
-        for &element in &rigid.elements {
-            if self.body_of_element.insert(element, index).is_some_and(|other| other != index) {
-                self.refuse_shared_member(rigid, format!("element {}", mesh.elements[element].name));
-            }
+        let element = &mesh.elements[element];
+        if element.kind != ElementKind::Rax2 {
+            continue;
         }
-        let lumped_mass = self.lumped_mass(rigid, &nodes, sources);
-        let spatial = self.is_oblique(rigid);
-        let along_z = self.extent_along_z(rigid, &nodes);
-        let body = PlannedRigidBody {
-            name: rigid.name.clone(),
-            reference: rigid.reference,
-            lumped_mass,
-            tied_mass: 0.0,
-            nodes,
-            elements: rigid.elements.clone(),
-            spatial,
-            along_z,
-            initial_velocity: 0.0,
-            span: rigid.span,
+        let ends = [element.nodes[0], element.nodes[1]];
+        let Some(facet) = Facet::new(mesh.points[ends[0]], mesh.points[ends[1]], true) else { continue };
+        let [low, high] = facet.lumped_mass(rigid.density, rigid.thickness);
+        let first_is_low = facet.low == mesh.points[ends[0]];
+        add(ends[0], if first_is_low { low } else { high });
+        add(ends[1], if first_is_low { high } else { low });
+    }
+    for node in nodes {
+        sources.points.get(node).into_iter().flatten().for_each(|mass| add(*node, *mass));
+    }
+    nodes.iter().copied().zip(masses).filter(|m| m.1 != 0.0).collect()
+}
+
+fn initial_velocities(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, report: &mut Report<'_>) {
+    for condition in &model.initial_conditions {
+        let of_solid = condition.members.iter().any(|m| places.has_node(*m)) || is_of_solid(places, condition);
+        if of_solid && !names_reference(bodies, condition) {
+            continue;
+        }
+        let InitialKind::Velocity(dof, value) = condition.kind else {
+            report.add_unused_card(condition.span, "*INITIAL CONDITIONS", "rigid bodies have no temperature or stress");
+            continue;
         };
-        let how = if spatial { "six degrees of freedom" } else { "moves along z" };
-        let detail = format!("reference node {}, {how}", mesh.node_names[rigid.reference]);
-        self.ledger_row(rigid.span, "rigid body", body.nodes.len(), "nodes", detail);
-        let detail = format!("mass {}", body.mass());
-        self.ledger_row(rigid.span, "lumped mass", body.lumped_mass.len(), "nodes", detail);
-        self.bodies.push(body);
-    }
-
-    /// Returns the lowest and the highest initial z of a rigid body.
-    fn extent_along_z(&self, rigid: &RigidBody, nodes: &[usize]) -> [f64; 2] {
-        let own = |surface: &&RigidSurface| surface.reference == Some(rigid.reference);
-        let profiles = self.model.surfaces.analytical.values().filter(own).flat_map(|s| s.profile.bounds());
-        let others = nodes.iter().filter(|node| **node != rigid.reference).map(|node| self.model.mesh.points[*node]);
-        let all = || profiles.clone().chain(others.clone()).map(|place| place[1]);
-        match all().next() {
-            None => [self.model.mesh.points[rigid.reference][1]; 2],
-            Some(_) => [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)],
-        }
-    }
-
-    fn refuse_shared_member(&mut self, rigid: &RigidBody, what: String) {
-        let message = format!("{what} belongs to two rigid bodies");
-        self.diagnostics.push(Diagnostic::error("P009", message).at(rigid.span, "the second body"));
-    }
-
-    /// Returns the lumped nodal masses: row sums of RAX2 elements, point masses, and solid elements with the density of
-    /// their section (ABAQUS Analysis User's Guide, "Rigid body definition", "Rigid body mass").
-    fn lumped_mass(&self, rigid: &RigidBody, nodes: &[usize], sources: &MassSources) -> Vec<(usize, f64)> {
-        let mesh = &self.model.mesh;
-        let mut masses = vec![0.0; nodes.len()];
-        let mut add = |node: usize, mass: f64| {
-            if let Ok(at) = nodes.binary_search(&node) {
-                masses[at] += mass;
-            }
-        };
-        for &element in &rigid.elements {
-            if let Some(&density) = sources.densities.get(&element) {
-                for cell in mesh.cells(element) {
-                    let masses = corner_masses(cell.map(|n| mesh.points[n]), density);
-                    cell.into_iter().zip(masses).for_each(|(n, mass)| add(n, mass));
-                }
-            }
-            let element = &mesh.elements[element];
-            if element.kind != ElementKind::Rax2 {
-                continue;
-            }
-            let ends = [element.nodes[0], element.nodes[1]];
-            let Some(facet) = Facet::new(mesh.points[ends[0]], mesh.points[ends[1]], true) else { continue };
-            let [low, high] = facet.lumped_mass(rigid.density, rigid.thickness);
-            let first_is_low = facet.low == mesh.points[ends[0]];
-            add(ends[0], if first_is_low { low } else { high });
-            add(ends[1], if first_is_low { high } else { low });
-        }
-        for node in nodes {
-            sources.points.get(node).into_iter().flatten().for_each(|mass| add(*node, *mass));
-        }
-        nodes.iter().copied().zip(masses).filter(|m| m.1 != 0.0).collect()
-    }
-
-    fn initial_velocities(&mut self) {
-        for condition in &self.model.initial_conditions {
-            let of_solid = condition.members.iter().any(|m| self.places.has_node(*m)) || self.is_of_solid(condition);
-            if of_solid && !self.names_reference(condition) {
-                continue;
-            }
-            let InitialKind::Velocity(dof, value) = condition.kind else {
-                self.add_unused_card(
+        if dof != 2 {
+            if starts_in_space(bodies, &condition.members) {
+                report.ledger_row(
                     condition.span,
-                    "*INITIAL CONDITIONS",
-                    "rigid bodies have no temperature or stress",
+                    "initial velocity",
+                    1,
+                    "bodies",
+                    format!("{} = {value}", ALONG[usize::from(dof) - 1]),
                 );
-                continue;
-            };
-            if dof != 2 {
-                if self.starts_in_space(&condition.members) {
-                    self.ledger_row(
-                        condition.span,
-                        "initial velocity",
-                        1,
-                        "bodies",
-                        format!("{} = {value}", ALONG[usize::from(dof) - 1]),
-                    );
-                } else {
-                    self.radial_velocity(condition.span, value);
-                }
-                continue;
+            } else {
+                radial_velocity(condition.span, value, report);
             }
-            let moved: Vec<usize> = sorted_unique(self.referenced_bodies(condition));
-            if moved.is_empty() {
-                let message = "the initial velocity is given for no reference node and has no effect";
-                let finding = Diagnostic::warning("P104", message).at(condition.span, "no reference node in this set");
-                self.diagnostics.push(finding.help("give the velocity of a rigid body at its REF NODE"));
-                continue;
-            }
-            if value != 0.0 {
-                self.ledger_row(condition.span, "initial velocity", moved.len(), "bodies", format!("v_z = {value}"));
-            }
-            for body in moved {
-                self.bodies[body].initial_velocity = value;
-            }
+            continue;
+        }
+        let moved: Vec<usize> = sorted_unique(referenced_bodies(bodies, condition));
+        if moved.is_empty() {
+            let message = "the initial velocity is given for no reference node and has no effect";
+            let finding = Diagnostic::warning("P104", message).at(condition.span, "no reference node in this set");
+            report.diagnostics.push(finding.help("give the velocity of a rigid body at its REF NODE"));
+            continue;
+        }
+        if value != 0.0 {
+            report.ledger_row(condition.span, "initial velocity", moved.len(), "bodies", format!("v_z = {value}"));
+        }
+        for body in moved {
+            bodies.list[body].initial_velocity = value;
         }
     }
+}
 
-    /// Returns whether an initial velocity along z is given for a reference node.
-    fn names_reference(&self, condition: &InitialCondition) -> bool {
-        matches!(condition.kind, InitialKind::Velocity(2, _)) && self.referenced_bodies(condition).next().is_some()
+/// Returns whether an initial velocity along z is given for a reference node.
+fn names_reference(bodies: &Bodies, condition: &InitialCondition) -> bool {
+    matches!(condition.kind, InitialKind::Velocity(2, _)) && referenced_bodies(bodies, condition).next().is_some()
+}
+
+/// Iterates over the bodies whose reference nodes are members of an initial condition.
+fn referenced_bodies(bodies: &Bodies, condition: &InitialCondition) -> impl Iterator<Item = usize> {
+    let members = condition.members.iter();
+    members.filter_map(|m| bodies.of_node.get(m).copied().filter(|&body| bodies.list[body].reference == *m))
+}
+
+fn is_of_solid(places: &SolidPlaces, condition: &InitialCondition) -> bool {
+    let kinds = |kind: &InitialKind| match kind {
+        InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::Hardening(_) | InitialKind::State(_) => true,
+        InitialKind::Velocity(..) | InitialKind::Temperature(_) | InitialKind::Field(..) => false,
+    };
+    kinds(&condition.kind) && condition.members.iter().any(|e| places.elements.contains_key(e))
+}
+
+fn radial_velocity(span: Span, value: f64, report: &mut Report<'_>) {
+    if value == 0.0 {
+        report.add_unused_card(span, "*INITIAL CONDITIONS", "a rigid body of revolution moves along z only");
+    } else {
+        let message = "a rigid body of revolution cannot start with a radial velocity or a rotation";
+        let finding = Diagnostic::error("P103", message).at(span, "only degree of freedom 2 (z) can move");
+        report.diagnostics.push(finding.help("use *ATTITUDE for a body with six degrees of freedom"));
     }
+}
 
-    /// Iterates over the bodies whose reference nodes are members of an initial condition.
-    fn referenced_bodies(&self, condition: &InitialCondition) -> impl Iterator<Item = usize> {
-        let members = condition.members.iter();
-        members.filter_map(|m| self.body_of_node.get(m).copied().filter(|&body| self.bodies[body].reference == *m))
-    }
+/// Reports elements and masses that belong neither to a rigid nor to a deformable body.
+pub(crate) fn refuse_strays(model: &Model, bodies: &Bodies, places: &SolidPlaces, report: &mut Report<'_>) {
+    refuse_stray_elements(model, bodies, report);
+    refuse_free_masses(model, bodies, places, report);
+}
 
-    fn is_of_solid(&self, condition: &InitialCondition) -> bool {
-        let kinds = |kind: &InitialKind| match kind {
-            InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::Hardening(_) | InitialKind::State(_) => true,
-            InitialKind::Velocity(..) | InitialKind::Temperature(_) | InitialKind::Field(..) => false,
-        };
-        kinds(&condition.kind) && condition.members.iter().any(|e| self.places.elements.contains_key(e))
-    }
+fn refuse_stray_elements(model: &Model, bodies: &Bodies, report: &mut Report<'_>) {
+    // Elements whose section had an error are not reported again.
+    let in_section: HashSet<usize> = model.material_regions().flat_map(|s| s.1).copied().collect();
+    let free = |e: &usize| !bodies.of_element.contains_key(e) && !in_section.contains(e);
+    let mesh = &model.mesh;
+    let first = (0..mesh.elements.len()).find(|e| !mesh.elements[*e].kind.is_discrete() && free(e));
+    let Some(first) = first else { return };
+    let element = &mesh.elements[first];
+    let (message, help) = if element.kind == ElementKind::Rax2 {
+        ("RAX2 elements belong to no rigid body", "give their element set on *RIGID BODY, ELSET=")
+    } else if element.kind == ElementKind::Sax1 {
+        ("shells have no section", "give their element set on *SHELL SECTION or *RIGID BODY")
+    } else if element.kind == ElementKind::Cohax4 {
+        ("cohesive elements have no section", "give their element set on *COHESIVE SECTION")
+    } else {
+        ("solid elements have no section", "give their element set on *SOLID SECTION or *RIGID BODY")
+    };
+    let label = format!("element {} and others", element.name);
+    report.diagnostics.push(Diagnostic::error("P001", message).at(element.span, label).help(help));
+}
 
-    fn radial_velocity(&mut self, span: Span, value: f64) {
-        if value == 0.0 {
-            self.add_unused_card(span, "*INITIAL CONDITIONS", "a rigid body of revolution moves along z only");
-        } else {
-            let message = "a rigid body of revolution cannot start with a radial velocity or a rotation";
-            let finding = Diagnostic::error("P103", message).at(span, "only degree of freedom 2 (z) can move");
-            self.diagnostics.push(finding.help("use *ATTITUDE for a body with six degrees of freedom"));
+fn refuse_free_masses(model: &Model, bodies: &Bodies, places: &SolidPlaces, report: &mut Report<'_>) {
+    for point in &model.discrete.masses {
+        if !bodies.of_node.contains_key(&point.node) && !places.has_node(point.node) {
+            let name = &model.mesh.node_names[point.node];
+            let message = format!("the mass on node {name} belongs to no body");
+            let finding = Diagnostic::error("P005", message).at(point.span, "here");
+            report.diagnostics.push(finding.help("put it on the reference node of a *RIGID BODY"));
         }
     }
+}
 
-    /// Reports elements and masses that belong neither to a rigid nor to a deformable body.
-    pub(crate) fn refuse_strays(&mut self) {
-        self.refuse_stray_elements();
-        self.refuse_free_masses();
-    }
-
-    fn refuse_stray_elements(&mut self) {
-        // Elements whose section had an error are not reported again.
-        let in_section: HashSet<usize> = self.model.material_regions().flat_map(|s| s.1).copied().collect();
-        let free = |e: &usize| !self.body_of_element.contains_key(e) && !in_section.contains(e);
-        let mesh = &self.model.mesh;
-        let first = (0..mesh.elements.len()).find(|e| !mesh.elements[*e].kind.is_discrete() && free(e));
-        let Some(first) = first else { return };
-        let element = &mesh.elements[first];
-        let (message, help) = if element.kind == ElementKind::Rax2 {
-            ("RAX2 elements belong to no rigid body", "give their element set on *RIGID BODY, ELSET=")
-        } else if element.kind == ElementKind::Sax1 {
-            ("shells have no section", "give their element set on *SHELL SECTION or *RIGID BODY")
-        } else if element.kind == ElementKind::Cohax4 {
-            ("cohesive elements have no section", "give their element set on *COHESIVE SECTION")
-        } else {
-            ("solid elements have no section", "give their element set on *SOLID SECTION or *RIGID BODY")
-        };
-        let label = format!("element {} and others", element.name);
-        self.diagnostics.push(Diagnostic::error("P001", message).at(element.span, label).help(help));
-    }
-
-    fn refuse_free_masses(&mut self) {
-        for point in &self.model.discrete.masses {
-            if !self.body_of_node.contains_key(&point.node) && !self.places.has_node(point.node) {
-                let name = &self.model.mesh.node_names[point.node];
-                let message = format!("the mass on node {name} belongs to no body");
-                let finding = Diagnostic::error("P005", message).at(point.span, "here");
-                self.diagnostics.push(finding.help("put it on the reference node of a *RIGID BODY"));
-            }
-        }
-    }
-
-    /// Reports free bodies without mass. A body with prescribed axial motion in every step needs no mass.
-    fn check_masses(&mut self) {
-        for body in &self.bodies {
-            let held = |b: &crate::model::BoundaryCondition| b.dof == 2 && b.nodes.contains(&body.reference);
-            let is_free = || self.model.steps.iter().any(|s| !s.boundaries.iter().any(held));
-            let mass = body.mass();
-            if !(mass > 0.0 && mass.is_finite()) && is_free() {
-                let message = format!("rigid body `{}` has no mass", body.name);
-                let finding = Diagnostic::error("P002", message).at(body.span, format!("its mass is {mass}"));
-                let help = "give DENSITY= and a thickness on the data line, a *SOLID SECTION for solids, or *MASS on the reference node";
-                self.diagnostics.push(finding.help(help));
-            }
+/// Reports free bodies without mass. A body with prescribed axial motion in every step needs no mass.
+fn check_masses(model: &Model, bodies: &Bodies, report: &mut Report<'_>) {
+    for body in &bodies.list {
+        let held = |b: &crate::model::BoundaryCondition| b.dof == 2 && b.nodes.contains(&body.reference);
+        let is_free = || model.steps.iter().any(|s| !s.boundaries.iter().any(held));
+        let mass = body.mass();
+        if !(mass > 0.0 && mass.is_finite()) && is_free() {
+            let message = format!("rigid body `{}` has no mass", body.name);
+            let finding = Diagnostic::error("P002", message).at(body.span, format!("its mass is {mass}"));
+            let help = "give DENSITY= and a thickness on the data line, a *SOLID SECTION for solids, or *MASS on the reference node";
+            report.diagnostics.push(finding.help(help));
         }
     }
 }

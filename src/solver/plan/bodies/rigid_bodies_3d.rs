@@ -3,8 +3,12 @@
 
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::attitude::{Attitude, PrincipalInertia, SpatialVector, cross, norm, plus};
-use crate::model::{self, ElementKind, InitialKind, LoadKind, RigidBody, RotaryInertia, STATIONS};
-use crate::plan::{Compiler, PlannedRigidBody};
+use crate::model::{self, ElementKind, InitialKind, LoadKind, Model, RigidBody, RotaryInertia, STATIONS};
+use crate::plan::PlannedRigidBody;
+use crate::plan::bodies::rigid_body::Bodies;
+use crate::plan::constraints::link_set::Links;
+use crate::plan::report::Report;
+use crate::plan::scene::Scene;
 use crate::platform::PortableMath as _;
 use crate::state::BodyState;
 use crate::state::rigid_body_3d::{Pose, RigidBody3d};
@@ -43,247 +47,239 @@ impl MassMoments {
     }
 }
 
-impl Compiler<'_> {
-    /// Returns the attitude of a body in the deck.
-    fn attitude(&self, rigid: &RigidBody) -> Option<&model::InitialAttitude> {
-        self.model.attitudes.iter().find(|attitude| attitude.reference == rigid.reference)
-    }
+/// Returns the attitude of a body in the deck.
+fn attitude<'a>(model: &'a Model, rigid: &RigidBody) -> Option<&'a model::InitialAttitude> {
+    model.attitudes.iter().find(|attitude| attitude.reference == rigid.reference)
+}
 
-    /// Returns whether a body is oblique: it is rotated, hits an inclined target, or has a transverse or angular
-    /// initial velocity.
-    pub(crate) fn is_oblique(&self, rigid: &RigidBody) -> bool {
-        let attitude = self.attitude(rigid);
-        let turned = attitude.is_some_and(|a| a.angles != [0.0; 2]);
-        let steps = self.model.steps.iter();
-        let tilted = steps.flat_map(|s| &s.loads).any(|load| match &load.kind {
-            LoadKind::Cavity { sides, target, .. } => {
-                self.model.targets[*target].obliquity != 0.0
-                    && sides.faces.iter().any(|(e, _)| rigid.elements.contains(e))
-            }
-            _ => false,
-        });
-        let across = || self.starts(rigid.reference).iter().enumerate().any(|(i, v)| i != 1 && *v != 0.0);
-        turned || tilted || attitude.is_some() && across()
-    }
-
-    /// Returns the initial velocities of a reference node along and about directions 1, 2, 3.
-    fn starts(&self, reference: usize) -> [f64; 6] {
-        let mut starts = [0.0; 6];
-        for condition in self.model.initial_conditions.iter().filter(|c| c.members.contains(&reference)) {
-            if let InitialKind::Velocity(dof @ 1..=6, value) = condition.kind {
-                starts[usize::from(dof) - 1] = value;
-            }
+/// Returns whether a body is oblique: it is rotated, hits an inclined target, or has a transverse or angular
+/// initial velocity.
+pub(crate) fn is_oblique(model: &Model, rigid: &RigidBody) -> bool {
+    let attitude = attitude(model, rigid);
+    let turned = attitude.is_some_and(|a| a.angles != [0.0; 2]);
+    let steps = model.steps.iter();
+    let tilted = steps.flat_map(|s| &s.loads).any(|load| match &load.kind {
+        LoadKind::Cavity { sides, target, .. } => {
+            model.targets[*target].obliquity != 0.0 && sides.faces.iter().any(|(e, _)| rigid.elements.contains(e))
         }
-        starts
-    }
+        _ => false,
+    });
+    let across = || initial_velocities_of(model, rigid.reference).iter().enumerate().any(|(i, v)| i != 1 && *v != 0.0);
+    turned || tilted || attitude.is_some() && across()
+}
 
-    /// Returns whether an initial velocity is given for an oblique body, which may have any direction.
-    pub(crate) fn starts_in_space(&self, members: &[usize]) -> bool {
-        self.bodies.iter().any(|b| b.spatial && members.contains(&b.reference))
-    }
-
-    pub(crate) fn bodies_at_start(&mut self) -> Vec<BodyState> {
-        self.check_attitudes();
-        (0..self.bodies.len()).map(|index| self.body_at_start(index)).collect()
-    }
-
-    fn body_at_start(&mut self, index: usize) -> BodyState {
-        let body = &self.bodies[index];
-        match body.spatial {
-            false => BodyState::new(body.mass(), body.initial_velocity),
-            true => BodyState::in_space(self.body_in_space(index)),
+/// Returns the initial velocities of a reference node along and about directions 1, 2, 3.
+fn initial_velocities_of(model: &Model, reference: usize) -> [f64; 6] {
+    let mut starts = [0.0; 6];
+    for condition in model.initial_conditions.iter().filter(|c| c.members.contains(&reference)) {
+        if let InitialKind::Velocity(dof @ 1..=6, value) = condition.kind {
+            starts[usize::from(dof) - 1] = value;
         }
     }
+    starts
+}
 
-    fn check_attitudes(&mut self) {
-        let mut seen: Vec<usize> = Vec::new();
-        for attitude in &self.model.attitudes {
-            let message = if !self.model.rigid_bodies.iter().any(|b| b.reference == attitude.reference) {
-                "the attitude is given for a node that is not the REF NODE of a rigid body"
-            } else if seen.contains(&attitude.reference) {
-                "the body already has an attitude"
-            } else {
-                seen.push(attitude.reference);
-                continue;
-            };
-            self.diagnostics.push(Diagnostic::error("P130", message).at(attitude.span, "here"));
-        }
-        for inertia in &self.model.discrete.inertias {
-            match self.body_of_node.get(&inertia.node).map(|&b| &self.bodies[b]) {
-                None => {
-                    let message = "the rotary inertia is on a node that belongs to no rigid body";
-                    self.diagnostics.push(Diagnostic::error("P005", message).at(inertia.span, "here"));
-                }
-                Some(body) if !body.spatial => {
-                    self.add_unused_card(
-                        inertia.span,
-                        "*ROTARY INERTIA",
-                        "a rigid body that moves along z only does not rotate",
-                    );
-                }
-                Some(_) => self.check_revolution(inertia),
-            }
-        }
+/// Returns whether an initial velocity is given for an oblique body, which may have any direction.
+pub(crate) fn starts_in_space(bodies: &Bodies, members: &[usize]) -> bool {
+    bodies.list.iter().any(|b| b.spatial && members.contains(&b.reference))
+}
+
+pub(crate) fn initial_states(scene: Scene<'_>, report: &mut Report<'_>) -> Vec<BodyState> {
+    check_attitudes(scene, report);
+    (0..scene.bodies.list.len()).map(|index| initial_state(scene, index, report)).collect()
+}
+
+fn initial_state(scene: Scene<'_>, index: usize, report: &mut Report<'_>) -> BodyState {
+    let body = &scene.bodies.list[index];
+    match body.spatial {
+        false => BodyState::new(body.mass(), body.initial_velocity),
+        true => BodyState::in_space(oblique_body(scene, index, report)),
     }
+}
 
-    /// Reports transverse moments of inertia that differ, which a body of revolution cannot have.
-    fn check_revolution(&mut self, inertia: &RotaryInertia) {
-        let [first, _, third] = inertia.moments;
-        if first != third {
-            let message = format!("I11 and I33 of a body of revolution must be equal, found {first} and {third}");
-            self.diagnostics.push(Diagnostic::error("P131", message).at(inertia.span, "here"));
-        }
-    }
-
-    fn body_in_space(&mut self, index: usize) -> RigidBody3d {
-        let rigid = &self.model.rigid_bodies[index];
-        let body = &self.bodies[index];
-        let (mass, mesh) = (body.mass(), &self.model.mesh);
-        let given = self.attitude(rigid);
-        let uniform = given.is_some_and(|a| a.uniform);
-        let moments = if uniform { self.moments_of_volume(rigid, mass) } else { self.moments(rigid, body) };
-        let mut inertia = moments.inertia();
-        let on_body = self.model.discrete.inertias.iter().filter(|i| body.nodes.contains(&i.node));
-        for [transverse, axial, _] in on_body.map(|i| i.moments) {
-            inertia = PrincipalInertia { axial: inertia.axial + axial, transverse: inertia.transverse + transverse };
-        }
-        let height = if moments.mass > 0.0 { moments.height() } else { mesh.points[rigid.reference][1] };
-        let angles = given.map_or([0.0; 2], |a| a.angles).map(f64::to_radians);
-        let attitude = Attitude::turned([angles[1], 0.0, 0.0]).after(Attitude::turned([0.0, 0.0, angles[0]]));
-        let [r, z] = mesh.points[rigid.reference];
-        let arm = attitude.to_world([-r, height - z, 0.0]);
-        let starts = self.starts(rigid.reference);
-        let (own, turning): (SpatialVector, SpatialVector) =
-            ([starts[0], starts[1], starts[2]], [starts[3], starts[4], starts[5]]);
-        let far = |n: &usize| mesh.points[*n][0].portable_hypot(mesh.points[*n][1] - height);
-        let mut spatial = RigidBody3d {
-            mass,
-            inertia,
-            heights: [height, z],
-            stations: self.stations(index),
-            size: body.nodes.iter().map(far).fold(0.0, f64::max),
-            centre: plus([r, z, 0.0], 1.0, arm),
-            attitude,
-            velocity: plus(own, 1.0, cross(turning, arm)),
-            momentum: inertia.momentum(attitude.axis(), turning),
-            ..RigidBody3d::default()
-        };
-        spatial.start = Pose { centre: spatial.centre, attitude, moving: [spatial.velocity, spatial.momentum] };
-        spatial.previous = spatial.start;
-        spatial.rests = norm(spatial.velocity) == 0.0 && norm(spatial.momentum) == 0.0;
-        spatial.show_own_motion();
-        let detail = format!(
-            "{}: centre of mass at z = {height:.6}, axial inertia {:.6e}, transverse inertia {:.6e}",
-            mesh.node_names[rigid.reference], inertia.axial, inertia.transverse
-        );
-        let span = given.map_or(rigid.span, |a| a.span);
-        if !(inertia.axial > 0.0
-            && inertia.transverse > 0.0
-            && inertia.axial <= 2.0 * inertia.transverse * (1.0 + 1e-12))
-        {
-            self.no_inertia(span, index, inertia);
-        }
-        self.ledger_row(span, "six degrees of freedom", 1, "body", detail);
-        spatial
-    }
-
-    fn no_inertia(&mut self, span: Span, body: usize, inertia: PrincipalInertia) {
-        let name = &self.bodies[body].name;
-        let message = if inertia.axial > 0.0 && inertia.transverse > 0.0 {
-            format!(
-                "invalid inertia of `{name}`: the axial moment {:e} exceeds twice the transverse moment {:e}",
-                inertia.axial, inertia.transverse
-            )
+fn check_attitudes(scene: Scene<'_>, report: &mut Report<'_>) {
+    let mut seen: Vec<usize> = Vec::new();
+    for attitude in &scene.model.attitudes {
+        let message = if !scene.model.rigid_bodies.iter().any(|b| b.reference == attitude.reference) {
+            "the attitude is given for a node that is not the REF NODE of a rigid body"
+        } else if seen.contains(&attitude.reference) {
+            "the body already has an attitude"
         } else {
-            format!("oblique rigid body `{name}` has no rotary inertia: its mass is on the axis or at one point")
+            seen.push(attitude.reference);
+            continue;
         };
-        let help = "give *ROTARY INERTIA for an element of TYPE=ROTARYI on its reference node, distribute its mass with *ATTITUDE, \
-                    INERTIA=UNIFORM, or give its elements a density";
-        self.diagnostics.push(Diagnostic::error("P131", message).at(span, "this body").help(help));
+        report.diagnostics.push(Diagnostic::error("P130", message).at(attitude.span, "here"));
     }
+    for inertia in &scene.model.discrete.inertias {
+        match scene.bodies.of_node.get(&inertia.node).map(|&b| &scene.bodies.list[b]) {
+            None => {
+                let message = "the rotary inertia is on a node that belongs to no rigid body";
+                report.diagnostics.push(Diagnostic::error("P005", message).at(inertia.span, "here"));
+            }
+            Some(body) if !body.spatial => {
+                report.add_unused_card(
+                    inertia.span,
+                    "*ROTARY INERTIA",
+                    "a rigid body that moves along z only does not rotate",
+                );
+            }
+            Some(_) => check_revolution(inertia, report),
+        }
+    }
+}
 
-    /// Returns the moments of the solid and RAX2 elements of a body as bodies of revolution, and of its point masses.
-    fn moments(&self, rigid: &RigidBody, body: &PlannedRigidBody) -> MassMoments {
-        let (mesh, mut moments) = (&self.model.mesh, MassMoments::default());
-        for section in &self.model.sections {
-            let density = self.model.materials[section.material].density.unwrap_or(0.0);
-            for &e in section.elements.iter().filter(|e| rigid.elements.contains(e)) {
-                for cell in mesh.initial_cells(e) {
-                    in_solid(cell, |place, volume| moments.add(density * volume, place));
-                }
+/// Reports transverse moments of inertia that differ, which a body of revolution cannot have.
+fn check_revolution(inertia: &RotaryInertia, report: &mut Report<'_>) {
+    let [first, _, third] = inertia.moments;
+    if first != third {
+        let message = format!("I11 and I33 of a body of revolution must be equal, found {first} and {third}");
+        report.diagnostics.push(Diagnostic::error("P131", message).at(inertia.span, "here"));
+    }
+}
+
+fn oblique_body(scene: Scene<'_>, index: usize, report: &mut Report<'_>) -> RigidBody3d {
+    let rigid = &scene.model.rigid_bodies[index];
+    let body = &scene.bodies.list[index];
+    let (mass, mesh) = (body.mass(), &scene.model.mesh);
+    let given = attitude(scene.model, rigid);
+    let uniform = given.is_some_and(|a| a.uniform);
+    let moments =
+        if uniform { moments_of_volume(scene.model, rigid, mass) } else { moments_of_nodes(scene.model, rigid, body) };
+    let mut inertia = moments.inertia();
+    let on_body = scene.model.discrete.inertias.iter().filter(|i| body.nodes.contains(&i.node));
+    for [transverse, axial, _] in on_body.map(|i| i.moments) {
+        inertia = PrincipalInertia { axial: inertia.axial + axial, transverse: inertia.transverse + transverse };
+    }
+    let height = if moments.mass > 0.0 { moments.height() } else { mesh.points[rigid.reference][1] };
+    let angles = given.map_or([0.0; 2], |a| a.angles).map(f64::to_radians);
+    let attitude = Attitude::turned([angles[1], 0.0, 0.0]).after(Attitude::turned([0.0, 0.0, angles[0]]));
+    let [r, z] = mesh.points[rigid.reference];
+    let arm = attitude.to_world([-r, height - z, 0.0]);
+    let starts = initial_velocities_of(scene.model, rigid.reference);
+    let (own, turning): (SpatialVector, SpatialVector) =
+        ([starts[0], starts[1], starts[2]], [starts[3], starts[4], starts[5]]);
+    let far = |n: &usize| mesh.points[*n][0].portable_hypot(mesh.points[*n][1] - height);
+    let mut spatial = RigidBody3d {
+        mass,
+        inertia,
+        heights: [height, z],
+        stations: stations(scene.model, index),
+        size: body.nodes.iter().map(far).fold(0.0, f64::max),
+        centre: plus([r, z, 0.0], 1.0, arm),
+        attitude,
+        velocity: plus(own, 1.0, cross(turning, arm)),
+        momentum: inertia.momentum(attitude.axis(), turning),
+        ..RigidBody3d::default()
+    };
+    spatial.start = Pose { centre: spatial.centre, attitude, moving: [spatial.velocity, spatial.momentum] };
+    spatial.previous = spatial.start;
+    spatial.rests = norm(spatial.velocity) == 0.0 && norm(spatial.momentum) == 0.0;
+    spatial.show_own_motion();
+    let detail = format!(
+        "{}: centre of mass at z = {height:.6}, axial inertia {:.6e}, transverse inertia {:.6e}",
+        mesh.node_names[rigid.reference], inertia.axial, inertia.transverse
+    );
+    let span = given.map_or(rigid.span, |a| a.span);
+    if !(inertia.axial > 0.0 && inertia.transverse > 0.0 && inertia.axial <= 2.0 * inertia.transverse * (1.0 + 1e-12)) {
+        no_inertia(scene.bodies, span, index, inertia, report);
+    }
+    report.ledger_row(span, "six degrees of freedom", 1, "body", detail);
+    spatial
+}
+
+fn no_inertia(bodies: &Bodies, span: Span, body: usize, inertia: PrincipalInertia, report: &mut Report<'_>) {
+    let name = &bodies.list[body].name;
+    let message = if inertia.axial > 0.0 && inertia.transverse > 0.0 {
+        format!(
+            "invalid inertia of `{name}`: the axial moment {:e} exceeds twice the transverse moment {:e}",
+            inertia.axial, inertia.transverse
+        )
+    } else {
+        format!("oblique rigid body `{name}` has no rotary inertia: its mass is on the axis or at one point")
+    };
+    let help = "give *ROTARY INERTIA for an element of TYPE=ROTARYI on its reference node, distribute its mass with *ATTITUDE, \
+                    INERTIA=UNIFORM, or give its elements a density";
+    report.diagnostics.push(Diagnostic::error("P131", message).at(span, "this body").help(help));
+}
+
+/// Returns the moments of the solid and RAX2 elements of a body as bodies of revolution, and of its point masses.
+fn moments_of_nodes(model: &Model, rigid: &RigidBody, body: &PlannedRigidBody) -> MassMoments {
+    let (mesh, mut moments) = (&model.mesh, MassMoments::default());
+    for section in &model.sections {
+        let density = model.materials[section.material].density.unwrap_or(0.0);
+        for &e in section.elements.iter().filter(|e| rigid.elements.contains(e)) {
+            for cell in mesh.initial_cells(e) {
+                in_solid(cell, |place, volume| moments.add(density * volume, place));
             }
         }
-        let shells = rigid.elements.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Rax2);
-        for &e in shells {
-            let [a, b] = [0, 1].map(|i| mesh.points[mesh.elements[e].nodes[i]]);
-            let per_area = rigid.density * rigid.thickness;
-            let length = (b[0] - a[0]).portable_hypot(b[1] - a[1]);
-            along(a, b, |place, share| {
-                moments.add(per_area * 2.0 * std::f64::consts::PI * place[0] * length * share, place);
-            });
-        }
-        for point in self.model.discrete.masses.iter().filter(|p| body.nodes.contains(&p.node)) {
-            moments.add(point.mass, mesh.points[point.node]);
-        }
-        moments
     }
-
-    /// Returns the moments of a mass that is evenly distributed over the volume enclosed by the RAX2 elements of a
-    /// body; plane end faces may be missing. By the divergence theorem each moment is an integral over the meridian;
-    /// the volume is ∫ π r² dz.
-    fn moments_of_volume(&self, rigid: &RigidBody, mass: f64) -> MassMoments {
-        let (mesh, mut all) = (&self.model.mesh, MassMoments::default());
-        for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Rax2) {
-            let [a, b] = [0, 1].map(|i| mesh.points[mesh.elements[e].nodes[i]]);
-            along(a, b, |[r, z], share| {
-                let volume = std::f64::consts::PI * r * r * (b[1] - a[1]) * share;
-                all.mass += volume;
-                all.first += volume * z;
-                all.axial += 0.5 * volume * r * r;
-                all.transverse += volume * (0.25 * r * r + z * z);
-            });
-        }
-        for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind.is_solid()) {
-            mesh.initial_cells(e).for_each(|cell| in_solid(cell, |place, volume| all.add(volume, place)));
-        }
-        let factor = mass / all.mass;
-        MassMoments { mass, first: factor * all.first, axial: factor * all.axial, transverse: factor * all.transverse }
+    let shells = rigid.elements.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Rax2);
+    for &e in shells {
+        let [a, b] = [0, 1].map(|i| mesh.points[mesh.elements[e].nodes[i]]);
+        let per_area = rigid.density * rigid.thickness;
+        let length = (b[0] - a[0]).portable_hypot(b[1] - a[1]);
+        along(a, b, |place, share| {
+            moments.add(per_area * 2.0 * std::f64::consts::PI * place[0] * length * share, place);
+        });
     }
-
-    pub(crate) fn stations(&self, body: usize) -> usize {
-        self.attitude(&self.model.rigid_bodies[body]).map_or(STATIONS, |a| a.stations)
+    for point in model.discrete.masses.iter().filter(|p| body.nodes.contains(&p.node)) {
+        moments.add(point.mass, mesh.points[point.node]);
     }
+    moments
+}
 
-    /// Reports input that is unsupported on oblique bodies.
-    pub(crate) fn refuse_on_spatial_bodies(&mut self) {
-        let Some(name) = self.bodies.iter().find(|b| b.spatial).map(|b| b.name.clone()) else { return };
-        let in_space = |node: &usize| self.body_of_node.get(node).is_some_and(|&b| self.bodies[b].spatial);
-        let model = self.model;
-        let on_nodes = |list: &[usize]| list.iter().any(&in_space);
-        let tie = self.ties.iter().find(|tie| self.bodies[tie.body].spatial);
-        let tied = tie.map(|tie| (self.bodies[tie.body].span, "a deformable body with shared nodes"));
-        let spring = model
-            .discrete
-            .connectors
-            .iter()
-            .find(|c| c.elements.iter().any(|&e| on_nodes(&model.mesh.elements[e].nodes)));
-        let spring = spring.map(|c| (c.span, "a spring or a dashpot"));
-        let equation = model.constraints.equations.iter().find(|e| e.terms.iter().any(|t| in_space(&t.0)));
-        let equation = equation.map(|e| (e.span, "an *EQUATION"));
-        let found = [tied, spring, equation];
-        let findings: Vec<_> = found.into_iter().flatten().collect();
-        for (span, what) in findings {
-            self.refuse_on_spatial_body(span, &name, what);
-        }
+/// Returns the moments of a mass that is evenly distributed over the volume enclosed by the RAX2 elements of a
+/// body; plane end faces may be missing. By the divergence theorem each moment is an integral over the meridian;
+/// the volume is ∫ π r² dz.
+fn moments_of_volume(model: &Model, rigid: &RigidBody, mass: f64) -> MassMoments {
+    let (mesh, mut all) = (&model.mesh, MassMoments::default());
+    for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Rax2) {
+        let [a, b] = [0, 1].map(|i| mesh.points[mesh.elements[e].nodes[i]]);
+        along(a, b, |[r, z], share| {
+            let volume = std::f64::consts::PI * r * r * (b[1] - a[1]) * share;
+            all.mass += volume;
+            all.first += volume * z;
+            all.axial += 0.5 * volume * r * r;
+            all.transverse += volume * (0.25 * r * r + z * z);
+        });
     }
+    for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind.is_solid()) {
+        mesh.initial_cells(e).for_each(|cell| in_solid(cell, |place, volume| all.add(volume, place)));
+    }
+    let factor = mass / all.mass;
+    MassMoments { mass, first: factor * all.first, axial: factor * all.axial, transverse: factor * all.transverse }
+}
 
-    /// Reports that `what` is unsupported on an oblique body.
-    pub(crate) fn refuse_on_spatial_body(&mut self, span: Span, body: &str, what: &str) {
-        let message = format!("rigid body `{body}` is oblique: {what} is not supported on it");
-        let help = "an oblique body supports the resistance of targets (CAVITY), pressures (P, PNU), gravity, *CLOAD, and hard \
+pub(crate) fn stations(model: &Model, body: usize) -> usize {
+    attitude(model, &model.rigid_bodies[body]).map_or(STATIONS, |a| a.stations)
+}
+
+/// Reports input that is unsupported on oblique bodies.
+pub(crate) fn refuse_on_spatial_bodies(scene: Scene<'_>, links: &Links, report: &mut Report<'_>) {
+    let Some(name) = scene.bodies.list.iter().find(|b| b.spatial).map(|b| b.name.clone()) else { return };
+    let in_space = |node: &usize| scene.bodies.of_node.get(node).is_some_and(|&b| scene.bodies.list[b].spatial);
+    let model = scene.model;
+    let on_nodes = |list: &[usize]| list.iter().any(&in_space);
+    let tie = links.rigid_ties.iter().find(|tie| scene.bodies.list[tie.body].spatial);
+    let tied = tie.map(|tie| (scene.bodies.list[tie.body].span, "a deformable body with shared nodes"));
+    let spring =
+        model.discrete.connectors.iter().find(|c| c.elements.iter().any(|&e| on_nodes(&model.mesh.elements[e].nodes)));
+    let spring = spring.map(|c| (c.span, "a spring or a dashpot"));
+    let equation = model.constraints.equations.iter().find(|e| e.terms.iter().any(|t| in_space(&t.0)));
+    let equation = equation.map(|e| (e.span, "an *EQUATION"));
+    let found = [tied, spring, equation];
+    let findings: Vec<_> = found.into_iter().flatten().collect();
+    for (span, what) in findings {
+        refuse_on_spatial_body(span, &name, what, report);
+    }
+}
+
+/// Reports that `what` is unsupported on an oblique body.
+pub(crate) fn refuse_on_spatial_body(span: Span, body: &str, what: &str, report: &mut Report<'_>) {
+    let message = format!("rigid body `{body}` is oblique: {what} is not supported on it");
+    let help = "an oblique body supports the resistance of targets (CAVITY), pressures (P, PNU), gravity, *CLOAD, and hard \
                     contact with a fixed analytical surface";
-        self.diagnostics.push(Diagnostic::error("P132", message).at(span, "here").help(help));
-    }
+    report.diagnostics.push(Diagnostic::error("P132", message).at(span, "here").help(help));
 }
 
 /// Calls `each` with the Gauss points of a line and their weights, which sum to 1.

@@ -6,9 +6,12 @@ use crate::constraint::overlaps::distance;
 use crate::deck::Diagnostic;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::sorted_boxes::SortedBoxes;
-use crate::model::SurfaceContact;
+use crate::model::{Model, SurfaceContact};
+use crate::plan::State;
 use crate::plan::contact::curves::ContactGeometry;
-use crate::plan::{Compiler, State};
+use crate::plan::contact::penalty::modulus_of;
+use crate::plan::report::Report;
+use crate::plan::scene::{Pairs, Scene};
 use crate::variables::Variable;
 
 /// Facets face each other if the cosine of the angle between their normals is below this value, as in contact.
@@ -157,163 +160,164 @@ fn sector([r, z]: [f64; 2]) -> usize {
     ((turns.rem_euclid(1.0) * SECTORS as f64) as usize).min(SECTORS - 1)
 }
 
-impl Compiler<'_> {
-    /// Checks a pair in the step in which it begins.
-    pub(crate) fn check_pair(
-        &mut self,
-        contact: &SurfaceContact,
-        step: usize,
-        met: ContactingCurves<'_>,
-        state: &State,
-    ) {
-        let known = |c: &SurfaceContact| c.span == contact.span && c.sides[0].name == contact.sides[0].name;
-        if contact.is_self_contact() || step > 0 && self.pairs[step - 1].iter().any(known) {
-            return;
-        }
-        let [a, b] = [0, 1].map(|i| &contact.sides[i].name);
-        if !contact.general && met.faces_away() {
-            let message = format!("`{a}` and `{b}` face away from each other: there will be no contact");
-            let finding = Diagnostic::warning("P110", message).at(contact.span, "this pair");
-            self.diagnostics.push(finding.help("give the sides that face each other; for shells SPOS or SNEG"));
-            return;
-        }
-        let Some(body) = met.body() else {
-            return self.check_facet_sizes(contact, met);
-        };
-        self.check_body_mass(contact, step, body, met, state);
-        if let Some([r, z]) = met.find_sharp_turn() {
-            let message = format!(
-                "the rigid surface of `{a}` and `{b}` has a rounding within {:.3e}, the length of the deformable faces in contact",
-                met.length
-            );
-            let finding = Diagnostic::warning("P118", message).at(contact.span, format!("near ({r:.4e}, {z:.4e})"));
-            self.diagnostics.push(finding.help("use deformable elements as small as the roundings"));
-        }
+/// Checks a pair in the step in which it begins.
+pub(crate) fn check_pair(
+    scene: Scene<'_>,
+    pairs: &Pairs,
+    contact: &SurfaceContact,
+    step: usize,
+    met: ContactingCurves<'_>,
+    state: &State,
+    report: &mut Report<'_>,
+) {
+    let known = |c: &SurfaceContact| c.span == contact.span && c.sides[0].name == contact.sides[0].name;
+    if contact.is_self_contact() || step > 0 && pairs.by_step[step - 1].iter().any(known) {
+        return;
     }
-
-    /// Warns if contact pressures are requested and the facets of two deformable surfaces differ too much in size where the
-    /// surfaces are closest.
-    fn check_facet_sizes(&mut self, contact: &SurfaceContact, met: ContactingCurves<'_>) {
-        let mut requests = self.model.steps.iter().flat_map(|step| &step.outputs).flat_map(|output| &output.variables);
-        if !requests.any(|request| request.variables().contains(&Variable::ContactPressure)) {
-            return;
-        }
-        let [own, other] = met.closest_lengths();
-        let ratio = (own / other).max(other / own);
-        // Meshes with exactly this ratio differ by rounding.
-        if ratio < FINER * (1.0 + 1e-3) {
-            return;
-        }
-        let [carrier, opposite] = if met.first_carries { [0, 1] } else { [1, 0] };
-        let coarser = &contact.sides[if own > other { carrier } else { opposite }].name;
+    let [a, b] = [0, 1].map(|i| &contact.sides[i].name);
+    if !contact.general && met.faces_away() {
+        let message = format!("`{a}` and `{b}` face away from each other: there will be no contact");
+        let finding = Diagnostic::warning("P110", message).at(contact.span, "this pair");
+        report.diagnostics.push(finding.help("give the sides that face each other; for shells SPOS or SNEG"));
+        return;
+    }
+    let Some(body) = met.body() else {
+        return check_facet_sizes(scene.model, contact, met, report);
+    };
+    check_body_mass(scene, contact, step, body, met, state, report);
+    if let Some([r, z]) = met.find_sharp_turn() {
         let message = format!(
-            "the facets of `{}` and `{}` differ by a factor of {ratio:.1} where the surfaces are closest",
-            contact.sides[0].name, contact.sides[1].name
+            "the rigid surface of `{a}` and `{b}` has a rounding within {:.3e}, the length of the deformable faces in contact",
+            met.length
         );
-        let label = "contact pressures of curved surfaces are inaccurate, in particular on the axis";
-        let finding = Diagnostic::warning("P124", message).at(contact.span, label);
-        self.diagnostics.push(finding.help(format!(
+        let finding = Diagnostic::warning("P118", message).at(contact.span, format!("near ({r:.4e}, {z:.4e})"));
+        report.diagnostics.push(finding.help("use deformable elements as small as the roundings"));
+    }
+}
+
+/// Warns if contact pressures are requested and the facets of two deformable surfaces differ too much in size where the
+/// surfaces are closest.
+fn check_facet_sizes(model: &Model, contact: &SurfaceContact, met: ContactingCurves<'_>, report: &mut Report<'_>) {
+    let mut requests = model.steps.iter().flat_map(|step| &step.outputs).flat_map(|output| &output.variables);
+    if !requests.any(|request| request.variables().contains(&Variable::ContactPressure)) {
+        return;
+    }
+    let [own, other] = met.closest_lengths();
+    let ratio = (own / other).max(other / own);
+    // Meshes with exactly this ratio differ by rounding.
+    if ratio < FINER * (1.0 + 1e-3) {
+        return;
+    }
+    let [carrier, opposite] = if met.first_carries { [0, 1] } else { [1, 0] };
+    let coarser = &contact.sides[if own > other { carrier } else { opposite }].name;
+    let message = format!(
+        "the facets of `{}` and `{}` differ by a factor of {ratio:.1} where the surfaces are closest",
+        contact.sides[0].name, contact.sides[1].name
+    );
+    let label = "contact pressures of curved surfaces are inaccurate, in particular on the axis";
+    let finding = Diagnostic::warning("P124", message).at(contact.span, label);
+    report.diagnostics.push(finding.help(format!(
             "use smaller facets on `{coarser}`, at most twice as long as those of the other surface, and at least five over the \
              contact radius"
         )));
-    }
+}
 
-    /// Orders two curves: the first one carries the contact pressures. It is the secondary surface that the deck gives,
-    /// else the finer one of two deformable curves unless it is also stiffer, never a rigid one.
-    pub(crate) fn order_curves(
-        &mut self,
-        contact: &SurfaceContact,
-        [first, second]: [usize; 2],
-        found: &ContactGeometry,
-    ) -> [usize; 2] {
-        let by_size = [first, second].map(|curve| found.lengths[curve][1]);
-        let (finer, coarser) = if by_size[1] < by_size[0] { ([second, first], 0) } else { ([first, second], 1) };
-        match (found.deforms[first], found.deforms[second]) {
-            (true, false) => return [first, second],
-            (false, _) => return [second, first],
-            _ => {}
-        }
-        let unsuited = self.size_and_stiffness(finer, found);
-        match (contact.secondary, unsuited) {
-            (None, None) => finer,
-            (None, Some(_)) => [finer[1], finer[0]],
-            (Some(given), unsuited) => {
-                if let Some(ratios) = unsuited.filter(|_| given != coarser) {
-                    self.warn_of_sizes(contact, coarser, ratios);
-                }
-                if given == 0 { [first, second] } else { [second, first] }
+/// Orders two curves: the first one carries the contact pressures. It is the secondary surface that the deck gives,
+/// else the finer one of two deformable curves unless it is also stiffer, never a rigid one.
+pub(crate) fn order_curves(
+    model: &Model,
+    contact: &SurfaceContact,
+    [first, second]: [usize; 2],
+    found: &ContactGeometry,
+    report: &mut Report<'_>,
+) -> [usize; 2] {
+    let by_size = [first, second].map(|curve| found.lengths[curve][1]);
+    let (finer, coarser) = if by_size[1] < by_size[0] { ([second, first], 0) } else { ([first, second], 1) };
+    match (found.deforms[first], found.deforms[second]) {
+        (true, false) => return [first, second],
+        (false, _) => return [second, first],
+        _ => {}
+    }
+    let unsuited = size_and_stiffness(model, finer, found);
+    match (contact.secondary, unsuited) {
+        (None, None) => finer,
+        (None, Some(_)) => [finer[1], finer[0]],
+        (Some(given), unsuited) => {
+            if let Some(ratios) = unsuited.filter(|_| given != coarser) {
+                warn_of_sizes(contact, coarser, ratios, report);
             }
+            if given == 0 { [first, second] } else { [second, first] }
         }
     }
+}
 
-    /// Returns how many times finer and stiffer the first curve is, if it is too fine and too stiff to carry the
-    /// pressures.
-    fn size_and_stiffness(&self, [own, other]: [usize; 2], found: &ContactGeometry) -> Option<[f64; 2]> {
-        let mean = |curve: usize| {
-            let all = found.facet_elements[curve].iter().map(|&(element, _)| self.modulus_of(element));
-            let (sum, count) = all.flatten().fold((0.0, 0), |(sum, count), m| (sum + m, count + 1));
-            sum / f64::from(count.max(1))
-        };
-        let finer = found.lengths[other][1] / found.lengths[own][1];
-        if own == other || finer <= FINER {
-            return None;
-        }
-        let stiffer = mean(own) / mean(other);
-        (stiffer > STIFFER).then_some([finer, stiffer])
+/// Returns how many times finer and stiffer the first curve is, if it is too fine and too stiff to carry the
+/// pressures.
+fn size_and_stiffness(model: &Model, [own, other]: [usize; 2], found: &ContactGeometry) -> Option<[f64; 2]> {
+    let mean = |curve: usize| {
+        let all = found.facet_elements[curve].iter().map(|&(element, _)| modulus_of(model, element));
+        let (sum, count) = all.flatten().fold((0.0, 0), |(sum, count), m| (sum + m, count + 1));
+        sum / f64::from(count.max(1))
+    };
+    let finer = found.lengths[other][1] / found.lengths[own][1];
+    if own == other || finer <= FINER {
+        return None;
     }
+    let stiffer = mean(own) / mean(other);
+    (stiffer > STIFFER).then_some([finer, stiffer])
+}
 
-    /// Warns that the deck lets a finer and stiffer surface carry the pressures; `coarser` is the index of the other
-    /// surface.
-    fn warn_of_sizes(&mut self, contact: &SurfaceContact, coarser: usize, [finer, stiffer]: [f64; 2]) {
-        let [a, b] = [1 - coarser, coarser].map(|side| &contact.sides[side].name);
+/// Warns that the deck lets a finer and stiffer surface carry the pressures; `coarser` is the index of the other
+/// surface.
+fn warn_of_sizes(contact: &SurfaceContact, coarser: usize, [finer, stiffer]: [f64; 2], report: &mut Report<'_>) {
+    let [a, b] = [1 - coarser, coarser].map(|side| &contact.sides[side].name);
+    let message = format!(
+        "`{a}` carries the contact pressures; it is {finer:.1} times finer and {stiffer:.1} times stiffer than `{b}`"
+    );
+    let finding = Diagnostic::warning("P121", message).at(contact.span, "pressures will oscillate from node to node");
+    let cure = match contact.general {
+        true => {
+            format!("remove *CONTACT FORMULATION, so that `{b}` carries the pressures, or use smaller facets on `{b}`")
+        }
+        false => format!("remove WEIGHT, so that `{b}` carries the pressures, or use smaller facets on `{b}`"),
+    };
+    report.diagnostics.push(finding.help(cure));
+}
+
+/// Warns if a free rigid body is lighter than the contact nodes.
+fn check_body_mass(
+    scene: Scene<'_>,
+    contact: &SurfaceContact,
+    step: usize,
+    body: usize,
+    met: ContactingCurves<'_>,
+    state: &State,
+    report: &mut Report<'_>,
+) {
+    let reference = scene.bodies.list[body].reference;
+    let boundaries = &scene.model.steps[step].boundaries;
+    if boundaries.iter().any(|b| b.dof == 2 && b.nodes.contains(&reference)) {
+        return;
+    }
+    let [own, other] = met.curves;
+    let mass: f64 = own
+        .own
+        .iter()
+        .map(|&p| match met.points[p as usize].carrier {
+            PointCarrier::Node(n) => state.dofs.nodes.mass[n],
+            PointCarrier::Body(..) => 0.0,
+        })
+        .sum();
+    let (wide, narrow) = (met.area(own), met.area(other));
+    let weighs = mass * (narrow / wide).min(1.0);
+    let light = scene.bodies.list[body].mass();
+    if light < weighs {
         let message = format!(
-            "`{a}` carries the contact pressures; it is {finer:.1} times finer and {stiffer:.1} times stiffer than `{b}`"
+            "the mass {light:.3e} of rigid body `{}` is less than the mass of the contact nodes, about {weighs:.3e}",
+            scene.bodies.list[body].name
         );
-        let finding =
-            Diagnostic::warning("P121", message).at(contact.span, "pressures will oscillate from node to node");
-        let cure = match contact.general {
-            true => format!(
-                "remove *CONTACT FORMULATION, so that `{b}` carries the pressures, or use smaller facets on `{b}`"
-            ),
-            false => format!("remove WEIGHT, so that `{b}` carries the pressures, or use smaller facets on `{b}`"),
-        };
-        self.diagnostics.push(finding.help(cure));
-    }
-
-    /// Warns if a free rigid body is lighter than the contact nodes.
-    fn check_body_mass(
-        &mut self,
-        contact: &SurfaceContact,
-        step: usize,
-        body: usize,
-        met: ContactingCurves<'_>,
-        state: &State,
-    ) {
-        let reference = self.bodies[body].reference;
-        let boundaries = &self.model.steps[step].boundaries;
-        if boundaries.iter().any(|b| b.dof == 2 && b.nodes.contains(&reference)) {
-            return;
-        }
-        let [own, other] = met.curves;
-        let mass: f64 = own
-            .own
-            .iter()
-            .map(|&p| match met.points[p as usize].carrier {
-                PointCarrier::Node(n) => state.dofs.nodes.mass[n],
-                PointCarrier::Body(..) => 0.0,
-            })
-            .sum();
-        let (wide, narrow) = (met.area(own), met.area(other));
-        let weighs = mass * (narrow / wide).min(1.0);
-        let light = self.bodies[body].mass();
-        if light < weighs {
-            let message = format!(
-                "the mass {light:.3e} of rigid body `{}` is less than the mass of the contact nodes, about {weighs:.3e}",
-                self.bodies[body].name
-            );
-            let label = "at impact it takes the velocity of these nodes and loses its kinetic energy";
-            let finding = Diagnostic::warning("P117", message).at(contact.span, label);
-            self.diagnostics.push(finding.help("use thinner elements at the contact surface"));
-        }
+        let label = "at impact it takes the velocity of these nodes and loses its kinetic energy";
+        let finding = Diagnostic::warning("P117", message).at(contact.span, label);
+        report.diagnostics.push(finding.help("use thinner elements at the contact surface"));
     }
 }

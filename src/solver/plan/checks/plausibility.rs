@@ -8,7 +8,10 @@ use crate::model::{
     DeckUnits, Element, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, SYSTEMS,
     SolidSection, Step, UnitSystem, is_without_units,
 };
-use crate::plan::{Compiler, State};
+use crate::plan::State;
+use crate::plan::checks::values::check_values;
+use crate::plan::report::Report;
+use crate::plan::scene::Scene;
 use crate::platform::PortableMath as _;
 
 /// Ratio of an initial velocity to the speed of sound above which inconsistent units are assumed.
@@ -36,164 +39,160 @@ pub fn unit_warning(material: &MaterialDefinition, units: Option<&DeckUnits>) ->
     Some(finding.help(suggested_units(density, modulus)))
 }
 
-impl<'m> Compiler<'m> {
-    pub(crate) fn check_plausibility(&mut self, state: &State) {
-        if state.elements.is_empty() {
-            return;
+pub(crate) fn check_plausibility(scene: Scene<'_>, state: &State, report: &mut Report<'_>) {
+    if state.elements.is_empty() {
+        return;
+    }
+    check_units(scene.model, report);
+    check_values(scene.model, report);
+    check_initial_speed(scene.model, report);
+    if let Some((time, element)) = shortest_wave_transit(scene.model) {
+        check_given_increments(scene.model, time, element, report);
+        check_step_length(scene.model, time, element, report);
+    }
+    check_free_motion(scene, report);
+}
+
+fn warn(finding: Diagnostic, report: &mut Report<'_>) {
+    report.diagnostics.push(finding);
+}
+
+/// Returns the longitudinal wave speed of an elastic material.
+fn wave_speed(model: &Model, section: &SolidSection) -> Option<f64> {
+    let material = model.materials.get(section.material.index())?;
+    let ([e, nu], density) = (material.elastic?, material.density?);
+    Some((e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu) * density)).sqrt())
+}
+
+/// Warns once of each material of a section whose density and Young's modulus are not plausible together.
+fn check_units(model: &Model, report: &mut Report<'_>) {
+    let units = model.settings.units.as_ref();
+    let mut checked = HashSet::new();
+    let sections = model.sections.iter().filter(|section| checked.insert(section.material));
+    let materials = sections.filter_map(|section| model.materials.get(section.material.index()));
+    let findings: Vec<Diagnostic> = materials.filter_map(|material| unit_warning(material, units)).collect();
+    findings.into_iter().for_each(|finding| warn(finding, report));
+}
+
+fn initial_velocities(model: &Model) -> impl Iterator<Item = (&InitialCondition, u8, f64)> {
+    model.initial_conditions.iter().filter_map(|c| match c.kind {
+        InitialKind::Velocity(dof, value) => Some((c, dof, value)),
+        _ => None,
+    })
+}
+
+fn check_initial_speed(model: &Model, report: &mut Report<'_>) {
+    let mut found = None;
+    for section in &model.sections {
+        let Some(sound) = wave_speed(model, section) else { continue };
+        let mut fast =
+            initial_velocities(model).filter(|(_, dof, v)| *dof <= 2 && v.abs() > TOO_FAST * sound).peekable();
+        if fast.peek().is_none() {
+            continue;
         }
-        self.check_units();
-        self.check_values();
-        self.check_initial_speed();
-        if let Some((time, element)) = self.shortest_wave_transit() {
-            self.check_given_increments(time, element);
-            self.check_step_length(time, element);
+        let mut nodes: Vec<usize> = nodes_of(model, &section.elements);
+        nodes.sort_unstable();
+        nodes.dedup();
+        let meets = |c: &InitialCondition| c.members.iter().any(|n| nodes.binary_search(n).is_ok());
+        if let Some((condition, _, velocity)) = fast.find(|(condition, ..)| meets(condition)) {
+            found = Some((condition.span, velocity, sound, &model.materials[section.material]));
+            break;
         }
-        self.check_free_motion();
     }
-
-    fn warn(&mut self, finding: Diagnostic) {
-        self.diagnostics.push(finding);
-    }
-
-    /// Returns the longitudinal wave speed of an elastic material.
-    fn sound(&self, section: &SolidSection) -> Option<f64> {
-        let material = self.model.materials.get(section.material.index())?;
-        let ([e, nu], density) = (material.elastic?, material.density?);
-        Some((e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu) * density)).sqrt())
-    }
-
-    /// Warns once of each material of a section whose density and Young's modulus are not plausible together.
-    fn check_units(&mut self) {
-        let units = self.model.settings.units.as_ref();
-        let mut checked = HashSet::new();
-        let sections = self.model.sections.iter().filter(|section| checked.insert(section.material));
-        let materials = sections.filter_map(|section| self.model.materials.get(section.material.index()));
-        let findings: Vec<Diagnostic> = materials.filter_map(|material| unit_warning(material, units)).collect();
-        findings.into_iter().for_each(|finding| self.warn(finding));
-    }
-
-    fn velocities(&self) -> impl Iterator<Item = (&InitialCondition, u8, f64)> {
-        self.model.initial_conditions.iter().filter_map(|c| match c.kind {
-            InitialKind::Velocity(dof, value) => Some((c, dof, value)),
-            _ => None,
-        })
-    }
-
-    fn check_initial_speed(&mut self) {
-        let mut found = None;
-        for section in &self.model.sections {
-            let Some(sound) = self.sound(section) else { continue };
-            let mut fast = self.velocities().filter(|(_, dof, v)| *dof <= 2 && v.abs() > TOO_FAST * sound).peekable();
-            if fast.peek().is_none() {
-                continue;
-            }
-            let mut nodes: Vec<usize> = self.nodes_of(&section.elements);
-            nodes.sort_unstable();
-            nodes.dedup();
-            let meets = |c: &InitialCondition| c.members.iter().any(|n| nodes.binary_search(n).is_ok());
-            if let Some((condition, _, velocity)) = fast.find(|(condition, ..)| meets(condition)) {
-                found = Some((condition.span, velocity, sound, &self.model.materials[section.material]));
-                break;
-            }
-        }
-        let Some((span, velocity, sound, material)) = found else { return };
-        let message = format!(
-            "the initial velocity {velocity:e} is {:.0} times the speed of sound in `{}`, {sound:.3e}: check the units of density, \
+    let Some((span, velocity, sound, material)) = found else { return };
+    let message = format!(
+        "the initial velocity {velocity:e} is {:.0} times the speed of sound in `{}`, {sound:.3e}: check the units of density, \
              moduli, lengths and time",
-            velocity.abs() / sound,
-            material.name
-        );
-        let finding = Diagnostic::warning("P105", message).at(span, "this velocity");
-        let finding = finding.at(material.span, "this material");
-        self.warn(finding.help("use m, kg, s and Pa, or mm, t, s and MPa (steel: 7.85e-9 t/mm3, 210e3 MPa)"));
-    }
+        velocity.abs() / sound,
+        material.name
+    );
+    let finding = Diagnostic::warning("P105", message).at(span, "this velocity");
+    let finding = finding.at(material.span, "this material");
+    warn(finding.help("use m, kg, s and Pa, or mm, t, s and MPa (steel: 7.85e-9 t/mm3, 210e3 MPa)"), report);
+}
 
-    fn nodes_of(&self, elements: &[usize]) -> Vec<usize> {
-        elements.iter().flat_map(|&e| self.model.mesh.elements[e].nodes.iter().copied()).collect()
-    }
+fn nodes_of(model: &Model, elements: &[usize]) -> Vec<usize> {
+    elements.iter().flat_map(|&e| model.mesh.elements[e].nodes.iter().copied()).collect()
+}
 
-    /// Returns the shortest time in which a wave crosses an element, and the element.
-    fn shortest_wave_transit(&self) -> Option<(f64, &'m Element)> {
-        let model: &'m Model = self.model;
-        let points = &model.mesh.points;
-        let mut smallest: Option<(f64, &Element)> = None;
-        for section in &model.sections {
-            let Some(sound) = self.sound(section) else { continue };
-            for element in section.elements.iter().map(|&e| &model.mesh.elements[e]) {
-                let time = side_lengths(element, points)[0] / sound;
-                if smallest.is_none_or(|s| time < s.0) {
-                    smallest = Some((time, element));
-                }
+/// Returns the shortest time in which a wave crosses an element, and the element.
+fn shortest_wave_transit<'m>(model: &'m Model) -> Option<(f64, &'m Element)> {
+    let points = &model.mesh.points;
+    let mut smallest: Option<(f64, &Element)> = None;
+    for section in &model.sections {
+        let Some(sound) = wave_speed(model, section) else { continue };
+        for element in section.elements.iter().map(|&e| &model.mesh.elements[e]) {
+            let time = side_lengths(element, points)[0] / sound;
+            if smallest.is_none_or(|s| time < s.0) {
+                smallest = Some((time, element));
             }
         }
-        smallest
     }
+    smallest
+}
 
-    /// Warns if a fixed time increment is longer than the shortest time in which a wave crosses an element.
-    fn check_given_increments(&mut self, time: f64, element: &Element) {
-        let scaled = self.model.steps.iter().any(|s| !s.mass_scalings.is_empty());
-        let given = self.model.steps.iter().filter_map(|s| match s.increment {
-            IncrementControl::Fixed(dt) => Some((s.span, dt)),
-            IncrementControl::Automatic { .. } => None,
-        });
-        let Some((span, dt)) = given.into_iter().find(|(_, dt)| *dt > time && !scaled) else { return };
-        let message = format!(
-            "the fixed time increment {dt:e} is not stable: a wave crosses element {} in {time:.2e}",
-            element.name
-        );
-        let finding = Diagnostic::warning("P106", message).at(span, "DIRECT USER CONTROL");
-        self.warn(finding.help("remove DIRECT USER CONTROL, or give a smaller increment"));
-    }
+/// Warns if a fixed time increment is longer than the shortest time in which a wave crosses an element.
+fn check_given_increments(model: &Model, time: f64, element: &Element, report: &mut Report<'_>) {
+    let scaled = model.steps.iter().any(|s| !s.mass_scalings.is_empty());
+    let given = model.steps.iter().filter_map(|s| match s.increment {
+        IncrementControl::Fixed(dt) => Some((s.span, dt)),
+        IncrementControl::Automatic { .. } => None,
+    });
+    let Some((span, dt)) = given.into_iter().find(|(_, dt)| *dt > time && !scaled) else { return };
+    let message =
+        format!("the fixed time increment {dt:e} is not stable: a wave crosses element {} in {time:.2e}", element.name);
+    let finding = Diagnostic::warning("P106", message).at(span, "DIRECT USER CONTROL");
+    warn(finding.help("remove DIRECT USER CONTROL, or give a smaller increment"), report);
+}
 
-    /// Warns of a step with more element updates than [`TOO_MANY`].
-    fn check_step_length(&mut self, time: f64, element: &Element) {
-        let count = self.model.sections.iter().map(|s| s.elements.len()).sum::<usize>();
-        let increments = |s: &Step| match s.increment {
-            IncrementControl::Fixed(dt) => s.duration / dt,
-            IncrementControl::Automatic { .. } => s.duration / time,
-        };
-        let endless = |s: &&Step| s.mass_scalings.is_empty() && increments(s) * count as f64 > TOO_MANY;
-        let Some(step) = self.model.steps.iter().find(endless) else { return };
-        let message = format!(
-            "step `{}` of duration {:e} is very long: a wave crosses element {} in {time:.1e}, about {:.0e} increments of {count} elements",
-            step.name,
-            step.duration,
-            element.name,
-            increments(step)
-        );
-        let finding = Diagnostic::warning("P113", message).at(step.span, "this step");
-        let help = "check that its time is in the units of density and moduli; use a shorter step, a coarser mesh or *FIXED MASS SCALING";
-        self.warn(finding.help(help));
-    }
+/// Warns of a step with more element updates than [`TOO_MANY`].
+fn check_step_length(model: &Model, time: f64, element: &Element, report: &mut Report<'_>) {
+    let count = model.sections.iter().map(|s| s.elements.len()).sum::<usize>();
+    let increments = |s: &Step| match s.increment {
+        IncrementControl::Fixed(dt) => s.duration / dt,
+        IncrementControl::Automatic { .. } => s.duration / time,
+    };
+    let endless = |s: &&Step| s.mass_scalings.is_empty() && increments(s) * count as f64 > TOO_MANY;
+    let Some(step) = model.steps.iter().find(endless) else { return };
+    let message = format!(
+        "step `{}` of duration {:e} is very long: a wave crosses element {} in {time:.1e}, about {:.0e} increments of {count} elements",
+        step.name,
+        step.duration,
+        element.name,
+        increments(step)
+    );
+    let finding = Diagnostic::warning("P113", message).at(step.span, "this step");
+    let help = "check that its time is in the units of density and moduli; use a shorter step, a coarser mesh or *FIXED MASS SCALING";
+    warn(finding.help(help), report);
+}
 
-    /// Warns if deformable bodies have a uniform initial velocity, and no boundary condition, load or contact.
-    fn check_free_motion(&mut self) {
-        let model = self.model;
-        let free = model.rigid_bodies.is_empty()
-            && model.targets.is_empty()
-            && model.constraints.equations.is_empty()
-            && model.materials.iter().all(|m| m.eos.is_none())
-            && model.mesh.elements.iter().all(|e| e.kind.is_solid() && !e.kind.is_thermal())
-            && model.steps.iter().all(|s| s.boundaries.is_empty() && s.loads.is_empty() && !s.has_contact());
-        let plain = |c: &InitialCondition| matches!(c.kind, InitialKind::Velocity(..) | InitialKind::Temperature(_));
-        let everywhere = |c: &InitialCondition| {
-            let members: HashSet<usize> = c.members.iter().copied().collect();
-            self.places.nodes.keys().all(|n| members.contains(&n))
-        };
-        if !free || !model.initial_conditions.iter().all(plain) {
-            return;
-        }
-        let (mut moving, mut whole) = (None, true);
-        for (condition, dof, _) in self.velocities().filter(|v| v.1 <= 2 && v.2 != 0.0) {
-            whole &= dof == 2 && condition.members.len() >= self.places.nodes.len() && everywhere(condition);
-            moving = Some(condition.span);
-        }
-        let Some(span) = moving.filter(|_| whole) else { return };
-        let message =
-            "no boundary condition, load or contact acts on the deformable body: it will move at constant velocity";
-        let finding = Diagnostic::warning("P109", message).at(span, "this velocity remains constant");
-        self.warn(finding.help("add a *BOUNDARY, a load or a *CONTACT PAIR"));
+/// Warns if deformable bodies have a uniform initial velocity, and no boundary condition, load or contact.
+fn check_free_motion(scene: Scene<'_>, report: &mut Report<'_>) {
+    let model = scene.model;
+    let free = model.rigid_bodies.is_empty()
+        && model.targets.is_empty()
+        && model.constraints.equations.is_empty()
+        && model.materials.iter().all(|m| m.eos.is_none())
+        && model.mesh.elements.iter().all(|e| e.kind.is_solid() && !e.kind.is_thermal())
+        && model.steps.iter().all(|s| s.boundaries.is_empty() && s.loads.is_empty() && !s.has_contact());
+    let plain = |c: &InitialCondition| matches!(c.kind, InitialKind::Velocity(..) | InitialKind::Temperature(_));
+    let everywhere = |c: &InitialCondition| {
+        let members: HashSet<usize> = c.members.iter().copied().collect();
+        scene.places.nodes.keys().all(|n| members.contains(&n))
+    };
+    if !free || !model.initial_conditions.iter().all(plain) {
+        return;
     }
+    let (mut moving, mut whole) = (None, true);
+    for (condition, dof, _) in initial_velocities(scene.model).filter(|v| v.1 <= 2 && v.2 != 0.0) {
+        whole &= dof == 2 && condition.members.len() >= scene.places.nodes.len() && everywhere(condition);
+        moving = Some(condition.span);
+    }
+    let Some(span) = moving.filter(|_| whole) else { return };
+    let message =
+        "no boundary condition, load or contact acts on the deformable body: it will move at constant velocity";
+    let finding = Diagnostic::warning("P109", message).at(span, "this velocity remains constant");
+    warn(finding.help("add a *BOUNDARY, a load or a *CONTACT PAIR"), report);
 }
 
 /// Suggests units: the density and modulus of steel in the unit systems that fit the density or the modulus.

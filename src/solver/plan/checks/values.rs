@@ -3,11 +3,12 @@
 
 use crate::deck::{Diagnostic, Span};
 use crate::model::{
-    EosKind, InitialKind, MaterialDefinition, OutputInterval, PlasticityModel, RateDependence, StrainAtFailure,
+    EosKind, InitialKind, MaterialDefinition, Model, OutputInterval, PlasticityModel, RateDependence, StrainAtFailure,
     is_without_units,
 };
-use crate::plan::Compiler;
 use crate::plan::checks::plausibility::side_lengths;
+use crate::plan::queries::adiabatic;
+use crate::plan::report::Report;
 
 /// Largest usual hardening exponent of the Johnson-Cook law; published fits of metals are between 0.05 and 1.
 const LARGEST_EXPONENT: f64 = 1.0;
@@ -23,180 +24,176 @@ const LARGEST_ELONGATION: f64 = 300.0;
 /// An implausible value: code, message and help.
 type Finding = (&'static str, String, &'static str);
 
-impl Compiler<'_> {
-    /// Warns of implausible materials, controls and elements of deformable bodies.
-    pub(crate) fn check_values(&mut self) {
-        let model = self.model;
-        let solids = model.sections.iter().map(|s| s.material.index());
-        let shells = model.shell_sections.iter().map(|s| s.material.index());
-        let cohesive = model.cohesive_sections.iter().map(|s| s.material.index());
-        let mut used: Vec<usize> = solids.chain(shells).chain(cohesive).collect();
-        used.sort_unstable();
-        used.dedup();
-        for material in used.into_iter().filter_map(|m| model.materials.get(m)) {
-            let mut findings = Vec::new();
-            plasticity(material, &mut findings);
-            failure(material, &mut findings);
-            stiffness(material, &mut findings);
-            self.temperatures(material, &mut findings);
-            for (code, message, help) in findings {
-                self.warn_at(code, message, (material.span, "this material"), help);
-            }
-        }
-        self.check_controls();
-        self.check_edges();
-        self.check_fixed_velocities();
-    }
-
-    /// Warns of an initial velocity all of whose nodes are fixed.
-    fn check_fixed_velocities(&mut self) {
-        let model = self.model;
-        let Some(step) = model.steps.first() else { return };
-        for condition in &model.initial_conditions {
-            let InitialKind::Velocity(dof, velocity) = condition.kind else { continue };
-            let fixed = step.boundaries.iter().filter(|b| b.dof == dof && b.value == 0.0 && !b.user);
-            let mut holding = fixed.filter(|b| condition.members.iter().all(|n| b.nodes.contains(n)));
-            let Some(boundary) = holding.next().filter(|_| velocity != 0.0 && condition.members.len() > 1) else {
-                continue;
-            };
-            let message = format!(
-                "all {} nodes with the initial velocity {velocity} along {dof} are fixed in this direction: they do not move",
-                condition.members.len()
-            );
-            let help = match model.element_sets.contains_key(&boundary.set.to_ascii_uppercase()) {
-                true => {
-                    "*BOUNDARY applies to the node set, and there is an element set of the same name: give the set of the nodes to be fixed"
-                }
-                false => "give *BOUNDARY the set of the nodes to be fixed",
-            };
-            let finding = Diagnostic::warning("P145", message).at(boundary.span, "fixes all these nodes");
-            self.diagnostics.push(finding.at(condition.span, "their initial velocity").help(help));
-        }
-    }
-
-    fn warn_at(&mut self, code: &'static str, message: String, (span, label): (Span, &str), help: &str) {
-        self.diagnostics.push(Diagnostic::warning(code, message).at(span, label).help(help));
-    }
-
-    /// Checks initial temperatures against the temperature dependence, and heating by plastic work.
-    fn temperatures(&self, material: &MaterialDefinition, findings: &mut Vec<Finding>) {
-        let name = &material.name;
-        let initial = || {
-            self.model.initial_conditions.iter().filter_map(|c| match c.kind {
-                InitialKind::Temperature(value) => Some(value),
-                _ => None,
-            })
-        };
-        let heated = self.adiabatic() || self.model.steps.first().is_some_and(|s| s.coupled);
-        if let Some(PlasticityModel::JohnsonCook([.., melting, transition])) = material.plastic
-            && melting > transition
-        {
-            let hottest = initial().fold(f64::NEG_INFINITY, f64::max);
-            if hottest >= melting {
-                let message = format!(
-                    "the initial temperature {hottest} is not below the melting temperature {melting} of `{name}`, which \
-                     has no strength there"
-                );
-                findings.push(("P141", message, "check the unit of temperatures (K or deg C) in the deck"));
-            } else if heated && transition > 0.0 && initial().next().is_none() {
-                let message = format!(
-                    "there is no initial temperature: `{name}` starts at 0, below its transition temperature {transition}, and \
-                     does not soften until it has reached it"
-                );
-                findings.push(("P141", message, "add *INITIAL CONDITIONS, TYPE=TEMPERATURE"));
-            }
-        }
-        if self.adiabatic() && material.plastic.is_some() && material.user.material.is_none() {
-            let thermal = &material.thermal;
-            let missing = [
-                ("*SPECIFIC HEAT", thermal.specific_heat.is_none()),
-                ("*INELASTIC HEAT FRACTION", thermal.inelastic_heat_fraction.is_none()),
-            ];
-            let missing: Vec<&str> = missing.iter().filter(|m| m.1).map(|m| m.0).collect();
-            if !missing.is_empty() {
-                let message =
-                    format!("the step is ADIABATIC, but `{name}` has no {}: it is not heated", missing.join(", no "));
-                findings.push(("P142", message, "add the cards, or remove ADIABATIC from *DYNAMIC"));
-            }
-        }
-    }
-
-    fn check_controls(&mut self) {
+/// Warns of implausible materials, controls and elements of deformable bodies.
+pub(crate) fn check_values(model: &Model, report: &mut Report<'_>) {
+    let solids = model.sections.iter().map(|s| s.material.index());
+    let shells = model.shell_sections.iter().map(|s| s.material.index());
+    let cohesive = model.cohesive_sections.iter().map(|s| s.material.index());
+    let mut used: Vec<usize> = solids.chain(shells).chain(cohesive).collect();
+    used.sort_unstable();
+    used.dedup();
+    for material in used.into_iter().filter_map(|m| model.materials.get(m)) {
         let mut findings = Vec::new();
-        for step in &self.model.steps {
-            let viscosity = step.bulk_viscosity;
-            let given = [viscosity.linear, viscosity.quadratic];
-            for (i, term) in ["linear", "quadratic"].into_iter().enumerate() {
-                if given[i] > LARGEST_VISCOSITY[i] {
-                    let message = format!(
-                        "the {term} bulk viscosity {} of step `{}` is implausibly large (default {})",
-                        given[i],
-                        step.name,
-                        [0.06, 1.2][i]
-                    );
-                    let help = "the coefficients of *BULK VISCOSITY are dimensionless: 0.06, 1.2";
-                    findings.push((message, (step.span, "this step"), help));
-                }
-            }
-            for scaling in step.mass_scalings.iter().filter(|s| s.factor > LARGEST_MASS_FACTOR) {
-                let message = format!(
-                    "masses are multiplied by {:e}: inertia governs the motion unless it takes {:.0} times as long as in reality",
-                    scaling.factor,
-                    scaling.factor.sqrt()
-                );
-                let help = "give a smaller FACTOR, or DT with TYPE=BELOW MIN, and compare ALLKE with ALLIE";
-                findings.push((message, (scaling.span, "this mass scaling"), help));
-            }
-            for output in &step.outputs {
-                if let OutputInterval::Time(interval) = output.interval
-                    && interval > step.duration
-                {
-                    let message = format!(
-                        "the output interval {interval:e} is longer than step `{}` of duration {:e}: only the start and the end \
-                         are written",
-                        step.name, step.duration
-                    );
-                    findings.push((message, (output.span, "this output request"), "give a shorter TIME INTERVAL"));
-                }
-            }
-        }
-        for (message, place, help) in findings {
-            self.warn_at("P143", message, place, help);
+        plasticity(material, &mut findings);
+        failure(material, &mut findings);
+        stiffness(material, &mut findings);
+        check_temperatures(model, material, &mut findings);
+        for (code, message, help) in findings {
+            warn_about(code, message, (material.span, "this material"), help, report);
         }
     }
+    check_controls(model, report);
+    check_edges(model, report);
+    check_fixed_velocities(model, report);
+}
 
-    /// Warns of elements that are much longer than wide, or than most elements, as if a coordinate of a node had a wrong
-    /// power of ten.
-    fn check_edges(&mut self) {
-        let mesh = &self.model.mesh;
-        let elements = self.model.sections.iter().flat_map(|s| s.elements.iter().map(|&e| &mesh.elements[e]));
-        let sides = elements.map(|element| (element, side_lengths(element, &mesh.points)));
-        let extremes = sides.clone().fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], (_, [shortest, longest])| {
-            [least.min(shortest), most.max(longest)]
-        });
-        // Large meshes of similar elements need no lists.
-        if extremes[1] <= LARGEST_ELONGATION * extremes[0] {
-            return;
-        }
-        let sides: Vec<_> = sides.collect();
-        let mut longest: Vec<f64> = sides.iter().map(|(_, [_, most])| *most).collect();
-        let middle = longest.len() / 2;
-        let median = *longest.select_nth_unstable_by(middle, f64::total_cmp).1;
-        let elongated = sides.iter().filter_map(|&(element, [least, most])| {
-            let elongation = most / least.min(median);
-            (elongation > LARGEST_ELONGATION).then_some((element, most, elongation))
-        });
-        let far: Vec<_> = elongated.collect();
-        let Some(&(element, length, elongation)) = far.first() else { return };
+/// Warns of an initial velocity all of whose nodes are fixed.
+fn check_fixed_velocities(model: &Model, report: &mut Report<'_>) {
+    let Some(step) = model.steps.first() else { return };
+    for condition in &model.initial_conditions {
+        let InitialKind::Velocity(dof, velocity) = condition.kind else { continue };
+        let fixed = step.boundaries.iter().filter(|b| b.dof == dof && b.value == 0.0 && !b.user);
+        let mut holding = fixed.filter(|b| condition.members.iter().all(|n| b.nodes.contains(n)));
+        let Some(boundary) = holding.next().filter(|_| velocity != 0.0 && condition.members.len() > 1) else {
+            continue;
+        };
         let message = format!(
-            "element {}{} has an edge of length {length:e}, {elongation:.0} times as long as its shortest edge or as most \
-             edges",
-            element.name,
-            if far.len() > 1 { format!(" (and {} more)", far.len() - 1) } else { String::new() },
+            "all {} nodes with the initial velocity {velocity} along {dof} are fixed in this direction: they do not move",
+            condition.members.len()
         );
-        let help = "check the coordinates of its nodes: one may have a wrong power of ten";
-        self.warn_at("P144", message, (element.span, "this element"), help);
+        let help = match model.element_sets.contains_key(&boundary.set.to_ascii_uppercase()) {
+            true => {
+                "*BOUNDARY applies to the node set, and there is an element set of the same name: give the set of the nodes to be fixed"
+            }
+            false => "give *BOUNDARY the set of the nodes to be fixed",
+        };
+        let finding = Diagnostic::warning("P145", message).at(boundary.span, "fixes all these nodes");
+        report.diagnostics.push(finding.at(condition.span, "their initial velocity").help(help));
     }
+}
+
+fn warn_about(code: &'static str, message: String, (span, label): (Span, &str), help: &str, report: &mut Report<'_>) {
+    report.diagnostics.push(Diagnostic::warning(code, message).at(span, label).help(help));
+}
+
+/// Checks initial temperatures against the temperature dependence, and heating by plastic work.
+fn check_temperatures(model: &Model, material: &MaterialDefinition, findings: &mut Vec<Finding>) {
+    let name = &material.name;
+    let initial = || {
+        model.initial_conditions.iter().filter_map(|c| match c.kind {
+            InitialKind::Temperature(value) => Some(value),
+            _ => None,
+        })
+    };
+    let heated = adiabatic(model) || model.steps.first().is_some_and(|s| s.coupled);
+    if let Some(PlasticityModel::JohnsonCook([.., melting, transition])) = material.plastic
+        && melting > transition
+    {
+        let hottest = initial().fold(f64::NEG_INFINITY, f64::max);
+        if hottest >= melting {
+            let message = format!(
+                "the initial temperature {hottest} is not below the melting temperature {melting} of `{name}`, which \
+                     has no strength there"
+            );
+            findings.push(("P141", message, "check the unit of temperatures (K or deg C) in the deck"));
+        } else if heated && transition > 0.0 && initial().next().is_none() {
+            let message = format!(
+                "there is no initial temperature: `{name}` starts at 0, below its transition temperature {transition}, and \
+                     does not soften until it has reached it"
+            );
+            findings.push(("P141", message, "add *INITIAL CONDITIONS, TYPE=TEMPERATURE"));
+        }
+    }
+    if adiabatic(model) && material.plastic.is_some() && material.user.material.is_none() {
+        let thermal = &material.thermal;
+        let missing = [
+            ("*SPECIFIC HEAT", thermal.specific_heat.is_none()),
+            ("*INELASTIC HEAT FRACTION", thermal.inelastic_heat_fraction.is_none()),
+        ];
+        let missing: Vec<&str> = missing.iter().filter(|m| m.1).map(|m| m.0).collect();
+        if !missing.is_empty() {
+            let message =
+                format!("the step is ADIABATIC, but `{name}` has no {}: it is not heated", missing.join(", no "));
+            findings.push(("P142", message, "add the cards, or remove ADIABATIC from *DYNAMIC"));
+        }
+    }
+}
+
+fn check_controls(model: &Model, report: &mut Report<'_>) {
+    let mut findings = Vec::new();
+    for step in &model.steps {
+        let viscosity = step.bulk_viscosity;
+        let given = [viscosity.linear, viscosity.quadratic];
+        for (i, term) in ["linear", "quadratic"].into_iter().enumerate() {
+            if given[i] > LARGEST_VISCOSITY[i] {
+                let message = format!(
+                    "the {term} bulk viscosity {} of step `{}` is implausibly large (default {})",
+                    given[i],
+                    step.name,
+                    [0.06, 1.2][i]
+                );
+                let help = "the coefficients of *BULK VISCOSITY are dimensionless: 0.06, 1.2";
+                findings.push((message, (step.span, "this step"), help));
+            }
+        }
+        for scaling in step.mass_scalings.iter().filter(|s| s.factor > LARGEST_MASS_FACTOR) {
+            let message = format!(
+                "masses are multiplied by {:e}: inertia governs the motion unless it takes {:.0} times as long as in reality",
+                scaling.factor,
+                scaling.factor.sqrt()
+            );
+            let help = "give a smaller FACTOR, or DT with TYPE=BELOW MIN, and compare ALLKE with ALLIE";
+            findings.push((message, (scaling.span, "this mass scaling"), help));
+        }
+        for output in &step.outputs {
+            if let OutputInterval::Time(interval) = output.interval
+                && interval > step.duration
+            {
+                let message = format!(
+                    "the output interval {interval:e} is longer than step `{}` of duration {:e}: only the start and the end \
+                         are written",
+                    step.name, step.duration
+                );
+                findings.push((message, (output.span, "this output request"), "give a shorter TIME INTERVAL"));
+            }
+        }
+    }
+    for (message, place, help) in findings {
+        warn_about("P143", message, place, help, report);
+    }
+}
+
+/// Warns of elements that are much longer than wide, or than most elements, as if a coordinate of a node had a wrong
+/// power of ten.
+fn check_edges(model: &Model, report: &mut Report<'_>) {
+    let mesh = &model.mesh;
+    let elements = model.sections.iter().flat_map(|s| s.elements.iter().map(|&e| &mesh.elements[e]));
+    let sides = elements.map(|element| (element, side_lengths(element, &mesh.points)));
+    let extremes = sides.clone().fold([f64::INFINITY, 0.0], |[least, most]: [f64; 2], (_, [shortest, longest])| {
+        [least.min(shortest), most.max(longest)]
+    });
+    // Large meshes of similar elements need no lists.
+    if extremes[1] <= LARGEST_ELONGATION * extremes[0] {
+        return;
+    }
+    let sides: Vec<_> = sides.collect();
+    let mut longest: Vec<f64> = sides.iter().map(|(_, [_, most])| *most).collect();
+    let middle = longest.len() / 2;
+    let median = *longest.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let elongated = sides.iter().filter_map(|&(element, [least, most])| {
+        let elongation = most / least.min(median);
+        (elongation > LARGEST_ELONGATION).then_some((element, most, elongation))
+    });
+    let far: Vec<_> = elongated.collect();
+    let Some(&(element, length, elongation)) = far.first() else { return };
+    let message = format!(
+        "element {}{} has an edge of length {length:e}, {elongation:.0} times as long as its shortest edge or as most \
+             edges",
+        element.name,
+        if far.len() > 1 { format!(" (and {} more)", far.len() - 1) } else { String::new() },
+    );
+    let help = "check the coordinates of its nodes: one may have a wrong power of ten";
+    warn_about("P144", message, (element.span, "this element"), help, report);
 }
 
 /// Checks the constants of the yield stress and of its rate dependence.

@@ -2,6 +2,7 @@
 
 pub(crate) mod connectors;
 pub(crate) mod equations;
+pub(crate) mod link_set;
 pub(crate) mod links;
 pub(crate) mod motions;
 pub(crate) mod surface_ties;

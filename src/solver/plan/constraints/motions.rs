@@ -7,8 +7,12 @@ use crate::constraint::Constraint;
 use crate::constraint::motion::{PrescribedMotion, PrescribedQuantity};
 use crate::constraint::user_motion::{UserDof, UserMotion};
 use crate::deck::{Diagnostic, Span};
-use crate::model::{self, BoundaryCondition, Step};
-use crate::plan::Compiler;
+use crate::model::{self, BoundaryCondition, Model, Step};
+use crate::plan::bodies::rigid_bodies_3d::refuse_on_spatial_body;
+use crate::plan::loads::magnitude;
+use crate::plan::meshes::places::SolidPlaces;
+use crate::plan::report::Report;
+use crate::plan::scene::{Scene, Shared};
 use crate::plan::steps::{ConstraintList, ConstraintOrigin};
 use crate::state::dofs::Dof;
 use crate::state::magnitude::Magnitude;
@@ -19,195 +23,202 @@ type BodyMotions = HashMap<usize, (PrescribedQuantity, f64)>;
 /// Names of the directions that each line of `*BOUNDARY` prescribes, by its place, set and kind of motion.
 type LineDirections<'a> = HashMap<(Span, &'a str, model::MotionKind), Vec<&'static str>>;
 
-impl<'a> Compiler<'a> {
-    /// Adds the prescribed motions of a step and the condition r = 0 on the axis.
-    pub(crate) fn motions(&mut self, step: &'a Step, list: &mut ConstraintList<'a>) {
-        let (mut taken, mut nodes) = (BodyMotions::new(), HashSet::new());
-        let directions = self.directions_of_lines(step);
-        for boundary in step.boundaries.iter().filter(|b| b.kind != model::MotionKind::Temperature) {
-            let dofs = self.dofs(boundary, &mut taken, &mut nodes);
-            if dofs.is_empty() {
-                continue;
-            }
-            let origin = ConstraintOrigin::Motion(boundary, dofs.iter().map(|d| d.0).collect());
-            let Err(origin) = list.keep(origin) else { continue };
-            let ways = directions.get(&line_of(boundary)).map_or_else(String::new, |ways| ways.join(" and "));
-            if let Some(motion) = self.motion(boundary, &ways, dofs, list) {
-                list.add(origin, motion);
-            }
-        }
-        self.axis(step, &nodes, list);
-    }
-
-    /// Returns the degrees of freedom that a boundary condition prescribes, with their mesh nodes.
-    fn dofs(
-        &mut self,
-        boundary: &BoundaryCondition,
-        taken: &mut BodyMotions,
-        nodes: &mut HashSet<Dof>,
-    ) -> Vec<(Dof, usize)> {
-        let mut dofs = Vec::new();
-        let (kind, value) = prescribed(boundary);
-        let mut radial = false;
-        for &node in &boundary.nodes {
-            if let Some(&place) = self.places.rotations.get(&node).filter(|_| boundary.dof == 6) {
-                let dof = Dof::Node(place, 0);
-                if nodes.insert(dof) {
-                    dofs.push((dof, node));
-                }
-                continue;
-            }
-            if let Some(place) = self.places.free_node(node) {
-                let dof = Dof::Node(place, usize::from(boundary.dof).wrapping_sub(1));
-                if boundary.dof <= 2 && nodes.insert(dof) {
-                    dofs.push((dof, node));
-                }
-                continue;
-            }
-            let Some(&body) = self.body_of_node.get(&node) else { continue };
-            if self.bodies[body].spatial {
-                let name = self.bodies[body].name.clone();
-                self.refuse_on_spatial_body(boundary.span, &name, "a prescribed motion (*BOUNDARY)");
-                continue;
-            }
-            if boundary.dof != 2 {
-                radial = true;
-            } else if self.bodies[body].reference != node {
-                self.dependent_node(boundary, node);
-            } else if let Some(other) = taken.get(&body) {
-                if *other != (kind, value) {
-                    let message =
-                        format!("body `{}` has two different prescribed motions along z", self.bodies[body].name);
-                    self.diagnostics
-                        .push(Diagnostic::error("P008", message).at(boundary.span, "second prescribed motion"));
-                }
-            } else {
-                taken.insert(body, (kind, value));
-                dofs.push((Dof::Body(body), node));
-            }
-        }
-        if radial {
-            self.radial_boundary(boundary);
-        }
-        dofs
-    }
-
-    /// Returns the names of all directions of each boundary line, which may be several (ENCASTRE).
-    fn directions_of_lines(&self, step: &'a Step) -> LineDirections<'a> {
-        let turns = |b: &BoundaryCondition| b.dof == 6 && b.nodes.iter().any(|n| self.places.rotations.contains_key(n));
-        let mut directions = LineDirections::new();
-        for boundary in step.boundaries.iter().filter(|b| b.dof <= 2 || turns(b)) {
-            directions.entry(line_of(boundary)).or_default().push(along(boundary));
-        }
-        directions.values_mut().for_each(Vec::dedup);
-        directions
-    }
-
-    fn motion(
-        &mut self,
-        boundary: &BoundaryCondition,
-        ways: &str,
-        dofs: Vec<(Dof, usize)>,
-        list: &mut ConstraintList<'a>,
-    ) -> Option<Box<dyn Constraint>> {
-        if boundary.user {
-            return self.user_motion(boundary, dofs, list);
-        }
-        let (kind, value) = prescribed(boundary);
-        let detail = match (kind, value) {
-            (PrescribedQuantity::Displacement, 0.0) => format!("{}: fixed along {ways}", boundary.set),
-            _ => format!("{}: {} {value} along {ways}", boundary.set, format!("{kind:?}").to_lowercase()),
-        };
-        let id = self.ledger_row(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
-        let magnitude = self.magnitude(value, boundary.amplitude);
-        let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
-        Some(Box::new(PrescribedMotion::new(id, kind, magnitude, &dofs)))
-    }
-
-    /// Creates the motion of `*BOUNDARY, USER`. VDISP is called once per increment for each degree of freedom.
-    fn user_motion(
-        &mut self,
-        boundary: &BoundaryCondition,
-        dofs: Vec<(Dof, usize)>,
-        list: &mut ConstraintList<'a>,
-    ) -> Option<Box<dyn Constraint>> {
-        if boundary.dof == 6 {
-            let message = "rotations of shells cannot be prescribed by a user subroutine";
-            return self.diagnostics.refuse(Diagnostic::error("P015", message).at(boundary.span, "here"));
-        }
-        if self.routines.motion.is_none() {
-            let asks = format!("the motion of `{}` is user-defined (*BOUNDARY, USER)", boundary.set);
-            self.report_missing_routine(boundary.span, "motion", &asks, "vdisp");
-            return None;
-        }
-        self.called_routines.push("vdisp");
-        let (kind, _) = prescribed(boundary);
-        let detail = format!("{}: {kind:?} along {} by vdisp", boundary.set, along(boundary)).to_lowercase();
-        let id = self.ledger_row(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
-        let mesh = &self.model.mesh;
-        let asked = |&(dof, node): &(Dof, usize)| UserDof {
-            dof,
-            number: mesh.node_names[node].parse().unwrap_or(node as i32 + 1),
-            reference: mesh.points[node],
-            offset: 0.0,
-        };
-        let first = self.user_amplitude_count;
-        self.user_amplitude_count += dofs.len();
-        let (set, asked) = (boundary.set.to_uppercase(), dofs.iter().map(asked).collect());
-        let amplitude = self.magnitude(1.0, boundary.amplitude);
-        list.add_user_motion(UserMotion {
-            set,
-            kind,
-            amplitude,
-            asked,
-            first,
-            increment_before: 0.0,
-            has_begun: false,
-        });
-        let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
-        Some(Box::new(PrescribedMotion::from_user_amplitudes(id, kind, first, &dofs)))
-    }
-
-    fn axis(&mut self, step: &Step, nodes: &HashSet<Dof>, list: &mut ConstraintList<'a>) {
-        let mesh = &self.model.mesh;
-        let on_axis = |n: &usize| mesh.points[*n][0] == 0.0;
-        let free = self.places.nodes.keys().filter(|n| on_axis(n)).filter_map(|n| self.places.free_node(n));
-        // Rotations are zero on the axis, where a shell would have a kink otherwise, and on rigid bodies.
-        let carried = |n: &usize| self.places.tied.contains_key(n);
-        let turning: Vec<usize> =
-            self.places.rotations.iter().filter(|(n, _)| on_axis(n) || carried(n)).map(|r| *r.1).collect();
-        let detail =
-            if turning.is_empty() { "r = 0" } else { "r = 0; rotations on the axis and on rigid bodies are zero" };
-        let all = free.chain(turning);
-        let dofs: Vec<Dof> = all.map(|place| Dof::Node(place, 0)).filter(|dof| !nodes.contains(dof)).collect();
+/// Adds the prescribed motions of a step and the condition r = 0 on the axis.
+pub(crate) fn add_motions<'a>(
+    scene: Scene<'a>,
+    step: &'a Step,
+    list: &mut ConstraintList<'a>,
+    shared: &mut Shared,
+    report: &mut Report<'_>,
+) {
+    let (mut taken, mut nodes) = (BodyMotions::new(), HashSet::new());
+    let directions = directions_of_lines(scene.places, step);
+    for boundary in step.boundaries.iter().filter(|b| b.kind != model::MotionKind::Temperature) {
+        let dofs = prescribed_dofs(scene, boundary, &mut taken, &mut nodes, report);
         if dofs.is_empty() {
-            return;
+            continue;
         }
-        if let Err(origin) = list.keep(ConstraintOrigin::Axis(dofs.clone())) {
-            let id = self.ledger_row(step.span, "axis of symmetry", dofs.len(), "nodes", detail.into());
-            let held = PrescribedMotion::new(id, PrescribedQuantity::Velocity, Magnitude::constant(0.0), &dofs);
-            list.add(origin, Box::new(held));
+        let origin = ConstraintOrigin::Motion(boundary, dofs.iter().map(|d| d.0).collect());
+        let Err(origin) = list.keep(origin) else { continue };
+        let ways = directions.get(&line_of(boundary)).map_or_else(String::new, |ways| ways.join(" and "));
+        if let Some(motion) = add_motion(scene, boundary, &ways, dofs, list, shared, report) {
+            list.add(origin, motion);
         }
     }
+    hold_axis(scene, step, &nodes, list, report);
+}
 
-    fn radial_boundary(&mut self, boundary: &BoundaryCondition) {
-        if boundary.value == 0.0 {
-            let what = format!("*BOUNDARY {}, {}", boundary.set, boundary.dof);
-            self.add_unused_card(boundary.span, what, "a rigid body of revolution moves along z only");
+/// Returns the degrees of freedom that a boundary condition prescribes, with their mesh nodes.
+fn prescribed_dofs(
+    scene: Scene<'_>,
+    boundary: &BoundaryCondition,
+    taken: &mut BodyMotions,
+    nodes: &mut HashSet<Dof>,
+    report: &mut Report<'_>,
+) -> Vec<(Dof, usize)> {
+    let mut dofs = Vec::new();
+    let (kind, value) = prescribed(boundary);
+    let mut radial = false;
+    for &node in &boundary.nodes {
+        if let Some(&place) = scene.places.rotations.get(&node).filter(|_| boundary.dof == 6) {
+            let dof = Dof::Node(place, 0);
+            if nodes.insert(dof) {
+                dofs.push((dof, node));
+            }
+            continue;
+        }
+        if let Some(place) = scene.places.free_node(node) {
+            let dof = Dof::Node(place, usize::from(boundary.dof).wrapping_sub(1));
+            if boundary.dof <= 2 && nodes.insert(dof) {
+                dofs.push((dof, node));
+            }
+            continue;
+        }
+        let Some(&body) = scene.bodies.of_node.get(&node) else { continue };
+        if scene.bodies.list[body].spatial {
+            let name = scene.bodies.list[body].name.clone();
+            refuse_on_spatial_body(boundary.span, &name, "a prescribed motion (*BOUNDARY)", report);
+            continue;
+        }
+        if boundary.dof != 2 {
+            radial = true;
+        } else if scene.bodies.list[body].reference != node {
+            dependent_node(scene.model, boundary, node, report);
+        } else if let Some(other) = taken.get(&body) {
+            if *other != (kind, value) {
+                let message =
+                    format!("body `{}` has two different prescribed motions along z", scene.bodies.list[body].name);
+                report
+                    .diagnostics
+                    .push(Diagnostic::error("P008", message).at(boundary.span, "second prescribed motion"));
+            }
         } else {
-            let message = "radial motion or rotation of a rigid body of revolution cannot be prescribed";
-            self.diagnostics.push(
-                Diagnostic::error("P103", message).at(boundary.span, "only degree of freedom 2 (z) can be prescribed"),
-            );
+            taken.insert(body, (kind, value));
+            dofs.push((Dof::Body(body), node));
         }
     }
-
-    fn dependent_node(&mut self, boundary: &BoundaryCondition, node: usize) {
-        let name = &self.model.mesh.node_names[node];
-        let message = format!("node {name} follows its rigid body; its motion cannot be prescribed");
-        let finding = Diagnostic::error("P007", message).at(boundary.span, "here");
-        self.diagnostics.push(finding.help("prescribe the motion of the body's REF NODE"));
+    if radial {
+        radial_boundary(boundary, report);
     }
+    dofs
+}
+
+/// Returns the names of all directions of each boundary line, which may be several (ENCASTRE).
+fn directions_of_lines<'a>(places: &'a SolidPlaces, step: &'a Step) -> LineDirections<'a> {
+    let turns = |b: &BoundaryCondition| b.dof == 6 && b.nodes.iter().any(|n| places.rotations.contains_key(n));
+    let mut directions = LineDirections::new();
+    for boundary in step.boundaries.iter().filter(|b| b.dof <= 2 || turns(b)) {
+        directions.entry(line_of(boundary)).or_default().push(along(boundary));
+    }
+    directions.values_mut().for_each(Vec::dedup);
+    directions
+}
+
+fn add_motion<'a>(
+    scene: Scene<'a>,
+    boundary: &BoundaryCondition,
+    ways: &str,
+    dofs: Vec<(Dof, usize)>,
+    list: &mut ConstraintList<'a>,
+    shared: &mut Shared,
+    report: &mut Report<'_>,
+) -> Option<Box<dyn Constraint>> {
+    if boundary.user {
+        return add_user_motion(scene, boundary, dofs, list, shared, report);
+    }
+    let (kind, value) = prescribed(boundary);
+    let detail = match (kind, value) {
+        (PrescribedQuantity::Displacement, 0.0) => format!("{}: fixed along {ways}", boundary.set),
+        _ => format!("{}: {} {value} along {ways}", boundary.set, format!("{kind:?}").to_lowercase()),
+    };
+    let id = report.ledger_row(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
+    let magnitude = magnitude(scene, value, boundary.amplitude, shared, report);
+    let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
+    Some(Box::new(PrescribedMotion::new(id, kind, magnitude, &dofs)))
+}
+
+/// Creates the motion of `*BOUNDARY, USER`. VDISP is called once per increment for each degree of freedom.
+fn add_user_motion<'a>(
+    scene: Scene<'a>,
+    boundary: &BoundaryCondition,
+    dofs: Vec<(Dof, usize)>,
+    list: &mut ConstraintList<'a>,
+    shared: &mut Shared,
+    report: &mut Report<'_>,
+) -> Option<Box<dyn Constraint>> {
+    if boundary.dof == 6 {
+        let message = "rotations of shells cannot be prescribed by a user subroutine";
+        return report.diagnostics.refuse(Diagnostic::error("P015", message).at(boundary.span, "here"));
+    }
+    if report.routines.motion.is_none() {
+        let asks = format!("the motion of `{}` is user-defined (*BOUNDARY, USER)", boundary.set);
+        report.report_missing_routine(boundary.span, "motion", &asks, "vdisp");
+        return None;
+    }
+    report.called_routines.push("vdisp");
+    let (kind, _) = prescribed(boundary);
+    let detail = format!("{}: {kind:?} along {} by vdisp", boundary.set, along(boundary)).to_lowercase();
+    let id = report.ledger_row(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
+    let mesh = &scene.model.mesh;
+    let asked = |&(dof, node): &(Dof, usize)| UserDof {
+        dof,
+        number: mesh.node_names[node].parse().unwrap_or(node as i32 + 1),
+        reference: mesh.points[node],
+        offset: 0.0,
+    };
+    let first = shared.amplitude_count;
+    shared.amplitude_count += dofs.len();
+    let (set, asked) = (boundary.set.to_uppercase(), dofs.iter().map(asked).collect());
+    let amplitude = magnitude(scene, 1.0, boundary.amplitude, shared, report);
+    list.add_user_motion(UserMotion { set, kind, amplitude, asked, first, increment_before: 0.0, has_begun: false });
+    let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
+    Some(Box::new(PrescribedMotion::from_user_amplitudes(id, kind, first, &dofs)))
+}
+
+fn hold_axis<'a>(
+    scene: Scene<'a>,
+    step: &Step,
+    nodes: &HashSet<Dof>,
+    list: &mut ConstraintList<'a>,
+    report: &mut Report<'_>,
+) {
+    let mesh = &scene.model.mesh;
+    let on_axis = |n: &usize| mesh.points[*n][0] == 0.0;
+    let free = scene.places.nodes.keys().filter(|n| on_axis(n)).filter_map(|n| scene.places.free_node(n));
+    // Rotations are zero on the axis, where a shell would have a kink otherwise, and on rigid bodies.
+    let carried = |n: &usize| scene.places.tied.contains_key(n);
+    let turning: Vec<usize> =
+        scene.places.rotations.iter().filter(|(n, _)| on_axis(n) || carried(n)).map(|r| *r.1).collect();
+    let detail = if turning.is_empty() { "r = 0" } else { "r = 0; rotations on the axis and on rigid bodies are zero" };
+    let all = free.chain(turning);
+    let dofs: Vec<Dof> = all.map(|place| Dof::Node(place, 0)).filter(|dof| !nodes.contains(dof)).collect();
+    if dofs.is_empty() {
+        return;
+    }
+    if let Err(origin) = list.keep(ConstraintOrigin::Axis(dofs.clone())) {
+        let id = report.ledger_row(step.span, "axis of symmetry", dofs.len(), "nodes", detail.into());
+        let held = PrescribedMotion::new(id, PrescribedQuantity::Velocity, Magnitude::constant(0.0), &dofs);
+        list.add(origin, Box::new(held));
+    }
+}
+
+fn radial_boundary(boundary: &BoundaryCondition, report: &mut Report<'_>) {
+    if boundary.value == 0.0 {
+        let what = format!("*BOUNDARY {}, {}", boundary.set, boundary.dof);
+        report.add_unused_card(boundary.span, what, "a rigid body of revolution moves along z only");
+    } else {
+        let message = "radial motion or rotation of a rigid body of revolution cannot be prescribed";
+        report.diagnostics.push(
+            Diagnostic::error("P103", message).at(boundary.span, "only degree of freedom 2 (z) can be prescribed"),
+        );
+    }
+}
+
+fn dependent_node(model: &Model, boundary: &BoundaryCondition, node: usize, report: &mut Report<'_>) {
+    let name = &model.mesh.node_names[node];
+    let message = format!("node {name} follows its rigid body; its motion cannot be prescribed");
+    let finding = Diagnostic::error("P007", message).at(boundary.span, "here");
+    report.diagnostics.push(finding.help("prescribe the motion of the body's REF NODE"));
 }
 
 /// Returns the line of `*BOUNDARY` of a condition: its place, set and kind of motion.

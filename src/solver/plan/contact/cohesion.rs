@@ -6,11 +6,15 @@ use crate::constraint::contact::{ContactConstraint, ContactPair};
 use crate::deck::Diagnostic;
 use crate::kernel::interaction::{CoulombFriction, InteractionLaw, PressureOverclosure};
 use crate::kernel::traction_separation::TractionSeparationLaw;
-use crate::model::{CohesiveBehavior, InitiationMeasure, InterfaceInitiation, SurfaceContact};
+use crate::model::{CohesiveBehavior, InitiationMeasure, InterfaceInitiation, Model, SurfaceContact};
+use crate::plan::State;
 use crate::plan::contact::curves::ContactGeometry;
 use crate::plan::contact::general::pair_name;
-use crate::plan::solids::cohesive::{criterion, initiation_law, softening};
-use crate::plan::{Compiler, State};
+use crate::plan::contact::penalty::spring_laws;
+use crate::plan::contact::walls::spatial_side;
+use crate::plan::report::Report;
+use crate::plan::scene::{Pairs, Scene, StepInput};
+use crate::plan::solids::cohesive::{check_energies, criterion, initiation_law, softening};
 use crate::variables::Variable;
 
 /// Cohesive behaviour of the contact of a step.
@@ -34,140 +38,141 @@ impl CohesionList<'_> {
     }
 }
 
-impl<'a> Compiler<'a> {
-    /// Returns the cohesive behaviour of a pair; `None` without one.
-    pub(crate) fn cohesion_of(&self, contact: &SurfaceContact) -> Option<&'a CohesiveBehavior> {
-        let model: &'a crate::model::Model = self.model;
-        model.interactions.get(contact.interaction?.index())?.cohesion.as_ref()
-    }
+/// Returns the cohesive behaviour of a pair; `None` without one.
+pub(crate) fn cohesion_of<'a>(model: &'a Model, contact: &SurfaceContact) -> Option<&'a CohesiveBehavior> {
+    model.interactions.get(contact.interaction?.index())?.cohesion.as_ref()
+}
 
-    /// Iterates over the cohesive behaviours of all pairs of all steps.
-    pub(crate) fn cohesive_behaviors(&self) -> impl Iterator<Item = &'a CohesiveBehavior> {
-        self.pairs.iter().flat_map(|pairs| pairs.iter()).filter_map(|contact| self.cohesion_of(contact))
-    }
+/// Iterates over the cohesive behaviours of all pairs of all steps.
+pub(crate) fn cohesive_behaviors<'a>(model: &'a Model, pairs: &'a Pairs) -> impl Iterator<Item = &'a CohesiveBehavior> {
+    pairs.by_step.iter().flat_map(|pairs| pairs.iter()).filter_map(|contact| cohesion_of(model, contact))
+}
 
-    /// Returns whether a pair has cohesive surfaces with a variable at nodes.
-    pub(crate) fn has_cohesive_variable(&self, wanted: Variable) -> bool {
-        self.cohesive_behaviors().any(|cohesion| {
-            wanted == Variable::SurfaceDamage || cohesion.initiation.as_ref().map(variable) == Some(wanted)
-        })
-    }
+/// Returns whether a pair has cohesive surfaces with a variable at nodes.
+pub(crate) fn has_cohesive_variable(model: &Model, pairs: &Pairs, wanted: Variable) -> bool {
+    cohesive_behaviors(model, pairs)
+        .any(|cohesion| wanted == Variable::SurfaceDamage || cohesion.initiation.as_ref().map(variable) == Some(wanted))
+}
 
-    /// Returns the nodes of the mesh on cohesive surfaces of a step.
-    pub(crate) fn cohesive_nodes(&self, step: usize) -> impl Iterator<Item = usize> {
-        let pairs = self.pairs[step].iter().filter(|contact| self.cohesion_of(contact).is_some());
-        let faces = pairs.flat_map(|contact| &contact.sides).flat_map(|side| &side.faces);
-        faces.filter_map(|&(element, side)| self.model.mesh.side_nodes(element, side)).flatten()
-    }
+/// Returns the nodes of the mesh on cohesive surfaces of a step.
+pub(crate) fn cohesive_nodes(model: &Model, pairs: &Pairs, step: usize) -> impl Iterator<Item = usize> {
+    let pairs = pairs.by_step[step].iter().filter(|contact| cohesion_of(model, contact).is_some());
+    let faces = pairs.flat_map(|contact| &contact.sides).flat_map(|side| &side.faces);
+    faces.filter_map(|&(element, side)| model.mesh.side_nodes(element, side)).flatten()
+}
 
-    /// Adds the cohesive behaviour of a pair, if its interaction has one. `index` is that of the pair, whose law is set.
-    pub(crate) fn add_cohesion<'c>(
-        &mut self,
-        (contact, index, pair): (&'c SurfaceContact, usize, &ContactPair),
-        (laws, springs): (&mut Vec<InteractionLaw>, &mut Vec<InteractionLaw>),
-        (found, state): (&ContactGeometry, &State),
-        list: &mut CohesionList<'c>,
-    ) -> Option<()> {
-        let Some(cohesion) = self.cohesion_of(contact) else { return Some(()) };
-        if pair.analytical.is_some() {
-            return self.refuse_analytical(contact, cohesion);
+/// Adds the cohesive behaviour of a pair, if its interaction has one. `index` is that of the pair, whose law is set.
+pub(crate) fn add_cohesion<'c>(
+    scene: Scene<'_>,
+    (contact, index, pair): (&'c SurfaceContact, usize, &ContactPair),
+    (laws, springs): (&mut Vec<InteractionLaw>, &mut Vec<InteractionLaw>),
+    (found, state): (&ContactGeometry, &State),
+    list: &mut CohesionList<'c>,
+    report: &mut Report<'_>,
+) -> Option<()> {
+    let Some(cohesion) = cohesion_of(scene.model, contact) else { return Some(()) };
+    if pair.analytical.is_some() {
+        return refuse_analytical(contact, cohesion, report);
+    }
+    let count = found.curves[pair.own].own.len();
+    let stiffnesses = match cohesion.stiffness {
+        Some(stiffness) => vec![stiffness],
+        None => {
+            let other = Some(pair.other.unwrap_or(pair.own));
+            let factor = contact.penalty.unwrap_or(1.0);
+            let own = spring_laws(scene, contact, factor, (pair.own, other), found, state, report)?;
+            own.iter().map(|law| [spring_stiffness(law); 2]).collect()
         }
-        let count = found.curves[pair.own].own.len();
-        let stiffnesses = match cohesion.stiffness {
-            Some(stiffness) => vec![stiffness],
-            None => {
-                let other = Some(pair.other.unwrap_or(pair.own));
-                let factor = contact.penalty.unwrap_or(1.0);
-                let own = self.springs(contact, factor, (pair.own, other), found, state)?;
-                own.iter().map(|law| [spring_stiffness(law); 2]).collect()
-            }
-        };
-        let (law, varies) = (list.laws.len(), cohesion.stiffness.is_none());
-        list.laws.extend(stiffnesses.into_iter().map(|stiffness| law_of(cohesion, stiffness)));
-        let first = &list.laws[law];
-        let name = contact.interaction.map_or("", |id| &self.model.interactions[id].name);
-        let origin = cohesion.initiation.as_ref().zip(cohesion.evolution.as_ref());
-        self.check_energies(origin, first, ("P027", &format!("surface interaction `{name}`"), STIFFNESS_CARD))?;
-        let frictionless =
-            |law: &InteractionLaw| InteractionLaw { friction: CoulombFriction::default(), ..law.clone() };
-        let intact = if pair.springs {
-            let own: Vec<InteractionLaw> = springs[pair.law..pair.law + count].iter().map(frictionless).collect();
-            springs.extend(own);
-            springs.len() - count
-        } else {
-            crate::plan::contact::place_of(laws, frictionless(&laws[pair.law]))
-        };
-        let mut cohesive = CohesivePair::new(index, (law, varies), intact);
-        cohesive.bonds_later = !cohesion.original_only;
-        cohesive.bonds_again = cohesion.repeated;
-        cohesive.criterion = cohesion.initiation.as_ref().map(variable);
-        list.pairs.push(cohesive);
-        list.origins.push((contact, cohesion.clone()));
-        Some(())
-    }
+    };
+    let (law, varies) = (list.laws.len(), cohesion.stiffness.is_none());
+    list.laws.extend(stiffnesses.into_iter().map(|stiffness| law_of(cohesion, stiffness)));
+    let first = &list.laws[law];
+    let name = contact.interaction.map_or("", |id| &scene.model.interactions[id].name);
+    let origin = cohesion.initiation.as_ref().zip(cohesion.evolution.as_ref());
+    check_energies(origin, first, ("P027", &format!("surface interaction `{name}`"), STIFFNESS_CARD), report)?;
+    let frictionless = |law: &InteractionLaw| InteractionLaw { friction: CoulombFriction::default(), ..law.clone() };
+    let intact = if pair.springs {
+        let own: Vec<InteractionLaw> = springs[pair.law..pair.law + count].iter().map(frictionless).collect();
+        springs.extend(own);
+        springs.len() - count
+    } else {
+        crate::plan::contact::place_of(laws, frictionless(&laws[pair.law]))
+    };
+    let mut cohesive = CohesivePair::new(index, (law, varies), intact);
+    cohesive.bonds_later = !cohesion.original_only;
+    cohesive.bonds_again = cohesion.repeated;
+    cohesive.criterion = cohesion.initiation.as_ref().map(variable);
+    list.pairs.push(cohesive);
+    list.origins.push((contact, cohesion.clone()));
+    Some(())
+}
 
-    fn refuse_analytical(&mut self, contact: &SurfaceContact, cohesion: &CohesiveBehavior) -> Option<()> {
-        let message = format!("the pair {} cannot be cohesive: it has an analytical surface", pair_name(contact));
-        let finding = Diagnostic::error("P027", message).at(contact.span, "this pair");
-        let help = "use a rigid body of elements (RAX2) in place of the analytical surface, or an interaction without \
+fn refuse_analytical(contact: &SurfaceContact, cohesion: &CohesiveBehavior, report: &mut Report<'_>) -> Option<()> {
+    let message = format!("the pair {} cannot be cohesive: it has an analytical surface", pair_name(contact));
+    let finding = Diagnostic::error("P027", message).at(contact.span, "this pair");
+    let help = "use a rigid body of elements (RAX2) in place of the analytical surface, or an interaction without \
                     *COHESIVE BEHAVIOR";
-        self.diagnostics.refuse(finding.at(cohesion.span, "the cohesive behaviour of its interaction").help(help))
-    }
+    report.diagnostics.refuse(finding.at(cohesion.span, "the cohesive behaviour of its interaction").help(help))
+}
 
-    /// Reports the pairs of oblique bodies with cohesive behaviour.
-    pub(crate) fn refuse_cohesive_walls(&mut self, step: usize) {
-        let walls: Vec<SurfaceContact> =
-            self.pairs[step].iter().filter(|pair| self.spatial_side(pair).is_some()).cloned().collect();
-        for contact in &walls {
-            if let Some(cohesion) = self.cohesion_of(contact) {
-                self.refuse_analytical(contact, cohesion);
-            }
-        }
-    }
-
-    /// Creates the ledger rows of cohesive pairs, with the number of points that are bonded at the start, and warns of pairs
-    /// without any and of damage that cannot begin. The pairs of general contact with one interaction share a row.
-    pub(crate) fn report_cohesion(&mut self, list: &CohesionList<'_>, contact: &ContactConstraint, step: usize) {
-        let mut groups: Vec<CohesiveGroup<'_>> = Vec::new();
-        for (cohesive, (origin, cohesion)) in list.pairs.iter().zip(&list.origins) {
-            let Some([bonded, all]) = contact.bonded_points(cohesive.pair) else { continue };
-            let is_of = |group: &&mut CohesiveGroup<'_>| {
-                (group.origin.span, group.cohesion.span) == (origin.span, cohesion.span)
-            };
-            match groups.iter_mut().find(is_of) {
-                Some(group) => group.add(origin, [bonded, all]),
-                None => groups.push(CohesiveGroup::new(origin, cohesion, [bonded, all])),
-            }
-        }
-        for group in &groups {
-            let CohesiveGroup { origin, cohesion, names, points: [bonded, all] } = group;
-            let mut parts = vec![names.join(", "), stiffness_text(cohesion)];
-            parts.extend((step == 0).then(|| format!("{bonded} of {all} points bonded at the start")));
-            parts.extend((!cohesion.original_only).then(|| "bonds on later contact".into()));
-            parts.extend(cohesion.repeated.then(|| "bonds again after failure".into()));
-            parts.extend(cohesion.initiation.as_ref().map(|i| format!("damage by {}", criterion(i))));
-            parts.extend(cohesion.evolution.as_ref().map(|e| softening(&e.softening)));
-            parts.extend((cohesion.viscosity > 0.0).then(|| format!("viscosity {:e}", cohesion.viscosity)));
-            self.ledger_row(origin.span, "cohesive contact", *all, "points", parts.join(", "));
-            self.warn_of_cohesion(group, step);
+/// Reports the pairs of oblique bodies with cohesive behaviour.
+pub(crate) fn refuse_cohesive_walls(input: StepInput<'_>, report: &mut Report<'_>) {
+    let StepInput { scene, pairs, index: step, .. } = input;
+    let walls: Vec<SurfaceContact> =
+        pairs.by_step[step].iter().filter(|pair| spatial_side(scene.bodies, pair).is_some()).cloned().collect();
+    for contact in &walls {
+        if let Some(cohesion) = cohesion_of(scene.model, contact) {
+            refuse_analytical(contact, cohesion, report);
         }
     }
+}
 
-    fn warn_of_cohesion(&mut self, group: &CohesiveGroup<'_>, step: usize) {
-        let CohesiveGroup { origin, cohesion, names, points: [bonded, _] } = group;
-        let pairs = names.join(", ");
-        if let (Some(initiation), None) = (cohesion.initiation, &cohesion.evolution) {
-            let message = format!("the cohesive surfaces of {pairs} are never damaged");
-            let finding = Diagnostic::warning("P147", message).at(initiation.span, "no *DAMAGE EVOLUTION after it");
-            self.diagnostics.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
+/// Creates the ledger rows of cohesive pairs, with the number of points that are bonded at the start, and warns of pairs
+/// without any and of damage that cannot begin. The pairs of general contact with one interaction share a row.
+pub(crate) fn report_cohesion(
+    list: &CohesionList<'_>,
+    contact: &ContactConstraint,
+    step: usize,
+    report: &mut Report<'_>,
+) {
+    let mut groups: Vec<CohesiveGroup<'_>> = Vec::new();
+    for (cohesive, (origin, cohesion)) in list.pairs.iter().zip(&list.origins) {
+        let Some([bonded, all]) = contact.bonded_points(cohesive.pair) else { continue };
+        let is_of =
+            |group: &&mut CohesiveGroup<'_>| (group.origin.span, group.cohesion.span) == (origin.span, cohesion.span);
+        match groups.iter_mut().find(is_of) {
+            Some(group) => group.add(origin, [bonded, all]),
+            None => groups.push(CohesiveGroup::new(origin, cohesion, [bonded, all])),
         }
-        if step == 0 && *bonded == 0 && cohesion.original_only {
-            let message = format!("no point of {pairs} is bonded: the surfaces are apart at the start");
-            let finding = Diagnostic::warning("P148", message).at(origin.span, "this contact");
-            let help = "close the gap with ADJUST on *CONTACT PAIR or *CONTACT CLEARANCE, or give \
+    }
+    for group in &groups {
+        let CohesiveGroup { origin, cohesion, names, points: [bonded, all] } = group;
+        let mut parts = vec![names.join(", "), stiffness_text(cohesion)];
+        parts.extend((step == 0).then(|| format!("{bonded} of {all} points bonded at the start")));
+        parts.extend((!cohesion.original_only).then(|| "bonds on later contact".into()));
+        parts.extend(cohesion.repeated.then(|| "bonds again after failure".into()));
+        parts.extend(cohesion.initiation.as_ref().map(|i| format!("damage by {}", criterion(i))));
+        parts.extend(cohesion.evolution.as_ref().map(|e| softening(&e.softening)));
+        parts.extend((cohesion.viscosity > 0.0).then(|| format!("viscosity {:e}", cohesion.viscosity)));
+        report.ledger_row(origin.span, "cohesive contact", *all, "points", parts.join(", "));
+        warn_of_cohesion(group, step, report);
+    }
+}
+
+fn warn_of_cohesion(group: &CohesiveGroup<'_>, step: usize, report: &mut Report<'_>) {
+    let CohesiveGroup { origin, cohesion, names, points: [bonded, _] } = group;
+    let pairs = names.join(", ");
+    if let (Some(initiation), None) = (cohesion.initiation, &cohesion.evolution) {
+        let message = format!("the cohesive surfaces of {pairs} are never damaged");
+        let finding = Diagnostic::warning("P147", message).at(initiation.span, "no *DAMAGE EVOLUTION after it");
+        report.diagnostics.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
+    }
+    if step == 0 && *bonded == 0 && cohesion.original_only {
+        let message = format!("no point of {pairs} is bonded: the surfaces are apart at the start");
+        let finding = Diagnostic::warning("P148", message).at(origin.span, "this contact");
+        let help = "close the gap with ADJUST on *CONTACT PAIR or *CONTACT CLEARANCE, or give \
                         ELIGIBILITY=CURRENT CONTACTS on *COHESIVE BEHAVIOR";
-            self.diagnostics.push(finding.at(cohesion.span, "ELIGIBILITY=ORIGINAL CONTACTS").help(help));
-        }
+        report.diagnostics.push(finding.at(cohesion.span, "ELIGIBILITY=ORIGINAL CONTACTS").help(help));
     }
 }
 

@@ -7,9 +7,11 @@ use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, bounding_box};
-use crate::model::{ElementSide, GeneralContact, Mesh, SideSelection, SurfaceContact};
-use crate::plan::Compiler;
+use crate::model::{ElementSide, GeneralContact, Mesh, Model, SideSelection, SurfaceContact};
 use crate::plan::meshes::pieces::pieces;
+use crate::plan::report::Report;
+use crate::plan::scene::StepInput;
+use crate::plan::solids::user_material::deletes;
 
 /// Maximum penetration of a facet, in facet lengths.
 const DEEPEST: f64 = 2.0;
@@ -36,6 +38,7 @@ pub(crate) struct ContactGeometry {
 
 /// Data that points and facets depend on.
 pub(crate) struct CurveContext<'a> {
+    pub(crate) input: StepInput<'a>,
     /// Degrees of freedom (node, axis) that are prescribed, directly or by nodes with equal motion.
     pub(crate) prescribed: &'a HashSet<(usize, usize)>,
     /// Degrees of freedom in equations.
@@ -109,176 +112,169 @@ fn has_both_sides(sides: &SideSelection, pairs: &[SurfaceContact]) -> bool {
     pairs.iter().filter(|p| p.general).any(|p| p.sides.iter().any(|s| s.faces.contains(&other)))
 }
 
-impl Compiler<'_> {
-    /// Returns the index of the curve of one surface of a pair. Unsupported surfaces are reported as errors.
-    pub(crate) fn curve(
-        &mut self,
-        contact: &SurfaceContact,
-        which: usize,
-        around: &CurveContext<'_>,
-        found: &mut ContactGeometry,
-    ) -> Option<usize> {
-        let sides = &contact.sides[which];
-        let key = (sides.name.clone(), contact.no_thickness);
-        if let Some(&known) = found.by_name.get(&key) {
-            return Some(known);
-        }
-        let (mut facets, mut facet_elements, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
-        for &(element, side) in &sides.faces {
-            let Some(mut ends) = self.model.mesh.side_nodes(element, side) else { continue };
-            // The body is to the left of a facet. On the positive side of a shell the direction is reversed.
-            if side == ElementSide::Positive {
-                ends.reverse();
-            }
-            let points = ends.map(|node| self.point_of(node, around, found));
-            let facet = match points {
-                [Ok(a), Ok(b)] => [a, b],
-                // Tied surfaces are inside a body. General contact contains them, although the deck does not name them.
-                [Err(PointRefusal::Equation(node)), _] | [_, Err(PointRefusal::Equation(node))] if contact.general => {
-                    left_out.push(node);
-                    continue;
-                }
-                [Err(why), _] | [_, Err(why)] => {
-                    let finding = Diagnostic::error("P021", why.message(&self.model.mesh));
-                    return self.diagnostics.refuse(finding.at(contact.span, "this pair"));
-                }
-            };
-            facets.push((facet, element));
-            facet_elements.push((element, ends));
-        }
-        self.warn_of_left_out(contact, &sides.name, &left_out);
-        // Facets on the axis are inside a body.
-        facets.retain(|(f, _)| f.iter().any(|&p| found.places[p as usize][0] != 0.0));
-        facet_elements.retain(|(_, ends)| ends.iter().any(|&n| self.model.mesh.points[n][0] != 0.0));
-        if facets.is_empty() {
-            let message = format!("surface `{}` has no facets off the axis", sides.name);
-            return self.diagnostics.refuse(Diagnostic::error("P021", message).at(contact.span, "this pair"));
-        }
-        let exposed_count = facets.len();
-        if self.deletes() {
-            self.hidden_facets(around, found, &mut facets);
-        }
-        let lift =
-            facets.iter().map(|f| if contact.no_thickness { 0.0 } else { 0.5 * self.thickness_of(f.1) }).collect();
-        let curve = found.add_curve(&facets, lift, exposed_count, (around.skin, &self.shells_of(sides)));
-        found.curves[curve].is_side_of_line =
-            contact.general && self.thickness_of(facets[0].1) == 0.0 && has_both_sides(sides, around.pairs);
-        found.facet_elements.push(facet_elements);
-        found.by_name.insert(key, curve);
-        Some(curve)
+/// Returns the index of the curve of one surface of a pair. Unsupported surfaces are reported as errors.
+pub(crate) fn add_curve(
+    contact: &SurfaceContact,
+    which: usize,
+    around: &CurveContext<'_>,
+    found: &mut ContactGeometry,
+    report: &mut Report<'_>,
+) -> Option<usize> {
+    let StepInput { scene, .. } = around.input;
+    let sides = &contact.sides[which];
+    let key = (sides.name.clone(), contact.no_thickness);
+    if let Some(&known) = found.by_name.get(&key) {
+        return Some(known);
     }
-
-    /// Warns of the facets that general contact leaves out because of nodes in equations.
-    fn warn_of_left_out(&mut self, contact: &SurfaceContact, surface: &str, nodes: &[usize]) {
-        let Some(&first) = nodes.first() else { return };
-        let name = &self.model.mesh.node_names[first];
-        let count = nodes.len();
-        let message = format!("{count} facets of `{surface}` are not in contact, because their nodes are in equations");
-        let finding = Diagnostic::warning("P123", message).at(contact.span, format!("for example at node {name}"));
-        self.diagnostics.push(finding.help("no other body must reach these facets; tied faces are inside a body"));
-    }
-
-    /// Adds the interior faces of the bodies of the exposed facets, one per side. They are exposed when the element in
-    /// front is deleted.
-    fn hidden_facets(
-        &self,
-        around: &CurveContext<'_>,
-        found: &mut ContactGeometry,
-        facets: &mut Vec<([u32; 2], usize)>,
-    ) {
-        let mesh = &self.model.mesh;
-        let own: HashSet<usize> = facets.iter().map(|f| f.1).collect();
-        let solids: Vec<usize> = self.places.elements.keys().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
-        for piece in pieces(mesh, &solids).iter().filter(|p| p.iter().any(|e| own.contains(e))) {
-            let edges = |e: usize| {
-                let nodes = &mesh.elements[e].nodes;
-                (0..nodes.len()).map(move |i| [nodes[i], nodes[(i + 1) % nodes.len()]])
-            };
-            let all: HashSet<[usize; 2]> = piece.iter().flat_map(|&e| edges(e)).collect();
-            for &e in piece {
-                for edge in edges(e).filter(|[a, b]| all.contains(&[*b, *a])) {
-                    let points = edge.map(|node| match found.point_of_node.get(&node) {
-                        Some(&known) => Some(known),
-                        None => {
-                            let point = self.contact_point(node, around).ok()?;
-                            Some(found.add(node, point, mesh.points[node]))
-                        }
-                    });
-                    // Faces with dependent nodes are left out, because these cannot be in contact.
-                    if let [Some(a), Some(b)] = points {
-                        facets.push(([a, b], e));
-                    }
-                }
-            }
+    let (mut facets, mut facet_elements, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
+    for &(element, side) in &sides.faces {
+        let Some(mut ends) = scene.model.mesh.side_nodes(element, side) else { continue };
+        // The body is to the left of a facet. On the positive side of a shell the direction is reversed.
+        if side == ElementSide::Positive {
+            ends.reverse();
         }
-    }
-
-    /// Returns the initial thickness of a shell element; 0 for other elements.
-    fn thickness_of(&self, element: usize) -> f64 {
-        let section = self.model.shell_sections.iter().find(|s| s.elements.contains(&element));
-        section.map_or(0.0, |s| s.thickness)
-    }
-
-    pub(crate) fn point_of(
-        &self,
-        node: usize,
-        around: &CurveContext<'_>,
-        found: &mut ContactGeometry,
-    ) -> Result<u32, PointRefusal> {
-        match found.point_of_node.get(&node) {
-            Some(&known) => Ok(known),
-            None => Ok(found.add(node, self.contact_point(node, around)?, self.model.mesh.points[node])),
-        }
-    }
-
-    /// Returns the node or rigid body of a contact point, and the axes along which it is free.
-    fn contact_point(
-        &self,
-        node: usize,
-        CurveContext { prescribed, in_equations, .. }: &CurveContext<'_>,
-    ) -> Result<SurfacePoint, PointRefusal> {
-        let mesh = &self.model.mesh;
-        if let Some(place) = self.places.free_node(node) {
-            if in_equations.contains(&(place, 0)) || in_equations.contains(&(place, 1)) {
-                return Err(PointRefusal::Equation(node));
-            }
-            let free = [0, 1].map(|axis| !prescribed.contains(&(place, axis)));
-            return Ok(SurfacePoint { carrier: PointCarrier::Node(place), free });
-        }
-        let body = self.places.tied.get(&node).or_else(|| self.body_of_node.get(&node));
-        match body {
-            Some(&body) => {
-                Ok(SurfacePoint { carrier: PointCarrier::Body(body, mesh.points[node]), free: [false, true] })
-            }
-            None => Err(PointRefusal::NoBody(node)),
-        }
-    }
-
-    /// Returns the outline of all solid elements, without edges on the axis.
-    pub(crate) fn solid_skin(&self) -> SolidOutline {
-        let mesh = &self.model.mesh;
-        let solids: Vec<usize> = (0..mesh.elements.len()).filter(|e| mesh.elements[*e].kind.is_solid()).collect();
-        let mut skin = SolidOutline::default();
-        for (piece, elements) in pieces(mesh, &solids).into_iter().enumerate() {
-            skin.piece_of.extend(elements.into_iter().map(|e| (e, piece)));
-        }
-        for (element, side) in mesh.exterior_faces() {
-            let (Some(ends), Some(&piece)) = (mesh.side_nodes(element, side), skin.piece_of.get(&element)) else {
+        let points = ends.map(|node| point_of(node, around, found));
+        let facet = match points {
+            [Ok(a), Ok(b)] => [a, b],
+            // Tied surfaces are inside a body. General contact contains them, although the deck does not name them.
+            [Err(PointRefusal::Equation(node)), _] | [_, Err(PointRefusal::Equation(node))] if contact.general => {
+                left_out.push(node);
                 continue;
-            };
-            let edge = ends.map(|n| mesh.points[n]);
-            skin.edges.extend(is_off_axis(&edge).then_some((edge, piece)));
-        }
-        skin.sorted.sort(skin.edges.iter().map(|e| bounding_box(e.0)).zip(0..));
-        skin
+            }
+            [Err(why), _] | [_, Err(why)] => {
+                let finding = Diagnostic::error("P021", why.message(&scene.model.mesh));
+                return report.diagnostics.refuse(finding.at(contact.span, "this pair"));
+            }
+        };
+        facets.push((facet, element));
+        facet_elements.push((element, ends));
     }
+    warn_of_left_out(scene.model, contact, &sides.name, &left_out, report);
+    // Facets on the axis are inside a body.
+    facets.retain(|(f, _)| f.iter().any(|&p| found.places[p as usize][0] != 0.0));
+    facet_elements.retain(|(_, ends)| ends.iter().any(|&n| scene.model.mesh.points[n][0] != 0.0));
+    if facets.is_empty() {
+        let message = format!("surface `{}` has no facets off the axis", sides.name);
+        return report.diagnostics.refuse(Diagnostic::error("P021", message).at(contact.span, "this pair"));
+    }
+    let exposed_count = facets.len();
+    if deletes(scene) {
+        hidden_facets(around, found, &mut facets);
+    }
+    let lift =
+        facets.iter().map(|f| if contact.no_thickness { 0.0 } else { 0.5 * thickness_of(scene.model, f.1) }).collect();
+    let curve = found.add_curve(&facets, lift, exposed_count, (around.skin, &shells_of(scene.model, sides)));
+    found.curves[curve].is_side_of_line =
+        contact.general && thickness_of(scene.model, facets[0].1) == 0.0 && has_both_sides(sides, around.pairs);
+    found.facet_elements.push(facet_elements);
+    found.by_name.insert(key, curve);
+    Some(curve)
+}
 
-    fn shells_of(&self, sides: &SideSelection) -> Vec<MeridianEdge> {
-        let mesh = &self.model.mesh;
-        let shells = sides.faces.iter().filter(|f| matches!(f.1, ElementSide::Positive | ElementSide::Negative));
-        let shells = shells.filter_map(|&(e, side)| mesh.side_nodes(e, side)).map(|e| e.map(|n| mesh.points[n]));
-        shells.filter(is_off_axis).collect()
+/// Warns of the facets that general contact leaves out because of nodes in equations.
+fn warn_of_left_out(model: &Model, contact: &SurfaceContact, surface: &str, nodes: &[usize], report: &mut Report<'_>) {
+    let Some(&first) = nodes.first() else { return };
+    let name = &model.mesh.node_names[first];
+    let count = nodes.len();
+    let message = format!("{count} facets of `{surface}` are not in contact, because their nodes are in equations");
+    let finding = Diagnostic::warning("P123", message).at(contact.span, format!("for example at node {name}"));
+    report.diagnostics.push(finding.help("no other body must reach these facets; tied faces are inside a body"));
+}
+
+/// Adds the interior faces of the bodies of the exposed facets, one per side. They are exposed when the element in
+/// front is deleted.
+fn hidden_facets(around: &CurveContext<'_>, found: &mut ContactGeometry, facets: &mut Vec<([u32; 2], usize)>) {
+    let StepInput { scene, .. } = around.input;
+    let mesh = &scene.model.mesh;
+    let own: HashSet<usize> = facets.iter().map(|f| f.1).collect();
+    let solids: Vec<usize> = scene.places.elements.keys().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
+    for piece in pieces(mesh, &solids).iter().filter(|p| p.iter().any(|e| own.contains(e))) {
+        let edges = |e: usize| {
+            let nodes = &mesh.elements[e].nodes;
+            (0..nodes.len()).map(move |i| [nodes[i], nodes[(i + 1) % nodes.len()]])
+        };
+        let all: HashSet<[usize; 2]> = piece.iter().flat_map(|&e| edges(e)).collect();
+        for &e in piece {
+            for edge in edges(e).filter(|[a, b]| all.contains(&[*b, *a])) {
+                let points = edge.map(|node| match found.point_of_node.get(&node) {
+                    Some(&known) => Some(known),
+                    None => {
+                        let point = contact_point(node, around).ok()?;
+                        Some(found.add(node, point, mesh.points[node]))
+                    }
+                });
+                // Faces with dependent nodes are left out, because these cannot be in contact.
+                if let [Some(a), Some(b)] = points {
+                    facets.push(([a, b], e));
+                }
+            }
+        }
     }
+}
+
+/// Returns the initial thickness of a shell element; 0 for other elements.
+fn thickness_of(model: &Model, element: usize) -> f64 {
+    let section = model.shell_sections.iter().find(|s| s.elements.contains(&element));
+    section.map_or(0.0, |s| s.thickness)
+}
+
+pub(crate) fn point_of(
+    node: usize,
+    around: &CurveContext<'_>,
+    found: &mut ContactGeometry,
+) -> Result<u32, PointRefusal> {
+    let StepInput { scene, .. } = around.input;
+    match found.point_of_node.get(&node) {
+        Some(&known) => Ok(known),
+        None => Ok(found.add(node, contact_point(node, around)?, scene.model.mesh.points[node])),
+    }
+}
+
+/// Returns the node or rigid body of a contact point, and the axes along which it is free.
+fn contact_point(
+    node: usize,
+    CurveContext { input, prescribed, in_equations, .. }: &CurveContext<'_>,
+) -> Result<SurfacePoint, PointRefusal> {
+    let scene = input.scene;
+    let mesh = &scene.model.mesh;
+    if let Some(place) = scene.places.free_node(node) {
+        if in_equations.contains(&(place, 0)) || in_equations.contains(&(place, 1)) {
+            return Err(PointRefusal::Equation(node));
+        }
+        let free = [0, 1].map(|axis| !prescribed.contains(&(place, axis)));
+        return Ok(SurfacePoint { carrier: PointCarrier::Node(place), free });
+    }
+    let body = scene.places.tied.get(&node).or_else(|| scene.bodies.of_node.get(&node));
+    match body {
+        Some(&body) => Ok(SurfacePoint { carrier: PointCarrier::Body(body, mesh.points[node]), free: [false, true] }),
+        None => Err(PointRefusal::NoBody(node)),
+    }
+}
+
+/// Returns the outline of all solid elements, without edges on the axis.
+pub(crate) fn solid_skin(model: &Model) -> SolidOutline {
+    let mesh = &model.mesh;
+    let solids: Vec<usize> = (0..mesh.elements.len()).filter(|e| mesh.elements[*e].kind.is_solid()).collect();
+    let mut skin = SolidOutline::default();
+    for (piece, elements) in pieces(mesh, &solids).into_iter().enumerate() {
+        skin.piece_of.extend(elements.into_iter().map(|e| (e, piece)));
+    }
+    for (element, side) in mesh.exterior_faces() {
+        let (Some(ends), Some(&piece)) = (mesh.side_nodes(element, side), skin.piece_of.get(&element)) else {
+            continue;
+        };
+        let edge = ends.map(|n| mesh.points[n]);
+        skin.edges.extend(is_off_axis(&edge).then_some((edge, piece)));
+    }
+    skin.sorted.sort(skin.edges.iter().map(|e| bounding_box(e.0)).zip(0..));
+    skin
+}
+
+fn shells_of(model: &Model, sides: &SideSelection) -> Vec<MeridianEdge> {
+    let mesh = &model.mesh;
+    let shells = sides.faces.iter().filter(|f| matches!(f.1, ElementSide::Positive | ElementSide::Negative));
+    let shells = shells.filter_map(|&(e, side)| mesh.side_nodes(e, side)).map(|e| e.map(|n| mesh.points[n]));
+    shells.filter(is_off_axis).collect()
 }
 
 impl ContactGeometry {

@@ -6,11 +6,13 @@ use std::rc::Rc;
 
 use crate::kernel::lists::sorted_unique;
 use crate::model::{
-    AnalyticalSide, ContactDomain, ElementKind, ElementSide, GeneralContact, RigidSurfaceId, SideSelection, Step,
-    SurfaceContact,
+    AnalyticalSide, ContactDomain, ElementKind, ElementSide, GeneralContact, Model, RigidSurfaceId, SideSelection,
+    Step, SurfaceContact,
 };
-use crate::plan::Compiler;
 use crate::plan::meshes::pieces::{SetsOfParts, exterior_faces_of, pieces};
+use crate::plan::meshes::places::SolidPlaces;
+use crate::plan::report::Report;
+use crate::plan::scene::{Pairs, Scene};
 
 type ElementFace = (usize, ElementSide);
 
@@ -54,200 +56,200 @@ impl SurfacePairing {
     }
 }
 
-impl Compiler<'_> {
-    /// Finds the contact pairs of each step: those of `*CONTACT PAIR` and those of general contact.
-    pub(crate) fn find_pairs(&mut self) {
-        let steps = &self.model.steps;
-        for (index, step) in steps.iter().enumerate() {
-            let before = index.checked_sub(1).map(|i| &steps[i]);
-            let goes_on =
-                |b: &Step| b.surface_contacts == step.surface_contacts && b.general_contact == step.general_contact;
-            if before.is_some_and(goes_on) {
-                self.pairs.extend(self.pairs.last().cloned());
-                continue;
+/// Finds the contact pairs of each step: those of `*CONTACT PAIR` and those of general contact.
+pub(crate) fn find_pairs(scene: Scene<'_>) -> Pairs {
+    let mut pairs = Pairs::default();
+    let steps = &scene.model.steps;
+    for (index, step) in steps.iter().enumerate() {
+        let before = index.checked_sub(1).map(|i| &steps[i]);
+        let goes_on =
+            |b: &Step| b.surface_contacts == step.surface_contacts && b.general_contact == step.general_contact;
+        if before.is_some_and(goes_on) {
+            pairs.by_step.extend(pairs.by_step.last().cloned());
+            continue;
+        }
+        let general = step.general_contact.iter().flat_map(|general| general_pairs(scene, general));
+        let of_step: Vec<SurfaceContact> = step.surface_contacts.iter().cloned().chain(general).collect();
+        pairs.names.extend(of_step.iter().map(pair_name));
+        pairs.by_step.push(Rc::new(of_step));
+    }
+    pairs
+}
+
+fn general_pairs(scene: Scene<'_>, general: &GeneralContact) -> Vec<SurfaceContact> {
+    let mut meetings = included_meetings(scene, general);
+    for domains in &general.excluded {
+        meetings = uncovered(meetings, domains);
+    }
+    meetings = assign_domains(meetings, 0, general.assigned.iter().map(|a| &a.domains));
+    meetings = assign_domains(meetings, 1, general.clearances.iter().map(|c| &c.0));
+    meetings = assign_domains(meetings, 2, general.penalties.iter().map(|p| &p.0));
+    meetings = assign_domains(meetings, 3, general.roles.iter().map(|r| &r.0));
+    meetings.retain_mut(|m| is_of_bodies(scene, m));
+    let contact = |m: SurfacePairing| {
+        let analytical = analytical_side(scene, &m);
+        let [interaction, clearance, penalty, role] = m.given;
+        let assigned = interaction.map(|index| &general.assigned[index]);
+        SurfaceContact {
+            law: assigned.map(|a| a.law.clone()).unwrap_or_default(),
+            interaction: assigned.and_then(|a| a.interaction),
+            analytical,
+            general: true,
+            no_thickness: false,
+            clearance: clearance.map(|index| general.clearances[index].1),
+            penalty: penalty.map(|index| general.penalties[index].1),
+            secondary: role.map(|index| secondary_of(&m.sides, &general.roles[index])),
+            cpset: None,
+            sides: m.sides.map(|s| s.sides),
+            span: m.span,
+        }
+    };
+    meetings.into_iter().map(contact).collect()
+}
+
+/// Returns the surface pairs of all inclusions. Faces that several inclusions pair are included once.
+fn included_meetings(scene: Scene<'_>, general: &GeneralContact) -> Vec<SurfacePairing> {
+    let all = all_surfaces(scene);
+    let mut meetings = Vec::new();
+    let of_all = general.included.iter().find(|i| matches!(i.0, [ContactDomain::All, ContactDomain::All]));
+    if general.all || of_all.is_some() {
+        add_all(&all, of_all.map_or(general.span, |i| i.1), &mut meetings);
+        return meetings;
+    }
+    for (index, (domains, span)) in general.included.iter().enumerate() {
+        let [first, second] = [&domains[0], &domains[1]].map(|domain| named_surfaces(scene.model, domain));
+        let mut own = Vec::new();
+        match (first, second) {
+            (Some(first), Some(_)) if domains[0] == domains[1] => add_all(&first, *span, &mut own),
+            (Some(first), Some(second)) => add_product([&first, &second], *span, &mut own),
+            (Some(named), None) | (None, Some(named)) => {
+                let is_other = |o: &&PairedSurface| !named.iter().any(|one| one.has_common_faces(o));
+                let others: Vec<PairedSurface> = all.iter().filter(is_other).cloned().collect();
+                add_product([&named, &others], *span, &mut own);
             }
-            let general = step.general_contact.iter().flat_map(|general| self.general_pairs(general));
-            let pairs: Vec<SurfaceContact> = step.surface_contacts.iter().cloned().chain(general).collect();
-            self.pair_names.extend(pairs.iter().map(pair_name));
-            self.pairs.push(Rc::new(pairs));
+            (None, None) => {}
         }
-    }
-
-    fn general_pairs(&self, general: &GeneralContact) -> Vec<SurfaceContact> {
-        let mut meetings = self.included_meetings(general);
-        for domains in &general.excluded {
-            meetings = uncovered(meetings, domains);
+        let earlier = general.included[..index].iter().filter(|(earlier, _)| {
+            // An inclusion with all surfaces does not contain the surface's own body.
+            let is_of_two = !earlier.contains(&ContactDomain::All);
+            is_of_two || earlier == domains || earlier.iter().rev().eq(domains)
+        });
+        for (earlier, _) in earlier {
+            own = uncovered(own, earlier);
         }
-        meetings = assign_domains(meetings, 0, general.assigned.iter().map(|a| &a.domains));
-        meetings = assign_domains(meetings, 1, general.clearances.iter().map(|c| &c.0));
-        meetings = assign_domains(meetings, 2, general.penalties.iter().map(|p| &p.0));
-        meetings = assign_domains(meetings, 3, general.roles.iter().map(|r| &r.0));
-        meetings.retain_mut(|m| self.is_of_bodies(m));
-        let contact = |m: SurfacePairing| {
-            let analytical = self.analytical_side(&m);
-            let [interaction, clearance, penalty, role] = m.given;
-            let assigned = interaction.map(|index| &general.assigned[index]);
-            SurfaceContact {
-                law: assigned.map(|a| a.law.clone()).unwrap_or_default(),
-                interaction: assigned.and_then(|a| a.interaction),
-                analytical,
-                general: true,
-                no_thickness: false,
-                clearance: clearance.map(|index| general.clearances[index].1),
-                penalty: penalty.map(|index| general.penalties[index].1),
-                secondary: role.map(|index| secondary_of(&m.sides, &general.roles[index])),
-                cpset: None,
-                sides: m.sides.map(|s| s.sides),
-                span: m.span,
-            }
-        };
-        meetings.into_iter().map(contact).collect()
+        meetings.extend(own);
     }
+    meetings
+}
 
-    /// Returns the surface pairs of all inclusions. Faces that several inclusions pair are included once.
-    fn included_meetings(&self, general: &GeneralContact) -> Vec<SurfacePairing> {
-        let all = self.all_surfaces();
-        let mut meetings = Vec::new();
-        let of_all = general.included.iter().find(|i| matches!(i.0, [ContactDomain::All, ContactDomain::All]));
-        if general.all || of_all.is_some() {
-            add_all(&all, of_all.map_or(general.span, |i| i.1), &mut meetings);
-            return meetings;
+/// Returns the surfaces of a domain, one for each side of shells; `None` for all surfaces.
+fn named_surfaces(model: &Model, domain: &ContactDomain) -> Option<Vec<PairedSurface>> {
+    match domain {
+        ContactDomain::All => None,
+        ContactDomain::Surface(sides) => {
+            Some(sides.one_sided().into_iter().map(|sides| PairedSurface { sides, analytical: None }).collect())
         }
-        for (index, (domains, span)) in general.included.iter().enumerate() {
-            let [first, second] = [&domains[0], &domains[1]].map(|domain| self.named_surfaces(domain));
-            let mut own = Vec::new();
-            match (first, second) {
-                (Some(first), Some(_)) if domains[0] == domains[1] => add_all(&first, *span, &mut own),
-                (Some(first), Some(second)) => add_product([&first, &second], *span, &mut own),
-                (Some(named), None) | (None, Some(named)) => {
-                    let is_other = |o: &&PairedSurface| !named.iter().any(|one| one.has_common_faces(o));
-                    let others: Vec<PairedSurface> = all.iter().filter(is_other).cloned().collect();
-                    add_product([&named, &others], *span, &mut own);
-                }
-                (None, None) => {}
-            }
-            let earlier = general.included[..index].iter().filter(|(earlier, _)| {
-                // An inclusion with all surfaces does not contain the surface's own body.
-                let is_of_two = !earlier.contains(&ContactDomain::All);
-                is_of_two || earlier == domains || earlier.iter().rev().eq(domains)
-            });
-            for (earlier, _) in earlier {
-                own = uncovered(own, earlier);
-            }
-            meetings.extend(own);
-        }
-        meetings
+        ContactDomain::Analytical(id) => Some(vec![analytical_surface_of(model, *id)]),
     }
+}
 
-    /// Returns the surfaces of a domain, one for each side of shells; `None` for all surfaces.
-    fn named_surfaces(&self, domain: &ContactDomain) -> Option<Vec<PairedSurface>> {
-        match domain {
-            ContactDomain::All => None,
-            ContactDomain::Surface(sides) => {
-                Some(sides.one_sided().into_iter().map(|sides| PairedSurface { sides, analytical: None }).collect())
-            }
-            ContactDomain::Analytical(id) => Some(vec![self.analytical_surface_of(*id)]),
-        }
-    }
+fn analytical_surface_of(model: &Model, id: RigidSurfaceId) -> PairedSurface {
+    let sides = SideSelection::new(model.surfaces.analytical_name(id), &[]);
+    PairedSurface { sides, analytical: Some(id) }
+}
 
-    fn analytical_surface_of(&self, id: RigidSurfaceId) -> PairedSurface {
-        let sides = SideSelection::new(self.model.surfaces.analytical_name(id), &[]);
-        PairedSurface { sides, analytical: Some(id) }
-    }
+/// Returns the exterior surfaces of all connected parts, and the analytical surfaces of rigid bodies.
+fn all_surfaces(scene: Scene<'_>) -> Vec<PairedSurface> {
+    let mut all: Vec<PairedSurface> =
+        outsides(scene).into_iter().map(|sides| PairedSurface { sides, analytical: None }).collect();
+    let ids = (0..scene.model.surfaces.analytical.len()).map(RigidSurfaceId::new);
+    all.extend(
+        ids.filter(|id| body_of_analytical(scene, *id).is_some()).map(|id| analytical_surface_of(scene.model, id)),
+    );
+    all
+}
 
-    /// Returns the exterior surfaces of all connected parts, and the analytical surfaces of rigid bodies.
-    fn all_surfaces(&self) -> Vec<PairedSurface> {
-        let mut all: Vec<PairedSurface> =
-            self.outsides().into_iter().map(|sides| PairedSurface { sides, analytical: None }).collect();
-        let ids = (0..self.model.surfaces.analytical.len()).map(RigidSurfaceId::new);
-        all.extend(ids.filter(|id| self.body_of_analytical(*id).is_some()).map(|id| self.analytical_surface_of(id)));
-        all
-    }
+/// Returns the rigid body of an analytical surface.
+pub(crate) fn body_of_analytical(scene: Scene<'_>, id: RigidSurfaceId) -> Option<usize> {
+    let reference = scene.model.surfaces.analytical[id].reference?;
+    scene.bodies.of_node.get(&reference).copied()
+}
 
-    /// Returns the rigid body of an analytical surface.
-    pub(crate) fn body_of_analytical(&self, id: RigidSurfaceId) -> Option<usize> {
-        let reference = self.model.surfaces.analytical[id].reference?;
-        self.body_of_node.get(&reference).copied()
+/// Returns whether bodies of this pair can be in contact: one body deforms, or an oblique rigid body faces an
+/// analytical surface of another body. Faces on rigid bodies cannot contact analytical surfaces and are removed.
+fn is_of_bodies(scene: Scene<'_>, pairing: &mut SurfacePairing) -> bool {
+    let Some(id) = pairing.sides[1].analytical else {
+        return pairing.sides.iter().any(|s| is_deforming(scene.places, &s.sides));
+    };
+    let faces = &mut pairing.sides[0].sides.faces;
+    let spatial = |f: &ElementFace| scene.bodies.of_element.get(&f.0).filter(|&&body| scene.bodies.list[body].spatial);
+    if let Some(body) = faces.iter().find_map(spatial) {
+        return body_of_analytical(scene, id) != Some(*body);
     }
+    let mesh = &scene.model.mesh;
+    let is_free = |n: &usize| scene.places.free_node(*n).is_some();
+    faces.retain(|&(e, side)| mesh.side_nodes(e, side).is_some_and(|ends| ends.iter().any(is_free)));
+    !faces.is_empty()
+}
 
-    /// Returns whether bodies of this pair can be in contact: one body deforms, or an oblique rigid body faces an
-    /// analytical surface of another body. Faces on rigid bodies cannot contact analytical surfaces and are removed.
-    fn is_of_bodies(&self, pairing: &mut SurfacePairing) -> bool {
-        let Some(id) = pairing.sides[1].analytical else {
-            return pairing.sides.iter().any(|s| self.is_deforming(&s.sides));
-        };
-        let faces = &mut pairing.sides[0].sides.faces;
-        let spatial = |f: &ElementFace| self.body_of_element.get(&f.0).filter(|&&body| self.bodies[body].spatial);
-        if let Some(body) = faces.iter().find_map(spatial) {
-            return self.body_of_analytical(id) != Some(*body);
-        }
-        let mesh = &self.model.mesh;
-        let is_free = |n: &usize| self.places.free_node(*n).is_some();
-        faces.retain(|&(e, side)| mesh.side_nodes(e, side).is_some_and(|ends| ends.iter().any(is_free)));
-        !faces.is_empty()
-    }
+/// Returns the analytical surface of a pair with the nodes of the opposite surface; the free ones, unless they
+/// belong to an oblique rigid body.
+fn analytical_side(scene: Scene<'_>, pairing: &SurfacePairing) -> Option<AnalyticalSide> {
+    let surface = pairing.sides[1].analytical?;
+    let mesh = &scene.model.mesh;
+    let faces = pairing.sides[0].sides.faces.iter();
+    let nodes = faces.filter_map(|&(e, side)| mesh.side_nodes(e, side)).flatten();
+    let mut nodes: Vec<usize> = sorted_unique(nodes);
+    let is_rigid = nodes.iter().all(|n| scene.places.free_node(*n).is_none());
+    nodes.retain(|n| is_rigid || scene.places.free_node(*n).is_some());
+    Some(AnalyticalSide { side: 1, surface, nodes })
+}
 
-    /// Returns the analytical surface of a pair with the nodes of the opposite surface; the free ones, unless they
-    /// belong to an oblique rigid body.
-    fn analytical_side(&self, pairing: &SurfacePairing) -> Option<AnalyticalSide> {
-        let surface = pairing.sides[1].analytical?;
-        let mesh = &self.model.mesh;
-        let faces = pairing.sides[0].sides.faces.iter();
-        let nodes = faces.filter_map(|&(e, side)| mesh.side_nodes(e, side)).flatten();
-        let mut nodes: Vec<usize> = sorted_unique(nodes);
-        let is_rigid = nodes.iter().all(|n| self.places.free_node(*n).is_none());
-        nodes.retain(|n| is_rigid || self.places.free_node(*n).is_some());
-        Some(AnalyticalSide { side: 1, surface, nodes })
-    }
+fn is_deforming(places: &SolidPlaces, sides: &SideSelection) -> bool {
+    sides.faces.iter().any(|f| places.elements.contains_key(&f.0))
+}
 
-    fn is_deforming(&self, sides: &SideSelection) -> bool {
-        sides.faces.iter().any(|f| self.places.elements.contains_key(&f.0))
+/// Returns the exterior surface of each connected part; for shells the positive and the negative side.
+fn outsides(scene: Scene<'_>) -> Vec<SideSelection> {
+    let mesh = &scene.model.mesh;
+    let known = |e: &usize| scene.places.elements.contains_key(e) || scene.bodies.of_element.contains_key(e);
+    let elements: Vec<usize> =
+        (0..mesh.elements.len()).filter(|e| !mesh.elements[*e].kind.is_discrete()).filter(known).collect();
+    let pieces = pieces(mesh, &elements);
+    let outside = exterior_faces_of(mesh, pieces.iter().map(Vec::as_slice));
+    let mut surfaces: Vec<SideSelection> = Vec::new();
+    let sets = SetsOfParts::new(scene.model, pieces.iter().map(Vec::as_slice));
+    let mut taken = HashSet::new();
+    for (piece, solid) in pieces.into_iter().zip(outside) {
+        let name = name_of_piece(scene.model, &piece, &sets, |name| taken.contains(name));
+        taken.insert(name.clone());
+        let shells = piece.iter().filter(|&&e| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1));
+        let both = |side: ElementSide| shells.clone().map(move |&e| (e, side)).collect::<Vec<ElementFace>>();
+        let parts = [("", solid), ("_SPOS", both(ElementSide::Positive)), ("_SNEG", both(ElementSide::Negative))];
+        let parts = parts.into_iter().filter(|p| !p.1.is_empty());
+        surfaces.extend(parts.map(|(end, faces)| SideSelection {
+            name: format!("{name}{end}"),
+            surface: true,
+            faces,
+            free_face_elements: Vec::new(),
+        }));
     }
+    surfaces
+}
 
-    /// Returns the exterior surface of each connected part; for shells the positive and the negative side.
-    fn outsides(&self) -> Vec<SideSelection> {
-        let mesh = &self.model.mesh;
-        let known = |e: &usize| self.places.elements.contains_key(e) || self.body_of_element.contains_key(e);
-        let elements: Vec<usize> =
-            (0..mesh.elements.len()).filter(|e| !mesh.elements[*e].kind.is_discrete()).filter(known).collect();
-        let pieces = pieces(mesh, &elements);
-        let outside = exterior_faces_of(mesh, pieces.iter().map(Vec::as_slice));
-        let mut surfaces: Vec<SideSelection> = Vec::new();
-        let sets = SetsOfParts::new(self.model, pieces.iter().map(Vec::as_slice));
-        let mut taken = HashSet::new();
-        for (piece, solid) in pieces.into_iter().zip(outside) {
-            let name = self.name_of_piece(&piece, &sets, |name| taken.contains(name));
-            taken.insert(name.clone());
-            let shells =
-                piece.iter().filter(|&&e| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1));
-            let both = |side: ElementSide| shells.clone().map(move |&e| (e, side)).collect::<Vec<ElementFace>>();
-            let parts = [("", solid), ("_SPOS", both(ElementSide::Positive)), ("_SNEG", both(ElementSide::Negative))];
-            let parts = parts.into_iter().filter(|p| !p.1.is_empty());
-            surfaces.extend(parts.map(|(end, faces)| SideSelection {
-                name: format!("{name}{end}"),
-                surface: true,
-                faces,
-                free_face_elements: Vec::new(),
-            }));
-        }
-        surfaces
-    }
-
-    /// Returns the name of a connected part: its instance, or the smallest element set that contains it, with a number
-    /// if the name is already used.
-    pub(crate) fn name_of_piece(
-        &self,
-        piece: &[usize],
-        sets: &SetsOfParts<'_>,
-        is_taken: impl Fn(&str) -> bool,
-    ) -> String {
-        let model = self.model;
-        let instance = model.mesh.elements[piece[0]].name.rsplit_once('.').map(|(i, _)| i.to_uppercase());
-        let base = instance.or_else(|| sets.smallest_around(piece).map(str::to_owned));
-        let base = base.unwrap_or_else(|| format!("ELEMENT{}", model.mesh.elements[piece[0]].name));
-        let numbered = |n: usize| if n == 1 { base.clone() } else { format!("{base}{n}") };
-        (1..).map(numbered).find(|name| !is_taken(name)).unwrap_or(base.clone())
-    }
+/// Returns the name of a connected part: its instance, or the smallest element set that contains it, with a number
+/// if the name is already used.
+pub(crate) fn name_of_piece(
+    model: &Model,
+    piece: &[usize],
+    sets: &SetsOfParts<'_>,
+    is_taken: impl Fn(&str) -> bool,
+) -> String {
+    let instance = model.mesh.elements[piece[0]].name.rsplit_once('.').map(|(i, _)| i.to_uppercase());
+    let base = instance.or_else(|| sets.smallest_around(piece).map(str::to_owned));
+    let base = base.unwrap_or_else(|| format!("ELEMENT{}", model.mesh.elements[piece[0]].name));
+    let numbered = |n: usize| if n == 1 { base.clone() } else { format!("{base}{n}") };
+    (1..).map(numbered).find(|name| !is_taken(name)).unwrap_or(base.clone())
 }
 
 /// Returns the index of the surface of a pair that carries the contact pressures. `is_first` is whether the surface of the
@@ -371,4 +373,24 @@ fn split(surface: &PairedSurface, domain: &ContactDomain) -> (PairedSurface, Pai
         }
         ContactDomain::Analytical(_) | ContactDomain::Surface(_) => (none(), surface.clone()),
     }
+}
+
+/// Creates the ledger row of general contact, which lists all surfaces of the contact domain.
+pub(crate) fn general_row(general: &GeneralContact, pairs: &[SurfaceContact], report: &mut Report<'_>) -> usize {
+    let own = || pairs.iter().filter(|p| p.general);
+    let mut names: Vec<String> = Vec::new();
+    for pair in own() {
+        for (at, side) in pair.sides.iter().enumerate() {
+            let is_analytical = pair.analytical.as_ref().is_some_and(|a| a.side == at);
+            let name = format!("{}{}", side.name, if is_analytical { " (analytical)" } else { "" });
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+    }
+    let mut detail = format!("surfaces {}", names.join(", "));
+    if general.excludes_detached_nodes {
+        detail += "; without nodes of deleted elements";
+    }
+    report.ledger_row(general.span, "general contact", own().count(), "pairs", detail)
 }

@@ -6,7 +6,10 @@ use crate::constraint::bonds::{LinkConflict, LinkSystem, NodalEquation, Prescrib
 use crate::deck::{Diagnostic, Span};
 use crate::heat::conductors::ConductingElements;
 use crate::heat::field::{ThermalConditions, capacities_at};
-use crate::plan::Compiler;
+use crate::plan::constraints::equations::refuse_dependent_equation;
+use crate::plan::constraints::link_set::Links;
+use crate::plan::report::Report;
+use crate::plan::scene::Scene;
 
 /// Equations between temperatures, and the card of each.
 #[derive(Default)]
@@ -15,84 +18,92 @@ struct TemperatureEquations {
     spans: Vec<Span>,
 }
 
-impl Compiler<'_> {
-    /// Adds the temperature equations to the thermal conditions of each step, with its prescribed temperatures.
-    pub(crate) fn tie_temperatures(
-        &mut self,
-        steps: &mut [Option<ThermalConditions>],
-        conductors: &ConductingElements,
-        conducting: &HashSet<usize>,
-        start: &[f64],
-    ) {
-        let mut tied = TemperatureEquations::default();
-        self.tied_surfaces(conducting, &mut tied);
-        self.tied_by_equations(conducting, &mut tied);
-        if tied.equations.is_empty() {
-            return;
-        }
-        let capacities = capacities_at(conductors, start);
-        for (index, conditions) in steps.iter_mut().enumerate() {
-            let Some(conditions) = conditions else { continue };
-            let held = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| (n.node, 0)).collect();
-            let given = PrescribedDofs { all: held, ..PrescribedDofs::default() };
-            match LinkSystem::new(&tied.equations, &[], &capacities, &given) {
-                Ok(bonds) => conditions.bonds = bonds,
-                Err(LinkConflict::Dependent(found)) => {
-                    let step = &self.model.steps[index];
-                    self.refuse_dependent_equation(step, &found, &tied.spans);
-                    return;
-                }
-                // Temperatures have no linked nodes, which this error is about.
-                Err(LinkConflict::ConflictingMotions(..)) => {}
+/// Adds the temperature equations to the thermal conditions of each step, with its prescribed temperatures.
+pub(crate) fn tie_temperatures(
+    scene: Scene<'_>,
+    links: &Links,
+    steps: &mut [Option<ThermalConditions>],
+    conductors: &ConductingElements,
+    conducting: &HashSet<usize>,
+    start: &[f64],
+    report: &mut Report<'_>,
+) {
+    let mut tied = TemperatureEquations::default();
+    tied_surfaces(scene, links, conducting, &mut tied, report);
+    tied_by_equations(scene, conducting, &mut tied, report);
+    if tied.equations.is_empty() {
+        return;
+    }
+    let capacities = capacities_at(conductors, start);
+    for (index, conditions) in steps.iter_mut().enumerate() {
+        let Some(conditions) = conditions else { continue };
+        let held = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| (n.node, 0)).collect();
+        let given = PrescribedDofs { all: held, ..PrescribedDofs::default() };
+        match LinkSystem::new(&tied.equations, &[], &capacities, &given) {
+            Ok(bonds) => conditions.bonds = bonds,
+            Err(LinkConflict::Dependent(found)) => {
+                let step = &scene.model.steps[index];
+                refuse_dependent_equation(step, &found, &tied.spans, report);
+                return;
             }
+            // Temperatures have no linked nodes, which this error is about.
+            Err(LinkConflict::ConflictingMotions(..)) => {}
         }
     }
+}
 
-    /// Adds the ties: each dependent node has the weighted mean of the temperatures of the nodes that it follows.
-    fn tied_surfaces(&mut self, conducting: &HashSet<usize>, tied: &mut TemperatureEquations) {
-        let (model, ties) = (self.model, std::mem::take(&mut self.surface_ties));
-        for (tie, of_tie) in model.constraints.ties.iter().zip(&ties) {
-            let before = tied.equations.len();
-            for own in &of_tie.nodes {
-                let place = |n: usize| self.places.nodes.get(&n).copied().filter(|p| conducting.contains(p));
-                let shares: Option<Vec<_>> =
-                    own.shares.iter().map(|&(n, share)| Some((place(n)?, 0, -share))).collect();
-                // Nodes without temperature are skipped; their motion is tied.
-                let (Some(node), Some(shares)) = (place(own.node), shares) else { continue };
-                let terms = std::iter::once((node, 0, 1.0)).chain(shares).collect();
-                tied.equations.push(NodalEquation { terms, is_redundant: true });
-                tied.spans.push(tie.span);
-            }
-            let count = tied.equations.len() - before;
-            if count > 0 {
-                let detail = format!("{}: equal temperatures on both surfaces", tie.name);
-                self.ledger_row(tie.span, "tied temperatures", count, "nodes", detail);
-            }
-        }
-        self.surface_ties = ties;
-    }
-
-    fn tied_by_equations(&mut self, conducting: &HashSet<usize>, tied: &mut TemperatureEquations) {
-        let model = self.model;
-        let mut first = None;
+/// Adds the ties: each dependent node has the weighted mean of the temperatures of the nodes that it follows.
+fn tied_surfaces(
+    scene: Scene<'_>,
+    links: &Links,
+    conducting: &HashSet<usize>,
+    tied: &mut TemperatureEquations,
+    report: &mut Report<'_>,
+) {
+    for (tie, of_tie) in scene.model.constraints.ties.iter().zip(&links.surface_ties) {
         let before = tied.equations.len();
-        for equation in model.constraints.equations.iter().filter(|e| e.is_thermal()) {
-            let mut terms = Vec::with_capacity(equation.terms.len());
-            for &(node, _, c) in &equation.terms {
-                let Some(place) = self.places.nodes.get(&node).copied().filter(|p| conducting.contains(p)) else {
-                    let message = format!("*EQUATION: node {} has no temperature", model.mesh.node_names[node]);
-                    let finding = Diagnostic::error("P063", message).at(equation.span, "an equation on 11");
-                    return self.diagnostics.push(finding.help("nodes of CAX4RT and CAX3T have temperatures"));
-                };
-                terms.push((place, 0, c));
-            }
-            tied.equations.push(NodalEquation { terms, is_redundant: false });
-            tied.spans.push(equation.span);
-            first = first.or(Some(equation.span));
+        for own in &of_tie.nodes {
+            let place = |n: usize| scene.places.nodes.get(&n).copied().filter(|p| conducting.contains(p));
+            let shares: Option<Vec<_>> = own.shares.iter().map(|&(n, share)| Some((place(n)?, 0, -share))).collect();
+            // Nodes without temperature are skipped; their motion is tied.
+            let (Some(node), Some(shares)) = (place(own.node), shares) else { continue };
+            let terms = std::iter::once((node, 0, 1.0)).chain(shares).collect();
+            tied.equations.push(NodalEquation { terms, is_redundant: true });
+            tied.spans.push(tie.span);
         }
-        if let Some(span) = first {
-            let count = tied.equations.len() - before;
-            self.ledger_row(span, "equations between temperatures", count, "equations", "exact".into());
+        let count = tied.equations.len() - before;
+        if count > 0 {
+            let detail = format!("{}: equal temperatures on both surfaces", tie.name);
+            report.ledger_row(tie.span, "tied temperatures", count, "nodes", detail);
         }
+    }
+}
+
+fn tied_by_equations(
+    scene: Scene<'_>,
+    conducting: &HashSet<usize>,
+    tied: &mut TemperatureEquations,
+    report: &mut Report<'_>,
+) {
+    let model = scene.model;
+    let mut first = None;
+    let before = tied.equations.len();
+    for equation in model.constraints.equations.iter().filter(|e| e.is_thermal()) {
+        let mut terms = Vec::with_capacity(equation.terms.len());
+        for &(node, _, c) in &equation.terms {
+            let Some(place) = scene.places.nodes.get(&node).copied().filter(|p| conducting.contains(p)) else {
+                let message = format!("*EQUATION: node {} has no temperature", model.mesh.node_names[node]);
+                let finding = Diagnostic::error("P063", message).at(equation.span, "an equation on 11");
+                return report.diagnostics.push(finding.help("nodes of CAX4RT and CAX3T have temperatures"));
+            };
+            terms.push((place, 0, c));
+        }
+        tied.equations.push(NodalEquation { terms, is_redundant: false });
+        tied.spans.push(equation.span);
+        first = first.or(Some(equation.span));
+    }
+    if let Some(span) = first {
+        let count = tied.equations.len() - before;
+        report.ledger_row(span, "equations between temperatures", count, "equations", "exact".into());
     }
 }

@@ -1,4 +1,4 @@
-//! Map from indices of mesh nodes or elements to values, which keeps the order of insertion.
+//! Solver indices of mesh nodes and elements, in maps that keep the order of insertion.
 
 use std::ops::Index;
 
@@ -126,6 +126,36 @@ impl<V> FromIterator<(usize, V)> for MeshIndexMap<V> {
         let mut places = MeshIndexMap::with_capacity(list.size_hint().0);
         list.for_each(|(number, value)| places.insert(number, value));
         places
+    }
+}
+
+/// Solver indices of the deformable nodes and elements of the mesh.
+#[derive(Clone, Debug, Default)]
+pub struct SolidPlaces {
+    /// Solver node of each mesh node.
+    pub nodes: MeshIndexMap<usize>,
+    /// Group and index in the group of each mesh element.
+    pub elements: MeshIndexMap<(usize, usize)>,
+    /// Rigid body of the mesh nodes that are tied to one.
+    pub tied: MeshIndexMap<usize>,
+    /// Index of the rotation in the list of solver nodes, for mesh nodes of shells.
+    pub rotations: MeshIndexMap<usize>,
+}
+
+impl SolidPlaces {
+    /// Returns the heap size in bytes.
+    pub fn bytes(&self) -> usize {
+        self.nodes.bytes() + self.elements.bytes() + self.tied.bytes() + self.rotations.bytes()
+    }
+
+    /// Returns whether a mesh node belongs to a deformable body and is not tied to a rigid body.
+    pub fn has_node(&self, node: usize) -> bool {
+        self.free_node(node).is_some()
+    }
+
+    /// Returns the solver node of a mesh node; `None` if it is tied to a rigid body or not deformable.
+    pub fn free_node(&self, node: usize) -> Option<usize> {
+        self.nodes.get(&node).copied().filter(|_| !self.tied.contains_key(&node))
     }
 }
 

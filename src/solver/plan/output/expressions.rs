@@ -3,8 +3,10 @@
 use crate::deck::expression::{Expression, ExpressionError};
 use crate::deck::names::nearest;
 use crate::deck::{Diagnostic, Span};
-use crate::model::OutputExpression;
-use crate::plan::{ColumnSource, Compiler, HistoryColumn};
+use crate::model::{Model, OutputExpression};
+use crate::plan::output::Columns;
+use crate::plan::report::Report;
+use crate::plan::{ColumnSource, HistoryColumn};
 
 /// Name of the total time in expressions.
 const TIME: &str = "time";
@@ -44,45 +46,46 @@ fn longest(text: &str, columns: &[HistoryColumn]) -> usize {
     names.filter(|name| begins(name) && ends(name)).map(str::len).max().unwrap_or(0)
 }
 
-impl Compiler<'_> {
-    /// Adds the columns of `*OUTPUT EXPRESSION` after all other columns.
-    pub(crate) fn expression_columns(&mut self, columns: &mut Vec<HistoryColumn>) {
-        let model = self.model;
-        for definition in &model.output.expressions {
-            let OutputExpression { name, text, span, .. } = definition;
-            if let Some(why) = taken(name, columns) {
-                let finding =
-                    Diagnostic::error("P076", format!("the history column `{name}` cannot be defined: {why}"));
-                self.diagnostics.push(finding.at(*span, "this name").help("choose another name"));
-                continue;
+/// Adds the columns of `*OUTPUT EXPRESSION` after all other columns.
+pub(crate) fn expression_columns(model: &Model, columns: &mut Columns, report: &mut Report<'_>) {
+    for definition in &model.output.expressions {
+        let OutputExpression { name, text, span, .. } = definition;
+        if let Some(why) = taken(name, &columns.list) {
+            let finding = Diagnostic::error("P076", format!("the history column `{name}` cannot be defined: {why}"));
+            report.diagnostics.push(finding.at(*span, "this name").help("choose another name"));
+            continue;
+        }
+        match RowExpression::read(text, &columns.list) {
+            Ok(expression) => {
+                report.ledger_row(*span, "history expression", 1, "column", format!("{name} = {text}"));
+                let source = ColumnSource::Expression(columns.expressions.len());
+                columns.list.push(HistoryColumn { name: name.clone(), part: None, source });
+                columns.expressions.push(expression);
             }
-            match RowExpression::read(text, columns) {
-                Ok(expression) => {
-                    self.ledger_row(*span, "history expression", 1, "column", format!("{name} = {text}"));
-                    let source = ColumnSource::Expression(self.expressions.len());
-                    columns.push(HistoryColumn { name: name.clone(), part: None, source });
-                    self.expressions.push(expression);
-                }
-                Err(error) => self.wrong_expression(definition, &error, columns),
-            }
+            Err(error) => wrong_expression(definition, &error, &columns.list, report),
         }
     }
+}
 
-    fn wrong_expression(&mut self, definition: &OutputExpression, error: &ExpressionError, columns: &[HistoryColumn]) {
-        let OutputExpression { name, text, place, .. } = definition;
-        let whole = place.end.checked_sub(place.start) != Some(text.len() as u32);
-        let inside = |at: usize| place.start + at as u32;
-        let at = if whole { *place } else { Span { start: inside(error.start), end: inside(error.end), ..*place } };
-        let (what, label) = match &error.unknown {
-            Some(unknown) => (format!("history column `{unknown}` does not exist"), "not a column"),
-            None => (format!("the expression of history column `{name}` is invalid"), error.message.as_str()),
-        };
-        let finding = Diagnostic::error("P075", what).at(at, label);
-        self.diagnostics.push(match &error.unknown {
-            Some(unknown) => finding.help(near(unknown, columns)),
-            None => finding,
-        });
-    }
+fn wrong_expression(
+    definition: &OutputExpression,
+    error: &ExpressionError,
+    columns: &[HistoryColumn],
+    report: &mut Report<'_>,
+) {
+    let OutputExpression { name, text, place, .. } = definition;
+    let whole = place.end.checked_sub(place.start) != Some(text.len() as u32);
+    let inside = |at: usize| place.start + at as u32;
+    let at = if whole { *place } else { Span { start: inside(error.start), end: inside(error.end), ..*place } };
+    let (what, label) = match &error.unknown {
+        Some(unknown) => (format!("history column `{unknown}` does not exist"), "not a column"),
+        None => (format!("the expression of history column `{name}` is invalid"), error.message.as_str()),
+    };
+    let finding = Diagnostic::error("P075", what).at(at, label);
+    report.diagnostics.push(match &error.unknown {
+        Some(unknown) => finding.help(near(unknown, columns)),
+        None => finding,
+    });
 }
 
 /// Returns the reason why a column name is not allowed.

@@ -13,9 +13,17 @@ use crate::model::{
     ContactPairFilter, ElementSetId, MemberSet, Model, NodeSetId, OutputCard, OutputInterval, OutputKind,
     OutputPosition, OutputRegion, OutputRequest, RegionType, Step, SurfaceId,
 };
+use crate::plan::State;
+use crate::plan::contact::cohesion::{cohesive_behaviors, has_cohesive_variable};
 use crate::plan::contact::general::pair_name;
-use crate::plan::solids::user_material::fails;
-use crate::plan::{Compiler, State};
+use crate::plan::contact::walls::spatial_side;
+use crate::plan::meshes::places::SolidPlaces;
+use crate::plan::output::expressions::RowExpression;
+use crate::plan::output::expressions::expression_columns;
+use crate::plan::report::Report;
+use crate::plan::scene::{Pairs, Scene};
+use crate::plan::solids::cohesive::damaged_interfaces;
+use crate::plan::solids::user_material::{deletes, fails, materials_present, state_name, state_variables};
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
 use crate::variables::{PreselectRule, Variable, VariableComponent, VariablePlace};
@@ -160,483 +168,537 @@ impl WriteSchedule {
     }
 }
 
-impl Compiler<'_> {
-    /// Returns history columns and frame fields of all steps: the columns of a file do not change between steps.
-    pub(crate) fn variables(&mut self, state: &mut State) -> (Vec<HistoryColumn>, Vec<FrameField>) {
-        let (mut columns, mut fields) = (Vec::new(), Vec::new());
-        let model = self.model;
-        self.model_variables = self.find_model_variables();
-        let available = self.available_fields(state);
-        for step in &model.steps {
-            for request in step.outputs.iter().filter(|r| r.interval != OutputInterval::Never) {
-                match request.kind {
-                    OutputKind::History => self.history_columns(request, state, &mut columns),
-                    OutputKind::Field => self.frame_fields(request, &available, &mut fields),
-                }
-            }
-            if step.outputs.is_empty() {
-                let erodes = !model.erosions.is_empty();
-                columns.extend(self.energies().filter(|v| erodes || !is_deletion_total(*v)).map(model_column));
-                fields.extend(available.iter().filter(|f| self.is_preselected(f)).cloned());
-            }
-        }
-        dedup(&mut columns);
-        dedup(&mut fields);
-        self.expression_columns(&mut columns);
-        let mut parts = fields.iter().flat_map(|f| &f.parts).chain(columns.iter().filter_map(|c| c.part.as_ref()));
-        let follows = parts.any(|p| p.variable.row().followed);
-        if follows && !state.elements.is_empty() {
-            state.elements.groups.iter_mut().for_each(|g| g.extensions().settings().follow());
-            self.followed_row(state.elements.count());
-        }
-        self.track_deletion(&columns, state);
-        (columns, fields)
-    }
+/// History columns and frame fields of a plan.
+#[derive(Default)]
+pub(crate) struct Columns {
+    pub list: Vec<HistoryColumn>,
+    pub fields: Vec<FrameField>,
+    /// Surfaces over which history columns are integrated.
+    pub sections: Vec<IntegratedSection>,
+    /// Members of the sets over which history columns are statistics.
+    pub sets: IndexSet<Vec<ColumnSource>>,
+    pub expressions: Vec<RowExpression>,
+    /// Variables of the whole model that histories can show.
+    model_variables: Vec<Variable>,
+}
 
-    /// Enables the sums of deleted mass and energy if `*EROSION` or an output request needs them.
-    fn track_deletion(&mut self, columns: &[HistoryColumn], state: &mut State) {
-        let requested = columns.iter().filter_map(|c| c.part).any(|p| is_deletion_total(p.variable));
-        if state.elements.removed.is_none() && !requested {
-            return;
-        }
-        if state.elements.removed.is_none() {
-            state.elements.count_deletions(state.dofs.nodes.len());
-        }
-        let erosion = self.model.erosions.first().map(|e| e.span);
-        let asks = |r: &&OutputRequest| r.variables.iter().any(|a| a.variables().iter().any(|v| is_deletion_total(*v)));
-        let request = self.model.steps.iter().flat_map(|s| &s.outputs).find(asks).map(|r| r.span);
-        if let Some(span) = request.or(erosion) {
-            let count = state.elements.groups.iter().filter(|g| g.properties().deletable).map(|g| g.len()).sum();
-            let detail = "eroded mass and energy, and nodes of deleted elements";
-            self.ledger_row(span, "record of deleted elements", count, "elements", detail.into());
-        }
-    }
-
-    /// Creates the ledger row of strains and energies that elements integrate only for output.
-    fn followed_row(&mut self, count: usize) {
-        let follows = |selection: &VariableRequest| match selection {
-            VariableRequest::Preselect | VariableRequest::All => true,
-            _ => selection.variables().iter().any(|v| v.row().followed),
-        };
-        let asks = |r: &&OutputRequest| r.variables.iter().any(follows);
-        let request = self.model.steps.iter().flat_map(|s| &s.outputs).find(asks);
-        let Some(span) = request.map(|r| r.span).or_else(|| self.model.steps.first().map(|s| s.span)) else { return };
-        self.ledger_row(span, "strain history", count, "elements", "LE, PE, ER, SENER, PENER".into());
-    }
-
-    /// Returns the output schedules of a step; without requests the defaults of ABAQUS.
-    pub(crate) fn outputs(&mut self, step: &Step) -> StepOutputs {
-        let mut outputs = StepOutputs::default();
-        for request in &step.outputs {
+/// Returns history columns and frame fields of all steps: the columns of a file do not change between steps.
+pub(crate) fn plan(scene: Scene<'_>, pairs: &Pairs, state: &mut State, report: &mut Report<'_>) -> Columns {
+    let (mut columns, mut fields) = (Columns::default(), Vec::new());
+    let model = scene.model;
+    columns.model_variables = find_model_variables(scene, pairs);
+    let available = available_fields(scene, pairs, state, &columns.model_variables);
+    for step in &model.steps {
+        for request in step.outputs.iter().filter(|r| r.interval != OutputInterval::Never) {
             match request.kind {
-                OutputKind::Field => outputs.field.extend(WriteSchedule::new(request.interval, step, 20, self.model)),
-                OutputKind::History => {
-                    outputs.history.extend(WriteSchedule::new(request.interval, step, 200, self.model))
-                }
+                OutputKind::History => history_columns(scene, pairs, request, state, &mut columns, report),
+                OutputKind::Field => frame_fields(scene, request, &available, &mut fields, report),
             }
         }
         if step.outputs.is_empty() {
-            outputs.field.extend(WriteSchedule::new(OutputInterval::Default, step, 20, self.model));
-            outputs.history.extend(WriteSchedule::new(OutputInterval::Default, step, 200, self.model));
-        }
-        outputs.restart.extend(step.restart.and_then(|r| WriteSchedule::new(r.interval, step, 1, self.model)));
-        if let Some(restart) = step.restart {
-            let detail = format!("{:?}, written as <job>.checkpoint", outputs.restart[0]);
-            self.ledger_row(restart.span, "checkpoint", 1, "step", detail);
-        }
-        outputs.field.dedup();
-        outputs.history.dedup();
-        outputs
-    }
-
-    fn history_columns(&mut self, request: &OutputRequest, state: &State, columns: &mut Vec<HistoryColumn>) {
-        let first = columns.len();
-        for &selection in &request.variables {
-            let before = columns.len();
-            match &request.region {
-                OutputRegion::Elements(set) if request.card == OutputCard::Energy => {
-                    self.part_columns(selection, *set, columns);
-                }
-                OutputRegion::Elements(set) => self.element_columns((selection, request), *set, state, columns),
-                OutputRegion::Nodes(set) => self.node_columns((selection, request), *set, columns),
-                OutputRegion::Surface(surface, name) => self.section_columns(selection, *surface, name, state, columns),
-                OutputRegion::Whole if request.card == OutputCard::Contact => {
-                    self.pair_columns(selection, &ContactPairFilter::default(), columns);
-                }
-                OutputRegion::Pairs(pairs) => self.pair_columns(selection, pairs, columns),
-                OutputRegion::Whole => {
-                    columns.extend(self.select_model_variables(selection, request.card).map(model_column));
-                }
-            }
-            if columns.len() == before {
-                self.note_absent_variable(selection, request);
-            }
-        }
-        let names: Vec<_> = columns[first..].iter().map(|c| c.name.as_str()).collect();
-        let mut detail = names.iter().take(6).copied().collect::<Vec<_>>().join(" ");
-        if names.len() > 6 {
-            detail += " …";
-        }
-        let count = names.len();
-        if count > 0 {
-            self.ledger_row(request.span, "history output", count, "columns", detail);
+            let erodes = !model.erosions.is_empty();
+            columns.list.extend(
+                energy_variables(&columns.model_variables)
+                    .filter(|v| erodes || !is_deletion_total(*v))
+                    .map(model_column),
+            );
+            fields.extend(available.iter().filter(|f| is_preselected(scene, f)).cloned());
         }
     }
+    dedup(&mut columns.list);
+    dedup(&mut fields);
+    expression_columns(scene.model, &mut columns, report);
+    let mut parts = fields.iter().flat_map(|f| &f.parts).chain(columns.list.iter().filter_map(|c| c.part.as_ref()));
+    let follows = parts.any(|p| p.variable.row().followed);
+    if follows && !state.elements.is_empty() {
+        state.elements.groups.iter_mut().for_each(|g| g.extensions().settings().follow());
+        followed_row(scene.model, state.elements.count(), report);
+    }
+    track_deletion(scene.model, &columns.list, state, report);
+    columns.fields = fields;
+    columns
+}
 
-    /// Returns the variables of the whole model that a name on an output card selects.
-    fn select_model_variables(&self, selection: VariableRequest, card: OutputCard) -> impl Iterator<Item = Variable> {
-        let by_default = match card {
-            OutputCard::Output | OutputCard::Energy => Some(VariablePlace::Energy),
-            OutputCard::Incrementation => Some(VariablePlace::Increment),
-            OutputCard::Node | OutputCard::Element | OutputCard::Integrated | OutputCard::Contact => None,
+/// Enables the sums of deleted mass and energy if `*EROSION` or an output request needs them.
+fn track_deletion(model: &Model, columns: &[HistoryColumn], state: &mut State, report: &mut Report<'_>) {
+    let requested = columns.iter().filter_map(|c| c.part).any(|p| is_deletion_total(p.variable));
+    if state.elements.removed.is_none() && !requested {
+        return;
+    }
+    if state.elements.removed.is_none() {
+        state.elements.count_deletions(state.dofs.nodes.len());
+    }
+    let erosion = model.erosions.first().map(|e| e.span);
+    let asks = |r: &&OutputRequest| r.variables.iter().any(|a| a.variables().iter().any(|v| is_deletion_total(*v)));
+    let request = model.steps.iter().flat_map(|s| &s.outputs).find(asks).map(|r| r.span);
+    if let Some(span) = request.or(erosion) {
+        let count = state.elements.groups.iter().filter(|g| g.properties().deletable).map(|g| g.len()).sum();
+        let detail = "eroded mass and energy, and nodes of deleted elements";
+        report.ledger_row(span, "record of deleted elements", count, "elements", detail.into());
+    }
+}
+
+/// Creates the ledger row of strains and energies that elements integrate only for output.
+fn followed_row(model: &Model, count: usize, report: &mut Report<'_>) {
+    let follows = |selection: &VariableRequest| match selection {
+        VariableRequest::Preselect | VariableRequest::All => true,
+        _ => selection.variables().iter().any(|v| v.row().followed),
+    };
+    let asks = |r: &&OutputRequest| r.variables.iter().any(follows);
+    let request = model.steps.iter().flat_map(|s| &s.outputs).find(asks);
+    let Some(span) = request.map(|r| r.span).or_else(|| model.steps.first().map(|s| s.span)) else { return };
+    report.ledger_row(span, "strain history", count, "elements", "LE, PE, ER, SENER, PENER".into());
+}
+
+/// Returns the output schedules of a step; without requests the defaults of ABAQUS.
+pub(crate) fn output_schedules(model: &Model, step: &Step, report: &mut Report<'_>) -> StepOutputs {
+    let mut outputs = StepOutputs::default();
+    for request in &step.outputs {
+        match request.kind {
+            OutputKind::Field => outputs.field.extend(WriteSchedule::new(request.interval, step, 20, model)),
+            OutputKind::History => outputs.history.extend(WriteSchedule::new(request.interval, step, 200, model)),
+        }
+    }
+    if step.outputs.is_empty() {
+        outputs.field.extend(WriteSchedule::new(OutputInterval::Default, step, 20, model));
+        outputs.history.extend(WriteSchedule::new(OutputInterval::Default, step, 200, model));
+    }
+    outputs.restart.extend(step.restart.and_then(|r| WriteSchedule::new(r.interval, step, 1, model)));
+    if let Some(restart) = step.restart {
+        let detail = format!("{:?}, written as <job>.checkpoint", outputs.restart[0]);
+        report.ledger_row(restart.span, "checkpoint", 1, "step", detail);
+    }
+    outputs.field.dedup();
+    outputs.history.dedup();
+    outputs
+}
+
+fn history_columns(
+    scene: Scene<'_>,
+    pairs: &Pairs,
+    request: &OutputRequest,
+    state: &State,
+    columns: &mut Columns,
+    report: &mut Report<'_>,
+) {
+    let first = columns.list.len();
+    for &selection in &request.variables {
+        let before = columns.list.len();
+        match &request.region {
+            OutputRegion::Elements(set) if request.card == OutputCard::Energy => {
+                part_columns(scene, selection, *set, columns);
+            }
+            OutputRegion::Elements(set) => element_columns(scene, (selection, request), *set, state, columns),
+            OutputRegion::Nodes(set) => node_columns(scene, pairs, (selection, request), *set, columns),
+            OutputRegion::Surface(surface, name) => section_columns(scene, selection, *surface, name, state, columns),
+            OutputRegion::Whole if request.card == OutputCard::Contact => {
+                pair_columns(scene, pairs, selection, &ContactPairFilter::default(), columns);
+            }
+            OutputRegion::Pairs(filter) => pair_columns(scene, pairs, selection, filter, columns),
+            OutputRegion::Whole => {
+                columns.list.extend(
+                    select_model_variables(scene.model, selection, request.card, &columns.model_variables)
+                        .map(model_column),
+                );
+            }
+        }
+        if columns.list.len() == before {
+            note_absent_variable(selection, request, report);
+        }
+    }
+    let names: Vec<_> = columns.list[first..].iter().map(|c| c.name.as_str()).collect();
+    let mut detail = names.iter().take(6).copied().collect::<Vec<_>>().join(" ");
+    if names.len() > 6 {
+        detail += " …";
+    }
+    let count = names.len();
+    if count > 0 {
+        report.ledger_row(request.span, "history output", count, "columns", detail);
+    }
+}
+
+/// Returns the variables of the whole model that a name on an output card selects.
+fn select_model_variables(
+    model: &Model,
+    selection: VariableRequest,
+    card: OutputCard,
+    model_variables: &[Variable],
+) -> impl Iterator<Item = Variable> {
+    let by_default = match card {
+        OutputCard::Output | OutputCard::Energy => Some(VariablePlace::Energy),
+        OutputCard::Incrementation => Some(VariablePlace::Increment),
+        OutputCard::Node | OutputCard::Element | OutputCard::Integrated | OutputCard::Contact => None,
+    };
+    let named = selection.variables();
+    // Without *EROSION, deletion sums are computed only if they are requested by name, because they need extra data
+    // per element.
+    let erodes = !model.erosions.is_empty();
+    let meant = move |v: &Variable| match selection {
+        VariableRequest::Preselect | VariableRequest::All => {
+            Some(v.place()) == by_default && (erodes || !is_deletion_total(*v))
+        }
+        _ => named.contains(v),
+    };
+    model_variables.iter().copied().filter(meant)
+}
+
+fn node_columns(
+    scene: Scene<'_>,
+    pairs: &Pairs,
+    (selection, request): (VariableRequest, &OutputRequest),
+    set: NodeSetId,
+    columns: &mut Columns,
+) {
+    let model = scene.model;
+    let (set, members) = named(&model.node_sets, set.index());
+    let mut parts = selected_parts(scene, selection, Variable::is_of_nodes);
+    parts.retain(|p| nodes_have(scene, pairs, p.variable));
+    let name = |node: usize| model.mesh.node_names[node].as_str();
+    let mut found = Vec::new();
+    for node in by_number(members, name) {
+        if let Some(&rotation) = scene.places.rotations.get(&node) {
+            let turning = parts.iter().filter(|p| p.variable.is_of_rotations());
+            found.extend(turning.map(|&part| (part, name(node), ColumnSource::Node(rotation))));
+        }
+        if let Some(&body) = scene.bodies.of_node.get(&node).filter(|&&b| scene.bodies.list[b].spatial) {
+            let source = ColumnSource::Body { body, node };
+            found.extend(in_space(selection, &parts).map(|part| (part, name(node), source)));
+            continue;
+        }
+        let source = match (scene.places.free_node(node), scene.bodies.of_node.get(&node)) {
+            (Some(node), _) => ColumnSource::Node(node),
+            (_, Some(&body)) => ColumnSource::Body { body, node },
+            _ => continue,
         };
-        let named = selection.variables();
-        // Without *EROSION, deletion sums are computed only if they are requested by name, because they need extra data
-        // per element.
-        let erodes = !self.model.erosions.is_empty();
-        let meant = move |v: &Variable| match selection {
-            VariableRequest::Preselect | VariableRequest::All => {
-                Some(v.place()) == by_default && (erodes || !is_deletion_total(*v))
-            }
-            _ => named.contains(v),
+        let moving = parts.iter().filter(|p| !p.variable.is_of_rotations() && !is_spatial(p.variable));
+        found.extend(moving.map(|&part| (part, name(node), source)));
+    }
+    columns_of_set(set, members.len(), &found, &request.statistics, columns);
+}
+
+/// Adds a column for each member of a set, or for each statistic of the set. `members` is the size of the set.
+fn columns_of_set(
+    set: &str,
+    members: usize,
+    found: &[(VariableComponent, &str, ColumnSource)],
+    statistics: &[Statistic],
+    columns: &mut Columns,
+) {
+    if statistics.is_empty() {
+        let place = |name| if members == 1 { set } else { name };
+        columns.list.extend(found.iter().map(|&(part, name, source)| column(part, place(name), source)));
+        return;
+    }
+    let mut parts: Vec<VariableComponent> = found.iter().map(|f| f.0).collect();
+    dedup(&mut parts);
+    for part in parts {
+        let mut sources: Vec<ColumnSource> = found.iter().filter(|f| f.0 == part).map(|f| f.2).collect();
+        if part.variable == Variable::Reaction {
+            once_a_body(&mut sources);
+        }
+        let at = index_of_sources(sources, columns);
+        columns.list.extend(statistics.iter().map(|statistic| HistoryColumn {
+            name: format!("{}_{}@{set}", part.label(), statistic.name()),
+            part: Some(part),
+            source: ColumnSource::Set(*statistic, at),
+        }));
+    }
+}
+
+/// Returns the index of a list of sources in the plan, and adds the list if it is new.
+fn index_of_sources(sources: Vec<ColumnSource>, columns: &mut Columns) -> usize {
+    columns.sets.insert_full(sources).0
+}
+
+/// Adds columns of a part. A rigid body belongs to it with all its mass if one of its elements does.
+fn part_columns(scene: Scene<'_>, selection: VariableRequest, set: ElementSetId, columns: &mut Columns) {
+    let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
+    let parts = selected_parts(scene, selection, |v| v.place() == VariablePlace::Part);
+    let model = scene.model;
+    let (name, members) = named(&model.element_sets, set.index());
+    let source = |element: &usize| match scene.places.elements.get(element) {
+        Some(&(group, index)) => Some(ColumnSource::Element(group, index)),
+        None => {
+            let body = *scene.bodies.of_element.get(element)?;
+            Some(ColumnSource::Body { body, node: model.rigid_bodies[body].reference })
+        }
+    };
+    let mut sources: Vec<ColumnSource> = members.iter().filter_map(source).collect();
+    once_a_body(&mut sources);
+    if !sources.is_empty() && !parts.is_empty() {
+        let at = index_of_sources(sources, columns);
+        columns.list.extend(parts.into_iter().map(|part| column(part, name, ColumnSource::Part(at))));
+    }
+}
+
+/// Adds columns of the selected contact pairs.
+fn pair_columns(
+    scene: Scene<'_>,
+    pairs: &Pairs,
+    selection: VariableRequest,
+    which: &ContactPairFilter,
+    columns: &mut Columns,
+) {
+    let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
+    let parts = selected_parts(scene, selection, |v| v.place() == VariablePlace::Pair);
+    let meant = |name: &str| {
+        pairs.by_step.iter().flat_map(|pairs| pairs.iter()).any(|c| pair_name(c) == name && which.matches(c))
+    };
+    for (index, name) in pairs.names.iter().enumerate().filter(|n| meant(n.1)) {
+        columns.list.extend(parts.iter().map(|&part| column(part, name, ColumnSource::Pair(index))));
+    }
+}
+
+/// Returns whether nodes of this model have a nodal variable.
+fn nodes_have(scene: Scene<'_>, pairs: &Pairs, variable: Variable) -> bool {
+    match variable.row().preselected {
+        PreselectRule::HeatConduction => solves_for_temperatures(scene.model),
+        PreselectRule::SurfaceContact => !pairs.names.is_empty(),
+        PreselectRule::CohesiveContact => has_cohesive_variable(scene.model, pairs, variable),
+        PreselectRule::SixDofBody => scene.bodies.list.iter().any(|b| b.spatial),
+        _ => true,
+    }
+}
+
+fn element_columns(
+    scene: Scene<'_>,
+    (selection, request): (VariableRequest, &OutputRequest),
+    set: ElementSetId,
+    state: &State,
+    columns: &mut Columns,
+) {
+    let model = scene.model;
+    let (set, members) = named(&model.element_sets, set.index());
+    let parts = selected_parts(scene, selection, Variable::is_of_elements);
+    let name = |element: usize| model.mesh.elements[element].name.as_str();
+    let mut found = Vec::new();
+    for element in by_number(members, name) {
+        let Some(&(group, index)) = scene.places.elements.get(&element) else { continue };
+        let has = |part: &&VariableComponent| element_has(state, (group, index), **part, &columns.model_variables);
+        let source = ColumnSource::Element(group, index);
+        found.extend(parts.iter().filter(has).map(|&part| (part, name(element), source)));
+    }
+    columns_of_set(set, members.len(), &found, &request.statistics, columns);
+}
+
+fn section_columns(
+    scene: Scene<'_>,
+    selection: VariableRequest,
+    surface: SurfaceId,
+    name: &str,
+    state: &State,
+    columns: &mut Columns,
+) {
+    let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
+    let parts = selected_parts(scene, selection, |v| v.place() == VariablePlace::Section);
+    let known = columns.sections.iter().position(|s| s.surface == surface);
+    let at = known.unwrap_or_else(|| {
+        let section = integrated_section(scene, surface, state);
+        columns.sections.push(section);
+        columns.sections.len() - 1
+    });
+    if !columns.sections[at].faces.is_empty() {
+        columns.list.extend(parts.iter().map(|&part| column(part, name, ColumnSource::Section(at))));
+    }
+}
+
+/// Returns the deformable faces of a surface, with the corners of their elements.
+fn integrated_section(scene: Scene<'_>, surface: SurfaceId, state: &State) -> IntegratedSection {
+    let model = scene.model;
+    let sides = &model.surfaces.faces[surface].faces;
+    let mut section = IntegratedSection { surface, faces: Vec::new(), corners: Vec::new() };
+    let deforming = sides.iter().filter_map(|&(e, side)| Some((scene.places.elements.get(&e)?, e, side)));
+    for (&(group, element), e, side) in deforming {
+        let Some(ends) = model.mesh.side_nodes(e, side).map(|ends| ends.map(|n| scene.places.nodes[&n])) else {
+            continue;
         };
-        self.model_variables.iter().copied().filter(meant)
+        section.faces.push(ends);
+        let corners = state.elements.groups[group].boundary(element);
+        let on = (0..corners.len()).filter(|&c| ends.contains(&(corners[c] as usize)));
+        section.corners.extend(on.map(|c| (group, element, c)));
     }
+    section.corners.sort_unstable();
+    section.corners.dedup();
+    section
+}
 
-    fn node_columns(
-        &mut self,
-        (selection, request): (VariableRequest, &OutputRequest),
-        set: NodeSetId,
-        columns: &mut Vec<HistoryColumn>,
-    ) {
-        let model = self.model;
-        let (set, members) = named(&model.node_sets, set.index());
-        let mut parts = self.parts(selection, Variable::is_of_nodes);
-        parts.retain(|p| self.nodes_have(p.variable));
-        let name = |node: usize| model.mesh.node_names[node].as_str();
-        let mut found = Vec::new();
-        for node in by_number(members, name) {
-            if let Some(&rotation) = self.places.rotations.get(&node) {
-                let turning = parts.iter().filter(|p| p.variable.is_of_rotations());
-                found.extend(turning.map(|&part| (part, name(node), ColumnSource::Node(rotation))));
-            }
-            if let Some(&body) = self.body_of_node.get(&node).filter(|&&b| self.bodies[b].spatial) {
-                let source = ColumnSource::Body { body, node };
-                found.extend(in_space(selection, &parts).map(|part| (part, name(node), source)));
-                continue;
-            }
-            let source = match (self.places.free_node(node), self.body_of_node.get(&node)) {
-                (Some(node), _) => ColumnSource::Node(node),
-                (_, Some(&body)) => ColumnSource::Body { body, node },
-                _ => continue,
-            };
-            let moving = parts.iter().filter(|p| !p.variable.is_of_rotations() && !is_spatial(p.variable));
-            found.extend(moving.map(|&part| (part, name(node), source)));
-        }
-        self.columns_of_set(set, members.len(), &found, &request.statistics, columns);
+/// Returns the components that a name selects among nodal or element variables.
+fn selected_parts(
+    scene: Scene<'_>,
+    selection: VariableRequest,
+    of: impl Fn(Variable) -> bool,
+) -> Vec<VariableComponent> {
+    let variables = match selection {
+        VariableRequest::One(part) => return Some(part).filter(|p| of(p.variable)).into_iter().collect(),
+        VariableRequest::All => Variable::ALL.to_vec(),
+        _ => selection.variables(),
+    };
+    variables.into_iter().filter(|v| of(*v)).flat_map(|v| components_of(scene, v)).collect()
+}
+
+/// Returns the components of a variable; for state variables as many as the materials of the model have.
+fn components_of(scene: Scene<'_>, variable: Variable) -> Vec<VariableComponent> {
+    if variable.row().numbered {
+        return (0..state_variables(scene)).map(|component| VariableComponent { variable, component }).collect();
     }
+    variable.parts().collect()
+}
 
-    /// Adds a column for each member of a set, or for each statistic of the set. `members` is the size of the set.
-    fn columns_of_set(
-        &mut self,
-        set: &str,
-        members: usize,
-        found: &[(VariableComponent, &str, ColumnSource)],
-        statistics: &[Statistic],
-        columns: &mut Vec<HistoryColumn>,
-    ) {
-        if statistics.is_empty() {
-            let place = |name| if members == 1 { set } else { name };
-            columns.extend(found.iter().map(|&(part, name, source)| column(part, place(name), source)));
-            return;
-        }
-        let mut parts: Vec<VariableComponent> = found.iter().map(|f| f.0).collect();
-        dedup(&mut parts);
-        for part in parts {
-            let mut sources: Vec<ColumnSource> = found.iter().filter(|f| f.0 == part).map(|f| f.2).collect();
-            if part.variable == Variable::Reaction {
-                once_a_body(&mut sources);
-            }
-            let at = self.index_of_sources(sources);
-            columns.extend(statistics.iter().map(|statistic| HistoryColumn {
-                name: format!("{}_{}@{set}", part.label(), statistic.name()),
-                part: Some(part),
-                source: ColumnSource::Set(*statistic, at),
-            }));
-        }
-    }
-
-    /// Returns the index of a list of sources in the plan, and adds the list if it is new.
-    fn index_of_sources(&mut self, sources: Vec<ColumnSource>) -> usize {
-        self.sets.insert_full(sources).0
-    }
-
-    /// Adds columns of a part. A rigid body belongs to it with all its mass if one of its elements does.
-    fn part_columns(&mut self, selection: VariableRequest, set: ElementSetId, columns: &mut Vec<HistoryColumn>) {
-        let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
-        let parts = self.parts(selection, |v| v.place() == VariablePlace::Part);
-        let model = self.model;
-        let (name, members) = named(&model.element_sets, set.index());
-        let source = |element: &usize| match self.places.elements.get(element) {
-            Some(&(group, index)) => Some(ColumnSource::Element(group, index)),
-            None => {
-                let body = *self.body_of_element.get(element)?;
-                Some(ColumnSource::Body { body, node: model.rigid_bodies[body].reference })
-            }
+fn frame_fields(
+    scene: Scene<'_>,
+    request: &OutputRequest,
+    available: &[FrameField],
+    fields: &mut Vec<FrameField>,
+    report: &mut Report<'_>,
+) {
+    let places = request.card.places();
+    for &selection in &request.variables {
+        let meant = |f: &&FrameField| match selection {
+            VariableRequest::Preselect => is_preselected(scene, f) && places.contains(&f.variable().place()),
+            VariableRequest::All => places.contains(&f.variable().place()),
+            _ => f.matches_request(selection),
         };
-        let mut sources: Vec<ColumnSource> = members.iter().filter_map(source).collect();
-        once_a_body(&mut sources);
-        if !sources.is_empty() && !parts.is_empty() {
-            let at = self.index_of_sources(sources);
-            columns.extend(parts.into_iter().map(|part| column(part, name, ColumnSource::Part(at))));
+        let meant: Vec<FrameField> = available.iter().filter(meant).cloned().map(|f| f.at(request.position)).collect();
+        if meant.is_empty() && !is_in_every_frame(selection) {
+            note_absent_variable(selection, request, report);
         }
+        fields.extend(meant);
     }
+    let detail = request.variables.iter().map(|v| v.name()).collect::<Vec<_>>().join(" ");
+    report.ledger_row(request.span, "field output", request.variables.len(), "variables", detail);
+}
 
-    /// Adds columns of the selected contact pairs.
-    fn pair_columns(&self, selection: VariableRequest, which: &ContactPairFilter, columns: &mut Vec<HistoryColumn>) {
-        let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
-        let parts = self.parts(selection, |v| v.place() == VariablePlace::Pair);
-        let meant = |name: &str| {
-            self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|c| pair_name(c) == name && which.matches(c))
-        };
-        for (index, name) in self.pair_names.iter().enumerate().filter(|n| meant(n.1)) {
-            columns.extend(parts.iter().map(|&part| column(part, name, ColumnSource::Pair(index))));
-        }
-    }
+fn solves_for_temperatures(model: &Model) -> bool {
+    model.steps.first().is_some_and(|s| s.coupled)
+}
 
-    /// Returns whether nodes of this model have a nodal variable.
-    fn nodes_have(&self, variable: Variable) -> bool {
-        match variable.row().preselected {
-            PreselectRule::HeatConduction => self.solves_for_temperatures(),
-            PreselectRule::SurfaceContact => !self.pair_names.is_empty(),
-            PreselectRule::CohesiveContact => self.has_cohesive_variable(variable),
-            PreselectRule::SixDofBody => self.bodies.iter().any(|b| b.spatial),
+pub(crate) fn scales_masses(scene: Scene<'_>) -> bool {
+    deforms(scene.places) && scene.model.steps.iter().any(|step| !step.mass_scalings.is_empty())
+}
+
+fn deforms(places: &SolidPlaces) -> bool {
+    !places.elements.is_empty()
+}
+
+/// Iterates over the energies of this model.
+fn energy_variables(model_variables: &[Variable]) -> impl Iterator<Item = Variable> {
+    model_variables.iter().copied().filter(|v| v.place() == VariablePlace::Energy)
+}
+
+/// Returns the variables that this model has as a whole: energies, the time increment and the added mass.
+fn find_model_variables(scene: Scene<'_>, pairs: &Pairs) -> Vec<Variable> {
+    let deforms = deforms(scene.places);
+    let (conducts, deletes) = (solves_for_temperatures(scene.model), deletes(scene));
+    let damages = materials_present(scene).any(fails)
+        || damaged_interfaces(scene.model).next().is_some()
+        || cohesive_behaviors(scene.model, pairs).any(|cohesion| cohesion.evolution.is_some());
+    let scales = scales_masses(scene);
+    let smooths = scene.model.steps.iter().any(|step| !step.adaptive.is_empty());
+    let eulerian = |step: &Step| step.adaptive_regions.iter().any(|region| region.kind == RegionType::Eulerian);
+    let flows = smooths && scene.model.steps.iter().any(eulerian);
+    let adapts = smooths || !scene.model.remeshings.is_empty();
+    let added = scales.then_some(Variable::AddedMass);
+    let springs = pairs.by_step.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
+    let walls =
+        pairs.by_step.iter().flat_map(|pairs| pairs.iter()).any(|pair| spatial_side(scene.bodies, pair).is_some());
+    let is_there = move |v: &Variable| {
+        let available = match v.row().preselected {
+            PreselectRule::HeatConduction => conducts,
+            PreselectRule::PenaltyContact => springs,
+            PreselectRule::ElementDeletion => deletes,
+            PreselectRule::Damage => damages,
+            PreselectRule::MassScaling => scales,
+            PreselectRule::AdaptiveMesh => adapts,
+            PreselectRule::EulerianBoundary => flows,
             _ => true,
-        }
-    }
-
-    fn element_columns(
-        &mut self,
-        (selection, request): (VariableRequest, &OutputRequest),
-        set: ElementSetId,
-        state: &State,
-        columns: &mut Vec<HistoryColumn>,
-    ) {
-        let model = self.model;
-        let (set, members) = named(&model.element_sets, set.index());
-        let parts = self.parts(selection, Variable::is_of_elements);
-        let name = |element: usize| model.mesh.elements[element].name.as_str();
-        let mut found = Vec::new();
-        for element in by_number(members, name) {
-            let Some(&(group, index)) = self.places.elements.get(&element) else { continue };
-            let has = |part: &&VariableComponent| self.element_has(state, (group, index), **part);
-            let source = ColumnSource::Element(group, index);
-            found.extend(parts.iter().filter(has).map(|&part| (part, name(element), source)));
-        }
-        self.columns_of_set(set, members.len(), &found, &request.statistics, columns);
-    }
-
-    fn section_columns(
-        &mut self,
-        selection: VariableRequest,
-        surface: SurfaceId,
-        name: &str,
-        state: &State,
-        columns: &mut Vec<HistoryColumn>,
-    ) {
-        let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
-        let parts = self.parts(selection, |v| v.place() == VariablePlace::Section);
-        let known = self.sections.iter().position(|s| s.surface == surface);
-        let at = known.unwrap_or_else(|| {
-            let section = self.section(surface, state);
-            self.sections.push(section);
-            self.sections.len() - 1
-        });
-        if !self.sections[at].faces.is_empty() {
-            columns.extend(parts.iter().map(|&part| column(part, name, ColumnSource::Section(at))));
-        }
-    }
-
-    /// Returns the deformable faces of a surface, with the corners of their elements.
-    fn section(&self, surface: SurfaceId, state: &State) -> IntegratedSection {
-        let model = self.model;
-        let sides = &model.surfaces.faces[surface].faces;
-        let mut section = IntegratedSection { surface, faces: Vec::new(), corners: Vec::new() };
-        let deforming = sides.iter().filter_map(|&(e, side)| Some((self.places.elements.get(&e)?, e, side)));
-        for (&(group, element), e, side) in deforming {
-            let Some(ends) = model.mesh.side_nodes(e, side).map(|ends| ends.map(|n| self.places.nodes[&n])) else {
-                continue;
-            };
-            section.faces.push(ends);
-            let corners = state.elements.groups[group].boundary(element);
-            let on = (0..corners.len()).filter(|&c| ends.contains(&(corners[c] as usize)));
-            section.corners.extend(on.map(|c| (group, element, c)));
-        }
-        section.corners.sort_unstable();
-        section.corners.dedup();
-        section
-    }
-
-    /// Returns the components that a name selects among nodal or element variables.
-    fn parts(&self, selection: VariableRequest, of: impl Fn(Variable) -> bool) -> Vec<VariableComponent> {
-        let variables = match selection {
-            VariableRequest::One(part) => return Some(part).filter(|p| of(p.variable)).into_iter().collect(),
-            VariableRequest::All => Variable::ALL.to_vec(),
-            _ => selection.variables(),
         };
-        variables.into_iter().filter(|v| of(*v)).flat_map(|v| self.parts_of(v)).collect()
-    }
+        let lost = walls && *v == Variable::ConstraintWork;
+        v.place() == VariablePlace::Energy && (deforms || lost || !v.row().deforming) && available
+    };
+    let meshes = [Variable::MeshChanges, Variable::SmallestAngle].into_iter().filter(|_| smooths);
+    let increments = [Variable::TimeIncrement].into_iter().chain(added).chain(meshes);
+    Variable::ALL.iter().copied().filter(is_there).chain(increments).collect()
+}
 
-    /// Returns the components of a variable; for state variables as many as the materials of the model have.
-    fn parts_of(&self, variable: Variable) -> Vec<VariableComponent> {
-        if variable.row().numbered {
-            return (0..self.state_variables()).map(|component| VariableComponent { variable, component }).collect();
+/// Returns the fields that frames can show: nodal variables, and variables of at least one element group.
+fn available_fields(scene: Scene<'_>, pairs: &Pairs, state: &State, model_variables: &[Variable]) -> Vec<FrameField> {
+    let groups = &state.elements.groups;
+    // All elements of a group have the same variables.
+    let somewhere = |part: &VariableComponent| {
+        groups
+            .iter()
+            .enumerate()
+            .any(|(g, group)| !group.is_empty() && element_has(state, (g, 0), *part, model_variables))
+    };
+    let mut fields = Vec::new();
+    let turns = !scene.places.rotations.is_empty();
+    for &variable in Variable::ALL {
+        if variable.is_of_rotations() && !turns {
+            continue;
         }
-        variable.parts().collect()
-    }
-
-    fn frame_fields(&mut self, request: &OutputRequest, available: &[FrameField], fields: &mut Vec<FrameField>) {
-        let places = request.card.places();
-        for &selection in &request.variables {
-            let meant = |f: &&FrameField| match selection {
-                VariableRequest::Preselect => self.is_preselected(f) && places.contains(&f.variable().place()),
-                VariableRequest::All => places.contains(&f.variable().place()),
-                _ => f.matches_request(selection),
-            };
-            let meant: Vec<FrameField> =
-                available.iter().filter(meant).cloned().map(|f| f.at(request.position)).collect();
-            if meant.is_empty() && !is_in_every_frame(selection) {
-                self.note_absent_variable(selection, request);
+        let parts = components_of(scene, variable);
+        match variable.place() {
+            VariablePlace::Node if !nodes_have(scene, pairs, variable) || is_spatial(variable) => {}
+            VariablePlace::Node if variable != Variable::Coordinate => fields.push(FrameField::new(parts)),
+            VariablePlace::Point | VariablePlace::Element if variable.row().numbered => {
+                let field = |p: VariableComponent| {
+                    let field = FrameField::new(vec![p]);
+                    let name = state_name(scene, p.component).map(|name| format!("SDV_{name}"));
+                    FrameField { name: name.unwrap_or(field.name.clone()), ..field }
+                };
+                fields.extend(parts.into_iter().filter(somewhere).map(field));
             }
-            fields.extend(meant);
-        }
-        let detail = request.variables.iter().map(|v| v.name()).collect::<Vec<_>>().join(" ");
-        self.ledger_row(request.span, "field output", request.variables.len(), "variables", detail);
-    }
-
-    fn solves_for_temperatures(&self) -> bool {
-        self.model.steps.first().is_some_and(|s| s.coupled)
-    }
-
-    pub(crate) fn scales_masses(&self) -> bool {
-        self.deforms() && self.model.steps.iter().any(|step| !step.mass_scalings.is_empty())
-    }
-
-    fn deforms(&self) -> bool {
-        !self.places.elements.is_empty()
-    }
-
-    /// Iterates over the energies of this model.
-    fn energies(&self) -> impl Iterator<Item = Variable> {
-        self.model_variables.iter().copied().filter(|v| v.place() == VariablePlace::Energy)
-    }
-
-    /// Returns the variables that this model has as a whole: energies, the time increment and the added mass.
-    fn find_model_variables(&self) -> Vec<Variable> {
-        let deforms = self.deforms();
-        let (conducts, deletes) = (self.solves_for_temperatures(), self.deletes());
-        let damages = self.materials_present().any(fails)
-            || self.damaged_interfaces().next().is_some()
-            || self.cohesive_behaviors().any(|cohesion| cohesion.evolution.is_some());
-        let scales = self.scales_masses();
-        let smooths = self.model.steps.iter().any(|step| !step.adaptive.is_empty());
-        let eulerian = |step: &Step| step.adaptive_regions.iter().any(|region| region.kind == RegionType::Eulerian);
-        let flows = smooths && self.model.steps.iter().any(eulerian);
-        let adapts = smooths || !self.model.remeshings.is_empty();
-        let added = scales.then_some(Variable::AddedMass);
-        let springs = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
-        let walls = self.pairs.iter().flat_map(|pairs| pairs.iter()).any(|pair| self.spatial_side(pair).is_some());
-        let is_there = move |v: &Variable| {
-            let available = match v.row().preselected {
-                PreselectRule::HeatConduction => conducts,
-                PreselectRule::PenaltyContact => springs,
-                PreselectRule::ElementDeletion => deletes,
-                PreselectRule::Damage => damages,
-                PreselectRule::MassScaling => scales,
-                PreselectRule::AdaptiveMesh => adapts,
-                PreselectRule::EulerianBoundary => flows,
-                _ => true,
-            };
-            let lost = walls && *v == Variable::ConstraintWork;
-            v.place() == VariablePlace::Energy && (deforms || lost || !v.row().deforming) && available
-        };
-        let meshes = [Variable::MeshChanges, Variable::SmallestAngle].into_iter().filter(|_| smooths);
-        let increments = [Variable::TimeIncrement].into_iter().chain(added).chain(meshes);
-        Variable::ALL.iter().copied().filter(is_there).chain(increments).collect()
-    }
-
-    /// Returns the fields that frames can show: nodal variables, and variables of at least one element group.
-    fn available_fields(&self, state: &State) -> Vec<FrameField> {
-        let groups = &state.elements.groups;
-        // All elements of a group have the same variables.
-        let somewhere = |part: &VariableComponent| {
-            groups.iter().enumerate().any(|(g, group)| !group.is_empty() && self.element_has(state, (g, 0), *part))
-        };
-        let mut fields = Vec::new();
-        let turns = !self.places.rotations.is_empty();
-        for &variable in Variable::ALL {
-            if variable.is_of_rotations() && !turns {
-                continue;
+            VariablePlace::Point | VariablePlace::Element if parts.iter().any(somewhere) => {
+                fields.push(FrameField::new(parts))
             }
-            let parts = self.parts_of(variable);
-            match variable.place() {
-                VariablePlace::Node if !self.nodes_have(variable) || is_spatial(variable) => {}
-                VariablePlace::Node if variable != Variable::Coordinate => fields.push(FrameField::new(parts)),
-                VariablePlace::Point | VariablePlace::Element if variable.row().numbered => {
-                    let field = |p: VariableComponent| {
-                        let field = FrameField::new(vec![p]);
-                        let name = self.state_name(p.component).map(|name| format!("SDV_{name}"));
-                        FrameField { name: name.unwrap_or(field.name.clone()), ..field }
-                    };
-                    fields.extend(parts.into_iter().filter(somewhere).map(field));
-                }
-                VariablePlace::Point | VariablePlace::Element if parts.iter().any(somewhere) => {
-                    fields.push(FrameField::new(parts))
-                }
-                _ => {}
-            }
-        }
-        fields
-    }
-
-    /// Returns whether a field is in the preselected output of ABAQUS/Explicit. Stress invariants, which ABAQUS/Viewer
-    /// computes, are included.
-    fn is_preselected(&self, field: &FrameField) -> bool {
-        match field.variable().row().preselected {
-            PreselectRule::Never => false,
-            PreselectRule::Always => true,
-            PreselectRule::Deformable => self.deforms(),
-            PreselectRule::ElementDeletion => self.deletes(),
-            PreselectRule::HeatConduction
-            | PreselectRule::SurfaceContact
-            | PreselectRule::CohesiveContact
-            | PreselectRule::PenaltyContact
-            | PreselectRule::MassScaling
-            | PreselectRule::AdaptiveMesh
-            | PreselectRule::EulerianBoundary
-            | PreselectRule::Damage => true,
-            PreselectRule::SixDofBody => false,
+            _ => {}
         }
     }
+    fields
+}
 
-    /// Returns whether an element has a variable, also if the variable is integrated only on request.
-    fn element_has(&self, state: &State, (group, element): (usize, usize), part: VariableComponent) -> bool {
-        let heat = state.thermal.as_ref().and_then(|t| t.heat.as_ref());
-        match part.variable {
-            Variable::MassScalingFactor => self.model_variables.contains(&Variable::AddedMass),
-            Variable::Temperature | Variable::HeatFlux
-                if heat.is_some_and(|h| h.element_temperature(group, element).is_some()) =>
-            {
-                true
-            }
-            _ => values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), element, part),
+/// Returns whether a field is in the preselected output of ABAQUS/Explicit. Stress invariants, which ABAQUS/Viewer
+/// computes, are included.
+fn is_preselected(scene: Scene<'_>, field: &FrameField) -> bool {
+    match field.variable().row().preselected {
+        PreselectRule::Never => false,
+        PreselectRule::Always => true,
+        PreselectRule::Deformable => deforms(scene.places),
+        PreselectRule::ElementDeletion => deletes(scene),
+        PreselectRule::HeatConduction
+        | PreselectRule::SurfaceContact
+        | PreselectRule::CohesiveContact
+        | PreselectRule::PenaltyContact
+        | PreselectRule::MassScaling
+        | PreselectRule::AdaptiveMesh
+        | PreselectRule::EulerianBoundary
+        | PreselectRule::Damage => true,
+        PreselectRule::SixDofBody => false,
+    }
+}
+
+/// Returns whether an element has a variable, also if the variable is integrated only on request.
+fn element_has(
+    state: &State,
+    (group, element): (usize, usize),
+    part: VariableComponent,
+    model_variables: &[Variable],
+) -> bool {
+    let heat = state.thermal.as_ref().and_then(|t| t.heat.as_ref());
+    match part.variable {
+        Variable::MassScalingFactor => model_variables.contains(&Variable::AddedMass),
+        Variable::Temperature | Variable::HeatFlux
+            if heat.is_some_and(|h| h.element_temperature(group, element).is_some()) =>
+        {
+            true
         }
+        _ => values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), element, part),
     }
+}
 
-    fn note_absent_variable(&mut self, selection: VariableRequest, request: &OutputRequest) {
-        let why = why_absent(selection, request);
-        self.add_unused_card(request.span, selection.name(), why);
-    }
+fn note_absent_variable(selection: VariableRequest, request: &OutputRequest, report: &mut Report<'_>) {
+    let why = why_absent(selection, request);
+    report.add_unused_card(request.span, selection.name(), why);
 }
 
 /// Returns whether only rigid bodies with six degrees of freedom have a variable.

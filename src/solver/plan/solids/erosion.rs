@@ -3,66 +3,79 @@
 use crate::deck::Diagnostic;
 use crate::element::erosion::{DeletionCriteria, ErosionControl};
 use crate::model::ErosionCriteria as Card;
-use crate::plan::{Compiler, State};
+use crate::plan::State;
+use crate::plan::meshes::places::SolidPlaces;
+use crate::plan::report::Report;
+use crate::plan::scene::Scene;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
-impl Compiler<'_> {
-    /// Applies the criteria of `*EROSION` to the elements of the state.
-    pub(crate) fn erosion(&mut self, state: &mut State) {
-        let mut erosion = ErosionControl::default();
-        for card in &self.model.erosions {
-            let Some(elements) = self.eroding_elements(card, state) else { continue };
-            let Card { distortion, plastic, strain, increment, .. } = *card;
-            let criteria = DeletionCriteria { distortion, plastic, strain, increment };
-            self.check_start(card, &criteria, &elements, state);
-            self.ledger_row(card.span, "erosion", elements.len(), "elements", detail(card));
-            erosion.watch(criteria, elements);
-        }
-        if !erosion.groups().is_empty() {
-            state.elements.watch(erosion, &state.dofs.nodes);
-        }
+/// Applies the criteria of `*EROSION` to the elements of the state.
+pub(crate) fn apply_erosion(scene: Scene<'_>, state: &mut State, report: &mut Report<'_>) {
+    let mut erosion = ErosionControl::default();
+    for card in &scene.model.erosions {
+        let Some(elements) = eroding_elements(scene.places, card, state, report) else { continue };
+        let Card { distortion, plastic, strain, increment, .. } = *card;
+        let criteria = DeletionCriteria { distortion, plastic, strain, increment };
+        check_start(scene, card, &criteria, &elements, state, report);
+        report.ledger_row(card.span, "erosion", elements.len(), "elements", detail(card));
+        erosion.watch(criteria, elements);
     }
+    if !erosion.groups().is_empty() {
+        state.elements.watch(erosion, &state.dofs.nodes);
+    }
+}
 
-    fn eroding_elements(&mut self, card: &Card, state: &State) -> Option<Vec<(usize, usize)>> {
-        let places = &self.places.elements;
-        let elements: Vec<(usize, usize)> = match &card.elements {
-            None => places.values().copied().collect(),
-            Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
-        };
-        if elements.is_empty() {
-            self.add_unused_card(card.span, "erosion", "none of its elements is deformable");
-            return None;
-        }
-        let groups = &state.elements.groups;
-        let flows = |&(g, e): &(usize, usize)| groups[g].value(e, Variable::PlasticStrain.into()).is_some();
-        let refusal = if card.plastic.is_some() && !elements.iter().any(flows) {
-            Some((
-                "PLASTIC STRAIN is given, but no element has a plastic strain",
-                "give PRINCIPAL STRAIN, which all elements have",
-            ))
-        } else if card.distortion.is_some() && !elements.iter().any(|(g, _)| groups[*g].is_solid()) {
-            Some(("DISTORTION does not apply to shells", "give DISTORTION for solid elements"))
-        } else {
-            None
-        };
-        if let Some((message, help)) = refusal {
-            return self.diagnostics.refuse(Diagnostic::error("P070", message).at(card.span, "this card").help(help));
-        }
-        Some(elements)
+fn eroding_elements(
+    places: &SolidPlaces,
+    card: &Card,
+    state: &State,
+    report: &mut Report<'_>,
+) -> Option<Vec<(usize, usize)>> {
+    let places = &places.elements;
+    let elements: Vec<(usize, usize)> = match &card.elements {
+        None => places.values().copied().collect(),
+        Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
+    };
+    if elements.is_empty() {
+        report.add_unused_card(card.span, "erosion", "none of its elements is deformable");
+        return None;
     }
+    let groups = &state.elements.groups;
+    let flows = |&(g, e): &(usize, usize)| groups[g].value(e, Variable::PlasticStrain.into()).is_some();
+    let refusal = if card.plastic.is_some() && !elements.iter().any(flows) {
+        Some((
+            "PLASTIC STRAIN is given, but no element has a plastic strain",
+            "give PRINCIPAL STRAIN, which all elements have",
+        ))
+    } else if card.distortion.is_some() && !elements.iter().any(|(g, _)| groups[*g].is_solid()) {
+        Some(("DISTORTION does not apply to shells", "give DISTORTION for solid elements"))
+    } else {
+        None
+    };
+    if let Some((message, help)) = refusal {
+        return report.diagnostics.refuse(Diagnostic::error("P070", message).at(card.span, "this card").help(help));
+    }
+    Some(elements)
+}
 
-    /// Reports an element that meets a criterion at the start.
-    fn check_start(&mut self, card: &Card, criteria: &DeletionCriteria, elements: &[(usize, usize)], state: &State) {
-        let nodes: &Nodes = &state.dofs.nodes;
-        let at_start = |&&(g, e): &&(usize, usize)| criteria.are_met(&*state.elements.groups[g], e, nodes);
-        let Some(&place) = elements.iter().find(at_start) else { return };
-        let found = self.places.elements.iter().find(|e| *e.1 == place);
-        let name = found.map_or("", |(e, _)| &self.model.mesh.elements[e].name);
-        let message = format!("element {name} meets an erosion criterion at the start");
-        let finding = Diagnostic::error("P070", message).at(card.span, "this card");
-        self.diagnostics.push(finding.help("give another limit, or an ELSET without this element"));
-    }
+/// Reports an element that meets a criterion at the start.
+fn check_start(
+    scene: Scene<'_>,
+    card: &Card,
+    criteria: &DeletionCriteria,
+    elements: &[(usize, usize)],
+    state: &State,
+    report: &mut Report<'_>,
+) {
+    let nodes: &Nodes = &state.dofs.nodes;
+    let at_start = |&&(g, e): &&(usize, usize)| criteria.are_met(&*state.elements.groups[g], e, nodes);
+    let Some(&place) = elements.iter().find(at_start) else { return };
+    let found = scene.places.elements.iter().find(|e| *e.1 == place);
+    let name = found.map_or("", |(e, _)| &scene.model.mesh.elements[e].name);
+    let message = format!("element {name} meets an erosion criterion at the start");
+    let finding = Diagnostic::error("P070", message).at(card.span, "this card");
+    report.diagnostics.push(finding.help("give another limit, or an ELSET without this element"));
 }
 
 fn detail(card: &Card) -> String {

@@ -3,116 +3,125 @@
 use crate::deck::{Diagnostic, Span};
 use crate::element::mass_scaling::{ScalingInterval, ScalingRequest, ScalingTarget, StepMassScaling, VariableScaling};
 use crate::model::{LoadKind, MassScaling, ScalingSchedule, ScalingType, Step};
-use crate::plan::{Compiler, State};
+use crate::plan::State;
+use crate::plan::constraints::link_set::Links;
+use crate::plan::report::Report;
+use crate::plan::scene::{Scene, StepInput};
 
-impl Compiler<'_> {
-    /// Creates the mass scaling of a step. Fixed mass scaling that continues from the previous step is not applied
-    /// again.
-    pub(crate) fn mass_scaling(&mut self, index: usize, state: &State) -> Option<StepMassScaling> {
-        let model = self.model;
-        let step = &model.steps[index];
-        let first = step.mass_scalings.first()?;
-        if state.elements.is_empty() {
-            self.add_unused_card(first.span, "mass scaling", "the model has no deformable elements");
-            return None;
-        }
-        self.check_scalable_step(step);
-        let (mut fixed, mut variable) = (Vec::new(), Vec::new());
-        for scaling in &step.mass_scalings {
-            let Some(request) = self.scaling_request(scaling, state) else { continue };
-            match scaling.schedule {
-                None => fixed.push(request),
-                Some(rhythm) => variable.push(VariableScaling::new(request, in_step(rhythm, step))),
-            }
-        }
-        let before = index.checked_sub(1).and_then(|i| model.steps[i].mass_scalings.first());
-        let goes_on = before.is_some_and(|b| b.span == first.span);
-        Some(StepMassScaling::new((!goes_on).then_some(fixed), variable))
+/// Creates the mass scaling of a step. Fixed mass scaling that continues from the previous step is not applied
+/// again.
+pub(crate) fn mass_scaling(input: StepInput<'_>, state: &State, report: &mut Report<'_>) -> Option<StepMassScaling> {
+    let StepInput { scene, links, index, .. } = input;
+    let model = scene.model;
+    let step = &model.steps[index];
+    let first = step.mass_scalings.first()?;
+    if state.elements.is_empty() {
+        report.add_unused_card(first.span, "mass scaling", "the model has no deformable elements");
+        return None;
     }
-
-    fn scaling_request(&mut self, scaling: &MassScaling, state: &State) -> Option<ScalingRequest> {
-        let places = &self.places.elements;
-        let elements: Vec<(usize, usize)> = match &scaling.elements {
-            None => places.values().copied().collect(),
-            Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
-        };
-        // The increment of cohesive elements follows from the masses of the bodies that they join.
-        let is_body = |at: &(usize, usize)| state.elements.groups[at.0].interface_stiffness(at.1).is_none();
-        let elements: Vec<(usize, usize)> = elements.into_iter().filter(is_body).collect();
-        if elements.is_empty() {
-            self.add_unused_card(scaling.span, "mass scaling", "none of its elements is a deformable solid or shell");
-            return None;
-        }
-        let mut refusal = None;
-        for &(g, e) in &elements {
-            let group = &state.elements.groups[g];
-            let name = || self.element_name(g, e);
-            if group.stable_rate(e, Some(&group.masses(e)), state.dofs.nodes.as_slice()).is_none() {
-                refusal =
-                    Some(format!("the mass of element {} is part of its material state and cannot be scaled", name()));
-                break;
-            }
-        }
-        if let Some(message) = refusal {
-            self.refuse_scaling(scaling.span, message, "give an ELSET without these elements");
-            return None;
-        }
-        let constrained = self.constrained_nodes(state.dofs.nodes.len());
-        let is_constrained = |&(g, e): &(usize, usize)| {
-            state.elements.groups[g].nodes(e).into_iter().any(|n| constrained.get(n as usize) == Some(&true))
-        };
-        let touched = elements.iter().filter(|at| is_constrained(at)).count();
-        let at_links = if touched > 0 {
-            format!("; {touched} elements have nodes with equations, links or rigid bodies, which take the added mass")
-        } else {
-            String::new()
-        };
-        self.ledger_row(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling) + &at_links);
-        let aim = scaling.target.map(|(kind, dt)| (aim(kind), dt));
-        Some(ScalingRequest { elements, factor: scaling.factor, aim })
-    }
-
-    fn element_name(&self, group: usize, element: usize) -> &str {
-        let found = self.places.elements.iter().find(|e| *e.1 == (group, element));
-        found.map_or("", |(e, _)| &self.model.mesh.elements[e].name)
-    }
-
-    /// Returns whether each node belongs to a rigid body, an equation or a link. Empty if there are none.
-    pub(crate) fn constrained_nodes(&self, count: usize) -> Vec<bool> {
-        let carried = self.ties.iter().flat_map(|t| t.nodes.iter().copied());
-        self.marked_nodes(count, carried.chain(self.nodes_of_links()))
-    }
-
-    /// Returns the nodes with equations and links.
-    pub(crate) fn nodes_of_links(&self) -> impl Iterator<Item = usize> {
-        self.links.involved_dofs().into_iter().map(|dof| dof.0)
-    }
-
-    /// Returns whether each node belongs to a list. Empty if the list is.
-    pub(crate) fn marked_nodes(&self, count: usize, nodes: impl Iterator<Item = usize>) -> Vec<bool> {
-        let nodes: Vec<usize> = nodes.collect();
-        let mut marked = vec![false; if nodes.is_empty() { 0 } else { count }];
-        nodes.into_iter().for_each(|n| marked[n] = true);
-        marked
-    }
-
-    /// Reports loads that use the initial masses and do not support mass scaling.
-    pub(crate) fn check_scalable_step(&mut self, step: &Step) {
-        for load in &step.loads {
-            if matches!(load.kind, LoadKind::Gravity { elements: Some(_), .. }) {
-                let help = "leave the element set of GRAV empty, so that it acts on all masses";
-                self.refuse_scaling(
-                    load.span,
-                    "gravity on an element set is not supported with mass scaling".into(),
-                    help,
-                );
-            }
+    check_scalable_step(step, report);
+    let (mut fixed, mut variable) = (Vec::new(), Vec::new());
+    for scaling in &step.mass_scalings {
+        let Some(request) = scaling_request(scene, links, scaling, state, report) else { continue };
+        match scaling.schedule {
+            None => fixed.push(request),
+            Some(rhythm) => variable.push(VariableScaling::new(request, in_step(rhythm, step))),
         }
     }
+    let before = index.checked_sub(1).and_then(|i| model.steps[i].mass_scalings.first());
+    let goes_on = before.is_some_and(|b| b.span == first.span);
+    Some(StepMassScaling::new((!goes_on).then_some(fixed), variable))
+}
 
-    fn refuse_scaling(&mut self, span: Span, message: String, help: &str) {
-        self.diagnostics.push(Diagnostic::error("P022", message).at(span, "here").help(help));
+fn scaling_request(
+    scene: Scene<'_>,
+    links: &Links,
+    scaling: &MassScaling,
+    state: &State,
+    report: &mut Report<'_>,
+) -> Option<ScalingRequest> {
+    let places = &scene.places.elements;
+    let elements: Vec<(usize, usize)> = match &scaling.elements {
+        None => places.values().copied().collect(),
+        Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
+    };
+    // The increment of cohesive elements follows from the masses of the bodies that they join.
+    let is_body = |at: &(usize, usize)| state.elements.groups[at.0].interface_stiffness(at.1).is_none();
+    let elements: Vec<(usize, usize)> = elements.into_iter().filter(is_body).collect();
+    if elements.is_empty() {
+        report.add_unused_card(scaling.span, "mass scaling", "none of its elements is a deformable solid or shell");
+        return None;
     }
+    let mut refusal = None;
+    for &(g, e) in &elements {
+        let group = &state.elements.groups[g];
+        let name = || element_name(scene, g, e);
+        if group.stable_rate(e, Some(&group.masses(e)), state.dofs.nodes.as_slice()).is_none() {
+            refusal =
+                Some(format!("the mass of element {} is part of its material state and cannot be scaled", name()));
+            break;
+        }
+    }
+    if let Some(message) = refusal {
+        refuse_scaling(scaling.span, message, "give an ELSET without these elements", report);
+        return None;
+    }
+    let constrained = constrained_nodes(links, state.dofs.nodes.len());
+    let is_constrained = |&(g, e): &(usize, usize)| {
+        state.elements.groups[g].nodes(e).into_iter().any(|n| constrained.get(n as usize) == Some(&true))
+    };
+    let touched = elements.iter().filter(|at| is_constrained(at)).count();
+    let at_links = if touched > 0 {
+        format!("; {touched} elements have nodes with equations, links or rigid bodies, which take the added mass")
+    } else {
+        String::new()
+    };
+    report.ledger_row(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling) + &at_links);
+    let aim = scaling.target.map(|(kind, dt)| (aim(kind), dt));
+    Some(ScalingRequest { elements, factor: scaling.factor, aim })
+}
+
+fn element_name(scene: Scene<'_>, group: usize, element: usize) -> &str {
+    let found = scene.places.elements.iter().find(|e| *e.1 == (group, element));
+    found.map_or("", |(e, _)| &scene.model.mesh.elements[e].name)
+}
+
+/// Returns whether each node belongs to a rigid body, an equation or a link. Empty if there are none.
+pub(crate) fn constrained_nodes(links: &Links, count: usize) -> Vec<bool> {
+    let carried = links.rigid_ties.iter().flat_map(|t| t.nodes.iter().copied());
+    marked_nodes(count, carried.chain(nodes_of_links(links)))
+}
+
+/// Returns the nodes with equations and links.
+pub(crate) fn nodes_of_links(links: &Links) -> impl Iterator<Item = usize> {
+    links.involved_dofs().into_iter().map(|dof| dof.0)
+}
+
+/// Returns whether each node belongs to a list. Empty if the list is.
+pub(crate) fn marked_nodes(count: usize, nodes: impl Iterator<Item = usize>) -> Vec<bool> {
+    let nodes: Vec<usize> = nodes.collect();
+    let mut marked = vec![false; if nodes.is_empty() { 0 } else { count }];
+    nodes.into_iter().for_each(|n| marked[n] = true);
+    marked
+}
+
+/// Reports loads that use the initial masses and do not support mass scaling.
+pub(crate) fn check_scalable_step(step: &Step, report: &mut Report<'_>) {
+    for load in &step.loads {
+        if matches!(load.kind, LoadKind::Gravity { elements: Some(_), .. }) {
+            let help = "leave the element set of GRAV empty, so that it acts on all masses";
+            refuse_scaling(
+                load.span,
+                "gravity on an element set is not supported with mass scaling".into(),
+                help,
+                report,
+            );
+        }
+    }
+}
+
+fn refuse_scaling(span: Span, message: String, help: &str, report: &mut Report<'_>) {
+    report.diagnostics.push(Diagnostic::error("P022", message).at(span, "here").help(help));
 }
 
 fn aim(kind: ScalingType) -> ScalingTarget {

@@ -9,159 +9,171 @@ use crate::element::shell::section::{SectionPlasticity, ShellProperties, Thickne
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{ShellFrame, simpson};
-use crate::model::{MaterialDefinition, PlasticityModel, ShellSection, ShellThinning};
-use crate::plan::Compiler;
-use crate::plan::solids::solid_material::heating;
+use crate::model::{MaterialDefinition, Model, PlasticityModel, ShellSection, ShellThinning};
+use crate::plan::bodies::rigid_body::Bodies;
+use crate::plan::meshes::places::SolidPlaces;
+use crate::plan::queries::adiabatic;
+use crate::plan::report::Report;
+use crate::plan::scene::Scene;
+use crate::plan::solids::solid_material::{bulk_viscosity, heating, yield_stress};
 use crate::state::nodes::Node;
 
-impl<'a> Compiler<'a> {
-    /// Returns the shell sections with their elements that do not belong to a rigid body.
-    pub(crate) fn free_shells(&self) -> Vec<(&'a ShellSection, Vec<usize>)> {
-        let free = |e: &usize| !self.body_of_element.contains_key(e);
-        let of = |s: &ShellSection| s.elements.iter().copied().filter(free).collect();
-        let model: &'a crate::model::Model = self.model;
-        let sections = model.shell_sections.iter().map(|s| (s, of(s)));
-        sections.filter(|(_, elements): &(_, Vec<usize>)| !elements.is_empty()).collect()
-    }
+/// Returns the shell sections with their elements that do not belong to a rigid body.
+pub(crate) fn free_shells<'a>(model: &'a Model, bodies: &'a Bodies) -> Vec<(&'a ShellSection, Vec<usize>)> {
+    let free = |e: &usize| !bodies.of_element.contains_key(e);
+    let of = |s: &ShellSection| s.elements.iter().copied().filter(free).collect();
+    let sections = model.shell_sections.iter().map(|s| (s, of(s)));
+    sections.filter(|(_, elements): &(_, Vec<usize>)| !elements.is_empty()).collect()
+}
 
-    /// Adds the rotations of shell nodes after all nodes, with zero angles.
-    pub(crate) fn place_rotations(&mut self, shells: &[(&ShellSection, Vec<usize>)], nodes: &mut Vec<Node>) {
-        let mesh = &self.model.mesh;
-        let ends = shells.iter().flat_map(|s| &s.1).flat_map(|&e| mesh.elements[e].nodes.iter().copied());
-        let turning: Vec<usize> = sorted_unique(ends);
-        self.places.rotations = turning.iter().enumerate().map(|(i, &n)| (n, nodes.len() + i)).collect();
-        nodes.resize(nodes.len() + turning.len(), Node::default());
-        if let Some((section, _)) = shells.first() {
-            let detail = "rotations in the r-z plane; nodes shared with solids are hinges";
-            self.ledger_row(section.span, "rotations", turning.len(), "nodes", detail.into());
-        }
+/// Adds the rotations of shell nodes after all nodes, with zero angles.
+pub(crate) fn place_rotations(
+    model: &Model,
+    places: &mut SolidPlaces,
+    shells: &[(&ShellSection, Vec<usize>)],
+    nodes: &mut Vec<Node>,
+    report: &mut Report<'_>,
+) {
+    let mesh = &model.mesh;
+    let ends = shells.iter().flat_map(|s| &s.1).flat_map(|&e| mesh.elements[e].nodes.iter().copied());
+    let turning: Vec<usize> = sorted_unique(ends);
+    places.rotations = turning.iter().enumerate().map(|(i, &n)| (n, nodes.len() + i)).collect();
+    nodes.resize(nodes.len() + turning.len(), Node::default());
+    if let Some((section, _)) = shells.first() {
+        let detail = "rotations in the r-z plane; nodes shared with solids are hinges";
+        report.ledger_row(section.span, "rotations", turning.len(), "nodes", detail.into());
     }
+}
 
-    /// Creates the element group of a section and adds its masses and rotary inertias.
-    pub(crate) fn shells(
-        &mut self,
-        section: &ShellSection,
-        elements: &[usize],
-        nodes: &[Node],
-        mass: &mut [f64],
-    ) -> Option<Box<dyn ElementGroup>> {
-        let model = self.model;
-        let material = &model.materials[section.material];
-        let section_of_group = self.shell(section, material, elements.len())?;
-        let corners = |&e: &usize| {
-            let ends = [0, 1].map(|i| model.mesh.elements[e].nodes[i]);
-            let [a, b] = ends.map(|n| self.places.nodes[&n] as u32);
-            let [x, y] = ends.map(|n| self.places.rotations[&n] as u32);
-            [a, b, x, y]
-        };
-        let list: Vec<[u32; 4]> = elements.iter().map(corners).collect();
-        if let Some(at) = list.iter().position(|c| !lies_off_the_axis(c, nodes)) {
-            let element = &model.mesh.elements[elements[at]];
-            let message = format!("element {} is on the axis or has no length", element.name);
-            return self.diagnostics.refuse(Diagnostic::error("P012", message).at(element.span, "this element"));
-        }
-        let group = ShellGroup::new(section_of_group, list, nodes);
-        for element in 0..group.len() {
-            for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
-                mass[n as usize] += m;
-            }
-        }
-        Some(Box::new(group))
+/// Creates the element group of a section and adds its masses and rotary inertias.
+pub(crate) fn shell_group(
+    model: &Model,
+    places: &SolidPlaces,
+    section: &ShellSection,
+    elements: &[usize],
+    nodes: &[Node],
+    mass: &mut [f64],
+    report: &mut Report<'_>,
+) -> Option<Box<dyn ElementGroup>> {
+    let material = &model.materials[section.material];
+    let section_of_group = shell_properties(model, section, material, elements.len(), report)?;
+    let corners = |&e: &usize| {
+        let ends = [0, 1].map(|i| model.mesh.elements[e].nodes[i]);
+        let [a, b] = ends.map(|n| places.nodes[&n] as u32);
+        let [x, y] = ends.map(|n| places.rotations[&n] as u32);
+        [a, b, x, y]
+    };
+    let list: Vec<[u32; 4]> = elements.iter().map(corners).collect();
+    if let Some(at) = list.iter().position(|c| !lies_off_the_axis(c, nodes)) {
+        let element = &model.mesh.elements[elements[at]];
+        let message = format!("element {} is on the axis or has no length", element.name);
+        return report.diagnostics.refuse(Diagnostic::error("P012", message).at(element.span, "this element"));
     }
-
-    /// Lists cards of a material without effect on shells as unused, unless solid elements have the material too.
-    fn note_unused_on_shells(&mut self, section: &ShellSection, material: &MaterialDefinition) {
-        if self.model.sections.iter().any(|solid| solid.material == section.material) {
-            return;
-        }
-        let why = "it has no effect on shells";
-        if let Some((_, span)) = material.viscosity {
-            self.add_unused_card(span, "*VISCOSITY", why);
-        }
-        if let Some(expansion) = &material.thermal.expansion {
-            self.add_unused_card(expansion.span, "*EXPANSION", why);
-        }
-        if !material.detonation.is_empty() {
-            self.add_unused_card(material.span, "*DETONATION POINT", why);
+    let group = ShellGroup::new(section_of_group, list, nodes);
+    for element in 0..group.len() {
+        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
+            mass[n as usize] += m;
         }
     }
+    Some(Box::new(group))
+}
 
-    /// Returns the section data of shells. An unsupported material is an error.
-    fn shell(
-        &mut self,
-        section: &ShellSection,
-        material: &MaterialDefinition,
-        count: usize,
-    ) -> Option<ShellProperties> {
-        if let Some(message) = refusal(material, self.adiabatic()) {
-            let message = format!("material `{}`: {message}", material.name);
-            let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
-            self.diagnostics
-                .push(finding.help("shells support *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
-            return None;
-        }
-        self.note_unused_on_shells(section, material);
-        let ([young, ratio], density) = (material.elastic?, material.density?);
-        let flowing = match &material.plastic {
-            None => None,
-            Some(plastic) => {
-                let law = self.yield_stress(plastic, material, section.span)?;
-                let heats = self.adiabatic();
-                let heating =
-                    if heats { heating(material, density) } else { crate::kernel::heating::PlasticHeating::None };
-                let heat = if heating.is_none() { "" } else { ", heated by plastic work" };
-                let kind =
-                    if matches!(plastic, PlasticityModel::Tabular(_)) { "tabular isotropic" } else { "Johnson-Cook" };
-                let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
-                let detail = format!("{kind}{rate}{heat}, plane stress");
-                self.ledger_row(section.span, "plasticity", count * section.points, "points", detail);
-                Some(SectionPlasticity { law, heating })
-            }
-        };
-        let (thinning, thins) = match section.thinning {
-            ShellThinning::Material => (ThicknessRule::Material, "thickness change by the material".into()),
-            ShellThinning::Elastic => (ThicknessRule::Ratio(ratio), format!("thickness change with ratio {ratio}")),
-            ShellThinning::Ratio(ratio) => {
-                (ThicknessRule::Ratio(ratio), format!("thickness change with ratio {ratio}"))
-            }
-        };
-        let detail = format!(
-            "material {}, thickness {}, {} points, {thins}; rotary inertia scaled",
-            material.name, section.thickness, section.points
-        );
-        self.ledger_row(section.span, "shells", count, "SAX1", detail);
-        let bulk_viscosity = self.bulk_viscosity(false);
-        if !bulk_viscosity.is_none() {
-            self.ledger_row(section.span, "bulk viscosity", count, "elements", bulk_viscosity.detail());
-        }
-        Some(ShellProperties {
-            elastic: PlaneElastic { young, ratio },
-            thickness: section.thickness,
-            per_area: density * section.thickness + section.per_area,
-            points: simpson(section.points),
-            flowing,
-            thinning,
-            bulk_viscosity,
-        })
+/// Lists cards of a material without effect on shells as unused, unless solid elements have the material too.
+fn note_unused_on_shells(
+    model: &Model,
+    section: &ShellSection,
+    material: &MaterialDefinition,
+    report: &mut Report<'_>,
+) {
+    if model.sections.iter().any(|solid| solid.material == section.material) {
+        return;
     }
+    let why = "it has no effect on shells";
+    if let Some((_, span)) = material.viscosity {
+        report.add_unused_card(span, "*VISCOSITY", why);
+    }
+    if let Some(expansion) = &material.thermal.expansion {
+        report.add_unused_card(expansion.span, "*EXPANSION", why);
+    }
+    if !material.detonation.is_empty() {
+        report.add_unused_card(material.span, "*DETONATION POINT", why);
+    }
+}
 
-    /// Adds the nodal masses of shell elements.
-    pub(crate) fn add_masses_of_shells(&self, elements: &[usize], masses: &mut IndexMap<usize, f64>) {
-        let mesh = &self.model.mesh;
-        for section in &self.model.shell_sections {
-            let material = &self.model.materials[section.material];
-            let (Some([young, ratio]), Some(density)) = (material.elastic, material.density) else { continue };
-            let per_area = density * section.thickness + section.per_area;
-            let own = |e: &&usize| section.elements.contains(e) && self.places.elements.contains_key(e);
-            for &e in elements.iter().filter(own) {
-                let ends = [0, 1].map(|i| mesh.elements[e].nodes[i]);
-                let places = ends.map(|n| mesh.points[n]);
-                let elastic = PlaneElastic { young, ratio };
-                let [a, b, ..] =
-                    ShellFrame::new(places).masses(places.map(|p| p[0]), per_area, section.thickness, &elastic);
-                *masses.entry(self.places.nodes[&ends[0]]).or_default() += a;
-                *masses.entry(self.places.nodes[&ends[1]]).or_default() += b;
-            }
+/// Returns the section data of shells. An unsupported material is an error.
+fn shell_properties(
+    model: &Model,
+    section: &ShellSection,
+    material: &MaterialDefinition,
+    count: usize,
+    report: &mut Report<'_>,
+) -> Option<ShellProperties> {
+    if let Some(message) = refusal(material, adiabatic(model)) {
+        let message = format!("material `{}`: {message}", material.name);
+        let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
+        report
+            .diagnostics
+            .push(finding.help("shells support *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
+        return None;
+    }
+    note_unused_on_shells(model, section, material, report);
+    let ([young, ratio], density) = (material.elastic?, material.density?);
+    let flowing = match &material.plastic {
+        None => None,
+        Some(plastic) => {
+            let law = yield_stress(plastic, material, section.span, report)?;
+            let heats = adiabatic(model);
+            let heating = if heats { heating(material, density) } else { crate::kernel::heating::PlasticHeating::None };
+            let heat = if heating.is_none() { "" } else { ", heated by plastic work" };
+            let kind =
+                if matches!(plastic, PlasticityModel::Tabular(_)) { "tabular isotropic" } else { "Johnson-Cook" };
+            let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
+            let detail = format!("{kind}{rate}{heat}, plane stress");
+            report.ledger_row(section.span, "plasticity", count * section.points, "points", detail);
+            Some(SectionPlasticity { law, heating })
+        }
+    };
+    let (thinning, thins) = match section.thinning {
+        ShellThinning::Material => (ThicknessRule::Material, "thickness change by the material".into()),
+        ShellThinning::Elastic => (ThicknessRule::Ratio(ratio), format!("thickness change with ratio {ratio}")),
+        ShellThinning::Ratio(ratio) => (ThicknessRule::Ratio(ratio), format!("thickness change with ratio {ratio}")),
+    };
+    let detail = format!(
+        "material {}, thickness {}, {} points, {thins}; rotary inertia scaled",
+        material.name, section.thickness, section.points
+    );
+    report.ledger_row(section.span, "shells", count, "SAX1", detail);
+    let bulk_viscosity = bulk_viscosity(model, false);
+    if !bulk_viscosity.is_none() {
+        report.ledger_row(section.span, "bulk viscosity", count, "elements", bulk_viscosity.detail());
+    }
+    Some(ShellProperties {
+        elastic: PlaneElastic { young, ratio },
+        thickness: section.thickness,
+        per_area: density * section.thickness + section.per_area,
+        points: simpson(section.points),
+        flowing,
+        thinning,
+        bulk_viscosity,
+    })
+}
+
+/// Adds the nodal masses of shell elements.
+pub(crate) fn add_masses_of_shells(scene: Scene<'_>, elements: &[usize], masses: &mut IndexMap<usize, f64>) {
+    let mesh = &scene.model.mesh;
+    for section in &scene.model.shell_sections {
+        let material = &scene.model.materials[section.material];
+        let (Some([young, ratio]), Some(density)) = (material.elastic, material.density) else { continue };
+        let per_area = density * section.thickness + section.per_area;
+        let own = |e: &&usize| section.elements.contains(e) && scene.places.elements.contains_key(e);
+        for &e in elements.iter().filter(own) {
+            let ends = [0, 1].map(|i| mesh.elements[e].nodes[i]);
+            let places = ends.map(|n| mesh.points[n]);
+            let elastic = PlaneElastic { young, ratio };
+            let [a, b, ..] =
+                ShellFrame::new(places).masses(places.map(|p| p[0]), per_area, section.thickness, &elastic);
+            *masses.entry(scene.places.nodes[&ends[0]]).or_default() += a;
+            *masses.entry(scene.places.nodes[&ends[1]]).or_default() += b;
         }
     }
 }

@@ -20,11 +20,14 @@ use crate::material::kinematic::KinematicHardening;
 use crate::material::kinematic_rate::RateKinematicHardening;
 use crate::material::plasticity::{PiecewiseLinearHardening, RateDependentHardening};
 use crate::model::{
-    DamageEvolution, EosKind, FailureCriterion, HourglassMethod, MaterialDefinition, PlasticityModel, RateDependence,
-    SectionControls, SolidSection, StrainAtFailure,
+    DamageEvolution, EosKind, FailureCriterion, HourglassMethod, MaterialDefinition, Model, PlasticityModel,
+    RateDependence, SectionControls, SolidSection, StrainAtFailure,
 };
-use crate::plan::Compiler;
-use crate::plan::solids::user_material::calls_routines_at_points;
+use crate::plan::meshes::places::SolidPlaces;
+use crate::plan::queries::{adiabatic, conducts};
+use crate::plan::report::Report;
+use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
+use crate::plan::solids::user_material::{calls_routines_at_points, law_group, require_length_routine, user_group};
 use crate::state::nodes::Node;
 
 /// Default hourglass stiffness over the shear modulus (ABAQUS Analysis User's Guide, "Section controls": factor 0.005).
@@ -36,7 +39,7 @@ const HOURGLASS_VISCOSITY: f64 = 0.05;
 const FLUID_VISCOSITY: f64 = 0.15;
 
 /// Function that selects the law of a material; `None` if an error was reported.
-type LawSelection = fn(&mut Compiler<'_>, &MaterialDefinition, Span, &SolidProperties) -> Option<SolidMaterial>;
+type LawSelection = fn(&MaterialDefinition, Span, &SolidProperties, &mut Report<'_>) -> Option<SolidMaterial>;
 
 /// A family of materials: the condition under which it applies, and the selection of its law.
 struct MaterialRow {
@@ -47,14 +50,22 @@ struct MaterialRow {
 /// Material families; the first row that applies is used. A new material is a file in `material`, a variant of
 /// [`SolidMaterial`] and a row here.
 const MATERIALS: &[MaterialRow] = &[
-    MaterialRow { applies: |m| m.hyperelastic.is_some(), law: |c, m, span, solid| c.rubber(m, span, solid) },
-    MaterialRow {
-        applies: |m| m.foam.shape.is_some() || !m.foam.hardening.is_empty(),
-        law: |c, m, span, solid| c.foam(m, span, solid),
-    },
-    MaterialRow { applies: |m| m.eos.is_some(), law: |c, m, span, solid| c.equation_of_state(m, span, solid) },
-    MaterialRow { applies: |_| true, law: |c, m, span, solid| c.von_mises(m, span, None, solid) },
+    MaterialRow { applies: |m| m.hyperelastic.is_some(), law: rubber_law },
+    MaterialRow { applies: |m| m.foam.shape.is_some() || !m.foam.hardening.is_empty(), law: foam_law },
+    MaterialRow { applies: |m| m.eos.is_some(), law: law_with_equation_of_state },
+    MaterialRow { applies: |_| true, law: |m, span, solid, report| von_mises_law(m, span, None, solid, report) },
 ];
+
+/// A section of solid elements, and what its element group depends on.
+pub(crate) struct GroupInput<'a> {
+    pub model: &'a Model,
+    pub places: &'a SolidPlaces,
+    pub section: &'a SolidSection,
+    pub material: &'a MaterialDefinition,
+    pub elements: &'a [usize],
+    pub connectivity: &'a Connectivity,
+    pub nodes: &'a [Node],
+}
 
 /// Properties of a solid section that the selection of its law takes into account.
 pub(crate) struct SolidProperties {
@@ -65,542 +76,557 @@ pub(crate) struct SolidProperties {
     spared: f64,
     /// Whether failed elements are kept.
     kept: bool,
+    /// Absolute zero on the temperature scale of the model.
+    absolute_zero: f64,
 }
 
-impl Compiler<'_> {
-    pub(crate) fn group(
-        &mut self,
-        section: &SolidSection,
-        elements: &[usize],
-        connectivity: &Connectivity,
-        nodes: &[Node],
-        mass: &mut [f64],
-    ) -> Option<Box<dyn ElementGroup>> {
-        let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
-        let material = &self.model.materials[section.material];
-        let shear_viscosity = self.shear_viscosity(section, material)?;
-        if let Some(constants) = &material.user.material
-            && let Some(law) = self.routines.law(&material.name)
-        {
-            let law = Arc::clone(law);
-            return self.law_group(section, (material, constants, law), (connectivity, nodes), mass);
-        }
-        if triangles && (calls_routines_at_points(material) || material.user.lengths.is_some()) {
-            self.refuse_six_nodes(section, "user subroutines at points (VUMAT, VUHARD, VUSDFLD, VUCHARLENGTH)");
-            return None;
-        }
-        if calls_routines_at_points(material) {
-            if section.controls.by_area {
-                let message = "WEIGHTING=AREA with user subroutines is not supported";
-                return self.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
-            }
-            return self.user_group(section, material, elements, connectivity, nodes, mass);
-        }
-        let evolves = material.failures.iter().any(FailureCriterion::takes_length);
-        self.require_length_routine(section, material, evolves)?;
-        let moduli = self.moduli(material, section.span)?;
-        let density = material.density.unwrap_or(0.0);
-        connectivity.add_masses(nodes, density, mass);
-        let hourglass = self.control(section, material, moduli, connectivity)?;
-        let by_area = section.controls.by_area;
-        let bulk_viscosity = self.bulk_viscosity(material.eos.is_some() || by_area);
-        let ElasticModuli { bulk, shear } = moduli;
-        let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity, by_area };
-        let heats = self.adiabatic() || self.conducts(section);
-        self.solid_rows(section, (elements.len(), connectivity.element_type()), &constants, (material, heats));
-        let (spared, kept) = self.damage_limits(section, material);
-        let subzonal = self.subzonal(section, material, elements.len())?;
-        let solid = SolidProperties { constants, density, heats, spared, kept };
-        let law = if by_area {
-            self.check_by_area(section, material, connectivity)?;
-            self.von_mises(material, section.span, None, &solid)?
-        } else {
-            self.solid_law(material, section.span, &solid)?
-        };
-        Some(create_group(law, GroupOptions { constants, density, subzonal }, connectivity, nodes))
+pub(crate) fn solid_group(
+    input: &GroupInput<'_>,
+    mass: &mut [f64],
+    report: &mut Report<'_>,
+) -> Option<Box<dyn ElementGroup>> {
+    let GroupInput { model, places, section, material, elements, connectivity, nodes, .. } = *input;
+    let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
+    let shear_viscosity = shear_viscosity(section, material, report)?;
+    if let Some(constants) = &material.user.material
+        && let Some(law) = report.routines.law(&material.name)
+    {
+        let law = Arc::clone(law);
+        return law_group(model, section, (material, constants, law), (connectivity, nodes), mass, report);
     }
-
-    /// Selects the law of a material.
-    fn solid_law(
-        &mut self,
-        material: &MaterialDefinition,
-        span: Span,
-        solid: &SolidProperties,
-    ) -> Option<SolidMaterial> {
-        let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
-        if !burns && !material.detonation.is_empty() {
-            self.add_unused_card(material.span, "*DETONATION POINT", "it applies only to *EOS, TYPE=JWL");
+    if triangles && (calls_routines_at_points(material) || material.user.lengths.is_some()) {
+        refuse_six_nodes(section, "user subroutines at points (VUMAT, VUHARD, VUSDFLD, VUCHARLENGTH)", report);
+        return None;
+    }
+    if calls_routines_at_points(material) {
+        if section.controls.by_area {
+            let message = "WEIGHTING=AREA with user subroutines is not supported";
+            return report.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
         }
-        let row = MATERIALS.iter().find(|row| (row.applies)(material))?;
-        (row.law)(self, material, span, solid)
+        return user_group(input, mass, report);
     }
+    let evolves = material.failures.iter().any(FailureCriterion::takes_length);
+    require_length_routine(section, material, evolves, report)?;
+    let moduli = elastic_moduli(material, section.span, report)?;
+    let density = material.density.unwrap_or(0.0);
+    connectivity.add_masses(nodes, density, mass);
+    let hourglass = hourglass_control(section, material, moduli, connectivity, report)?;
+    let by_area = section.controls.by_area;
+    let bulk_viscosity = bulk_viscosity(model, material.eos.is_some() || by_area);
+    let ElasticModuli { bulk, shear } = moduli;
+    let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity, by_area };
+    let heats = adiabatic(model) || conducts(model, section);
+    solid_rows(section, (elements.len(), connectivity.element_type()), &constants, (material, heats), report);
+    let (spared, kept) = damage_limits(section, material, report);
+    let subzonal = subzonal(section, material, elements.len(), report)?;
+    let absolute_zero = model.settings.absolute_zero;
+    let solid = SolidProperties { constants, density, heats, spared, kept, absolute_zero };
+    let law = if by_area {
+        check_by_area(model, places, section, material, connectivity, report)?;
+        von_mises_law(material, section.span, None, &solid, report)?
+    } else {
+        solid_law(material, section.span, &solid, report)?
+    };
+    Some(create_group(law, GroupOptions { constants, density, subzonal }, connectivity, nodes))
+}
 
-    fn refuse_six_nodes(&mut self, section: &SolidSection, with: &str) {
-        let finding = Diagnostic::error("P024", format!("CAX6M with {with} is not supported"));
-        self.diagnostics.push(finding.at(section.span, "this section").help("give CAX3 or CAX4R"));
+/// Selects the law of a material.
+fn solid_law(
+    material: &MaterialDefinition,
+    span: Span,
+    solid: &SolidProperties,
+    report: &mut Report<'_>,
+) -> Option<SolidMaterial> {
+    let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
+    if !burns && !material.detonation.is_empty() {
+        report.add_unused_card(material.span, "*DETONATION POINT", "it applies only to *EOS, TYPE=JWL");
     }
+    let row = MATERIALS.iter().find(|row| (row.applies)(material))?;
+    (row.law)(material, span, solid, report)
+}
 
-    /// Returns the hourglass control of a group. Six-node triangles have none, but need a shear modulus.
-    pub(crate) fn control(
-        &mut self,
-        section: &SolidSection,
-        material: &MaterialDefinition,
-        moduli: ElasticModuli,
-        connectivity: &Connectivity,
-    ) -> Option<HourglassControl> {
-        if let Connectivity::Quadrilaterals(_) = connectivity {
-            return self.hourglass(section, material, moduli);
+fn refuse_six_nodes(section: &SolidSection, with: &str, report: &mut Report<'_>) {
+    let finding = Diagnostic::error("P024", format!("CAX6M with {with} is not supported"));
+    report.diagnostics.push(finding.at(section.span, "this section").help("give CAX3 or CAX4R"));
+}
+
+/// Returns the hourglass control of a group. Six-node triangles have none, but need a shear modulus.
+pub(crate) fn hourglass_control(
+    section: &SolidSection,
+    material: &MaterialDefinition,
+    moduli: ElasticModuli,
+    connectivity: &Connectivity,
+    report: &mut Report<'_>,
+) -> Option<HourglassControl> {
+    if let Connectivity::Quadrilaterals(_) = connectivity {
+        return hourglass_of_quadrilaterals(section, material, moduli, report);
+    }
+    if moduli.shear == 0.0 {
+        refuse_six_nodes(section, "a material without a shear modulus", report);
+    } else if section.controls.hourglass.is_some() {
+        refuse_six_nodes(section, "HOURGLASS of *SECTION CONTROLS (the element has no hourglass modes)", report);
+    } else {
+        return Some(HourglassControl::NONE);
+    }
+    None
+}
+
+/// Returns the elastic moduli of a material. Missing or contradictory cards are errors.
+pub(crate) fn elastic_moduli(
+    material: &MaterialDefinition,
+    span: Span,
+    report: &mut Report<'_>,
+) -> Option<ElasticModuli> {
+    let refusal = match material {
+        MaterialDefinition { density: None, .. } => format!("material `{}` has no *DENSITY", material.name),
+        MaterialDefinition {
+            hyperelastic: Some(rubber),
+            elastic: None,
+            shear_modulus: None,
+            eos: None,
+            plastic,
+            foam,
+            ..
+        } => {
+            if plastic.is_none()
+                && foam.shape.is_none()
+                && material.failures.is_empty()
+                && material.tensile_failure.is_none()
+            {
+                return Some(ElasticModuli { bulk: 0.0, shear: rubber.shape.shear() });
+            }
+            format!("material `{}` is rubber with plasticity or failure, which is not supported", material.name)
         }
-        if moduli.shear == 0.0 {
-            self.refuse_six_nodes(section, "a material without a shear modulus");
-        } else if section.controls.hourglass.is_some() {
-            self.refuse_six_nodes(section, "HOURGLASS of *SECTION CONTROLS (the element has no hourglass modes)");
-        } else {
-            return Some(HourglassControl::NONE);
+        MaterialDefinition { hyperelastic: Some(_), .. } => {
+            format!("material `{}` has *HYPERELASTIC and another elastic model", material.name)
         }
-        None
-    }
-
-    /// Returns the elastic moduli of a material. Missing or contradictory cards are errors.
-    pub(crate) fn moduli(&mut self, material: &MaterialDefinition, span: Span) -> Option<ElasticModuli> {
-        let refusal = match material {
-            MaterialDefinition { density: None, .. } => format!("material `{}` has no *DENSITY", material.name),
-            MaterialDefinition {
-                hyperelastic: Some(rubber),
-                elastic: None,
-                shear_modulus: None,
-                eos: None,
-                plastic,
-                foam,
-                ..
-            } => {
-                if plastic.is_none()
-                    && foam.shape.is_none()
-                    && material.failures.is_empty()
-                    && material.tensile_failure.is_none()
-                {
-                    return Some(ElasticModuli { bulk: 0.0, shear: rubber.shape.shear() });
-                }
-                format!("material `{}` is rubber with plasticity or failure, which is not supported", material.name)
+        MaterialDefinition { eos: Some(_), elastic: None, shear_modulus, plastic, .. } => {
+            let shear = shear_modulus.unwrap_or(0.0);
+            if plastic.is_none() || shear > 0.0 {
+                return Some(ElasticModuli { bulk: 0.0, shear });
             }
-            MaterialDefinition { hyperelastic: Some(_), .. } => {
-                format!("material `{}` has *HYPERELASTIC and another elastic model", material.name)
-            }
-            MaterialDefinition { eos: Some(_), elastic: None, shear_modulus, plastic, .. } => {
-                let shear = shear_modulus.unwrap_or(0.0);
-                if plastic.is_none() || shear > 0.0 {
-                    return Some(ElasticModuli { bulk: 0.0, shear });
-                }
-                format!("material `{}` has *PLASTIC but no *ELASTIC, TYPE=SHEAR", material.name)
-            }
-            MaterialDefinition { eos: Some(_), .. } => {
-                format!("material `{}` has both *EOS and a bulk modulus from *ELASTIC", material.name)
-            }
-            MaterialDefinition { elastic: Some(_), elastic_table, .. } if !elastic_table.is_empty() => {
-                return Some(stiffest(elastic_table));
-            }
-            MaterialDefinition { elastic: Some([e, nu]), .. } => {
-                let bulk = e / (3.0 * (1.0 - 2.0 * nu));
-                return Some(ElasticModuli { bulk, shear: e / (2.0 * (1.0 + nu)) });
-            }
-            MaterialDefinition { shear_modulus: Some(_), .. } => {
-                format!("material `{}` has only a shear modulus: *EOS is missing", material.name)
-            }
-            MaterialDefinition { interface, .. } if interface.elastic.is_some() => {
-                format!("material `{}` has *ELASTIC, TYPE=TRACTION, which is for cohesive elements", material.name)
-            }
-            _ => format!("material `{}` has no *ELASTIC", material.name),
-        };
-        self.diagnostics.refuse(Diagnostic::error("P013", refusal).at(span, "these elements are deformable"))
-    }
-
-    /// Returns the shear viscosity of a section, zero without `*VISCOSITY`, which requires a fluid: an equation of state
-    /// without shear modulus.
-    fn shear_viscosity(&mut self, section: &SolidSection, material: &MaterialDefinition) -> Option<f64> {
-        let Some((viscosity, span)) = material.viscosity else { return Some(0.0) };
-        let is_fluid = material.eos.is_some() && material.shear_modulus.is_none() && material.plastic.is_none();
-        if !is_fluid || calls_routines_at_points(material) || material.user.material.is_some() {
-            let message = format!("*VISCOSITY of material `{}` requires *EOS and no shear strength", material.name);
-            let finding = Diagnostic::error("P013", message).at(span, "this viscosity");
-            let help = "for a solid use *RATE DEPENDENT, *DAMPING or *BULK VISCOSITY";
-            return self.diagnostics.refuse(finding.at(section.span, "these elements").help(help));
+            format!("material `{}` has *PLASTIC but no *ELASTIC, TYPE=SHEAR", material.name)
         }
-        let detail = format!("Newtonian fluid, {viscosity:e}");
-        self.ledger_row(span, "shear viscosity", 1, "material", detail);
-        Some(viscosity)
-    }
+        MaterialDefinition { eos: Some(_), .. } => {
+            format!("material `{}` has both *EOS and a bulk modulus from *ELASTIC", material.name)
+        }
+        MaterialDefinition { elastic: Some(_), elastic_table, .. } if !elastic_table.is_empty() => {
+            return Some(stiffest(elastic_table));
+        }
+        MaterialDefinition { elastic: Some([e, nu]), .. } => {
+            let bulk = e / (3.0 * (1.0 - 2.0 * nu));
+            return Some(ElasticModuli { bulk, shear: e / (2.0 * (1.0 + nu)) });
+        }
+        MaterialDefinition { shear_modulus: Some(_), .. } => {
+            format!("material `{}` has only a shear modulus: *EOS is missing", material.name)
+        }
+        MaterialDefinition { interface, .. } if interface.elastic.is_some() => {
+            format!("material `{}` has *ELASTIC, TYPE=TRACTION, which is for cohesive elements", material.name)
+        }
+        _ => format!("material `{}` has no *ELASTIC", material.name),
+    };
+    report.diagnostics.refuse(Diagnostic::error("P013", refusal).at(span, "these elements are deformable"))
+}
 
-    /// Selects the law of a material with an equation of state.
-    fn equation_of_state(
-        &mut self,
-        material: &MaterialDefinition,
-        span: Span,
-        solid: &SolidProperties,
-    ) -> Option<SolidMaterial> {
-        let (eos, density) = (material.eos.as_ref()?, solid.density);
-        let mut row = |detail| self.ledger_row(eos.span, "equation of state", 1, "material", detail);
-        match (eos.kind.clone(), material.thermal.specific_heat.as_deref()) {
-            (EosKind::IdealGas([gas_constant, ambient]), Some(&[[specific_heat, _]])) => {
-                row(format!("ideal gas, gamma = {}", 1.0 + gas_constant / specific_heat));
-                let absolute_zero = self.model.settings.absolute_zero;
-                let law = IdealGas { gas_constant, specific_heat, ambient, absolute_zero };
-                self.von_mises(material, span, Some(EquationOfState::IdealGas(law)), solid)
-            }
-            (EosKind::IdealGas(_), rows) => {
-                let why = if rows.is_none() { "without *SPECIFIC HEAT" } else { "whose specific heat is not constant" };
-                let message = format!("material `{}` is an ideal gas {why}", material.name);
-                self.diagnostics.refuse(Diagnostic::error("P013", message).at(span, "these elements are deformable"))
-            }
-            (EosKind::UsUp([c0, s, gamma0]), _) => {
-                row(format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}"));
-                self.von_mises(material, span, Some(EquationOfState::UsUp(UsUp { density, c0, s, gamma0 })), solid)
-            }
-            (EosKind::Tabular(rows), _) => {
-                row(format!("table of {} rows", rows.len()));
-                self.von_mises(material, span, Some(EquationOfState::Tabulated(Tabulated::new(density, &rows))), solid)
-            }
-            (EosKind::Jwl(values), _) => {
-                let law = self.explosive(material, eos.span, &values, span)?;
-                self.von_mises(material, span, Some(EquationOfState::Explosive(law)), solid)
-            }
+/// Returns the shear viscosity of a section, zero without `*VISCOSITY`, which requires a fluid: an equation of state
+/// without shear modulus.
+fn shear_viscosity(section: &SolidSection, material: &MaterialDefinition, report: &mut Report<'_>) -> Option<f64> {
+    let Some((viscosity, span)) = material.viscosity else { return Some(0.0) };
+    let is_fluid = material.eos.is_some() && material.shear_modulus.is_none() && material.plastic.is_none();
+    if !is_fluid || calls_routines_at_points(material) || material.user.material.is_some() {
+        let message = format!("*VISCOSITY of material `{}` requires *EOS and no shear strength", material.name);
+        let finding = Diagnostic::error("P013", message).at(span, "this viscosity");
+        let help = "for a solid use *RATE DEPENDENT, *DAMPING or *BULK VISCOSITY";
+        return report.diagnostics.refuse(finding.at(section.span, "these elements").help(help));
+    }
+    let detail = format!("Newtonian fluid, {viscosity:e}");
+    report.ledger_row(span, "shear viscosity", 1, "material", detail);
+    Some(viscosity)
+}
+
+/// Selects the law of a material with an equation of state.
+fn law_with_equation_of_state(
+    material: &MaterialDefinition,
+    span: Span,
+    solid: &SolidProperties,
+    report: &mut Report<'_>,
+) -> Option<SolidMaterial> {
+    let (eos, density) = (material.eos.as_ref()?, solid.density);
+    let mut row = |detail| report.ledger_row(eos.span, "equation of state", 1, "material", detail);
+    match (eos.kind.clone(), material.thermal.specific_heat.as_deref()) {
+        (EosKind::IdealGas([gas_constant, ambient]), Some(&[[specific_heat, _]])) => {
+            row(format!("ideal gas, gamma = {}", 1.0 + gas_constant / specific_heat));
+            let absolute_zero = solid.absolute_zero;
+            let law = IdealGas { gas_constant, specific_heat, ambient, absolute_zero };
+            von_mises_law(material, span, Some(EquationOfState::IdealGas(law)), solid, report)
+        }
+        (EosKind::IdealGas(_), rows) => {
+            let why = if rows.is_none() { "without *SPECIFIC HEAT" } else { "whose specific heat is not constant" };
+            let message = format!("material `{}` is an ideal gas {why}", material.name);
+            report.diagnostics.refuse(Diagnostic::error("P013", message).at(span, "these elements are deformable"))
+        }
+        (EosKind::UsUp([c0, s, gamma0]), _) => {
+            row(format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}"));
+            von_mises_law(material, span, Some(EquationOfState::UsUp(UsUp { density, c0, s, gamma0 })), solid, report)
+        }
+        (EosKind::Tabular(rows), _) => {
+            row(format!("table of {} rows", rows.len()));
+            von_mises_law(
+                material,
+                span,
+                Some(EquationOfState::Tabulated(Tabulated::new(density, &rows))),
+                solid,
+                report,
+            )
+        }
+        (EosKind::Jwl(values), _) => {
+            let law = explosive_law(material, eos.span, &values, span, report)?;
+            von_mises_law(material, span, Some(EquationOfState::Explosive(law)), solid, report)
         }
     }
+}
 
-    /// Selects the plasticity and failure of a material with a constant bulk modulus or an equation of state.
-    fn von_mises(
-        &mut self,
-        material: &MaterialDefinition,
-        span: Span,
-        equation: Option<EquationOfState>,
-        solid: &SolidProperties,
-    ) -> Option<SolidMaterial> {
-        Some(SolidMaterial::VonMises(self.hardening_law(material, span, solid)?, equation))
-    }
+/// Selects the plasticity and failure of a material with a constant bulk modulus or an equation of state.
+fn von_mises_law(
+    material: &MaterialDefinition,
+    span: Span,
+    equation: Option<EquationOfState>,
+    solid: &SolidProperties,
+    report: &mut Report<'_>,
+) -> Option<SolidMaterial> {
+    Some(SolidMaterial::VonMises(hardening_law(material, span, solid, report)?, equation))
+}
 
-    fn hardening_law(
-        &mut self,
-        material: &MaterialDefinition,
-        span: Span,
-        solid: &SolidProperties,
-    ) -> Option<HardeningLaw> {
-        let heating = if solid.heats { heating(material, solid.density) } else { PlasticHeating::None };
-        let failing = self.failing(material)?.map(|failing| MaterialFailure {
-            deletion_margin: solid.spared,
-            keep_elements: solid.kept,
-            ..failing
-        });
-        let Some(plastic) = &material.plastic else {
-            return Some(HardeningLaw::Elastic(failing));
-        };
-        if let PlasticityModel::Kinematic(lines) = plastic {
-            if failing.is_some() {
-                // The dissipation of a damaged back stress is not defined.
-                let message = "kinematic hardening with failure is not supported";
-                return self
-                    .diagnostics
-                    .refuse(Diagnostic::error("P014", message).at(span, "the material of this section"));
-            }
-            if let ([[yield_stress, slope, _]], None, PlasticHeating::None) = (&lines[..], &material.rate, &heating) {
-                let law = KinematicHardening { yield_stress: *yield_stress, slope: *slope };
-                return Some(HardeningLaw::Kinematic(law));
-            }
-            let law = kinematic_hardening(lines, material.rate.as_ref(), heating);
-            return Some(HardeningLaw::RateKinematic(law));
-        }
-        let law = self.yield_stress(plastic, material, span)?;
+fn hardening_law(
+    material: &MaterialDefinition,
+    span: Span,
+    solid: &SolidProperties,
+    report: &mut Report<'_>,
+) -> Option<HardeningLaw> {
+    let heating = if solid.heats { heating(material, solid.density) } else { PlasticHeating::None };
+    let failing = material_failure(material, report)?.map(|failing| MaterialFailure {
+        deletion_margin: solid.spared,
+        keep_elements: solid.kept,
+        ..failing
+    });
+    let Some(plastic) = &material.plastic else {
+        return Some(HardeningLaw::Elastic(failing));
+    };
+    if let PlasticityModel::Kinematic(lines) = plastic {
         if failing.is_some() {
-            return Some(HardeningLaw::RateDependent(RateDependentHardening { law, heating }, failing));
-        }
-        let cold = |rows: &[[f64; 3]]| rows.iter().all(|r| r[2].is_nan());
-        if let (PlasticityModel::Tabular(rows), None, PlasticHeating::None) = (plastic, &material.rate, &heating)
-            && cold(rows)
-        {
-            let mut rows: Vec<[f64; 2]> = rows.iter().map(|r| [r[0], r[1]]).collect();
-            extrapolate(&mut rows, material);
-            if let Some(lines) = PiecewiseLinearHardening::new(&rows, solid.constants.shear) {
-                return Some(HardeningLaw::PiecewiseLinear(lines));
-            }
-        }
-        Some(HardeningLaw::RateDependent(RateDependentHardening { law, heating }, None))
-    }
-
-    /// Returns 1 - MAX DEGRADATION, and whether elements that reach this damage are kept.
-    fn damage_limits(&mut self, section: &SolidSection, material: &MaterialDefinition) -> (f64, bool) {
-        let most = section.controls.max_degradation;
-        let (spared, kept) = (1.0 - most, section.controls.keep_failed_elements.is_some());
-        let grows = material.failures.iter().any(|f| f.evolution != DamageEvolution::Absent);
-        if grows && kept {
-            let detail = format!("MAX DEGRADATION {most}: the remaining stiffness is kept");
-            self.ledger_row(section.span, "failed elements stay", section.elements.len(), "elements", detail);
-        }
-        if spared > 0.0 && !kept && !grows {
-            let why = format!("material {} has no damage evolution", material.name);
-            self.add_unused_card(section.span, "MAX DEGRADATION", why);
-        }
-        if section.controls.viscosity != 0.0 {
-            self.add_unused_card(section.span, "VISCOSITY", "only the damage of cohesive elements is delayed");
-        }
-        (spared, kept)
-    }
-
-    /// Returns whether the elements of a section have subzonal pressures: by default with an equation of state and
-    /// without shear modulus.
-    fn subzonal(&mut self, section: &SolidSection, material: &MaterialDefinition, count: usize) -> Option<bool> {
-        let wanted = section.controls.subzonal;
-        let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
-        if wanted == Some(true) && !fluid {
-            let message = "SUBZONAL=YES needs *EOS and no shear modulus";
-            return self
+            // The dissipation of a damaged back stress is not defined.
+            let message = "kinematic hardening with failure is not supported";
+            return report
                 .diagnostics
-                .refuse(Diagnostic::error("P016", message).at(section.span, "the controls of this section"));
+                .refuse(Diagnostic::error("P014", message).at(span, "the material of this section"));
         }
-        let subzonal = fluid && wanted != Some(false);
-        if subzonal {
-            let detail = "pressures from the density of the element quarters";
-            self.ledger_row(section.span, "subzonal pressures", count, "elements", detail.into());
+        if let ([[yield_stress, slope, _]], None, PlasticHeating::None) = (&lines[..], &material.rate, &heating) {
+            let law = KinematicHardening { yield_stress: *yield_stress, slope: *slope };
+            return Some(HardeningLaw::Kinematic(law));
         }
-        Some(subzonal)
+        let law = kinematic_hardening(lines, material.rate.as_ref(), heating);
+        return Some(HardeningLaw::RateKinematic(law));
     }
+    let law = yield_stress(plastic, material, span, report)?;
+    if failing.is_some() {
+        return Some(HardeningLaw::RateDependent(RateDependentHardening { law, heating }, failing));
+    }
+    let cold = |rows: &[[f64; 3]]| rows.iter().all(|r| r[2].is_nan());
+    if let (PlasticityModel::Tabular(rows), None, PlasticHeating::None) = (plastic, &material.rate, &heating)
+        && cold(rows)
+    {
+        let mut rows: Vec<[f64; 2]> = rows.iter().map(|r| [r[0], r[1]]).collect();
+        extrapolate(&mut rows, material);
+        if let Some(lines) = PiecewiseLinearHardening::new(&rows, solid.constants.shear) {
+            return Some(HardeningLaw::PiecewiseLinear(lines));
+        }
+    }
+    Some(HardeningLaw::RateDependent(RateDependentHardening { law, heating }, None))
+}
 
-    /// Checks that a section supports WEIGHTING=AREA; `None` if an error was reported.
-    fn check_by_area(
-        &mut self,
-        section: &SolidSection,
-        material: &MaterialDefinition,
-        connectivity: &Connectivity,
-    ) -> Option<()> {
-        let model = self.model;
-        let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
-        let refusal = if triangles {
-            Some("WEIGHTING=AREA of CAX6M is not supported")
-        } else if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.shape.is_some() {
-            Some("WEIGHTING=AREA needs *ELASTIC, and no foam")
-        } else if model.steps.iter().any(|s| s.bulk_viscosity.linear <= 0.0) {
-            Some("WEIGHTING=AREA needs linear bulk viscosity: without it some modes are unstable")
-        } else if model.sections.iter().any(|s| !s.controls.by_area) {
-            Some("WEIGHTING=AREA in one section needs it in all")
-        } else if !model.shell_sections.is_empty() {
-            Some("WEIGHTING=AREA together with shells is not supported")
-        } else if !model.cohesive_sections.is_empty() {
-            Some("WEIGHTING=AREA together with cohesive elements is not supported")
-        } else if !self.places.tied.is_empty() || model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
-            Some("WEIGHTING=AREA with tied rigid bodies or scaled masses is not supported")
+/// Returns 1 - MAX DEGRADATION, and whether elements that reach this damage are kept.
+fn damage_limits(section: &SolidSection, material: &MaterialDefinition, report: &mut Report<'_>) -> (f64, bool) {
+    let most = section.controls.max_degradation;
+    let (spared, kept) = (1.0 - most, section.controls.keep_failed_elements.is_some());
+    let grows = material.failures.iter().any(|f| f.evolution != DamageEvolution::Absent);
+    if grows && kept {
+        let detail = format!("MAX DEGRADATION {most}: the remaining stiffness is kept");
+        report.ledger_row(section.span, "failed elements stay", section.elements.len(), "elements", detail);
+    }
+    if spared > 0.0 && !kept && !grows {
+        let why = format!("material {} has no damage evolution", material.name);
+        report.add_unused_card(section.span, "MAX DEGRADATION", why);
+    }
+    if section.controls.viscosity != 0.0 {
+        report.add_unused_card(section.span, "VISCOSITY", "only the damage of cohesive elements is delayed");
+    }
+    (spared, kept)
+}
+
+/// Returns whether the elements of a section have subzonal pressures: by default with an equation of state and
+/// without shear modulus.
+fn subzonal(
+    section: &SolidSection,
+    material: &MaterialDefinition,
+    count: usize,
+    report: &mut Report<'_>,
+) -> Option<bool> {
+    let wanted = section.controls.subzonal;
+    let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
+    if wanted == Some(true) && !fluid {
+        let message = "SUBZONAL=YES needs *EOS and no shear modulus";
+        return report
+            .diagnostics
+            .refuse(Diagnostic::error("P016", message).at(section.span, "the controls of this section"));
+    }
+    let subzonal = fluid && wanted != Some(false);
+    if subzonal {
+        let detail = "pressures from the density of the element quarters";
+        report.ledger_row(section.span, "subzonal pressures", count, "elements", detail.into());
+    }
+    Some(subzonal)
+}
+
+/// Checks that a section supports WEIGHTING=AREA; `None` if an error was reported.
+fn check_by_area(
+    model: &Model,
+    places: &SolidPlaces,
+    section: &SolidSection,
+    material: &MaterialDefinition,
+    connectivity: &Connectivity,
+    report: &mut Report<'_>,
+) -> Option<()> {
+    let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
+    let refusal = if triangles {
+        Some("WEIGHTING=AREA of CAX6M is not supported")
+    } else if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.shape.is_some() {
+        Some("WEIGHTING=AREA needs *ELASTIC, and no foam")
+    } else if model.steps.iter().any(|s| s.bulk_viscosity.linear <= 0.0) {
+        Some("WEIGHTING=AREA needs linear bulk viscosity: without it some modes are unstable")
+    } else if model.sections.iter().any(|s| !s.controls.by_area) {
+        Some("WEIGHTING=AREA in one section needs it in all")
+    } else if !model.shell_sections.is_empty() {
+        Some("WEIGHTING=AREA together with shells is not supported")
+    } else if !model.cohesive_sections.is_empty() {
+        Some("WEIGHTING=AREA together with cohesive elements is not supported")
+    } else if !places.tied.is_empty() || model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
+        Some("WEIGHTING=AREA with tied rigid bodies or scaled masses is not supported")
+    } else {
+        None
+    };
+    if let Some(message) = refusal {
+        return report.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
+    }
+    let detail = "equations of motion over the plane section; energy is conserved approximately";
+    report.ledger_row(section.span, "area weighting", connectivity.count(), "elements", detail.into());
+    Some(())
+}
+
+/// Returns the hourglass control of a section. The default is VISCOUS without a shear modulus, ENHANCED for rubber,
+/// and RELAX STIFFNESS otherwise (ABAQUS Analysis User's Guide, "Section controls"; Keywords Guide, "SECTION
+/// CONTROLS").
+pub(crate) fn hourglass_of_quadrilaterals(
+    section: &SolidSection,
+    material: &MaterialDefinition,
+    moduli: ElasticModuli,
+    report: &mut Report<'_>,
+) -> Option<HourglassControl> {
+    let fluid = moduli.shear == 0.0;
+    let unsaid = match material.hyperelastic {
+        _ if fluid => HourglassMethod::Viscous,
+        Some(_) => HourglassMethod::Enhanced,
+        None => HourglassMethod::RelaxStiffness,
+    };
+    let SectionControls { hourglass, factor, .. } = section.controls;
+    let kind = hourglass.unwrap_or(unsaid);
+    if fluid && kind != HourglassMethod::Viscous {
+        let message = "hourglass control by stiffness needs a shear modulus";
+        let finding = Diagnostic::error("P016", message).at(section.span, "the controls of this section");
+        return report.diagnostics.refuse(finding.help("give HOURGLASS=VISCOUS, or no controls"));
+    }
+    let viscosity = factor * if fluid { FLUID_VISCOSITY } else { HOURGLASS_VISCOSITY };
+    let stiffness = HOURGLASS_STIFFNESS * factor;
+    let [stiffness, viscosity, enhanced] = match kind {
+        HourglassMethod::RelaxStiffness | HourglassMethod::Stiffness => [stiffness, 0.0, 0.0],
+        HourglassMethod::Viscous => [0.0, viscosity, 0.0],
+        HourglassMethod::Combined(weight) => [weight * stiffness, (1.0 - weight) * viscosity, 0.0],
+        HourglassMethod::Enhanced => [0.0, 0.0, factor],
+    };
+    let relaxes = matches!(kind, HourglassMethod::RelaxStiffness | HourglassMethod::Enhanced);
+    Some(HourglassControl { stiffness, viscosity, relaxes, enhanced })
+}
+
+/// Returns the bulk viscosity, which all steps share; `whole_rate` if the linear term needs the whole rate.
+pub(crate) fn bulk_viscosity(model: &Model, whole_rate: bool) -> BulkViscosity {
+    let given = model.steps.first().map(|s| s.bulk_viscosity).unwrap_or_default();
+    if whole_rate { given.unfiltered() } else { given }
+}
+
+fn solid_rows(
+    section: &SolidSection,
+    (count, kind): (usize, &'static str),
+    constants: &ElementConstants,
+    (material, heats): (&MaterialDefinition, bool),
+    report: &mut Report<'_>,
+) {
+    let elasticity = match (&material.eos, constants.shear > 0.0) {
+        _ if material.hyperelastic.is_some() => "rubber, total deformation",
+        (Some(_), false) => "fluid",
+        (Some(_), true) => "equation of state and shear modulus, Jaumann rate",
+        (None, _) => "elastic, Jaumann rate",
+    };
+    let detail = format!("material {}, {elasticity}", material.name);
+    report.ledger_row(section.span, "deformable elements", count, kind, detail);
+    if let Some(plastic) = &material.plastic {
+        let law = match plastic {
+            PlasticityModel::Tabular(_) => "tabular isotropic",
+            PlasticityModel::JohnsonCook(_) => "Johnson-Cook",
+            PlasticityModel::Kinematic(_) => "linear kinematic",
+            PlasticityModel::User(_) => "user-defined",
+            PlasticityModel::OverFields(_) => "over field variables",
+        };
+        let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
+        let heat = if heats && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
+        report.ledger_row(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
+    }
+    control_rows(section, (count, kind), constants, report);
+}
+
+/// Creates the ledger rows of hourglass control and bulk viscosity.
+pub(crate) fn control_rows(
+    section: &SolidSection,
+    (count, element_type): (usize, &str),
+    constants: &ElementConstants,
+    report: &mut Report<'_>,
+) {
+    if element_type != "CAX6M" {
+        let HourglassControl { stiffness, viscosity, relaxes, enhanced } = constants.hourglass;
+        let kind = if relaxes { "relax stiffness" } else { "stiffness" };
+        let detail = if enhanced > 0.0 {
+            format!("enhanced: assumed strains by direction, factor {enhanced}")
         } else {
-            None
+            format!("{kind} {stiffness} G, viscosity {viscosity}")
         };
-        if let Some(message) = refusal {
-            return self.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
-        }
-        let detail = "equations of motion over the plane section; energy is conserved approximately";
-        self.ledger_row(section.span, "area weighting", connectivity.count(), "elements", detail.into());
-        Some(())
+        report.ledger_row(section.span, "hourglass control", count, "elements", detail);
     }
+    if !constants.bulk_viscosity.is_none() {
+        report.ledger_row(section.span, "bulk viscosity", count, "elements", constants.bulk_viscosity.detail());
+    }
+}
 
-    /// Returns the hourglass control of a section. The default is VISCOUS without a shear modulus, ENHANCED for rubber,
-    /// and RELAX STIFFNESS otherwise (ABAQUS Analysis User's Guide, "Section controls"; Keywords Guide, "SECTION
-    /// CONTROLS").
-    pub(crate) fn hourglass(
-        &mut self,
-        section: &SolidSection,
-        material: &MaterialDefinition,
-        moduli: ElasticModuli,
-    ) -> Option<HourglassControl> {
-        let fluid = moduli.shear == 0.0;
-        let unsaid = match material.hyperelastic {
-            _ if fluid => HourglassMethod::Viscous,
-            Some(_) => HourglassMethod::Enhanced,
-            None => HourglassMethod::RelaxStiffness,
+/// Returns the failure model of a material: `Some(None)` without failure, `None` if an error was reported.
+fn material_failure(material: &MaterialDefinition, report: &mut Report<'_>) -> Option<Option<MaterialFailure>> {
+    let mut failing = MaterialFailure::default();
+    for criterion in &material.failures {
+        let evolution = match criterion.evolution {
+            DamageEvolution::Sudden => EvolutionLaw::Sudden,
+            DamageEvolution::Displacement(value) => EvolutionLaw::Displacement(value),
+            DamageEvolution::Energy(value) => EvolutionLaw::Energy(value),
+            // Other plasticity models do not evaluate the criterion, and it has no effect on the stress.
+            DamageEvolution::Absent
+                if !matches!(material.plastic, Some(PlasticityModel::Tabular(_) | PlasticityModel::JohnsonCook(_))) =>
+            {
+                report.add_unused_card(
+                    criterion.span,
+                    "*DAMAGE INITIATION",
+                    "without *DAMAGE EVOLUTION it does not affect the stress",
+                );
+                continue;
+            }
+            DamageEvolution::Absent => EvolutionLaw::Absent,
         };
-        let SectionControls { hourglass, factor, .. } = section.controls;
-        let kind = hourglass.unwrap_or(unsaid);
-        if fluid && kind != HourglassMethod::Viscous {
-            let message = "hourglass control by stiffness needs a shear modulus";
-            let finding = Diagnostic::error("P016", message).at(section.span, "the controls of this section");
-            return self.diagnostics.refuse(finding.help("give HOURGLASS=VISCOUS, or no controls"));
+        if material.plastic.is_none() {
+            return no_failure(criterion.span, "failure criteria based on plastic strain need *PLASTIC", report);
         }
-        let viscosity = factor * if fluid { FLUID_VISCOSITY } else { HOURGLASS_VISCOSITY };
-        let stiffness = HOURGLASS_STIFFNESS * factor;
-        let [stiffness, viscosity, enhanced] = match kind {
-            HourglassMethod::RelaxStiffness | HourglassMethod::Stiffness => [stiffness, 0.0, 0.0],
-            HourglassMethod::Viscous => [0.0, viscosity, 0.0],
-            HourglassMethod::Combined(weight) => [weight * stiffness, (1.0 - weight) * viscosity, 0.0],
-            HourglassMethod::Enhanced => [0.0, 0.0, factor],
+        let strain = failure_strain(material, criterion, report)?;
+        let detail = match criterion.evolution {
+            DamageEvolution::Displacement(value) => format!("damage over a displacement of {value}"),
+            DamageEvolution::Energy(value) => format!("damage over an energy of {value} per area"),
+            DamageEvolution::Absent => "evaluated without damage (DMICRT)".into(),
+            DamageEvolution::Sudden => "immediate deletion".into(),
         };
-        let relaxes = matches!(kind, HourglassMethod::RelaxStiffness | HourglassMethod::Enhanced);
-        Some(HourglassControl { stiffness, viscosity, relaxes, enhanced })
+        let effect = if evolution == EvolutionLaw::Absent { "damage initiation" } else { "failure" };
+        report.ledger_row(criterion.span, effect, 1, "criterion", detail);
+        failing.criteria.push(StrainCriterion { strain, evolution });
     }
-
-    /// Returns the bulk viscosity, which all steps share; `whole_rate` if the linear term needs the whole rate.
-    pub(crate) fn bulk_viscosity(&self, whole_rate: bool) -> BulkViscosity {
-        let given = self.model.steps.first().map(|s| s.bulk_viscosity).unwrap_or_default();
-        if whole_rate { given.unfiltered() } else { given }
+    if failing.criteria.len() > CRITERIA {
+        return no_failure(material.span, "more than three failure criteria are not supported", report);
     }
-
-    fn solid_rows(
-        &mut self,
-        section: &SolidSection,
-        (count, kind): (usize, &'static str),
-        constants: &ElementConstants,
-        (material, heats): (&MaterialDefinition, bool),
-    ) {
-        let elasticity = match (&material.eos, constants.shear > 0.0) {
-            _ if material.hyperelastic.is_some() => "rubber, total deformation",
-            (Some(_), false) => "fluid",
-            (Some(_), true) => "equation of state and shear modulus, Jaumann rate",
-            (None, _) => "elastic, Jaumann rate",
-        };
-        let detail = format!("material {}, {elasticity}", material.name);
-        self.ledger_row(section.span, "deformable elements", count, kind, detail);
-        if let Some(plastic) = &material.plastic {
-            let law = match plastic {
-                PlasticityModel::Tabular(_) => "tabular isotropic",
-                PlasticityModel::JohnsonCook(_) => "Johnson-Cook",
-                PlasticityModel::Kinematic(_) => "linear kinematic",
-                PlasticityModel::User(_) => "user-defined",
-                PlasticityModel::OverFields(_) => "over field variables",
-            };
-            let rate = if material.rate.is_some() { ", rate dependent" } else { "" };
-            let heat = if heats && !heating(material, 1.0).is_none() { ", heated by plastic work" } else { "" };
-            self.ledger_row(section.span, "plasticity", count, "elements", format!("{law}{rate}{heat}"));
+    if let Some(tensile) = material.tensile_failure {
+        if !tensile.deletes && material.eos.is_none() {
+            // Only an equation of state keeps the volume change of a material at the cutoff.
+            return no_failure(tensile.span, "a tensile cutoff without element deletion needs *EOS", report);
         }
-        self.control_rows(section, (count, kind), constants);
+        let end = if tensile.deletes { "deletion" } else { "cutoff" };
+        report.ledger_row(tensile.span, "tensile failure", 1, "criterion", format!("{end} at {}", tensile.cutoff));
+        failing.cutoff = Some(TensionCutoff { stress: tensile.cutoff, deletes: tensile.deletes });
     }
+    Some((!failing.criteria.is_empty() || failing.cutoff.is_some()).then_some(failing))
+}
 
-    /// Creates the ledger rows of hourglass control and bulk viscosity.
-    pub(crate) fn control_rows(
-        &mut self,
-        section: &SolidSection,
-        (count, element_type): (usize, &str),
-        constants: &ElementConstants,
-    ) {
-        if element_type != "CAX6M" {
-            let HourglassControl { stiffness, viscosity, relaxes, enhanced } = constants.hourglass;
-            let kind = if relaxes { "relax stiffness" } else { "stiffness" };
-            let detail = if enhanced > 0.0 {
-                format!("enhanced: assumed strains by direction, factor {enhanced}")
-            } else {
-                format!("{kind} {stiffness} G, viscosity {viscosity}")
-            };
-            self.ledger_row(section.span, "hourglass control", count, "elements", detail);
-        }
-        if !constants.bulk_viscosity.is_none() {
-            self.ledger_row(section.span, "bulk viscosity", count, "elements", constants.bulk_viscosity.detail());
-        }
-    }
+fn no_failure<T>(span: Span, message: &str, report: &mut Report<'_>) -> Option<T> {
+    report.diagnostics.refuse(Diagnostic::error("P019", message).at(span, "here"))
+}
 
-    /// Returns the failure model of a material: `Some(None)` without failure, `None` if an error was reported.
-    fn failing(&mut self, material: &MaterialDefinition) -> Option<Option<MaterialFailure>> {
-        let mut failing = MaterialFailure::default();
-        for criterion in &material.failures {
-            let evolution = match criterion.evolution {
-                DamageEvolution::Sudden => EvolutionLaw::Sudden,
-                DamageEvolution::Displacement(value) => EvolutionLaw::Displacement(value),
-                DamageEvolution::Energy(value) => EvolutionLaw::Energy(value),
-                // Other plasticity models do not evaluate the criterion, and it has no effect on the stress.
-                DamageEvolution::Absent
-                    if !matches!(
-                        material.plastic,
-                        Some(PlasticityModel::Tabular(_) | PlasticityModel::JohnsonCook(_))
-                    ) =>
-                {
-                    self.add_unused_card(
-                        criterion.span,
-                        "*DAMAGE INITIATION",
-                        "without *DAMAGE EVOLUTION it does not affect the stress",
-                    );
-                    continue;
+fn failure_strain(
+    material: &MaterialDefinition,
+    criterion: &FailureCriterion,
+    report: &mut Report<'_>,
+) -> Option<FailureStrain> {
+    Some(match &criterion.strain {
+        StrainAtFailure::Constant(strain) => FailureStrain::Constant(*strain),
+        // The model has checked the tables.
+        StrainAtFailure::Ductile(rows) => FailureStrain::Ductile(NestedTable::new(rows)?),
+        StrainAtFailure::Shear(rows) => FailureStrain::Shear(NestedTable::new(rows)?),
+        StrainAtFailure::JohnsonCook(d, Some([melt, transition, reference])) => {
+            FailureStrain::JohnsonCook { d: *d, melt: *melt, transition: *transition, reference: *reference }
+        }
+        StrainAtFailure::JohnsonCook(d, None) => {
+            let (melt, transition) = match material.plastic {
+                Some(PlasticityModel::JohnsonCook([.., melt, transition])) => (melt, transition),
+                _ if d[4] != 0.0 => {
+                    return no_failure(criterion.span, "d5 needs *PLASTIC, HARDENING=JOHNSON COOK", report);
                 }
-                DamageEvolution::Absent => EvolutionLaw::Absent,
+                _ => (0.0, 0.0),
             };
-            if material.plastic.is_none() {
-                return self.no_failure(criterion.span, "failure criteria based on plastic strain need *PLASTIC");
-            }
-            let strain = self.failure_strain(material, criterion)?;
-            let detail = match criterion.evolution {
-                DamageEvolution::Displacement(value) => format!("damage over a displacement of {value}"),
-                DamageEvolution::Energy(value) => format!("damage over an energy of {value} per area"),
-                DamageEvolution::Absent => "evaluated without damage (DMICRT)".into(),
-                DamageEvolution::Sudden => "immediate deletion".into(),
+            let reference = match material.rate {
+                Some(RateDependence::JohnsonCook([_, reference])) => reference,
+                _ if d[3] != 0.0 => {
+                    return no_failure(criterion.span, "d4 needs *RATE DEPENDENT, TYPE=JOHNSON COOK", report);
+                }
+                _ => 1.0,
             };
-            let effect = if evolution == EvolutionLaw::Absent { "damage initiation" } else { "failure" };
-            self.ledger_row(criterion.span, effect, 1, "criterion", detail);
-            failing.criteria.push(StrainCriterion { strain, evolution });
+            FailureStrain::JohnsonCook { d: *d, melt, transition, reference }
         }
-        if failing.criteria.len() > CRITERIA {
-            return self.no_failure(material.span, "more than three failure criteria are not supported");
+    })
+}
+
+pub(crate) fn yield_stress(
+    plastic: &PlasticityModel,
+    material: &MaterialDefinition,
+    span: Span,
+    report: &mut Report<'_>,
+) -> Option<FlowStress> {
+    let base = match plastic {
+        // These types have other laws.
+        PlasticityModel::Kinematic(_) | PlasticityModel::User(_) | PlasticityModel::OverFields(_) => return None,
+        PlasticityModel::JohnsonCook([a, b, n, m, melt, transition]) => {
+            let law = JohnsonCook { a: *a, b: *b, n: *n, m: *m, melt: *melt, transition: *transition };
+            StaticYield::JohnsonCook(law)
         }
-        if let Some(tensile) = material.tensile_failure {
-            if !tensile.deletes && material.eos.is_none() {
-                // Only an equation of state keeps the volume change of a material at the cutoff.
-                return self.no_failure(tensile.span, "a tensile cutoff without element deletion needs *EOS");
-            }
-            let end = if tensile.deletes { "deletion" } else { "cutoff" };
-            self.ledger_row(tensile.span, "tensile failure", 1, "criterion", format!("{end} at {}", tensile.cutoff));
-            failing.cutoff = Some(TensionCutoff { stress: tensile.cutoff, deletes: tensile.deletes });
+        PlasticityModel::Tabular(rows) => {
+            let mut tables = match tables(rows) {
+                Ok(tables) => tables,
+                Err(message) => {
+                    let finding = Diagnostic::error("P014", message).at(span, "the material of this section");
+                    return report.diagnostics.refuse(finding);
+                }
+            };
+            tables.iter_mut().for_each(|(_, table)| extrapolate(&mut table.rows, material));
+            StaticYield::Tables(TableOverTemperature { tables })
         }
-        Some((!failing.criteria.is_empty() || failing.cutoff.is_some()).then_some(failing))
-    }
-
-    fn no_failure<T>(&mut self, span: Span, message: &str) -> Option<T> {
-        self.diagnostics.refuse(Diagnostic::error("P019", message).at(span, "here"))
-    }
-
-    fn failure_strain(&mut self, material: &MaterialDefinition, criterion: &FailureCriterion) -> Option<FailureStrain> {
-        Some(match &criterion.strain {
-            StrainAtFailure::Constant(strain) => FailureStrain::Constant(*strain),
-            // The model has checked the tables.
-            StrainAtFailure::Ductile(rows) => FailureStrain::Ductile(NestedTable::new(rows)?),
-            StrainAtFailure::Shear(rows) => FailureStrain::Shear(NestedTable::new(rows)?),
-            StrainAtFailure::JohnsonCook(d, Some([melt, transition, reference])) => {
-                FailureStrain::JohnsonCook { d: *d, melt: *melt, transition: *transition, reference: *reference }
-            }
-            StrainAtFailure::JohnsonCook(d, None) => {
-                let (melt, transition) = match material.plastic {
-                    Some(PlasticityModel::JohnsonCook([.., melt, transition])) => (melt, transition),
-                    _ if d[4] != 0.0 => {
-                        return self.no_failure(criterion.span, "d5 needs *PLASTIC, HARDENING=JOHNSON COOK");
-                    }
-                    _ => (0.0, 0.0),
-                };
-                let reference = match material.rate {
-                    Some(RateDependence::JohnsonCook([_, reference])) => reference,
-                    _ if d[3] != 0.0 => {
-                        return self.no_failure(criterion.span, "d4 needs *RATE DEPENDENT, TYPE=JOHNSON COOK");
-                    }
-                    _ => 1.0,
-                };
-                FailureStrain::JohnsonCook { d: *d, melt, transition, reference }
-            }
-        })
-    }
-
-    pub(crate) fn yield_stress(
-        &mut self,
-        plastic: &PlasticityModel,
-        material: &MaterialDefinition,
-        span: Span,
-    ) -> Option<FlowStress> {
-        let base = match plastic {
-            // These types have other laws.
-            PlasticityModel::Kinematic(_) | PlasticityModel::User(_) | PlasticityModel::OverFields(_) => return None,
-            PlasticityModel::JohnsonCook([a, b, n, m, melt, transition]) => {
-                let law = JohnsonCook { a: *a, b: *b, n: *n, m: *m, melt: *melt, transition: *transition };
-                StaticYield::JohnsonCook(law)
-            }
-            PlasticityModel::Tabular(rows) => {
-                let mut tables = match tables(rows) {
-                    Ok(tables) => tables,
-                    Err(message) => {
-                        let finding = Diagnostic::error("P014", message).at(span, "the material of this section");
-                        return self.diagnostics.refuse(finding);
-                    }
-                };
-                tables.iter_mut().for_each(|(_, table)| extrapolate(&mut table.rows, material));
-                StaticYield::Tables(TableOverTemperature { tables })
-            }
-        };
-        Some(FlowStress { base, factor: rate_factor(material.rate.as_ref()) })
-    }
+    };
+    Some(FlowStress { base, factor: rate_factor(material.rate.as_ref()) })
 }
 
 pub(crate) fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {

@@ -3,27 +3,34 @@
 use std::collections::BTreeMap;
 
 use crate::constraint::tie::TiedNodes;
-use crate::plan::Compiler;
+use crate::plan::bodies::rigid_body::Bodies;
+use crate::plan::meshes::places::SolidPlaces;
+use crate::plan::report::Report;
 
-impl Compiler<'_> {
-    /// Creates the ties of nodes to rigid bodies. The mass of deformable elements at tied nodes is moved to the rigid bodies.
-    pub(crate) fn tie(&mut self, mass: &mut [f64]) {
-        let mut by_body: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for (node, &body) in self.places.tied.iter() {
-            by_body.entry(body).or_default().push(self.places.nodes[&node]);
-        }
-        for (body, mut nodes) in by_body {
-            nodes.sort_unstable();
-            let tied: f64 = nodes.iter().map(|&n| mass[n]).sum();
-            nodes.iter().for_each(|&n| mass[n] = 0.0);
-            self.bodies[body].tied_mass += tied;
-            let detail = if tied > 0.0 {
-                format!("shared with deformable elements, whose nodal mass {tied} is added to the rigid body")
-            } else {
-                "forces on them act on the rigid body".into()
-            };
-            let id = self.ledger_row(self.bodies[body].span, "tied nodes", nodes.len(), "nodes", detail);
-            self.ties.push(TiedNodes { id, body, nodes });
-        }
+/// Creates the ties of nodes to rigid bodies. The mass of deformable elements at tied nodes is moved to the rigid bodies.
+pub(crate) fn tie_to_bodies(
+    bodies: &mut Bodies,
+    places: &SolidPlaces,
+    mass: &mut [f64],
+    report: &mut Report<'_>,
+) -> Vec<TiedNodes> {
+    let mut ties = Vec::new();
+    let mut by_body: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (node, &body) in places.tied.iter() {
+        by_body.entry(body).or_default().push(places.nodes[&node]);
     }
+    for (body, mut nodes) in by_body {
+        nodes.sort_unstable();
+        let tied: f64 = nodes.iter().map(|&n| mass[n]).sum();
+        nodes.iter().for_each(|&n| mass[n] = 0.0);
+        bodies.list[body].tied_mass += tied;
+        let detail = if tied > 0.0 {
+            format!("shared with deformable elements, whose nodal mass {tied} is added to the rigid body")
+        } else {
+            "forces on them act on the rigid body".into()
+        };
+        let id = report.ledger_row(bodies.list[body].span, "tied nodes", nodes.len(), "nodes", detail);
+        ties.push(TiedNodes { id, body, nodes });
+    }
+    ties
 }
