@@ -9,7 +9,7 @@ use crate::state::EffectId;
 use crate::state::rigid_body_3d::RigidBody3d;
 
 /// Adds the sizes of all arrays of plan and state to the ledger rows of their effects.
-pub(crate) fn record_bytes(plan: &mut Plan, state: &State) {
+pub fn record_bytes(plan: &mut Plan, state: &State) {
     let ledger = &mut plan.ledger;
     let changes = || plan.steps.iter().map(|step| &step.changes);
     let loads =

@@ -1,14 +1,11 @@
 //! The compiled plan and its steps.
 
 use crate::model::{CopyOnWrite, EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
-use crate::plan::bodies::rigid_body::PlannedRigidBody;
-use crate::plan::changes::StepChanges;
 use crate::plan::ledger::Ledger;
-use crate::plan::meshes::labels::FrameLabels;
-use crate::plan::meshes::places::SolidPlaces;
-use crate::plan::meshes::remesh::RemeshPlan;
-use crate::plan::output::expressions::RowExpression;
-use crate::plan::output::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, StepOutputs};
+use crate::plan::{
+    ColumnSource, FrameField, FrameLabels, HistoryColumn, IntegratedSection, PlannedRigidBody, RemeshPlan,
+    RowExpression, SolidPlaces, StepChanges, StepOutputs,
+};
 use crate::state::EffectId;
 use crate::user::Routines;
 

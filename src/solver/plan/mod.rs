@@ -27,18 +27,20 @@ use crate::kernel::amplitude::SampledAmplitude;
 use crate::model::{EosKind, MaterialDefinition, Model};
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
-use bodies::rigid_body::Bodies;
+pub(crate) use bodies::rigid_body::Bodies;
 pub use bodies::rigid_body::PlannedRigidBody;
 pub use changes::StepChanges;
 pub use checks::plausibility::unit_warning;
 pub use compiled::{GeneralLedgerRows, MeshCards, Plan, StepPlan};
+pub(crate) use constraints::link_set::Links;
 pub use meshes::labels::FrameLabels;
 pub use meshes::places::{MeshIndexMap, SolidPlaces};
 pub use meshes::remesh::{RemeshPlan, RemeshedBody};
+pub(crate) use output::Columns;
 pub use output::expressions::RowExpression;
 pub use output::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule};
-use report::{LedgerRows, Report};
-use scene::{Scene, Shared};
+pub(crate) use report::{LedgerRows, Report};
+pub(crate) use scene::{Pairs, Scene, Shared, StepInput};
 pub use state::State;
 
 /// A plan, its initial state, and the products that a revision of the plan needs.

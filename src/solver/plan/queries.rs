@@ -6,18 +6,18 @@ use crate::model::{
 };
 
 /// Returns whether the analysis is adiabatic. All steps have the same setting as the first one.
-pub(crate) fn adiabatic(model: &Model) -> bool {
+pub fn adiabatic(model: &Model) -> bool {
     model.steps.first().is_some_and(|s| s.adiabatic)
 }
 
 /// Returns whether a section solves for nodal temperatures.
-pub(crate) fn conducts(model: &Model, section: &SolidSection) -> bool {
+pub fn conducts(model: &Model, section: &SolidSection) -> bool {
     let thermal = |e: &usize| model.mesh.elements[*e].kind.is_thermal();
     model.steps.first().is_some_and(|s| s.coupled) && section.elements.iter().any(thermal)
 }
 
 /// Returns the reference nodes of rigid bodies whose temperature the deck gives.
-pub(crate) fn heated_references(model: &Model) -> Vec<usize> {
+pub fn heated_references(model: &Model) -> Vec<usize> {
     if !model.steps.first().is_some_and(|step| step.coupled) {
         return Vec::new();
     }
@@ -32,7 +32,7 @@ pub(crate) fn heated_references(model: &Model) -> Vec<usize> {
     model.rigid_bodies.iter().map(|body| body.reference).filter(given).collect()
 }
 
-pub(crate) fn given_fields(model: &Model) -> usize {
+pub fn given_fields(model: &Model) -> usize {
     let start = model.initial_conditions.iter().filter_map(|c| match c.kind {
         InitialKind::Field(variable, _) => Some(variable + 1),
         _ => None,
@@ -43,12 +43,12 @@ pub(crate) fn given_fields(model: &Model) -> usize {
 
 /// Returns the number of field variables of a material: those of the deck or of its tables, and at least one with
 /// `*USER DEFINED FIELD`.
-pub(crate) fn field_variables(model: &Model, material: &MaterialDefinition) -> usize {
+pub fn field_variables(model: &Model, material: &MaterialDefinition) -> usize {
     given_fields(model).max(dependencies(material)).max(usize::from(material.user.fields.is_some()))
 }
 
 /// Returns the number of field variables on which the tables of a material depend.
-pub(crate) fn dependencies(material: &MaterialDefinition) -> usize {
+pub fn dependencies(material: &MaterialDefinition) -> usize {
     // The first three columns are two moduli, or yield stress and plastic strain, and the temperature.
     let of = |rows: &[Vec<f64>]| rows.first().map_or(0, |row| row.len().saturating_sub(3));
     let plastic = if let Some(PlasticityModel::OverFields(rows)) = &material.plastic { of(rows) } else { 0 };

@@ -9,10 +9,10 @@ use crate::state::EffectId;
 use crate::user::Routines;
 
 /// Ledger row of each card and effect.
-pub(crate) type LedgerRows = IndexMap<(Span, &'static str), EffectId>;
+pub type LedgerRows = IndexMap<(Span, &'static str), EffectId>;
 
 /// Diagnostics and ledger of a plan. Every pass adds to it.
-pub(crate) struct Report<'a> {
+pub struct Report<'a> {
     sources: &'a Sources,
     pub routines: &'a Routines,
     pub diagnostics: Diagnostics,
@@ -32,6 +32,16 @@ impl<'a> Report<'a> {
             ledger_rows: IndexMap::new(),
             called_routines: Vec::new(),
         }
+    }
+
+    /// Adds a diagnostic.
+    pub fn push(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// Adds a diagnostic and returns `None`, for use in place of the value that could not be created.
+    pub fn refuse<T>(&mut self, diagnostic: Diagnostic) -> Option<T> {
+        self.diagnostics.refuse(diagnostic)
     }
 
     /// Returns the ledger row of an effect of the card at `span`. The row is created at the first call, so that a load

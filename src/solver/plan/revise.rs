@@ -5,10 +5,7 @@
 use crate::deck::Diagnostics;
 use crate::model::Model;
 use crate::model::revise::RevisableNumber;
-use crate::plan::constraints::link_set::Links;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
-use crate::plan::{Compilation, Plan, Products, State, bodies, steps};
+use crate::plan::{Compilation, Links, Plan, Products, Report, Scene, State, bodies, steps};
 use crate::state::BodyState;
 use crate::user::Routines;
 

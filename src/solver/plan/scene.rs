@@ -8,13 +8,11 @@ use crate::deck::Span;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::mesh::surface::SurfaceGeometry;
 use crate::model::{AmplitudeId, Model, SurfaceContact};
-use crate::plan::bodies::rigid_body::Bodies;
-use crate::plan::constraints::link_set::Links;
-use crate::plan::meshes::places::SolidPlaces;
+use crate::plan::{Bodies, Links, SolidPlaces};
 
 /// The model with its rigid bodies, and the solver indices of its deformable nodes and elements.
 #[derive(Clone, Copy)]
-pub(crate) struct Scene<'a> {
+pub struct Scene<'a> {
     pub model: &'a Model,
     pub bodies: &'a Bodies,
     pub places: &'a SolidPlaces,
@@ -22,7 +20,7 @@ pub(crate) struct Scene<'a> {
 
 /// A step of the model, and the products on which its constraints depend.
 #[derive(Clone, Copy)]
-pub(crate) struct StepInput<'a> {
+pub struct StepInput<'a> {
     pub scene: Scene<'a>,
     pub links: &'a Links,
     pub pairs: &'a Pairs,
@@ -32,14 +30,14 @@ pub(crate) struct StepInput<'a> {
 
 /// Contact pairs of each step, and the names of all pairs for histories.
 #[derive(Default)]
-pub(crate) struct Pairs {
+pub struct Pairs {
     pub by_step: Vec<Rc<Vec<SurfaceContact>>>,
     pub names: IndexSet<String>,
 }
 
 /// User amplitudes and surfaces of loads, which are created on first use and shared by effects.
 #[derive(Default)]
-pub(crate) struct Shared {
+pub struct Shared {
     pub amplitudes: Vec<SubroutineAmplitude>,
     /// Index of the value of each user amplitude in the list of the state.
     pub amplitude_index: IndexMap<AmplitudeId, usize>,

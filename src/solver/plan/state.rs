@@ -10,7 +10,8 @@ use crate::heat::ThermalState;
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::load::{Load, PenetrationRecord};
-use crate::plan::changes::{ListChange, StepChanges};
+use crate::plan::StepChanges;
+use crate::plan::changes::ListChange;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 

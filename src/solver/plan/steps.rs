@@ -11,23 +11,20 @@ use crate::model::{
     self, BoundaryCondition, EnergyLimit, IncrementControl, LoadKind, MassScaling, Model, ScalingSchedule, Step,
     SurfaceContact,
 };
-use crate::plan::State;
-use crate::plan::changes::{ListChange, ListEntry, StepChanges};
+use crate::plan::changes::{ListChange, ListEntry};
 use crate::plan::checks::overlaps::overlapping_bodies;
-use crate::plan::compiled::{GeneralLedgerRows, StepPlan};
 use crate::plan::constraints::equations::link_constraint;
-use crate::plan::constraints::link_set::Links;
 use crate::plan::constraints::motions::add_motions;
 use crate::plan::contact::cohesion::refuse_cohesive_walls;
 use crate::plan::contact::contact_constraint;
 use crate::plan::contact::walls::{spatial_side, wall_contacts};
 use crate::plan::loads::{LoadInput, create_load};
 use crate::plan::meshes::adaptive::adaptive_change;
-use crate::plan::meshes::places::SolidPlaces;
 use crate::plan::output::output_schedules;
-use crate::plan::report::Report;
-use crate::plan::scene::{Pairs, Scene, Shared, StepInput};
 use crate::plan::solids::mass_scaling::{check_scalable_step, mass_scaling};
+use crate::plan::{
+    GeneralLedgerRows, Links, Pairs, Report, Scene, Shared, SolidPlaces, State, StepChanges, StepInput, StepPlan,
+};
 use crate::state::dofs::Dof;
 
 /// Active effects of the last compiled step, by their origin in the model.
@@ -38,7 +35,7 @@ struct ActiveEffects<'a> {
 }
 
 /// Origin of a constraint in the model. Constraints with equal origins are equal.
-pub(crate) enum ConstraintOrigin<'a> {
+pub enum ConstraintOrigin<'a> {
     /// A line of `*BOUNDARY`, and the degrees of freedom that it prescribes.
     Motion(&'a BoundaryCondition, Vec<Dof>),
     /// Degrees of freedom on the axis of symmetry.
@@ -128,7 +125,7 @@ fn continues_load(load: &model::Load, before: &model::Load) -> bool {
 }
 
 /// Builder of the constraints of a step: kept ones of the previous step, and new ones.
-pub(crate) struct ConstraintList<'a> {
+pub struct ConstraintList<'a> {
     before: Vec<ConstraintOrigin<'a>>,
     origins: Vec<ConstraintOrigin<'a>>,
     entries: Vec<ListEntry<dyn Constraint>>,
@@ -138,7 +135,7 @@ pub(crate) struct ConstraintList<'a> {
 impl<'a> ConstraintList<'a> {
     /// Keeps the constraint of the previous step with the same origin. Returns the origin as an error if no constraint
     /// has it.
-    pub(crate) fn keep(&mut self, origin: ConstraintOrigin<'a>) -> Result<(), ConstraintOrigin<'a>> {
+    pub fn keep(&mut self, origin: ConstraintOrigin<'a>) -> Result<(), ConstraintOrigin<'a>> {
         let Some(place) = self.before.iter().position(|b| b.is_same(&origin)) else { return Err(origin) };
         if origin.is_users() {
             self.user_motions.push(ListEntry::Kept(self.before[..place].iter().filter(|b| b.is_users()).count()));
@@ -148,14 +145,14 @@ impl<'a> ConstraintList<'a> {
         Ok(())
     }
 
-    pub(crate) fn add(&mut self, origin: ConstraintOrigin<'a>, effect: Box<dyn Constraint>) {
+    pub fn add(&mut self, origin: ConstraintOrigin<'a>, effect: Box<dyn Constraint>) {
         let places = (0..self.before.len()).filter(|&i| origin.continues(&self.before[i]));
         self.entries.push(ListEntry::Added { effect, continues: places.collect() });
         self.origins.push(origin);
     }
 
     /// Adds the user motion of the constraint that is added next.
-    pub(crate) fn add_user_motion(&mut self, motion: UserMotion) {
+    pub fn add_user_motion(&mut self, motion: UserMotion) {
         self.user_motions.push(ListEntry::Added { effect: Box::new(motion), continues: Vec::new() });
     }
 
@@ -176,13 +173,13 @@ impl<'a> ConstraintList<'a> {
 }
 
 /// Compiles all steps. The effects of the first step are added to the state.
-pub(crate) fn plan(
-    scene: Scene<'_>,
+pub fn plan(
+    scene: Scene,
     links: &Links,
     pairs: &Pairs,
     state: &mut State,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Vec<StepPlan> {
     let mut active = ActiveEffects::default();
     let mut steps = Vec::with_capacity(scene.model.steps.len());
@@ -208,13 +205,13 @@ pub(crate) fn plan(
 }
 
 /// Updates the loads of compiled steps from the current model.
-pub(crate) fn replan_loads(
-    scene: Scene<'_>,
+pub fn replan_loads(
+    scene: Scene,
     links: &Links,
     steps: &mut [StepPlan],
     state: &mut State,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let mut active = ActiveEffects::default();
     for (index, plan) in steps.iter_mut().enumerate() {
@@ -233,7 +230,7 @@ fn step_changes<'a>(
     state: &mut State,
     active: &mut ActiveEffects<'a>,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> StepChanges {
     let StepInput { scene, links, index, .. } = input;
     let loads = load_changes(scene, links, index, state, active, shared, report);
@@ -256,7 +253,7 @@ fn load_changes<'a>(
     state: &State,
     active: &mut ActiveEffects<'a>,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<ListChange<dyn Load>> {
     let (step, previous) = (&scene.model.steps[index], step_before(scene.model, index));
     // Resistance loads depend on the accuracy of the increment control.
@@ -296,7 +293,7 @@ fn constraint_changes<'a>(
     state: &State,
     active: &mut ActiveEffects<'a>,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> (Option<ListChange<dyn Constraint>>, Option<ListChange<UserMotion>>) {
     let StepInput { scene, links, pairs, index, .. } = input;
     if keeps_constraints(input) {
@@ -348,7 +345,7 @@ fn constraint_changes<'a>(
 }
 
 /// Returns whether all constraints of a step have the same origins as those of the previous step.
-fn keeps_constraints(input: StepInput<'_>) -> bool {
+fn keeps_constraints(input: StepInput) -> bool {
     let StepInput { scene, pairs, index, .. } = input;
     let (step, Some(previous)) = (&scene.model.steps[index], step_before(scene.model, index)) else { return false };
     let (own, others) = (&step.boundaries, &previous.boundaries);
@@ -364,7 +361,7 @@ fn scaling_change<'a>(
     input: StepInput<'a>,
     loads_change: bool,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Option<crate::element::mass_scaling::StepMassScaling>> {
     let StepInput { scene, index, .. } = input;
     let (step, previous) = (&scene.model.steps[index], step_before(scene.model, index));
@@ -381,7 +378,7 @@ fn scaling_change<'a>(
 }
 
 /// Creates the ledger rows of the increment control and of the velocity that is passed to loads.
-fn increment_rows(places: &SolidPlaces, step: &Step, active: &ActiveEffects<'_>, report: &mut Report<'_>) {
+fn increment_rows(places: &SolidPlaces, step: &Step, active: &ActiveEffects<'_>, report: &mut Report) {
     let mut detail = match step.increment {
         IncrementControl::Automatic { .. } if !places.elements.is_empty() => {
             format!("stable time increment times {}", step.scale_factor)
@@ -406,7 +403,7 @@ fn increment_rows(places: &SolidPlaces, step: &Step, active: &ActiveEffects<'_>,
     }
 }
 
-fn energy_limit(step: &Step, report: &mut Report<'_>) -> Option<EnergyLimit> {
+fn energy_limit(step: &Step, report: &mut Report) -> Option<EnergyLimit> {
     let limit = step.energy_limit?;
     let part = |name: &str, value: Option<f64>| value.map(|v| format!("{name} {v:e}"));
     let parts: Vec<String> =
@@ -417,12 +414,7 @@ fn energy_limit(step: &Step, report: &mut Report<'_>) -> Option<EnergyLimit> {
 }
 
 /// Creates the ledger rows that every analysis has, attributed to the first step.
-pub(crate) fn integration_rows(
-    scene: Scene<'_>,
-    state: &State,
-    shown: usize,
-    report: &mut Report<'_>,
-) -> GeneralLedgerRows {
+pub fn integration_rows(scene: Scene, state: &State, shown: usize, report: &mut Report) -> GeneralLedgerRows {
     let Some(step) = scene.model.steps.first() else { return GeneralLedgerRows::default() };
     let integration = report.ledger_rows.get(&(step.span, "central difference")).copied();
     let nodes = state.dofs.nodes.len() - scene.places.rotations.len();

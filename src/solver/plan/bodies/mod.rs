@@ -1,7 +1,7 @@
 //! Rigid bodies of the plan: nodes, lumped mass and initial velocity.
 
-pub(crate) mod rigid_bodies_3d;
-pub(crate) mod rigid_body;
+pub mod rigid_bodies_3d;
+pub mod rigid_body;
 
 use std::collections::{HashMap, HashSet};
 
@@ -11,11 +11,9 @@ use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad::corner_masses;
 use crate::model::{ElementKind, InitialCondition, InitialKind, Model, RigidBody, RigidSurface};
 use crate::plan::bodies::rigid_bodies_3d::{is_oblique, starts_in_space};
-use crate::plan::bodies::rigid_body::{Bodies, PlannedRigidBody};
 use crate::plan::constraints::links::add_followers_of_body;
 use crate::plan::constraints::tie_equations::TieEquations;
-use crate::plan::meshes::places::SolidPlaces;
-use crate::plan::report::Report;
+use crate::plan::{Bodies, PlannedRigidBody, Report, SolidPlaces};
 
 /// Names of the velocities of an oblique body, by degree of freedom.
 const ALONG: [&str; 6] = ["v_1", "v_2", "v_3", "w_1", "w_2", "w_3"];
@@ -41,7 +39,7 @@ impl MassSources {
 }
 
 /// Creates all rigid bodies.
-pub(crate) fn plan(model: &Model, ties: &[TieEquations], report: &mut Report<'_>) -> Bodies {
+pub fn plan(model: &Model, ties: &[TieEquations], report: &mut Report) -> Bodies {
     let (sources, mut bodies) = (MassSources::new(model), Bodies::default());
     for body in &model.rigid_bodies {
         add_body(model, &mut bodies, ties, body, &sources, report);
@@ -50,14 +48,14 @@ pub(crate) fn plan(model: &Model, ties: &[TieEquations], report: &mut Report<'_>
 }
 
 /// Sets initial velocities and checks the bodies, after the deformable bodies are known.
-pub(crate) fn start(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, report: &mut Report<'_>) {
+pub fn start(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, report: &mut Report) {
     initial_velocities(model, bodies, places, report);
     refuse_strays(model, bodies, places, report);
     check_masses(model, bodies, report);
 }
 
 /// Updates masses of existing bodies from the current model.
-pub(crate) fn update_masses(model: &Model, bodies: &mut Bodies, report: &mut Report<'_>) {
+pub fn update_masses(model: &Model, bodies: &mut Bodies, report: &mut Report) {
     let sources = MassSources::new(model);
     for (index, rigid) in model.rigid_bodies.iter().enumerate() {
         bodies.list[index].lumped_mass = lumped_mass(model, rigid, &bodies.list[index].nodes, &sources);
@@ -66,12 +64,7 @@ pub(crate) fn update_masses(model: &Model, bodies: &mut Bodies, report: &mut Rep
 }
 
 /// Updates initial velocities of existing bodies from the current model.
-pub(crate) fn update_initial_velocities(
-    model: &Model,
-    bodies: &mut Bodies,
-    places: &SolidPlaces,
-    report: &mut Report<'_>,
-) {
+pub fn update_initial_velocities(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, report: &mut Report) {
     bodies.list.iter_mut().for_each(|body| body.initial_velocity = 0.0);
     initial_velocities(model, bodies, places, report);
 }
@@ -82,7 +75,7 @@ fn add_body(
     ties: &[TieEquations],
     rigid: &RigidBody,
     sources: &MassSources,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let index = bodies.list.len();
     let mesh = &model.mesh;
@@ -137,9 +130,9 @@ fn extent_along_z(model: &Model, rigid: &RigidBody, nodes: &[usize]) -> [f64; 2]
     }
 }
 
-fn refuse_shared_member(rigid: &RigidBody, what: String, report: &mut Report<'_>) {
+fn refuse_shared_member(rigid: &RigidBody, what: String, report: &mut Report) {
     let message = format!("{what} belongs to two rigid bodies");
-    report.diagnostics.push(Diagnostic::error("P009", message).at(rigid.span, "the second body"));
+    report.push(Diagnostic::error("P009", message).at(rigid.span, "the second body"));
 }
 
 /// Returns the lumped nodal masses: row sums of RAX2 elements, point masses, and solid elements with the density of
@@ -176,7 +169,7 @@ fn lumped_mass(model: &Model, rigid: &RigidBody, nodes: &[usize], sources: &Mass
     nodes.iter().copied().zip(masses).filter(|m| m.1 != 0.0).collect()
 }
 
-fn initial_velocities(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, report: &mut Report<'_>) {
+fn initial_velocities(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, report: &mut Report) {
     for condition in &model.initial_conditions {
         let of_solid = condition.members.iter().any(|m| places.has_node(*m)) || is_of_solid(places, condition);
         if of_solid && !names_reference(bodies, condition) {
@@ -204,7 +197,7 @@ fn initial_velocities(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, 
         if moved.is_empty() {
             let message = "the initial velocity is given for no reference node and has no effect";
             let finding = Diagnostic::warning("P104", message).at(condition.span, "no reference node in this set");
-            report.diagnostics.push(finding.help("give the velocity of a rigid body at its REF NODE"));
+            report.push(finding.help("give the velocity of a rigid body at its REF NODE"));
             continue;
         }
         if value != 0.0 {
@@ -235,23 +228,23 @@ fn is_of_solid(places: &SolidPlaces, condition: &InitialCondition) -> bool {
     kinds(&condition.kind) && condition.members.iter().any(|e| places.elements.contains_key(e))
 }
 
-fn radial_velocity(span: Span, value: f64, report: &mut Report<'_>) {
+fn radial_velocity(span: Span, value: f64, report: &mut Report) {
     if value == 0.0 {
         report.add_unused_card(span, "*INITIAL CONDITIONS", "a rigid body of revolution moves along z only");
     } else {
         let message = "a rigid body of revolution cannot start with a radial velocity or a rotation";
         let finding = Diagnostic::error("P103", message).at(span, "only degree of freedom 2 (z) can move");
-        report.diagnostics.push(finding.help("use *ATTITUDE for a body with six degrees of freedom"));
+        report.push(finding.help("use *ATTITUDE for a body with six degrees of freedom"));
     }
 }
 
 /// Reports elements and masses that belong neither to a rigid nor to a deformable body.
-pub(crate) fn refuse_strays(model: &Model, bodies: &Bodies, places: &SolidPlaces, report: &mut Report<'_>) {
+pub fn refuse_strays(model: &Model, bodies: &Bodies, places: &SolidPlaces, report: &mut Report) {
     refuse_stray_elements(model, bodies, report);
     refuse_free_masses(model, bodies, places, report);
 }
 
-fn refuse_stray_elements(model: &Model, bodies: &Bodies, report: &mut Report<'_>) {
+fn refuse_stray_elements(model: &Model, bodies: &Bodies, report: &mut Report) {
     // Elements whose section had an error are not reported again.
     let in_section: HashSet<usize> = model.material_regions().flat_map(|s| s.1).copied().collect();
     let free = |e: &usize| !bodies.of_element.contains_key(e) && !in_section.contains(e);
@@ -269,22 +262,22 @@ fn refuse_stray_elements(model: &Model, bodies: &Bodies, report: &mut Report<'_>
         ("solid elements have no section", "give their element set on *SOLID SECTION or *RIGID BODY")
     };
     let label = format!("element {} and others", element.name);
-    report.diagnostics.push(Diagnostic::error("P001", message).at(element.span, label).help(help));
+    report.push(Diagnostic::error("P001", message).at(element.span, label).help(help));
 }
 
-fn refuse_free_masses(model: &Model, bodies: &Bodies, places: &SolidPlaces, report: &mut Report<'_>) {
+fn refuse_free_masses(model: &Model, bodies: &Bodies, places: &SolidPlaces, report: &mut Report) {
     for point in &model.discrete.masses {
         if !bodies.of_node.contains_key(&point.node) && !places.has_node(point.node) {
             let name = &model.mesh.node_names[point.node];
             let message = format!("the mass on node {name} belongs to no body");
             let finding = Diagnostic::error("P005", message).at(point.span, "here");
-            report.diagnostics.push(finding.help("put it on the reference node of a *RIGID BODY"));
+            report.push(finding.help("put it on the reference node of a *RIGID BODY"));
         }
     }
 }
 
 /// Reports free bodies without mass. A body with prescribed axial motion in every step needs no mass.
-fn check_masses(model: &Model, bodies: &Bodies, report: &mut Report<'_>) {
+fn check_masses(model: &Model, bodies: &Bodies, report: &mut Report) {
     for body in &bodies.list {
         let held = |b: &crate::model::BoundaryCondition| b.dof == 2 && b.nodes.contains(&body.reference);
         let is_free = || model.steps.iter().any(|s| !s.boundaries.iter().any(held));
@@ -293,7 +286,7 @@ fn check_masses(model: &Model, bodies: &Bodies, report: &mut Report<'_>) {
             let message = format!("rigid body `{}` has no mass", body.name);
             let finding = Diagnostic::error("P002", message).at(body.span, format!("its mass is {mass}"));
             let help = "give DENSITY= and a thickness on the data line, a *SOLID SECTION for solids, or *MASS on the reference node";
-            report.diagnostics.push(finding.help(help));
+            report.push(finding.help(help));
         }
     }
 }

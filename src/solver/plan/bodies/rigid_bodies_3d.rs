@@ -4,11 +4,7 @@
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::attitude::{Attitude, PrincipalInertia, SpatialVector, cross, norm, plus};
 use crate::model::{self, ElementKind, InitialKind, LoadKind, Model, RigidBody, RotaryInertia, STATIONS};
-use crate::plan::PlannedRigidBody;
-use crate::plan::bodies::rigid_body::Bodies;
-use crate::plan::constraints::link_set::Links;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
+use crate::plan::{Bodies, Links, PlannedRigidBody, Report, Scene};
 use crate::platform::PortableMath as _;
 use crate::state::BodyState;
 use crate::state::rigid_body_3d::{Pose, RigidBody3d};
@@ -54,7 +50,7 @@ fn attitude<'a>(model: &'a Model, rigid: &RigidBody) -> Option<&'a model::Initia
 
 /// Returns whether a body is oblique: it is rotated, hits an inclined target, or has a transverse or angular
 /// initial velocity.
-pub(crate) fn is_oblique(model: &Model, rigid: &RigidBody) -> bool {
+pub fn is_oblique(model: &Model, rigid: &RigidBody) -> bool {
     let attitude = attitude(model, rigid);
     let turned = attitude.is_some_and(|a| a.angles != [0.0; 2]);
     let steps = model.steps.iter();
@@ -80,16 +76,16 @@ fn initial_velocities_of(model: &Model, reference: usize) -> [f64; 6] {
 }
 
 /// Returns whether an initial velocity is given for an oblique body, which may have any direction.
-pub(crate) fn starts_in_space(bodies: &Bodies, members: &[usize]) -> bool {
+pub fn starts_in_space(bodies: &Bodies, members: &[usize]) -> bool {
     bodies.list.iter().any(|b| b.spatial && members.contains(&b.reference))
 }
 
-pub(crate) fn initial_states(scene: Scene<'_>, report: &mut Report<'_>) -> Vec<BodyState> {
+pub fn initial_states(scene: Scene, report: &mut Report) -> Vec<BodyState> {
     check_attitudes(scene, report);
     (0..scene.bodies.list.len()).map(|index| initial_state(scene, index, report)).collect()
 }
 
-fn initial_state(scene: Scene<'_>, index: usize, report: &mut Report<'_>) -> BodyState {
+fn initial_state(scene: Scene, index: usize, report: &mut Report) -> BodyState {
     let body = &scene.bodies.list[index];
     match body.spatial {
         false => BodyState::new(body.mass(), body.initial_velocity),
@@ -97,7 +93,7 @@ fn initial_state(scene: Scene<'_>, index: usize, report: &mut Report<'_>) -> Bod
     }
 }
 
-fn check_attitudes(scene: Scene<'_>, report: &mut Report<'_>) {
+fn check_attitudes(scene: Scene, report: &mut Report) {
     let mut seen: Vec<usize> = Vec::new();
     for attitude in &scene.model.attitudes {
         let message = if !scene.model.rigid_bodies.iter().any(|b| b.reference == attitude.reference) {
@@ -108,13 +104,13 @@ fn check_attitudes(scene: Scene<'_>, report: &mut Report<'_>) {
             seen.push(attitude.reference);
             continue;
         };
-        report.diagnostics.push(Diagnostic::error("P130", message).at(attitude.span, "here"));
+        report.push(Diagnostic::error("P130", message).at(attitude.span, "here"));
     }
     for inertia in &scene.model.discrete.inertias {
         match scene.bodies.of_node.get(&inertia.node).map(|&b| &scene.bodies.list[b]) {
             None => {
                 let message = "the rotary inertia is on a node that belongs to no rigid body";
-                report.diagnostics.push(Diagnostic::error("P005", message).at(inertia.span, "here"));
+                report.push(Diagnostic::error("P005", message).at(inertia.span, "here"));
             }
             Some(body) if !body.spatial => {
                 report.add_unused_card(
@@ -129,15 +125,15 @@ fn check_attitudes(scene: Scene<'_>, report: &mut Report<'_>) {
 }
 
 /// Reports transverse moments of inertia that differ, which a body of revolution cannot have.
-fn check_revolution(inertia: &RotaryInertia, report: &mut Report<'_>) {
+fn check_revolution(inertia: &RotaryInertia, report: &mut Report) {
     let [first, _, third] = inertia.moments;
     if first != third {
         let message = format!("I11 and I33 of a body of revolution must be equal, found {first} and {third}");
-        report.diagnostics.push(Diagnostic::error("P131", message).at(inertia.span, "here"));
+        report.push(Diagnostic::error("P131", message).at(inertia.span, "here"));
     }
 }
 
-fn oblique_body(scene: Scene<'_>, index: usize, report: &mut Report<'_>) -> RigidBody3d {
+fn oblique_body(scene: Scene, index: usize, report: &mut Report) -> RigidBody3d {
     let rigid = &scene.model.rigid_bodies[index];
     let body = &scene.bodies.list[index];
     let (mass, mesh) = (body.mass(), &scene.model.mesh);
@@ -187,7 +183,7 @@ fn oblique_body(scene: Scene<'_>, index: usize, report: &mut Report<'_>) -> Rigi
     spatial
 }
 
-fn no_inertia(bodies: &Bodies, span: Span, body: usize, inertia: PrincipalInertia, report: &mut Report<'_>) {
+fn no_inertia(bodies: &Bodies, span: Span, body: usize, inertia: PrincipalInertia, report: &mut Report) {
     let name = &bodies.list[body].name;
     let message = if inertia.axial > 0.0 && inertia.transverse > 0.0 {
         format!(
@@ -199,7 +195,7 @@ fn no_inertia(bodies: &Bodies, span: Span, body: usize, inertia: PrincipalInerti
     };
     let help = "give *ROTARY INERTIA for an element of TYPE=ROTARYI on its reference node, distribute its mass with *ATTITUDE, \
                     INERTIA=UNIFORM, or give its elements a density";
-    report.diagnostics.push(Diagnostic::error("P131", message).at(span, "this body").help(help));
+    report.push(Diagnostic::error("P131", message).at(span, "this body").help(help));
 }
 
 /// Returns the moments of the solid and RAX2 elements of a body as bodies of revolution, and of its point masses.
@@ -250,12 +246,12 @@ fn moments_of_volume(model: &Model, rigid: &RigidBody, mass: f64) -> MassMoments
     MassMoments { mass, first: factor * all.first, axial: factor * all.axial, transverse: factor * all.transverse }
 }
 
-pub(crate) fn stations(model: &Model, body: usize) -> usize {
+pub fn stations(model: &Model, body: usize) -> usize {
     attitude(model, &model.rigid_bodies[body]).map_or(STATIONS, |a| a.stations)
 }
 
 /// Reports input that is unsupported on oblique bodies.
-pub(crate) fn refuse_on_spatial_bodies(scene: Scene<'_>, links: &Links, report: &mut Report<'_>) {
+pub fn refuse_on_spatial_bodies(scene: Scene, links: &Links, report: &mut Report) {
     let Some(name) = scene.bodies.list.iter().find(|b| b.spatial).map(|b| b.name.clone()) else { return };
     let in_space = |node: &usize| scene.bodies.of_node.get(node).is_some_and(|&b| scene.bodies.list[b].spatial);
     let model = scene.model;
@@ -275,11 +271,11 @@ pub(crate) fn refuse_on_spatial_bodies(scene: Scene<'_>, links: &Links, report: 
 }
 
 /// Reports that `what` is unsupported on an oblique body.
-pub(crate) fn refuse_on_spatial_body(span: Span, body: &str, what: &str, report: &mut Report<'_>) {
+pub fn refuse_on_spatial_body(span: Span, body: &str, what: &str, report: &mut Report) {
     let message = format!("rigid body `{body}` is oblique: {what} is not supported on it");
     let help = "an oblique body supports the resistance of targets (CAVITY), pressures (P, PNU), gravity, *CLOAD, and hard \
                     contact with a fixed analytical surface";
-    report.diagnostics.push(Diagnostic::error("P132", message).at(span, "here").help(help));
+    report.push(Diagnostic::error("P132", message).at(span, "here").help(help));
 }
 
 /// Calls `each` with the Gauss points of a line and their weights, which sum to 1.

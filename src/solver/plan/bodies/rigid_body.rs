@@ -7,7 +7,7 @@ use crate::kernel::lists::heap_bytes;
 
 /// Rigid bodies in the order of the model, and the body of each node and element.
 #[derive(Default)]
-pub(crate) struct Bodies {
+pub struct Bodies {
     pub list: Vec<PlannedRigidBody>,
     pub of_node: IndexMap<usize, usize>,
     pub of_element: IndexMap<usize, usize>,

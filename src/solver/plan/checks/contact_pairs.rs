@@ -7,11 +7,9 @@ use crate::deck::Diagnostic;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::sorted_boxes::SortedBoxes;
 use crate::model::{Model, SurfaceContact};
-use crate::plan::State;
 use crate::plan::contact::curves::ContactGeometry;
 use crate::plan::contact::penalty::modulus_of;
-use crate::plan::report::Report;
-use crate::plan::scene::{Pairs, Scene};
+use crate::plan::{Pairs, Report, Scene, State};
 use crate::variables::Variable;
 
 /// Facets face each other if the cosine of the angle between their normals is below this value, as in contact.
@@ -32,14 +30,14 @@ const CLOSE: f64 = 0.05;
 
 /// Two curves in contact. The first one carries the contact pressures.
 #[derive(Clone, Copy)]
-pub(crate) struct ContactingCurves<'a> {
-    pub(crate) curves: [&'a FacetCurve; 2],
-    pub(crate) points: &'a [SurfacePoint],
-    pub(crate) places: &'a [[f64; 2]],
+pub struct ContactingCurves<'a> {
+    pub curves: [&'a FacetCurve; 2],
+    pub points: &'a [SurfacePoint],
+    pub places: &'a [[f64; 2]],
     /// Mean facet length of the first curve.
-    pub(crate) length: f64,
+    pub length: f64,
     /// Whether the first curve is the first surface of the pair in the deck.
-    pub(crate) first_carries: bool,
+    pub first_carries: bool,
 }
 
 impl ContactingCurves<'_> {
@@ -161,14 +159,14 @@ fn sector([r, z]: [f64; 2]) -> usize {
 }
 
 /// Checks a pair in the step in which it begins.
-pub(crate) fn check_pair(
-    scene: Scene<'_>,
+pub fn check_pair(
+    scene: Scene,
     pairs: &Pairs,
     contact: &SurfaceContact,
     step: usize,
     met: ContactingCurves<'_>,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let known = |c: &SurfaceContact| c.span == contact.span && c.sides[0].name == contact.sides[0].name;
     if contact.is_self_contact() || step > 0 && pairs.by_step[step - 1].iter().any(known) {
@@ -178,7 +176,7 @@ pub(crate) fn check_pair(
     if !contact.general && met.faces_away() {
         let message = format!("`{a}` and `{b}` face away from each other: there will be no contact");
         let finding = Diagnostic::warning("P110", message).at(contact.span, "this pair");
-        report.diagnostics.push(finding.help("give the sides that face each other; for shells SPOS or SNEG"));
+        report.push(finding.help("give the sides that face each other; for shells SPOS or SNEG"));
         return;
     }
     let Some(body) = met.body() else {
@@ -191,13 +189,13 @@ pub(crate) fn check_pair(
             met.length
         );
         let finding = Diagnostic::warning("P118", message).at(contact.span, format!("near ({r:.4e}, {z:.4e})"));
-        report.diagnostics.push(finding.help("use deformable elements as small as the roundings"));
+        report.push(finding.help("use deformable elements as small as the roundings"));
     }
 }
 
 /// Warns if contact pressures are requested and the facets of two deformable surfaces differ too much in size where the
 /// surfaces are closest.
-fn check_facet_sizes(model: &Model, contact: &SurfaceContact, met: ContactingCurves<'_>, report: &mut Report<'_>) {
+fn check_facet_sizes(model: &Model, contact: &SurfaceContact, met: ContactingCurves<'_>, report: &mut Report) {
     let mut requests = model.steps.iter().flat_map(|step| &step.outputs).flat_map(|output| &output.variables);
     if !requests.any(|request| request.variables().contains(&Variable::ContactPressure)) {
         return;
@@ -216,7 +214,7 @@ fn check_facet_sizes(model: &Model, contact: &SurfaceContact, met: ContactingCur
     );
     let label = "contact pressures of curved surfaces are inaccurate, in particular on the axis";
     let finding = Diagnostic::warning("P124", message).at(contact.span, label);
-    report.diagnostics.push(finding.help(format!(
+    report.push(finding.help(format!(
             "use smaller facets on `{coarser}`, at most twice as long as those of the other surface, and at least five over the \
              contact radius"
         )));
@@ -224,12 +222,12 @@ fn check_facet_sizes(model: &Model, contact: &SurfaceContact, met: ContactingCur
 
 /// Orders two curves: the first one carries the contact pressures. It is the secondary surface that the deck gives,
 /// else the finer one of two deformable curves unless it is also stiffer, never a rigid one.
-pub(crate) fn order_curves(
+pub fn order_curves(
     model: &Model,
     contact: &SurfaceContact,
     [first, second]: [usize; 2],
     found: &ContactGeometry,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> [usize; 2] {
     let by_size = [first, second].map(|curve| found.lengths[curve][1]);
     let (finer, coarser) = if by_size[1] < by_size[0] { ([second, first], 0) } else { ([first, second], 1) };
@@ -269,7 +267,7 @@ fn size_and_stiffness(model: &Model, [own, other]: [usize; 2], found: &ContactGe
 
 /// Warns that the deck lets a finer and stiffer surface carry the pressures; `coarser` is the index of the other
 /// surface.
-fn warn_of_sizes(contact: &SurfaceContact, coarser: usize, [finer, stiffer]: [f64; 2], report: &mut Report<'_>) {
+fn warn_of_sizes(contact: &SurfaceContact, coarser: usize, [finer, stiffer]: [f64; 2], report: &mut Report) {
     let [a, b] = [1 - coarser, coarser].map(|side| &contact.sides[side].name);
     let message = format!(
         "`{a}` carries the contact pressures; it is {finer:.1} times finer and {stiffer:.1} times stiffer than `{b}`"
@@ -281,18 +279,18 @@ fn warn_of_sizes(contact: &SurfaceContact, coarser: usize, [finer, stiffer]: [f6
         }
         false => format!("remove WEIGHT, so that `{b}` carries the pressures, or use smaller facets on `{b}`"),
     };
-    report.diagnostics.push(finding.help(cure));
+    report.push(finding.help(cure));
 }
 
 /// Warns if a free rigid body is lighter than the contact nodes.
 fn check_body_mass(
-    scene: Scene<'_>,
+    scene: Scene,
     contact: &SurfaceContact,
     step: usize,
     body: usize,
     met: ContactingCurves<'_>,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let reference = scene.bodies.list[body].reference;
     let boundaries = &scene.model.steps[step].boundaries;
@@ -318,6 +316,6 @@ fn check_body_mass(
         );
         let label = "at impact it takes the velocity of these nodes and loses its kinetic energy";
         let finding = Diagnostic::warning("P117", message).at(contact.span, label);
-        report.diagnostics.push(finding.help("use thinner elements at the contact surface"));
+        report.push(finding.help("use thinner elements at the contact surface"));
     }
 }

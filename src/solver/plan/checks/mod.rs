@@ -1,19 +1,16 @@
 //! Checks that judge a complete plan, and warn of input that is probably a mistake.
 
-pub(crate) mod contact_pairs;
-pub(crate) mod overlaps;
-pub(crate) mod plausibility;
-pub(crate) mod values;
+pub mod contact_pairs;
+pub mod overlaps;
+pub mod plausibility;
+pub mod values;
 
 use crate::deck::Diagnostic;
 use crate::model::Model;
-use crate::plan::constraints::link_set::Links;
-use crate::plan::report::Report;
-use crate::plan::scene::{Pairs, Scene};
-use crate::plan::state::State;
+use crate::plan::{Links, Pairs, Report, Scene, State};
 
 /// Judges a complete plan, and lists cards and user subroutines that it does not use.
-pub(crate) fn check_plan(scene: Scene<'_>, links: &Links, pairs: &Pairs, state: &State, report: &mut Report<'_>) {
+pub fn check_plan(scene: Scene, links: &Links, pairs: &Pairs, state: &State, report: &mut Report) {
     check_complete(scene.model, !state.elements.is_empty(), report);
     overlaps::report_overlaps(scene, links, pairs, report);
     for inert in &scene.model.origin.inert {
@@ -24,7 +21,7 @@ pub(crate) fn check_plan(scene: Scene<'_>, links: &Links, pairs: &Pairs, state: 
     report.note_uncalled();
 }
 
-fn check_complete(model: &Model, deforms: bool, report: &mut Report<'_>) {
+fn check_complete(model: &Model, deforms: bool, report: &mut Report) {
     if report.diagnostics.has_errors() {
         return;
     }
@@ -35,8 +32,6 @@ fn check_complete(model: &Model, deforms: bool, report: &mut Report<'_>) {
         if let Some(card) = model.origin.last_card {
             finding = finding.at(card, "the deck ends after this card");
         }
-        report
-            .diagnostics
-            .push(finding.help("a run needs a *RIGID BODY or a *SOLID SECTION, and a *STEP with *DYNAMIC, EXPLICIT"));
+        report.push(finding.help("a run needs a *RIGID BODY or a *SOLID SECTION, and a *STEP with *DYNAMIC, EXPLICIT"));
     }
 }

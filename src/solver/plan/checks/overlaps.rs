@@ -11,14 +11,10 @@ use crate::deck::{Diagnostic, Span};
 use crate::kernel::lists::{sorted_pair, sorted_unique};
 use crate::kernel::sorted_boxes::SortedBoxes;
 use crate::model::{ElementKind, ElementSide, Mesh, Model};
-use crate::plan::State;
-use crate::plan::bodies::rigid_body::Bodies;
-use crate::plan::constraints::link_set::Links;
 use crate::plan::constraints::links::tied_nodes;
 use crate::plan::contact::general::name_of_piece;
 use crate::plan::meshes::pieces::{SetsOfParts, exterior_faces_of, part_of_elements, pieces};
-use crate::plan::report::Report;
-use crate::plan::scene::{Pairs, Scene, StepInput};
+use crate::plan::{Bodies, Links, Pairs, Report, Scene, State, StepInput};
 
 /// Accepted penetration of a node, as a fraction of the face length: meshes of matching curved surfaces overlap
 /// slightly.
@@ -42,7 +38,7 @@ impl ConnectedPart {
 }
 
 /// Warns of overlapping parts, once per pair.
-pub(crate) fn report_overlaps(scene: Scene<'_>, links: &Links, pairs: &Pairs, report: &mut Report<'_>) {
+pub fn report_overlaps(scene: Scene, links: &Links, pairs: &Pairs, report: &mut Report) {
     let pieces = solid_parts(scene);
     let mut close_parts = pairs_that_meet(&pieces);
     if close_parts.is_empty() {
@@ -64,7 +60,7 @@ pub(crate) fn report_overlaps(scene: Scene<'_>, links: &Links, pairs: &Pairs, re
     }
 }
 
-fn report_overlap(model: &Model, pieces: [&ConnectedPart; 2], count: usize, depth: f64, report: &mut Report<'_>) {
+fn report_overlap(model: &Model, pieces: [&ConnectedPart; 2], count: usize, depth: f64, report: &mut Report) {
     let mesh = &model.mesh;
     let [a, b] = pieces.map(|p| &mesh.elements[p.elements[0]].name);
     let message = format!(
@@ -73,7 +69,7 @@ fn report_overlap(model: &Model, pieces: [&ConnectedPart; 2], count: usize, dept
     let [first, second] = pieces.map(|p| section_of(model, p.elements[0]));
     let finding = Diagnostic::warning("P112", message).at(first, "of this body");
     let finding = if second == first { finding } else { finding.at(second, "and of this one") };
-    report.diagnostics.push(finding.help("move them apart, use common nodes, or define contact (*CONTACT)"));
+    report.push(finding.help("move them apart, use common nodes, or define contact (*CONTACT)"));
 }
 
 fn section_of(model: &Model, element: usize) -> Span {
@@ -87,16 +83,12 @@ fn is_spatial(bodies: &Bodies, element: usize) -> bool {
 }
 
 /// Returns the connected parts of solid elements, in the order of their first elements.
-fn solid_parts(scene: Scene<'_>) -> Vec<ConnectedPart> {
+fn solid_parts(scene: Scene) -> Vec<ConnectedPart> {
     connected_parts(scene, ElementKind::is_solid)
 }
 
 /// Creates the check of bodies for overlaps; `None` if there are fewer than two.
-pub(crate) fn overlapping_bodies(
-    input: StepInput<'_>,
-    state: &State,
-    report: &mut Report<'_>,
-) -> Option<Box<dyn Constraint>> {
+pub fn overlapping_bodies(input: StepInput, state: &State, report: &mut Report) -> Option<Box<dyn Constraint>> {
     let StepInput { scene, links, pairs, .. } = input;
     let lines = connected_parts(scene, |kind| kind == ElementKind::Rax2);
     let solids = solid_parts(scene);
@@ -153,12 +145,7 @@ fn tied_parts(model: &Model, links: &Links, part_of: &[Option<u32>]) -> Vec<[u32
 
 /// Returns the outline of a part. If its elements can be deleted, the outline changes, and only its points are
 /// checked.
-fn body_outline(
-    scene: Scene<'_>,
-    piece: &ConnectedPart,
-    outside: &[(usize, ElementSide)],
-    state: &State,
-) -> BodyOutline {
+fn body_outline(scene: Scene, piece: &ConnectedPart, outside: &[(usize, ElementSide)], state: &State) -> BodyOutline {
     let mesh: &Mesh = &scene.model.mesh;
     let group = scene.places.elements.get(&piece.elements[0]).map(|place| place.0);
     let encloses = mesh.elements[piece.elements[0]].kind.is_solid()
@@ -193,7 +180,7 @@ fn body_outline(
     BodyOutline { points, faces, ..BodyOutline::default() }
 }
 
-fn connected_parts(scene: Scene<'_>, is: impl Fn(ElementKind) -> bool) -> Vec<ConnectedPart> {
+fn connected_parts(scene: Scene, is: impl Fn(ElementKind) -> bool) -> Vec<ConnectedPart> {
     let mesh = &scene.model.mesh;
     let solids: Vec<usize> =
         (0..mesh.elements.len()).filter(|&e| is(mesh.elements[e].kind) && !is_spatial(scene.bodies, e)).collect();

@@ -8,10 +8,8 @@ use crate::model::{
     DeckUnits, Element, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, SYSTEMS,
     SolidSection, Step, UnitSystem, is_without_units,
 };
-use crate::plan::State;
 use crate::plan::checks::values::check_values;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
+use crate::plan::{Report, Scene, State};
 use crate::platform::PortableMath as _;
 
 /// Ratio of an initial velocity to the speed of sound above which inconsistent units are assumed.
@@ -39,7 +37,7 @@ pub fn unit_warning(material: &MaterialDefinition, units: Option<&DeckUnits>) ->
     Some(finding.help(suggested_units(density, modulus)))
 }
 
-pub(crate) fn check_plausibility(scene: Scene<'_>, state: &State, report: &mut Report<'_>) {
+pub fn check_plausibility(scene: Scene, state: &State, report: &mut Report) {
     if state.elements.is_empty() {
         return;
     }
@@ -53,10 +51,6 @@ pub(crate) fn check_plausibility(scene: Scene<'_>, state: &State, report: &mut R
     check_free_motion(scene, report);
 }
 
-fn warn(finding: Diagnostic, report: &mut Report<'_>) {
-    report.diagnostics.push(finding);
-}
-
 /// Returns the longitudinal wave speed of an elastic material.
 fn wave_speed(model: &Model, section: &SolidSection) -> Option<f64> {
     let material = model.materials.get(section.material.index())?;
@@ -65,13 +59,12 @@ fn wave_speed(model: &Model, section: &SolidSection) -> Option<f64> {
 }
 
 /// Warns once of each material of a section whose density and Young's modulus are not plausible together.
-fn check_units(model: &Model, report: &mut Report<'_>) {
+fn check_units(model: &Model, report: &mut Report) {
     let units = model.settings.units.as_ref();
     let mut checked = HashSet::new();
     let sections = model.sections.iter().filter(|section| checked.insert(section.material));
     let materials = sections.filter_map(|section| model.materials.get(section.material.index()));
-    let findings: Vec<Diagnostic> = materials.filter_map(|material| unit_warning(material, units)).collect();
-    findings.into_iter().for_each(|finding| warn(finding, report));
+    materials.filter_map(|material| unit_warning(material, units)).for_each(|finding| report.push(finding));
 }
 
 fn initial_velocities(model: &Model) -> impl Iterator<Item = (&InitialCondition, u8, f64)> {
@@ -81,7 +74,7 @@ fn initial_velocities(model: &Model) -> impl Iterator<Item = (&InitialCondition,
     })
 }
 
-fn check_initial_speed(model: &Model, report: &mut Report<'_>) {
+fn check_initial_speed(model: &Model, report: &mut Report) {
     let mut found = None;
     for section in &model.sections {
         let Some(sound) = wave_speed(model, section) else { continue };
@@ -108,7 +101,7 @@ fn check_initial_speed(model: &Model, report: &mut Report<'_>) {
     );
     let finding = Diagnostic::warning("P105", message).at(span, "this velocity");
     let finding = finding.at(material.span, "this material");
-    warn(finding.help("use m, kg, s and Pa, or mm, t, s and MPa (steel: 7.85e-9 t/mm3, 210e3 MPa)"), report);
+    report.push(finding.help("use m, kg, s and Pa, or mm, t, s and MPa (steel: 7.85e-9 t/mm3, 210e3 MPa)"));
 }
 
 fn nodes_of(model: &Model, elements: &[usize]) -> Vec<usize> {
@@ -116,7 +109,7 @@ fn nodes_of(model: &Model, elements: &[usize]) -> Vec<usize> {
 }
 
 /// Returns the shortest time in which a wave crosses an element, and the element.
-fn shortest_wave_transit<'m>(model: &'m Model) -> Option<(f64, &'m Element)> {
+fn shortest_wave_transit(model: &Model) -> Option<(f64, &Element)> {
     let points = &model.mesh.points;
     let mut smallest: Option<(f64, &Element)> = None;
     for section in &model.sections {
@@ -132,7 +125,7 @@ fn shortest_wave_transit<'m>(model: &'m Model) -> Option<(f64, &'m Element)> {
 }
 
 /// Warns if a fixed time increment is longer than the shortest time in which a wave crosses an element.
-fn check_given_increments(model: &Model, time: f64, element: &Element, report: &mut Report<'_>) {
+fn check_given_increments(model: &Model, time: f64, element: &Element, report: &mut Report) {
     let scaled = model.steps.iter().any(|s| !s.mass_scalings.is_empty());
     let given = model.steps.iter().filter_map(|s| match s.increment {
         IncrementControl::Fixed(dt) => Some((s.span, dt)),
@@ -142,11 +135,11 @@ fn check_given_increments(model: &Model, time: f64, element: &Element, report: &
     let message =
         format!("the fixed time increment {dt:e} is not stable: a wave crosses element {} in {time:.2e}", element.name);
     let finding = Diagnostic::warning("P106", message).at(span, "DIRECT USER CONTROL");
-    warn(finding.help("remove DIRECT USER CONTROL, or give a smaller increment"), report);
+    report.push(finding.help("remove DIRECT USER CONTROL, or give a smaller increment"));
 }
 
 /// Warns of a step with more element updates than [`TOO_MANY`].
-fn check_step_length(model: &Model, time: f64, element: &Element, report: &mut Report<'_>) {
+fn check_step_length(model: &Model, time: f64, element: &Element, report: &mut Report) {
     let count = model.sections.iter().map(|s| s.elements.len()).sum::<usize>();
     let increments = |s: &Step| match s.increment {
         IncrementControl::Fixed(dt) => s.duration / dt,
@@ -163,11 +156,11 @@ fn check_step_length(model: &Model, time: f64, element: &Element, report: &mut R
     );
     let finding = Diagnostic::warning("P113", message).at(step.span, "this step");
     let help = "check that its time is in the units of density and moduli; use a shorter step, a coarser mesh or *FIXED MASS SCALING";
-    warn(finding.help(help), report);
+    report.push(finding.help(help));
 }
 
 /// Warns if deformable bodies have a uniform initial velocity, and no boundary condition, load or contact.
-fn check_free_motion(scene: Scene<'_>, report: &mut Report<'_>) {
+fn check_free_motion(scene: Scene, report: &mut Report) {
     let model = scene.model;
     let free = model.rigid_bodies.is_empty()
         && model.targets.is_empty()
@@ -192,7 +185,7 @@ fn check_free_motion(scene: Scene<'_>, report: &mut Report<'_>) {
     let message =
         "no boundary condition, load or contact acts on the deformable body: it will move at constant velocity";
     let finding = Diagnostic::warning("P109", message).at(span, "this velocity remains constant");
-    warn(finding.help("add a *BOUNDARY, a load or a *CONTACT PAIR"), report);
+    report.push(finding.help("add a *BOUNDARY, a load or a *CONTACT PAIR"));
 }
 
 /// Suggests units: the density and modulus of steel in the unit systems that fit the density or the modulus.
@@ -210,7 +203,7 @@ fn suggested_units(density: f64, modulus: f64) -> String {
 }
 
 /// Returns the lengths of the shortest and of the longest side of an element; sides of zero length are left out.
-pub(crate) fn side_lengths(element: &Element, points: &[[f64; 2]]) -> [f64; 2] {
+pub fn side_lengths(element: &Element, points: &[[f64; 2]]) -> [f64; 2] {
     let nodes = &element.nodes;
     let side = |i: usize| {
         let [a, b] = [nodes[i], nodes[(i + 1) % nodes.len()]].map(|n| points[n]);

@@ -6,9 +6,9 @@ use crate::model::{
     EosKind, InitialKind, MaterialDefinition, Model, OutputInterval, PlasticityModel, RateDependence, StrainAtFailure,
     is_without_units,
 };
+use crate::plan::Report;
 use crate::plan::checks::plausibility::side_lengths;
 use crate::plan::queries::adiabatic;
-use crate::plan::report::Report;
 
 /// Largest usual hardening exponent of the Johnson-Cook law; published fits of metals are between 0.05 and 1.
 const LARGEST_EXPONENT: f64 = 1.0;
@@ -25,7 +25,7 @@ const LARGEST_ELONGATION: f64 = 300.0;
 type Finding = (&'static str, String, &'static str);
 
 /// Warns of implausible materials, controls and elements of deformable bodies.
-pub(crate) fn check_values(model: &Model, report: &mut Report<'_>) {
+pub fn check_values(model: &Model, report: &mut Report) {
     let solids = model.sections.iter().map(|s| s.material.index());
     let shells = model.shell_sections.iter().map(|s| s.material.index());
     let cohesive = model.cohesive_sections.iter().map(|s| s.material.index());
@@ -48,7 +48,7 @@ pub(crate) fn check_values(model: &Model, report: &mut Report<'_>) {
 }
 
 /// Warns of an initial velocity all of whose nodes are fixed.
-fn check_fixed_velocities(model: &Model, report: &mut Report<'_>) {
+fn check_fixed_velocities(model: &Model, report: &mut Report) {
     let Some(step) = model.steps.first() else { return };
     for condition in &model.initial_conditions {
         let InitialKind::Velocity(dof, velocity) = condition.kind else { continue };
@@ -68,12 +68,12 @@ fn check_fixed_velocities(model: &Model, report: &mut Report<'_>) {
             false => "give *BOUNDARY the set of the nodes to be fixed",
         };
         let finding = Diagnostic::warning("P145", message).at(boundary.span, "fixes all these nodes");
-        report.diagnostics.push(finding.at(condition.span, "their initial velocity").help(help));
+        report.push(finding.at(condition.span, "their initial velocity").help(help));
     }
 }
 
-fn warn_about(code: &'static str, message: String, (span, label): (Span, &str), help: &str, report: &mut Report<'_>) {
-    report.diagnostics.push(Diagnostic::warning(code, message).at(span, label).help(help));
+fn warn_about(code: &'static str, message: String, (span, label): (Span, &str), help: &str, report: &mut Report) {
+    report.push(Diagnostic::warning(code, message).at(span, label).help(help));
 }
 
 /// Checks initial temperatures against the temperature dependence, and heating by plastic work.
@@ -119,8 +119,8 @@ fn check_temperatures(model: &Model, material: &MaterialDefinition, findings: &m
     }
 }
 
-fn check_controls(model: &Model, report: &mut Report<'_>) {
-    let mut findings = Vec::new();
+fn check_controls(model: &Model, report: &mut Report) {
+    let mut warn = |message, place, help| warn_about("P143", message, place, help, report);
     for step in &model.steps {
         let viscosity = step.bulk_viscosity;
         let given = [viscosity.linear, viscosity.quadratic];
@@ -133,7 +133,7 @@ fn check_controls(model: &Model, report: &mut Report<'_>) {
                     [0.06, 1.2][i]
                 );
                 let help = "the coefficients of *BULK VISCOSITY are dimensionless: 0.06, 1.2";
-                findings.push((message, (step.span, "this step"), help));
+                warn(message, (step.span, "this step"), help);
             }
         }
         for scaling in step.mass_scalings.iter().filter(|s| s.factor > LARGEST_MASS_FACTOR) {
@@ -143,7 +143,7 @@ fn check_controls(model: &Model, report: &mut Report<'_>) {
                 scaling.factor.sqrt()
             );
             let help = "give a smaller FACTOR, or DT with TYPE=BELOW MIN, and compare ALLKE with ALLIE";
-            findings.push((message, (scaling.span, "this mass scaling"), help));
+            warn(message, (scaling.span, "this mass scaling"), help);
         }
         for output in &step.outputs {
             if let OutputInterval::Time(interval) = output.interval
@@ -154,18 +154,15 @@ fn check_controls(model: &Model, report: &mut Report<'_>) {
                          are written",
                     step.name, step.duration
                 );
-                findings.push((message, (output.span, "this output request"), "give a shorter TIME INTERVAL"));
+                warn(message, (output.span, "this output request"), "give a shorter TIME INTERVAL");
             }
         }
-    }
-    for (message, place, help) in findings {
-        warn_about("P143", message, place, help, report);
     }
 }
 
 /// Warns of elements that are much longer than wide, or than most elements, as if a coordinate of a node had a wrong
 /// power of ten.
-fn check_edges(model: &Model, report: &mut Report<'_>) {
+fn check_edges(model: &Model, report: &mut Report) {
     let mesh = &model.mesh;
     let elements = model.sections.iter().flat_map(|s| s.elements.iter().map(|&e| &mesh.elements[e]));
     let sides = elements.map(|element| (element, side_lengths(element, &mesh.points)));

@@ -6,14 +6,10 @@ use crate::constraint::bonds::MergedDofs;
 use crate::deck::{Diagnostic, Span};
 use crate::element::connector::{CarriedEnd, Connector, Connectors, SpringDashpotLaw};
 use crate::model::{BoundaryCondition, ConnectorLaw, ConnectorProperty, ElementKind};
-use crate::plan::State;
-use crate::plan::bodies::rigid_body::Bodies;
-use crate::plan::constraints::link_set::Links;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
+use crate::plan::{Bodies, Links, Report, Scene, State};
 
 /// Creates all springs and dashpots.
-pub(crate) fn connectors(scene: Scene<'_>, report: &mut Report<'_>) -> Vec<Connector> {
+pub fn connectors(scene: Scene, report: &mut Report) -> Vec<Connector> {
     let model = scene.model;
     let mut connectors = Vec::new();
     let mut with_property = Vec::new();
@@ -42,12 +38,7 @@ pub(crate) fn connectors(scene: Scene<'_>, report: &mut Report<'_>) -> Vec<Conne
     connectors
 }
 
-fn connector(
-    scene: Scene<'_>,
-    element: usize,
-    property: &ConnectorProperty,
-    report: &mut Report<'_>,
-) -> Option<Connector> {
+fn connector(scene: Scene, element: usize, property: &ConnectorProperty, report: &mut Report) -> Option<Connector> {
     let mesh = &scene.model.mesh;
     let element = &mesh.elements[element];
     let ends: Vec<usize> = element.nodes.iter().filter_map(|n| scene.places.nodes.get(n).copied()).collect();
@@ -71,12 +62,12 @@ fn connector(
     Some(Connector::new([ends.first().copied(), ends.get(1).copied()], axis, law))
 }
 
-fn refuse_connector(span: Span, message: String, report: &mut Report<'_>) {
-    report.diagnostics.push(Diagnostic::error("P020", message).at(span, "here"));
+fn refuse_connector(span: Span, message: String, report: &mut Report) {
+    report.push(Diagnostic::error("P020", message).at(span, "here"));
 }
 
 /// Adds the springs and dashpots to the elements of the state.
-pub(crate) fn connect(scene: Scene<'_>, links: &Links, state: &mut State, report: &mut Report<'_>) {
+pub fn connect(scene: Scene, links: &Links, state: &mut State, report: &mut Report) {
     let list = connectors(scene, report);
     let mass = &state.dofs.nodes.mass;
     let mut carried = BTreeMap::new();
@@ -117,14 +108,14 @@ fn carried_end(bodies: &Bodies, links: &Links, node: usize, axes: &[usize], mass
 }
 
 /// Returns whether the motion of a node without mass is prescribed in all steps.
-fn is_always_prescribed(scene: Scene<'_>, place: usize, axis: usize) -> bool {
+fn is_always_prescribed(scene: Scene, place: usize, axis: usize) -> bool {
     let Some(node) = scene.places.nodes.iter().find(|n| *n.1 == place).map(|n| n.0) else { return false };
     let prescribes = |b: &BoundaryCondition| usize::from(b.dof) == axis + 1 && b.nodes.contains(&node);
     let on_axis = axis == 0 && scene.model.mesh.points[node][0] == 0.0;
     on_axis || scene.model.steps.iter().all(|step| step.boundaries.iter().any(prescribes))
 }
 
-fn refuse_massless_end(scene: Scene<'_>, place: usize, report: &mut Report<'_>) {
+fn refuse_massless_end(scene: Scene, place: usize, report: &mut Report) {
     let Some(node) = scene.places.nodes.iter().find(|n| *n.1 == place).map(|n| n.0) else { return };
     let mesh = &scene.model.mesh;
     let name = &mesh.node_names[node];
@@ -133,10 +124,10 @@ fn refuse_massless_end(scene: Scene<'_>, place: usize, report: &mut Report<'_>) 
     let finding = Diagnostic::error("P020", message).at(attached.map(|e| e.span).unwrap_or_default(), "here");
     let help =
         "add a *MASS, prescribe the motion of the node in every step (*BOUNDARY), or attach it to a node with mass";
-    report.diagnostics.push(finding.help(help));
+    report.push(finding.help(help));
 }
 
 /// Returns one over a mass; 0 without mass.
-pub(crate) fn inverse(mass: f64) -> f64 {
+pub fn inverse(mass: f64) -> f64 {
     if mass > 0.0 { 1.0 / mass } else { 0.0 }
 }

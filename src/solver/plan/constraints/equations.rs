@@ -5,19 +5,16 @@ use crate::constraint::bonds::{DependentEquation, LinkConflict, LinkSystem, Pres
 use crate::constraint::equation::EquationConstraint;
 use crate::deck::{Diagnostic, Span};
 use crate::model::Step;
-use crate::plan::State;
-use crate::plan::constraints::link_set::Links;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
+use crate::plan::{Links, Report, Scene, State};
 
 /// Creates the constraint of all equations and links of a step, factorised with its prescribed degrees of freedom.
-pub(crate) fn link_constraint(
-    scene: Scene<'_>,
+pub fn link_constraint(
+    scene: Scene,
     links: &Links,
     step: &Step,
     state: &State,
     given: &PrescribedDofs,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Box<dyn Constraint>> {
     if links.is_empty() {
         return None;
@@ -43,11 +40,11 @@ pub(crate) fn link_constraint(
 }
 
 /// Reports a redundant or contradictory equation; `spans` are the places of all equations.
-pub(crate) fn refuse_dependent_equation(
+pub fn refuse_dependent_equation(
     step: &Step,
     DependentEquation { equation, follows_from }: &DependentEquation,
     spans: &[Span],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let message = format!("this equation cannot be satisfied in step `{}`", step.name);
     let label = if follows_from.is_empty() {
@@ -57,16 +54,16 @@ pub(crate) fn refuse_dependent_equation(
     };
     let finding = Diagnostic::error("P018", message).at(spans[*equation], label);
     let finding = follows_from.iter().fold(finding, |f, &i| f.at(spans[i], "from this one"));
-    report.diagnostics.push(finding.help("remove the equation, or free one of its degrees of freedom"));
+    report.push(finding.help("remove the equation, or free one of its degrees of freedom"));
 }
 
 fn refuse_conflicting_motion(
-    scene: Scene<'_>,
+    scene: Scene,
     step: &Step,
     first: Span,
     nodes: [usize; 2],
     axis: usize,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let name = |place: usize| {
         let found = scene.places.nodes.iter().find(|n| *n.1 == place);
@@ -80,5 +77,5 @@ fn refuse_conflicting_motion(
     let given = given.filter(|s| s.nodes.iter().any(|n| nodes.iter().any(|p| scene.places.free_node(*n) == Some(*p))));
     let finding = Diagnostic::error("P018", message).at(first, "the link");
     let finding = given.fold(finding, |f, boundary| f.at(boundary.span, "prescribed here"));
-    report.diagnostics.push(finding.help("prescribe only the motion of the reference node"));
+    report.push(finding.help("prescribe only the motion of the reference node"));
 }

@@ -12,7 +12,7 @@ use crate::plan::constraints::tie_equations::TieEquations;
 
 /// Equations and links between solver nodes, which are active in all steps, and nodes tied to rigid bodies.
 #[derive(Debug, Default)]
-pub(crate) struct Links {
+pub struct Links {
     /// Equations, and the card of each.
     pub equations: Vec<NodalEquation>,
     pub spans: Vec<Span>,
@@ -34,7 +34,7 @@ pub(crate) struct Links {
 
 /// The equation of a node at an end of a tie and that of the next node.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct EndEquation {
+pub struct EndEquation {
     pub end: usize,
     pub next: usize,
     /// Area of the node at the end relative to that of the next one.

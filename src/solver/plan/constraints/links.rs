@@ -6,18 +6,14 @@ use std::collections::{HashMap, HashSet};
 use crate::constraint::tie::TiedNodes;
 use crate::deck::{Diagnostic, Span};
 use crate::model::{self, LinkKind, Model, NodeLink, RigidBody, SurfaceTie};
-use crate::plan::State;
-use crate::plan::bodies::rigid_body::Bodies;
-use crate::plan::constraints::link_set::{EndEquation, Links};
+use crate::plan::constraints::link_set::EndEquation;
 use crate::plan::constraints::tie_equations::{TieEquations, TieForm, TiedNode};
-use crate::plan::meshes::places::SolidPlaces;
 use crate::plan::queries::heated_references;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
+use crate::plan::{Bodies, Links, Report, Scene, SolidPlaces, State};
 
 /// Adds to `nodes` the nodes that follow a rigid body because they are linked to one of its nodes or tied to one of
 /// its elements, directly or through other added nodes.
-pub(crate) fn add_followers_of_body(model: &Model, ties: &[TieEquations], rigid: &RigidBody, nodes: &mut Vec<usize>) {
+pub fn add_followers_of_body(model: &Model, ties: &[TieEquations], rigid: &RigidBody, nodes: &mut Vec<usize>) {
     if model.constraints.links.is_empty() && ties.is_empty() {
         return;
     }
@@ -41,7 +37,7 @@ pub(crate) fn add_followers_of_body(model: &Model, ties: &[TieEquations], rigid:
 
 /// Returns the nodes of links, ties and equations that do not belong to a rigid body, the ends of springs and
 /// dashpots, and the reference nodes of rigid bodies with a temperature. They are solver nodes also if they have no element.
-pub(crate) fn linked_nodes(model: &Model, bodies: &Bodies, ties: &[TieEquations]) -> Vec<usize> {
+pub fn linked_nodes(model: &Model, bodies: &Bodies, ties: &[TieEquations]) -> Vec<usize> {
     let sprung = model.discrete.connectors.iter().flat_map(|property| &property.elements);
     let ends = sprung.flat_map(|&e| model.mesh.elements[e].nodes.iter());
     let linked = model.constraints.links.iter().flat_map(|l| l.nodes.iter().chain([&l.reference]));
@@ -54,12 +50,12 @@ pub(crate) fn linked_nodes(model: &Model, bodies: &Bodies, ties: &[TieEquations]
 }
 
 /// Collects all equations and links, and gives linked nodes the initial velocity of their reference node.
-pub(crate) fn plan(
-    scene: Scene<'_>,
+pub fn plan(
+    scene: Scene,
     surface_ties: Vec<TieEquations>,
     rigid_ties: Vec<TiedNodes>,
     state: &mut State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Links {
     let model = scene.model;
     let mut links = Links { surface_ties, rigid_ties, ..Links::default() };
@@ -72,7 +68,7 @@ pub(crate) fn plan(
             let message =
                 "*EQUATION is supported only for nodes of deformable bodies that are not tied to a rigid body";
             let finding = Diagnostic::error("P011", message).at(equation.span, "this equation has other nodes");
-            report.diagnostics.push(finding);
+            report.push(finding);
             break;
         }
     }
@@ -82,7 +78,7 @@ pub(crate) fn plan(
     links
 }
 
-fn add_link(scene: Scene<'_>, links: &mut Links, link: &NodeLink, report: &mut Report<'_>) {
+fn add_link(scene: Scene, links: &mut Links, link: &NodeLink, report: &mut Report) {
     let names = &scene.model.mesh.node_names;
     let reference = &names[link.reference];
     let axes = match &link.kind {
@@ -141,16 +137,16 @@ fn add_link(scene: Scene<'_>, links: &mut Links, link: &NodeLink, report: &mut R
     report.ledger_row(link.span, "reference node", link.nodes.len(), "nodes", detail);
 }
 
-fn refuse_link(span: Span, message: String, help: &str, report: &mut Report<'_>) {
-    report.diagnostics.push(Diagnostic::error("P060", message).at(span, "here").help(help));
+fn refuse_link(span: Span, message: String, help: &str, report: &mut Report) {
+    report.push(Diagnostic::error("P060", message).at(span, "here").help(help));
 }
 
 /// Returns the dependent nodes of all ties.
-pub(crate) fn tied_nodes(ties: &[TieEquations]) -> impl Iterator<Item = &TiedNode> {
+pub fn tied_nodes(ties: &[TieEquations]) -> impl Iterator<Item = &TiedNode> {
     ties.iter().flat_map(|tie| &tie.nodes)
 }
 
-fn add_surface_ties(scene: Scene<'_>, links: &mut Links, report: &mut Report<'_>) {
+fn add_surface_ties(scene: Scene, links: &mut Links, report: &mut Report) {
     let model = scene.model;
     let ties = std::mem::take(&mut links.surface_ties);
     for (tie, equations) in model.constraints.ties.iter().zip(&ties) {
@@ -163,13 +159,7 @@ fn add_surface_ties(scene: Scene<'_>, links: &mut Links, report: &mut Report<'_>
 }
 
 /// Adds the equations of a tie. Returns `false` after an error.
-fn add_surface_tie(
-    scene: Scene<'_>,
-    links: &mut Links,
-    tie: &SurfaceTie,
-    nodes: &[TiedNode],
-    report: &mut Report<'_>,
-) -> bool {
+fn add_surface_tie(scene: Scene, links: &mut Links, tie: &SurfaceTie, nodes: &[TiedNode], report: &mut Report) -> bool {
     let model = scene.model;
     let mut added: HashMap<usize, [usize; 2]> = HashMap::new();
     for tied in nodes.iter().filter(|t| !scene.bodies.of_element.contains_key(&t.element)) {
@@ -205,7 +195,7 @@ fn add_surface_tie(
     true
 }
 
-fn list_surface_tie(tie: &SurfaceTie, TieEquations { nodes, form }: &TieEquations, report: &mut Report<'_>) {
+fn list_surface_tie(tie: &SurfaceTie, TieEquations { nodes, form }: &TieEquations, report: &mut Report) {
     if nodes.is_empty() {
         return;
     }
@@ -215,7 +205,7 @@ fn list_surface_tie(tie: &SurfaceTie, TieEquations { nodes, form }: &TieEquation
     };
     if *form == TieForm::NothingOpposite {
         let message = format!("tie {} is node to surface, because no slave facet is opposite a master facet", tie.name);
-        report.diagnostics.push(Diagnostic::note("P061", message).at(tie.span, "surfaces without common area"));
+        report.push(Diagnostic::note("P061", message).at(tie.span, "surfaces without common area"));
     }
     let adjusted = if tie.adjust { ", moved onto the master surface" } else { "" };
     let detail = format!("{}: {motion}{adjusted}", tie.name);
@@ -253,7 +243,7 @@ fn find_unresisted_dofs(places: &SolidPlaces, links: &Links, mass: &[f64]) -> Ha
 }
 
 /// Gives linked nodes the initial velocity of their reference node.
-fn start_with_references(scene: Scene<'_>, state: &mut State) {
+fn start_with_references(scene: Scene, state: &mut State) {
     for condition in &scene.model.initial_conditions {
         let model::InitialKind::Velocity(dof @ 1..=2, value) = condition.kind else { continue };
         let axis = usize::from(dof) - 1;

@@ -10,10 +10,8 @@ use crate::deck::{Diagnostic, Span};
 use crate::model::{self, BoundaryCondition, Model, Step};
 use crate::plan::bodies::rigid_bodies_3d::refuse_on_spatial_body;
 use crate::plan::loads::magnitude;
-use crate::plan::meshes::places::SolidPlaces;
-use crate::plan::report::Report;
-use crate::plan::scene::{Scene, Shared};
 use crate::plan::steps::{ConstraintList, ConstraintOrigin};
+use crate::plan::{Report, Scene, Shared, SolidPlaces};
 use crate::state::dofs::Dof;
 use crate::state::magnitude::Magnitude;
 
@@ -24,12 +22,12 @@ type BodyMotions = HashMap<usize, (PrescribedQuantity, f64)>;
 type LineDirections<'a> = HashMap<(Span, &'a str, model::MotionKind), Vec<&'static str>>;
 
 /// Adds the prescribed motions of a step and the condition r = 0 on the axis.
-pub(crate) fn add_motions<'a>(
+pub fn add_motions<'a>(
     scene: Scene<'a>,
     step: &'a Step,
     list: &mut ConstraintList<'a>,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let (mut taken, mut nodes) = (BodyMotions::new(), HashSet::new());
     let directions = directions_of_lines(scene.places, step);
@@ -50,11 +48,11 @@ pub(crate) fn add_motions<'a>(
 
 /// Returns the degrees of freedom that a boundary condition prescribes, with their mesh nodes.
 fn prescribed_dofs(
-    scene: Scene<'_>,
+    scene: Scene,
     boundary: &BoundaryCondition,
     taken: &mut BodyMotions,
     nodes: &mut HashSet<Dof>,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Vec<(Dof, usize)> {
     let mut dofs = Vec::new();
     let (kind, value) = prescribed(boundary);
@@ -76,8 +74,12 @@ fn prescribed_dofs(
         }
         let Some(&body) = scene.bodies.of_node.get(&node) else { continue };
         if scene.bodies.list[body].spatial {
-            let name = scene.bodies.list[body].name.clone();
-            refuse_on_spatial_body(boundary.span, &name, "a prescribed motion (*BOUNDARY)", report);
+            refuse_on_spatial_body(
+                boundary.span,
+                &scene.bodies.list[body].name,
+                "a prescribed motion (*BOUNDARY)",
+                report,
+            );
             continue;
         }
         if boundary.dof != 2 {
@@ -88,9 +90,7 @@ fn prescribed_dofs(
             if *other != (kind, value) {
                 let message =
                     format!("body `{}` has two different prescribed motions along z", scene.bodies.list[body].name);
-                report
-                    .diagnostics
-                    .push(Diagnostic::error("P008", message).at(boundary.span, "second prescribed motion"));
+                report.push(Diagnostic::error("P008", message).at(boundary.span, "second prescribed motion"));
             }
         } else {
             taken.insert(body, (kind, value));
@@ -121,7 +121,7 @@ fn add_motion<'a>(
     dofs: Vec<(Dof, usize)>,
     list: &mut ConstraintList<'a>,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Box<dyn Constraint>> {
     if boundary.user {
         return add_user_motion(scene, boundary, dofs, list, shared, report);
@@ -144,11 +144,11 @@ fn add_user_motion<'a>(
     dofs: Vec<(Dof, usize)>,
     list: &mut ConstraintList<'a>,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Box<dyn Constraint>> {
     if boundary.dof == 6 {
         let message = "rotations of shells cannot be prescribed by a user subroutine";
-        return report.diagnostics.refuse(Diagnostic::error("P015", message).at(boundary.span, "here"));
+        return report.refuse(Diagnostic::error("P015", message).at(boundary.span, "here"));
     }
     if report.routines.motion.is_none() {
         let asks = format!("the motion of `{}` is user-defined (*BOUNDARY, USER)", boundary.set);
@@ -180,7 +180,7 @@ fn hold_axis<'a>(
     step: &Step,
     nodes: &HashSet<Dof>,
     list: &mut ConstraintList<'a>,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let mesh = &scene.model.mesh;
     let on_axis = |n: &usize| mesh.points[*n][0] == 0.0;
@@ -202,23 +202,23 @@ fn hold_axis<'a>(
     }
 }
 
-fn radial_boundary(boundary: &BoundaryCondition, report: &mut Report<'_>) {
+fn radial_boundary(boundary: &BoundaryCondition, report: &mut Report) {
     if boundary.value == 0.0 {
         let what = format!("*BOUNDARY {}, {}", boundary.set, boundary.dof);
         report.add_unused_card(boundary.span, what, "a rigid body of revolution moves along z only");
     } else {
         let message = "radial motion or rotation of a rigid body of revolution cannot be prescribed";
-        report.diagnostics.push(
+        report.push(
             Diagnostic::error("P103", message).at(boundary.span, "only degree of freedom 2 (z) can be prescribed"),
         );
     }
 }
 
-fn dependent_node(model: &Model, boundary: &BoundaryCondition, node: usize, report: &mut Report<'_>) {
+fn dependent_node(model: &Model, boundary: &BoundaryCondition, node: usize, report: &mut Report) {
     let name = &model.mesh.node_names[node];
     let message = format!("node {name} follows its rigid body; its motion cannot be prescribed");
     let finding = Diagnostic::error("P007", message).at(boundary.span, "here");
-    report.diagnostics.push(finding.help("prescribe the motion of the body's REF NODE"));
+    report.push(finding.help("prescribe the motion of the body's REF NODE"));
 }
 
 /// Returns the line of `*BOUNDARY` of a condition: its place, set and kind of motion.
@@ -235,7 +235,7 @@ fn unit(dofs: &[(Dof, usize)]) -> &'static str {
 }
 
 /// Returns whether a boundary condition fixes its nodes.
-pub(crate) fn holds(boundary: &BoundaryCondition) -> bool {
+pub fn holds(boundary: &BoundaryCondition) -> bool {
     let (kind, value) = prescribed(boundary);
     value == 0.0 && kind != PrescribedQuantity::Acceleration
 }

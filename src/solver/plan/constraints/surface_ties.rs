@@ -10,7 +10,7 @@ use crate::platform::PortableMath as _;
 
 /// A slave node within the tolerance of the master surface, and the nearest point of this surface.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct AttachedNode {
+pub struct AttachedNode {
     /// Index of the mesh node.
     pub node: usize,
     /// Element of the master facet.
@@ -25,13 +25,13 @@ pub(crate) struct AttachedNode {
 
 /// A facet of a surface.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Facet {
+pub struct Facet {
     pub nodes: [usize; 2],
     pub element: usize,
 }
 
 /// Returns the facets of faces; a facet of two faces, such as both sides of a shell, is listed once.
-pub(crate) fn facets_of(model: &Model, faces: &[(usize, ElementSide)]) -> Vec<Facet> {
+pub fn facets_of(model: &Model, faces: &[(usize, ElementSide)]) -> Vec<Facet> {
     let mut known = HashSet::new();
     let facet = |&(element, side)| Some(Facet { nodes: model.mesh.side_nodes(element, side)?, element });
     let is_new = |facet: &Facet| known.insert(sorted_pair(facet.nodes));
@@ -42,7 +42,7 @@ pub(crate) fn facets_of(model: &Model, faces: &[(usize, ElementSide)]) -> Vec<Fa
 const ON_NODE: f64 = 1e-6;
 
 /// Returns the attached nodes of each tie. Untied nodes are reported.
-pub(crate) fn find_attached_nodes(model: &Model, diagnostics: &mut Diagnostics) -> Vec<Vec<AttachedNode>> {
+pub fn find_attached_nodes(model: &Model, diagnostics: &mut Diagnostics) -> Vec<Vec<AttachedNode>> {
     let attached = |tie: &SurfaceTie| attached_nodes(model, tie, diagnostics);
     model.constraints.ties.iter().map(attached).collect()
 }
@@ -74,13 +74,13 @@ fn attached_nodes(model: &Model, tie: &SurfaceTie, diagnostics: &mut Diagnostics
 }
 
 /// Returns the length of a facet.
-pub(crate) fn length(model: &Model, facet: &Facet) -> f64 {
+pub fn length(model: &Model, facet: &Facet) -> f64 {
     let [a, b] = facet.nodes.map(|n| model.mesh.points[n]);
     (b[0] - a[0]).portable_hypot(b[1] - a[1])
 }
 
 /// The facets of a master surface.
-pub(crate) struct MasterSurface<'a> {
+pub struct MasterSurface<'a> {
     model: &'a Model,
     pub facets: Vec<Facet>,
     boxes: SortedBoxes,
@@ -179,7 +179,7 @@ fn report_untied_nodes(
 
 /// Returns a model in which tied nodes are moved onto their master surfaces without strain (`ADJUST=YES`); `None` if no
 /// node moves. A node of several ties is moved by the first one.
-pub(crate) fn adjusted(model: &Model, attached: &[Vec<AttachedNode>]) -> Option<Model> {
+pub fn adjusted(model: &Model, attached: &[Vec<AttachedNode>]) -> Option<Model> {
     let mut known = HashSet::new();
     let ties = model.constraints.ties.iter().zip(attached);
     let tied = ties.flat_map(|(tie, nodes)| nodes.iter().filter(|a| !a.is_shared).map(move |a| (tie.adjust, a)));

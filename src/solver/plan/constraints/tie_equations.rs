@@ -8,7 +8,7 @@ use crate::plan::constraints::tie_integration::TiedPair;
 
 /// A node that follows others along r and z.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct TiedNode {
+pub struct TiedNode {
     /// Index of the mesh node.
     pub node: usize,
     /// Element of a facet that the node follows.
@@ -21,7 +21,7 @@ pub(crate) struct TiedNode {
 
 /// The tied node next to one at an end of the common surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct NextNode {
+pub struct NextNode {
     pub node: usize,
     /// Area of the node at the end relative to that of this one.
     pub area: f64,
@@ -29,7 +29,7 @@ pub(crate) struct NextNode {
 
 /// Formulation of a tie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TieForm {
+pub enum TieForm {
     /// Equal weighted means over the common surface.
     Integrated,
     /// Each node follows the nearest point of the master surface.
@@ -40,13 +40,13 @@ pub(crate) enum TieForm {
 
 /// The equations of one tie.
 #[derive(Clone, Debug)]
-pub(crate) struct TieEquations {
+pub struct TieEquations {
     pub nodes: Vec<TiedNode>,
     pub form: TieForm,
 }
 
 /// Returns the equations of all ties. A node that one tie makes dependent is not dependent in later ties.
-pub(crate) fn tie_equations(model: &Model, attached: &[Vec<AttachedNode>]) -> Vec<TieEquations> {
+pub fn tie_equations(model: &Model, attached: &[Vec<AttachedNode>]) -> Vec<TieEquations> {
     let rigid = nodes_of_rigid_bodies(model);
     let mut taken: HashSet<usize> = HashSet::new();
     let mut equations = Vec::new();

@@ -31,7 +31,7 @@ struct GaussPoint {
 }
 
 /// The two surfaces of a tie. Side 0 is the slave surface, side 1 the master surface.
-pub(crate) struct TiedPair<'a> {
+pub struct TiedPair<'a> {
     model: &'a Model,
     tie: &'a SurfaceTie,
     facets: [Vec<Facet>; 2],

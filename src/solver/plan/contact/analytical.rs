@@ -5,11 +5,9 @@ use crate::constraint::contact::curve::FacetCurve;
 use crate::deck::Diagnostic;
 use crate::kernel::profile::SurfaceProfile;
 use crate::model::{AnalyticalSide, Element, Model, RigidSurface, SideSelection, SurfaceContact};
-use crate::plan::State;
 use crate::plan::contact::curves::{ContactGeometry, CurveContext, add_curve, point_of};
 use crate::plan::contact::general::general_row;
-use crate::plan::report::Report;
-use crate::plan::scene::StepInput;
+use crate::plan::{Report, State, StepInput};
 
 /// Accepted initial penetration of nodes, as a fraction of the size of the smaller surface: rounded coordinates,
 /// straight edges of a curved mesh.
@@ -56,7 +54,7 @@ fn extent(points: &[[f64; 2]]) -> f64 {
 }
 
 /// Describes the friction of a pair for the ledger.
-pub(crate) fn friction_of(pair: &SurfaceContact) -> String {
+pub fn friction_of(pair: &SurfaceContact) -> String {
     match pair.law.friction.at_rest {
         _ if !pair.law.friction.is_active() => String::new(),
         f64::INFINITY => ", rough".into(),
@@ -74,12 +72,12 @@ struct OpposingSurface<'a> {
 
 /// Returns the indices of the curve and of the analytical surface of a pair, and the ledger row. Unsupported pairs
 /// are reported as errors.
-pub(crate) fn analytical_contact(
+pub fn analytical_contact(
     (pair, analytical): (&SurfaceContact, &AnalyticalSide),
     around: &CurveContext<'_>,
     found: &mut ContactGeometry,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<([usize; 2], usize)> {
     let sides = &pair.sides[1 - analytical.side];
     let curve = if sides.faces.is_empty() {
@@ -120,7 +118,7 @@ pub(crate) fn analytical_contact(
         }
         Err(why) => {
             let finding = Diagnostic::error("P021", why).at(pair.span, "this pair");
-            report.diagnostics.refuse(finding)
+            report.refuse(finding)
         }
     }
 }
@@ -131,7 +129,7 @@ fn curve_of_nodes(
     nodes: &[usize],
     around: &CurveContext<'_>,
     found: &mut ContactGeometry,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<usize> {
     let StepInput { scene, .. } = around.input;
     let mut points = Vec::new();
@@ -140,7 +138,6 @@ fn curve_of_nodes(
             Ok(point) => points.push(point),
             Err(why) => {
                 return report
-                    .diagnostics
                     .refuse(Diagnostic::error("P021", why.message(&scene.model.mesh)).at(pair.span, "this pair"));
             }
         }
@@ -156,7 +153,7 @@ fn analytical_surface(
     side: &AnalyticalSide,
     around: &CurveContext<'_>,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Result<(AnalyticalSurface, usize, usize), String> {
     let StepInput { scene, .. } = around.input;
     let surface: &RigidSurface = &scene.model.surfaces.analytical[side.surface];
@@ -209,7 +206,7 @@ fn facing_profile(
     places: &[[f64; 2]],
     rounding: f64,
     overlap: f64,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Result<SurfaceProfile, String> {
     let OpposingSurface { sides, pair, .. } = opposite;
     let side = usize::from(pair.sides[0].name == sides.name);
@@ -222,7 +219,7 @@ fn facing_profile(
             let message =
                 format!("`{name}` faces away from `{}`, which is on the surface: there will be no contact", set);
             let finding = Diagnostic::warning("P110", message).at(surface.span, format!("{way}, as in ABAQUS"));
-            report.diagnostics.push(finding.at(pair.span, "this pair").help(help));
+            report.push(finding.at(pair.span, "this pair").help(help));
         }
         return Ok(profile);
     }
@@ -234,7 +231,7 @@ fn facing_profile(
         let message = format!("`{name}` faces away from `{}`: the analytical surface is reversed", set);
         let finding =
             Diagnostic::warning("P110", message).at(surface.span, format!("{way}; ABAQUS does not reverse it"));
-        report.diagnostics.push(finding.at(pair.span, "this pair").help(help));
+        report.push(finding.at(pair.span, "this pair").help(help));
         return Ok(profile.reversed());
     }
     if start.penetration <= overlap {
@@ -242,7 +239,7 @@ fn facing_profile(
         let message = format!("{count} nodes of `{}` penetrate `{name}` by up to {penetration:.3e} at the start", set);
         let finding = Diagnostic::warning("P111", message)
             .at(pair.span, "this penetration is kept, further penetration is prevented");
-        report.diagnostics.push(finding.help("move the nodes onto the surface"));
+        report.push(finding.help("move the nodes onto the surface"));
         return Ok(profile);
     }
     if start.front <= overlap {
@@ -263,7 +260,7 @@ fn profile_facing_all(
     pairs: &[SurfaceContact],
     places: &[[f64; 2]],
     [rounding, overlap]: [f64; 2],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> SurfaceProfile {
     let mesh = &model.mesh;
     let is_same = |c: &&SurfaceContact| c.analytical.as_ref().is_some_and(|a| a.surface == side.surface);
@@ -279,7 +276,7 @@ fn profile_facing_all(
             let message = format!("`{name}` faces away from all surfaces in contact with it: it is reversed");
             let way = "its front is to the left of the direction from START; ABAQUS does not reverse it";
             let finding = Diagnostic::warning("P110", message).at(surface.span, way);
-            report.diagnostics.push(finding.help("give the points of the surface in the opposite order"));
+            report.push(finding.help("give the points of the surface in the opposite order"));
         }
     }
     let start = InitialGaps::between_ends(&profile, places, rounding);
@@ -291,9 +288,7 @@ fn profile_facing_all(
         let message = format!("{count} nodes of `{set}` penetrate `{name}` by up to {depth:.3e} at the start");
         let label = format!("nodes deeper than {overlap:.1e} do not contact it; the others keep their penetration");
         let finding = Diagnostic::warning("P111", message).at(pair.span, label);
-        report
-            .diagnostics
-            .push(finding.at(surface.span, "this surface").help("move the nodes, or use *CONTACT EXCLUSIONS"));
+        report.push(finding.at(surface.span, "this surface").help("move the nodes, or use *CONTACT EXCLUSIONS"));
     }
     profile
 }

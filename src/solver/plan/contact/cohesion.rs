@@ -7,19 +7,17 @@ use crate::deck::Diagnostic;
 use crate::kernel::interaction::{CoulombFriction, InteractionLaw, PressureOverclosure};
 use crate::kernel::traction_separation::TractionSeparationLaw;
 use crate::model::{CohesiveBehavior, InitiationMeasure, InterfaceInitiation, Model, SurfaceContact};
-use crate::plan::State;
 use crate::plan::contact::curves::ContactGeometry;
 use crate::plan::contact::general::pair_name;
 use crate::plan::contact::penalty::spring_laws;
 use crate::plan::contact::walls::spatial_side;
-use crate::plan::report::Report;
-use crate::plan::scene::{Pairs, Scene, StepInput};
 use crate::plan::solids::cohesive::{check_energies, criterion, initiation_law, softening};
+use crate::plan::{Pairs, Report, Scene, State, StepInput};
 use crate::variables::Variable;
 
 /// Cohesive behaviour of the contact of a step.
 #[derive(Default)]
-pub(crate) struct CohesionList<'a> {
+pub struct CohesionList<'a> {
     laws: Vec<TractionSeparationLaw>,
     pairs: Vec<CohesivePair>,
     origins: Vec<(&'a SurfaceContact, CohesiveBehavior)>,
@@ -27,7 +25,7 @@ pub(crate) struct CohesionList<'a> {
 
 impl CohesionList<'_> {
     /// Adds to the contact the cohesive behaviour of its pairs. `springs` is the index of the first law of penalty springs.
-    pub(crate) fn add_to(&mut self, contact: ContactConstraint, springs: usize, of: &[bool]) -> ContactConstraint {
+    pub fn add_to(&mut self, contact: ContactConstraint, springs: usize, of: &[bool]) -> ContactConstraint {
         if self.pairs.is_empty() {
             return contact;
         }
@@ -39,36 +37,36 @@ impl CohesionList<'_> {
 }
 
 /// Returns the cohesive behaviour of a pair; `None` without one.
-pub(crate) fn cohesion_of<'a>(model: &'a Model, contact: &SurfaceContact) -> Option<&'a CohesiveBehavior> {
+pub fn cohesion_of<'a>(model: &'a Model, contact: &SurfaceContact) -> Option<&'a CohesiveBehavior> {
     model.interactions.get(contact.interaction?.index())?.cohesion.as_ref()
 }
 
 /// Iterates over the cohesive behaviours of all pairs of all steps.
-pub(crate) fn cohesive_behaviors<'a>(model: &'a Model, pairs: &'a Pairs) -> impl Iterator<Item = &'a CohesiveBehavior> {
+pub fn cohesive_behaviors<'a>(model: &'a Model, pairs: &'a Pairs) -> impl Iterator<Item = &'a CohesiveBehavior> {
     pairs.by_step.iter().flat_map(|pairs| pairs.iter()).filter_map(|contact| cohesion_of(model, contact))
 }
 
 /// Returns whether a pair has cohesive surfaces with a variable at nodes.
-pub(crate) fn has_cohesive_variable(model: &Model, pairs: &Pairs, wanted: Variable) -> bool {
+pub fn has_cohesive_variable(model: &Model, pairs: &Pairs, wanted: Variable) -> bool {
     cohesive_behaviors(model, pairs)
         .any(|cohesion| wanted == Variable::SurfaceDamage || cohesion.initiation.as_ref().map(variable) == Some(wanted))
 }
 
 /// Returns the nodes of the mesh on cohesive surfaces of a step.
-pub(crate) fn cohesive_nodes(model: &Model, pairs: &Pairs, step: usize) -> impl Iterator<Item = usize> {
+pub fn cohesive_nodes(model: &Model, pairs: &Pairs, step: usize) -> impl Iterator<Item = usize> {
     let pairs = pairs.by_step[step].iter().filter(|contact| cohesion_of(model, contact).is_some());
     let faces = pairs.flat_map(|contact| &contact.sides).flat_map(|side| &side.faces);
     faces.filter_map(|&(element, side)| model.mesh.side_nodes(element, side)).flatten()
 }
 
 /// Adds the cohesive behaviour of a pair, if its interaction has one. `index` is that of the pair, whose law is set.
-pub(crate) fn add_cohesion<'c>(
-    scene: Scene<'_>,
+pub fn add_cohesion<'c>(
+    scene: Scene,
     (contact, index, pair): (&'c SurfaceContact, usize, &ContactPair),
     (laws, springs): (&mut Vec<InteractionLaw>, &mut Vec<InteractionLaw>),
     (found, state): (&ContactGeometry, &State),
     list: &mut CohesionList<'c>,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<()> {
     let Some(cohesion) = cohesion_of(scene.model, contact) else { return Some(()) };
     if pair.analytical.is_some() {
@@ -107,16 +105,16 @@ pub(crate) fn add_cohesion<'c>(
     Some(())
 }
 
-fn refuse_analytical(contact: &SurfaceContact, cohesion: &CohesiveBehavior, report: &mut Report<'_>) -> Option<()> {
+fn refuse_analytical(contact: &SurfaceContact, cohesion: &CohesiveBehavior, report: &mut Report) -> Option<()> {
     let message = format!("the pair {} cannot be cohesive: it has an analytical surface", pair_name(contact));
     let finding = Diagnostic::error("P027", message).at(contact.span, "this pair");
     let help = "use a rigid body of elements (RAX2) in place of the analytical surface, or an interaction without \
                     *COHESIVE BEHAVIOR";
-    report.diagnostics.refuse(finding.at(cohesion.span, "the cohesive behaviour of its interaction").help(help))
+    report.refuse(finding.at(cohesion.span, "the cohesive behaviour of its interaction").help(help))
 }
 
 /// Reports the pairs of oblique bodies with cohesive behaviour.
-pub(crate) fn refuse_cohesive_walls(input: StepInput<'_>, report: &mut Report<'_>) {
+pub fn refuse_cohesive_walls(input: StepInput, report: &mut Report) {
     let StepInput { scene, pairs, index: step, .. } = input;
     let walls: Vec<SurfaceContact> =
         pairs.by_step[step].iter().filter(|pair| spatial_side(scene.bodies, pair).is_some()).cloned().collect();
@@ -129,12 +127,7 @@ pub(crate) fn refuse_cohesive_walls(input: StepInput<'_>, report: &mut Report<'_
 
 /// Creates the ledger rows of cohesive pairs, with the number of points that are bonded at the start, and warns of pairs
 /// without any and of damage that cannot begin. The pairs of general contact with one interaction share a row.
-pub(crate) fn report_cohesion(
-    list: &CohesionList<'_>,
-    contact: &ContactConstraint,
-    step: usize,
-    report: &mut Report<'_>,
-) {
+pub fn report_cohesion(list: &CohesionList<'_>, contact: &ContactConstraint, step: usize, report: &mut Report) {
     let mut groups: Vec<CohesiveGroup<'_>> = Vec::new();
     for (cohesive, (origin, cohesion)) in list.pairs.iter().zip(&list.origins) {
         let Some([bonded, all]) = contact.bonded_points(cohesive.pair) else { continue };
@@ -159,20 +152,20 @@ pub(crate) fn report_cohesion(
     }
 }
 
-fn warn_of_cohesion(group: &CohesiveGroup<'_>, step: usize, report: &mut Report<'_>) {
+fn warn_of_cohesion(group: &CohesiveGroup<'_>, step: usize, report: &mut Report) {
     let CohesiveGroup { origin, cohesion, names, points: [bonded, _] } = group;
     let pairs = names.join(", ");
     if let (Some(initiation), None) = (cohesion.initiation, &cohesion.evolution) {
         let message = format!("the cohesive surfaces of {pairs} are never damaged");
         let finding = Diagnostic::warning("P147", message).at(initiation.span, "no *DAMAGE EVOLUTION after it");
-        report.diagnostics.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
+        report.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
     }
     if step == 0 && *bonded == 0 && cohesion.original_only {
         let message = format!("no point of {pairs} is bonded: the surfaces are apart at the start");
         let finding = Diagnostic::warning("P148", message).at(origin.span, "this contact");
         let help = "close the gap with ADJUST on *CONTACT PAIR or *CONTACT CLEARANCE, or give \
                         ELIGIBILITY=CURRENT CONTACTS on *COHESIVE BEHAVIOR";
-        report.diagnostics.push(finding.at(cohesion.span, "ELIGIBILITY=ORIGINAL CONTACTS").help(help));
+        report.push(finding.at(cohesion.span, "ELIGIBILITY=ORIGINAL CONTACTS").help(help));
     }
 }
 

@@ -9,9 +9,8 @@ use crate::deck::Diagnostic;
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, bounding_box};
 use crate::model::{ElementSide, GeneralContact, Mesh, Model, SideSelection, SurfaceContact};
 use crate::plan::meshes::pieces::pieces;
-use crate::plan::report::Report;
-use crate::plan::scene::StepInput;
 use crate::plan::solids::user_material::deletes;
+use crate::plan::{Report, StepInput};
 
 /// Maximum penetration of a facet, in facet lengths.
 const DEEPEST: f64 = 2.0;
@@ -22,36 +21,36 @@ const NEAR_END: f64 = 0.05;
 
 /// Points, curves and analytical surfaces of the contact of a step.
 #[derive(Default)]
-pub(crate) struct ContactGeometry {
-    pub(crate) points: Vec<SurfacePoint>,
-    pub(crate) places: Vec<[f64; 2]>,
+pub struct ContactGeometry {
+    pub points: Vec<SurfacePoint>,
+    pub places: Vec<[f64; 2]>,
     point_of_node: HashMap<usize, u32>,
-    pub(crate) curves: Vec<FacetCurve>,
+    pub curves: Vec<FacetCurve>,
     /// Element and nodes of each exposed facet, by curve.
-    pub(crate) facet_elements: Vec<Vec<(usize, [usize; 2])>>,
+    pub facet_elements: Vec<Vec<(usize, [usize; 2])>>,
     /// Maximum and mean facet length of each curve, and whether it has deformable nodes.
-    pub(crate) lengths: Vec<[f64; 2]>,
-    pub(crate) deforms: Vec<bool>,
+    pub lengths: Vec<[f64; 2]>,
+    pub deforms: Vec<bool>,
     by_name: HashMap<(String, bool), usize>,
-    pub(crate) analyticals: Vec<AnalyticalSurface>,
+    pub analyticals: Vec<AnalyticalSurface>,
 }
 
 /// Data that points and facets depend on.
-pub(crate) struct CurveContext<'a> {
-    pub(crate) input: StepInput<'a>,
+pub struct CurveContext<'a> {
+    pub input: StepInput<'a>,
     /// Degrees of freedom (node, axis) that are prescribed, directly or by nodes with equal motion.
-    pub(crate) prescribed: &'a HashSet<(usize, usize)>,
+    pub prescribed: &'a HashSet<(usize, usize)>,
     /// Degrees of freedom in equations.
-    pub(crate) in_equations: &'a HashSet<(usize, usize)>,
+    pub in_equations: &'a HashSet<(usize, usize)>,
     /// Outline of the solid elements.
-    pub(crate) skin: &'a SolidOutline,
+    pub skin: &'a SolidOutline,
     /// General contact of the step, and all contact pairs of the step.
-    pub(crate) general: Option<&'a GeneralContact>,
-    pub(crate) pairs: &'a [SurfaceContact],
+    pub general: Option<&'a GeneralContact>,
+    pub pairs: &'a [SurfaceContact],
 }
 
 /// Reason why a node cannot be in contact.
-pub(crate) enum PointRefusal {
+pub enum PointRefusal {
     /// The node is in an equation or follows one that is.
     Equation(usize),
     /// The node belongs to no body.
@@ -59,7 +58,7 @@ pub(crate) enum PointRefusal {
 }
 
 impl PointRefusal {
-    pub(crate) fn message(&self, mesh: &Mesh) -> String {
+    pub fn message(&self, mesh: &Mesh) -> String {
         match *self {
             PointRefusal::Equation(node) => {
                 let why = "is in an equation (*EQUATION, *TIE, *DISTRIBUTING): remove it from the surface";
@@ -75,7 +74,7 @@ type MeridianEdge = [[f64; 2]; 2];
 /// Outline of the solid elements without edges on the axis: each edge with its connected part, and the part of each
 /// element.
 #[derive(Default)]
-pub(crate) struct SolidOutline {
+pub struct SolidOutline {
     edges: Vec<(MeridianEdge, usize)>,
     sorted: SortedBoxes,
     piece_of: HashMap<usize, usize>,
@@ -113,12 +112,12 @@ fn has_both_sides(sides: &SideSelection, pairs: &[SurfaceContact]) -> bool {
 }
 
 /// Returns the index of the curve of one surface of a pair. Unsupported surfaces are reported as errors.
-pub(crate) fn add_curve(
+pub fn add_curve(
     contact: &SurfaceContact,
     which: usize,
     around: &CurveContext<'_>,
     found: &mut ContactGeometry,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<usize> {
     let StepInput { scene, .. } = around.input;
     let sides = &contact.sides[which];
@@ -143,7 +142,7 @@ pub(crate) fn add_curve(
             }
             [Err(why), _] | [_, Err(why)] => {
                 let finding = Diagnostic::error("P021", why.message(&scene.model.mesh));
-                return report.diagnostics.refuse(finding.at(contact.span, "this pair"));
+                return report.refuse(finding.at(contact.span, "this pair"));
             }
         };
         facets.push((facet, element));
@@ -155,7 +154,7 @@ pub(crate) fn add_curve(
     facet_elements.retain(|(_, ends)| ends.iter().any(|&n| scene.model.mesh.points[n][0] != 0.0));
     if facets.is_empty() {
         let message = format!("surface `{}` has no facets off the axis", sides.name);
-        return report.diagnostics.refuse(Diagnostic::error("P021", message).at(contact.span, "this pair"));
+        return report.refuse(Diagnostic::error("P021", message).at(contact.span, "this pair"));
     }
     let exposed_count = facets.len();
     if deletes(scene) {
@@ -172,13 +171,13 @@ pub(crate) fn add_curve(
 }
 
 /// Warns of the facets that general contact leaves out because of nodes in equations.
-fn warn_of_left_out(model: &Model, contact: &SurfaceContact, surface: &str, nodes: &[usize], report: &mut Report<'_>) {
+fn warn_of_left_out(model: &Model, contact: &SurfaceContact, surface: &str, nodes: &[usize], report: &mut Report) {
     let Some(&first) = nodes.first() else { return };
     let name = &model.mesh.node_names[first];
     let count = nodes.len();
     let message = format!("{count} facets of `{surface}` are not in contact, because their nodes are in equations");
     let finding = Diagnostic::warning("P123", message).at(contact.span, format!("for example at node {name}"));
-    report.diagnostics.push(finding.help("no other body must reach these facets; tied faces are inside a body"));
+    report.push(finding.help("no other body must reach these facets; tied faces are inside a body"));
 }
 
 /// Adds the interior faces of the bodies of the exposed facets, one per side. They are exposed when the element in
@@ -218,11 +217,7 @@ fn thickness_of(model: &Model, element: usize) -> f64 {
     section.map_or(0.0, |s| s.thickness)
 }
 
-pub(crate) fn point_of(
-    node: usize,
-    around: &CurveContext<'_>,
-    found: &mut ContactGeometry,
-) -> Result<u32, PointRefusal> {
+pub fn point_of(node: usize, around: &CurveContext<'_>, found: &mut ContactGeometry) -> Result<u32, PointRefusal> {
     let StepInput { scene, .. } = around.input;
     match found.point_of_node.get(&node) {
         Some(&known) => Ok(known),
@@ -252,7 +247,7 @@ fn contact_point(
 }
 
 /// Returns the outline of all solid elements, without edges on the axis.
-pub(crate) fn solid_skin(model: &Model) -> SolidOutline {
+pub fn solid_skin(model: &Model) -> SolidOutline {
     let mesh = &model.mesh;
     let solids: Vec<usize> = (0..mesh.elements.len()).filter(|e| mesh.elements[*e].kind.is_solid()).collect();
     let mut skin = SolidOutline::default();
@@ -287,19 +282,19 @@ impl ContactGeometry {
     }
 
     /// Adds a point of a rigid body at the origin.
-    pub(crate) fn add_carried(&mut self, body: usize) -> u32 {
+    pub fn add_carried(&mut self, body: usize) -> u32 {
         self.points.push(SurfacePoint { carrier: PointCarrier::Body(body, [0.0; 2]), free: [false, true] });
         self.places.push([0.0; 2]);
         self.points.len() as u32 - 1
     }
 
     /// Returns the maximum penetration of a curve into an analytical surface in soft contact.
-    pub(crate) fn deepest(&self, curve: usize) -> f64 {
+    pub fn deepest(&self, curve: usize) -> f64 {
         DEEPEST * self.lengths[curve][0]
     }
 
     /// Adds a curve of points without facets.
-    pub(crate) fn add_points(&mut self, curve: FacetCurve) -> usize {
+    pub fn add_points(&mut self, curve: FacetCurve) -> usize {
         self.deforms.push(true);
         // Without facets there is no length scale.
         self.lengths.push([f64::INFINITY; 2]);

@@ -10,9 +10,7 @@ use crate::model::{
     Step, SurfaceContact,
 };
 use crate::plan::meshes::pieces::{SetsOfParts, exterior_faces_of, pieces};
-use crate::plan::meshes::places::SolidPlaces;
-use crate::plan::report::Report;
-use crate::plan::scene::{Pairs, Scene};
+use crate::plan::{Pairs, Report, Scene, SolidPlaces};
 
 type ElementFace = (usize, ElementSide);
 
@@ -57,7 +55,7 @@ impl SurfacePairing {
 }
 
 /// Finds the contact pairs of each step: those of `*CONTACT PAIR` and those of general contact.
-pub(crate) fn find_pairs(scene: Scene<'_>) -> Pairs {
+pub fn find_pairs(scene: Scene) -> Pairs {
     let mut pairs = Pairs::default();
     let steps = &scene.model.steps;
     for (index, step) in steps.iter().enumerate() {
@@ -76,7 +74,7 @@ pub(crate) fn find_pairs(scene: Scene<'_>) -> Pairs {
     pairs
 }
 
-fn general_pairs(scene: Scene<'_>, general: &GeneralContact) -> Vec<SurfaceContact> {
+fn general_pairs(scene: Scene, general: &GeneralContact) -> Vec<SurfaceContact> {
     let mut meetings = included_meetings(scene, general);
     for domains in &general.excluded {
         meetings = uncovered(meetings, domains);
@@ -108,7 +106,7 @@ fn general_pairs(scene: Scene<'_>, general: &GeneralContact) -> Vec<SurfaceConta
 }
 
 /// Returns the surface pairs of all inclusions. Faces that several inclusions pair are included once.
-fn included_meetings(scene: Scene<'_>, general: &GeneralContact) -> Vec<SurfacePairing> {
+fn included_meetings(scene: Scene, general: &GeneralContact) -> Vec<SurfacePairing> {
     let all = all_surfaces(scene);
     let mut meetings = Vec::new();
     let of_all = general.included.iter().find(|i| matches!(i.0, [ContactDomain::All, ContactDomain::All]));
@@ -159,7 +157,7 @@ fn analytical_surface_of(model: &Model, id: RigidSurfaceId) -> PairedSurface {
 }
 
 /// Returns the exterior surfaces of all connected parts, and the analytical surfaces of rigid bodies.
-fn all_surfaces(scene: Scene<'_>) -> Vec<PairedSurface> {
+fn all_surfaces(scene: Scene) -> Vec<PairedSurface> {
     let mut all: Vec<PairedSurface> =
         outsides(scene).into_iter().map(|sides| PairedSurface { sides, analytical: None }).collect();
     let ids = (0..scene.model.surfaces.analytical.len()).map(RigidSurfaceId::new);
@@ -170,14 +168,14 @@ fn all_surfaces(scene: Scene<'_>) -> Vec<PairedSurface> {
 }
 
 /// Returns the rigid body of an analytical surface.
-pub(crate) fn body_of_analytical(scene: Scene<'_>, id: RigidSurfaceId) -> Option<usize> {
+pub fn body_of_analytical(scene: Scene, id: RigidSurfaceId) -> Option<usize> {
     let reference = scene.model.surfaces.analytical[id].reference?;
     scene.bodies.of_node.get(&reference).copied()
 }
 
 /// Returns whether bodies of this pair can be in contact: one body deforms, or an oblique rigid body faces an
 /// analytical surface of another body. Faces on rigid bodies cannot contact analytical surfaces and are removed.
-fn is_of_bodies(scene: Scene<'_>, pairing: &mut SurfacePairing) -> bool {
+fn is_of_bodies(scene: Scene, pairing: &mut SurfacePairing) -> bool {
     let Some(id) = pairing.sides[1].analytical else {
         return pairing.sides.iter().any(|s| is_deforming(scene.places, &s.sides));
     };
@@ -194,7 +192,7 @@ fn is_of_bodies(scene: Scene<'_>, pairing: &mut SurfacePairing) -> bool {
 
 /// Returns the analytical surface of a pair with the nodes of the opposite surface; the free ones, unless they
 /// belong to an oblique rigid body.
-fn analytical_side(scene: Scene<'_>, pairing: &SurfacePairing) -> Option<AnalyticalSide> {
+fn analytical_side(scene: Scene, pairing: &SurfacePairing) -> Option<AnalyticalSide> {
     let surface = pairing.sides[1].analytical?;
     let mesh = &scene.model.mesh;
     let faces = pairing.sides[0].sides.faces.iter();
@@ -210,7 +208,7 @@ fn is_deforming(places: &SolidPlaces, sides: &SideSelection) -> bool {
 }
 
 /// Returns the exterior surface of each connected part; for shells the positive and the negative side.
-fn outsides(scene: Scene<'_>) -> Vec<SideSelection> {
+fn outsides(scene: Scene) -> Vec<SideSelection> {
     let mesh = &scene.model.mesh;
     let known = |e: &usize| scene.places.elements.contains_key(e) || scene.bodies.of_element.contains_key(e);
     let elements: Vec<usize> =
@@ -239,7 +237,7 @@ fn outsides(scene: Scene<'_>) -> Vec<SideSelection> {
 
 /// Returns the name of a connected part: its instance, or the smallest element set that contains it, with a number
 /// if the name is already used.
-pub(crate) fn name_of_piece(
+pub fn name_of_piece(
     model: &Model,
     piece: &[usize],
     sets: &SetsOfParts<'_>,
@@ -261,7 +259,7 @@ fn secondary_of(sides: &[PairedSurface; 2], (domains, is_first): &([ContactDomai
 }
 
 /// Returns the name of a pair: `A_B`, or `A` for self-contact.
-pub(crate) fn pair_name(contact: &SurfaceContact) -> String {
+pub fn pair_name(contact: &SurfaceContact) -> String {
     let [a, b] = [0, 1].map(|i| contact.sides[i].name.to_uppercase());
     if a == b { a } else { format!("{a}_{b}") }
 }
@@ -376,7 +374,7 @@ fn split(surface: &PairedSurface, domain: &ContactDomain) -> (PairedSurface, Pai
 }
 
 /// Creates the ledger row of general contact, which lists all surfaces of the contact domain.
-pub(crate) fn general_row(general: &GeneralContact, pairs: &[SurfaceContact], report: &mut Report<'_>) -> usize {
+pub fn general_row(general: &GeneralContact, pairs: &[SurfaceContact], report: &mut Report) -> usize {
     let own = || pairs.iter().filter(|p| p.general);
     let mut names: Vec<String> = Vec::new();
     for pair in own() {

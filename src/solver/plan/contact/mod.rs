@@ -1,12 +1,12 @@
 //! Contact of a step: its pairs, their interaction laws, penalty stiffness, initial clearances and warnings for initial
 //! overlaps.
 
-pub(crate) mod analytical;
-pub(crate) mod cohesion;
-pub(crate) mod curves;
-pub(crate) mod general;
-pub(crate) mod penalty;
-pub(crate) mod walls;
+pub mod analytical;
+pub mod cohesion;
+pub mod curves;
+pub mod general;
+pub mod penalty;
+pub mod walls;
 
 use std::collections::HashSet;
 
@@ -15,7 +15,6 @@ use crate::constraint::contact::{ContactConstraint, ContactPair, InitialClearanc
 use crate::deck::Diagnostic;
 use crate::kernel::interaction::{GapHeat, InteractionLaw, PressureOverclosure};
 use crate::model::{AnalyticalSide, SideSelection, SurfaceContact};
-use crate::plan::State;
 use crate::plan::checks::contact_pairs::{ContactingCurves, check_pair, order_curves};
 use crate::plan::contact::analytical::{analytical_contact, friction_of};
 use crate::plan::contact::cohesion::{CohesionList, add_cohesion, report_cohesion};
@@ -24,8 +23,7 @@ use crate::plan::contact::general::{general_row, pair_name};
 use crate::plan::contact::penalty::{smallest_thickness, spring_laws};
 use crate::plan::contact::walls::spatial_side;
 use crate::plan::queries::heated_references;
-use crate::plan::report::Report;
-use crate::plan::scene::{Pairs, Scene, StepInput};
+use crate::plan::{Pairs, Report, Scene, State, StepInput};
 
 /// Initial overlaps up to this fraction of a facet are accepted without a warning: meshes of matching curved surfaces
 /// overlap.
@@ -35,11 +33,11 @@ const FIT: f64 = 0.05;
 const SEARCHED: f64 = 0.1;
 
 /// Creates the contact constraint of a step.
-pub(crate) fn contact_constraint(
-    input: StepInput<'_>,
+pub fn contact_constraint(
+    input: StepInput,
     prescribed: &HashSet<(usize, usize)>,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Box<dyn Constraint>> {
     let StepInput { scene, links, index: step, .. } = input;
     let (mut found, mut pairs, mut laws) = (ContactGeometry::default(), Vec::new(), Vec::<InteractionLaw>::new());
@@ -101,9 +99,7 @@ pub(crate) fn contact_constraint(
         if contact.has_equal_motions() {
             let message = "heat conduction through contact of nodes with equal motion is not supported";
             let finding = Diagnostic::error("P021", message).at(all[0].span, "these nodes follow a reference node");
-            return report
-                .diagnostics
-                .refuse(finding.help("make the body rigid, or remove these nodes from the surface"));
+            return report.refuse(finding.help("make the body rigid, or remove these nodes from the surface"));
         }
         let of_body = |body: usize| {
             let node = *scene.places.nodes.get(&scene.bodies.list[body].reference)?;
@@ -129,7 +125,7 @@ fn pair_of_curves(
     around: &CurveContext<'_>,
     found: &mut ContactGeometry,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<(ContactPair, f64)> {
     let StepInput { scene, pairs, .. } = around.input;
     let curves = [0, 1].map(|i| add_curve(contact, i, around, found, report));
@@ -137,7 +133,7 @@ fn pair_of_curves(
     if !found.deforms[first] && !found.deforms[second] {
         let message = "both surfaces of this contact pair are rigid";
         let finding = Diagnostic::error("P021", message).at(contact.span, "no deformable surface");
-        return report.diagnostics.refuse(finding.help("at least one surface must belong to a deformable body"));
+        return report.refuse(finding.help("at least one surface must belong to a deformable body"));
     }
     let general = around.general.filter(|_| contact.general);
     if general.is_some_and(|g| g.excludes_detached_nodes) {
@@ -173,7 +169,7 @@ fn analytical_pair(
     around: &CurveContext<'_>,
     found: &mut ContactGeometry,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<(ContactPair, f64)> {
     let StepInput { scene, pairs, .. } = around.input;
     let ([curve, analytical], id) = analytical_contact((contact, side), around, found, state, report)?;
@@ -190,13 +186,13 @@ fn analytical_pair(
 /// Returns the indices of the law of a pair, in the list of laws or of penalty springs, and of the law for single
 /// points.
 fn law_indices(
-    scene: Scene<'_>,
+    scene: Scene,
     contact: &SurfaceContact,
     (own, other): (usize, Option<usize>),
     (laws, springs): (&mut Vec<InteractionLaw>, &mut Vec<InteractionLaw>),
     found: &ContactGeometry,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<[usize; 2]> {
     let law = match contact.penalty.filter(|_| has_springs(contact)) {
         None => place_of(laws, contact.law.clone()),
@@ -216,7 +212,7 @@ fn pair_number(pairs: &Pairs, contact: &SurfaceContact) -> usize {
     pairs.names.get_index_of(&name).unwrap_or_default()
 }
 
-fn contact_row(contact: &SurfaceContact, found: &ContactGeometry, own: usize, report: &mut Report<'_>) -> usize {
+fn contact_row(contact: &SurfaceContact, found: &ContactGeometry, own: usize, report: &mut Report) -> usize {
     let [a, b] = [0, 1].map(|i| contact.sides[i].name.as_str());
     let between = if contact.is_self_contact() { format!("{a} with itself") } else { format!("{a} and {b}") };
     // A pressure-overclosure relationship replaces penalty springs.
@@ -239,7 +235,7 @@ fn contact_row(contact: &SurfaceContact, found: &ContactGeometry, own: usize, re
 }
 
 /// Returns whether one of the surfaces belongs to a rigid body without temperature.
-fn has_cold_side(scene: Scene<'_>, contact: &SurfaceContact) -> bool {
+fn has_cold_side(scene: Scene, contact: &SurfaceContact) -> bool {
     let of_side = |side: &SideSelection| side.faces.iter().find_map(|(e, _)| scene.bodies.of_element.get(e)).copied();
     let reference = |side: &AnalyticalSide| scene.model.surfaces.analytical[side.surface].reference;
     let of_surface =
@@ -250,7 +246,7 @@ fn has_cold_side(scene: Scene<'_>, contact: &SurfaceContact) -> bool {
 }
 
 /// Creates the ledger row of heat transfer between two surfaces.
-fn heat_row(scene: Scene<'_>, contact: &SurfaceContact, report: &mut Report<'_>) {
+fn heat_row(scene: Scene, contact: &SurfaceContact, report: &mut Report) {
     let [a, b] = [0, 1].map(|i| contact.sides[i].name.as_str());
     let GapHeat { over_clearance, over_pressure, fraction, to_first } = &contact.law.heat;
     let mut parts = Vec::new();
@@ -265,7 +261,7 @@ fn heat_row(scene: Scene<'_>, contact: &SurfaceContact, report: &mut Report<'_>)
     let conducts = !over_clearance.is_empty() || !over_pressure.is_empty();
     if conducts && has_cold_side(scene, contact) {
         let message = "no heat flows through this contact: one of the surfaces is rigid and has no temperature";
-        report.diagnostics.push(Diagnostic::warning("P067", message).at(contact.span, "this pair"));
+        report.push(Diagnostic::warning("P067", message).at(contact.span, "this pair"));
     } else if !parts.is_empty() {
         let detail = format!("{a} and {b}: {}", parts.join(", "));
         report.ledger_row(contact.span, "contact heat", 1, "pair", detail);
@@ -273,7 +269,7 @@ fn heat_row(scene: Scene<'_>, contact: &SurfaceContact, report: &mut Report<'_>)
 }
 
 /// Warns of contact damping that has no effect.
-fn check_damping(contact: &SurfaceContact, report: &mut Report<'_>) {
+fn check_damping(contact: &SurfaceContact, report: &mut Report) {
     let is_hard = !contact.law.is_soft() && contact.penalty.is_none();
     if contact.law.damping.is_none() || !is_hard {
         return;
@@ -281,11 +277,11 @@ fn check_damping(contact: &SurfaceContact, report: &mut Report<'_>) {
     let [a, b] = [0, 1].map(|i| &contact.sides[i].name);
     let message = format!("*CONTACT DAMPING has no effect on the hard contact of `{a}` and `{b}`");
     let finding = Diagnostic::warning("P122", message).at(contact.span, "no overlap, so that there is nothing to damp");
-    report.diagnostics.push(finding.help("remove the card, or use PENALTY or a pressure-overclosure relationship"));
+    report.push(finding.help("remove the card, or use PENALTY or a pressure-overclosure relationship"));
 }
 
 /// Warns of an initial overlap of the surfaces of a pair.
-fn warn_of_overlap(contact: &SurfaceContact, length: f64, overlap: Option<SurfaceOverlap>, report: &mut Report<'_>) {
+fn warn_of_overlap(contact: &SurfaceContact, length: f64, overlap: Option<SurfaceOverlap>, report: &mut Report) {
     let Some(SurfaceOverlap { depth, place: [r, z] }) = overlap.filter(|o| o.depth > FIT * length) else { return };
     let [a, b] = [0, 1].map(|i| &contact.sides[i].name);
     let message = format!("`{a}` and `{b}` overlap at the start by up to {depth:.3e}");
@@ -295,9 +291,7 @@ fn warn_of_overlap(contact: &SurfaceContact, length: f64, overlap: Option<Surfac
     };
     let label = format!("largest near ({r:.4e}, {z:.4e}); {effect}");
     let finding = Diagnostic::warning("P111", message).at(contact.span, label);
-    report
-        .diagnostics
-        .push(finding.help("move the bodies apart, or use *CONTACT CLEARANCE or *CONTACT INITIALIZATION DATA"));
+    report.push(finding.help("move the bodies apart, or use *CONTACT CLEARANCE or *CONTACT INITIALIZATION DATA"));
 }
 
 /// Stiffness of penalty springs over that of one layer of elements. It does not limit the increment.
@@ -318,7 +312,7 @@ fn initial_clearance(contact: &SurfaceContact, length: f64) -> Option<InitialCle
 }
 
 /// Returns the index of a law in the list, to which it is added if it is new.
-pub(crate) fn place_of(laws: &mut Vec<InteractionLaw>, law: InteractionLaw) -> usize {
+pub fn place_of(laws: &mut Vec<InteractionLaw>, law: InteractionLaw) -> usize {
     laws.iter().position(|l| *l == law).unwrap_or_else(|| {
         laws.push(law);
         laws.len() - 1

@@ -6,14 +6,12 @@ use crate::element::group::ElementStiffness;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::topology::MOST_NODES;
 use crate::model::{Element, ElementKind, EosKind, InitialKind, MaterialDefinition, MaterialId, Model, SurfaceContact};
-use crate::plan::State;
 use crate::plan::contact::curves::ContactGeometry;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
+use crate::plan::{Report, Scene, State};
 
 /// Returns the compliance of a facet, length per pressure, from the stiffness matrix of its element, or else its
 /// thickness over the longitudinal modulus; 0 for rigid facets. `None` if it cannot be determined.
-pub(crate) fn facet_compliance(scene: Scene<'_>, element: usize, nodes: [usize; 2], state: &State) -> Option<f64> {
+pub fn facet_compliance(scene: Scene, element: usize, nodes: [usize; 2], state: &State) -> Option<f64> {
     let mesh = &scene.model.mesh;
     let Some(&(group, index)) = scene.places.elements.get(&element) else { return Some(0.0) };
     let of = &mesh.elements[element];
@@ -46,7 +44,7 @@ pub(crate) fn facet_compliance(scene: Scene<'_>, element: usize, nodes: [usize; 
 }
 
 /// Returns the longitudinal modulus of an element; `None` if it cannot be determined.
-pub(crate) fn modulus_of(model: &Model, element: usize) -> Option<f64> {
+pub fn modulus_of(model: &Model, element: usize) -> Option<f64> {
     longitudinal_modulus(model, model.sections.iter().find(|s| s.elements.contains(&element))?.material, element)
 }
 
@@ -96,7 +94,7 @@ fn initial_temperature(model: &Model, element: usize) -> Option<f64> {
 
 /// Returns the smallest thickness normal to the surface of the deformable solid elements of facets; infinite without
 /// any.
-pub(crate) fn smallest_thickness(scene: Scene<'_>, facets: &[(usize, [usize; 2])]) -> f64 {
+pub fn smallest_thickness(scene: Scene, facets: &[(usize, [usize; 2])]) -> f64 {
     let mesh = &scene.model.mesh;
     let thickness = |&(element, nodes): &(usize, [usize; 2])| {
         let of = &mesh.elements[element];
@@ -131,14 +129,14 @@ fn height(element: &Element, points: &[[f64; 2]], length: f64) -> f64 {
 
 /// Returns the laws of springs of each point of a curve. The stiffness is `factor` times 2 / (sum of the compliances of
 /// both surfaces): for two equal bodies and a factor of 1 the stiffness of one layer of elements.
-pub(crate) fn spring_laws(
-    scene: Scene<'_>,
+pub fn spring_laws(
+    scene: Scene,
     contact: &SurfaceContact,
     factor: f64,
     (own, other): (usize, Option<usize>),
     found: &ContactGeometry,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Vec<InteractionLaw>> {
     let softness = |curve: usize| {
         let of = found.facet_elements[curve].iter().map(|&(e, nodes)| facet_compliance(scene, e, nodes, state));
@@ -148,7 +146,7 @@ pub(crate) fn spring_laws(
     let (Some(own_ways), Some(others)) = (softness(own).filter(|ways| !ways.is_empty()), others) else {
         let message = "the penalty stiffness cannot be computed for the elements of this pair";
         let finding = Diagnostic::error("P021", message).at(contact.span, "this pair");
-        report.diagnostics.push(finding.help("give *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, or remove PENALTY"));
+        report.push(finding.help("give *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, or remove PENALTY"));
         return None;
     };
     // An analytical surface has no compliance.

@@ -5,17 +5,14 @@ use crate::constraint::rigid_wall_contact::{RigidWallContact, WallPair};
 use crate::deck::Diagnostic;
 use crate::kernel::lists::sorted_unique;
 use crate::model::{IncrementControl, Step, SurfaceContact};
-use crate::plan::State;
 use crate::plan::bodies::rigid_bodies_3d::refuse_on_spatial_body;
-use crate::plan::bodies::rigid_body::Bodies;
 use crate::plan::contact::analytical::friction_of;
 use crate::plan::contact::general::pair_name;
-use crate::plan::report::Report;
-use crate::plan::scene::{Pairs, Scene, StepInput};
+use crate::plan::{Bodies, Pairs, Report, Scene, State, StepInput};
 use crate::platform::PortableMath as _;
 
 /// Returns the oblique rigid body of a pair and its side (0 or 1).
-pub(crate) fn spatial_side(bodies: &Bodies, pair: &SurfaceContact) -> Option<(usize, usize)> {
+pub fn spatial_side(bodies: &Bodies, pair: &SurfaceContact) -> Option<(usize, usize)> {
     let spatial = |body: &usize| bodies.list[*body].spatial;
     let of_side = |side: usize| {
         let faces = pair.sides[side].faces.iter();
@@ -27,17 +24,15 @@ pub(crate) fn spatial_side(bodies: &Bodies, pair: &SurfaceContact) -> Option<(us
 }
 
 /// Creates the contact of oblique rigid bodies in a step. Unsupported pairs are reported.
-pub(crate) fn wall_contacts(input: StepInput<'_>, state: &State, report: &mut Report<'_>) -> Vec<Box<dyn Constraint>> {
+pub fn wall_contacts(input: StepInput, state: &State, report: &mut Report) -> Vec<Box<dyn Constraint>> {
     let StepInput { scene, pairs, index: step, .. } = input;
-    let walls: Vec<_> =
-        pairs.by_step[step].iter().filter_map(|p| Some((p.clone(), spatial_side(scene.bodies, p)?))).collect();
+    let walls = pairs.by_step[step].iter().filter_map(|pair| Some((pair, spatial_side(scene.bodies, pair)?)));
     let mut found: Vec<Box<dyn Constraint>> = Vec::new();
     for (pair, (body, side)) in walls {
-        match wall_contact(scene, pairs, &pair, (body, side), &scene.model.steps[step], state, report) {
+        match wall_contact(scene, pairs, pair, (body, side), &scene.model.steps[step], state, report) {
             Ok(contact) => found.push(Box::new(contact)),
             Err(what) => {
-                let name = scene.bodies.list[body].name.clone();
-                refuse_on_spatial_body(pair.span, &name, what, report);
+                refuse_on_spatial_body(pair.span, &scene.bodies.list[body].name, what, report);
             }
         }
     }
@@ -45,13 +40,13 @@ pub(crate) fn wall_contacts(input: StepInput<'_>, state: &State, report: &mut Re
 }
 
 fn wall_contact(
-    scene: Scene<'_>,
+    scene: Scene,
     pairs: &Pairs,
     pair: &SurfaceContact,
     (body, side): (usize, usize),
     step: &Step,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Result<RigidWallContact, &'static str> {
     let Some(analytical) = &pair.analytical else {
         return Err("contact with a surface of elements");
@@ -80,7 +75,7 @@ fn wall_contact(
         );
         let way = "its front is to the left of the direction from START; ABAQUS does not reverse it";
         let finding = Diagnostic::warning("P110", message).at(surface.span, way).at(pair.span, "this pair");
-        report.diagnostics.push(finding.help("give the points of the surface in the opposite order"));
+        report.push(finding.help("give the points of the surface in the opposite order"));
         profile = profile.reversed();
     }
     let faces = pair.sides[side].faces.iter().filter_map(|&(e, s)| mesh.side_nodes(e, s)).flatten();

@@ -4,14 +4,10 @@ use std::sync::Arc;
 
 use crate::element::predefined::{NodalFieldValue, PredefinedFields, mean};
 use crate::model::{InitialKind, MaterialDefinition, Model, PlasticityModel};
-use crate::plan::State;
 use crate::plan::loads::magnitude;
-use crate::plan::meshes::places::SolidPlaces;
-use crate::plan::queries::dependencies;
-use crate::plan::queries::given_fields;
-use crate::plan::report::Report;
-use crate::plan::scene::{Scene, Shared};
+use crate::plan::queries::{dependencies, given_fields};
 use crate::plan::solids::user_material::materials_present;
+use crate::plan::{Report, Scene, Shared, SolidPlaces, State};
 
 /// Returns the number of field variables that a material reads: all with user subroutines, else those of its tables.
 fn fields_read(material: &MaterialDefinition) -> usize {
@@ -32,7 +28,7 @@ fn fields_at_start(model: &Model, places: &SolidPlaces, nodes: usize) -> Vec<Vec
     values
 }
 
-pub(crate) fn start_fields(model: &Model, places: &SolidPlaces, state: &mut State) {
+pub fn start_fields(model: &Model, places: &SolidPlaces, state: &mut State) {
     if !model.initial_conditions.iter().any(|c| matches!(c.kind, InitialKind::Field(..))) {
         return;
     }
@@ -49,12 +45,7 @@ pub(crate) fn start_fields(model: &Model, places: &SolidPlaces, state: &mut Stat
 }
 
 /// Creates the values of `*FIELD`; `None` if no material depends on field variables.
-pub(crate) fn plan(
-    scene: Scene<'_>,
-    state: &State,
-    shared: &mut Shared,
-    report: &mut Report<'_>,
-) -> Option<Box<PredefinedFields>> {
+pub fn plan(scene: Scene, state: &State, shared: &mut Shared, report: &mut Report) -> Option<Box<PredefinedFields>> {
     let model = scene.model;
     let cards = || model.steps.iter().flat_map(|s| &s.fields);
     let groups = &state.elements.groups;
@@ -94,7 +85,7 @@ pub(crate) fn plan(
 }
 
 /// Lists field variables from number `most` on, from 0, as unused.
-fn note_unused_variables(model: &Model, most: usize, report: &mut Report<'_>) {
+fn note_unused_variables(model: &Model, most: usize, report: &mut Report) {
     let why = |variable: usize| format!("no material depends on field variable {}", variable + 1);
     for field in model.steps.iter().flat_map(|s| &s.fields).filter(|field| field.variable >= most) {
         let what = format!("*FIELD, VARIABLE={}", field.variable + 1);

@@ -1,7 +1,7 @@
 //! Heat conduction, thermal boundary conditions and loads, and thermal expansion of the plan.
 
-pub(crate) mod fields;
-pub(crate) mod ties;
+pub mod fields;
+pub mod ties;
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -18,15 +18,12 @@ use crate::mesh::hidden::InteriorFaces;
 use crate::model::{
     BoundaryCondition, InitialKind, Load, LoadKind, MaterialDefinition, Model, MotionKind, SolidSection, Step,
 };
-use crate::plan::State;
-use crate::plan::constraints::link_set::Links;
 use crate::plan::heat::ties::tie_temperatures;
 use crate::plan::loads::{amplitude_name, has_effect, kind_name, magnitude};
 use crate::plan::meshes::surfaces::load_surface;
 use crate::plan::queries::{adiabatic, conducts, heated_references};
-use crate::plan::report::Report;
-use crate::plan::scene::{Scene, Shared};
 use crate::plan::solids::solid_material::heating;
+use crate::plan::{Links, Report, Scene, Shared, State};
 use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
@@ -35,12 +32,12 @@ use crate::variables::Variable;
 type SectionGroup<'m> = (&'m SolidSection, usize);
 
 /// Creates the thermal part of the state; `None` if temperatures have no effect.
-pub(crate) fn plan(
-    scene: Scene<'_>,
+pub fn plan(
+    scene: Scene,
     links: &Links,
     state: &State,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Box<ThermalState>> {
     let model = scene.model;
     let coupled = model.steps.first().is_some_and(|s| s.coupled);
@@ -75,7 +72,7 @@ pub(crate) fn plan(
 }
 
 /// Lists initial temperatures as unused if no material depends on the temperature.
-fn note_unused_initial_temperatures(scene: Scene<'_>, state: &State, report: &mut Report<'_>) {
+fn note_unused_initial_temperatures(scene: Scene, state: &State, report: &mut Report) {
     let model = scene.model;
     let material = |section: &SolidSection| &model.materials[section.material];
     let may_read = |m: &MaterialDefinition| m.eos.is_some() || m.user.material.is_some();
@@ -94,7 +91,7 @@ fn note_unused_initial_temperatures(scene: Scene<'_>, state: &State, report: &mu
 }
 
 /// Lists thermal input as unused if no step solves for temperatures.
-fn note_unused_thermal_input(model: &Model, report: &mut Report<'_>) {
+fn note_unused_thermal_input(model: &Model, report: &mut Report) {
     for material in &model.materials {
         if let Some((_, span)) = &material.thermal.conductivity {
             report.add_unused_card(
@@ -127,12 +124,12 @@ fn note_unused_thermal_input(model: &Model, report: &mut Report<'_>) {
 }
 
 fn temperature_field(
-    scene: Scene<'_>,
+    scene: Scene,
     links: &Links,
     sections: &[SectionGroup],
     state: &State,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<TemperatureField> {
     let model = scene.model;
     let step = model.steps.first()?;
@@ -175,7 +172,7 @@ fn temperature_field(
         }
         let message = "the step solves for temperatures, but no element has temperatures";
         let finding = Diagnostic::error("P065", message).at(step.span, "this step");
-        return report.diagnostics.refuse(finding.help("use CAX4RT or CAX3T elements, or *DYNAMIC, EXPLICIT"));
+        return report.refuse(finding.help("use CAX4RT or CAX3T elements, or *DYNAMIC, EXPLICIT"));
     };
     let conductors = ConductingElements::new(parts, list, state.dofs.nodes.len());
     let mut conducting: HashSet<usize> = conductors.list.iter().flat_map(|c| c.nodes).map(|n| n as usize).collect();
@@ -198,13 +195,7 @@ fn temperature_field(
 }
 
 /// Holds the temperatures of rigid bodies that the step does not prescribe: they have no heat capacity.
-fn hold_sinks(
-    step: &Step,
-    sinks: &[usize],
-    start: &[f64],
-    conditions: &mut ThermalConditions,
-    report: &mut Report<'_>,
-) {
+fn hold_sinks(step: &Step, sinks: &[usize], start: &[f64], conditions: &mut ThermalConditions, report: &mut Report) {
     let held: HashSet<usize> = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| n.node).collect();
     for &node in sinks.iter().filter(|node| !held.contains(node)) {
         let detail = format!("initial temperature {}: rigid bodies have no heat capacity", start[node]);
@@ -219,7 +210,7 @@ fn conduction_properties(
     model: &Model,
     section: &SolidSection,
     material: &MaterialDefinition,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<ConductionProperties> {
     let mixed = section.elements.iter().find(|e| !model.mesh.elements[**e].kind.is_thermal());
     let missing = match (&material.thermal.conductivity, &material.thermal.specific_heat) {
@@ -235,11 +226,11 @@ fn conduction_properties(
         }
     };
     let message = format!("this section (material `{}`) {missing}", material.name);
-    report.diagnostics.refuse(Diagnostic::error("P066", message).at(section.span, "this section"))
+    report.refuse(Diagnostic::error("P066", message).at(section.span, "this section"))
 }
 
 /// Returns the initial nodal temperatures, 0 by default.
-fn initial_temperatures(scene: Scene<'_>, state: &State) -> Vec<f64> {
+fn initial_temperatures(scene: Scene, state: &State) -> Vec<f64> {
     let mut temperatures = vec![0.0; state.dofs.nodes.len()];
     for condition in &scene.model.initial_conditions {
         if let InitialKind::Temperature(value) = condition.kind {
@@ -252,12 +243,12 @@ fn initial_temperatures(scene: Scene<'_>, state: &State) -> Vec<f64> {
 }
 
 fn thermal_conditions(
-    scene: Scene<'_>,
+    scene: Scene,
     step: &Step,
     conductors: &ConductingElements,
     conducting: &HashSet<usize>,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> ThermalConditions {
     let mut conditions = ThermalConditions::default();
     let mut taken = HashSet::new();
@@ -267,7 +258,7 @@ fn thermal_conditions(
         if nodes.is_empty() {
             let message = format!("the temperature of `{}` has no effect: its nodes have no temperature", boundary.set);
             let finding = Diagnostic::warning("P067", message).at(boundary.span, "here");
-            report.diagnostics.push(finding.help("rigid bodies and elements other than CAX4RT and CAX3T have none"));
+            report.push(finding.help("rigid bodies and elements other than CAX4RT and CAX3T have none"));
             continue;
         }
         let detail = format!("{}: {}", boundary.set, boundary.value);
@@ -284,12 +275,12 @@ fn thermal_conditions(
 }
 
 fn heat_source(
-    scene: Scene<'_>,
+    scene: Scene,
     load: &Load,
     conductors: &ConductingElements,
     conducting: &HashSet<usize>,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<HeatSource> {
     if !has_effect(load, report) {
         return None;
@@ -326,7 +317,7 @@ fn heat_source(
     if count == 0 || !all_conduct(&kind, conducting) {
         let message = format!("`{set}` contains nodes or elements without temperatures");
         let finding = Diagnostic::error("P063", message).at(load.span, "this heat source");
-        return report.diagnostics.refuse(finding.help("only CAX4RT and CAX3T elements have nodal temperatures"));
+        return report.refuse(finding.help("only CAX4RT and CAX3T elements have nodal temperatures"));
     }
     let film = match &load.kind {
         LoadKind::Film { coefficient, .. } => format!("h = {coefficient}, T = "),
@@ -358,7 +349,7 @@ fn group_expansion(
     group: usize,
     material: &MaterialDefinition,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<GroupExpansion> {
     let expansion = material.thermal.expansion.as_ref()?;
     let (conducts, elements) = (conducts(model, section), &state.elements.groups[group]);
@@ -390,9 +381,9 @@ fn group_expansion(
     Some(GroupExpansion { id, group, coefficient, reference: expansion.zero })
 }
 
-fn refuse_expansion(span: Span, report: &mut Report<'_>) {
+fn refuse_expansion(span: Span, report: &mut Report) {
     let finding = Diagnostic::error("P064", "*EXPANSION with *HYPERELASTIC is not supported").at(span, "here");
-    report.diagnostics.push(finding.help("remove one of the two cards"));
+    report.push(finding.help("remove one of the two cards"));
 }
 
 /// Returns the volume average of the nodal temperatures of an element.

@@ -7,9 +7,7 @@ use crate::deck::{Diagnostic, Span};
 use crate::heat::conductors::ConductingElements;
 use crate::heat::field::{ThermalConditions, capacities_at};
 use crate::plan::constraints::equations::refuse_dependent_equation;
-use crate::plan::constraints::link_set::Links;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
+use crate::plan::{Links, Report, Scene};
 
 /// Equations between temperatures, and the card of each.
 #[derive(Default)]
@@ -19,14 +17,14 @@ struct TemperatureEquations {
 }
 
 /// Adds the temperature equations to the thermal conditions of each step, with its prescribed temperatures.
-pub(crate) fn tie_temperatures(
-    scene: Scene<'_>,
+pub fn tie_temperatures(
+    scene: Scene,
     links: &Links,
     steps: &mut [Option<ThermalConditions>],
     conductors: &ConductingElements,
     conducting: &HashSet<usize>,
     start: &[f64],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let mut tied = TemperatureEquations::default();
     tied_surfaces(scene, links, conducting, &mut tied, report);
@@ -54,11 +52,11 @@ pub(crate) fn tie_temperatures(
 
 /// Adds the ties: each dependent node has the weighted mean of the temperatures of the nodes that it follows.
 fn tied_surfaces(
-    scene: Scene<'_>,
+    scene: Scene,
     links: &Links,
     conducting: &HashSet<usize>,
     tied: &mut TemperatureEquations,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     for (tie, of_tie) in scene.model.constraints.ties.iter().zip(&links.surface_ties) {
         let before = tied.equations.len();
@@ -79,12 +77,7 @@ fn tied_surfaces(
     }
 }
 
-fn tied_by_equations(
-    scene: Scene<'_>,
-    conducting: &HashSet<usize>,
-    tied: &mut TemperatureEquations,
-    report: &mut Report<'_>,
-) {
+fn tied_by_equations(scene: Scene, conducting: &HashSet<usize>, tied: &mut TemperatureEquations, report: &mut Report) {
     let model = scene.model;
     let mut first = None;
     let before = tied.equations.len();
@@ -94,7 +87,7 @@ fn tied_by_equations(
             let Some(place) = scene.places.nodes.get(&node).copied().filter(|p| conducting.contains(p)) else {
                 let message = format!("*EQUATION: node {} has no temperature", model.mesh.node_names[node]);
                 let finding = Diagnostic::error("P063", message).at(equation.span, "an equation on 11");
-                return report.diagnostics.push(finding.help("nodes of CAX4RT and CAX3T have temperatures"));
+                return report.push(finding.help("nodes of CAX4RT and CAX3T have temperatures"));
             };
             terms.push((place, 0, c));
         }

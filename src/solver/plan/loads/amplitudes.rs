@@ -3,14 +3,13 @@
 use crate::deck::Diagnostic;
 use crate::load::user_amplitude::{SensorQuantity, SubroutineAmplitude};
 use crate::model::{AmplitudeDefinition, AmplitudeId, OutputRegion, OutputRequest};
-use crate::plan::report::Report;
-use crate::plan::scene::{Scene, Shared};
+use crate::plan::{Report, Scene, Shared};
 use crate::state::dofs::Dof;
 use crate::variables::request::VariableRequest;
 use crate::variables::{Variable, VariableComponent};
 
 /// Returns the index of a user amplitude. Its subroutine is called once per increment, for any number of loads.
-pub(crate) fn user_amplitude(scene: Scene<'_>, id: AmplitudeId, shared: &mut Shared, report: &mut Report<'_>) -> usize {
+pub fn user_amplitude(scene: Scene, id: AmplitudeId, shared: &mut Shared, report: &mut Report) -> usize {
     if let Some(&index) = shared.amplitude_index.get(&id) {
         return index;
     }
@@ -42,7 +41,7 @@ pub(crate) fn user_amplitude(scene: Scene<'_>, id: AmplitudeId, shared: &mut Sha
 }
 
 /// Returns the sensors of all steps: `*OUTPUT, HISTORY, SENSOR, NAME=` with one variable at one node.
-fn sensors(scene: Scene<'_>, report: &mut Report<'_>) -> Vec<(String, SensorQuantity)> {
+fn sensors(scene: Scene, report: &mut Report) -> Vec<(String, SensorQuantity)> {
     let model = scene.model;
     let mut sensors: Vec<(String, SensorQuantity)> = Vec::new();
     for request in model.steps.iter().flat_map(|s| &s.outputs) {
@@ -52,14 +51,14 @@ fn sensors(scene: Scene<'_>, report: &mut Report<'_>) -> Vec<(String, SensorQuan
             Some(_) => {}
             None => {
                 let message = format!("sensor `{name}` must be one component of U, V or A, at one node of a body");
-                report.diagnostics.push(Diagnostic::error("P010", message).at(request.span, "this sensor"));
+                report.push(Diagnostic::error("P010", message).at(request.span, "this sensor"));
             }
         }
     }
     sensors
 }
 
-fn sensed(scene: Scene<'_>, request: &OutputRequest) -> Option<SensorQuantity> {
+fn sensed(scene: Scene, request: &OutputRequest) -> Option<SensorQuantity> {
     let OutputRegion::Nodes(set) = &request.region else { return None };
     if !request.statistics.is_empty() {
         return None;

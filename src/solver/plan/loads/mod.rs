@@ -1,7 +1,7 @@
 //! Loads of a step, on rigid and on deformable bodies.
 
-pub(crate) mod amplitudes;
-pub(crate) mod targets;
+pub mod amplitudes;
+pub mod targets;
 
 use std::collections::HashSet;
 
@@ -25,23 +25,23 @@ use crate::model::{
     AmplitudeDefinition, AmplitudeId, BlastCharge, BodyForce, ElementKind, Load, LoadKind, Model, SideSelection, Step,
     SurfaceTraction,
 };
-use crate::plan::State;
 use crate::plan::bodies::rigid_bodies_3d::refuse_on_spatial_body;
-use crate::plan::constraints::link_set::Links;
 use crate::plan::loads::amplitudes::user_amplitude;
 use crate::plan::loads::targets::cavity_load;
 use crate::plan::meshes::surfaces::load_surface;
-use crate::plan::report::Report;
-use crate::plan::scene::{Scene, Shared};
 use crate::plan::solids::cohesive::add_masses_of_cohesive_elements;
 use crate::plan::solids::shells::add_masses_of_shells;
+use crate::plan::{Links, PlannedRigidBody, Report, Scene, Shared, State};
 use crate::state::magnitude::{Magnitude, TimeFunction};
 
 /// Names of the components of forces and moments on oblique bodies.
 const COMPONENTS: [&str; 6] = ["F_1", "F_2", "F_3", "M_1", "M_2", "M_3"];
 
+/// The effect of a load; `None` if it has none, or after an error.
+pub type LoadEffect = Option<Box<dyn Effect>>;
+
 /// A load of a step, and the products on which its effect depends.
-pub(crate) struct LoadInput<'a> {
+pub struct LoadInput<'a> {
     pub scene: Scene<'a>,
     pub links: &'a Links,
     pub load: &'a Load,
@@ -50,7 +50,7 @@ pub(crate) struct LoadInput<'a> {
 }
 
 /// Returns whether a load has an effect. A load of zero magnitude is listed as unused.
-pub(crate) fn has_effect(load: &Load, report: &mut Report<'_>) -> bool {
+pub fn has_effect(load: &Load, report: &mut Report) -> bool {
     let constant = !matches!(
         load.kind,
         LoadKind::User { .. } | LoadKind::UserBody { .. } | LoadKind::Cavity { .. } | LoadKind::Film { .. }
@@ -63,12 +63,8 @@ pub(crate) fn has_effect(load: &Load, report: &mut Report<'_>) -> bool {
 }
 
 /// Creates the effect of a load; `None` if it has no effect or is unsupported, which is reported.
-pub(crate) fn create_load(
-    input: &LoadInput<'_>,
-    shared: &mut Shared,
-    report: &mut Report<'_>,
-) -> Option<Box<dyn Effect>> {
-    let LoadInput { load, .. } = *input;
+pub fn create_load(input: &LoadInput, shared: &mut Shared, report: &mut Report) -> LoadEffect {
+    let load = input.load;
     if !has_effect(load, report) {
         return None;
     }
@@ -95,12 +91,12 @@ pub(crate) fn create_load(
     }
 }
 
-pub(crate) fn magnitude(
-    scene: Scene<'_>,
+pub fn magnitude(
+    scene: Scene,
     value: f64,
     amplitude: Option<AmplitudeId>,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Magnitude {
     let Some(id) = amplitude else { return Magnitude::constant(value) };
     let shape = match &scene.model.amplitudes[id].definition {
@@ -113,13 +109,13 @@ pub(crate) fn magnitude(
 }
 
 fn concentrated_load(
-    input: &LoadInput<'_>,
+    input: &LoadInput,
     nodes: &[usize],
     dof: u8,
     set: &str,
     shared: &mut Shared,
-    report: &mut Report<'_>,
-) -> Option<Box<dyn Effect>> {
+    report: &mut Report,
+) -> LoadEffect {
     let LoadInput { scene, links, load, .. } = *input;
     let turning: Vec<usize> = nodes.iter().filter_map(|n| scene.places.rotations.get(n).copied()).collect();
     if dof == 6 && !turning.is_empty() {
@@ -143,7 +139,7 @@ fn concentrated_load(
     }
     if stray {
         let message = format!("a force acts on nodes of `{set}` that belong to no body");
-        report.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
+        report.push(Diagnostic::error("P003", message).at(load.span, "here"));
     }
     if dof != 2 && !bodies.is_empty() {
         report.add_unused_card(load.span, "*CLOAD", "a rigid body of revolution moves along z only");
@@ -166,7 +162,7 @@ fn concentrated_load(
             ["r", "z"][axis]
         );
         let finding = Diagnostic::error("P062", message).at(load.span, "here");
-        report.diagnostics.push(finding.help("couple this degree of freedom, or put a *MASS on the node"));
+        report.push(finding.help("couple this degree of freedom, or put a *MASS on the node"));
     }
     let detail = format!("{along} = {}{}", load.magnitude, amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, "concentrated force", count, "nodes", detail);
@@ -175,12 +171,12 @@ fn concentrated_load(
 }
 
 fn gravity_load(
-    input: &LoadInput<'_>,
+    input: &LoadInput,
     elements: Option<&[usize]>,
     direction: [f64; 3],
     shared: &mut Shared,
-    report: &mut Report<'_>,
-) -> Option<Box<dyn Effect>> {
+    report: &mut Report,
+) -> LoadEffect {
     let LoadInput { scene, load, state, .. } = *input;
     let axial = load.magnitude * direction[1];
     let in_space = scene.bodies.list.iter().any(|b| b.spatial);
@@ -203,7 +199,7 @@ fn gravity_load(
     };
     if count == 0 && nodes.is_empty() {
         let message = "gravity acts on elements that belong to no body";
-        report.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "here"));
+        report.push(Diagnostic::error("P003", message).at(load.span, "here"));
     }
     let detail = match (in_space, direction) {
         (true, [a, b, c]) => {
@@ -221,10 +217,10 @@ fn gravity_load(
 /// Returns the generalised forces of gravity on rigid bodies, each with its mass times the direction component, and
 /// the number of bodies.
 fn forces_of_gravity(
-    input: &LoadInput<'_>,
+    input: &LoadInput,
     elements: Option<&[usize]>,
     direction: [f64; 3],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> (Vec<(GeneralizedForce, f64)>, usize) {
     let LoadInput { scene, load, .. } = *input;
     let (mut forces, mut count) = (Vec::new(), 0);
@@ -238,8 +234,7 @@ fn forces_of_gravity(
             let along = GeneralizedForce::in_space(index, EnergyAccount::Work).zip(direction);
             forces.extend(along.map(|(force, component)| (force, mass * component)));
         } else {
-            let name = body.name.clone();
-            refuse_on_spatial_body(load.span, &name, "gravity on a part of its mass", report);
+            refuse_on_spatial_body(load.span, &body.name, "gravity on a part of its mass", report);
         }
     }
     (forces, count)
@@ -247,7 +242,7 @@ fn forces_of_gravity(
 
 /// Returns the mass of a rigid body on which gravity acts: the total mass without an element set, the own mass if
 /// one of its elements is in the set, or the point masses in the set.
-fn gravity_mass(model: &Model, body: &crate::plan::PlannedRigidBody, elements: Option<&[usize]>) -> Option<f64> {
+fn gravity_mass(model: &Model, body: &PlannedRigidBody, elements: Option<&[usize]>) -> Option<f64> {
     let Some(list) = elements else { return Some(body.mass()) };
     // The mass of tied elements is added at their nodes.
     if body.elements.iter().any(|e| list.contains(e)) {
@@ -260,7 +255,7 @@ fn gravity_mass(model: &Model, body: &crate::plan::PlannedRigidBody, elements: O
     (mass > 0.0).then_some(mass)
 }
 
-fn masses_of(scene: Scene<'_>, elements: &[usize]) -> Vec<(usize, f64)> {
+fn masses_of(scene: Scene, elements: &[usize]) -> Vec<(usize, f64)> {
     let mesh = &scene.model.mesh;
     let mut masses: IndexMap<usize, f64> = IndexMap::new();
     for section in &scene.model.sections {
@@ -279,12 +274,7 @@ fn masses_of(scene: Scene<'_>, elements: &[usize]) -> Vec<(usize, f64)> {
     masses.into_iter().collect()
 }
 
-fn pressure_load(
-    input: &LoadInput<'_>,
-    sides: &SideSelection,
-    shared: &mut Shared,
-    report: &mut Report<'_>,
-) -> Option<Box<dyn Effect>> {
+fn pressure_load(input: &LoadInput, sides: &SideSelection, shared: &mut Shared, report: &mut Report) -> LoadEffect {
     let LoadInput { scene, load, state, .. } = *input;
     let surface = load_surface(scene, sides, load.span, shared, report);
     let detail = format!("on {}, p = {}{}", sides.name, load.magnitude, amplitude_name(scene.model, load));
@@ -294,18 +284,22 @@ fn pressure_load(
 }
 
 fn traction_load(
-    input: &LoadInput<'_>,
+    input: &LoadInput,
     sides: &SideSelection,
     law: &SurfaceTraction,
     shared: &mut Shared,
-    report: &mut Report<'_>,
-) -> Option<Box<dyn Effect>> {
+    report: &mut Report,
+) -> LoadEffect {
     let LoadInput { scene, load, .. } = *input;
     let surface = load_surface(scene, sides, load.span, shared, report);
     let oblique = surface.patches.iter().find(|patch| scene.bodies.list[patch.body].spatial);
     if let Some(patch) = oblique {
-        let name = scene.bodies.list[patch.body].name.clone();
-        refuse_on_spatial_body(load.span, &name, "a surface traction or viscous pressure", report);
+        refuse_on_spatial_body(
+            load.span,
+            &scene.bodies.list[patch.body].name,
+            "a surface traction or viscous pressure",
+            report,
+        );
         return None;
     }
     let (law, how) = match *law {
@@ -328,19 +322,18 @@ fn traction_load(
 }
 
 fn blast_load(
-    input: &LoadInput<'_>,
+    input: &LoadInput,
     sides: &SideSelection,
     charge: &BlastCharge,
     [height, detonation]: [f64; 2],
     shared: &mut Shared,
-    report: &mut Report<'_>,
-) -> Option<Box<dyn Effect>> {
+    report: &mut Report,
+) -> LoadEffect {
     let LoadInput { scene, load, state, .. } = *input;
     let surface = load_surface(scene, sides, load.span, shared, report);
     let oblique = surface.patches.iter().find(|patch| scene.bodies.list[patch.body].spatial);
     if let Some(patch) = oblique {
-        let name = scene.bodies.list[patch.body].name.clone();
-        refuse_on_spatial_body(load.span, &name, "a blast", report);
+        refuse_on_spatial_body(load.span, &scene.bodies.list[patch.body].name, "a blast", report);
         return None;
     }
     let (shape, scale) = (charge.shape, load.magnitude);
@@ -360,7 +353,7 @@ fn blast_load(
         );
         let help = "the measurements of Kingery and Bulmash cover this range; check the second line of *CONWEP CHARGE \
                         PROPERTY, which converts the units of the model to metres, seconds and pascals";
-        report.diagnostics.push(Diagnostic::error("P025", message).at(load.span, "this surface").help(help));
+        report.push(Diagnostic::error("P025", message).at(load.span, "this surface").help(help));
         return None;
     }
     let how = if shape == BurstShape::Spherical { "in free air" } else { "on the ground" };
@@ -370,7 +363,7 @@ fn blast_load(
     Some(Box::new(BlastLoad::new(id, surface, source, &state.dofs.nodes)))
 }
 
-fn reference_motion(input: &LoadInput<'_>, node: Option<usize>, report: &mut Report<'_>) -> Option<ReferenceMotion> {
+fn reference_motion(input: &LoadInput, node: Option<usize>, report: &mut Report) -> Option<ReferenceMotion> {
     let LoadInput { scene, load, .. } = *input;
     let Some(node) = node else { return Some(ReferenceMotion::AtRest) };
     if let Some(&body) = scene.bodies.of_node.get(&node) {
@@ -379,20 +372,20 @@ fn reference_motion(input: &LoadInput<'_>, node: Option<usize>, report: &mut Rep
     let place = scene.places.free_node(node).map(ReferenceMotion::Node);
     if place.is_none() {
         let message = format!("REF NODE {} belongs to no body", scene.model.mesh.node_names[node]);
-        report.diagnostics.push(Diagnostic::error("P003", message).at(load.span, "this load"));
+        report.push(Diagnostic::error("P003", message).at(load.span, "this load"));
     }
     place
 }
 
 /// Creates `BR`, `BZ` and `CENTRIF` loads.
 fn body_force_load(
-    input: &LoadInput<'_>,
+    input: &LoadInput,
     elements: &[usize],
     set: &str,
     law: BodyForce,
     shared: &mut Shared,
-    report: &mut Report<'_>,
-) -> Option<Box<dyn Effect>> {
+    report: &mut Report,
+) -> LoadEffect {
     let LoadInput { scene, load, .. } = *input;
     let magnitude = magnitude(scene, load.magnitude, load.amplitude, shared, report);
     if law == BodyForce::Centrifugal {
@@ -418,46 +411,45 @@ fn body_force_load(
 
 /// Creates `PNU` and `P1NU` to `P4NU` loads.
 fn user_load(
-    input: &LoadInput<'_>,
+    input: &LoadInput,
     sides: &SideSelection,
     load_type: i32,
     shared: &mut Shared,
-    report: &mut Report<'_>,
-) -> Option<Box<dyn Effect>> {
+    report: &mut Report,
+) -> LoadEffect {
     let LoadInput { scene, load, state, .. } = *input;
     let surface = load_surface(scene, sides, load.span, shared, report);
     // ABAQUS manual: normals point outwards on the loaded side of a surface element, and into a solid.
     let solid = |e: usize| !matches!(scene.model.mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
     let inward = sides.faces.first().is_some_and(|f| solid(f.0));
     let load =
-        user_load_description(input, "user load", &sides.name, load_type, inward, surface.count(), shared, report)?;
+        user_load_description(input, ("user load", surface.count()), &sides.name, load_type, inward, shared, report)?;
     Some(Box::new(SubroutineLoad::on_surface(load, &surface, &state.dofs)))
 }
 
 /// Creates `BRNU` and `BZNU` loads.
 fn user_body_force(
-    input: &LoadInput<'_>,
+    input: &LoadInput,
     elements: &[usize],
     set: &str,
     load_type: i32,
     shared: &mut Shared,
-    report: &mut Report<'_>,
-) -> Option<Box<dyn Effect>> {
-    let LoadInput { load: _, state, .. } = *input;
+    report: &mut Report,
+) -> LoadEffect {
     let volume = loaded_volume(input, elements, set, if load_type == 1 { 0 } else { 1 }, report)?;
     let count = volume.rigid.len() + volume.cells.len();
-    let load = user_load_description(input, "user body force", set, load_type, false, count, shared, report)?;
-    Some(Box::new(SubroutineLoad::on_volume(load, &volume, &state.dofs.nodes)))
+    let load = user_load_description(input, ("user body force", count), set, load_type, false, shared, report)?;
+    Some(Box::new(SubroutineLoad::on_volume(load, &volume, &input.state.dofs.nodes)))
 }
 
 /// Returns the volume on which a body force along an axis acts. The point of a rigid solid is its centre, its weight
 /// the volume. `None` if the force acts on nothing.
 fn loaded_volume(
-    input: &LoadInput<'_>,
+    input: &LoadInput,
     elements: &[usize],
     set: &str,
     axis: usize,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<LoadedVolume> {
     let LoadInput { scene, load, .. } = *input;
     let mesh = &scene.model.mesh;
@@ -470,8 +462,7 @@ fn loaded_volume(
         let corners: Vec<[f64; 2]> = mesh.elements[element].nodes.iter().map(|&n| mesh.points[n]).collect();
         match scene.bodies.of_element.get(&element) {
             Some(&body) if scene.bodies.list[body].spatial => {
-                let name = scene.bodies.list[body].name.clone();
-                refuse_on_spatial_body(load.span, &name, "a body force", report);
+                refuse_on_spatial_body(load.span, &scene.bodies.list[body].name, "a body force", report);
                 return None;
             }
             Some(&body) if corners.len() > 2 => {
@@ -484,7 +475,7 @@ fn loaded_volume(
         let message =
             format!("`{set}` contains element {}, which is not a solid element of a body", mesh.elements[element].name);
         let finding = Diagnostic::error("P003", message).at(load.span, "a body force needs solid elements");
-        report.diagnostics.push(finding);
+        report.push(finding);
     }
     if axis == 0 && !volume.rigid.is_empty() {
         report.add_unused_card(load.span, kind_name(&load.kind), "a rigid body of revolution moves along z only");
@@ -496,14 +487,13 @@ fn loaded_volume(
 }
 
 fn user_load_description(
-    input: &LoadInput<'_>,
-    effect: &'static str,
+    input: &LoadInput,
+    (effect, count): (&'static str, usize),
     name: &str,
     load_type: i32,
     inward: bool,
-    count: usize,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<UserLoadData> {
     let LoadInput { scene, load, .. } = *input;
     let Some(routine) = report.routines.load.clone() else {
@@ -527,11 +517,11 @@ fn user_load_description(
     Some(UserLoadData { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion })
 }
 
-pub(crate) fn amplitude_name(model: &Model, load: &Load) -> String {
+pub fn amplitude_name(model: &Model, load: &Load) -> String {
     load.amplitude.map_or(String::new(), |a| format!(" x {}", model.amplitudes[a].name))
 }
 
-pub(crate) fn kind_name(kind: &LoadKind) -> &'static str {
+pub fn kind_name(kind: &LoadKind) -> &'static str {
     match kind {
         LoadKind::Concentrated { .. } => "*CLOAD",
         LoadKind::Gravity { .. } => "GRAV",

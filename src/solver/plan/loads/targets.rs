@@ -3,27 +3,24 @@
 use crate::deck::Diagnostic;
 use crate::kernel::cavity::CavityResistance;
 use crate::kernel::free_surface::FiniteSphere;
-use crate::load::Load as Effect;
 use crate::load::cavity::{CavityExpansion, EntryCrater, LayerBounds, LayerStack, StackBounds, StackTilt};
 use crate::mesh::surface::{RigidFacets, SurfaceGeometry};
 use crate::model::{
     DEFAULT_ACCURACY, FreeSurfaces, IncrementControl, Load, MaterialId, Model, SideSelection, TargetId, TargetLayer,
     TargetStack,
 };
-use crate::plan::bodies::rigid_body::Bodies;
-use crate::plan::loads::LoadInput;
+use crate::plan::loads::{LoadEffect, LoadInput};
 use crate::plan::meshes::surfaces::load_surface;
-use crate::plan::report::Report;
-use crate::plan::scene::Shared;
+use crate::plan::{Bodies, Report, Shared};
 
-pub(crate) fn cavity_load(
-    input: &LoadInput<'_>,
+pub fn cavity_load(
+    input: &LoadInput,
     sides: &SideSelection,
     target: TargetId,
     friction: f64,
     shared: &mut Shared,
-    report: &mut Report<'_>,
-) -> Option<Box<dyn Effect>> {
+    report: &mut Report,
+) -> LoadEffect {
     let LoadInput { scene, load, step, state, .. } = *input;
     let mut surface = load_surface(scene, sides, load.span, shared, report);
     let target = &scene.model.targets[target];
@@ -43,7 +40,7 @@ pub(crate) fn cavity_load(
             target.name
         );
         let finding = Diagnostic::error("P132", message).at(load.span, "here").at(target.span, "its OBLIQUITY");
-        return report.diagnostics.refuse(finding.help("use a rigid body with an inclined target"));
+        return report.refuse(finding.help("use a rigid body with an inclined target"));
     }
     let count = surface.count();
     let oblique = take_oblique(scene.bodies, &mut surface);
@@ -80,8 +77,8 @@ pub(crate) fn cavity_load(
     Some(Box::new(effect))
 }
 
-fn refuse_resistance(load: &Load, message: &str, report: &mut Report<'_>) -> Option<Box<dyn Effect>> {
-    report.diagnostics.refuse(Diagnostic::error("P015", message).at(load.span, "here"))
+fn refuse_resistance(load: &Load, message: &str, report: &mut Report) -> LoadEffect {
+    report.refuse(Diagnostic::error("P015", message).at(load.span, "here"))
 }
 
 /// Removes the patches of oblique bodies from a surface and returns them.
@@ -92,7 +89,7 @@ fn take_oblique(bodies: &Bodies, surface: &mut SurfaceGeometry) -> Vec<RigidFace
     oblique
 }
 
-fn target_rows(model: &Model, target: &TargetStack, report: &mut Report<'_>) {
+fn target_rows(model: &Model, target: &TargetStack, report: &mut Report) {
     let name = |l: &TargetLayer| l.material.map_or("gap", |m| model.materials[m].name.as_str());
     let names: Vec<_> = target.layers.iter().take(4).map(name).collect();
     let more = if target.layers.len() > 4 { ", …" } else { "" };
@@ -119,7 +116,7 @@ fn target_rows(model: &Model, target: &TargetStack, report: &mut Report<'_>) {
     }
 }
 
-fn derived_row(model: &Model, material: MaterialId, report: &mut Report<'_>) {
+fn derived_row(model: &Model, material: MaterialId, report: &mut Report) {
     let material = &model.materials[material];
     let Some(law) = material.cavity else { return };
     let Some(from) = law.derived else { return };

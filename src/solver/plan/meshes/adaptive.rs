@@ -12,14 +12,11 @@ use crate::kernel::topology::ElementTopology;
 use crate::model::{
     AdaptiveMesh, AdaptiveRegion, BoundaryCondition, ElementSide, LoadKind, Model, MotionKind, RegionType, Step,
 };
-use crate::plan::State;
-use crate::plan::constraints::link_set::Links;
 use crate::plan::contact::cohesion::cohesive_nodes;
 use crate::plan::loads::magnitude;
 use crate::plan::output::scales_masses;
-use crate::plan::report::Report;
-use crate::plan::scene::{Pairs, Scene, Shared, StepInput};
 use crate::plan::solids::mass_scaling::constrained_nodes;
+use crate::plan::{Links, Pairs, Report, Scene, Shared, State, StepInput};
 
 /// Default of FREQUENCY, and that with Eulerian boundaries or spatial constraints (ABAQUS Keywords Reference Guide,
 /// `*ADAPTIVE MESH`).
@@ -27,11 +24,11 @@ const FREQUENCY: u64 = 10;
 const SPATIAL_FREQUENCY: u64 = 1;
 
 /// Creates the domains of a step; `None` if those of the previous step continue.
-pub(crate) fn adaptive_change<'a>(
+pub fn adaptive_change<'a>(
     input: StepInput<'a>,
     state: &mut State,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Vec<AdaptiveDomain>> {
     let StepInput { scene, pairs, index, .. } = input;
     let step = &scene.model.steps[index];
@@ -68,7 +65,7 @@ pub(crate) fn adaptive_change<'a>(
 }
 
 /// Lists region types and spatial constraints of nodes that no adaptive mesh contains.
-fn report_unused_regions(model: &Model, step: &Step, report: &mut Report<'_>) {
+fn report_unused_regions(model: &Model, step: &Step, report: &mut Report) {
     let elements = step.adaptive.iter().flat_map(|mesh| &mesh.elements);
     let nodes: HashSet<usize> = elements.flat_map(|e| model.mesh.elements[*e].nodes.iter().copied()).collect();
     let outside = |list: &[usize]| !list.iter().any(|node| nodes.contains(node));
@@ -83,12 +80,12 @@ fn report_unused_regions(model: &Model, step: &Step, report: &mut Report<'_>) {
 }
 
 fn adaptive_domain(
-    input: StepInput<'_>,
+    input: StepInput,
     mesh: &AdaptiveMesh,
     state: &mut State,
     taken: &mut HashSet<usize>,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<AdaptiveDomain> {
     let StepInput { scene, links, pairs, index: step, .. } = input;
     let places: Vec<(usize, usize)> =
@@ -142,7 +139,7 @@ fn adaptive_domain(
 
 /// Returns why a domain is not supported, and what would be.
 fn unsupported_domain(
-    scene: Scene<'_>,
+    scene: Scene,
     mesh: &AdaptiveMesh,
     places: &[(usize, usize)],
     state: &State,
@@ -177,8 +174,8 @@ fn unsupported_domain(
     None
 }
 
-fn refuse_domain(span: Span, message: String, help: &str, report: &mut Report<'_>) {
-    report.diagnostics.push(Diagnostic::error("P071", message).at(span, "this domain").help(help));
+fn refuse_domain(span: Span, message: String, help: &str, report: &mut Report) {
+    report.push(Diagnostic::error("P071", message).at(span, "this domain").help(help));
 }
 
 /// Returns whether each node belongs to other elements, is linked, or to an element at a linked node, whose masses must
@@ -232,7 +229,7 @@ fn end_nodes<'f>(model: &Model, faces: impl Iterator<Item = &'f (usize, ElementS
 
 /// Marks the nodes of `*ADAPTIVE MESH CONSTRAINT, CONSTRAINT TYPE=LAGRANGIAN`, and the ends of surfaces of REGION
 /// TYPE=LAGRANGIAN.
-fn nodes_with_material(scene: Scene<'_>, step: &Step, fixed: &mut [bool]) {
+fn nodes_with_material(scene: Scene, step: &Step, fixed: &mut [bool]) {
     let lagrangian = step.adaptive_regions.iter().filter(|region| region.kind == RegionType::Lagrangian);
     let ends = lagrangian.flat_map(|region| end_nodes(scene.model, region.faces.iter()));
     let named = step.adaptive_fixed.iter().flat_map(|(_, nodes)| nodes).copied();
@@ -241,7 +238,7 @@ fn nodes_with_material(scene: Scene<'_>, step: &Step, fixed: &mut [bool]) {
 
 /// Returns whether each node may move in spite of its loads: it belongs to a sliding or Eulerian region, or its place is
 /// prescribed.
-fn sliding_nodes(scene: Scene<'_>, step: &Step, motions: &[MeshMotion], count: usize) -> Vec<bool> {
+fn sliding_nodes(scene: Scene, step: &Step, motions: &[MeshMotion], count: usize) -> Vec<bool> {
     let mut sliding = vec![false; count];
     let regions = step.adaptive_regions.iter().filter(|region| region.kind != RegionType::Lagrangian);
     let nodes = regions.flat_map(|region| nodes_of_region(scene.model, region));
@@ -256,7 +253,7 @@ fn nodes_of_region<'r>(model: &'r Model, region: &'r AdaptiveRegion) -> impl Ite
 }
 
 /// Returns the pairs of nodes of a domain between which material flows through its boundary; pairs inside have no effect.
-fn eulerian_edges(scene: Scene<'_>, step: &Step, nodes: &BTreeSet<u32>) -> HashSet<[u32; 2]> {
+fn eulerian_edges(scene: Scene, step: &Step, nodes: &BTreeSet<u32>) -> HashSet<[u32; 2]> {
     let place = |node: &usize| scene.places.nodes.get(node).map(|n| *n as u32).filter(|n| nodes.contains(n));
     let mut edges = HashSet::new();
     for region in step.adaptive_regions.iter().filter(|region| region.kind == RegionType::Eulerian) {
@@ -276,11 +273,11 @@ fn eulerian_edges(scene: Scene<'_>, step: &Step, nodes: &BTreeSet<u32>) -> HashS
 
 /// Returns the motions of the nodes of a domain that are prescribed in space.
 fn mesh_motions(
-    scene: Scene<'_>,
+    scene: Scene,
     step: &Step,
     nodes: &BTreeSet<u32>,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Vec<MeshMotion> {
     let mut motions = Vec::new();
     for motion in &step.mesh_motions {
@@ -297,7 +294,7 @@ fn mesh_motions(
 
 /// Returns why Eulerian boundaries or spatial constraints of a domain are not supported, and what would be.
 fn unsupported_boundary(
-    scene: Scene<'_>,
+    scene: Scene,
     step: &Step,
     others: &[bool],
     (motions, open): (&[MeshMotion], &HashSet<[u32; 2]>),

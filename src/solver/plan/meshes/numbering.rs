@@ -12,7 +12,7 @@ const NEAR: f64 = 256.0;
 
 /// Orders elements so that neighbours are close: keeps the given order unless it is scattered, otherwise sorts along a
 /// Z-order curve (G. M. Morton 1966).
-pub(crate) fn in_order(elements: Vec<usize>, mesh: &Mesh) -> Vec<usize> {
+pub fn in_order(elements: Vec<usize>, mesh: &Mesh) -> Vec<usize> {
     let limit = NEAR + SCATTERED * (elements.len() as f64).sqrt();
     // Distances are below the number of elements.
     let is_short = elements.len() as f64 <= limit;
@@ -59,7 +59,7 @@ fn spread(number: u16) -> u32 {
 
 /// Returns the solver node of each mesh node. Nodes are in the order of their last element, so that nodal forces are
 /// summed while they are in the cache; nodes without elements are last. The map is in the order of the mesh.
-pub(crate) fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mesh: &Mesh) -> MeshIndexMap<usize> {
+pub fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mesh: &Mesh) -> MeshIndexMap<usize> {
     let mut last = vec![0_u32; mesh.points.len()];
     let mut touched = Vec::new();
     for (at, element) in elements.enumerate() {

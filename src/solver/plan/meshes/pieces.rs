@@ -6,7 +6,7 @@ use crate::kernel::disjoint_sets::DisjointSets;
 use crate::model::{ElementSide, Mesh, Model};
 
 /// Splits elements into parts that are connected by common nodes, in the order of their first elements.
-pub(crate) fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
+pub fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
     let mut sets = DisjointSets::new(mesh.points.len());
     for &e in elements {
         let nodes = &mesh.elements[e].nodes;
@@ -26,7 +26,7 @@ pub(crate) fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
 }
 
 /// Returns the index of the part to which each element of the mesh belongs.
-pub(crate) fn part_of_elements<'a>(mesh: &Mesh, parts: impl Iterator<Item = &'a [usize]>) -> Vec<Option<u32>> {
+pub fn part_of_elements<'a>(mesh: &Mesh, parts: impl Iterator<Item = &'a [usize]>) -> Vec<Option<u32>> {
     let mut part_of = vec![None; mesh.elements.len()];
     for (part, index) in parts.zip(0..) {
         part.iter().for_each(|&e| part_of[e] = Some(index));
@@ -35,7 +35,7 @@ pub(crate) fn part_of_elements<'a>(mesh: &Mesh, parts: impl Iterator<Item = &'a 
 }
 
 /// Returns the exterior faces of the mesh that belong to each part.
-pub(crate) fn exterior_faces_of<'a>(
+pub fn exterior_faces_of<'a>(
     mesh: &Mesh,
     parts: impl Iterator<Item = &'a [usize]> + Clone,
 ) -> Vec<Vec<(usize, ElementSide)>> {
@@ -48,10 +48,10 @@ pub(crate) fn exterior_faces_of<'a>(
 }
 
 /// Element sets that contain the first element of a part, from the smallest to the largest, by that element.
-pub(crate) struct SetsOfParts<'a>(HashMap<usize, Vec<(&'a str, &'a [usize])>>);
+pub struct SetsOfParts<'a>(HashMap<usize, Vec<(&'a str, &'a [usize])>>);
 
 impl<'a> SetsOfParts<'a> {
-    pub(crate) fn new<'p>(model: &'a Model, parts: impl Iterator<Item = &'p [usize]>) -> SetsOfParts<'a> {
+    pub fn new<'p>(model: &'a Model, parts: impl Iterator<Item = &'p [usize]>) -> SetsOfParts<'a> {
         let mut by_first: HashMap<usize, Vec<(&str, &[usize])>> = parts.map(|part| (part[0], Vec::new())).collect();
         for (name, set) in &model.element_sets {
             for member in &set.members {
@@ -63,7 +63,7 @@ impl<'a> SetsOfParts<'a> {
     }
 
     /// Returns the name of the smallest element set that contains a part; the first one of equally large sets.
-    pub(crate) fn smallest_around(&self, part: &[usize]) -> Option<&'a str> {
+    pub fn smallest_around(&self, part: &[usize]) -> Option<&'a str> {
         let holds = |members: &[usize]| part.iter().all(|e| members.binary_search(e).is_ok());
         self.0.get(part.first()?)?.iter().find(|set| holds(set.1)).map(|set| set.0)
     }

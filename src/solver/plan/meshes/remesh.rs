@@ -9,11 +9,8 @@ use crate::model::remesh::{ModelBody, is_shared, nodes_of_histories};
 use crate::model::{
     BoundaryCondition, LoadKind, Model, MotionKind, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing,
 };
-use crate::plan::State;
 use crate::plan::contact::cohesion::cohesive_behaviors;
-use crate::plan::meshes::places::SolidPlaces;
-use crate::plan::report::Report;
-use crate::plan::scene::{Pairs, Scene};
+use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::BodyMesh;
 use crate::remesh::outline::loops;
 use crate::state::{BodyState, EffectId};
@@ -58,12 +55,7 @@ impl RemeshedBody {
 }
 
 /// Lists the bodies of all `*REMESH` cards; `None` without any.
-pub(crate) fn plan(
-    scene: Scene<'_>,
-    pairs: &Pairs,
-    state: &mut State,
-    report: &mut Report<'_>,
-) -> Option<Box<RemeshPlan>> {
+pub fn plan(scene: Scene, pairs: &Pairs, state: &mut State, report: &mut Report) -> Option<Box<RemeshPlan>> {
     let model = scene.model;
     if model.remeshings.is_empty() || report.diagnostics.has_errors() {
         return None;
@@ -72,7 +64,7 @@ pub(crate) fn plan(
     for (index, card) in model.remeshings.iter().enumerate() {
         let body = ModelBody::new(model, index);
         if let Some((message, help)) = unsupported_remeshing(scene, pairs, card, &body, state, report) {
-            report.diagnostics.push(Diagnostic::error("P072", message).at(card.span, "this body").help(help));
+            report.push(Diagnostic::error("P072", message).at(card.span, "this body").help(help));
             continue;
         }
         bodies.extend(remeshed_body(scene.places, card, &body, state, report));
@@ -85,14 +77,14 @@ fn remeshed_body(
     card: &Remeshing,
     body: &ModelBody,
     state: &mut State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<RemeshedBody> {
     let members: Vec<(usize, usize)> = card.elements.iter().map(|e| places.elements[e]).collect();
     let group = members[0].0;
     let Some(transfer) = state.elements.groups[group].extensions().transfer() else {
         let message = "moduli that depend on field variables, WEIGHTING=AREA and SUBZONAL=YES are not supported in bodies that are remeshed";
         let finding = Diagnostic::error("P072", message).at(card.span, "this body");
-        return report.diagnostics.refuse(finding.help("use another material or other section controls"));
+        return report.refuse(finding.help("use another material or other section controls"));
     };
     transfer.prepare();
     if let Some(heat) = state.thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
@@ -118,12 +110,12 @@ fn remeshed_body(
 
 /// Returns why a body cannot be remeshed, and what could be.
 fn unsupported_remeshing(
-    scene: Scene<'_>,
+    scene: Scene,
     pairs: &Pairs,
     card: &Remeshing,
     body: &ModelBody,
     state: &State,
-    report: &Report<'_>,
+    report: &Report,
 ) -> Option<(String, &'static str)> {
     let name = &card.set;
     let groups = &state.elements.groups;
@@ -165,7 +157,7 @@ fn unsupported_remeshing(
 }
 
 /// Returns what in the model excludes new meshes of any body.
-fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Report<'_>) -> Option<&'static str> {
+fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Report) -> Option<&'static str> {
     let (model, elements) = (model, &state.elements);
     let loads = || model.steps.iter().flat_map(|step| &step.loads);
     let contacts = || pairs.by_step.iter().flat_map(|pairs| pairs.iter());

@@ -7,17 +7,16 @@ use crate::kernel::facet::Facet;
 use crate::mesh::hidden::InteriorFaces;
 use crate::mesh::surface::{DeformableFaces, RigidFacets, SurfaceGeometry};
 use crate::model::{ElementKind, ElementSide, Model, SideSelection};
-use crate::plan::report::Report;
-use crate::plan::scene::{Scene, Shared};
 use crate::plan::solids::user_material::deletes;
+use crate::plan::{Report, Scene, Shared};
 
 /// Returns the surface of element sides for the load at `span`. Elements that belong to no body are an error.
-pub(crate) fn load_surface(
-    scene: Scene<'_>,
+pub fn load_surface(
+    scene: Scene,
     sides: &SideSelection,
     span: Span,
     shared: &mut Shared,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> SurfaceGeometry {
     if let Some(known) = shared.surfaces.get(&span) {
         return known.clone();
@@ -29,7 +28,7 @@ pub(crate) fn load_surface(
     surface
 }
 
-fn make_surface(scene: Scene<'_>, sides: &SideSelection, span: Span, report: &mut Report<'_>) -> SurfaceGeometry {
+fn make_surface(scene: Scene, sides: &SideSelection, span: Span, report: &mut Report) -> SurfaceGeometry {
     let mut by_body: BTreeMap<usize, Vec<(usize, Facet)>> = BTreeMap::new();
     let (mut faces, mut face_elements, mut shells) = (Vec::new(), Vec::new(), Vec::new());
     let mut stray = None;
@@ -55,7 +54,7 @@ fn make_surface(scene: Scene<'_>, sides: &SideSelection, span: Span, report: &mu
     if let Some(element) = stray {
         let name = &scene.model.mesh.elements[element].name;
         let message = format!("`{}` contains element {name}, which belongs to no body", sides.name);
-        report.diagnostics.push(Diagnostic::error("P003", message).at(span, "this load needs faces of a body"));
+        report.push(Diagnostic::error("P003", message).at(span, "this load needs faces of a body"));
     }
     let patches = by_body.into_iter().map(|(body, facets)| RigidFacets { body, facets }).collect();
     let mut skin = DeformableFaces::new(faces, face_elements);
@@ -67,7 +66,7 @@ fn make_surface(scene: Scene<'_>, sides: &SideSelection, span: Span, report: &mu
 
 /// Returns the interior faces that are loaded once they are exposed by element deletion: those of elements that are
 /// given without a side. Empty if no element can be deleted.
-fn hidden_faces(scene: Scene<'_>, sides: &SideSelection) -> InteriorFaces {
+fn hidden_faces(scene: Scene, sides: &SideSelection) -> InteriorFaces {
     if sides.free_face_elements.is_empty() || !deletes(scene) {
         return InteriorFaces::default();
     }

@@ -4,9 +4,7 @@ use crate::deck::expression::{Expression, ExpressionError};
 use crate::deck::names::nearest;
 use crate::deck::{Diagnostic, Span};
 use crate::model::{Model, OutputExpression};
-use crate::plan::output::Columns;
-use crate::plan::report::Report;
-use crate::plan::{ColumnSource, HistoryColumn};
+use crate::plan::{ColumnSource, Columns, HistoryColumn, Report};
 
 /// Name of the total time in expressions.
 const TIME: &str = "time";
@@ -47,12 +45,12 @@ fn longest(text: &str, columns: &[HistoryColumn]) -> usize {
 }
 
 /// Adds the columns of `*OUTPUT EXPRESSION` after all other columns.
-pub(crate) fn expression_columns(model: &Model, columns: &mut Columns, report: &mut Report<'_>) {
+pub fn expression_columns(model: &Model, columns: &mut Columns, report: &mut Report) {
     for definition in &model.output.expressions {
         let OutputExpression { name, text, span, .. } = definition;
         if let Some(why) = taken(name, &columns.list) {
             let finding = Diagnostic::error("P076", format!("the history column `{name}` cannot be defined: {why}"));
-            report.diagnostics.push(finding.at(*span, "this name").help("choose another name"));
+            report.push(finding.at(*span, "this name").help("choose another name"));
             continue;
         }
         match RowExpression::read(text, &columns.list) {
@@ -71,7 +69,7 @@ fn wrong_expression(
     definition: &OutputExpression,
     error: &ExpressionError,
     columns: &[HistoryColumn],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let OutputExpression { name, text, place, .. } = definition;
     let whole = place.end.checked_sub(place.start) != Some(text.len() as u32);
@@ -82,7 +80,7 @@ fn wrong_expression(
         None => (format!("the expression of history column `{name}` is invalid"), error.message.as_str()),
     };
     let finding = Diagnostic::error("P075", what).at(at, label);
-    report.diagnostics.push(match &error.unknown {
+    report.push(match &error.unknown {
         Some(unknown) => finding.help(near(unknown, columns)),
         None => finding,
     });

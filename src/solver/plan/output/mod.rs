@@ -1,6 +1,6 @@
 //! Output requests as history columns, frame fields and schedules.
 
-pub(crate) mod expressions;
+pub mod expressions;
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -13,17 +13,13 @@ use crate::model::{
     ContactPairFilter, ElementSetId, MemberSet, Model, NodeSetId, OutputCard, OutputInterval, OutputKind,
     OutputPosition, OutputRegion, OutputRequest, RegionType, Step, SurfaceId,
 };
-use crate::plan::State;
 use crate::plan::contact::cohesion::{cohesive_behaviors, has_cohesive_variable};
 use crate::plan::contact::general::pair_name;
 use crate::plan::contact::walls::spatial_side;
-use crate::plan::meshes::places::SolidPlaces;
-use crate::plan::output::expressions::RowExpression;
 use crate::plan::output::expressions::expression_columns;
-use crate::plan::report::Report;
-use crate::plan::scene::{Pairs, Scene};
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::user_material::{deletes, fails, materials_present, state_name, state_variables};
+use crate::plan::{Pairs, Report, RowExpression, Scene, SolidPlaces, State};
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
 use crate::variables::{PreselectRule, Variable, VariableComponent, VariablePlace};
@@ -170,7 +166,7 @@ impl WriteSchedule {
 
 /// History columns and frame fields of a plan.
 #[derive(Default)]
-pub(crate) struct Columns {
+pub struct Columns {
     pub list: Vec<HistoryColumn>,
     pub fields: Vec<FrameField>,
     /// Surfaces over which history columns are integrated.
@@ -178,30 +174,36 @@ pub(crate) struct Columns {
     /// Members of the sets over which history columns are statistics.
     pub sets: IndexSet<Vec<ColumnSource>>,
     pub expressions: Vec<RowExpression>,
+}
+
+/// The products on which history columns depend.
+#[derive(Clone, Copy)]
+struct OutputInput<'a> {
+    scene: Scene<'a>,
+    pairs: &'a Pairs,
+    state: &'a State,
     /// Variables of the whole model that histories can show.
-    model_variables: Vec<Variable>,
+    model_variables: &'a [Variable],
 }
 
 /// Returns history columns and frame fields of all steps: the columns of a file do not change between steps.
-pub(crate) fn plan(scene: Scene<'_>, pairs: &Pairs, state: &mut State, report: &mut Report<'_>) -> Columns {
+pub fn plan(scene: Scene, pairs: &Pairs, state: &mut State, report: &mut Report) -> Columns {
     let (mut columns, mut fields) = (Columns::default(), Vec::new());
     let model = scene.model;
-    columns.model_variables = find_model_variables(scene, pairs);
-    let available = available_fields(scene, pairs, state, &columns.model_variables);
+    let model_variables = &find_model_variables(scene, pairs)[..];
+    let input = OutputInput { scene, pairs, state, model_variables };
+    let available = available_fields(input);
     for step in &model.steps {
         for request in step.outputs.iter().filter(|r| r.interval != OutputInterval::Never) {
             match request.kind {
-                OutputKind::History => history_columns(scene, pairs, request, state, &mut columns, report),
+                OutputKind::History => history_columns(input, request, &mut columns, report),
                 OutputKind::Field => frame_fields(scene, request, &available, &mut fields, report),
             }
         }
         if step.outputs.is_empty() {
             let erodes = !model.erosions.is_empty();
-            columns.list.extend(
-                energy_variables(&columns.model_variables)
-                    .filter(|v| erodes || !is_deletion_total(*v))
-                    .map(model_column),
-            );
+            let energies = model_variables.iter().copied().filter(|v| v.place() == VariablePlace::Energy);
+            columns.list.extend(energies.filter(|v| erodes || !is_deletion_total(*v)).map(model_column));
             fields.extend(available.iter().filter(|f| is_preselected(scene, f)).cloned());
         }
     }
@@ -220,7 +222,7 @@ pub(crate) fn plan(scene: Scene<'_>, pairs: &Pairs, state: &mut State, report: &
 }
 
 /// Enables the sums of deleted mass and energy if `*EROSION` or an output request needs them.
-fn track_deletion(model: &Model, columns: &[HistoryColumn], state: &mut State, report: &mut Report<'_>) {
+fn track_deletion(model: &Model, columns: &[HistoryColumn], state: &mut State, report: &mut Report) {
     let requested = columns.iter().filter_map(|c| c.part).any(|p| is_deletion_total(p.variable));
     if state.elements.removed.is_none() && !requested {
         return;
@@ -239,7 +241,7 @@ fn track_deletion(model: &Model, columns: &[HistoryColumn], state: &mut State, r
 }
 
 /// Creates the ledger row of strains and energies that elements integrate only for output.
-fn followed_row(model: &Model, count: usize, report: &mut Report<'_>) {
+fn followed_row(model: &Model, count: usize, report: &mut Report) {
     let follows = |selection: &VariableRequest| match selection {
         VariableRequest::Preselect | VariableRequest::All => true,
         _ => selection.variables().iter().any(|v| v.row().followed),
@@ -251,7 +253,7 @@ fn followed_row(model: &Model, count: usize, report: &mut Report<'_>) {
 }
 
 /// Returns the output schedules of a step; without requests the defaults of ABAQUS.
-pub(crate) fn output_schedules(model: &Model, step: &Step, report: &mut Report<'_>) -> StepOutputs {
+pub fn output_schedules(model: &Model, step: &Step, report: &mut Report) -> StepOutputs {
     let mut outputs = StepOutputs::default();
     for request in &step.outputs {
         match request.kind {
@@ -273,33 +275,23 @@ pub(crate) fn output_schedules(model: &Model, step: &Step, report: &mut Report<'
     outputs
 }
 
-fn history_columns(
-    scene: Scene<'_>,
-    pairs: &Pairs,
-    request: &OutputRequest,
-    state: &State,
-    columns: &mut Columns,
-    report: &mut Report<'_>,
-) {
+fn history_columns(input: OutputInput, request: &OutputRequest, columns: &mut Columns, report: &mut Report) {
     let first = columns.list.len();
     for &selection in &request.variables {
         let before = columns.list.len();
         match &request.region {
             OutputRegion::Elements(set) if request.card == OutputCard::Energy => {
-                part_columns(scene, selection, *set, columns);
+                part_columns(input.scene, selection, *set, columns);
             }
-            OutputRegion::Elements(set) => element_columns(scene, (selection, request), *set, state, columns),
-            OutputRegion::Nodes(set) => node_columns(scene, pairs, (selection, request), *set, columns),
-            OutputRegion::Surface(surface, name) => section_columns(scene, selection, *surface, name, state, columns),
+            OutputRegion::Elements(set) => element_columns(input, selection, request, *set, columns),
+            OutputRegion::Nodes(set) => node_columns(input, selection, request, *set, columns),
+            OutputRegion::Surface(surface, name) => section_columns(input, selection, *surface, name, columns),
             OutputRegion::Whole if request.card == OutputCard::Contact => {
-                pair_columns(scene, pairs, selection, &ContactPairFilter::default(), columns);
+                pair_columns(input, selection, &ContactPairFilter::default(), columns);
             }
-            OutputRegion::Pairs(filter) => pair_columns(scene, pairs, selection, filter, columns),
+            OutputRegion::Pairs(filter) => pair_columns(input, selection, filter, columns),
             OutputRegion::Whole => {
-                columns.list.extend(
-                    select_model_variables(scene.model, selection, request.card, &columns.model_variables)
-                        .map(model_column),
-                );
+                columns.list.extend(select_model_variables(input, selection, request.card).map(model_column));
             }
         }
         if columns.list.len() == before {
@@ -319,10 +311,9 @@ fn history_columns(
 
 /// Returns the variables of the whole model that a name on an output card selects.
 fn select_model_variables(
-    model: &Model,
+    input: OutputInput<'_>,
     selection: VariableRequest,
     card: OutputCard,
-    model_variables: &[Variable],
 ) -> impl Iterator<Item = Variable> {
     let by_default = match card {
         OutputCard::Output | OutputCard::Energy => Some(VariablePlace::Energy),
@@ -332,40 +323,40 @@ fn select_model_variables(
     let named = selection.variables();
     // Without *EROSION, deletion sums are computed only if they are requested by name, because they need extra data
     // per element.
-    let erodes = !model.erosions.is_empty();
+    let erodes = !input.scene.model.erosions.is_empty();
     let meant = move |v: &Variable| match selection {
         VariableRequest::Preselect | VariableRequest::All => {
             Some(v.place()) == by_default && (erodes || !is_deletion_total(*v))
         }
         _ => named.contains(v),
     };
-    model_variables.iter().copied().filter(meant)
+    input.model_variables.iter().copied().filter(meant)
 }
 
 fn node_columns(
-    scene: Scene<'_>,
-    pairs: &Pairs,
-    (selection, request): (VariableRequest, &OutputRequest),
+    input: OutputInput,
+    selection: VariableRequest,
+    request: &OutputRequest,
     set: NodeSetId,
     columns: &mut Columns,
 ) {
-    let model = scene.model;
+    let Scene { model, bodies, places } = input.scene;
     let (set, members) = named(&model.node_sets, set.index());
-    let mut parts = selected_parts(scene, selection, Variable::is_of_nodes);
-    parts.retain(|p| nodes_have(scene, pairs, p.variable));
+    let mut parts = selected_parts(input.scene, selection, Variable::is_of_nodes);
+    parts.retain(|p| nodes_have(input, p.variable));
     let name = |node: usize| model.mesh.node_names[node].as_str();
     let mut found = Vec::new();
     for node in by_number(members, name) {
-        if let Some(&rotation) = scene.places.rotations.get(&node) {
+        if let Some(&rotation) = places.rotations.get(&node) {
             let turning = parts.iter().filter(|p| p.variable.is_of_rotations());
             found.extend(turning.map(|&part| (part, name(node), ColumnSource::Node(rotation))));
         }
-        if let Some(&body) = scene.bodies.of_node.get(&node).filter(|&&b| scene.bodies.list[b].spatial) {
+        if let Some(&body) = bodies.of_node.get(&node).filter(|&&b| bodies.list[b].spatial) {
             let source = ColumnSource::Body { body, node };
             found.extend(in_space(selection, &parts).map(|part| (part, name(node), source)));
             continue;
         }
-        let source = match (scene.places.free_node(node), scene.bodies.of_node.get(&node)) {
+        let source = match (places.free_node(node), bodies.of_node.get(&node)) {
             (Some(node), _) => ColumnSource::Node(node),
             (_, Some(&body)) => ColumnSource::Body { body, node },
             _ => continue,
@@ -396,7 +387,7 @@ fn columns_of_set(
         if part.variable == Variable::Reaction {
             once_a_body(&mut sources);
         }
-        let at = index_of_sources(sources, columns);
+        let at = columns.sets.insert_full(sources).0;
         columns.list.extend(statistics.iter().map(|statistic| HistoryColumn {
             name: format!("{}_{}@{set}", part.label(), statistic.name()),
             part: Some(part),
@@ -405,13 +396,8 @@ fn columns_of_set(
     }
 }
 
-/// Returns the index of a list of sources in the plan, and adds the list if it is new.
-fn index_of_sources(sources: Vec<ColumnSource>, columns: &mut Columns) -> usize {
-    columns.sets.insert_full(sources).0
-}
-
 /// Adds columns of a part. A rigid body belongs to it with all its mass if one of its elements does.
-fn part_columns(scene: Scene<'_>, selection: VariableRequest, set: ElementSetId, columns: &mut Columns) {
+fn part_columns(scene: Scene, selection: VariableRequest, set: ElementSetId, columns: &mut Columns) {
     let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
     let parts = selected_parts(scene, selection, |v| v.place() == VariablePlace::Part);
     let model = scene.model;
@@ -426,19 +412,14 @@ fn part_columns(scene: Scene<'_>, selection: VariableRequest, set: ElementSetId,
     let mut sources: Vec<ColumnSource> = members.iter().filter_map(source).collect();
     once_a_body(&mut sources);
     if !sources.is_empty() && !parts.is_empty() {
-        let at = index_of_sources(sources, columns);
+        let at = columns.sets.insert_full(sources).0;
         columns.list.extend(parts.into_iter().map(|part| column(part, name, ColumnSource::Part(at))));
     }
 }
 
 /// Adds columns of the selected contact pairs.
-fn pair_columns(
-    scene: Scene<'_>,
-    pairs: &Pairs,
-    selection: VariableRequest,
-    which: &ContactPairFilter,
-    columns: &mut Columns,
-) {
+fn pair_columns(input: OutputInput, selection: VariableRequest, which: &ContactPairFilter, columns: &mut Columns) {
+    let OutputInput { scene, pairs, .. } = input;
     let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
     let parts = selected_parts(scene, selection, |v| v.place() == VariablePlace::Pair);
     let meant = |name: &str| {
@@ -450,7 +431,8 @@ fn pair_columns(
 }
 
 /// Returns whether nodes of this model have a nodal variable.
-fn nodes_have(scene: Scene<'_>, pairs: &Pairs, variable: Variable) -> bool {
+fn nodes_have(input: OutputInput, variable: Variable) -> bool {
+    let OutputInput { scene, pairs, .. } = input;
     match variable.row().preselected {
         PreselectRule::HeatConduction => solves_for_temperatures(scene.model),
         PreselectRule::SurfaceContact => !pairs.names.is_empty(),
@@ -461,20 +443,20 @@ fn nodes_have(scene: Scene<'_>, pairs: &Pairs, variable: Variable) -> bool {
 }
 
 fn element_columns(
-    scene: Scene<'_>,
-    (selection, request): (VariableRequest, &OutputRequest),
+    input: OutputInput,
+    selection: VariableRequest,
+    request: &OutputRequest,
     set: ElementSetId,
-    state: &State,
     columns: &mut Columns,
 ) {
-    let model = scene.model;
+    let Scene { model, places, .. } = input.scene;
     let (set, members) = named(&model.element_sets, set.index());
-    let parts = selected_parts(scene, selection, Variable::is_of_elements);
+    let parts = selected_parts(input.scene, selection, Variable::is_of_elements);
     let name = |element: usize| model.mesh.elements[element].name.as_str();
     let mut found = Vec::new();
     for element in by_number(members, name) {
-        let Some(&(group, index)) = scene.places.elements.get(&element) else { continue };
-        let has = |part: &&VariableComponent| element_has(state, (group, index), **part, &columns.model_variables);
+        let Some(&(group, index)) = places.elements.get(&element) else { continue };
+        let has = |part: &&VariableComponent| element_has(input, (group, index), **part);
         let source = ColumnSource::Element(group, index);
         found.extend(parts.iter().filter(has).map(|&part| (part, name(element), source)));
     }
@@ -482,19 +464,17 @@ fn element_columns(
 }
 
 fn section_columns(
-    scene: Scene<'_>,
+    input: OutputInput,
     selection: VariableRequest,
     surface: SurfaceId,
     name: &str,
-    state: &State,
     columns: &mut Columns,
 ) {
     let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
-    let parts = selected_parts(scene, selection, |v| v.place() == VariablePlace::Section);
+    let parts = selected_parts(input.scene, selection, |v| v.place() == VariablePlace::Section);
     let known = columns.sections.iter().position(|s| s.surface == surface);
     let at = known.unwrap_or_else(|| {
-        let section = integrated_section(scene, surface, state);
-        columns.sections.push(section);
+        columns.sections.push(integrated_section(input, surface));
         columns.sections.len() - 1
     });
     if !columns.sections[at].faces.is_empty() {
@@ -503,17 +483,17 @@ fn section_columns(
 }
 
 /// Returns the deformable faces of a surface, with the corners of their elements.
-fn integrated_section(scene: Scene<'_>, surface: SurfaceId, state: &State) -> IntegratedSection {
-    let model = scene.model;
+fn integrated_section(input: OutputInput, surface: SurfaceId) -> IntegratedSection {
+    let Scene { model, places, .. } = input.scene;
     let sides = &model.surfaces.faces[surface].faces;
     let mut section = IntegratedSection { surface, faces: Vec::new(), corners: Vec::new() };
-    let deforming = sides.iter().filter_map(|&(e, side)| Some((scene.places.elements.get(&e)?, e, side)));
+    let deforming = sides.iter().filter_map(|&(e, side)| Some((places.elements.get(&e)?, e, side)));
     for (&(group, element), e, side) in deforming {
-        let Some(ends) = model.mesh.side_nodes(e, side).map(|ends| ends.map(|n| scene.places.nodes[&n])) else {
+        let Some(ends) = model.mesh.side_nodes(e, side).map(|ends| ends.map(|n| places.nodes[&n])) else {
             continue;
         };
         section.faces.push(ends);
-        let corners = state.elements.groups[group].boundary(element);
+        let corners = input.state.elements.groups[group].boundary(element);
         let on = (0..corners.len()).filter(|&c| ends.contains(&(corners[c] as usize)));
         section.corners.extend(on.map(|c| (group, element, c)));
     }
@@ -523,11 +503,7 @@ fn integrated_section(scene: Scene<'_>, surface: SurfaceId, state: &State) -> In
 }
 
 /// Returns the components that a name selects among nodal or element variables.
-fn selected_parts(
-    scene: Scene<'_>,
-    selection: VariableRequest,
-    of: impl Fn(Variable) -> bool,
-) -> Vec<VariableComponent> {
+fn selected_parts(scene: Scene, selection: VariableRequest, of: impl Fn(Variable) -> bool) -> Vec<VariableComponent> {
     let variables = match selection {
         VariableRequest::One(part) => return Some(part).filter(|p| of(p.variable)).into_iter().collect(),
         VariableRequest::All => Variable::ALL.to_vec(),
@@ -537,7 +513,7 @@ fn selected_parts(
 }
 
 /// Returns the components of a variable; for state variables as many as the materials of the model have.
-fn components_of(scene: Scene<'_>, variable: Variable) -> Vec<VariableComponent> {
+fn components_of(scene: Scene, variable: Variable) -> Vec<VariableComponent> {
     if variable.row().numbered {
         return (0..state_variables(scene)).map(|component| VariableComponent { variable, component }).collect();
     }
@@ -545,11 +521,11 @@ fn components_of(scene: Scene<'_>, variable: Variable) -> Vec<VariableComponent>
 }
 
 fn frame_fields(
-    scene: Scene<'_>,
+    scene: Scene,
     request: &OutputRequest,
     available: &[FrameField],
     fields: &mut Vec<FrameField>,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let places = request.card.places();
     for &selection in &request.variables {
@@ -572,7 +548,7 @@ fn solves_for_temperatures(model: &Model) -> bool {
     model.steps.first().is_some_and(|s| s.coupled)
 }
 
-pub(crate) fn scales_masses(scene: Scene<'_>) -> bool {
+pub fn scales_masses(scene: Scene) -> bool {
     deforms(scene.places) && scene.model.steps.iter().any(|step| !step.mass_scalings.is_empty())
 }
 
@@ -580,13 +556,8 @@ fn deforms(places: &SolidPlaces) -> bool {
     !places.elements.is_empty()
 }
 
-/// Iterates over the energies of this model.
-fn energy_variables(model_variables: &[Variable]) -> impl Iterator<Item = Variable> {
-    model_variables.iter().copied().filter(|v| v.place() == VariablePlace::Energy)
-}
-
 /// Returns the variables that this model has as a whole: energies, the time increment and the added mass.
-fn find_model_variables(scene: Scene<'_>, pairs: &Pairs) -> Vec<Variable> {
+fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
     let deforms = deforms(scene.places);
     let (conducts, deletes) = (solves_for_temperatures(scene.model), deletes(scene));
     let damages = materials_present(scene).any(fails)
@@ -621,14 +592,12 @@ fn find_model_variables(scene: Scene<'_>, pairs: &Pairs) -> Vec<Variable> {
 }
 
 /// Returns the fields that frames can show: nodal variables, and variables of at least one element group.
-fn available_fields(scene: Scene<'_>, pairs: &Pairs, state: &State, model_variables: &[Variable]) -> Vec<FrameField> {
+fn available_fields(input: OutputInput) -> Vec<FrameField> {
+    let OutputInput { scene, state, .. } = input;
     let groups = &state.elements.groups;
     // All elements of a group have the same variables.
     let somewhere = |part: &VariableComponent| {
-        groups
-            .iter()
-            .enumerate()
-            .any(|(g, group)| !group.is_empty() && element_has(state, (g, 0), *part, model_variables))
+        groups.iter().enumerate().any(|(g, group)| !group.is_empty() && element_has(input, (g, 0), *part))
     };
     let mut fields = Vec::new();
     let turns = !scene.places.rotations.is_empty();
@@ -638,7 +607,7 @@ fn available_fields(scene: Scene<'_>, pairs: &Pairs, state: &State, model_variab
         }
         let parts = components_of(scene, variable);
         match variable.place() {
-            VariablePlace::Node if !nodes_have(scene, pairs, variable) || is_spatial(variable) => {}
+            VariablePlace::Node if !nodes_have(input, variable) || is_spatial(variable) => {}
             VariablePlace::Node if variable != Variable::Coordinate => fields.push(FrameField::new(parts)),
             VariablePlace::Point | VariablePlace::Element if variable.row().numbered => {
                 let field = |p: VariableComponent| {
@@ -659,7 +628,7 @@ fn available_fields(scene: Scene<'_>, pairs: &Pairs, state: &State, model_variab
 
 /// Returns whether a field is in the preselected output of ABAQUS/Explicit. Stress invariants, which ABAQUS/Viewer
 /// computes, are included.
-fn is_preselected(scene: Scene<'_>, field: &FrameField) -> bool {
+fn is_preselected(scene: Scene, field: &FrameField) -> bool {
     match field.variable().row().preselected {
         PreselectRule::Never => false,
         PreselectRule::Always => true,
@@ -678,12 +647,8 @@ fn is_preselected(scene: Scene<'_>, field: &FrameField) -> bool {
 }
 
 /// Returns whether an element has a variable, also if the variable is integrated only on request.
-fn element_has(
-    state: &State,
-    (group, element): (usize, usize),
-    part: VariableComponent,
-    model_variables: &[Variable],
-) -> bool {
+fn element_has(input: OutputInput, (group, element): (usize, usize), part: VariableComponent) -> bool {
+    let OutputInput { state, model_variables, .. } = input;
     let heat = state.thermal.as_ref().and_then(|t| t.heat.as_ref());
     match part.variable {
         Variable::MassScalingFactor => model_variables.contains(&Variable::AddedMass),
@@ -696,7 +661,7 @@ fn element_has(
     }
 }
 
-fn note_absent_variable(selection: VariableRequest, request: &OutputRequest, report: &mut Report<'_>) {
+fn note_absent_variable(selection: VariableRequest, request: &OutputRequest, report: &mut Report) {
     let why = why_absent(selection, request);
     report.add_unused_card(request.span, selection.name(), why);
 }

@@ -2,7 +2,7 @@
 
 use crate::element::averaging::DilationAveraging;
 use crate::model::{MaterialDefinition, Model, SolidSection};
-use crate::plan::report::Report;
+use crate::plan::Report;
 use crate::plan::solids::user_material::calls_routines_at_points;
 
 /// Poisson's ratio above which triangles of an elastic material lock: there the bulk modulus is ten times the shear
@@ -11,11 +11,11 @@ const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
 /// Returns the averaging of the triangles of a section, if AVERAGED PRESSURE=YES is given or, by default, if they
 /// would lock.
-pub(crate) fn dilation_averaging(
+pub fn dilation_averaging(
     model: &Model,
     section: &SolidSection,
     corners: &[[u32; 4]],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<DilationAveraging> {
     let material = &model.materials[section.material];
     let requested = section.controls.averaged;

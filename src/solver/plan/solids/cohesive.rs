@@ -14,13 +14,8 @@ use crate::model::{
     CohesiveSection, ElementKind, InitiationMeasure, InterfaceEvolution, InterfaceInitiation, MaterialDefinition, Mesh,
     ModeDependence, ModeMixRatio, Model, Step,
 };
-use crate::plan::State;
-use crate::plan::bodies::rigid_body::Bodies;
 use crate::plan::constraints::connectors::inverse;
-use crate::plan::constraints::link_set::Links;
-use crate::plan::meshes::places::SolidPlaces;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
+use crate::plan::{Bodies, Links, Report, Scene, SolidPlaces, State};
 use crate::state::nodes::Node;
 use crate::variables::Variable;
 
@@ -43,26 +38,26 @@ impl InertiaSearch {
 }
 
 /// Returns the cohesive sections with their elements.
-pub(crate) fn cohesive_sections<'a>(model: &'a Model) -> Vec<(&'a CohesiveSection, Vec<usize>)> {
+pub fn cohesive_sections<'a>(model: &'a Model) -> Vec<(&'a CohesiveSection, Vec<usize>)> {
     let sections = model.cohesive_sections.iter().map(|s| (s, s.elements.clone()));
     sections.filter(|(_, elements): &(_, Vec<usize>)| !elements.is_empty()).collect()
 }
 
 /// Returns the materials of cohesive elements that can be damaged.
-pub(crate) fn damaged_interfaces<'a>(model: &'a Model) -> impl Iterator<Item = &'a CohesiveSection> {
+pub fn damaged_interfaces<'a>(model: &'a Model) -> impl Iterator<Item = &'a CohesiveSection> {
     let grows = |s: &&CohesiveSection| model.materials[s.material].interface.evolution.is_some();
     model.cohesive_sections.iter().filter(grows)
 }
 
 /// Creates the element group of a section and adds its masses.
-pub(crate) fn cohesive_group(
+pub fn cohesive_group(
     model: &Model,
     places: &SolidPlaces,
     section: &CohesiveSection,
     elements: &[usize],
     nodes: &[Node],
     mass: &mut [f64],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Box<dyn ElementGroup>> {
     let material = &model.materials[section.material];
     check_section(section, material, report)?;
@@ -77,7 +72,7 @@ pub(crate) fn cohesive_group(
             let message = format!("element {} has no geometric thickness: its faces coincide", element.name);
             let finding = Diagnostic::error("P026", message).at(element.span, "this element");
             let help = "give THICKNESS=SPECIFIED on *COHESIVE SECTION, with the thickness on its data line";
-            return report.diagnostics.refuse(finding.at(section.span, "THICKNESS=GEOMETRY").help(help));
+            return report.refuse(finding.at(section.span, "THICKNESS=GEOMETRY").help(help));
         }
         let law = thicknesses.iter().position(|t| *t == thickness).unwrap_or_else(|| {
             thicknesses.push(thickness);
@@ -105,7 +100,7 @@ pub(crate) fn cohesive_group(
 }
 
 /// Returns the viscosity of the damage, which the material or the section controls give.
-fn viscosity_of(section: &CohesiveSection, material: &MaterialDefinition, report: &mut Report<'_>) -> Option<f64> {
+fn viscosity_of(section: &CohesiveSection, material: &MaterialDefinition, report: &mut Report) -> Option<f64> {
     let (of_section, viscosity) = (section.controls.viscosity, damage_viscosity(section, material));
     if let Some((_, span)) = material.interface.viscosity
         && of_section != 0.0
@@ -114,28 +109,28 @@ fn viscosity_of(section: &CohesiveSection, material: &MaterialDefinition, report
         let message = format!("the damage of material `{}` has two viscosities", material.name);
         let finding = Diagnostic::error("P026", message).at(span, "this viscosity");
         let finding = finding.at(section.span, "VISCOSITY of the controls of this section");
-        return report.diagnostics.refuse(finding.help("give one of the two"));
+        return report.refuse(finding.help("give one of the two"));
     }
     Some(viscosity)
 }
 
 /// Checks that a material has a traction-separation law and no other.
-fn check_section(section: &CohesiveSection, material: &MaterialDefinition, report: &mut Report<'_>) -> Option<()> {
+fn check_section(section: &CohesiveSection, material: &MaterialDefinition, report: &mut Report) -> Option<()> {
     let refusal = refusal(material);
     if let Some((message, help)) = refusal {
         let message = format!("material `{}` {message}", material.name);
         let finding = Diagnostic::error("P026", message).at(section.span, "these elements are cohesive");
-        return report.diagnostics.refuse(finding.help(help));
+        return report.refuse(finding.help(help));
     }
     if section.controls.by_area {
         let message = "WEIGHTING=AREA together with cohesive elements is not supported";
-        return report.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
+        return report.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
     }
     let (interface, most) = (&material.interface, section.controls.max_degradation);
     if let (Some(initiation), None) = (interface.initiation, &interface.evolution) {
         let message = format!("cohesive elements of material `{}` are never damaged", material.name);
         let finding = Diagnostic::warning("P147", message).at(initiation.span, "no *DAMAGE EVOLUTION after it");
-        report.diagnostics.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
+        report.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
     }
     let unused = [("MAX DEGRADATION", most < 1.0), ("VISCOSITY", section.controls.viscosity != 0.0)];
     for (name, _) in unused.into_iter().filter(|entry| entry.1 && interface.evolution.is_none()) {
@@ -147,11 +142,11 @@ fn check_section(section: &CohesiveSection, material: &MaterialDefinition, repor
 /// Reports a fracture energy that is less than the elastic energy at damage initiation: the traction would have to
 /// return to smaller separations. `what` is the code of the error, the name of the interface and the card of its
 /// stiffness.
-pub(crate) fn check_energies(
+pub fn check_energies(
     origin: Option<(&InterfaceInitiation, &InterfaceEvolution)>,
     law: &TractionSeparationLaw,
     (code, name, card): (&'static str, &str, &str),
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<()> {
     let Some((initiation, evolution)) = origin else { return Some(()) };
     for (mode, of) in ["normal", "shear"].into_iter().enumerate() {
@@ -166,7 +161,7 @@ pub(crate) fn check_energies(
                 "increase the fracture energy or the stiffness ({card}), or decrease the strength: strength squared \
                      over twice the stiffness must be less than the fracture energy"
             );
-            return report.diagnostics.refuse(finding.at(initiation.span, "this strength").help(help));
+            return report.refuse(finding.at(initiation.span, "this strength").help(help));
         }
     }
     Some(())
@@ -177,7 +172,7 @@ fn cohesive_row(
     material: &MaterialDefinition,
     thicknesses: &[f64],
     count: usize,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let least = thicknesses.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = thicknesses.iter().copied().fold(0.0, f64::max);
@@ -199,7 +194,7 @@ fn cohesive_row(
 }
 
 /// Bounds the time increment by the cohesive elements. A node without mass is an error: forces of elements act on masses.
-pub(crate) fn bound_cohesive_elements(scene: Scene<'_>, links: &Links, state: &mut State, report: &mut Report<'_>) {
+pub fn bound_cohesive_elements(scene: Scene, links: &Links, state: &mut State, report: &mut Report) {
     if scene.model.cohesive_sections.is_empty() {
         return;
     }
@@ -231,7 +226,7 @@ pub(crate) fn bound_cohesive_elements(scene: Scene<'_>, links: &Links, state: &m
 }
 
 /// Adds the nodal masses of cohesive elements.
-pub(crate) fn add_masses_of_cohesive_elements(scene: Scene<'_>, elements: &[usize], masses: &mut IndexMap<usize, f64>) {
+pub fn add_masses_of_cohesive_elements(scene: Scene, elements: &[usize], masses: &mut IndexMap<usize, f64>) {
     let mesh = &scene.model.mesh;
     for section in &scene.model.cohesive_sections {
         let density = scene.model.materials[section.material].density.unwrap_or(0.0);
@@ -293,13 +288,13 @@ fn inertia_of_dof(
     others.collect()
 }
 
-fn refuse_bare_node(model: &Model, node: usize, report: &mut Report<'_>) {
+fn refuse_bare_node(model: &Model, node: usize, report: &mut Report) {
     let mesh = &model.mesh;
     let message = format!("node {} of a cohesive element has no mass", mesh.node_names[node]);
     let at = mesh.elements.iter().find(|e| e.kind == ElementKind::Cohax4 && e.nodes.contains(&node));
     let finding = Diagnostic::error("P026", message).at(at.map(|e| e.span).unwrap_or_default(), "this element");
     let help = "give the material of the cohesive elements a *DENSITY, or share the node with a solid element";
-    report.diagnostics.push(finding.help(help));
+    report.push(finding.help(help));
 }
 
 /// Returns the viscosity of the damage: that of the material, or else that of the section controls.
@@ -318,11 +313,7 @@ fn law(material: &MaterialDefinition, thickness: f64, (most, viscosity): (f64, f
 }
 
 /// Returns the criterion of damage initiation in separations, for a stiffness and a constitutive thickness.
-pub(crate) fn initiation_law(
-    initiation: &InterfaceInitiation,
-    stiffness: [f64; 2],
-    thickness: f64,
-) -> DamageInitiationLaw {
+pub fn initiation_law(initiation: &InterfaceInitiation, stiffness: [f64; 2], thickness: f64) -> DamageInitiationLaw {
     let separation = |i: usize| match initiation.measure {
         InitiationMeasure::Stress => initiation.limits[i] / stiffness[i],
         InitiationMeasure::Strain => initiation.limits[i] * thickness,
@@ -376,7 +367,7 @@ fn variable(initiation: &InterfaceInitiation) -> Variable {
 }
 
 /// Returns the value of `CRITERION`.
-pub(crate) fn criterion(initiation: &InterfaceInitiation) -> &'static str {
+pub fn criterion(initiation: &InterfaceInitiation) -> &'static str {
     let [largest, quadratic] = match initiation.measure {
         InitiationMeasure::Stress => ["MAXS", "QUADS"],
         InitiationMeasure::Strain => ["MAXE", "QUADE"],
@@ -386,7 +377,7 @@ pub(crate) fn criterion(initiation: &InterfaceInitiation) -> &'static str {
 }
 
 /// Describes a softening for the ledger.
-pub(crate) fn softening(softening: &InterfaceSoftening) -> String {
+pub fn softening(softening: &InterfaceSoftening) -> String {
     match softening {
         InterfaceSoftening::Displacement(mode) => format!("linear softening to displacement {}", dependence(mode)),
         InterfaceSoftening::ExponentialDisplacement(mode, _) => {

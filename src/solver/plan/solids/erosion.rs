@@ -3,15 +3,12 @@
 use crate::deck::Diagnostic;
 use crate::element::erosion::{DeletionCriteria, ErosionControl};
 use crate::model::ErosionCriteria as Card;
-use crate::plan::State;
-use crate::plan::meshes::places::SolidPlaces;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
+use crate::plan::{Report, Scene, SolidPlaces, State};
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
 /// Applies the criteria of `*EROSION` to the elements of the state.
-pub(crate) fn apply_erosion(scene: Scene<'_>, state: &mut State, report: &mut Report<'_>) {
+pub fn apply_erosion(scene: Scene, state: &mut State, report: &mut Report) {
     let mut erosion = ErosionControl::default();
     for card in &scene.model.erosions {
         let Some(elements) = eroding_elements(scene.places, card, state, report) else { continue };
@@ -30,7 +27,7 @@ fn eroding_elements(
     places: &SolidPlaces,
     card: &Card,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Vec<(usize, usize)>> {
     let places = &places.elements;
     let elements: Vec<(usize, usize)> = match &card.elements {
@@ -54,19 +51,19 @@ fn eroding_elements(
         None
     };
     if let Some((message, help)) = refusal {
-        return report.diagnostics.refuse(Diagnostic::error("P070", message).at(card.span, "this card").help(help));
+        return report.refuse(Diagnostic::error("P070", message).at(card.span, "this card").help(help));
     }
     Some(elements)
 }
 
 /// Reports an element that meets a criterion at the start.
 fn check_start(
-    scene: Scene<'_>,
+    scene: Scene,
     card: &Card,
     criteria: &DeletionCriteria,
     elements: &[(usize, usize)],
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let nodes: &Nodes = &state.dofs.nodes;
     let at_start = |&&(g, e): &&(usize, usize)| criteria.are_met(&*state.elements.groups[g], e, nodes);
@@ -75,7 +72,7 @@ fn check_start(
     let name = found.map_or("", |(e, _)| &scene.model.mesh.elements[e].name);
     let message = format!("element {name} meets an erosion criterion at the start");
     let finding = Diagnostic::error("P070", message).at(card.span, "this card");
-    report.diagnostics.push(finding.help("give another limit, or an ELSET without this element"));
+    report.push(finding.help("give another limit, or an ELSET without this element"));
 }
 
 fn detail(card: &Card) -> String {

@@ -3,14 +3,11 @@
 use crate::deck::{Diagnostic, Span};
 use crate::element::mass_scaling::{ScalingInterval, ScalingRequest, ScalingTarget, StepMassScaling, VariableScaling};
 use crate::model::{LoadKind, MassScaling, ScalingSchedule, ScalingType, Step};
-use crate::plan::State;
-use crate::plan::constraints::link_set::Links;
-use crate::plan::report::Report;
-use crate::plan::scene::{Scene, StepInput};
+use crate::plan::{Links, Report, Scene, State, StepInput};
 
 /// Creates the mass scaling of a step. Fixed mass scaling that continues from the previous step is not applied
 /// again.
-pub(crate) fn mass_scaling(input: StepInput<'_>, state: &State, report: &mut Report<'_>) -> Option<StepMassScaling> {
+pub fn mass_scaling(input: StepInput, state: &State, report: &mut Report) -> Option<StepMassScaling> {
     let StepInput { scene, links, index, .. } = input;
     let model = scene.model;
     let step = &model.steps[index];
@@ -34,11 +31,11 @@ pub(crate) fn mass_scaling(input: StepInput<'_>, state: &State, report: &mut Rep
 }
 
 fn scaling_request(
-    scene: Scene<'_>,
+    scene: Scene,
     links: &Links,
     scaling: &MassScaling,
     state: &State,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<ScalingRequest> {
     let places = &scene.places.elements;
     let elements: Vec<(usize, usize)> = match &scaling.elements {
@@ -87,18 +84,18 @@ fn element_name(scene: Scene<'_>, group: usize, element: usize) -> &str {
 }
 
 /// Returns whether each node belongs to a rigid body, an equation or a link. Empty if there are none.
-pub(crate) fn constrained_nodes(links: &Links, count: usize) -> Vec<bool> {
+pub fn constrained_nodes(links: &Links, count: usize) -> Vec<bool> {
     let carried = links.rigid_ties.iter().flat_map(|t| t.nodes.iter().copied());
     marked_nodes(count, carried.chain(nodes_of_links(links)))
 }
 
 /// Returns the nodes with equations and links.
-pub(crate) fn nodes_of_links(links: &Links) -> impl Iterator<Item = usize> {
+pub fn nodes_of_links(links: &Links) -> impl Iterator<Item = usize> {
     links.involved_dofs().into_iter().map(|dof| dof.0)
 }
 
 /// Returns whether each node belongs to a list. Empty if the list is.
-pub(crate) fn marked_nodes(count: usize, nodes: impl Iterator<Item = usize>) -> Vec<bool> {
+pub fn marked_nodes(count: usize, nodes: impl Iterator<Item = usize>) -> Vec<bool> {
     let nodes: Vec<usize> = nodes.collect();
     let mut marked = vec![false; if nodes.is_empty() { 0 } else { count }];
     nodes.into_iter().for_each(|n| marked[n] = true);
@@ -106,7 +103,7 @@ pub(crate) fn marked_nodes(count: usize, nodes: impl Iterator<Item = usize>) -> 
 }
 
 /// Reports loads that use the initial masses and do not support mass scaling.
-pub(crate) fn check_scalable_step(step: &Step, report: &mut Report<'_>) {
+pub fn check_scalable_step(step: &Step, report: &mut Report) {
     for load in &step.loads {
         if matches!(load.kind, LoadKind::Gravity { elements: Some(_), .. }) {
             let help = "leave the element set of GRAV empty, so that it acts on all masses";
@@ -120,8 +117,8 @@ pub(crate) fn check_scalable_step(step: &Step, report: &mut Report<'_>) {
     }
 }
 
-fn refuse_scaling(span: Span, message: String, help: &str, report: &mut Report<'_>) {
-    report.diagnostics.push(Diagnostic::error("P022", message).at(span, "here").help(help));
+fn refuse_scaling(span: Span, message: String, help: &str, report: &mut Report) {
+    report.push(Diagnostic::error("P022", message).at(span, "here").help(help));
 }
 
 fn aim(kind: ScalingType) -> ScalingTarget {

@@ -1,14 +1,14 @@
 //! Deformable solids of the plan: element groups from sections, nodal masses, initial conditions.
 
-pub(crate) mod averaging;
-pub(crate) mod cohesive;
-pub(crate) mod erosion;
-pub(crate) mod mass_scaling;
-pub(crate) mod shells;
-pub(crate) mod soft_material;
-pub(crate) mod solid_material;
-pub(crate) mod ties;
-pub(crate) mod user_material;
+pub mod averaging;
+pub mod cohesive;
+pub mod erosion;
+pub mod mass_scaling;
+pub mod shells;
+pub mod soft_material;
+pub mod solid_material;
+pub mod ties;
+pub mod user_material;
 
 use std::collections::HashMap;
 
@@ -29,15 +29,10 @@ use crate::model::{
     EosKind, FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model,
     RayleighCoefficients, SolidSection, Step,
 };
-use crate::plan::bodies::rigid_body::Bodies;
-use crate::plan::constraints::link_set::Links;
 use crate::plan::constraints::links::linked_nodes;
 use crate::plan::constraints::tie_equations::TieEquations;
 use crate::plan::heat::fields::start_fields;
 use crate::plan::meshes::numbering;
-use crate::plan::meshes::places::SolidPlaces;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
 use crate::plan::solids::averaging::dilation_averaging;
 use crate::plan::solids::cohesive::{cohesive_group, cohesive_sections};
 use crate::plan::solids::mass_scaling::{marked_nodes, nodes_of_links};
@@ -45,7 +40,7 @@ use crate::plan::solids::shells::{free_shells, place_rotations, shell_group};
 use crate::plan::solids::solid_material::{GroupInput, solid_group};
 use crate::plan::solids::ties::tie_to_bodies;
 use crate::plan::solids::user_material::calls_routines_at_points;
-use crate::plan::{MeshIndexMap, State};
+use crate::plan::{Bodies, Links, MeshIndexMap, Report, Scene, SolidPlaces, State};
 use crate::state::EffectId;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
@@ -57,7 +52,7 @@ fn place_elements(
     elements: &[usize],
     group: usize,
     row: (Span, &'static str),
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> EffectId {
     for (i, &e) in elements.iter().enumerate() {
         places.elements.insert(e, (group, i));
@@ -67,7 +62,7 @@ fn place_elements(
 
 /// The deformable bodies of a plan.
 #[derive(Default)]
-pub(crate) struct Solids {
+pub struct Solids {
     pub places: SolidPlaces,
     /// Deformable nodes that are tied to rigid bodies.
     pub ties: Vec<TiedNodes>,
@@ -77,7 +72,7 @@ pub(crate) struct Solids {
 
 /// Creates the nodes and element groups of all deformable bodies; empty if there are none. Adds the mass of tied nodes
 /// to the rigid bodies.
-pub(crate) fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &mut Report<'_>) -> Solids {
+pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &mut Report) -> Solids {
     let of_section =
         |s| by_topology(model, elements_in_order(model, bodies, s)).into_iter().map(move |elements| (s, elements));
     let sections: Vec<(&SolidSection, Vec<usize>)> = model.sections.iter().flat_map(of_section).collect();
@@ -151,7 +146,7 @@ pub(crate) fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], re
 }
 
 /// Lists `*RATE DEPENDENT` of materials without a yield stress as unused.
-fn note_unused_rate_dependence(model: &Model, report: &mut Report<'_>) {
+fn note_unused_rate_dependence(model: &Model, report: &mut Report) {
     let yields = |m: &MaterialDefinition| m.plastic.is_some() || m.foam.shape.is_some();
     for material in model.materials.iter().filter(|m| m.rate.is_some() && !yields(m) && m.user.material.is_none()) {
         report.add_unused_card(material.span, "*RATE DEPENDENT", "the material has no *PLASTIC");
@@ -177,14 +172,14 @@ fn place_nodes<'e>(
 }
 
 /// Returns the damping factors of a section; zeros without damping.
-fn rayleigh_factors(model: &Model, section: &SolidSection, count: usize, report: &mut Report<'_>) -> RayleighFactors {
+fn rayleigh_factors(model: &Model, section: &SolidSection, count: usize, report: &mut Report) -> RayleighFactors {
     let material = &model.materials[section.material];
     let Some(RayleighCoefficients { alpha, beta, span }) = material.damping else {
         return RayleighFactors::default();
     };
     if section.controls.by_area {
         let message = "WEIGHTING=AREA with *DAMPING is not supported";
-        report.diagnostics.push(Diagnostic::error("P050", message).at(section.span, "this section"));
+        report.push(Diagnostic::error("P050", message).at(section.span, "this section"));
     }
     let moduli = match material.elastic {
         Some([young, poisson]) => [young / (3.0 * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson))],
@@ -193,7 +188,7 @@ fn rayleigh_factors(model: &Model, section: &SolidSection, count: usize, report:
     if beta > 0.0 && material.elastic.is_none() {
         let message = format!("BETA of *DAMPING requires *ELASTIC, and material {} has none", material.name);
         let help = "use ALPHA, or *BULK VISCOSITY";
-        report.diagnostics.push(Diagnostic::error("P051", message).at(span, "here").help(help));
+        report.push(Diagnostic::error("P051", message).at(span, "here").help(help));
     }
     if alpha > 0.0 {
         report.ledger_row(span, "mass proportional damping", count, "elements", format!("alpha = {alpha}"));
@@ -223,14 +218,14 @@ fn lengths_at_start(
 }
 
 /// Returns LENGTH RATIO of a section with distortion control.
-fn distortion_control(section: &SolidSection, count: usize, report: &mut Report<'_>) -> Option<f64> {
+fn distortion_control(section: &SolidSection, count: usize, report: &mut Report) -> Option<f64> {
     let ratio = section.controls.distortion?;
     report.ledger_row(section.span, "distortion control", count, "elements", format!("length ratio {ratio}"));
     Some(ratio)
 }
 
 /// Creates the global estimate of the stable time increment, unless all steps use ELEMENT BY ELEMENT.
-pub(crate) fn estimate_frequency(scene: Scene<'_>, state: &mut State, report: &mut Report<'_>) {
+pub fn estimate_frequency(scene: Scene, state: &mut State, report: &mut Report) {
     let asks = |s: &&Step| matches!(s.increment, IncrementControl::Automatic { element_by_element: false, .. });
     let Some(step) = scene.model.steps.iter().find(asks) else { return };
     if scene.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
@@ -267,14 +262,14 @@ pub(crate) fn estimate_frequency(scene: Scene<'_>, state: &mut State, report: &m
 }
 
 /// Checks that step settings that elements take from the first step do not change.
-fn check_steps_alike(model: &Model, report: &mut Report<'_>) {
+fn check_steps_alike(model: &Model, report: &mut Report) {
     let Some(first) = model.steps.first() else { return };
     for step in &model.steps {
         let heat = (step.adiabatic, step.coupled) != (first.adiabatic, first.coupled);
         if step.bulk_viscosity != first.bulk_viscosity || heat {
             let message = "bulk viscosity, ADIABATIC and the solution for temperatures must be the same in all steps";
             let finding = Diagnostic::error("P015", message).at(step.span, "this step differs from the first");
-            report.diagnostics.push(finding.help("a change between steps is not supported"));
+            report.push(finding.help("a change between steps is not supported"));
         }
     }
 }
@@ -304,7 +299,7 @@ fn connectivity_of(
     places: &SolidPlaces,
     elements: &[usize],
     nodes: &[Node],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Connectivity> {
     let mesh = &model.mesh;
     let node = |n: usize| places.nodes[&n] as u32;
@@ -315,7 +310,7 @@ fn connectivity_of(
         if volume.is_nan() || volume <= 0.0 {
             let message = format!("element {} has volume {volume:e}", element.name);
             let finding = Diagnostic::error("P012", message).at(element.span, "this element");
-            report.diagnostics.push(finding.help("number its nodes counter-clockwise in the r-z plane, with r >= 0"));
+            report.push(finding.help("number its nodes counter-clockwise in the r-z plane, with r >= 0"));
             return None;
         }
     }
@@ -339,7 +334,7 @@ fn point_masses(model: &Model, places: &SolidPlaces, mass: &mut [f64]) {
 }
 
 /// Warns of elements of an ideal gas with an initial energy and an initial temperature.
-fn check_gas_states(model: &Model, report: &mut Report<'_>) {
+fn check_gas_states(model: &Model, report: &mut Report) {
     let conditions = || model.initial_conditions.iter();
     let is_gas = |section: &SolidSection| matches!(&model.materials[section.material].eos, Some(eos) if matches!(eos.kind, EosKind::IdealGas(_)));
     let gas: Vec<usize> = model.sections.iter().filter(|s| is_gas(s)).flat_map(|s| s.elements.clone()).collect();
@@ -353,7 +348,7 @@ fn check_gas_states(model: &Model, report: &mut Report<'_>) {
             let message = "an ideal gas has an initial specific energy and an initial temperature, of which one \
                                follows from the other; the later condition replaces the earlier one";
             let finding = Diagnostic::warning("P017", message).at(energy.span, "the energy");
-            report.diagnostics.push(finding.at(heat.span, "the temperature").help("remove one of the conditions"));
+            report.push(finding.at(heat.span, "the temperature").help("remove one of the conditions"));
             return;
         }
     }
@@ -386,7 +381,7 @@ fn start_temperatures(model: &Model, places: &SolidPlaces, groups: &mut [Box<dyn
 }
 
 /// Sets the initial velocities, stresses, energies and state variables.
-fn start_solid(model: &Model, places: &SolidPlaces, state: &mut State, report: &mut Report<'_>) {
+fn start_solid(model: &Model, places: &SolidPlaces, state: &mut State, report: &mut Report) {
     check_gas_states(model, report);
     let (nodes, groups) = (&mut state.dofs.nodes, &mut state.elements.groups);
     for condition in &model.initial_conditions {
@@ -408,7 +403,7 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut State, report: &
                 for (group, i) in condition.members.iter().filter_map(|e| places.elements.get(e)) {
                     if groups[*group].value(*i, Variable::SpecificEnergy.into()).is_none() {
                         let message = "TYPE=SPECIFIC ENERGY needs a material with *EOS";
-                        report.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
+                        report.push(Diagnostic::error("P017", message).at(condition.span, "here"));
                         break;
                     }
                     groups[*group].extensions().initial_state().set_energy(*i, *value);
@@ -421,7 +416,7 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut State, report: &
                 };
                 if !elements.all(set) {
                     let message = "TYPE=HARDENING needs solid elements with *PLASTIC and isotropic hardening";
-                    report.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
+                    report.push(Diagnostic::error("P017", message).at(condition.span, "here"));
                 }
             }
             InitialKind::State(values) => {
@@ -434,7 +429,7 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut State, report: &
                                  (*DEPVAR)",
                             values.len()
                         );
-                        report.diagnostics.push(Diagnostic::error("P017", message).at(condition.span, "here"));
+                        report.push(Diagnostic::error("P017", message).at(condition.span, "here"));
                         break;
                     }
                 }
@@ -446,9 +441,7 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut State, report: &
                 if condition.members.iter().filter_map(|e| places.elements.get(e)).find(eos).is_some() {
                     let message = "an initial stress cannot be prescribed: the stress follows from density and energy, or from the deformation";
                     let finding = Diagnostic::error("P017", message).at(condition.span, "this initial stress");
-                    report
-                        .diagnostics
-                        .push(finding.help("give TYPE=SPECIFIC ENERGY, or a temperature of an ideal gas"));
+                    report.push(finding.help("give TYPE=SPECIFIC ENERGY, or a temperature of an ideal gas"));
                     continue;
                 }
                 let stress = [0, 1, 2, 3].map(|i| values.get(i).copied().unwrap_or(0.0));
@@ -460,7 +453,7 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut State, report: &
     }
 }
 
-pub(crate) fn scale_and_estimate(scene: Scene<'_>, links: &Links, state: &mut State, report: &mut Report<'_>) {
+pub fn scale_and_estimate(scene: Scene, links: &Links, state: &mut State, report: &mut Report) {
     if state.elements.is_empty() {
         return;
     }

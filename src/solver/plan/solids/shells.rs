@@ -10,16 +10,13 @@ use crate::kernel::lists::sorted_unique;
 use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{ShellFrame, simpson};
 use crate::model::{MaterialDefinition, Model, PlasticityModel, ShellSection, ShellThinning};
-use crate::plan::bodies::rigid_body::Bodies;
-use crate::plan::meshes::places::SolidPlaces;
 use crate::plan::queries::adiabatic;
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
 use crate::plan::solids::solid_material::{bulk_viscosity, heating, yield_stress};
+use crate::plan::{Bodies, Report, Scene, SolidPlaces};
 use crate::state::nodes::Node;
 
 /// Returns the shell sections with their elements that do not belong to a rigid body.
-pub(crate) fn free_shells<'a>(model: &'a Model, bodies: &'a Bodies) -> Vec<(&'a ShellSection, Vec<usize>)> {
+pub fn free_shells<'a>(model: &'a Model, bodies: &'a Bodies) -> Vec<(&'a ShellSection, Vec<usize>)> {
     let free = |e: &usize| !bodies.of_element.contains_key(e);
     let of = |s: &ShellSection| s.elements.iter().copied().filter(free).collect();
     let sections = model.shell_sections.iter().map(|s| (s, of(s)));
@@ -27,12 +24,12 @@ pub(crate) fn free_shells<'a>(model: &'a Model, bodies: &'a Bodies) -> Vec<(&'a 
 }
 
 /// Adds the rotations of shell nodes after all nodes, with zero angles.
-pub(crate) fn place_rotations(
+pub fn place_rotations(
     model: &Model,
     places: &mut SolidPlaces,
     shells: &[(&ShellSection, Vec<usize>)],
     nodes: &mut Vec<Node>,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let mesh = &model.mesh;
     let ends = shells.iter().flat_map(|s| &s.1).flat_map(|&e| mesh.elements[e].nodes.iter().copied());
@@ -46,14 +43,14 @@ pub(crate) fn place_rotations(
 }
 
 /// Creates the element group of a section and adds its masses and rotary inertias.
-pub(crate) fn shell_group(
+pub fn shell_group(
     model: &Model,
     places: &SolidPlaces,
     section: &ShellSection,
     elements: &[usize],
     nodes: &[Node],
     mass: &mut [f64],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Box<dyn ElementGroup>> {
     let material = &model.materials[section.material];
     let section_of_group = shell_properties(model, section, material, elements.len(), report)?;
@@ -67,7 +64,7 @@ pub(crate) fn shell_group(
     if let Some(at) = list.iter().position(|c| !lies_off_the_axis(c, nodes)) {
         let element = &model.mesh.elements[elements[at]];
         let message = format!("element {} is on the axis or has no length", element.name);
-        return report.diagnostics.refuse(Diagnostic::error("P012", message).at(element.span, "this element"));
+        return report.refuse(Diagnostic::error("P012", message).at(element.span, "this element"));
     }
     let group = ShellGroup::new(section_of_group, list, nodes);
     for element in 0..group.len() {
@@ -79,12 +76,7 @@ pub(crate) fn shell_group(
 }
 
 /// Lists cards of a material without effect on shells as unused, unless solid elements have the material too.
-fn note_unused_on_shells(
-    model: &Model,
-    section: &ShellSection,
-    material: &MaterialDefinition,
-    report: &mut Report<'_>,
-) {
+fn note_unused_on_shells(model: &Model, section: &ShellSection, material: &MaterialDefinition, report: &mut Report) {
     if model.sections.iter().any(|solid| solid.material == section.material) {
         return;
     }
@@ -106,14 +98,12 @@ fn shell_properties(
     section: &ShellSection,
     material: &MaterialDefinition,
     count: usize,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<ShellProperties> {
     if let Some(message) = refusal(material, adiabatic(model)) {
         let message = format!("material `{}`: {message}", material.name);
         let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
-        report
-            .diagnostics
-            .push(finding.help("shells support *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
+        report.push(finding.help("shells support *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
         return None;
     }
     note_unused_on_shells(model, section, material, report);
@@ -159,7 +149,7 @@ fn shell_properties(
 }
 
 /// Adds the nodal masses of shell elements.
-pub(crate) fn add_masses_of_shells(scene: Scene<'_>, elements: &[usize], masses: &mut IndexMap<usize, f64>) {
+pub fn add_masses_of_shells(scene: Scene, elements: &[usize], masses: &mut IndexMap<usize, f64>) {
     let mesh = &scene.model.mesh;
     for section in &scene.model.shell_sections {
         let material = &scene.model.materials[section.material];

@@ -9,18 +9,18 @@ use crate::material::foam::{FoamHardening, FoamMaterial};
 use crate::material::hyperelastic::{HyperelasticMaterial, NeoHooke};
 use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy, VolumetricEnergy};
 use crate::model::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, MaterialDefinition, RateDependence};
-use crate::plan::report::Report;
+use crate::plan::Report;
 use crate::plan::solids::solid_material::{SolidProperties, rate_factor};
 
 /// Initial bulk modulus over the shear modulus of rubber whose card gives no compressibility: Poisson's ratio 0.475
 /// (ABAQUS Analysis User's Guide, "Hyperelastic behavior of rubberlike materials", compressibility in ABAQUS/Explicit).
 const BULK_OVER_SHEAR: f64 = 20.0;
 
-pub(crate) fn rubber_law(
+pub fn rubber_law(
     material: &MaterialDefinition,
     _: Span,
     _: &SolidProperties,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<SolidMaterial> {
     let HyperelasticLaw { shape, compressibility, span } = material.hyperelastic.as_ref()?;
     let shear = shape.shear();
@@ -52,11 +52,11 @@ pub(crate) fn rubber_law(
     })
 }
 
-pub(crate) fn foam_law(
+pub fn foam_law(
     material: &MaterialDefinition,
     span: Span,
     properties: &SolidProperties,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<SolidMaterial> {
     let name = &material.name;
     let Some((shape, card)) = material.foam.shape else {
@@ -102,12 +102,12 @@ pub(crate) fn foam_law(
     Some(SolidMaterial::Foam(FoamMaterial { growth, hardening, rate, moduli: [bulk, shear] }))
 }
 
-pub(crate) fn explosive_law(
+pub fn explosive_law(
     material: &MaterialDefinition,
     card: Span,
     values: &[f64; 8],
     span: Span,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<HighExplosive> {
     let [speed, a, b, omega, r1, r2, energy, unburnt] = *values;
     if material.detonation.is_empty() {
@@ -126,6 +126,6 @@ pub(crate) fn explosive_law(
     Some(HighExplosive { products, speed, energy, unburnt, points })
 }
 
-fn no_material<T>(span: Span, message: String, report: &mut Report<'_>) -> Option<T> {
-    report.diagnostics.refuse(Diagnostic::error("P013", message).at(span, "these elements deform"))
+fn no_material<T>(span: Span, message: String, report: &mut Report) -> Option<T> {
+    report.refuse(Diagnostic::error("P013", message).at(span, "these elements deform"))
 }

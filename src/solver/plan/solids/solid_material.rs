@@ -23,11 +23,10 @@ use crate::model::{
     DamageEvolution, EosKind, FailureCriterion, HourglassMethod, MaterialDefinition, Model, PlasticityModel,
     RateDependence, SectionControls, SolidSection, StrainAtFailure,
 };
-use crate::plan::meshes::places::SolidPlaces;
 use crate::plan::queries::{adiabatic, conducts};
-use crate::plan::report::Report;
 use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
 use crate::plan::solids::user_material::{calls_routines_at_points, law_group, require_length_routine, user_group};
+use crate::plan::{Report, SolidPlaces};
 use crate::state::nodes::Node;
 
 /// Default hourglass stiffness over the shear modulus (ABAQUS Analysis User's Guide, "Section controls": factor 0.005).
@@ -39,7 +38,7 @@ const HOURGLASS_VISCOSITY: f64 = 0.05;
 const FLUID_VISCOSITY: f64 = 0.15;
 
 /// Function that selects the law of a material; `None` if an error was reported.
-type LawSelection = fn(&MaterialDefinition, Span, &SolidProperties, &mut Report<'_>) -> Option<SolidMaterial>;
+type LawSelection = fn(&MaterialDefinition, Span, &SolidProperties, &mut Report) -> Option<SolidMaterial>;
 
 /// A family of materials: the condition under which it applies, and the selection of its law.
 struct MaterialRow {
@@ -57,7 +56,7 @@ const MATERIALS: &[MaterialRow] = &[
 ];
 
 /// A section of solid elements, and what its element group depends on.
-pub(crate) struct GroupInput<'a> {
+pub struct GroupInput<'a> {
     pub model: &'a Model,
     pub places: &'a SolidPlaces,
     pub section: &'a SolidSection,
@@ -68,8 +67,8 @@ pub(crate) struct GroupInput<'a> {
 }
 
 /// Properties of a solid section that the selection of its law takes into account.
-pub(crate) struct SolidProperties {
-    pub(crate) constants: ElementConstants,
+pub struct SolidProperties {
+    pub constants: ElementConstants,
     density: f64,
     heats: bool,
     /// 1 - MAX DEGRADATION: remaining stiffness fraction at which an element is deleted.
@@ -80,11 +79,7 @@ pub(crate) struct SolidProperties {
     absolute_zero: f64,
 }
 
-pub(crate) fn solid_group(
-    input: &GroupInput<'_>,
-    mass: &mut [f64],
-    report: &mut Report<'_>,
-) -> Option<Box<dyn ElementGroup>> {
+pub fn solid_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> Option<Box<dyn ElementGroup>> {
     let GroupInput { model, places, section, material, elements, connectivity, nodes, .. } = *input;
     let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
     let shear_viscosity = shear_viscosity(section, material, report)?;
@@ -101,7 +96,7 @@ pub(crate) fn solid_group(
     if calls_routines_at_points(material) {
         if section.controls.by_area {
             let message = "WEIGHTING=AREA with user subroutines is not supported";
-            return report.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
+            return report.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
         }
         return user_group(input, mass, report);
     }
@@ -135,7 +130,7 @@ fn solid_law(
     material: &MaterialDefinition,
     span: Span,
     solid: &SolidProperties,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<SolidMaterial> {
     let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
     if !burns && !material.detonation.is_empty() {
@@ -145,18 +140,18 @@ fn solid_law(
     (row.law)(material, span, solid, report)
 }
 
-fn refuse_six_nodes(section: &SolidSection, with: &str, report: &mut Report<'_>) {
+fn refuse_six_nodes(section: &SolidSection, with: &str, report: &mut Report) {
     let finding = Diagnostic::error("P024", format!("CAX6M with {with} is not supported"));
-    report.diagnostics.push(finding.at(section.span, "this section").help("give CAX3 or CAX4R"));
+    report.push(finding.at(section.span, "this section").help("give CAX3 or CAX4R"));
 }
 
 /// Returns the hourglass control of a group. Six-node triangles have none, but need a shear modulus.
-pub(crate) fn hourglass_control(
+pub fn hourglass_control(
     section: &SolidSection,
     material: &MaterialDefinition,
     moduli: ElasticModuli,
     connectivity: &Connectivity,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<HourglassControl> {
     if let Connectivity::Quadrilaterals(_) = connectivity {
         return hourglass_of_quadrilaterals(section, material, moduli, report);
@@ -172,11 +167,7 @@ pub(crate) fn hourglass_control(
 }
 
 /// Returns the elastic moduli of a material. Missing or contradictory cards are errors.
-pub(crate) fn elastic_moduli(
-    material: &MaterialDefinition,
-    span: Span,
-    report: &mut Report<'_>,
-) -> Option<ElasticModuli> {
+pub fn elastic_moduli(material: &MaterialDefinition, span: Span, report: &mut Report) -> Option<ElasticModuli> {
     let refusal = match material {
         MaterialDefinition { density: None, .. } => format!("material `{}` has no *DENSITY", material.name),
         MaterialDefinition {
@@ -225,19 +216,19 @@ pub(crate) fn elastic_moduli(
         }
         _ => format!("material `{}` has no *ELASTIC", material.name),
     };
-    report.diagnostics.refuse(Diagnostic::error("P013", refusal).at(span, "these elements are deformable"))
+    report.refuse(Diagnostic::error("P013", refusal).at(span, "these elements are deformable"))
 }
 
 /// Returns the shear viscosity of a section, zero without `*VISCOSITY`, which requires a fluid: an equation of state
 /// without shear modulus.
-fn shear_viscosity(section: &SolidSection, material: &MaterialDefinition, report: &mut Report<'_>) -> Option<f64> {
+fn shear_viscosity(section: &SolidSection, material: &MaterialDefinition, report: &mut Report) -> Option<f64> {
     let Some((viscosity, span)) = material.viscosity else { return Some(0.0) };
     let is_fluid = material.eos.is_some() && material.shear_modulus.is_none() && material.plastic.is_none();
     if !is_fluid || calls_routines_at_points(material) || material.user.material.is_some() {
         let message = format!("*VISCOSITY of material `{}` requires *EOS and no shear strength", material.name);
         let finding = Diagnostic::error("P013", message).at(span, "this viscosity");
         let help = "for a solid use *RATE DEPENDENT, *DAMPING or *BULK VISCOSITY";
-        return report.diagnostics.refuse(finding.at(section.span, "these elements").help(help));
+        return report.refuse(finding.at(section.span, "these elements").help(help));
     }
     let detail = format!("Newtonian fluid, {viscosity:e}");
     report.ledger_row(span, "shear viscosity", 1, "material", detail);
@@ -249,7 +240,7 @@ fn law_with_equation_of_state(
     material: &MaterialDefinition,
     span: Span,
     solid: &SolidProperties,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<SolidMaterial> {
     let (eos, density) = (material.eos.as_ref()?, solid.density);
     let mut row = |detail| report.ledger_row(eos.span, "equation of state", 1, "material", detail);
@@ -263,7 +254,7 @@ fn law_with_equation_of_state(
         (EosKind::IdealGas(_), rows) => {
             let why = if rows.is_none() { "without *SPECIFIC HEAT" } else { "whose specific heat is not constant" };
             let message = format!("material `{}` is an ideal gas {why}", material.name);
-            report.diagnostics.refuse(Diagnostic::error("P013", message).at(span, "these elements are deformable"))
+            report.refuse(Diagnostic::error("P013", message).at(span, "these elements are deformable"))
         }
         (EosKind::UsUp([c0, s, gamma0]), _) => {
             row(format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}"));
@@ -292,7 +283,7 @@ fn von_mises_law(
     span: Span,
     equation: Option<EquationOfState>,
     solid: &SolidProperties,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<SolidMaterial> {
     Some(SolidMaterial::VonMises(hardening_law(material, span, solid, report)?, equation))
 }
@@ -301,7 +292,7 @@ fn hardening_law(
     material: &MaterialDefinition,
     span: Span,
     solid: &SolidProperties,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<HardeningLaw> {
     let heating = if solid.heats { heating(material, solid.density) } else { PlasticHeating::None };
     let failing = material_failure(material, report)?.map(|failing| MaterialFailure {
@@ -316,9 +307,7 @@ fn hardening_law(
         if failing.is_some() {
             // The dissipation of a damaged back stress is not defined.
             let message = "kinematic hardening with failure is not supported";
-            return report
-                .diagnostics
-                .refuse(Diagnostic::error("P014", message).at(span, "the material of this section"));
+            return report.refuse(Diagnostic::error("P014", message).at(span, "the material of this section"));
         }
         if let ([[yield_stress, slope, _]], None, PlasticHeating::None) = (&lines[..], &material.rate, &heating) {
             let law = KinematicHardening { yield_stress: *yield_stress, slope: *slope };
@@ -345,7 +334,7 @@ fn hardening_law(
 }
 
 /// Returns 1 - MAX DEGRADATION, and whether elements that reach this damage are kept.
-fn damage_limits(section: &SolidSection, material: &MaterialDefinition, report: &mut Report<'_>) -> (f64, bool) {
+fn damage_limits(section: &SolidSection, material: &MaterialDefinition, report: &mut Report) -> (f64, bool) {
     let most = section.controls.max_degradation;
     let (spared, kept) = (1.0 - most, section.controls.keep_failed_elements.is_some());
     let grows = material.failures.iter().any(|f| f.evolution != DamageEvolution::Absent);
@@ -365,19 +354,12 @@ fn damage_limits(section: &SolidSection, material: &MaterialDefinition, report: 
 
 /// Returns whether the elements of a section have subzonal pressures: by default with an equation of state and
 /// without shear modulus.
-fn subzonal(
-    section: &SolidSection,
-    material: &MaterialDefinition,
-    count: usize,
-    report: &mut Report<'_>,
-) -> Option<bool> {
+fn subzonal(section: &SolidSection, material: &MaterialDefinition, count: usize, report: &mut Report) -> Option<bool> {
     let wanted = section.controls.subzonal;
     let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
     if wanted == Some(true) && !fluid {
         let message = "SUBZONAL=YES needs *EOS and no shear modulus";
-        return report
-            .diagnostics
-            .refuse(Diagnostic::error("P016", message).at(section.span, "the controls of this section"));
+        return report.refuse(Diagnostic::error("P016", message).at(section.span, "the controls of this section"));
     }
     let subzonal = fluid && wanted != Some(false);
     if subzonal {
@@ -394,7 +376,7 @@ fn check_by_area(
     section: &SolidSection,
     material: &MaterialDefinition,
     connectivity: &Connectivity,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<()> {
     let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
     let refusal = if triangles {
@@ -415,7 +397,7 @@ fn check_by_area(
         None
     };
     if let Some(message) = refusal {
-        return report.diagnostics.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
+        return report.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
     }
     let detail = "equations of motion over the plane section; energy is conserved approximately";
     report.ledger_row(section.span, "area weighting", connectivity.count(), "elements", detail.into());
@@ -425,11 +407,11 @@ fn check_by_area(
 /// Returns the hourglass control of a section. The default is VISCOUS without a shear modulus, ENHANCED for rubber,
 /// and RELAX STIFFNESS otherwise (ABAQUS Analysis User's Guide, "Section controls"; Keywords Guide, "SECTION
 /// CONTROLS").
-pub(crate) fn hourglass_of_quadrilaterals(
+pub fn hourglass_of_quadrilaterals(
     section: &SolidSection,
     material: &MaterialDefinition,
     moduli: ElasticModuli,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<HourglassControl> {
     let fluid = moduli.shear == 0.0;
     let unsaid = match material.hyperelastic {
@@ -442,7 +424,7 @@ pub(crate) fn hourglass_of_quadrilaterals(
     if fluid && kind != HourglassMethod::Viscous {
         let message = "hourglass control by stiffness needs a shear modulus";
         let finding = Diagnostic::error("P016", message).at(section.span, "the controls of this section");
-        return report.diagnostics.refuse(finding.help("give HOURGLASS=VISCOUS, or no controls"));
+        return report.refuse(finding.help("give HOURGLASS=VISCOUS, or no controls"));
     }
     let viscosity = factor * if fluid { FLUID_VISCOSITY } else { HOURGLASS_VISCOSITY };
     let stiffness = HOURGLASS_STIFFNESS * factor;
@@ -457,7 +439,7 @@ pub(crate) fn hourglass_of_quadrilaterals(
 }
 
 /// Returns the bulk viscosity, which all steps share; `whole_rate` if the linear term needs the whole rate.
-pub(crate) fn bulk_viscosity(model: &Model, whole_rate: bool) -> BulkViscosity {
+pub fn bulk_viscosity(model: &Model, whole_rate: bool) -> BulkViscosity {
     let given = model.steps.first().map(|s| s.bulk_viscosity).unwrap_or_default();
     if whole_rate { given.unfiltered() } else { given }
 }
@@ -467,7 +449,7 @@ fn solid_rows(
     (count, kind): (usize, &'static str),
     constants: &ElementConstants,
     (material, heats): (&MaterialDefinition, bool),
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let elasticity = match (&material.eos, constants.shear > 0.0) {
         _ if material.hyperelastic.is_some() => "rubber, total deformation",
@@ -493,11 +475,11 @@ fn solid_rows(
 }
 
 /// Creates the ledger rows of hourglass control and bulk viscosity.
-pub(crate) fn control_rows(
+pub fn control_rows(
     section: &SolidSection,
     (count, element_type): (usize, &str),
     constants: &ElementConstants,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     if element_type != "CAX6M" {
         let HourglassControl { stiffness, viscosity, relaxes, enhanced } = constants.hourglass;
@@ -515,7 +497,7 @@ pub(crate) fn control_rows(
 }
 
 /// Returns the failure model of a material: `Some(None)` without failure, `None` if an error was reported.
-fn material_failure(material: &MaterialDefinition, report: &mut Report<'_>) -> Option<Option<MaterialFailure>> {
+fn material_failure(material: &MaterialDefinition, report: &mut Report) -> Option<Option<MaterialFailure>> {
     let mut failing = MaterialFailure::default();
     for criterion in &material.failures {
         let evolution = match criterion.evolution {
@@ -564,14 +546,14 @@ fn material_failure(material: &MaterialDefinition, report: &mut Report<'_>) -> O
     Some((!failing.criteria.is_empty() || failing.cutoff.is_some()).then_some(failing))
 }
 
-fn no_failure<T>(span: Span, message: &str, report: &mut Report<'_>) -> Option<T> {
-    report.diagnostics.refuse(Diagnostic::error("P019", message).at(span, "here"))
+fn no_failure<T>(span: Span, message: &str, report: &mut Report) -> Option<T> {
+    report.refuse(Diagnostic::error("P019", message).at(span, "here"))
 }
 
 fn failure_strain(
     material: &MaterialDefinition,
     criterion: &FailureCriterion,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<FailureStrain> {
     Some(match &criterion.strain {
         StrainAtFailure::Constant(strain) => FailureStrain::Constant(*strain),
@@ -601,11 +583,11 @@ fn failure_strain(
     })
 }
 
-pub(crate) fn yield_stress(
+pub fn yield_stress(
     plastic: &PlasticityModel,
     material: &MaterialDefinition,
     span: Span,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<FlowStress> {
     let base = match plastic {
         // These types have other laws.
@@ -619,7 +601,7 @@ pub(crate) fn yield_stress(
                 Ok(tables) => tables,
                 Err(message) => {
                     let finding = Diagnostic::error("P014", message).at(span, "the material of this section");
-                    return report.diagnostics.refuse(finding);
+                    return report.refuse(finding);
                 }
             };
             tables.iter_mut().for_each(|(_, table)| extrapolate(&mut table.rows, material));
@@ -629,7 +611,7 @@ pub(crate) fn yield_stress(
     Some(FlowStress { base, factor: rate_factor(material.rate.as_ref()) })
 }
 
-pub(crate) fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
+pub fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
     match rate? {
         RateDependence::JohnsonCook([c, reference]) => Some(RateFactor::JohnsonCook { c: *c, reference: *reference }),
         RateDependence::PowerLaw(rows) => {
@@ -708,7 +690,7 @@ fn extrapolate(rows: &mut Vec<[f64; 2]>, material: &MaterialDefinition) {
 }
 
 /// Returns the temperature increase per plastic work per volume; `None` variant if a card for it is missing.
-pub(crate) fn heating(material: &MaterialDefinition, density: f64) -> PlasticHeating {
+pub fn heating(material: &MaterialDefinition, density: f64) -> PlasticHeating {
     match (material.thermal.inelastic_heat_fraction, material.thermal.specific_heat.as_deref()) {
         (Some(fraction), Some(&[[heat, _]])) if fraction != 0.0 => {
             PlasticHeating::Constant(fraction / (density * heat))

@@ -3,16 +3,14 @@
 use std::collections::BTreeMap;
 
 use crate::constraint::tie::TiedNodes;
-use crate::plan::bodies::rigid_body::Bodies;
-use crate::plan::meshes::places::SolidPlaces;
-use crate::plan::report::Report;
+use crate::plan::{Bodies, Report, SolidPlaces};
 
 /// Creates the ties of nodes to rigid bodies. The mass of deformable elements at tied nodes is moved to the rigid bodies.
-pub(crate) fn tie_to_bodies(
+pub fn tie_to_bodies(
     bodies: &mut Bodies,
     places: &SolidPlaces,
     mass: &mut [f64],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Vec<TiedNodes> {
     let mut ties = Vec::new();
     let mut by_body: BTreeMap<usize, Vec<usize>> = BTreeMap::new();

@@ -17,18 +17,17 @@ use crate::material::user::description::{
 };
 use crate::model::{MaterialDefinition, Model, PlasticityModel, SolidSection, StateVariables};
 use crate::plan::queries::{adiabatic, conducts, field_variables};
-use crate::plan::report::Report;
-use crate::plan::scene::Scene;
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::solid_material::{
     GroupInput, bulk_viscosity, control_rows, elastic_moduli, heating, hourglass_control, hourglass_of_quadrilaterals,
     rate_factor, yield_stress,
 };
+use crate::plan::{Report, Scene};
 use crate::state::nodes::Node;
 use crate::user::MaterialLaw;
 
 /// Returns whether a material is evaluated point by point, as for user subroutines and tables over field variables.
-pub(crate) fn calls_routines_at_points(material: &MaterialDefinition) -> bool {
+pub fn calls_routines_at_points(material: &MaterialDefinition) -> bool {
     let varies = !material.elastic_table.is_empty();
     varies || material.user.material.is_some() || material.user.fields.is_some() || flows_at_points(material)
 }
@@ -47,11 +46,7 @@ enum UserLaw<'m> {
 }
 
 /// Creates the element group of a material that is evaluated point by point.
-pub(crate) fn user_group(
-    input: &GroupInput<'_>,
-    mass: &mut [f64],
-    report: &mut Report<'_>,
-) -> Option<Box<dyn ElementGroup>> {
+pub fn user_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> Option<Box<dyn ElementGroup>> {
     let GroupInput { model, section, material, elements, connectivity, nodes, .. } = *input;
     let (law, moduli) = match &material.user.material {
         Some(properties) => (UserLaw::Stress(properties, "vumat"), user_moduli(section, material, report)?),
@@ -109,13 +104,13 @@ pub(crate) fn user_group(
 
 /// Creates the element group of a user material in Rust. A missing card or constants that the law refuses are
 /// errors.
-pub(crate) fn law_group(
+pub fn law_group(
     model: &Model,
     section: &SolidSection,
     (material, constants, law): (&MaterialDefinition, &[f64], Arc<dyn MaterialLaw>),
     (connectivity, nodes): (&Connectivity, &[Node]),
     mass: &mut [f64],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Box<dyn ElementGroup>> {
     let StateVariables { count: variables, delete } = material.user.state;
     let name = &material.name;
@@ -148,16 +143,12 @@ pub(crate) fn law_group(
             return Some(create_group(law, GroupOptions::new(group, density), connectivity, nodes));
         }
     };
-    report.diagnostics.refuse(Diagnostic::error("P041", refusal).at(section.span, "these elements deform"))
+    report.refuse(Diagnostic::error("P041", refusal).at(section.span, "these elements deform"))
 }
 
 /// Returns the provisional moduli of a user material, which are replaced after its first call. Missing or
 /// contradictory cards, or a missing subroutine, are errors.
-fn user_moduli(
-    section: &SolidSection,
-    material: &MaterialDefinition,
-    report: &mut Report<'_>,
-) -> Option<ElasticModuli> {
+fn user_moduli(section: &SolidSection, material: &MaterialDefinition, report: &mut Report) -> Option<ElasticModuli> {
     let (code, message) = if material.density.is_none() {
         ("P013", format!("material `{}` has no *DENSITY", material.name))
     } else if let Some(other) = law_beside_user_material(material) {
@@ -171,7 +162,7 @@ fn user_moduli(
         // Unit values: hourglass factors are multiplied by the moduli of the first call.
         return Some(ElasticModuli { bulk: 1.0, shear: 1.0 });
     };
-    report.diagnostics.refuse(Diagnostic::error(code, message).at(section.span, "these elements deform"))
+    report.refuse(Diagnostic::error(code, message).at(section.span, "these elements deform"))
 }
 
 /// Returns the yield stress and moduli of a material with built-in elasticity that is evaluated point by point.
@@ -179,7 +170,7 @@ fn user_moduli(
 fn user_flow<'m>(
     section: &SolidSection,
     material: &'m MaterialDefinition,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<(UserLaw<'m>, ElasticModuli)> {
     let moduli = elastic_moduli(material, section.span, report)?;
     let cause = if material.user.fields.is_some() {
@@ -200,7 +191,7 @@ fn user_flow<'m>(
     ];
     if let Some((_, other)) = beside.iter().find(|(there, _)| *there) {
         let message = format!("material `{}` has {cause} together with {other}, which is not supported", material.name);
-        return report.diagnostics.refuse(Diagnostic::error("P041", message).at(material.span, "this material"));
+        return report.refuse(Diagnostic::error("P041", message).at(material.span, "this material"));
     }
     let yields = match &material.plastic {
         None => YieldSource::Never,
@@ -220,7 +211,7 @@ fn user_flow<'m>(
 }
 
 /// Checks that VUSDFLD is given if the material needs it; `None` if it is missing, which is an error.
-fn require_field_routine(section: &SolidSection, material: &MaterialDefinition, report: &mut Report<'_>) -> Option<()> {
+fn require_field_routine(section: &SolidSection, material: &MaterialDefinition, report: &mut Report) -> Option<()> {
     let Some((properties, span)) = &material.user.fields else { return Some(()) };
     if report.routines.fields.is_none() {
         let asks = format!("the fields of `{}` are user-defined (*USER DEFINED FIELD)", material.name);
@@ -234,11 +225,11 @@ fn require_field_routine(section: &SolidSection, material: &MaterialDefinition, 
 }
 
 /// Checks that VUCHARLENGTH is given if the material needs it; `None` if it is missing, which is an error.
-pub(crate) fn require_length_routine(
+pub fn require_length_routine(
     section: &SolidSection,
     material: &MaterialDefinition,
     takes: bool,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<()> {
     let Some((properties, span)) = &material.user.lengths else { return Some(()) };
     if !takes {
@@ -263,7 +254,7 @@ fn user_rows(
     law: &UserLaw<'_>,
     (count, kind, constants): (usize, &'static str, &ElementConstants),
     heating: &PlasticHeating,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) {
     let name = &material.name;
     let heated = if heating.is_none() { "" } else { ", heated by inelastic work" };
@@ -295,18 +286,18 @@ fn user_rows(
 }
 
 /// Iterates over the materials of deformable elements.
-pub(crate) fn materials_present(scene: Scene<'_>) -> impl Iterator<Item = &MaterialDefinition> {
+pub fn materials_present(scene: Scene<'_>) -> impl Iterator<Item = &MaterialDefinition> {
     let deforms = |s: &&SolidSection| s.elements.iter().any(|e| scene.places.elements.contains_key(e));
     scene.model.sections.iter().filter(deforms).map(|s| &scene.model.materials[s.material])
 }
 
 /// Returns the maximum number of state variables of a material in this model.
-pub(crate) fn state_variables(scene: Scene<'_>) -> usize {
+pub fn state_variables(scene: Scene) -> usize {
     materials_present(scene).filter(|m| calls_routines_at_points(m)).map(|m| m.user.state.count).max().unwrap_or(0)
 }
 
 /// Returns the name of a state variable (*DEPVAR); `None` if materials have different names for it.
-pub(crate) fn state_name(scene: Scene<'_>, variable: usize) -> Option<&str> {
+pub fn state_name(scene: Scene<'_>, variable: usize) -> Option<&str> {
     let keeps = materials_present(scene).filter(|m| calls_routines_at_points(m) && m.user.state.count > variable);
     let mut names =
         keeps.map(|m| m.user.state_names.iter().find(|(v, _)| *v == variable).map(|(_, name)| name.as_str()));
@@ -315,7 +306,7 @@ pub(crate) fn state_name(scene: Scene<'_>, variable: usize) -> Option<&str> {
 }
 
 /// Returns whether elements of the model can be deleted.
-pub(crate) fn deletes(scene: Scene<'_>) -> bool {
+pub fn deletes(scene: Scene) -> bool {
     let deletes = |m: &MaterialDefinition| m.user.state.delete.is_some() || fails(m);
     let fragile = |s: &crate::model::CohesiveSection| s.controls.keep_failed_elements.is_none();
     !scene.model.erosions.is_empty()
@@ -339,16 +330,16 @@ fn law_beside_user_material(material: &MaterialDefinition) -> Option<&'static st
 }
 
 /// Returns whether a material can be damaged or fail by its own criteria.
-pub(crate) fn fails(material: &MaterialDefinition) -> bool {
+pub fn fails(material: &MaterialDefinition) -> bool {
     !material.failures.is_empty() || material.tensile_failure.is_some()
 }
 
 /// Returns tables of moduli over temperature and field variables; `None` if the moduli are constant.
-pub(crate) fn elasticity(
+pub fn elasticity(
     section: &SolidSection,
     material: &MaterialDefinition,
     count: usize,
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<Arc<FieldElasticity>> {
     let rows = &material.elastic_table;
     let of = |value: usize| {
@@ -363,20 +354,18 @@ pub(crate) fn elasticity(
 }
 
 /// Returns the table of the yield stress over field variables; an invalid table is an error.
-pub(crate) fn yield_over_fields(
+pub fn yield_over_fields(
     section: &SolidSection,
     material: &MaterialDefinition,
     rows: &[Vec<f64>],
-    report: &mut Report<'_>,
+    report: &mut Report,
 ) -> Option<YieldSource> {
     let fields = rows.first().map_or(0, |r| r.len().saturating_sub(3));
     let table = NestedTable::new(rows).filter(|_| fields <= MOST_DEPENDENCIES);
     let Some(table) = table else {
         let message =
             format!("material `{}`: the rows of its table over field variables are not in order", material.name);
-        return report
-            .diagnostics
-            .refuse(Diagnostic::error("P014", message).at(section.span, "the material of this section"));
+        return report.refuse(Diagnostic::error("P014", message).at(section.span, "the material of this section"));
     };
     Some(YieldSource::OverFields(Arc::new(YieldOverFields {
         table,
