@@ -31,6 +31,15 @@ use crate::variables::Variable;
 /// A section with the index of an element group.
 type SectionGroup<'m> = (&'m SolidSection, usize);
 
+/// The elements and nodes that conduct heat.
+#[derive(Clone, Copy)]
+pub struct HeatInput<'a> {
+    pub scene: Scene<'a>,
+    pub conductors: &'a ConductingElements,
+    /// Solver nodes with temperatures.
+    pub conducting: &'a HashSet<usize>,
+}
+
 /// Creates the thermal part of the state; `None` if temperatures have no effect.
 pub fn plan(
     scene: Scene,
@@ -181,15 +190,16 @@ fn temperature_field(
     conducting.extend(&sinks);
     let start = initial_temperatures(scene, state);
     let mut steps = Vec::with_capacity(model.steps.len());
+    let input = HeatInput { scene, conductors: &conductors, conducting: &conducting };
     for (index, step) in model.steps.iter().enumerate() {
         let goes_on = index > 0 && has_same_heat(&model.steps[index - 1], step);
         steps.push((!goes_on).then(|| {
-            let mut conditions = thermal_conditions(scene, step, &conductors, &conducting, shared, report);
+            let mut conditions = thermal_conditions(input, step, shared, report);
             hold_sinks(step, &sinks, &start, &mut conditions, report);
             conditions
         }));
     }
-    tie_temperatures(scene, links, &mut steps, &conductors, &conducting, &start, report);
+    tie_temperatures(input, links, &mut steps, &start, report);
     let meets = model.steps.iter().any(Step::has_contact);
     Some(TemperatureField::new(id, conductors, steps, start, sinks, meets))
 }
@@ -242,14 +252,8 @@ fn initial_temperatures(scene: Scene, state: &State) -> Vec<f64> {
     temperatures
 }
 
-fn thermal_conditions(
-    scene: Scene,
-    step: &Step,
-    conductors: &ConductingElements,
-    conducting: &HashSet<usize>,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> ThermalConditions {
+fn thermal_conditions(input: HeatInput, step: &Step, shared: &mut Shared, report: &mut Report) -> ThermalConditions {
+    let HeatInput { scene, conducting, .. } = input;
     let mut conditions = ThermalConditions::default();
     let mut taken = HashSet::new();
     for boundary in step.boundaries.iter().filter(|b| b.kind == MotionKind::Temperature) {
@@ -269,19 +273,13 @@ fn thermal_conditions(
     }
     let loads: Vec<&Load> = step.loads.iter().filter(|l| is_heat(&l.kind)).collect();
     for load in loads {
-        conditions.sources.extend(heat_source(scene, load, conductors, conducting, shared, report));
+        conditions.sources.extend(heat_source(input, load, shared, report));
     }
     conditions
 }
 
-fn heat_source(
-    scene: Scene,
-    load: &Load,
-    conductors: &ConductingElements,
-    conducting: &HashSet<usize>,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> Option<HeatSource> {
+fn heat_source(input: HeatInput, load: &Load, shared: &mut Shared, report: &mut Report) -> Option<HeatSource> {
+    let HeatInput { scene, conductors, conducting } = input;
     if !has_effect(load, report) {
         return None;
     }

@@ -1,13 +1,11 @@
 //! Equations between temperatures: `*TIE`, and `*EQUATION` on degree of freedom 11.
 
-use std::collections::HashSet;
-
 use crate::constraint::bonds::{LinkConflict, LinkSystem, NodalEquation, PrescribedDofs};
 use crate::deck::{Diagnostic, Span};
-use crate::heat::conductors::ConductingElements;
 use crate::heat::field::{ThermalConditions, capacities_at};
 use crate::plan::constraints::equations::refuse_dependent_equation;
-use crate::plan::{Links, Report, Scene};
+use crate::plan::heat::HeatInput;
+use crate::plan::{Links, Report};
 
 /// Equations between temperatures, and the card of each.
 #[derive(Default)]
@@ -18,21 +16,19 @@ struct TemperatureEquations {
 
 /// Adds the temperature equations to the thermal conditions of each step, with its prescribed temperatures.
 pub fn tie_temperatures(
-    scene: Scene,
+    input: HeatInput,
     links: &Links,
     steps: &mut [Option<ThermalConditions>],
-    conductors: &ConductingElements,
-    conducting: &HashSet<usize>,
     start: &[f64],
     report: &mut Report,
 ) {
     let mut tied = TemperatureEquations::default();
-    tied_surfaces(scene, links, conducting, &mut tied, report);
-    tied_by_equations(scene, conducting, &mut tied, report);
+    tied_surfaces(input, links, &mut tied, report);
+    tied_by_equations(input, &mut tied, report);
     if tied.equations.is_empty() {
         return;
     }
-    let capacities = capacities_at(conductors, start);
+    let capacities = capacities_at(input.conductors, start);
     for (index, conditions) in steps.iter_mut().enumerate() {
         let Some(conditions) = conditions else { continue };
         let held = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| (n.node, 0)).collect();
@@ -40,7 +36,7 @@ pub fn tie_temperatures(
         match LinkSystem::new(&tied.equations, &[], &capacities, &given) {
             Ok(bonds) => conditions.bonds = bonds,
             Err(LinkConflict::Dependent(found)) => {
-                let step = &scene.model.steps[index];
+                let step = &input.scene.model.steps[index];
                 refuse_dependent_equation(step, &found, &tied.spans, report);
                 return;
             }
@@ -51,13 +47,8 @@ pub fn tie_temperatures(
 }
 
 /// Adds the ties: each dependent node has the weighted mean of the temperatures of the nodes that it follows.
-fn tied_surfaces(
-    scene: Scene,
-    links: &Links,
-    conducting: &HashSet<usize>,
-    tied: &mut TemperatureEquations,
-    report: &mut Report,
-) {
+fn tied_surfaces(input: HeatInput, links: &Links, tied: &mut TemperatureEquations, report: &mut Report) {
+    let HeatInput { scene, conducting, .. } = input;
     for (tie, of_tie) in scene.model.constraints.ties.iter().zip(&links.surface_ties) {
         let before = tied.equations.len();
         for own in &of_tie.nodes {
@@ -77,7 +68,8 @@ fn tied_surfaces(
     }
 }
 
-fn tied_by_equations(scene: Scene, conducting: &HashSet<usize>, tied: &mut TemperatureEquations, report: &mut Report) {
+fn tied_by_equations(input: HeatInput, tied: &mut TemperatureEquations, report: &mut Report) {
+    let HeatInput { scene, conducting, .. } = input;
     let model = scene.model;
     let mut first = None;
     let before = tied.equations.len();

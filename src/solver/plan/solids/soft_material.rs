@@ -8,7 +8,7 @@ use crate::material::explosive::{DetonationPoint, HighExplosive, JwlProducts};
 use crate::material::foam::{FoamHardening, FoamMaterial};
 use crate::material::hyperelastic::{HyperelasticMaterial, NeoHooke};
 use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy, VolumetricEnergy};
-use crate::model::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, MaterialDefinition, RateDependence};
+use crate::model::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, RateDependence};
 use crate::plan::Report;
 use crate::plan::solids::solid_material::{SolidProperties, rate_factor};
 
@@ -16,13 +16,8 @@ use crate::plan::solids::solid_material::{SolidProperties, rate_factor};
 /// (ABAQUS Analysis User's Guide, "Hyperelastic behavior of rubberlike materials", compressibility in ABAQUS/Explicit).
 const BULK_OVER_SHEAR: f64 = 20.0;
 
-pub fn rubber_law(
-    material: &MaterialDefinition,
-    _: Span,
-    _: &SolidProperties,
-    report: &mut Report,
-) -> Option<SolidMaterial> {
-    let HyperelasticLaw { shape, compressibility, span } = material.hyperelastic.as_ref()?;
+pub fn rubber_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
+    let HyperelasticLaw { shape, compressibility, span } = solid.material.hyperelastic.as_ref()?;
     let shear = shape.shear();
     let given = compressibility.first().is_some_and(|d1| *d1 > 0.0);
     let standard = vec![0.5 * BULK_OVER_SHEAR * shear];
@@ -52,12 +47,8 @@ pub fn rubber_law(
     })
 }
 
-pub fn foam_law(
-    material: &MaterialDefinition,
-    span: Span,
-    properties: &SolidProperties,
-    report: &mut Report,
-) -> Option<SolidMaterial> {
+pub fn foam_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
+    let SolidProperties { material, span, .. } = *solid;
     let name = &material.name;
     let Some((shape, card)) = material.foam.shape else {
         return no_material(
@@ -98,17 +89,17 @@ pub fn foam_law(
     let rates = if rate.is_some() { ", rate dependent" } else { "" };
     report.ledger_row(card, "crushable foam", 1, "material", format!("{how}{rates}"));
     let hardening = LinearTable { rows: material.foam.hardening.clone() };
-    let ElementConstants { bulk, shear, .. } = properties.constants;
+    let ElementConstants { bulk, shear, .. } = solid.constants;
     Some(SolidMaterial::Foam(FoamMaterial { growth, hardening, rate, moduli: [bulk, shear] }))
 }
 
 pub fn explosive_law(
-    material: &MaterialDefinition,
+    solid: &SolidProperties,
     card: Span,
     values: &[f64; 8],
-    span: Span,
     report: &mut Report,
 ) -> Option<HighExplosive> {
+    let SolidProperties { material, span, .. } = *solid;
     let [speed, a, b, omega, r1, r2, energy, unburnt] = *values;
     if material.detonation.is_empty() {
         let message = format!("material `{}` is an explosive without *DETONATION POINT", material.name);

@@ -38,7 +38,7 @@ const HOURGLASS_VISCOSITY: f64 = 0.05;
 const FLUID_VISCOSITY: f64 = 0.15;
 
 /// Function that selects the law of a material; `None` if an error was reported.
-type LawSelection = fn(&MaterialDefinition, Span, &SolidProperties, &mut Report) -> Option<SolidMaterial>;
+type LawSelection = fn(&SolidProperties, &mut Report) -> Option<SolidMaterial>;
 
 /// A family of materials: the condition under which it applies, and the selection of its law.
 struct MaterialRow {
@@ -52,7 +52,7 @@ const MATERIALS: &[MaterialRow] = &[
     MaterialRow { applies: |m| m.hyperelastic.is_some(), law: rubber_law },
     MaterialRow { applies: |m| m.foam.shape.is_some() || !m.foam.hardening.is_empty(), law: foam_law },
     MaterialRow { applies: |m| m.eos.is_some(), law: law_with_equation_of_state },
-    MaterialRow { applies: |_| true, law: |m, span, solid, report| von_mises_law(m, span, None, solid, report) },
+    MaterialRow { applies: |_| true, law: |solid, report| von_mises_law(solid, None, report) },
 ];
 
 /// A section of solid elements, and what its element group depends on.
@@ -67,7 +67,10 @@ pub struct GroupInput<'a> {
 }
 
 /// Properties of a solid section that the selection of its law takes into account.
-pub struct SolidProperties {
+pub struct SolidProperties<'a> {
+    pub material: &'a MaterialDefinition,
+    /// Span of the section.
+    pub span: Span,
     pub constants: ElementConstants,
     density: f64,
     heats: bool,
@@ -80,14 +83,14 @@ pub struct SolidProperties {
 }
 
 pub fn solid_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> Option<Box<dyn ElementGroup>> {
-    let GroupInput { model, places, section, material, elements, connectivity, nodes, .. } = *input;
+    let GroupInput { model, section, material, connectivity, nodes, .. } = *input;
     let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
-    let shear_viscosity = shear_viscosity(section, material, report)?;
+    let shear_viscosity = shear_viscosity(input, report)?;
     if let Some(constants) = &material.user.material
         && let Some(law) = report.routines.law(&material.name)
     {
         let law = Arc::clone(law);
-        return law_group(model, section, (material, constants, law), (connectivity, nodes), mass, report);
+        return law_group(input, constants, law, mass, report);
     }
     if triangles && (calls_routines_at_points(material) || material.user.lengths.is_some()) {
         refuse_six_nodes(section, "user subroutines at points (VUMAT, VUHARD, VUSDFLD, VUCHARLENGTH)", report);
@@ -101,43 +104,40 @@ pub fn solid_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) ->
         return user_group(input, mass, report);
     }
     let evolves = material.failures.iter().any(FailureCriterion::takes_length);
-    require_length_routine(section, material, evolves, report)?;
+    require_length_routine(input, evolves, report)?;
     let moduli = elastic_moduli(material, section.span, report)?;
     let density = material.density.unwrap_or(0.0);
     connectivity.add_masses(nodes, density, mass);
-    let hourglass = hourglass_control(section, material, moduli, connectivity, report)?;
+    let hourglass = hourglass_control(input, moduli, report)?;
     let by_area = section.controls.by_area;
     let bulk_viscosity = bulk_viscosity(model, material.eos.is_some() || by_area);
     let ElasticModuli { bulk, shear } = moduli;
     let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity, by_area };
     let heats = adiabatic(model) || conducts(model, section);
-    solid_rows(section, (elements.len(), connectivity.element_type()), &constants, (material, heats), report);
+    solid_rows(input, &constants, heats, report);
     let (spared, kept) = damage_limits(section, material, report);
-    let subzonal = subzonal(section, material, elements.len(), report)?;
+    let subzonal = subzonal(input, report)?;
     let absolute_zero = model.settings.absolute_zero;
-    let solid = SolidProperties { constants, density, heats, spared, kept, absolute_zero };
+    let span = section.span;
+    let solid = SolidProperties { material, span, constants, density, heats, spared, kept, absolute_zero };
     let law = if by_area {
-        check_by_area(model, places, section, material, connectivity, report)?;
-        von_mises_law(material, section.span, None, &solid, report)?
+        check_by_area(input, report)?;
+        von_mises_law(&solid, None, report)?
     } else {
-        solid_law(material, section.span, &solid, report)?
+        solid_law(&solid, report)?
     };
     Some(create_group(law, GroupOptions { constants, density, subzonal }, connectivity, nodes))
 }
 
 /// Selects the law of a material.
-fn solid_law(
-    material: &MaterialDefinition,
-    span: Span,
-    solid: &SolidProperties,
-    report: &mut Report,
-) -> Option<SolidMaterial> {
+fn solid_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
+    let material = solid.material;
     let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
     if !burns && !material.detonation.is_empty() {
         report.add_unused_card(material.span, "*DETONATION POINT", "it applies only to *EOS, TYPE=JWL");
     }
     let row = MATERIALS.iter().find(|row| (row.applies)(material))?;
-    (row.law)(material, span, solid, report)
+    (row.law)(solid, report)
 }
 
 fn refuse_six_nodes(section: &SolidSection, with: &str, report: &mut Report) {
@@ -146,15 +146,10 @@ fn refuse_six_nodes(section: &SolidSection, with: &str, report: &mut Report) {
 }
 
 /// Returns the hourglass control of a group. Six-node triangles have none, but need a shear modulus.
-pub fn hourglass_control(
-    section: &SolidSection,
-    material: &MaterialDefinition,
-    moduli: ElasticModuli,
-    connectivity: &Connectivity,
-    report: &mut Report,
-) -> Option<HourglassControl> {
-    if let Connectivity::Quadrilaterals(_) = connectivity {
-        return hourglass_of_quadrilaterals(section, material, moduli, report);
+pub fn hourglass_control(input: &GroupInput, moduli: ElasticModuli, report: &mut Report) -> Option<HourglassControl> {
+    let section = input.section;
+    if let Connectivity::Quadrilaterals(_) = input.connectivity {
+        return hourglass_of_quadrilaterals(input, moduli, report);
     }
     if moduli.shear == 0.0 {
         refuse_six_nodes(section, "a material without a shear modulus", report);
@@ -221,7 +216,8 @@ pub fn elastic_moduli(material: &MaterialDefinition, span: Span, report: &mut Re
 
 /// Returns the shear viscosity of a section, zero without `*VISCOSITY`, which requires a fluid: an equation of state
 /// without shear modulus.
-fn shear_viscosity(section: &SolidSection, material: &MaterialDefinition, report: &mut Report) -> Option<f64> {
+fn shear_viscosity(input: &GroupInput, report: &mut Report) -> Option<f64> {
+    let GroupInput { section, material, .. } = *input;
     let Some((viscosity, span)) = material.viscosity else { return Some(0.0) };
     let is_fluid = material.eos.is_some() && material.shear_modulus.is_none() && material.plastic.is_none();
     if !is_fluid || calls_routines_at_points(material) || material.user.material.is_some() {
@@ -236,20 +232,16 @@ fn shear_viscosity(section: &SolidSection, material: &MaterialDefinition, report
 }
 
 /// Selects the law of a material with an equation of state.
-fn law_with_equation_of_state(
-    material: &MaterialDefinition,
-    span: Span,
-    solid: &SolidProperties,
-    report: &mut Report,
-) -> Option<SolidMaterial> {
-    let (eos, density) = (material.eos.as_ref()?, solid.density);
+fn law_with_equation_of_state(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
+    let SolidProperties { material, span, density, .. } = *solid;
+    let eos = material.eos.as_ref()?;
     let mut row = |detail| report.ledger_row(eos.span, "equation of state", 1, "material", detail);
     match (eos.kind.clone(), material.thermal.specific_heat.as_deref()) {
         (EosKind::IdealGas([gas_constant, ambient]), Some(&[[specific_heat, _]])) => {
             row(format!("ideal gas, gamma = {}", 1.0 + gas_constant / specific_heat));
             let absolute_zero = solid.absolute_zero;
             let law = IdealGas { gas_constant, specific_heat, ambient, absolute_zero };
-            von_mises_law(material, span, Some(EquationOfState::IdealGas(law)), solid, report)
+            von_mises_law(solid, Some(EquationOfState::IdealGas(law)), report)
         }
         (EosKind::IdealGas(_), rows) => {
             let why = if rows.is_none() { "without *SPECIFIC HEAT" } else { "whose specific heat is not constant" };
@@ -258,42 +250,30 @@ fn law_with_equation_of_state(
         }
         (EosKind::UsUp([c0, s, gamma0]), _) => {
             row(format!("Us = {c0} + {s} Up, Gamma0 = {gamma0}"));
-            von_mises_law(material, span, Some(EquationOfState::UsUp(UsUp { density, c0, s, gamma0 })), solid, report)
+            von_mises_law(solid, Some(EquationOfState::UsUp(UsUp { density, c0, s, gamma0 })), report)
         }
         (EosKind::Tabular(rows), _) => {
             row(format!("table of {} rows", rows.len()));
-            von_mises_law(
-                material,
-                span,
-                Some(EquationOfState::Tabulated(Tabulated::new(density, &rows))),
-                solid,
-                report,
-            )
+            von_mises_law(solid, Some(EquationOfState::Tabulated(Tabulated::new(density, &rows))), report)
         }
         (EosKind::Jwl(values), _) => {
-            let law = explosive_law(material, eos.span, &values, span, report)?;
-            von_mises_law(material, span, Some(EquationOfState::Explosive(law)), solid, report)
+            let law = explosive_law(solid, eos.span, &values, report)?;
+            von_mises_law(solid, Some(EquationOfState::Explosive(law)), report)
         }
     }
 }
 
 /// Selects the plasticity and failure of a material with a constant bulk modulus or an equation of state.
 fn von_mises_law(
-    material: &MaterialDefinition,
-    span: Span,
-    equation: Option<EquationOfState>,
     solid: &SolidProperties,
+    equation: Option<EquationOfState>,
     report: &mut Report,
 ) -> Option<SolidMaterial> {
-    Some(SolidMaterial::VonMises(hardening_law(material, span, solid, report)?, equation))
+    Some(SolidMaterial::VonMises(hardening_law(solid, report)?, equation))
 }
 
-fn hardening_law(
-    material: &MaterialDefinition,
-    span: Span,
-    solid: &SolidProperties,
-    report: &mut Report,
-) -> Option<HardeningLaw> {
+fn hardening_law(solid: &SolidProperties, report: &mut Report) -> Option<HardeningLaw> {
+    let SolidProperties { material, span, .. } = *solid;
     let heating = if solid.heats { heating(material, solid.density) } else { PlasticHeating::None };
     let failing = material_failure(material, report)?.map(|failing| MaterialFailure {
         deletion_margin: solid.spared,
@@ -354,7 +334,8 @@ fn damage_limits(section: &SolidSection, material: &MaterialDefinition, report: 
 
 /// Returns whether the elements of a section have subzonal pressures: by default with an equation of state and
 /// without shear modulus.
-fn subzonal(section: &SolidSection, material: &MaterialDefinition, count: usize, report: &mut Report) -> Option<bool> {
+fn subzonal(input: &GroupInput, report: &mut Report) -> Option<bool> {
+    let GroupInput { section, material, .. } = *input;
     let wanted = section.controls.subzonal;
     let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
     if wanted == Some(true) && !fluid {
@@ -364,20 +345,14 @@ fn subzonal(section: &SolidSection, material: &MaterialDefinition, count: usize,
     let subzonal = fluid && wanted != Some(false);
     if subzonal {
         let detail = "pressures from the density of the element quarters";
-        report.ledger_row(section.span, "subzonal pressures", count, "elements", detail.into());
+        report.ledger_row(section.span, "subzonal pressures", input.elements.len(), "elements", detail.into());
     }
     Some(subzonal)
 }
 
 /// Checks that a section supports WEIGHTING=AREA; `None` if an error was reported.
-fn check_by_area(
-    model: &Model,
-    places: &SolidPlaces,
-    section: &SolidSection,
-    material: &MaterialDefinition,
-    connectivity: &Connectivity,
-    report: &mut Report,
-) -> Option<()> {
+fn check_by_area(input: &GroupInput, report: &mut Report) -> Option<()> {
+    let GroupInput { model, places, section, material, connectivity, .. } = *input;
     let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
     let refusal = if triangles {
         Some("WEIGHTING=AREA of CAX6M is not supported")
@@ -408,11 +383,11 @@ fn check_by_area(
 /// and RELAX STIFFNESS otherwise (ABAQUS Analysis User's Guide, "Section controls"; Keywords Guide, "SECTION
 /// CONTROLS").
 pub fn hourglass_of_quadrilaterals(
-    section: &SolidSection,
-    material: &MaterialDefinition,
+    input: &GroupInput,
     moduli: ElasticModuli,
     report: &mut Report,
 ) -> Option<HourglassControl> {
+    let GroupInput { section, material, .. } = *input;
     let fluid = moduli.shear == 0.0;
     let unsaid = match material.hyperelastic {
         _ if fluid => HourglassMethod::Viscous,
@@ -444,13 +419,9 @@ pub fn bulk_viscosity(model: &Model, whole_rate: bool) -> BulkViscosity {
     if whole_rate { given.unfiltered() } else { given }
 }
 
-fn solid_rows(
-    section: &SolidSection,
-    (count, kind): (usize, &'static str),
-    constants: &ElementConstants,
-    (material, heats): (&MaterialDefinition, bool),
-    report: &mut Report,
-) {
+fn solid_rows(input: &GroupInput, constants: &ElementConstants, heats: bool, report: &mut Report) {
+    let GroupInput { section, material, connectivity, elements, .. } = *input;
+    let (count, kind) = (elements.len(), connectivity.element_type());
     let elasticity = match (&material.eos, constants.shear > 0.0) {
         _ if material.hyperelastic.is_some() => "rubber, total deformation",
         (Some(_), false) => "fluid",

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::deck::Diagnostic;
 use crate::element::constants::ElementConstants;
 use crate::element::group::ElementGroup;
-use crate::element::solid_groups::{Connectivity, GroupOptions, SolidMaterial, create_group};
+use crate::element::solid_groups::{GroupOptions, SolidMaterial, create_group};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::levels::NestedTable;
 use crate::kernel::moduli::ElasticModuli;
@@ -15,7 +15,7 @@ use crate::material::user::SubroutineMaterial;
 use crate::material::user::description::{
     BuiltInPlasticity, FieldElasticity, MOST_DEPENDENCIES, UserMaterialData, YieldOverFields, YieldSource,
 };
-use crate::model::{MaterialDefinition, Model, PlasticityModel, SolidSection, StateVariables};
+use crate::model::{MaterialDefinition, PlasticityModel, SolidSection, StateVariables};
 use crate::plan::queries::{adiabatic, conducts, field_variables};
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::solid_material::{
@@ -23,7 +23,6 @@ use crate::plan::solids::solid_material::{
     rate_factor, yield_stress,
 };
 use crate::plan::{Report, Scene};
-use crate::state::nodes::Node;
 use crate::user::MaterialLaw;
 
 /// Returns whether a material is evaluated point by point, as for user subroutines and tables over field variables.
@@ -49,15 +48,15 @@ enum UserLaw<'m> {
 pub fn user_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> Option<Box<dyn ElementGroup>> {
     let GroupInput { model, section, material, elements, connectivity, nodes, .. } = *input;
     let (law, moduli) = match &material.user.material {
-        Some(properties) => (UserLaw::Stress(properties, "vumat"), user_moduli(section, material, report)?),
-        None => user_flow(section, material, report)?,
+        Some(properties) => (UserLaw::Stress(properties, "vumat"), user_moduli(input, report)?),
+        None => user_flow(input, report)?,
     };
     let density = material.density?;
-    require_field_routine(section, material, report)?;
+    require_field_routine(input, report)?;
     let takes_lengths = material.user.material.is_some() || material.user.fields.is_some();
-    require_length_routine(section, material, takes_lengths, report)?;
+    require_length_routine(input, takes_lengths, report)?;
     connectivity.add_masses(nodes, density, mass);
-    let hourglass = hourglass_of_quadrilaterals(section, material, moduli, report)?;
+    let hourglass = hourglass_of_quadrilaterals(input, moduli, report)?;
     let bulk_viscosity = bulk_viscosity(model, false);
     // The moduli of a user material are computed from its first call.
     let user_stress = matches!(law, UserLaw::Stress(..));
@@ -65,12 +64,12 @@ pub fn user_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> 
     let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity: 0.0, by_area: false };
     let heating =
         if adiabatic(model) || conducts(model, section) { heating(material, density) } else { PlasticHeating::None };
-    user_rows(section, material, &law, (elements.len(), "CAX4R", &constants), &heating, report);
+    user_rows(input, &law, "CAX4R", &constants, &heating, report);
     let StateVariables { count, delete } = material.user.state;
     let (properties, flow) = match law {
         UserLaw::Stress(properties, _) => (properties.to_vec(), None),
         UserLaw::Flow(yields) => {
-            let elasticity = elasticity(section, material, elements.len(), report);
+            let elasticity = elasticity(input, report);
             (Vec::new(), Some(BuiltInPlasticity { bulk, shear, elasticity, yields }))
         }
     };
@@ -105,13 +104,13 @@ pub fn user_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> 
 /// Creates the element group of a user material in Rust. A missing card or constants that the law refuses are
 /// errors.
 pub fn law_group(
-    model: &Model,
-    section: &SolidSection,
-    (material, constants, law): (&MaterialDefinition, &[f64], Arc<dyn MaterialLaw>),
-    (connectivity, nodes): (&Connectivity, &[Node]),
+    input: &GroupInput,
+    constants: &[f64],
+    law: Arc<dyn MaterialLaw>,
     mass: &mut [f64],
     report: &mut Report,
 ) -> Option<Box<dyn ElementGroup>> {
+    let GroupInput { model, section, material, connectivity, nodes, .. } = *input;
     let StateVariables { count: variables, delete } = material.user.state;
     let name = &material.name;
     let refusal = match (material.density, law.moduli(constants)) {
@@ -125,9 +124,8 @@ pub fn law_group(
             format!("the law of material `{name}` needs {least} state variables, but *DEPVAR gives {variables}")
         }
         (Some(density), Ok(moduli)) => {
-            let (count, kind) = (connectivity.count(), connectivity.element_type());
             connectivity.add_masses(nodes, density, mass);
-            let hourglass = hourglass_control(section, material, moduli, connectivity, report)?;
+            let hourglass = hourglass_control(input, moduli, report)?;
             let bulk_viscosity = bulk_viscosity(model, false);
             let group = ElementConstants {
                 bulk: moduli.bulk,
@@ -138,7 +136,7 @@ pub fn law_group(
                 by_area: false,
             };
             let stress = UserLaw::Stress(constants, "in Rust");
-            user_rows(section, material, &stress, (count, kind, &group), &PlasticHeating::None, report);
+            user_rows(input, &stress, connectivity.element_type(), &group, &PlasticHeating::None, report);
             let law = SolidMaterial::Point(PointLaw { law, constants: constants.to_vec(), variables, delete });
             return Some(create_group(law, GroupOptions::new(group, density), connectivity, nodes));
         }
@@ -148,7 +146,8 @@ pub fn law_group(
 
 /// Returns the provisional moduli of a user material, which are replaced after its first call. Missing or
 /// contradictory cards, or a missing subroutine, are errors.
-fn user_moduli(section: &SolidSection, material: &MaterialDefinition, report: &mut Report) -> Option<ElasticModuli> {
+fn user_moduli(input: &GroupInput, report: &mut Report) -> Option<ElasticModuli> {
+    let GroupInput { section, material, .. } = *input;
     let (code, message) = if material.density.is_none() {
         ("P013", format!("material `{}` has no *DENSITY", material.name))
     } else if let Some(other) = law_beside_user_material(material) {
@@ -167,11 +166,8 @@ fn user_moduli(section: &SolidSection, material: &MaterialDefinition, report: &m
 
 /// Returns the yield stress and moduli of a material with built-in elasticity that is evaluated point by point.
 /// Missing or unsupported cards are errors.
-fn user_flow<'m>(
-    section: &SolidSection,
-    material: &'m MaterialDefinition,
-    report: &mut Report,
-) -> Option<(UserLaw<'m>, ElasticModuli)> {
+fn user_flow<'m>(input: &GroupInput<'m>, report: &mut Report) -> Option<(UserLaw<'m>, ElasticModuli)> {
+    let GroupInput { section, material, .. } = *input;
     let moduli = elastic_moduli(material, section.span, report)?;
     let cause = if material.user.fields.is_some() {
         "*USER DEFINED FIELD"
@@ -204,14 +200,15 @@ fn user_flow<'m>(
             report.called_routines.push("vuhard");
             YieldSource::User(properties.clone())
         }
-        Some(PlasticityModel::OverFields(rows)) => yield_over_fields(section, material, rows, report)?,
+        Some(PlasticityModel::OverFields(rows)) => yield_over_fields(input, rows, report)?,
         Some(plastic) => YieldSource::Law(Arc::new(yield_stress(plastic, material, section.span, report)?)),
     };
     Some((UserLaw::Flow(yields), moduli))
 }
 
 /// Checks that VUSDFLD is given if the material needs it; `None` if it is missing, which is an error.
-fn require_field_routine(section: &SolidSection, material: &MaterialDefinition, report: &mut Report) -> Option<()> {
+fn require_field_routine(input: &GroupInput, report: &mut Report) -> Option<()> {
+    let GroupInput { section, material, .. } = *input;
     let Some((properties, span)) = &material.user.fields else { return Some(()) };
     if report.routines.fields.is_none() {
         let asks = format!("the fields of `{}` are user-defined (*USER DEFINED FIELD)", material.name);
@@ -225,12 +222,8 @@ fn require_field_routine(section: &SolidSection, material: &MaterialDefinition, 
 }
 
 /// Checks that VUCHARLENGTH is given if the material needs it; `None` if it is missing, which is an error.
-pub fn require_length_routine(
-    section: &SolidSection,
-    material: &MaterialDefinition,
-    takes: bool,
-    report: &mut Report,
-) -> Option<()> {
+pub fn require_length_routine(input: &GroupInput, takes: bool, report: &mut Report) -> Option<()> {
+    let GroupInput { section, material, .. } = *input;
     let Some((properties, span)) = &material.user.lengths else { return Some(()) };
     if !takes {
         let why = "the material has no damage evolution, and no vumat or vusdfld that uses a length";
@@ -249,18 +242,25 @@ pub fn require_length_routine(
 }
 
 fn user_rows(
-    section: &SolidSection,
-    material: &MaterialDefinition,
+    input: &GroupInput,
     law: &UserLaw<'_>,
-    (count, kind, constants): (usize, &'static str, &ElementConstants),
+    element_type: &'static str,
+    constants: &ElementConstants,
     heating: &PlasticHeating,
     report: &mut Report,
 ) {
+    let (section, material, count) = (input.section, input.material, input.elements.len());
     let name = &material.name;
     let heated = if heating.is_none() { "" } else { ", heated by inelastic work" };
     let variables = material.user.state.count;
     let by = if matches!(law, UserLaw::Stress(..)) { "user-defined" } else { "elastic" };
-    report.ledger_row(section.span, "deformable elements", count, kind, format!("material {name}, {by}, Jaumann rate"));
+    report.ledger_row(
+        section.span,
+        "deformable elements",
+        count,
+        element_type,
+        format!("material {name}, {by}, Jaumann rate"),
+    );
     match law {
         UserLaw::Stress(properties, who) => {
             let detail = format!("{who}: {} constants, {variables} state variables{heated}", properties.len());
@@ -282,7 +282,7 @@ fn user_rows(
         }
         UserLaw::Flow(YieldSource::Never) => {}
     }
-    control_rows(section, (count, kind), constants, report);
+    control_rows(section, (count, element_type), constants, report);
 }
 
 /// Iterates over the materials of deformable elements.
@@ -335,13 +335,8 @@ pub fn fails(material: &MaterialDefinition) -> bool {
 }
 
 /// Returns tables of moduli over temperature and field variables; `None` if the moduli are constant.
-pub fn elasticity(
-    section: &SolidSection,
-    material: &MaterialDefinition,
-    count: usize,
-    report: &mut Report,
-) -> Option<Arc<FieldElasticity>> {
-    let rows = &material.elastic_table;
+fn elasticity(input: &GroupInput, report: &mut Report) -> Option<Arc<FieldElasticity>> {
+    let rows = &input.material.elastic_table;
     let of = |value: usize| {
         let rows: Vec<Vec<f64>> = rows.iter().map(|r| [&r[value..=value], &r[2..]].concat()).collect();
         NestedTable::new(&rows)
@@ -349,17 +344,13 @@ pub fn elasticity(
     let (young, ratio) = (of(0)?, of(1)?);
     let fields = rows.first()?.len() - 3;
     let detail = format!("{} rows over temperature and {fields} field variables", rows.len());
-    report.ledger_row(section.span, "moduli", count, "elements", detail);
+    report.ledger_row(input.section.span, "moduli", input.elements.len(), "elements", detail);
     Some(Arc::new(FieldElasticity { young, ratio, fields }))
 }
 
 /// Returns the table of the yield stress over field variables; an invalid table is an error.
-pub fn yield_over_fields(
-    section: &SolidSection,
-    material: &MaterialDefinition,
-    rows: &[Vec<f64>],
-    report: &mut Report,
-) -> Option<YieldSource> {
+fn yield_over_fields(input: &GroupInput, rows: &[Vec<f64>], report: &mut Report) -> Option<YieldSource> {
+    let GroupInput { section, material, .. } = *input;
     let fields = rows.first().map_or(0, |r| r.len().saturating_sub(3));
     let table = NestedTable::new(rows).filter(|_| fields <= MOST_DEPENDENCIES);
     let Some(table) = table else {
