@@ -80,16 +80,18 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let surface_ties = constraints::tie_equations::tie_equations(model, &attached);
     let mut report = Report::new(model, routines);
     let mut bodies = bodies::plan(model, &surface_ties, &mut report);
-    let solids::Solids { places, ties, mut state } = solids::plan(model, &mut bodies, &surface_ties, &mut report);
+    let solids::Solids { places, ties, state: mut solids } =
+        solids::plan(model, &mut bodies, &surface_ties, &mut report);
     let scene = Scene { model, bodies: &bodies, places: &places };
-    let links = constraints::links::plan(scene, surface_ties, ties, &mut state, &mut report);
-    constraints::connectors::connect(scene, &links, &mut state, &mut report);
-    solids::cohesive::bound_cohesive_elements(scene, &links, &mut state, &mut report);
-    bodies::start(model, &mut bodies, &places, &mut report);
-    let (scene, mut shared) = (Scene { model, bodies: &bodies, places: &places }, Shared::default());
-    state.thermal = heat::plan(scene, &links, &state, &mut shared, &mut report);
-    state.elements.fields = heat::fields::plan(scene, &state, &mut shared, &mut report);
-    state.dofs.bodies = bodies::rigid_bodies_3d::initial_states(scene, &mut report);
+    let links = constraints::links::plan(scene, surface_ties, ties, &mut solids, &mut report);
+    constraints::connectors::connect(scene, &links, &mut solids, &mut report);
+    solids::cohesive::bound_cohesive_elements(scene, &links, &mut solids, &mut report);
+    let velocities = bodies::start(scene, &mut report);
+    let mut shared = Shared::default();
+    let thermal = heat::plan(scene, &links, &solids, &mut shared, &mut report);
+    solids.elements.fields = heat::fields::plan(scene, &solids, &mut shared, &mut report);
+    let body_states = bodies::rigid_bodies_3d::initial_states(scene, &velocities, &mut report);
+    let mut state = State::new(solids, body_states, thermal);
     solids::erosion::apply_erosion(scene, &mut state, &mut report);
     let pairs = contact::general::find_pairs(scene);
     let columns = output::plan(scene, &pairs, &mut state, &mut report);
@@ -105,7 +107,7 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let read = columns.sections.iter().flat_map(|section| &section.corners);
     state.elements.tile(read.map(|&(group, element, _)| (group, element)));
     let Report { ledger, ledger_rows, diagnostics: found, .. } = report;
-    let list = std::mem::take(&mut bodies.list);
+    let list = bodies.take_list(&velocities);
     let products = (!found.has_errors()).then_some(Products { bodies, shared, ledger_rows, has_contact });
     diagnostics.append(found);
     // If there are errors, warnings and notes would only hide them.

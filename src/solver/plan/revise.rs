@@ -60,20 +60,18 @@ impl PlanReviser {
         let mut report = Report::new(model, routines);
         std::mem::swap(&mut report.ledger, &mut plan.ledger);
         std::mem::swap(&mut report.ledger_rows, ledger_rows);
-        std::mem::swap(&mut bodies.list, &mut plan.bodies);
+        bodies.list = std::mem::take(&mut plan.bodies);
         if self.masses {
             bodies::update_masses(model, bodies, &mut report);
         }
-        bodies::update_initial_velocities(model, bodies, &plan.places, &mut report);
+        let scene = Scene { model, bodies, places: &plan.places };
+        let velocities = bodies::initial_velocities(scene, &mut report);
         if self.loads {
-            let scene = Scene { model, bodies, places: &plan.places };
             steps::replan_loads(scene, &Links::default(), &mut plan.steps, state, shared, &mut report);
         }
         let is_valid = !report.diagnostics.has_errors();
-        let scene = Scene { model, bodies, places: &plan.places };
-        state.dofs.bodies.clear();
-        state.dofs.bodies.extend(bodies::rigid_bodies_3d::initial_states(scene, &mut report));
-        std::mem::swap(&mut bodies.list, &mut plan.bodies);
+        state.dofs.bodies = bodies::rigid_bodies_3d::initial_states(scene, &velocities, &mut report);
+        plan.bodies = bodies.take_list(&velocities);
         report.ledger.unused.truncate(self.unused);
         plan.ledger = report.ledger;
         *ledger_rows = report.ledger_rows;

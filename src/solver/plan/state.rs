@@ -12,6 +12,7 @@ use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::load::{Load, PenetrationRecord};
 use crate::plan::StepChanges;
 use crate::plan::changes::ListChange;
+use crate::state::BodyState;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
@@ -43,7 +44,20 @@ pub struct State {
     pub ended_penetrations: Vec<PenetrationRecord>,
 }
 
+/// Nodes and elements of the deformable bodies, before temperatures, rigid bodies and effects are known.
+#[derive(Default)]
+pub struct SolidState {
+    pub dofs: Dofs,
+    pub elements: Elements,
+}
+
 impl State {
+    /// Creates the state without effects.
+    pub(crate) fn new(solids: SolidState, bodies: Vec<BodyState>, thermal: Option<Box<ThermalState>>) -> State {
+        let SolidState { dofs, elements } = solids;
+        State { dofs: Dofs { bodies, ..dofs }, elements, thermal, ..State::default() }
+    }
+
     /// Activates the effects of the first step.
     pub(crate) fn begin_with(&mut self, first: StepChanges) {
         let StepChanges { loads, constraints, user_motions, scaling, adaptive } = first;

@@ -241,7 +241,7 @@ fn step_changes<'a>(
 }
 
 /// Returns the step before the one at `index`; `None` for the first step.
-fn step_before<'a>(model: &'a Model, index: usize) -> Option<&'a Step> {
+fn step_before(model: &Model, index: usize) -> Option<&Step> {
     Some(&model.steps[index.checked_sub(1)?])
 }
 

@@ -13,7 +13,7 @@ use crate::model::{ElementKind, InitialCondition, InitialKind, Model, RigidBody,
 use crate::plan::bodies::rigid_bodies_3d::{is_oblique, starts_in_space};
 use crate::plan::constraints::links::add_followers_of_body;
 use crate::plan::constraints::tie_equations::TieEquations;
-use crate::plan::{Bodies, PlannedRigidBody, Report, SolidPlaces};
+use crate::plan::{Bodies, PlannedRigidBody, Report, Scene, SolidPlaces};
 
 /// Names of the velocities of an oblique body, by degree of freedom.
 const ALONG: [&str; 6] = ["v_1", "v_2", "v_3", "w_1", "w_2", "w_3"];
@@ -47,11 +47,13 @@ pub fn plan(model: &Model, ties: &[TieEquations], report: &mut Report) -> Bodies
     bodies
 }
 
-/// Sets initial velocities and checks the bodies, after the deformable bodies are known.
-pub fn start(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, report: &mut Report) {
-    initial_velocities(model, bodies, places, report);
-    refuse_strays(model, bodies, places, report);
-    check_masses(model, bodies, report);
+/// Returns the initial velocities of the bodies along z, and checks the bodies, after the deformable bodies are known.
+pub fn start(scene: Scene, report: &mut Report) -> Vec<f64> {
+    let velocities = initial_velocities(scene, report);
+    refuse_stray_elements(scene, report);
+    refuse_free_masses(scene, report);
+    check_masses(scene.model, scene.bodies, report);
+    velocities
 }
 
 /// Updates masses of existing bodies from the current model.
@@ -61,12 +63,6 @@ pub fn update_masses(model: &Model, bodies: &mut Bodies, report: &mut Report) {
         bodies.list[index].lumped_mass = lumped_mass(model, rigid, &bodies.list[index].nodes, &sources);
     }
     check_masses(model, bodies, report);
-}
-
-/// Updates initial velocities of existing bodies from the current model.
-pub fn update_initial_velocities(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, report: &mut Report) {
-    bodies.list.iter_mut().for_each(|body| body.initial_velocity = 0.0);
-    initial_velocities(model, bodies, places, report);
 }
 
 fn add_body(
@@ -169,7 +165,10 @@ fn lumped_mass(model: &Model, rigid: &RigidBody, nodes: &[usize], sources: &Mass
     nodes.iter().copied().zip(masses).filter(|m| m.1 != 0.0).collect()
 }
 
-fn initial_velocities(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, report: &mut Report) {
+/// Returns the initial velocity of each body along z.
+pub fn initial_velocities(scene: Scene, report: &mut Report) -> Vec<f64> {
+    let Scene { model, bodies, places } = scene;
+    let mut velocities = vec![0.0; bodies.list.len()];
     for condition in &model.initial_conditions {
         let of_solid = condition.members.iter().any(|m| places.has_node(*m)) || is_of_solid(places, condition);
         if of_solid && !names_reference(bodies, condition) {
@@ -181,13 +180,8 @@ fn initial_velocities(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, 
         };
         if dof != 2 {
             if starts_in_space(bodies, &condition.members) {
-                report.ledger_row(
-                    condition.span,
-                    "initial velocity",
-                    1,
-                    "bodies",
-                    format!("{} = {value}", ALONG[usize::from(dof) - 1]),
-                );
+                let detail = format!("{} = {value}", ALONG[usize::from(dof) - 1]);
+                report.ledger_row(condition.span, "initial velocity", 1, "bodies", detail);
             } else {
                 radial_velocity(condition.span, value, report);
             }
@@ -204,9 +198,10 @@ fn initial_velocities(model: &Model, bodies: &mut Bodies, places: &SolidPlaces, 
             report.ledger_row(condition.span, "initial velocity", moved.len(), "bodies", format!("v_z = {value}"));
         }
         for body in moved {
-            bodies.list[body].initial_velocity = value;
+            velocities[body] = value;
         }
     }
+    velocities
 }
 
 /// Returns whether an initial velocity along z is given for a reference node.
@@ -238,13 +233,9 @@ fn radial_velocity(span: Span, value: f64, report: &mut Report) {
     }
 }
 
-/// Reports elements and masses that belong neither to a rigid nor to a deformable body.
-pub fn refuse_strays(model: &Model, bodies: &Bodies, places: &SolidPlaces, report: &mut Report) {
-    refuse_stray_elements(model, bodies, report);
-    refuse_free_masses(model, bodies, places, report);
-}
-
-fn refuse_stray_elements(model: &Model, bodies: &Bodies, report: &mut Report) {
+/// Reports elements that belong neither to a rigid nor to a deformable body.
+fn refuse_stray_elements(scene: Scene, report: &mut Report) {
+    let Scene { model, bodies, .. } = scene;
     // Elements whose section had an error are not reported again.
     let in_section: HashSet<usize> = model.material_regions().flat_map(|s| s.1).copied().collect();
     let free = |e: &usize| !bodies.of_element.contains_key(e) && !in_section.contains(e);
@@ -265,7 +256,8 @@ fn refuse_stray_elements(model: &Model, bodies: &Bodies, report: &mut Report) {
     report.push(Diagnostic::error("P001", message).at(element.span, label).help(help));
 }
 
-fn refuse_free_masses(model: &Model, bodies: &Bodies, places: &SolidPlaces, report: &mut Report) {
+fn refuse_free_masses(scene: Scene, report: &mut Report) {
+    let Scene { model, bodies, places } = scene;
     for point in &model.discrete.masses {
         if !bodies.of_node.contains_key(&point.node) && !places.has_node(point.node) {
             let name = &model.mesh.node_names[point.node];

@@ -80,17 +80,15 @@ pub fn starts_in_space(bodies: &Bodies, members: &[usize]) -> bool {
     bodies.list.iter().any(|b| b.spatial && members.contains(&b.reference))
 }
 
-pub fn initial_states(scene: Scene, report: &mut Report) -> Vec<BodyState> {
+/// Returns the initial states of the bodies; `velocities` are those along z.
+pub fn initial_states(scene: Scene, velocities: &[f64], report: &mut Report) -> Vec<BodyState> {
     check_attitudes(scene, report);
-    (0..scene.bodies.list.len()).map(|index| initial_state(scene, index, report)).collect()
-}
-
-fn initial_state(scene: Scene, index: usize, report: &mut Report) -> BodyState {
-    let body = &scene.bodies.list[index];
-    match body.spatial {
-        false => BodyState::new(body.mass(), body.initial_velocity),
+    let bodies = scene.bodies.list.iter().zip(velocities).enumerate();
+    let initial_state = |(index, (body, velocity)): (usize, (&PlannedRigidBody, &f64))| match body.spatial {
+        false => BodyState::new(body.mass(), *velocity),
         true => BodyState::in_space(oblique_body(scene, index, report)),
-    }
+    };
+    bodies.map(initial_state).collect()
 }
 
 fn check_attitudes(scene: Scene, report: &mut Report) {

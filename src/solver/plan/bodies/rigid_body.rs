@@ -13,6 +13,15 @@ pub struct Bodies {
     pub of_element: IndexMap<usize, usize>,
 }
 
+impl Bodies {
+    /// Takes the list of bodies, with their initial velocities.
+    pub fn take_list(&mut self, velocities: &[f64]) -> Vec<PlannedRigidBody> {
+        let mut list = std::mem::take(&mut self.list);
+        list.iter_mut().zip(velocities).for_each(|(body, velocity)| body.initial_velocity = *velocity);
+        list
+    }
+}
+
 /// A rigid body of the plan. Nodes and elements are mesh indices.
 #[derive(Clone, Debug)]
 pub struct PlannedRigidBody {

@@ -6,7 +6,8 @@ use crate::constraint::bonds::MergedDofs;
 use crate::deck::{Diagnostic, Span};
 use crate::element::connector::{CarriedEnd, Connector, Connectors, SpringDashpotLaw};
 use crate::model::{BoundaryCondition, ConnectorLaw, ConnectorProperty, ElementKind};
-use crate::plan::{Bodies, Links, Report, Scene, State};
+use crate::plan::state::SolidState;
+use crate::plan::{Bodies, Links, Report, Scene};
 
 /// Creates all springs and dashpots.
 pub fn connectors(scene: Scene, report: &mut Report) -> Vec<Connector> {
@@ -67,7 +68,7 @@ fn refuse_connector(span: Span, message: String, report: &mut Report) {
 }
 
 /// Adds the springs and dashpots to the elements of the state.
-pub fn connect(scene: Scene, links: &Links, state: &mut State, report: &mut Report) {
+pub fn connect(scene: Scene, links: &Links, state: &mut SolidState, report: &mut Report) {
     let list = connectors(scene, report);
     let mass = &state.dofs.nodes.mass;
     let mut carried = BTreeMap::new();

@@ -9,7 +9,8 @@ use crate::model::{self, LinkKind, Model, NodeLink, RigidBody, SurfaceTie};
 use crate::plan::constraints::link_set::EndEquation;
 use crate::plan::constraints::tie_equations::{TieEquations, TieForm, TiedNode};
 use crate::plan::queries::heated_references;
-use crate::plan::{Bodies, Links, Report, Scene, SolidPlaces, State};
+use crate::plan::state::SolidState;
+use crate::plan::{Bodies, Links, Report, Scene, SolidPlaces};
 
 /// Adds to `nodes` the nodes that follow a rigid body because they are linked to one of its nodes or tied to one of
 /// its elements, directly or through other added nodes.
@@ -54,7 +55,7 @@ pub fn plan(
     scene: Scene,
     surface_ties: Vec<TieEquations>,
     rigid_ties: Vec<TiedNodes>,
-    state: &mut State,
+    state: &mut SolidState,
     report: &mut Report,
 ) -> Links {
     let model = scene.model;
@@ -243,7 +244,7 @@ fn find_unresisted_dofs(places: &SolidPlaces, links: &Links, mass: &[f64]) -> Ha
 }
 
 /// Gives linked nodes the initial velocity of their reference node.
-fn start_with_references(scene: Scene, state: &mut State) {
+fn start_with_references(scene: Scene, state: &mut SolidState) {
     for condition in &scene.model.initial_conditions {
         let model::InitialKind::Velocity(dof @ 1..=2, value) = condition.kind else { continue };
         let axis = usize::from(dof) - 1;

@@ -7,7 +7,8 @@ use crate::model::{InitialKind, MaterialDefinition, Model, PlasticityModel};
 use crate::plan::loads::magnitude;
 use crate::plan::queries::{dependencies, given_fields};
 use crate::plan::solids::user_material::materials_present;
-use crate::plan::{Report, Scene, Shared, SolidPlaces, State};
+use crate::plan::state::SolidState;
+use crate::plan::{Report, Scene, Shared, SolidPlaces};
 
 /// Returns the number of field variables that a material reads: all with user subroutines, else those of its tables.
 fn fields_read(material: &MaterialDefinition) -> usize {
@@ -28,7 +29,7 @@ fn fields_at_start(model: &Model, places: &SolidPlaces, nodes: usize) -> Vec<Vec
     values
 }
 
-pub fn start_fields(model: &Model, places: &SolidPlaces, state: &mut State) {
+pub fn start_fields(model: &Model, places: &SolidPlaces, state: &mut SolidState) {
     if !model.initial_conditions.iter().any(|c| matches!(c.kind, InitialKind::Field(..))) {
         return;
     }
@@ -45,7 +46,12 @@ pub fn start_fields(model: &Model, places: &SolidPlaces, state: &mut State) {
 }
 
 /// Creates the values of `*FIELD`; `None` if no material depends on field variables.
-pub fn plan(scene: Scene, state: &State, shared: &mut Shared, report: &mut Report) -> Option<Box<PredefinedFields>> {
+pub fn plan(
+    scene: Scene,
+    state: &SolidState,
+    shared: &mut Shared,
+    report: &mut Report,
+) -> Option<Box<PredefinedFields>> {
     let model = scene.model;
     let cards = || model.steps.iter().flat_map(|s| &s.fields);
     let groups = &state.elements.groups;

@@ -23,7 +23,8 @@ use crate::plan::loads::{amplitude_name, has_effect, kind_name, magnitude};
 use crate::plan::meshes::surfaces::load_surface;
 use crate::plan::queries::{adiabatic, conducts, heated_references};
 use crate::plan::solids::solid_material::heating;
-use crate::plan::{Links, Report, Scene, Shared, State};
+use crate::plan::state::SolidState;
+use crate::plan::{Links, Report, Scene, Shared};
 use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
@@ -44,7 +45,7 @@ pub struct HeatInput<'a> {
 pub fn plan(
     scene: Scene,
     links: &Links,
-    state: &State,
+    state: &SolidState,
     shared: &mut Shared,
     report: &mut Report,
 ) -> Option<Box<ThermalState>> {
@@ -81,7 +82,7 @@ pub fn plan(
 }
 
 /// Lists initial temperatures as unused if no material depends on the temperature.
-fn note_unused_initial_temperatures(scene: Scene, state: &State, report: &mut Report) {
+fn note_unused_initial_temperatures(scene: Scene, state: &SolidState, report: &mut Report) {
     let model = scene.model;
     let material = |section: &SolidSection| &model.materials[section.material];
     let may_read = |m: &MaterialDefinition| m.eos.is_some() || m.user.material.is_some();
@@ -136,7 +137,7 @@ fn temperature_field(
     scene: Scene,
     links: &Links,
     sections: &[SectionGroup],
-    state: &State,
+    state: &SolidState,
     shared: &mut Shared,
     report: &mut Report,
 ) -> Option<TemperatureField> {
@@ -240,7 +241,7 @@ fn conduction_properties(
 }
 
 /// Returns the initial nodal temperatures, 0 by default.
-fn initial_temperatures(scene: Scene, state: &State) -> Vec<f64> {
+fn initial_temperatures(scene: Scene, state: &SolidState) -> Vec<f64> {
     let mut temperatures = vec![0.0; state.dofs.nodes.len()];
     for condition in &scene.model.initial_conditions {
         if let InitialKind::Temperature(value) = condition.kind {
@@ -346,7 +347,7 @@ fn group_expansion(
     section: &SolidSection,
     group: usize,
     material: &MaterialDefinition,
-    state: &State,
+    state: &SolidState,
     report: &mut Report,
 ) -> Option<GroupExpansion> {
     let expansion = material.thermal.expansion.as_ref()?;

@@ -15,7 +15,8 @@ use crate::model::{
     ModeDependence, ModeMixRatio, Model, Step,
 };
 use crate::plan::constraints::connectors::inverse;
-use crate::plan::{Bodies, Links, Report, Scene, SolidPlaces, State};
+use crate::plan::state::SolidState;
+use crate::plan::{Bodies, Links, Report, Scene, SolidPlaces};
 use crate::state::nodes::Node;
 use crate::variables::Variable;
 
@@ -38,13 +39,13 @@ impl InertiaSearch {
 }
 
 /// Returns the cohesive sections with their elements.
-pub fn cohesive_sections<'a>(model: &'a Model) -> Vec<(&'a CohesiveSection, Vec<usize>)> {
+pub fn cohesive_sections(model: &Model) -> Vec<(&CohesiveSection, Vec<usize>)> {
     let sections = model.cohesive_sections.iter().map(|s| (s, s.elements.clone()));
     sections.filter(|(_, elements): &(_, Vec<usize>)| !elements.is_empty()).collect()
 }
 
 /// Returns the materials of cohesive elements that can be damaged.
-pub fn damaged_interfaces<'a>(model: &'a Model) -> impl Iterator<Item = &'a CohesiveSection> {
+pub fn damaged_interfaces(model: &Model) -> impl Iterator<Item = &CohesiveSection> {
     let grows = |s: &&CohesiveSection| model.materials[s.material].interface.evolution.is_some();
     model.cohesive_sections.iter().filter(grows)
 }
@@ -194,7 +195,7 @@ fn cohesive_row(
 }
 
 /// Bounds the time increment by the cohesive elements. A node without mass is an error: forces of elements act on masses.
-pub fn bound_cohesive_elements(scene: Scene, links: &Links, state: &mut State, report: &mut Report) {
+pub fn bound_cohesive_elements(scene: Scene, links: &Links, state: &mut SolidState, report: &mut Report) {
     if scene.model.cohesive_sections.is_empty() {
         return;
     }

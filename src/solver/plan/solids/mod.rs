@@ -40,6 +40,7 @@ use crate::plan::solids::shells::{free_shells, place_rotations, shell_group};
 use crate::plan::solids::solid_material::{GroupInput, solid_group};
 use crate::plan::solids::ties::tie_to_bodies;
 use crate::plan::solids::user_material::calls_routines_at_points;
+use crate::plan::state::SolidState;
 use crate::plan::{Bodies, Links, MeshIndexMap, Report, Scene, SolidPlaces, State};
 use crate::state::EffectId;
 use crate::state::dofs::Dofs;
@@ -67,7 +68,7 @@ pub struct Solids {
     /// Deformable nodes that are tied to rigid bodies.
     pub ties: Vec<TiedNodes>,
     /// Nodes and elements, with their initial conditions.
-    pub state: State,
+    pub state: SolidState,
 }
 
 /// Creates the nodes and element groups of all deformable bodies; empty if there are none. Adds the mass of tied nodes
@@ -136,7 +137,7 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
     if sections.iter().any(|(s, _)| s.controls.by_area) {
         elements.rings = Some(Box::new(RingFactors::new(&elements.groups, nodes.len())));
     }
-    let mut state = State { dofs: Dofs { nodes, ..Dofs::default() }, elements, ..State::default() };
+    let mut state = SolidState { dofs: Dofs { nodes, ..Dofs::default() }, elements };
     start_solid(model, places, &mut state, report);
     start_temperatures(model, places, &mut state.elements.groups);
     start_fields(model, places, &mut state);
@@ -381,7 +382,7 @@ fn start_temperatures(model: &Model, places: &SolidPlaces, groups: &mut [Box<dyn
 }
 
 /// Sets the initial velocities, stresses, energies and state variables.
-fn start_solid(model: &Model, places: &SolidPlaces, state: &mut State, report: &mut Report) {
+fn start_solid(model: &Model, places: &SolidPlaces, state: &mut SolidState, report: &mut Report) {
     check_gas_states(model, report);
     let (nodes, groups) = (&mut state.dofs.nodes, &mut state.elements.groups);
     for condition in &model.initial_conditions {
