@@ -8,7 +8,7 @@ use crate::deck::Span;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::mesh::surface::SurfaceGeometry;
 use crate::model::{AmplitudeId, Model, SurfaceContact};
-use crate::plan::{Bodies, Links, SolidPlaces};
+use crate::plan::{Bodies, Links, SolidPlaces, State};
 
 /// The model with its rigid bodies, and the solver indices of its deformable nodes and elements.
 #[derive(Clone, Copy)]
@@ -20,10 +20,11 @@ pub struct Scene<'a> {
 
 /// A step of the model, and the products on which its constraints depend.
 #[derive(Clone, Copy)]
-pub struct StepInput<'a> {
+pub struct StepInput<'a, 's> {
     pub scene: Scene<'a>,
-    pub links: &'a Links,
-    pub pairs: &'a Pairs,
+    pub links: &'s Links,
+    pub pairs: &'s Pairs,
+    pub state: &'s State,
     /// Index of the step.
     pub index: usize,
 }

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use crate::constraint::Constraint;
 use crate::constraint::bonds::PrescribedDofs;
 use crate::constraint::user_motion::UserMotion;
+use crate::element::mass_scaling::StepMassScaling;
 use crate::load::{Load, VelocityUse};
 use crate::model::{
     self, BoundaryCondition, EnergyLimit, IncrementControl, LoadKind, MassScaling, Model, ScalingSchedule, Step,
@@ -184,8 +185,12 @@ pub fn plan(
     let mut active = ActiveEffects::default();
     let mut steps = Vec::with_capacity(scene.model.steps.len());
     for (index, step) in scene.model.steps.iter().enumerate() {
-        let input = StepInput { scene, links, pairs, index };
-        let mut changes = step_changes(input, state, &mut active, shared, report);
+        let loads = load_changes(scene, links, index, state, &mut active, shared, report);
+        let input = StepInput { scene, links, pairs, state, index };
+        let (constraints, user_motions) = constraint_changes(input, &mut active, shared, report);
+        let scaling = scaling_change(input, loads.is_some(), report);
+        let adaptive = adaptive_change(scene, links, pairs, index, state, shared, report);
+        let mut changes = StepChanges { loads, constraints, user_motions, scaling, adaptive };
         if index == 0 {
             state.begin_with(std::mem::take(&mut changes));
         }
@@ -223,21 +228,6 @@ pub fn replan_loads(
         }
         increment_rows(scene.places, &scene.model.steps[index], &active, report);
     }
-}
-
-fn step_changes<'a>(
-    input: StepInput<'a>,
-    state: &mut State,
-    active: &mut ActiveEffects<'a>,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> StepChanges {
-    let StepInput { scene, links, index, .. } = input;
-    let loads = load_changes(scene, links, index, state, active, shared, report);
-    let (constraints, user_motions) = constraint_changes(input, state, active, shared, report);
-    let scaling = scaling_change(input, loads.is_some(), state, report);
-    let adaptive = adaptive_change(input, state, shared, report);
-    StepChanges { loads, constraints, user_motions, scaling, adaptive }
 }
 
 /// Returns the step before the one at `index`; `None` for the first step.
@@ -289,8 +279,7 @@ fn load_changes<'a>(
 }
 
 fn constraint_changes<'a>(
-    input: StepInput<'a>,
-    state: &State,
+    input: StepInput<'a, '_>,
     active: &mut ActiveEffects<'a>,
     shared: &mut Shared,
     report: &mut Report,
@@ -306,7 +295,7 @@ fn constraint_changes<'a>(
     add_motions(scene, step, &mut list, shared, report);
     let given = list.given();
     if let Err(origin) = list.keep(ConstraintOrigin::Equations(given.clone()))
-        && let Some(equations) = link_constraint(scene, links, step, state, &given, report)
+        && let Some(equations) = link_constraint(input, &given, report)
     {
         list.add(origin, equations);
     }
@@ -314,7 +303,7 @@ fn constraint_changes<'a>(
     let drops_points = step.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes);
     if let Err(origin) =
         list.keep(ConstraintOrigin::Contact(pairs.by_step[index].clone(), given.all.clone(), drops_points))
-        && let Some(contact) = contact_constraint(input, &given.all, state, report)
+        && let Some(contact) = contact_constraint(input, &given.all, report)
     {
         list.add(origin, contact);
     }
@@ -324,12 +313,12 @@ fn constraint_changes<'a>(
     let kept = (0..walls).take_while(|&i| list.keep(wall(i)).is_ok()).count();
     if kept < walls {
         let origins: Vec<ConstraintOrigin<'a>> = (0..walls).map(wall).collect();
-        for (origin, contact) in origins.into_iter().zip(wall_contacts(input, state, report)).skip(kept) {
+        for (origin, contact) in origins.into_iter().zip(wall_contacts(input, report)).skip(kept) {
             list.add(origin, contact);
         }
     }
     if let Err(origin) = list.keep(ConstraintOrigin::Overlaps)
-        && let Some(overlaps) = overlapping_bodies(input, state, report).filter(|_| index == 0)
+        && let Some(overlaps) = overlapping_bodies(input, report).filter(|_| index == 0)
     {
         list.add(origin, overlaps);
     }
@@ -357,24 +346,18 @@ fn keeps_constraints(input: StepInput) -> bool {
 }
 
 /// Returns the mass scaling of a step; `None` if the one of the previous step continues.
-fn scaling_change<'a>(
-    input: StepInput<'a>,
-    loads_change: bool,
-    state: &State,
-    report: &mut Report,
-) -> Option<Option<crate::element::mass_scaling::StepMassScaling>> {
+fn scaling_change(input: StepInput, loads_change: bool, report: &mut Report) -> Option<Option<StepMassScaling>> {
     let StepInput { scene, index, .. } = input;
     let (step, previous) = (&scene.model.steps[index], step_before(scene.model, index));
-    let scalings = |step: &'a Step| &step.mass_scalings[..];
     let intervals = |s: &MassScaling| matches!(s.schedule, Some(ScalingSchedule::Intervals(_)));
     let same_pace = |p: &Step| p.duration == step.duration || !step.mass_scalings.iter().any(intervals);
-    if scalings(step) == previous.map_or(&[][..], scalings) && previous.is_none_or(same_pace) {
+    if step.mass_scalings[..] == *previous.map_or(&[][..], |p| &p.mass_scalings) && previous.is_none_or(same_pace) {
         if loads_change && !step.mass_scalings.is_empty() {
             check_scalable_step(step, report);
         }
         return None;
     }
-    Some(mass_scaling(input, state, report))
+    Some(mass_scaling(input, report))
 }
 
 /// Creates the ledger rows of the increment control and of the velocity that is passed to loads.

@@ -9,7 +9,7 @@ use crate::kernel::sorted_boxes::SortedBoxes;
 use crate::model::{Model, SurfaceContact};
 use crate::plan::contact::curves::ContactGeometry;
 use crate::plan::contact::penalty::modulus_of;
-use crate::plan::{Pairs, Report, Scene, State};
+use crate::plan::{Report, StepInput};
 use crate::variables::Variable;
 
 /// Facets face each other if the cosine of the angle between their normals is below this value, as in contact.
@@ -159,15 +159,8 @@ fn sector([r, z]: [f64; 2]) -> usize {
 }
 
 /// Checks a pair in the step in which it begins.
-pub fn check_pair(
-    scene: Scene,
-    pairs: &Pairs,
-    contact: &SurfaceContact,
-    step: usize,
-    met: ContactingCurves<'_>,
-    state: &State,
-    report: &mut Report,
-) {
+pub fn check_pair(input: StepInput, contact: &SurfaceContact, met: ContactingCurves, report: &mut Report) {
+    let StepInput { scene, pairs, index: step, .. } = input;
     let known = |c: &SurfaceContact| c.span == contact.span && c.sides[0].name == contact.sides[0].name;
     if contact.is_self_contact() || step > 0 && pairs.by_step[step - 1].iter().any(known) {
         return;
@@ -182,7 +175,7 @@ pub fn check_pair(
     let Some(body) = met.body() else {
         return check_facet_sizes(scene.model, contact, met, report);
     };
-    check_body_mass(scene, contact, step, body, met, state, report);
+    check_body_mass(input, contact, body, met, report);
     if let Some([r, z]) = met.find_sharp_turn() {
         let message = format!(
             "the rigid surface of `{a}` and `{b}` has a rounding within {:.3e}, the length of the deformable faces in contact",
@@ -284,14 +277,13 @@ fn warn_of_sizes(contact: &SurfaceContact, coarser: usize, [finer, stiffer]: [f6
 
 /// Warns if a free rigid body is lighter than the contact nodes.
 fn check_body_mass(
-    scene: Scene,
+    input: StepInput,
     contact: &SurfaceContact,
-    step: usize,
     body: usize,
-    met: ContactingCurves<'_>,
-    state: &State,
+    met: ContactingCurves,
     report: &mut Report,
 ) {
+    let StepInput { scene, state, index: step, .. } = input;
     let reference = scene.bodies.list[body].reference;
     let boundaries = &scene.model.steps[step].boundaries;
     if boundaries.iter().any(|b| b.dof == 2 && b.nodes.contains(&reference)) {

@@ -88,8 +88,8 @@ fn solid_parts(scene: Scene) -> Vec<ConnectedPart> {
 }
 
 /// Creates the check of bodies for overlaps; `None` if there are fewer than two.
-pub fn overlapping_bodies(input: StepInput, state: &State, report: &mut Report) -> Option<Box<dyn Constraint>> {
-    let StepInput { scene, links, pairs, .. } = input;
+pub fn overlapping_bodies(input: StepInput, report: &mut Report) -> Option<Box<dyn Constraint>> {
+    let StepInput { scene, links, pairs, state, .. } = input;
     let lines = connected_parts(scene, |kind| kind == ElementKind::Rax2);
     let solids = solid_parts(scene);
     let count = solids.len();

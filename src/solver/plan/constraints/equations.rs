@@ -5,17 +5,12 @@ use crate::constraint::bonds::{DependentEquation, LinkConflict, LinkSystem, Pres
 use crate::constraint::equation::EquationConstraint;
 use crate::deck::{Diagnostic, Span};
 use crate::model::Step;
-use crate::plan::{Links, Report, Scene, State};
+use crate::plan::{Report, Scene, StepInput};
 
 /// Creates the constraint of all equations and links of a step, factorised with its prescribed degrees of freedom.
-pub fn link_constraint(
-    scene: Scene,
-    links: &Links,
-    step: &Step,
-    state: &State,
-    given: &PrescribedDofs,
-    report: &mut Report,
-) -> Option<Box<dyn Constraint>> {
+pub fn link_constraint(input: StepInput, given: &PrescribedDofs, report: &mut Report) -> Option<Box<dyn Constraint>> {
+    let StepInput { scene, links, state, index, .. } = input;
+    let step = &scene.model.steps[index];
     if links.is_empty() {
         return None;
     }

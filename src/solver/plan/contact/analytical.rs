@@ -7,7 +7,7 @@ use crate::kernel::profile::SurfaceProfile;
 use crate::model::{AnalyticalSide, Element, Model, RigidSurface, SideSelection, SurfaceContact};
 use crate::plan::contact::curves::{ContactGeometry, CurveContext, add_curve, point_of};
 use crate::plan::contact::general::general_row;
-use crate::plan::{Report, State, StepInput};
+use crate::plan::{Report, StepInput};
 
 /// Accepted initial penetration of nodes, as a fraction of the size of the smaller surface: rounded coordinates,
 /// straight edges of a curved mesh.
@@ -74,9 +74,8 @@ struct OpposingSurface<'a> {
 /// are reported as errors.
 pub fn analytical_contact(
     (pair, analytical): (&SurfaceContact, &AnalyticalSide),
-    around: &CurveContext<'_>,
+    around: &CurveContext,
     found: &mut ContactGeometry,
-    state: &State,
     report: &mut Report,
 ) -> Option<([usize; 2], usize)> {
     let sides = &pair.sides[1 - analytical.side];
@@ -86,7 +85,7 @@ pub fn analytical_contact(
         add_curve(pair, 1 - analytical.side, around, found, report)?
     };
     let opposite = OpposingSurface { sides, nodes: &analytical.nodes, pair };
-    match analytical_surface(opposite, analytical, around, state, report) {
+    match analytical_surface(opposite, analytical, around, report) {
         Ok((mut surface, body, count)) => {
             surface.point = found.add_carried(body);
             let gives_way = (pair.penalty.is_some() || pair.law.is_soft()) && !sides.faces.is_empty();
@@ -127,7 +126,7 @@ pub fn analytical_contact(
 fn curve_of_nodes(
     pair: &SurfaceContact,
     nodes: &[usize],
-    around: &CurveContext<'_>,
+    around: &CurveContext,
     found: &mut ContactGeometry,
     report: &mut Report,
 ) -> Option<usize> {
@@ -137,8 +136,8 @@ fn curve_of_nodes(
         match point_of(node, around, found) {
             Ok(point) => points.push(point),
             Err(why) => {
-                return report
-                    .refuse(Diagnostic::error("P021", why.message(&scene.model.mesh)).at(pair.span, "this pair"));
+                let finding = Diagnostic::error("P021", why.message(&scene.model.mesh));
+                return report.refuse(finding.at(pair.span, "this pair"));
             }
         }
     }
@@ -149,13 +148,12 @@ fn curve_of_nodes(
 /// Returns the analytical surface with its front towards the nodes, its rigid body, and the number of contact
 /// nodes.
 fn analytical_surface(
-    opposite: OpposingSurface<'_>,
+    opposite: OpposingSurface,
     side: &AnalyticalSide,
-    around: &CurveContext<'_>,
-    state: &State,
+    around: &CurveContext,
     report: &mut Report,
 ) -> Result<(AnalyticalSurface, usize, usize), String> {
-    let StepInput { scene, .. } = around.input;
+    let StepInput { scene, state, .. } = around.input;
     let surface: &RigidSurface = &scene.model.surfaces.analytical[side.surface];
     let reference = surface
         .reference
@@ -180,17 +178,10 @@ fn analytical_surface(
     let mut analytical = AnalyticalSurface::new(surface.profile.clone(), 0);
     let ends = surface.profile.bounds();
     let overlap = OVERLAP * [extent(&ends), extent(&places)].into_iter().filter(|e| *e > 0.0).fold(f64::MAX, f64::min);
+    let tolerances = [analytical.rounding, overlap];
     let profile = match opposite.pair.general {
-        true => profile_facing_all(
-            scene.model,
-            opposite,
-            (surface, side),
-            around.pairs,
-            &places,
-            [analytical.rounding, overlap],
-            report,
-        ),
-        false => facing_profile(scene.model, opposite, surface, &places, analytical.rounding, overlap, report)?,
+        true => profile_facing_all(around, opposite, (surface, side), &places, tolerances, report),
+        false => facing_profile(scene.model, opposite, surface, &places, tolerances, report)?,
     };
     analytical = AnalyticalSurface::new(profile, 0);
     analytical.overlap = overlap.max(analytical.rounding);
@@ -201,11 +192,10 @@ fn analytical_surface(
 /// there will be no contact; an error if nodes are on both sides.
 fn facing_profile(
     model: &Model,
-    opposite: OpposingSurface<'_>,
+    opposite: OpposingSurface,
     surface: &RigidSurface,
     places: &[[f64; 2]],
-    rounding: f64,
-    overlap: f64,
+    [rounding, overlap]: [f64; 2],
     report: &mut Report,
 ) -> Result<SurfaceProfile, String> {
     let OpposingSurface { sides, pair, .. } = opposite;
@@ -254,17 +244,16 @@ fn facing_profile(
 /// Returns the profile in general contact, with its front to the left of its direction. If all surfaces of the
 /// contact domain are on its back, it is reversed. Warns if it was reversed, or if nodes penetrate it.
 fn profile_facing_all(
-    model: &Model,
-    OpposingSurface { sides, pair, .. }: OpposingSurface<'_>,
+    around: &CurveContext,
+    OpposingSurface { sides, pair, .. }: OpposingSurface,
     (surface, side): (&RigidSurface, &AnalyticalSide),
-    pairs: &[SurfaceContact],
     places: &[[f64; 2]],
     [rounding, overlap]: [f64; 2],
     report: &mut Report,
 ) -> SurfaceProfile {
-    let mesh = &model.mesh;
+    let mesh = &around.input.scene.model.mesh;
     let is_same = |c: &&SurfaceContact| c.analytical.as_ref().is_some_and(|a| a.surface == side.surface);
-    let all = || pairs.iter().filter(|c| c.general).filter(is_same);
+    let all = || around.pairs.iter().filter(|c| c.general).filter(is_same);
     let (name, set) = (&pair.sides[side.side].name, &sides.name);
     let of_all: Vec<[f64; 2]> =
         all().flat_map(|c| &c.analytical).flat_map(|a| &a.nodes).map(|&n| mesh.points[n]).collect();
@@ -303,11 +292,8 @@ fn body_of_nodes_is_behind(model: &Model, nodes: &[usize], profile: &SurfaceProf
 
 /// Returns whether the faces nearest to the analytical surface have normals in its direction, so that they cannot
 /// touch it.
-fn looks_away(
-    model: &Model,
-    OpposingSurface { sides, nodes, .. }: OpposingSurface<'_>,
-    profile: &SurfaceProfile,
-) -> bool {
+fn looks_away(model: &Model, opposite: OpposingSurface, profile: &SurfaceProfile) -> bool {
+    let OpposingSurface { sides, nodes, .. } = opposite;
     let mesh = &model.mesh;
     let points = &mesh.points;
     if sides.faces.is_empty() {

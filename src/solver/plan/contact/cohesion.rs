@@ -11,8 +11,9 @@ use crate::plan::contact::curves::ContactGeometry;
 use crate::plan::contact::general::pair_name;
 use crate::plan::contact::penalty::spring_laws;
 use crate::plan::contact::walls::spatial_side;
+use crate::plan::contact::{LawLists, place_of};
 use crate::plan::solids::cohesive::{check_energies, criterion, initiation_law, softening};
-use crate::plan::{Pairs, Report, Scene, State, StepInput};
+use crate::plan::{Pairs, Report, StepInput};
 use crate::variables::Variable;
 
 /// Cohesive behaviour of the contact of a step.
@@ -61,14 +62,14 @@ pub fn cohesive_nodes(model: &Model, pairs: &Pairs, step: usize) -> impl Iterato
 
 /// Adds the cohesive behaviour of a pair, if its interaction has one. `index` is that of the pair, whose law is set.
 pub fn add_cohesion<'c>(
-    scene: Scene,
+    input: StepInput,
     (contact, index, pair): (&'c SurfaceContact, usize, &ContactPair),
-    (laws, springs): (&mut Vec<InteractionLaw>, &mut Vec<InteractionLaw>),
-    (found, state): (&ContactGeometry, &State),
+    LawLists { laws, springs }: &mut LawLists,
+    found: &ContactGeometry,
     list: &mut CohesionList<'c>,
     report: &mut Report,
 ) -> Option<()> {
-    let Some(cohesion) = cohesion_of(scene.model, contact) else { return Some(()) };
+    let Some(cohesion) = cohesion_of(input.scene.model, contact) else { return Some(()) };
     if pair.analytical.is_some() {
         return refuse_analytical(contact, cohesion, report);
     }
@@ -78,14 +79,14 @@ pub fn add_cohesion<'c>(
         None => {
             let other = Some(pair.other.unwrap_or(pair.own));
             let factor = contact.penalty.unwrap_or(1.0);
-            let own = spring_laws(scene, contact, factor, (pair.own, other), found, state, report)?;
+            let own = spring_laws(input, contact, factor, (pair.own, other), found, report)?;
             own.iter().map(|law| [spring_stiffness(law); 2]).collect()
         }
     };
     let (law, varies) = (list.laws.len(), cohesion.stiffness.is_none());
     list.laws.extend(stiffnesses.into_iter().map(|stiffness| law_of(cohesion, stiffness)));
     let first = &list.laws[law];
-    let name = contact.interaction.map_or("", |id| &scene.model.interactions[id].name);
+    let name = contact.interaction.map_or("", |id| &input.scene.model.interactions[id].name);
     let origin = cohesion.initiation.as_ref().zip(cohesion.evolution.as_ref());
     check_energies(origin, first, ("P027", &format!("surface interaction `{name}`"), STIFFNESS_CARD), report)?;
     let frictionless = |law: &InteractionLaw| InteractionLaw { friction: CoulombFriction::default(), ..law.clone() };
@@ -94,7 +95,7 @@ pub fn add_cohesion<'c>(
         springs.extend(own);
         springs.len() - count
     } else {
-        crate::plan::contact::place_of(laws, frictionless(&laws[pair.law]))
+        place_of(laws, frictionless(&laws[pair.law]))
     };
     let mut cohesive = CohesivePair::new(index, (law, varies), intact);
     cohesive.bonds_later = !cohesion.original_only;
@@ -116,9 +117,7 @@ fn refuse_analytical(contact: &SurfaceContact, cohesion: &CohesiveBehavior, repo
 /// Reports the pairs of oblique bodies with cohesive behaviour.
 pub fn refuse_cohesive_walls(input: StepInput, report: &mut Report) {
     let StepInput { scene, pairs, index: step, .. } = input;
-    let walls: Vec<SurfaceContact> =
-        pairs.by_step[step].iter().filter(|pair| spatial_side(scene.bodies, pair).is_some()).cloned().collect();
-    for contact in &walls {
+    for contact in pairs.by_step[step].iter().filter(|pair| spatial_side(scene.bodies, pair).is_some()) {
         if let Some(cohesion) = cohesion_of(scene.model, contact) {
             refuse_analytical(contact, cohesion, report);
         }

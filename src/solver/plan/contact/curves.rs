@@ -37,7 +37,7 @@ pub struct ContactGeometry {
 
 /// Data that points and facets depend on.
 pub struct CurveContext<'a> {
-    pub input: StepInput<'a>,
+    pub input: StepInput<'a, 'a>,
     /// Degrees of freedom (node, axis) that are prescribed, directly or by nodes with equal motion.
     pub prescribed: &'a HashSet<(usize, usize)>,
     /// Degrees of freedom in equations.
@@ -115,7 +115,7 @@ fn has_both_sides(sides: &SideSelection, pairs: &[SurfaceContact]) -> bool {
 pub fn add_curve(
     contact: &SurfaceContact,
     which: usize,
-    around: &CurveContext<'_>,
+    around: &CurveContext,
     found: &mut ContactGeometry,
     report: &mut Report,
 ) -> Option<usize> {
@@ -182,7 +182,7 @@ fn warn_of_left_out(model: &Model, contact: &SurfaceContact, surface: &str, node
 
 /// Adds the interior faces of the bodies of the exposed facets, one per side. They are exposed when the element in
 /// front is deleted.
-fn hidden_facets(around: &CurveContext<'_>, found: &mut ContactGeometry, facets: &mut Vec<([u32; 2], usize)>) {
+fn hidden_facets(around: &CurveContext, found: &mut ContactGeometry, facets: &mut Vec<([u32; 2], usize)>) {
     let StepInput { scene, .. } = around.input;
     let mesh = &scene.model.mesh;
     let own: HashSet<usize> = facets.iter().map(|f| f.1).collect();
@@ -217,7 +217,7 @@ fn thickness_of(model: &Model, element: usize) -> f64 {
     section.map_or(0.0, |s| s.thickness)
 }
 
-pub fn point_of(node: usize, around: &CurveContext<'_>, found: &mut ContactGeometry) -> Result<u32, PointRefusal> {
+pub fn point_of(node: usize, around: &CurveContext, found: &mut ContactGeometry) -> Result<u32, PointRefusal> {
     let StepInput { scene, .. } = around.input;
     match found.point_of_node.get(&node) {
         Some(&known) => Ok(known),
@@ -228,7 +228,7 @@ pub fn point_of(node: usize, around: &CurveContext<'_>, found: &mut ContactGeome
 /// Returns the node or rigid body of a contact point, and the axes along which it is free.
 fn contact_point(
     node: usize,
-    CurveContext { input, prescribed, in_equations, .. }: &CurveContext<'_>,
+    CurveContext { input, prescribed, in_equations, .. }: &CurveContext,
 ) -> Result<SurfacePoint, PointRefusal> {
     let scene = input.scene;
     let mesh = &scene.model.mesh;

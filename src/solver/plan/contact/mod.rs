@@ -23,7 +23,7 @@ use crate::plan::contact::general::{general_row, pair_name};
 use crate::plan::contact::penalty::{smallest_thickness, spring_laws};
 use crate::plan::contact::walls::spatial_side;
 use crate::plan::queries::heated_references;
-use crate::plan::{Pairs, Report, Scene, State, StepInput};
+use crate::plan::{Pairs, Report, Scene, StepInput};
 
 /// Initial overlaps up to this fraction of a facet are accepted without a warning: meshes of matching curved surfaces
 /// overlap.
@@ -36,12 +36,10 @@ const SEARCHED: f64 = 0.1;
 pub fn contact_constraint(
     input: StepInput,
     prescribed: &HashSet<(usize, usize)>,
-    state: &State,
     report: &mut Report,
 ) -> Option<Box<dyn Constraint>> {
-    let StepInput { scene, links, index: step, .. } = input;
-    let (mut found, mut pairs, mut laws) = (ContactGeometry::default(), Vec::new(), Vec::<InteractionLaw>::new());
-    let mut springs: Vec<InteractionLaw> = Vec::new();
+    let StepInput { scene, links, state, index: step, .. } = input;
+    let (mut found, mut pairs, mut lists) = (ContactGeometry::default(), Vec::new(), LawLists::default());
     let (mut spans, mut cohesion) = (Vec::new(), CohesionList::default());
     let all = &input.pairs.by_step[step];
     let wanted: Vec<&SurfaceContact> = all.iter().filter(|pair| spatial_side(scene.bodies, pair).is_none()).collect();
@@ -60,16 +58,16 @@ pub fn contact_constraint(
     };
     for contact in wanted {
         let pair = match &contact.analytical {
-            Some(side) => analytical_pair((contact, side), &around, &mut found, state, report),
-            None => pair_of_curves(contact, step, &around, &mut found, state, report),
+            Some(side) => analytical_pair(contact, side, &around, &mut found, report),
+            None => pair_of_curves(contact, &around, &mut found, report),
         };
         let Some((mut pair, length)) = pair else { continue };
         let other = if pair.analytical.is_some() { None } else { Some(pair.other.unwrap_or(pair.own)) };
-        let law = law_indices(scene, contact, (pair.own, other), (&mut laws, &mut springs), &found, state, report);
+        let law = law_indices(input, contact, (pair.own, other), &mut lists, &found, report);
         let Some([law, of_points]) = law else { continue };
         (pair.law, pair.of_points, pair.springs) = (law, of_points, has_springs(contact));
         let origin = (contact, pairs.len(), &pair);
-        let added = add_cohesion(scene, origin, (&mut laws, &mut springs), (&found, state), &mut cohesion, report);
+        let added = add_cohesion(input, origin, &mut lists, &found, &mut cohesion, report);
         if added.is_none() {
             continue;
         }
@@ -86,6 +84,7 @@ pub fn contact_constraint(
         return None;
     }
     let ContactGeometry { points, places, curves, analyticals, .. } = found;
+    let LawLists { mut laws, springs } = lists;
     let first = laws.len();
     pairs.iter_mut().filter(|p| p.springs).for_each(|p| p.law += first);
     let (any, with_springs) = (!springs.is_empty(), pairs.iter().map(|p| p.springs).collect::<Vec<bool>>());
@@ -121,10 +120,8 @@ pub fn contact_constraint(
 /// later.
 fn pair_of_curves(
     contact: &SurfaceContact,
-    step: usize,
-    around: &CurveContext<'_>,
+    around: &CurveContext,
     found: &mut ContactGeometry,
-    state: &State,
     report: &mut Report,
 ) -> Option<(ContactPair, f64)> {
     let StepInput { scene, pairs, .. } = around.input;
@@ -152,7 +149,7 @@ fn pair_of_curves(
         length: found.lengths[curves[0]][1],
         first_carries: curves[0] == first,
     };
-    check_pair(scene, pairs, contact, step, met, state, report);
+    check_pair(around.input, contact, met, report);
     let mut pair = ContactPair::new(id, pair_number(pairs, contact), curves, length);
     pair.first = curves[0] == first;
     // Faces of one body meet again and again where it folds or erodes; their impacts do not limit the increment.
@@ -165,14 +162,14 @@ fn pair_of_curves(
 
 /// Creates the pair of a curve with an analytical surface.
 fn analytical_pair(
-    (contact, side): (&SurfaceContact, &AnalyticalSide),
-    around: &CurveContext<'_>,
+    contact: &SurfaceContact,
+    side: &AnalyticalSide,
+    around: &CurveContext,
     found: &mut ContactGeometry,
-    state: &State,
     report: &mut Report,
 ) -> Option<(ContactPair, f64)> {
     let StepInput { scene, pairs, .. } = around.input;
-    let ([curve, analytical], id) = analytical_contact((contact, side), around, found, state, report)?;
+    let ([curve, analytical], id) = analytical_contact((contact, side), around, found, report)?;
     if around.general.is_some_and(|g| contact.general && g.excludes_detached_nodes) {
         found.curves[curve].drop_orphans();
     }
@@ -183,21 +180,28 @@ fn analytical_pair(
     Some((pair, length))
 }
 
+/// Interaction laws of the pairs of a step, and those of penalty springs, which are the last ones of the constraint.
+#[derive(Default)]
+pub struct LawLists {
+    pub laws: Vec<InteractionLaw>,
+    pub springs: Vec<InteractionLaw>,
+}
+
 /// Returns the indices of the law of a pair, in the list of laws or of penalty springs, and of the law for single
 /// points.
 fn law_indices(
-    scene: Scene,
+    input: StepInput,
     contact: &SurfaceContact,
     (own, other): (usize, Option<usize>),
-    (laws, springs): (&mut Vec<InteractionLaw>, &mut Vec<InteractionLaw>),
+    lists: &mut LawLists,
     found: &ContactGeometry,
-    state: &State,
     report: &mut Report,
 ) -> Option<[usize; 2]> {
+    let LawLists { laws, springs } = lists;
     let law = match contact.penalty.filter(|_| has_springs(contact)) {
         None => place_of(laws, contact.law.clone()),
         Some(factor) => {
-            let all = spring_laws(scene, contact, PENALTY_FACTOR * factor, (own, other), found, state, report)?;
+            let all = spring_laws(input, contact, PENALTY_FACTOR * factor, (own, other), found, report)?;
             springs.extend(all);
             springs.len() - found.curves[own].own.len()
         }

@@ -7,11 +7,12 @@ use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::topology::MOST_NODES;
 use crate::model::{Element, ElementKind, EosKind, InitialKind, MaterialDefinition, MaterialId, Model, SurfaceContact};
 use crate::plan::contact::curves::ContactGeometry;
-use crate::plan::{Report, Scene, State};
+use crate::plan::{Report, Scene, StepInput};
 
 /// Returns the compliance of a facet, length per pressure, from the stiffness matrix of its element, or else its
 /// thickness over the longitudinal modulus; 0 for rigid facets. `None` if it cannot be determined.
-pub fn facet_compliance(scene: Scene, element: usize, nodes: [usize; 2], state: &State) -> Option<f64> {
+pub fn facet_compliance(input: StepInput, element: usize, nodes: [usize; 2]) -> Option<f64> {
+    let StepInput { scene, state, .. } = input;
     let mesh = &scene.model.mesh;
     let Some(&(group, index)) = scene.places.elements.get(&element) else { return Some(0.0) };
     let of = &mesh.elements[element];
@@ -130,16 +131,15 @@ fn height(element: &Element, points: &[[f64; 2]], length: f64) -> f64 {
 /// Returns the laws of springs of each point of a curve. The stiffness is `factor` times 2 / (sum of the compliances of
 /// both surfaces): for two equal bodies and a factor of 1 the stiffness of one layer of elements.
 pub fn spring_laws(
-    scene: Scene,
+    input: StepInput,
     contact: &SurfaceContact,
     factor: f64,
     (own, other): (usize, Option<usize>),
     found: &ContactGeometry,
-    state: &State,
     report: &mut Report,
 ) -> Option<Vec<InteractionLaw>> {
     let softness = |curve: usize| {
-        let of = found.facet_elements[curve].iter().map(|&(e, nodes)| facet_compliance(scene, e, nodes, state));
+        let of = found.facet_elements[curve].iter().map(|&(e, nodes)| facet_compliance(input, e, nodes));
         of.collect::<Option<Vec<f64>>>()
     };
     let others = other.map_or(Some(Vec::new()), softness);

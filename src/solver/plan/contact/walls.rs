@@ -4,11 +4,11 @@ use crate::constraint::Constraint;
 use crate::constraint::rigid_wall_contact::{RigidWallContact, WallPair};
 use crate::deck::Diagnostic;
 use crate::kernel::lists::sorted_unique;
-use crate::model::{IncrementControl, Step, SurfaceContact};
+use crate::model::{IncrementControl, SurfaceContact};
 use crate::plan::bodies::rigid_bodies_3d::refuse_on_spatial_body;
 use crate::plan::contact::analytical::friction_of;
 use crate::plan::contact::general::pair_name;
-use crate::plan::{Bodies, Pairs, Report, Scene, State, StepInput};
+use crate::plan::{Bodies, Report, StepInput};
 use crate::platform::PortableMath as _;
 
 /// Returns the oblique rigid body of a pair and its side (0 or 1).
@@ -24,12 +24,12 @@ pub fn spatial_side(bodies: &Bodies, pair: &SurfaceContact) -> Option<(usize, us
 }
 
 /// Creates the contact of oblique rigid bodies in a step. Unsupported pairs are reported.
-pub fn wall_contacts(input: StepInput, state: &State, report: &mut Report) -> Vec<Box<dyn Constraint>> {
+pub fn wall_contacts(input: StepInput, report: &mut Report) -> Vec<Box<dyn Constraint>> {
     let StepInput { scene, pairs, index: step, .. } = input;
     let walls = pairs.by_step[step].iter().filter_map(|pair| Some((pair, spatial_side(scene.bodies, pair)?)));
     let mut found: Vec<Box<dyn Constraint>> = Vec::new();
     for (pair, (body, side)) in walls {
-        match wall_contact(scene, pairs, pair, (body, side), &scene.model.steps[step], state, report) {
+        match wall_contact(input, pair, (body, side), report) {
             Ok(contact) => found.push(Box::new(contact)),
             Err(what) => {
                 refuse_on_spatial_body(pair.span, &scene.bodies.list[body].name, what, report);
@@ -40,14 +40,13 @@ pub fn wall_contacts(input: StepInput, state: &State, report: &mut Report) -> Ve
 }
 
 fn wall_contact(
-    scene: Scene,
-    pairs: &Pairs,
+    input: StepInput,
     pair: &SurfaceContact,
     (body, side): (usize, usize),
-    step: &Step,
-    state: &State,
     report: &mut Report,
 ) -> Result<RigidWallContact, &'static str> {
+    let StepInput { scene, pairs, state, index, .. } = input;
+    let step = &scene.model.steps[index];
     let Some(analytical) = &pair.analytical else {
         return Err("contact with a surface of elements");
     };

@@ -16,7 +16,7 @@ use crate::plan::contact::cohesion::cohesive_nodes;
 use crate::plan::loads::magnitude;
 use crate::plan::output::scales_masses;
 use crate::plan::solids::mass_scaling::constrained_nodes;
-use crate::plan::{Links, Pairs, Report, Scene, Shared, State, StepInput};
+use crate::plan::{Links, Pairs, Report, Scene, Shared, State};
 
 /// Default of FREQUENCY, and that with Eulerian boundaries or spatial constraints (ABAQUS Keywords Reference Guide,
 /// `*ADAPTIVE MESH`).
@@ -25,19 +25,20 @@ const SPATIAL_FREQUENCY: u64 = 1;
 
 /// Creates the domains of a step; `None` if those of the previous step continue.
 pub fn adaptive_change<'a>(
-    input: StepInput<'a>,
+    scene: Scene<'a>,
+    links: &Links,
+    pairs: &Pairs,
+    index: usize,
     state: &mut State,
     shared: &mut Shared,
     report: &mut Report,
 ) -> Option<Vec<AdaptiveDomain>> {
-    let StepInput { scene, pairs, index, .. } = input;
     let step = &scene.model.steps[index];
     let before = index.checked_sub(1).map(|i| &scene.model.steps[i]);
     // Loaded and bonded nodes follow the material.
-    let heated = |step: &'a Step| heated_nodes(step).collect::<Vec<usize>>();
     let causes = |step: &'a Step| {
         let regions = (&step.adaptive_regions, &step.mesh_motions);
-        (&step.adaptive, &step.adaptive_fixed, regions, &step.loads, heated(step))
+        (&step.adaptive, &step.adaptive_fixed, regions, &step.loads, heated_nodes(step).collect::<Vec<usize>>())
     };
     let unchanged = before.is_some_and(|before| {
         causes(before) == causes(step)
@@ -55,13 +56,21 @@ pub fn adaptive_change<'a>(
             report.share_ledger_rows(domain.span, mesh.span);
         }
     }
+    let constrained = constrained_nodes(links, state.dofs.nodes.len());
+    let input = DomainInput { scene, step, constrained, loaded: nodes_with_loads(scene.model, pairs, index) };
     let mut taken = HashSet::new();
-    Some(
-        step.adaptive
-            .iter()
-            .filter_map(|mesh| adaptive_domain(input, mesh, state, &mut taken, shared, report))
-            .collect(),
-    )
+    let domains = step.adaptive.iter();
+    Some(domains.filter_map(|mesh| adaptive_domain(&input, mesh, state, &mut taken, shared, report)).collect())
+}
+
+/// The step of a domain, and the nodes of all its domains that must move with the material.
+struct DomainInput<'a> {
+    scene: Scene<'a>,
+    step: &'a Step,
+    /// Whether each node belongs to a rigid body, an equation or a link. Empty if there are none.
+    constrained: Vec<bool>,
+    /// Mesh nodes with loads, temperatures, masses and bonds.
+    loaded: Vec<usize>,
 }
 
 /// Lists region types and spatial constraints of nodes that no adaptive mesh contains.
@@ -80,14 +89,14 @@ fn report_unused_regions(model: &Model, step: &Step, report: &mut Report) {
 }
 
 fn adaptive_domain(
-    input: StepInput,
+    input: &DomainInput,
     mesh: &AdaptiveMesh,
     state: &mut State,
     taken: &mut HashSet<usize>,
     shared: &mut Shared,
     report: &mut Report,
 ) -> Option<AdaptiveDomain> {
-    let StepInput { scene, links, pairs, index: step, .. } = input;
+    let DomainInput { scene, step, ref constrained, ref loaded } = *input;
     let places: Vec<(usize, usize)> =
         mesh.elements.iter().filter_map(|e| scene.places.elements.get(e).copied()).collect();
     let Some(&(group, _)) = places.first() else {
@@ -102,19 +111,17 @@ fn adaptive_domain(
     elements.sort_unstable();
     elements.dedup();
     let nodes: BTreeSet<u32> = elements.iter().flat_map(|e| state.elements.groups[group].nodes(*e as usize)).collect();
-    let of_step = &scene.model.steps[step];
-    let (motions, open) =
-        (mesh_motions(scene, of_step, &nodes, shared, report), eulerian_edges(scene, of_step, &nodes));
-    let mut fixed = nodes_of_others(links, group, &elements, state);
-    if let Some((message, help)) = unsupported_boundary(scene, of_step, &fixed, (&motions, &open)) {
+    let (motions, open) = (mesh_motions(scene, step, &nodes, shared, report), eulerian_edges(scene, step, &nodes));
+    let mut fixed = nodes_of_others(constrained, group, &elements, state);
+    if let Some((message, help)) = unsupported_boundary(scene, step, &fixed, (&motions, &open)) {
         refuse_domain(mesh.span, message, help, report);
         return None;
     }
-    let sliding = sliding_nodes(scene, of_step, &motions, fixed.len());
-    for place in nodes_with_loads(scene.model, pairs, step).iter().filter_map(|node| scene.places.nodes.get(node)) {
+    let sliding = sliding_nodes(scene, step, &motions, fixed.len());
+    for place in loaded.iter().filter_map(|node| scene.places.nodes.get(node)) {
         fixed[*place] |= !sliding[*place];
     }
-    nodes_with_material(scene, of_step, &mut fixed);
+    nodes_with_material(scene, step, &mut fixed);
     let held: BTreeSet<usize> = motions.iter().flat_map(|motion| &motion.dofs).map(|dof| dof.0).collect();
     let settings = settings(mesh, [!open.is_empty(), !held.is_empty()]);
     let detail = adaptive_detail(mesh, &settings, [open.len(), held.len()]);
@@ -126,12 +133,8 @@ fn adaptive_domain(
     if domain.is_none() {
         let message = "moduli that depend on field variables, WEIGHTING=AREA and SUBZONAL=YES are not supported in \
                            adaptive meshes";
-        refuse_domain(
-            mesh.span,
-            message.into(),
-            "use another material or other section controls, or no adaptive mesh",
-            report,
-        );
+        let help = "use another material or other section controls, or no adaptive mesh";
+        refuse_domain(mesh.span, message.into(), help, report);
     }
     let domain = domain.map(|domain| if scales_masses(scene) { domain.with_mass_scaling() } else { domain });
     domain.map(|domain| if conducts(group, state) { domain.with_temperatures() } else { domain })
@@ -180,9 +183,8 @@ fn refuse_domain(span: Span, message: String, help: &str, report: &mut Report) {
 
 /// Returns whether each node belongs to other elements, is linked, or to an element at a linked node, whose masses must
 /// not change.
-fn nodes_of_others(links: &Links, group: usize, elements: &[u32], state: &State) -> Vec<bool> {
-    let count = state.dofs.nodes.len();
-    let mut fixed = vec![false; count];
+fn nodes_of_others(linked: &[bool], group: usize, elements: &[u32], state: &State) -> Vec<bool> {
+    let mut fixed = vec![false; state.dofs.nodes.len()];
     let own: HashSet<u32> = elements.iter().copied().collect();
     let groups = &state.elements.groups;
     for (g, other) in groups.iter().enumerate() {
@@ -190,7 +192,6 @@ fn nodes_of_others(links: &Links, group: usize, elements: &[u32], state: &State)
             other.nodes(e).into_iter().for_each(|n| fixed[n as usize] = true);
         }
     }
-    let linked = constrained_nodes(links, count);
     for e in elements {
         let nodes = groups[group].nodes(*e as usize);
         if nodes.into_iter().any(|n| linked.get(n as usize) == Some(&true)) {

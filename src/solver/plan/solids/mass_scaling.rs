@@ -3,12 +3,12 @@
 use crate::deck::{Diagnostic, Span};
 use crate::element::mass_scaling::{ScalingInterval, ScalingRequest, ScalingTarget, StepMassScaling, VariableScaling};
 use crate::model::{LoadKind, MassScaling, ScalingSchedule, ScalingType, Step};
-use crate::plan::{Links, Report, Scene, State, StepInput};
+use crate::plan::{Links, Report, Scene, StepInput};
 
 /// Creates the mass scaling of a step. Fixed mass scaling that continues from the previous step is not applied
 /// again.
-pub fn mass_scaling(input: StepInput, state: &State, report: &mut Report) -> Option<StepMassScaling> {
-    let StepInput { scene, links, index, .. } = input;
+pub fn mass_scaling(input: StepInput, report: &mut Report) -> Option<StepMassScaling> {
+    let StepInput { scene, state, index, .. } = input;
     let model = scene.model;
     let step = &model.steps[index];
     let first = step.mass_scalings.first()?;
@@ -19,7 +19,7 @@ pub fn mass_scaling(input: StepInput, state: &State, report: &mut Report) -> Opt
     check_scalable_step(step, report);
     let (mut fixed, mut variable) = (Vec::new(), Vec::new());
     for scaling in &step.mass_scalings {
-        let Some(request) = scaling_request(scene, links, scaling, state, report) else { continue };
+        let Some(request) = scaling_request(input, scaling, report) else { continue };
         match scaling.schedule {
             None => fixed.push(request),
             Some(rhythm) => variable.push(VariableScaling::new(request, in_step(rhythm, step))),
@@ -30,13 +30,8 @@ pub fn mass_scaling(input: StepInput, state: &State, report: &mut Report) -> Opt
     Some(StepMassScaling::new((!goes_on).then_some(fixed), variable))
 }
 
-fn scaling_request(
-    scene: Scene,
-    links: &Links,
-    scaling: &MassScaling,
-    state: &State,
-    report: &mut Report,
-) -> Option<ScalingRequest> {
+fn scaling_request(input: StepInput, scaling: &MassScaling, report: &mut Report) -> Option<ScalingRequest> {
+    let StepInput { scene, links, state, .. } = input;
     let places = &scene.places.elements;
     let elements: Vec<(usize, usize)> = match &scaling.elements {
         None => places.values().copied().collect(),
