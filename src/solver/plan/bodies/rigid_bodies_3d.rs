@@ -111,11 +111,8 @@ fn check_attitudes(scene: Scene, report: &mut Report) {
                 report.push(Diagnostic::error("P005", message).at(inertia.span, "here"));
             }
             Some(body) if !body.spatial => {
-                report.add_unused_card(
-                    inertia.span,
-                    "*ROTARY INERTIA",
-                    "a rigid body that moves along z only does not rotate",
-                );
+                let why = "a rigid body that moves along z only does not rotate";
+                report.add_unused_card(inertia.span, "*ROTARY INERTIA", why);
             }
             Some(_) => check_revolution(inertia, report),
         }

@@ -201,10 +201,8 @@ fn plasticity(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
         Some(PlasticityModel::JohnsonCook([a, b, n, m, melting, transition])) => {
             let order = "the order of the constants is A, B, n, m, melting temperature, transition temperature";
             if *a <= 0.0 {
-                implausible(
-                    format!("the yield stress A = {a} of `{name}` is not positive: it flows under any load"),
-                    order,
-                );
+                let message = format!("the yield stress A = {a} of `{name}` is not positive: it flows under any load");
+                implausible(message, order);
             }
             if *b < 0.0 {
                 implausible(format!("B = {b} of `{name}` is negative: it softens from the start"), order);

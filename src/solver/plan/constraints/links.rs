@@ -103,12 +103,8 @@ fn add_link(scene: Scene, links: &mut Links, link: &NodeLink, report: &mut Repor
     if let Some(&node) = rigid {
         let message =
             format!("{}: node {} belongs to a rigid body and cannot follow another node", link.name, names[node]);
-        refuse_link(
-            link.span,
-            message,
-            "move or load the REF NODE of the rigid body, or use it as the reference node",
-            report,
-        );
+        let help = "move or load the REF NODE of the rigid body, or use it as the reference node";
+        refuse_link(link.span, message, help, report);
         return;
     }
     let place = |n: &usize| scene.places.free_node(*n);

@@ -74,12 +74,8 @@ fn prescribed_dofs(
         }
         let Some(&body) = scene.bodies.of_node.get(&node) else { continue };
         if scene.bodies.list[body].spatial {
-            refuse_on_spatial_body(
-                boundary.span,
-                &scene.bodies.list[body].name,
-                "a prescribed motion (*BOUNDARY)",
-                report,
-            );
+            let what = "a prescribed motion (*BOUNDARY)";
+            refuse_on_spatial_body(boundary.span, &scene.bodies.list[body].name, what, report);
             continue;
         }
         if boundary.dof != 2 {

@@ -104,11 +104,8 @@ fn note_unused_initial_temperatures(scene: Scene, state: &SolidState, report: &m
 fn note_unused_thermal_input(model: &Model, report: &mut Report) {
     for material in &model.materials {
         if let Some((_, span)) = &material.thermal.conductivity {
-            report.add_unused_card(
-                *span,
-                "*CONDUCTIVITY",
-                "no step solves for temperatures (*DYNAMIC TEMPERATURE-DISPLACEMENT)",
-            );
+            let why = "no step solves for temperatures (*DYNAMIC TEMPERATURE-DISPLACEMENT)";
+            report.add_unused_card(*span, "*CONDUCTIVITY", why);
         }
         let heats = material.thermal.inelastic_heat_fraction.is_some() && material.user.material.is_none();
         if heats && !adiabatic(model) && material.eos.is_none() {

@@ -181,11 +181,8 @@ fn gravity_load(
     let axial = load.magnitude * direction[1];
     let in_space = scene.bodies.list.iter().any(|b| b.spatial);
     if axial == 0.0 && !in_space {
-        report.add_unused_card(
-            load.span,
-            "GRAV",
-            "it has no component along z, and bodies of revolution move along z only",
-        );
+        let why = "it has no component along z, and bodies of revolution move along z only";
+        report.add_unused_card(load.span, "GRAV", why);
         return None;
     }
     let (bodies, count) = forces_of_gravity(input, elements, direction, report);
@@ -294,12 +291,8 @@ fn traction_load(
     let surface = load_surface(scene, sides, load.span, shared, report);
     let oblique = surface.patches.iter().find(|patch| scene.bodies.list[patch.body].spatial);
     if let Some(patch) = oblique {
-        refuse_on_spatial_body(
-            load.span,
-            &scene.bodies.list[patch.body].name,
-            "a surface traction or viscous pressure",
-            report,
-        );
+        let what = "a surface traction or viscous pressure";
+        refuse_on_spatial_body(load.span, &scene.bodies.list[patch.body].name, what, report);
         return None;
     }
     let (law, how) = match *law {

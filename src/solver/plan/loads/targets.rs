@@ -28,11 +28,8 @@ pub fn cavity_load(
         return refuse_resistance(load, "CAVITY loads on shells are not supported", report);
     }
     if target.shear_strength.is_some() && !surface.skin.faces.is_empty() {
-        return refuse_resistance(
-            load,
-            "SHEAR STRENGTH of the target (plugging) is supported for rigid bodies, not for deformable faces",
-            report,
-        );
+        let message = "SHEAR STRENGTH of the target (plugging) is supported for rigid bodies, not for deformable faces";
+        return refuse_resistance(load, message, report);
     }
     if target.obliquity != 0.0 && !surface.skin.faces.is_empty() {
         let message = format!(
@@ -45,11 +42,8 @@ pub fn cavity_load(
     let count = surface.count();
     let oblique = take_oblique(scene.bodies, &mut surface);
     if !oblique.is_empty() && (target.separation || target.shear_strength.is_some()) {
-        return refuse_resistance(
-            load,
-            "SEPARATION and SHEAR STRENGTH of a target are supported for normal impact, not for bodies with six degrees of freedom",
-            report,
-        );
+        let message = "SEPARATION and SHEAR STRENGTH of a target are supported for normal impact, not for bodies with six degrees of freedom";
+        return refuse_resistance(load, message, report);
     }
     let stack = layer_stack(scene.model, target)?;
     let detail = format!("{} into {}", sides.name, target.name);

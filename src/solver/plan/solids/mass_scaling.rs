@@ -102,12 +102,8 @@ pub fn check_scalable_step(step: &Step, report: &mut Report) {
     for load in &step.loads {
         if matches!(load.kind, LoadKind::Gravity { elements: Some(_), .. }) {
             let help = "leave the element set of GRAV empty, so that it acts on all masses";
-            refuse_scaling(
-                load.span,
-                "gravity on an element set is not supported with mass scaling".into(),
-                help,
-                report,
-            );
+            let message = "gravity on an element set is not supported with mass scaling".into();
+            refuse_scaling(load.span, message, help, report);
         }
     }
 }

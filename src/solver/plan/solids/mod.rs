@@ -230,19 +230,13 @@ pub fn estimate_frequency(scene: Scene, state: &mut State, report: &mut Report) 
     let asks = |s: &&Step| matches!(s.increment, IncrementControl::Automatic { element_by_element: false, .. });
     let Some(step) = scene.model.steps.iter().find(asks) else { return };
     if scene.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
-        report.add_unused_card(
-            step.span,
-            "global estimate of the stable increment",
-            "with mass scaling the estimate is element by element",
-        );
+        let why = "with mass scaling the estimate is element by element";
+        report.add_unused_card(step.span, "global estimate of the stable increment", why);
         return;
     }
     if scene.model.steps.iter().any(|s| !s.adaptive.is_empty()) {
-        report.add_unused_card(
-            step.span,
-            "global estimate of the stable increment",
-            "with adaptive meshes the estimate is element by element",
-        );
+        let why = "with adaptive meshes the estimate is element by element";
+        report.add_unused_card(step.span, "global estimate of the stable increment", why);
         return;
     }
     let Some(mut frequency) = HighestFrequency::new(&state.elements.groups, &state.dofs.nodes) else {

@@ -51,11 +51,8 @@ pub fn foam_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMat
     let SolidProperties { material, span, .. } = *solid;
     let name = &material.name;
     let Some((shape, card)) = material.foam.shape else {
-        return no_material(
-            span,
-            format!("material `{name}` has *CRUSHABLE FOAM HARDENING without *CRUSHABLE FOAM"),
-            report,
-        );
+        let message = format!("material `{name}` has *CRUSHABLE FOAM HARDENING without *CRUSHABLE FOAM");
+        return no_material(span, message, report);
     };
     if material.foam.hardening.is_empty() {
         return no_material(span, format!("material `{name}` has no *CRUSHABLE FOAM HARDENING"), report);
@@ -64,11 +61,8 @@ pub fn foam_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMat
         return no_material(span, format!("material `{name}`: foam needs *ELASTIC"), report);
     }
     if material.plastic.is_some() || !material.failures.is_empty() || material.tensile_failure.is_some() {
-        return no_material(
-            span,
-            format!("material `{name}` has foam with *PLASTIC or failure, which is not supported"),
-            report,
-        );
+        let message = format!("material `{name}` has foam with *PLASTIC or failure, which is not supported");
+        return no_material(span, message, report);
     }
     let rate = match &material.rate {
         Some(RateDependence::JohnsonCook(_)) => {

@@ -479,11 +479,8 @@ fn material_failure(material: &MaterialDefinition, report: &mut Report) -> Optio
             DamageEvolution::Absent
                 if !matches!(material.plastic, Some(PlasticityModel::Tabular(_) | PlasticityModel::JohnsonCook(_))) =>
             {
-                report.add_unused_card(
-                    criterion.span,
-                    "*DAMAGE INITIATION",
-                    "without *DAMAGE EVOLUTION it does not affect the stress",
-                );
+                let why = "without *DAMAGE EVOLUTION it does not affect the stress";
+                report.add_unused_card(criterion.span, "*DAMAGE INITIATION", why);
                 continue;
             }
             DamageEvolution::Absent => EvolutionLaw::Absent,

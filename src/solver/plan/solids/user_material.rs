@@ -254,13 +254,8 @@ fn user_rows(
     let heated = if heating.is_none() { "" } else { ", heated by inelastic work" };
     let variables = material.user.state.count;
     let by = if matches!(law, UserLaw::Stress(..)) { "user-defined" } else { "elastic" };
-    report.ledger_row(
-        section.span,
-        "deformable elements",
-        count,
-        element_type,
-        format!("material {name}, {by}, Jaumann rate"),
-    );
+    let detail = format!("material {name}, {by}, Jaumann rate");
+    report.ledger_row(section.span, "deformable elements", count, element_type, detail);
     match law {
         UserLaw::Stress(properties, who) => {
             let detail = format!("{who}: {} constants, {variables} state variables{heated}", properties.len());
