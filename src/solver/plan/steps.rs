@@ -361,7 +361,7 @@ fn scaling_change(input: StepInput, loads_change: bool, report: &mut Report) -> 
 }
 
 /// Creates the ledger rows of the increment control and of the velocity that is passed to loads.
-fn increment_rows(places: &SolidPlaces, step: &Step, active: &ActiveEffects<'_>, report: &mut Report) {
+fn increment_rows(places: &SolidPlaces, step: &Step, active: &ActiveEffects, report: &mut Report) {
     let mut detail = match step.increment {
         IncrementControl::Automatic { .. } if !places.elements.is_empty() => {
             format!("stable time increment times {}", step.scale_factor)

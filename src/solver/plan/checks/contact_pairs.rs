@@ -175,7 +175,7 @@ pub fn check_pair(input: StepInput, contact: &SurfaceContact, met: ContactingCur
     let Some(body) = met.body() else {
         return check_facet_sizes(scene.model, contact, met, report);
     };
-    check_body_mass(input, contact, body, met, report);
+    check_mass(input, contact, body, met, report);
     if let Some([r, z]) = met.find_sharp_turn() {
         let message = format!(
             "the rigid surface of `{a}` and `{b}` has a rounding within {:.3e}, the length of the deformable faces in contact",
@@ -276,13 +276,7 @@ fn warn_of_sizes(contact: &SurfaceContact, coarser: usize, [finer, stiffer]: [f6
 }
 
 /// Warns if a free rigid body is lighter than the contact nodes.
-fn check_body_mass(
-    input: StepInput,
-    contact: &SurfaceContact,
-    body: usize,
-    met: ContactingCurves,
-    report: &mut Report,
-) {
+fn check_mass(input: StepInput, contact: &SurfaceContact, body: usize, met: ContactingCurves, report: &mut Report) {
     let StepInput { scene, state, index: step, .. } = input;
     let reference = scene.bodies.list[body].reference;
     let boundaries = &scene.model.steps[step].boundaries;

@@ -28,7 +28,7 @@ pub fn link_constraint(input: StepInput, given: &PrescribedDofs, report: &mut Re
             None
         }
         Err(LinkConflict::ConflictingMotions(nodes, axis)) => {
-            refuse_conflicting_motion(scene, step, first, nodes, axis, report);
+            refuse_conflict(scene, step, first, nodes, axis, report);
             None
         }
     }
@@ -52,14 +52,7 @@ pub fn refuse_dependent_equation(
     report.push(finding.help("remove the equation, or free one of its degrees of freedom"));
 }
 
-fn refuse_conflicting_motion(
-    scene: Scene,
-    step: &Step,
-    first: Span,
-    nodes: [usize; 2],
-    axis: usize,
-    report: &mut Report,
-) {
+fn refuse_conflict(scene: Scene, step: &Step, first: Span, nodes: [usize; 2], axis: usize, report: &mut Report) {
     let name = |place: usize| {
         let found = scene.places.nodes.iter().find(|n| *n.1 == place);
         found.map_or("", |n| scene.model.mesh.node_names[n.0].as_str())

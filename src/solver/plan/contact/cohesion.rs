@@ -126,12 +126,12 @@ pub fn refuse_cohesive_walls(input: StepInput, report: &mut Report) {
 
 /// Creates the ledger rows of cohesive pairs, with the number of points that are bonded at the start, and warns of pairs
 /// without any and of damage that cannot begin. The pairs of general contact with one interaction share a row.
-pub fn report_cohesion(list: &CohesionList<'_>, contact: &ContactConstraint, step: usize, report: &mut Report) {
-    let mut groups: Vec<CohesiveGroup<'_>> = Vec::new();
+pub fn report_cohesion(list: &CohesionList, contact: &ContactConstraint, step: usize, report: &mut Report) {
+    let mut groups: Vec<CohesiveGroup> = Vec::new();
     for (cohesive, (origin, cohesion)) in list.pairs.iter().zip(&list.origins) {
         let Some([bonded, all]) = contact.bonded_points(cohesive.pair) else { continue };
         let is_of =
-            |group: &&mut CohesiveGroup<'_>| (group.origin.span, group.cohesion.span) == (origin.span, cohesion.span);
+            |group: &&mut CohesiveGroup| (group.origin.span, group.cohesion.span) == (origin.span, cohesion.span);
         match groups.iter_mut().find(is_of) {
             Some(group) => group.add(origin, [bonded, all]),
             None => groups.push(CohesiveGroup::new(origin, cohesion, [bonded, all])),
@@ -151,7 +151,7 @@ pub fn report_cohesion(list: &CohesionList<'_>, contact: &ContactConstraint, ste
     }
 }
 
-fn warn_of_cohesion(group: &CohesiveGroup<'_>, step: usize, report: &mut Report) {
+fn warn_of_cohesion(group: &CohesiveGroup, step: usize, report: &mut Report) {
     let CohesiveGroup { origin, cohesion, names, points: [bonded, _] } = group;
     let pairs = names.join(", ");
     if let (Some(initiation), None) = (cohesion.initiation, &cohesion.evolution) {

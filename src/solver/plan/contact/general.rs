@@ -237,12 +237,7 @@ fn outsides(scene: Scene) -> Vec<SideSelection> {
 
 /// Returns the name of a connected part: its instance, or the smallest element set that contains it, with a number
 /// if the name is already used.
-pub fn name_of_piece(
-    model: &Model,
-    piece: &[usize],
-    sets: &SetsOfParts<'_>,
-    is_taken: impl Fn(&str) -> bool,
-) -> String {
+pub fn name_of_piece(model: &Model, piece: &[usize], sets: &SetsOfParts, is_taken: impl Fn(&str) -> bool) -> String {
     let instance = model.mesh.elements[piece[0]].name.rsplit_once('.').map(|(i, _)| i.to_uppercase());
     let base = instance.or_else(|| sets.smallest_around(piece).map(str::to_owned));
     let base = base.unwrap_or_else(|| format!("ELEMENT{}", model.mesh.elements[piece[0]].name));

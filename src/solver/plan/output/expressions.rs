@@ -65,13 +65,8 @@ pub fn expression_columns(model: &Model, columns: &mut Columns, report: &mut Rep
     }
 }
 
-fn wrong_expression(
-    definition: &OutputExpression,
-    error: &ExpressionError,
-    columns: &[HistoryColumn],
-    report: &mut Report,
-) {
-    let OutputExpression { name, text, place, .. } = definition;
+fn wrong_expression(card: &OutputExpression, error: &ExpressionError, columns: &[HistoryColumn], report: &mut Report) {
+    let OutputExpression { name, text, place, .. } = card;
     let whole = place.end.checked_sub(place.start) != Some(text.len() as u32);
     let inside = |at: usize| place.start + at as u32;
     let at = if whole { *place } else { Span { start: inside(error.start), end: inside(error.end), ..*place } };

@@ -7,10 +7,9 @@ pub mod mass_scaling;
 pub mod shells;
 pub mod soft_material;
 pub mod solid_material;
-pub mod ties;
 pub mod user_material;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::constraint::tie::TiedNodes;
 use crate::deck::{Diagnostic, Span};
@@ -38,7 +37,6 @@ use crate::plan::solids::cohesive::{cohesive_group, cohesive_sections};
 use crate::plan::solids::mass_scaling::{marked_nodes, nodes_of_links};
 use crate::plan::solids::shells::{free_shells, place_rotations, shell_group};
 use crate::plan::solids::solid_material::{GroupInput, solid_group};
-use crate::plan::solids::ties::tie_to_bodies;
 use crate::plan::solids::user_material::calls_routines_at_points;
 use crate::plan::state::SolidState;
 use crate::plan::{Bodies, Links, MeshIndexMap, Report, Scene, SolidPlaces, State};
@@ -100,7 +98,7 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
         controlled.extend(distortion_control(section, elements.len(), report).map(|ratio| (groups.len(), ratio)));
         damped.push(rayleigh_factors(model, section, elements.len(), report));
         averagings.push(dilation_averaging(model, section, list.quadrilaterals(), report));
-        lengths.extend(lengths_at_start(model, section, elements, groups.len()));
+        lengths.extend(user_lengths(model, section, elements, groups.len()));
         groups.push(group);
     }
     for (section, elements) in &shells {
@@ -115,7 +113,7 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
     }
     check_steps_alike(model, report);
     point_masses(model, places, &mut mass);
-    solids.ties = tie_to_bodies(bodies, places, &mut mass, report);
+    solids.ties = tie_nodes(bodies, places, &mut mass, report);
     let listed = groups.iter().map(|g| (g.topology().force_blocks(), (0..g.len()).map(|e| g.nodes(e))));
     let gather = NodalAssembly::new(nodes.len(), &listed.collect::<Vec<_>>());
     let mut elements = Elements::new(groups, ids, gather, nodes.len());
@@ -201,12 +199,7 @@ fn rayleigh_factors(model: &Model, section: &SolidSection, count: usize, report:
 }
 
 /// Returns the elements of built-in materials whose characteristic length is user-defined (VUCHARLENGTH).
-fn lengths_at_start(
-    model: &Model,
-    section: &SolidSection,
-    elements: &[usize],
-    group: usize,
-) -> Option<UserLengthElements> {
+fn user_lengths(model: &Model, section: &SolidSection, elements: &[usize], group: usize) -> Option<UserLengthElements> {
     let material = &model.materials[section.material];
     let (properties, _) = material.user.lengths.as_ref()?;
     let evolves = material.failures.iter().any(FailureCriterion::takes_length);
@@ -457,4 +450,28 @@ pub fn scale_and_estimate(scene: Scene, links: &Links, state: &mut State, report
         state.elements.store_unscaled_masses(&state.dofs.nodes, linked);
     }
     estimate_frequency(scene, state, report);
+}
+
+/// Creates the ties of nodes to rigid bodies: nodes shared with deformable elements, ends of springs and dashpots. The
+/// mass of deformable elements at tied nodes is moved to the rigid bodies.
+fn tie_nodes(bodies: &mut Bodies, places: &SolidPlaces, mass: &mut [f64], report: &mut Report) -> Vec<TiedNodes> {
+    let mut ties = Vec::new();
+    let mut by_body: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (node, &body) in places.tied.iter() {
+        by_body.entry(body).or_default().push(places.nodes[&node]);
+    }
+    for (body, mut nodes) in by_body {
+        nodes.sort_unstable();
+        let tied: f64 = nodes.iter().map(|&n| mass[n]).sum();
+        nodes.iter().for_each(|&n| mass[n] = 0.0);
+        bodies.list[body].tied_mass += tied;
+        let detail = if tied > 0.0 {
+            format!("shared with deformable elements, whose nodal mass {tied} is added to the rigid body")
+        } else {
+            "forces on them act on the rigid body".into()
+        };
+        let id = report.ledger_row(bodies.list[body].span, "tied nodes", nodes.len(), "nodes", detail);
+        ties.push(TiedNodes { id, body, nodes });
+    }
+    ties
 }

@@ -149,7 +149,7 @@ fn refuse_six_nodes(section: &SolidSection, with: &str, report: &mut Report) {
 pub fn hourglass_control(input: &GroupInput, moduli: ElasticModuli, report: &mut Report) -> Option<HourglassControl> {
     let section = input.section;
     if let Connectivity::Quadrilaterals(_) = input.connectivity {
-        return hourglass_of_quadrilaterals(input, moduli, report);
+        return quad_hourglass(input, moduli, report);
     }
     if moduli.shear == 0.0 {
         refuse_six_nodes(section, "a material without a shear modulus", report);
@@ -264,12 +264,8 @@ fn law_with_equation_of_state(solid: &SolidProperties, report: &mut Report) -> O
 }
 
 /// Selects the plasticity and failure of a material with a constant bulk modulus or an equation of state.
-fn von_mises_law(
-    solid: &SolidProperties,
-    equation: Option<EquationOfState>,
-    report: &mut Report,
-) -> Option<SolidMaterial> {
-    Some(SolidMaterial::VonMises(hardening_law(solid, report)?, equation))
+fn von_mises_law(solid: &SolidProperties, eos: Option<EquationOfState>, report: &mut Report) -> Option<SolidMaterial> {
+    Some(SolidMaterial::VonMises(hardening_law(solid, report)?, eos))
 }
 
 fn hardening_law(solid: &SolidProperties, report: &mut Report) -> Option<HardeningLaw> {
@@ -382,11 +378,7 @@ fn check_by_area(input: &GroupInput, report: &mut Report) -> Option<()> {
 /// Returns the hourglass control of a section. The default is VISCOUS without a shear modulus, ENHANCED for rubber,
 /// and RELAX STIFFNESS otherwise (ABAQUS Analysis User's Guide, "Section controls"; Keywords Guide, "SECTION
 /// CONTROLS").
-pub fn hourglass_of_quadrilaterals(
-    input: &GroupInput,
-    moduli: ElasticModuli,
-    report: &mut Report,
-) -> Option<HourglassControl> {
+pub fn quad_hourglass(input: &GroupInput, moduli: ElasticModuli, report: &mut Report) -> Option<HourglassControl> {
     let GroupInput { section, material, .. } = *input;
     let fluid = moduli.shear == 0.0;
     let unsaid = match material.hyperelastic {

@@ -19,8 +19,8 @@ use crate::model::{MaterialDefinition, PlasticityModel, SolidSection, StateVaria
 use crate::plan::queries::{adiabatic, conducts, field_variables};
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::solid_material::{
-    GroupInput, bulk_viscosity, control_rows, elastic_moduli, heating, hourglass_control, hourglass_of_quadrilaterals,
-    rate_factor, yield_stress,
+    GroupInput, bulk_viscosity, control_rows, elastic_moduli, heating, hourglass_control, quad_hourglass, rate_factor,
+    yield_stress,
 };
 use crate::plan::{Report, Scene};
 use crate::user::MaterialLaw;
@@ -56,7 +56,7 @@ pub fn user_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> 
     let takes_lengths = material.user.material.is_some() || material.user.fields.is_some();
     require_length_routine(input, takes_lengths, report)?;
     connectivity.add_masses(nodes, density, mass);
-    let hourglass = hourglass_of_quadrilaterals(input, moduli, report)?;
+    let hourglass = quad_hourglass(input, moduli, report)?;
     let bulk_viscosity = bulk_viscosity(model, false);
     // The moduli of a user material are computed from its first call.
     let user_stress = matches!(law, UserLaw::Stress(..));
@@ -243,7 +243,7 @@ pub fn require_length_routine(input: &GroupInput, takes: bool, report: &mut Repo
 
 fn user_rows(
     input: &GroupInput,
-    law: &UserLaw<'_>,
+    law: &UserLaw,
     element_type: &'static str,
     constants: &ElementConstants,
     heating: &PlasticHeating,
