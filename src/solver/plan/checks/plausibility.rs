@@ -1,5 +1,5 @@
 //! Warnings for implausible input: inconsistent units, unstable fixed increments, very long steps, bodies without
-//! loads. Surfaces that face away are checked in `analytical.rs`, overlapping bodies in `overlaps.rs`.
+//! loads. Surfaces that face away are checked in `contact/analytical.rs`, overlapping bodies in `overlaps.rs`.
 
 use std::collections::HashSet;
 

@@ -1,5 +1,5 @@
 //! Warnings for implausible constants of materials, missing thermal data, implausible controls and elongated elements.
-//! Each names the value and the usual range. Units and velocities are checked in `doubts.rs`.
+//! Each names the value and the usual range. Units and velocities are checked in `plausibility.rs`.
 
 use crate::deck::{Diagnostic, Span};
 use crate::model::{

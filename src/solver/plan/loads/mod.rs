@@ -84,7 +84,7 @@ pub fn create_load(input: &LoadInput, shared: &mut Shared, report: &mut Report) 
             user_body_force(input, elements, set, *load_type, shared, report)
         }
         LoadKind::Cavity { sides, target, friction } => cavity_load(input, sides, *target, *friction, shared, report),
-        // Heat loads are created in `heat.rs`.
+        // Heat loads are created in `heat/mod.rs`.
         LoadKind::NodalHeat { .. } | LoadKind::SurfaceHeat(_) | LoadKind::BodyHeat { .. } | LoadKind::Film { .. } => {
             None
         }
