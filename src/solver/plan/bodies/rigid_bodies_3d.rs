@@ -189,7 +189,7 @@ fn no_inertia(bodies: &Bodies, span: Span, body: usize, inertia: PrincipalInerti
         format!("oblique rigid body `{name}` has no rotary inertia: its mass is on the axis or at one point")
     };
     let help = "give *ROTARY INERTIA for an element of TYPE=ROTARYI on its reference node, distribute its mass with *ATTITUDE, \
-                    INERTIA=UNIFORM, or give its elements a density";
+                INERTIA=UNIFORM, or give its elements a density";
     report.push(Diagnostic::error("P131", message).at(span, "this body").help(help));
 }
 
@@ -269,7 +269,7 @@ pub fn refuse_on_spatial_bodies(scene: Scene, links: &Links, report: &mut Report
 pub fn refuse_on_spatial_body(span: Span, body: &str, what: &str, report: &mut Report) {
     let message = format!("rigid body `{body}` is oblique: {what} is not supported on it");
     let help = "an oblique body supports the resistance of targets (CAVITY), pressures (P, PNU), gravity, *CLOAD, and hard \
-                    contact with a fixed analytical surface";
+                contact with a fixed analytical surface";
     report.push(Diagnostic::error("P132", message).at(span, "here").help(help));
 }
 

@@ -95,7 +95,7 @@ fn check_initial_speed(model: &Model, report: &mut Report) {
     let Some((span, velocity, sound, material)) = found else { return };
     let message = format!(
         "the initial velocity {velocity:e} is {:.0} times the speed of sound in `{}`, {sound:.3e}: check the units of density, \
-             moduli, lengths and time",
+         moduli, lengths and time",
         velocity.abs() / sound,
         material.name
     );

@@ -93,13 +93,13 @@ fn check_temperatures(model: &Model, material: &MaterialDefinition, findings: &m
         if hottest >= melting {
             let message = format!(
                 "the initial temperature {hottest} is not below the melting temperature {melting} of `{name}`, which \
-                     has no strength there"
+                 has no strength there"
             );
             findings.push(("P141", message, "check the unit of temperatures (K or deg C) in the deck"));
         } else if heated && transition > 0.0 && initial().next().is_none() {
             let message = format!(
                 "there is no initial temperature: `{name}` starts at 0, below its transition temperature {transition}, and \
-                     does not soften until it has reached it"
+                 does not soften until it has reached it"
             );
             findings.push(("P141", message, "add *INITIAL CONDITIONS, TYPE=TEMPERATURE"));
         }
@@ -151,7 +151,7 @@ fn check_controls(model: &Model, report: &mut Report) {
             {
                 let message = format!(
                     "the output interval {interval:e} is longer than step `{}` of duration {:e}: only the start and the end \
-                         are written",
+                     are written",
                     step.name, step.duration
                 );
                 warn(message, (output.span, "this output request"), "give a shorter TIME INTERVAL");
@@ -185,7 +185,7 @@ fn check_edges(model: &Model, report: &mut Report) {
     let Some(&(element, length, elongation)) = far.first() else { return };
     let message = format!(
         "element {}{} has an edge of length {length:e}, {elongation:.0} times as long as its shortest edge or as most \
-             edges",
+         edges",
         element.name,
         if far.len() > 1 { format!(" (and {} more)", far.len() - 1) } else { String::new() },
     );

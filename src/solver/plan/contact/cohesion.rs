@@ -110,7 +110,7 @@ fn refuse_analytical(contact: &SurfaceContact, cohesion: &CohesiveBehavior, repo
     let message = format!("the pair {} cannot be cohesive: it has an analytical surface", pair_name(contact));
     let finding = Diagnostic::error("P027", message).at(contact.span, "this pair");
     let help = "use a rigid body of elements (RAX2) in place of the analytical surface, or an interaction without \
-                    *COHESIVE BEHAVIOR";
+                *COHESIVE BEHAVIOR";
     report.refuse(finding.at(cohesion.span, "the cohesive behaviour of its interaction").help(help))
 }
 
@@ -163,7 +163,7 @@ fn warn_of_cohesion(group: &CohesiveGroup, step: usize, report: &mut Report) {
         let message = format!("no point of {pairs} is bonded: the surfaces are apart at the start");
         let finding = Diagnostic::warning("P148", message).at(origin.span, "this contact");
         let help = "close the gap with ADJUST on *CONTACT PAIR or *CONTACT CLEARANCE, or give \
-                        ELIGIBILITY=CURRENT CONTACTS on *COHESIVE BEHAVIOR";
+                    ELIGIBILITY=CURRENT CONTACTS on *COHESIVE BEHAVIOR";
         report.push(finding.at(cohesion.span, "ELIGIBILITY=ORIGINAL CONTACTS").help(help));
     }
 }

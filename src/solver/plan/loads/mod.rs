@@ -345,7 +345,7 @@ fn blast_load(
             sides.name
         );
         let help = "the measurements of Kingery and Bulmash cover this range; check the second line of *CONWEP CHARGE \
-                        PROPERTY, which converts the units of the model to metres, seconds and pascals";
+                    PROPERTY, which converts the units of the model to metres, seconds and pascals";
         report.push(Diagnostic::error("P025", message).at(load.span, "this surface").help(help));
         return None;
     }

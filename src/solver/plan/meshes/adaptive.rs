@@ -132,7 +132,7 @@ fn adaptive_domain(
     let domain = AdaptiveDomain::new(id, settings, (group, of_group), elements, (&state.dofs.nodes, boundary));
     if domain.is_none() {
         let message = "moduli that depend on field variables, WEIGHTING=AREA and SUBZONAL=YES are not supported in \
-                           adaptive meshes";
+                       adaptive meshes";
         let help = "use another material or other section controls, or no adaptive mesh";
         refuse_domain(mesh.span, message.into(), help, report);
     }
@@ -308,7 +308,7 @@ fn unsupported_boundary(
         let message =
             format!("the place of node {} is prescribed in space, but it must move with the material", name(n));
         let help = "nodes of other elements, of links and of rigid bodies cannot be held in space: remove them from \
-                        *ADAPTIVE MESH CONSTRAINT";
+                    *ADAPTIVE MESH CONSTRAINT";
         return Some((message, help));
     }
     if let Some(n) = open.iter().flatten().map(|n| *n as usize).filter(|n| others[*n]).min() {
@@ -323,7 +323,7 @@ fn unsupported_boundary(
     if let Some(boundary) = step.boundaries.iter().filter(moved).find(is_held) {
         let message = format!(
             "a displacement of `{}` is prescribed along the same axis as the place of the mesh: the displacement of a \
-                 node that material passes has no meaning",
+             node that material passes has no meaning",
             boundary.set
         );
         return Some((message, "prescribe the velocity of the material (*BOUNDARY, TYPE=VELOCITY)"));

@@ -155,12 +155,12 @@ pub fn check_energies(
         if fracture < elastic {
             let message = format!(
                 "the fracture energy {fracture:e} of the {of} mode is less than the elastic energy {elastic:e} at \
-                     damage initiation ({name})"
+                 damage initiation ({name})"
             );
             let finding = Diagnostic::error(code, message).at(evolution.span, "this energy");
             let help = format!(
                 "increase the fracture energy or the stiffness ({card}), or decrease the strength: strength squared \
-                     over twice the stiffness must be less than the fracture energy"
+                 over twice the stiffness must be less than the fracture energy"
             );
             return report.refuse(finding.at(initiation.span, "this strength").help(help));
         }

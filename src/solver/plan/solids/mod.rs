@@ -334,7 +334,7 @@ fn check_gas_states(model: &Model, report: &mut Report) {
         };
         if let Some(heat) = conditions().find(both) {
             let message = "an ideal gas has an initial specific energy and an initial temperature, of which one \
-                               follows from the other; the later condition replaces the earlier one";
+                           follows from the other; the later condition replaces the earlier one";
             let finding = Diagnostic::warning("P017", message).at(energy.span, "the energy");
             report.push(finding.at(heat.span, "the temperature").help("remove one of the conditions"));
             return;
@@ -414,7 +414,7 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut SolidState, repo
                     if !kept.all(|kept| kept) {
                         let message = format!(
                             "{} state variables are given, but the material of some elements has fewer \
-                                 (*DEPVAR)",
+                             (*DEPVAR)",
                             values.len()
                         );
                         report.push(Diagnostic::error("P017", message).at(condition.span, "here"));
