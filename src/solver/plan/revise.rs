@@ -5,7 +5,7 @@
 use crate::deck::Diagnostics;
 use crate::model::Model;
 use crate::model::revise::RevisableNumber;
-use crate::plan::{Compilation, Links, Plan, Products, Report, Scene, State, bodies, steps};
+use crate::plan::{Compilation, Plan, Products, Report, Scene, State, bodies, steps};
 use crate::state::BodyState;
 use crate::user::Routines;
 
@@ -67,7 +67,7 @@ impl PlanReviser {
         let scene = Scene { model, bodies, places: &plan.places };
         let velocities = bodies::initial_velocities(scene, &mut report);
         if self.loads {
-            steps::replan_loads(scene, &Links::default(), &mut plan.steps, state, shared, &mut report);
+            steps::replan_loads(scene, &mut plan.steps, state, shared, &mut report);
         }
         let is_valid = !report.diagnostics.has_errors();
         state.dofs.bodies = bodies::rigid_bodies_3d::initial_states(scene, &velocities, &mut report);

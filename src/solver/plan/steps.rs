@@ -185,8 +185,8 @@ pub fn plan(
     let mut active = ActiveEffects::default();
     let mut steps = Vec::with_capacity(scene.model.steps.len());
     for (index, step) in scene.model.steps.iter().enumerate() {
-        let loads = load_changes(scene, links, index, state, &mut active, shared, report);
         let input = StepInput { scene, links, pairs, state, index };
+        let loads = load_changes(input, &mut active, shared, report);
         let (constraints, user_motions) = constraint_changes(input, &mut active, shared, report);
         let scaling = scaling_change(input, loads.is_some(), report);
         let adaptive = adaptive_change(scene, links, pairs, index, state, shared, report);
@@ -209,18 +209,13 @@ pub fn plan(
     steps
 }
 
-/// Updates the loads of compiled steps from the current model.
-pub fn replan_loads(
-    scene: Scene,
-    links: &Links,
-    steps: &mut [StepPlan],
-    state: &mut State,
-    shared: &mut Shared,
-    report: &mut Report,
-) {
+/// Updates the loads of compiled steps from the current model, which has no links and no contact.
+pub fn replan_loads(scene: Scene, steps: &mut [StepPlan], state: &mut State, shared: &mut Shared, report: &mut Report) {
+    let (links, pairs) = (&Links::default(), &Pairs::default());
     let mut active = ActiveEffects::default();
     for (index, plan) in steps.iter_mut().enumerate() {
-        let loads = load_changes(scene, links, index, state, &mut active, shared, report);
+        let input = StepInput { scene, links, pairs, state, index };
+        let loads = load_changes(input, &mut active, shared, report);
         if index == 0 {
             state.loads = loads.map_or_else(Vec::new, ListChange::into_first);
         } else {
@@ -237,14 +232,12 @@ fn step_before(model: &Model, index: usize) -> Option<&Step> {
 
 /// Returns the changes of the loads; those that resist motion are last.
 fn load_changes<'a>(
-    scene: Scene<'a>,
-    links: &Links,
-    index: usize,
-    state: &State,
+    input: StepInput<'a, '_>,
     active: &mut ActiveEffects<'a>,
     shared: &mut Shared,
     report: &mut Report,
 ) -> Option<ListChange<dyn Load>> {
+    let StepInput { scene, links, state, index, .. } = input;
     let (step, previous) = (&scene.model.steps[index], step_before(scene.model, index));
     // Resistance loads depend on the accuracy of the increment control.
     let same_pace = previous.is_some_and(|p| p.increment == step.increment);

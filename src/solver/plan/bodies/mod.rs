@@ -171,7 +171,8 @@ pub fn initial_velocities(scene: Scene, report: &mut Report) -> Vec<f64> {
     let mut velocities = vec![0.0; bodies.list.len()];
     for condition in &model.initial_conditions {
         let of_solid = condition.members.iter().any(|m| places.has_node(*m)) || is_of_solid(places, condition);
-        if of_solid && !names_reference(bodies, condition) {
+        let is_axial = matches!(condition.kind, InitialKind::Velocity(2, _));
+        if of_solid && !(is_axial && referenced_bodies(bodies, condition).next().is_some()) {
             continue;
         }
         let InitialKind::Velocity(dof, value) = condition.kind else {
@@ -202,11 +203,6 @@ pub fn initial_velocities(scene: Scene, report: &mut Report) -> Vec<f64> {
         }
     }
     velocities
-}
-
-/// Returns whether an initial velocity along z is given for a reference node.
-fn names_reference(bodies: &Bodies, condition: &InitialCondition) -> bool {
-    matches!(condition.kind, InitialKind::Velocity(2, _)) && referenced_bodies(bodies, condition).next().is_some()
 }
 
 /// Iterates over the bodies whose reference nodes are members of an initial condition.

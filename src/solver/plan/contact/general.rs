@@ -10,7 +10,7 @@ use crate::model::{
     Step, SurfaceContact,
 };
 use crate::plan::meshes::pieces::{SetsOfParts, exterior_faces_of, pieces};
-use crate::plan::{Pairs, Report, Scene, SolidPlaces};
+use crate::plan::{Pairs, Report, Scene};
 
 type ElementFace = (usize, ElementSide);
 
@@ -177,7 +177,8 @@ pub fn body_of_analytical(scene: Scene, id: RigidSurfaceId) -> Option<usize> {
 /// analytical surface of another body. Faces on rigid bodies cannot contact analytical surfaces and are removed.
 fn is_of_bodies(scene: Scene, pairing: &mut SurfacePairing) -> bool {
     let Some(id) = pairing.sides[1].analytical else {
-        return pairing.sides.iter().any(|s| is_deforming(scene.places, &s.sides));
+        let mut faces = pairing.sides.iter().flat_map(|surface| &surface.sides.faces);
+        return faces.any(|face| scene.places.elements.contains_key(&face.0));
     };
     let faces = &mut pairing.sides[0].sides.faces;
     let spatial = |f: &ElementFace| scene.bodies.of_element.get(&f.0).filter(|&&body| scene.bodies.list[body].spatial);
@@ -201,10 +202,6 @@ fn analytical_side(scene: Scene, pairing: &SurfacePairing) -> Option<AnalyticalS
     let is_rigid = nodes.iter().all(|n| scene.places.free_node(*n).is_none());
     nodes.retain(|n| is_rigid || scene.places.free_node(*n).is_some());
     Some(AnalyticalSide { side: 1, surface, nodes })
-}
-
-fn is_deforming(places: &SolidPlaces, sides: &SideSelection) -> bool {
-    sides.faces.iter().any(|f| places.elements.contains_key(&f.0))
 }
 
 /// Returns the exterior surface of each connected part; for shells the positive and the negative side.

@@ -5,7 +5,7 @@ pub mod ties;
 
 use std::collections::{BTreeSet, HashSet};
 
-use crate::deck::{Diagnostic, Span};
+use crate::deck::Diagnostic;
 use crate::element::group::ElementGroup;
 use crate::heat::ThermalState;
 use crate::heat::conductors::{ConductingElement, ConductingElements, ConductionProperties, ConductorGroup};
@@ -365,8 +365,8 @@ fn group_expansion(
         return None;
     }
     if material.hyperelastic.is_some() {
-        refuse_expansion(expansion.span, report);
-        return None;
+        let finding = Diagnostic::error("P064", "*EXPANSION with *HYPERELASTIC is not supported");
+        return report.refuse(finding.at(expansion.span, "here").help("remove one of the two cards"));
     }
     let detail = match expansion.rows.as_slice() {
         [[value, _]] => format!("coefficient {value} from {}", expansion.zero),
@@ -375,11 +375,6 @@ fn group_expansion(
     let id = report.ledger_row(section.span, "thermal expansion", elements.len(), "elements", detail);
     let coefficient = LinearTable { rows: expansion.rows.clone() };
     Some(GroupExpansion { id, group, coefficient, reference: expansion.zero })
-}
-
-fn refuse_expansion(span: Span, report: &mut Report) {
-    let finding = Diagnostic::error("P064", "*EXPANSION with *HYPERELASTIC is not supported").at(span, "here");
-    report.push(finding.help("remove one of the two cards"));
 }
 
 /// Returns the volume average of the nodal temperatures of an element.

@@ -19,7 +19,7 @@ use crate::plan::contact::walls::spatial_side;
 use crate::plan::output::expressions::expression_columns;
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::user_material::{deletes, fails, materials_present, state_name, state_variables};
-use crate::plan::{Pairs, Report, RowExpression, Scene, SolidPlaces, State};
+use crate::plan::{Pairs, Report, RowExpression, Scene, State};
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
 use crate::variables::{PreselectRule, Variable, VariableComponent, VariablePlace};
@@ -295,7 +295,7 @@ fn history_columns(input: OutputInput, request: &OutputRequest, columns: &mut Co
             }
         }
         if columns.list.len() == before {
-            note_absent_variable(selection, request, report);
+            report.add_unused_card(request.span, selection.name(), why_absent(selection, request));
         }
     }
     let names: Vec<_> = columns.list[first..].iter().map(|c| c.name.as_str()).collect();
@@ -536,7 +536,7 @@ fn frame_fields(
         };
         let meant: Vec<FrameField> = available.iter().filter(meant).cloned().map(|f| f.at(request.position)).collect();
         if meant.is_empty() && !is_in_every_frame(selection) {
-            note_absent_variable(selection, request, report);
+            report.add_unused_card(request.span, selection.name(), why_absent(selection, request));
         }
         fields.extend(meant);
     }
@@ -549,16 +549,12 @@ fn solves_for_temperatures(model: &Model) -> bool {
 }
 
 pub fn scales_masses(scene: Scene) -> bool {
-    deforms(scene.places) && scene.model.steps.iter().any(|step| !step.mass_scalings.is_empty())
-}
-
-fn deforms(places: &SolidPlaces) -> bool {
-    !places.elements.is_empty()
+    !scene.places.elements.is_empty() && scene.model.steps.iter().any(|step| !step.mass_scalings.is_empty())
 }
 
 /// Returns the variables that this model has as a whole: energies, the time increment and the added mass.
 fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
-    let deforms = deforms(scene.places);
+    let deforms = !scene.places.elements.is_empty();
     let (conducts, deletes) = (solves_for_temperatures(scene.model), deletes(scene));
     let damages = materials_present(scene).any(fails)
         || damaged_interfaces(scene.model).next().is_some()
@@ -632,7 +628,7 @@ fn is_preselected(scene: Scene, field: &FrameField) -> bool {
     match field.variable().row().preselected {
         PreselectRule::Never => false,
         PreselectRule::Always => true,
-        PreselectRule::Deformable => deforms(scene.places),
+        PreselectRule::Deformable => !scene.places.elements.is_empty(),
         PreselectRule::ElementDeletion => deletes(scene),
         PreselectRule::HeatConduction
         | PreselectRule::SurfaceContact
@@ -659,11 +655,6 @@ fn element_has(input: OutputInput, (group, element): (usize, usize), part: Varia
         }
         _ => values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), element, part),
     }
-}
-
-fn note_absent_variable(selection: VariableRequest, request: &OutputRequest, report: &mut Report) {
-    let why = why_absent(selection, request);
-    report.add_unused_card(request.span, selection.name(), why);
 }
 
 /// Returns whether only rigid bodies with six degrees of freedom have a variable.

@@ -265,13 +265,9 @@ fn check_steps_alike(model: &Model, report: &mut Report) {
 /// Returns the deformable elements of a section in solver order. For user subroutines this is the order of the
 /// deck.
 fn elements_in_order(model: &Model, bodies: &Bodies, section: &SolidSection) -> Vec<usize> {
-    let elements = free_elements(bodies, section);
+    let elements = section.elements.iter().copied().filter(|e| !bodies.of_element.contains_key(e)).collect();
     let shown = calls_routines_at_points(&model.materials[section.material]);
     if shown { elements } else { numbering::in_order(elements, &model.mesh) }
-}
-
-fn free_elements(bodies: &Bodies, section: &SolidSection) -> Vec<usize> {
-    section.elements.iter().copied().filter(|e| !bodies.of_element.contains_key(e)).collect()
 }
 
 /// Splits elements into lists of one topology.
