@@ -159,27 +159,27 @@ fn sector([r, z]: [f64; 2]) -> usize {
 }
 
 /// Checks a pair in the step in which it begins.
-pub fn check_pair(input: StepInput, contact: &SurfaceContact, met: ContactingCurves, report: &mut Report) {
+pub fn check_pair(input: StepInput, contact: &SurfaceContact, curves: ContactingCurves, report: &mut Report) {
     let StepInput { scene, pairs, index: step, .. } = input;
     let known = |c: &SurfaceContact| c.span == contact.span && c.sides[0].name == contact.sides[0].name;
     if contact.is_self_contact() || step > 0 && pairs.by_step[step - 1].iter().any(known) {
         return;
     }
     let [a, b] = [0, 1].map(|i| &contact.sides[i].name);
-    if !contact.general && met.faces_away() {
+    if !contact.general && curves.faces_away() {
         let message = format!("`{a}` and `{b}` face away from each other: there will be no contact");
         let finding = Diagnostic::warning("P110", message).at(contact.span, "this pair");
         report.push(finding.help("give the sides that face each other; for shells SPOS or SNEG"));
         return;
     }
-    let Some(body) = met.body() else {
-        return check_facet_sizes(scene.model, contact, met, report);
+    let Some(body) = curves.body() else {
+        return check_facet_sizes(scene.model, contact, curves, report);
     };
-    check_mass(input, contact, body, met, report);
-    if let Some([r, z]) = met.find_sharp_turn() {
+    check_mass(input, contact, body, curves, report);
+    if let Some([r, z]) = curves.find_sharp_turn() {
         let message = format!(
             "the rigid surface of `{a}` and `{b}` has a rounding within {:.3e}, the length of the deformable faces in contact",
-            met.length
+            curves.length
         );
         let finding = Diagnostic::warning("P118", message).at(contact.span, format!("near ({r:.4e}, {z:.4e})"));
         report.push(finding.help("use deformable elements as small as the roundings"));
@@ -188,18 +188,18 @@ pub fn check_pair(input: StepInput, contact: &SurfaceContact, met: ContactingCur
 
 /// Warns if contact pressures are requested and the facets of two deformable surfaces differ too much in size where the
 /// surfaces are closest.
-fn check_facet_sizes(model: &Model, contact: &SurfaceContact, met: ContactingCurves<'_>, report: &mut Report) {
+fn check_facet_sizes(model: &Model, contact: &SurfaceContact, curves: ContactingCurves<'_>, report: &mut Report) {
     let mut requests = model.steps.iter().flat_map(|step| &step.outputs).flat_map(|output| &output.variables);
     if !requests.any(|request| request.variables().contains(&Variable::ContactPressure)) {
         return;
     }
-    let [own, other] = met.closest_lengths();
+    let [own, other] = curves.closest_lengths();
     let ratio = (own / other).max(other / own);
     // Meshes with exactly this ratio differ by rounding.
     if ratio < FINER * (1.0 + 1e-3) {
         return;
     }
-    let [carrier, opposite] = if met.first_carries { [0, 1] } else { [1, 0] };
+    let [carrier, opposite] = if curves.first_carries { [0, 1] } else { [1, 0] };
     let coarser = &contact.sides[if own > other { carrier } else { opposite }].name;
     let message = format!(
         "the facets of `{}` and `{}` differ by a factor of {ratio:.1} where the surfaces are closest",
@@ -219,17 +219,17 @@ pub fn order_curves(
     model: &Model,
     contact: &SurfaceContact,
     [first, second]: [usize; 2],
-    found: &ContactGeometry,
+    geometry: &ContactGeometry,
     report: &mut Report,
 ) -> [usize; 2] {
-    let by_size = [first, second].map(|curve| found.lengths[curve][1]);
+    let by_size = [first, second].map(|curve| geometry.lengths[curve][1]);
     let (finer, coarser) = if by_size[1] < by_size[0] { ([second, first], 0) } else { ([first, second], 1) };
-    match (found.deforms[first], found.deforms[second]) {
+    match (geometry.deforms[first], geometry.deforms[second]) {
         (true, false) => return [first, second],
         (false, _) => return [second, first],
         _ => {}
     }
-    let unsuited = size_and_stiffness(model, finer, found);
+    let unsuited = size_and_stiffness(model, finer, geometry);
     match (contact.secondary, unsuited) {
         (None, None) => finer,
         (None, Some(_)) => [finer[1], finer[0]],
@@ -244,13 +244,13 @@ pub fn order_curves(
 
 /// Returns how many times finer and stiffer the first curve is, if it is too fine and too stiff to carry the
 /// pressures.
-fn size_and_stiffness(model: &Model, [own, other]: [usize; 2], found: &ContactGeometry) -> Option<[f64; 2]> {
+fn size_and_stiffness(model: &Model, [own, other]: [usize; 2], geometry: &ContactGeometry) -> Option<[f64; 2]> {
     let mean = |curve: usize| {
-        let all = found.facet_elements[curve].iter().map(|&(element, _)| modulus_of(model, element));
+        let all = geometry.facet_elements[curve].iter().map(|&(element, _)| modulus_of(model, element));
         let (sum, count) = all.flatten().fold((0.0, 0), |(sum, count), m| (sum + m, count + 1));
         sum / f64::from(count.max(1))
     };
-    let finer = found.lengths[other][1] / found.lengths[own][1];
+    let finer = geometry.lengths[other][1] / geometry.lengths[own][1];
     if own == other || finer <= FINER {
         return None;
     }
@@ -276,23 +276,23 @@ fn warn_of_sizes(contact: &SurfaceContact, coarser: usize, [finer, stiffer]: [f6
 }
 
 /// Warns if a free rigid body is lighter than the contact nodes.
-fn check_mass(input: StepInput, contact: &SurfaceContact, body: usize, met: ContactingCurves, report: &mut Report) {
+fn check_mass(input: StepInput, contact: &SurfaceContact, body: usize, curves: ContactingCurves, report: &mut Report) {
     let StepInput { scene, state, index: step, .. } = input;
     let reference = scene.bodies.list[body].reference;
     let boundaries = &scene.model.steps[step].boundaries;
     if boundaries.iter().any(|b| b.dof == 2 && b.nodes.contains(&reference)) {
         return;
     }
-    let [own, other] = met.curves;
+    let [own, other] = curves.curves;
     let mass: f64 = own
         .own
         .iter()
-        .map(|&p| match met.points[p as usize].carrier {
+        .map(|&p| match curves.points[p as usize].carrier {
             PointCarrier::Node(n) => state.dofs.nodes.mass[n],
             PointCarrier::Body(..) => 0.0,
         })
         .sum();
-    let (wide, narrow) = (met.area(own), met.area(other));
+    let (wide, narrow) = (curves.area(own), curves.area(other));
     let weighs = mass * (narrow / wide).min(1.0);
     let light = scene.bodies.list[body].mass();
     if light < weighs {

@@ -74,28 +74,28 @@ struct OpposingSurface<'a> {
 /// are reported as errors.
 pub fn analytical_contact(
     (pair, analytical): (&SurfaceContact, &AnalyticalSide),
-    around: &CurveContext,
-    found: &mut ContactGeometry,
+    context: &CurveContext,
+    geometry: &mut ContactGeometry,
     report: &mut Report,
 ) -> Option<([usize; 2], usize)> {
     let sides = &pair.sides[1 - analytical.side];
     let curve = if sides.faces.is_empty() {
-        curve_of_nodes(pair, &analytical.nodes, around, found, report)?
+        curve_of_nodes(pair, &analytical.nodes, context, geometry, report)?
     } else {
-        add_curve(pair, 1 - analytical.side, around, found, report)?
+        add_curve(pair, 1 - analytical.side, context, geometry, report)?
     };
     let opposite = OpposingSurface { sides, nodes: &analytical.nodes, pair };
-    match analytical_surface(opposite, analytical, around, report) {
+    match analytical_surface(opposite, analytical, context, report) {
         Ok((mut surface, body, count)) => {
-            surface.point = found.add_carried(body);
+            surface.point = geometry.add_carried(body);
             let gives_way = (pair.penalty.is_some() || pair.law.is_soft()) && !sides.faces.is_empty();
             if gives_way {
-                surface.overlap = surface.overlap.max(found.deepest(curve));
+                surface.overlap = surface.overlap.max(geometry.deepest(curve));
             }
-            if let Some(general) = around.general.filter(|_| pair.general) {
-                let id = general_row(general, around.pairs, report);
-                found.analyticals.push(surface);
-                return Some(([curve, found.analyticals.len() - 1], id));
+            if let Some(general) = context.general.filter(|_| pair.general) {
+                let id = general_row(general, context.pairs, report);
+                geometry.analyticals.push(surface);
+                return Some(([curve, geometry.analyticals.len() - 1], id));
             }
             let friction = friction_of(pair);
             let (set, name) = (&sides.name, &pair.sides[analytical.side].name);
@@ -112,8 +112,8 @@ pub fn analytical_contact(
                 }
             };
             let id = report.ledger_row(pair.span, effect, count, "nodes", detail);
-            found.analyticals.push(surface);
-            Some(([curve, found.analyticals.len() - 1], id))
+            geometry.analyticals.push(surface);
+            Some(([curve, geometry.analyticals.len() - 1], id))
         }
         Err(why) => {
             let finding = Diagnostic::error("P021", why).at(pair.span, "this pair");
@@ -126,14 +126,14 @@ pub fn analytical_contact(
 fn curve_of_nodes(
     pair: &SurfaceContact,
     nodes: &[usize],
-    around: &CurveContext,
-    found: &mut ContactGeometry,
+    context: &CurveContext,
+    geometry: &mut ContactGeometry,
     report: &mut Report,
 ) -> Option<usize> {
-    let StepInput { scene, .. } = around.input;
+    let StepInput { scene, .. } = context.input;
     let mut points = Vec::new();
     for &node in nodes {
-        match point_of(node, around, found) {
+        match point_of(node, context, geometry) {
             Ok(point) => points.push(point),
             Err(why) => {
                 let finding = Diagnostic::error("P021", why.message(&scene.model.mesh));
@@ -142,7 +142,7 @@ fn curve_of_nodes(
         }
     }
     points.sort_unstable();
-    Some(found.add_points(FacetCurve::of_points(points)))
+    Some(geometry.add_points(FacetCurve::of_points(points)))
 }
 
 /// Returns the analytical surface with its front towards the nodes, its rigid body, and the number of contact
@@ -150,10 +150,10 @@ fn curve_of_nodes(
 fn analytical_surface(
     opposite: OpposingSurface,
     side: &AnalyticalSide,
-    around: &CurveContext,
+    context: &CurveContext,
     report: &mut Report,
 ) -> Result<(AnalyticalSurface, usize, usize), String> {
-    let StepInput { scene, state, .. } = around.input;
+    let StepInput { scene, state, .. } = context.input;
     let surface: &RigidSurface = &scene.model.surfaces.analytical[side.surface];
     let reference = surface
         .reference
@@ -169,7 +169,7 @@ fn analytical_surface(
         nodes.push(place);
     }
     if surface.profile.height().is_some() {
-        nodes.retain(|n| !around.prescribed.contains(&(*n, 1)));
+        nodes.retain(|n| !context.prescribed.contains(&(*n, 1)));
     }
     if nodes.is_empty() && !opposite.pair.general {
         return Err("this surface has no node of a deformable body that is free to move".into());
@@ -180,7 +180,7 @@ fn analytical_surface(
     let overlap = OVERLAP * [extent(&ends), extent(&places)].into_iter().filter(|e| *e > 0.0).fold(f64::MAX, f64::min);
     let tolerances = [analytical.rounding, overlap];
     let profile = match opposite.pair.general {
-        true => profile_facing_all(around, opposite, (surface, side), &places, tolerances, report),
+        true => profile_facing_all(context, opposite, (surface, side), &places, tolerances, report),
         false => facing_profile(scene.model, opposite, surface, &places, tolerances, report)?,
     };
     analytical = AnalyticalSurface::new(profile, 0);
@@ -244,16 +244,16 @@ fn facing_profile(
 /// Returns the profile in general contact, with its front to the left of its direction. If all surfaces of the
 /// contact domain are on its back, it is reversed. Warns if it was reversed, or if nodes penetrate it.
 fn profile_facing_all(
-    around: &CurveContext,
+    context: &CurveContext,
     OpposingSurface { sides, pair, .. }: OpposingSurface,
     (surface, side): (&RigidSurface, &AnalyticalSide),
     places: &[[f64; 2]],
     [rounding, overlap]: [f64; 2],
     report: &mut Report,
 ) -> SurfaceProfile {
-    let mesh = &around.input.scene.model.mesh;
+    let mesh = &context.input.scene.model.mesh;
     let is_same = |c: &&SurfaceContact| c.analytical.as_ref().is_some_and(|a| a.surface == side.surface);
-    let all = || around.pairs.iter().filter(|c| c.general).filter(is_same);
+    let all = || context.pairs.iter().filter(|c| c.general).filter(is_same);
     let (name, set) = (&pair.sides[side.side].name, &sides.name);
     let of_all: Vec<[f64; 2]> =
         all().flat_map(|c| &c.analytical).flat_map(|a| &a.nodes).map(|&n| mesh.points[n]).collect();

@@ -48,9 +48,11 @@ pub fn cohesive_behaviors<'a>(model: &'a Model, pairs: &'a Pairs) -> impl Iterat
 }
 
 /// Returns whether a pair has cohesive surfaces with a variable at nodes.
-pub fn has_cohesive_variable(model: &Model, pairs: &Pairs, wanted: Variable) -> bool {
-    cohesive_behaviors(model, pairs)
-        .any(|cohesion| wanted == Variable::SurfaceDamage || cohesion.initiation.as_ref().map(variable) == Some(wanted))
+pub fn has_cohesive_variable(model: &Model, pairs: &Pairs, variable_of_output: Variable) -> bool {
+    cohesive_behaviors(model, pairs).any(|cohesion| {
+        variable_of_output == Variable::SurfaceDamage
+            || cohesion.initiation.as_ref().map(variable) == Some(variable_of_output)
+    })
 }
 
 /// Returns the nodes of the mesh on cohesive surfaces of a step.
@@ -65,7 +67,7 @@ pub fn add_cohesion<'c>(
     input: StepInput,
     (contact, index, pair): (&'c SurfaceContact, usize, &ContactPair),
     LawLists { laws, springs }: &mut LawLists,
-    found: &ContactGeometry,
+    geometry: &ContactGeometry,
     list: &mut CohesionList<'c>,
     report: &mut Report,
 ) -> Option<()> {
@@ -73,13 +75,13 @@ pub fn add_cohesion<'c>(
     if pair.analytical.is_some() {
         return refuse_analytical(contact, cohesion, report);
     }
-    let count = found.curves[pair.own].own.len();
+    let count = geometry.curves[pair.own].own.len();
     let stiffnesses = match cohesion.stiffness {
         Some(stiffness) => vec![stiffness],
         None => {
             let other = Some(pair.other.unwrap_or(pair.own));
             let factor = contact.penalty.unwrap_or(1.0);
-            let own = spring_laws(input, contact, factor, (pair.own, other), found, report)?;
+            let own = spring_laws(input, contact, factor, (pair.own, other), geometry, report)?;
             own.iter().map(|law| [spring_stiffness(law); 2]).collect()
         }
     };

@@ -115,14 +115,14 @@ fn has_both_sides(sides: &SideSelection, pairs: &[SurfaceContact]) -> bool {
 pub fn add_curve(
     contact: &SurfaceContact,
     which: usize,
-    around: &CurveContext,
-    found: &mut ContactGeometry,
+    context: &CurveContext,
+    geometry: &mut ContactGeometry,
     report: &mut Report,
 ) -> Option<usize> {
-    let StepInput { scene, .. } = around.input;
+    let StepInput { scene, .. } = context.input;
     let sides = &contact.sides[which];
     let key = (sides.name.clone(), contact.no_thickness);
-    if let Some(&known) = found.by_name.get(&key) {
+    if let Some(&known) = geometry.by_name.get(&key) {
         return Some(known);
     }
     let (mut facets, mut facet_elements, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
@@ -132,7 +132,7 @@ pub fn add_curve(
         if side == ElementSide::Positive {
             ends.reverse();
         }
-        let points = ends.map(|node| point_of(node, around, found));
+        let points = ends.map(|node| point_of(node, context, geometry));
         let facet = match points {
             [Ok(a), Ok(b)] => [a, b],
             // Tied surfaces are inside a body. General contact contains them, although the deck does not name them.
@@ -150,7 +150,7 @@ pub fn add_curve(
     }
     warn_of_left_out(scene.model, contact, &sides.name, &left_out, report);
     // Facets on the axis are inside a body.
-    facets.retain(|(f, _)| f.iter().any(|&p| found.places[p as usize][0] != 0.0));
+    facets.retain(|(f, _)| f.iter().any(|&p| geometry.places[p as usize][0] != 0.0));
     facet_elements.retain(|(_, ends)| ends.iter().any(|&n| scene.model.mesh.points[n][0] != 0.0));
     if facets.is_empty() {
         let message = format!("surface `{}` has no facets off the axis", sides.name);
@@ -158,15 +158,15 @@ pub fn add_curve(
     }
     let exposed_count = facets.len();
     if deletes(scene) {
-        hidden_facets(around, found, &mut facets);
+        hidden_facets(context, geometry, &mut facets);
     }
     let lift =
         facets.iter().map(|f| if contact.no_thickness { 0.0 } else { 0.5 * thickness_of(scene.model, f.1) }).collect();
-    let curve = found.add_curve(&facets, lift, exposed_count, (around.skin, &shells_of(scene.model, sides)));
-    found.curves[curve].is_side_of_line =
-        contact.general && thickness_of(scene.model, facets[0].1) == 0.0 && has_both_sides(sides, around.pairs);
-    found.facet_elements.push(facet_elements);
-    found.by_name.insert(key, curve);
+    let curve = geometry.add_curve(&facets, lift, exposed_count, (context.skin, &shells_of(scene.model, sides)));
+    geometry.curves[curve].is_side_of_line =
+        contact.general && thickness_of(scene.model, facets[0].1) == 0.0 && has_both_sides(sides, context.pairs);
+    geometry.facet_elements.push(facet_elements);
+    geometry.by_name.insert(key, curve);
     Some(curve)
 }
 
@@ -182,8 +182,8 @@ fn warn_of_left_out(model: &Model, contact: &SurfaceContact, surface: &str, node
 
 /// Adds the interior faces of the bodies of the exposed facets, one per side. They are exposed when the element in
 /// front is deleted.
-fn hidden_facets(around: &CurveContext, found: &mut ContactGeometry, facets: &mut Vec<([u32; 2], usize)>) {
-    let StepInput { scene, .. } = around.input;
+fn hidden_facets(context: &CurveContext, geometry: &mut ContactGeometry, facets: &mut Vec<([u32; 2], usize)>) {
+    let StepInput { scene, .. } = context.input;
     let mesh = &scene.model.mesh;
     let own: HashSet<usize> = facets.iter().map(|f| f.1).collect();
     let solids: Vec<usize> = scene.places.elements.keys().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
@@ -195,11 +195,11 @@ fn hidden_facets(around: &CurveContext, found: &mut ContactGeometry, facets: &mu
         let all: HashSet<[usize; 2]> = piece.iter().flat_map(|&e| edges(e)).collect();
         for &e in piece {
             for edge in edges(e).filter(|[a, b]| all.contains(&[*b, *a])) {
-                let points = edge.map(|node| match found.point_of_node.get(&node) {
+                let points = edge.map(|node| match geometry.point_of_node.get(&node) {
                     Some(&known) => Some(known),
                     None => {
-                        let point = contact_point(node, around).ok()?;
-                        Some(found.add(node, point, mesh.points[node]))
+                        let point = contact_point(node, context).ok()?;
+                        Some(geometry.add(node, point, mesh.points[node]))
                     }
                 });
                 // Faces with dependent nodes are left out, because these cannot be in contact.
@@ -217,11 +217,11 @@ fn thickness_of(model: &Model, element: usize) -> f64 {
     section.map_or(0.0, |s| s.thickness)
 }
 
-pub fn point_of(node: usize, around: &CurveContext, found: &mut ContactGeometry) -> Result<u32, PointRefusal> {
-    let StepInput { scene, .. } = around.input;
-    match found.point_of_node.get(&node) {
+pub fn point_of(node: usize, context: &CurveContext, geometry: &mut ContactGeometry) -> Result<u32, PointRefusal> {
+    let StepInput { scene, .. } = context.input;
+    match geometry.point_of_node.get(&node) {
         Some(&known) => Ok(known),
-        None => Ok(found.add(node, contact_point(node, around)?, scene.model.mesh.points[node])),
+        None => Ok(geometry.add(node, contact_point(node, context)?, scene.model.mesh.points[node])),
     }
 }
 

@@ -60,9 +60,9 @@ pub fn find_pairs(scene: Scene) -> Pairs {
     let steps = &scene.model.steps;
     for (index, step) in steps.iter().enumerate() {
         let before = index.checked_sub(1).map(|i| &steps[i]);
-        let goes_on =
+        let continues =
             |b: &Step| b.surface_contacts == step.surface_contacts && b.general_contact == step.general_contact;
-        if before.is_some_and(goes_on) {
+        if before.is_some_and(continues) {
             pairs.by_step.extend(pairs.by_step.last().cloned());
             continue;
         }

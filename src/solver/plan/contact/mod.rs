@@ -39,35 +39,36 @@ pub fn contact_constraint(
     report: &mut Report,
 ) -> Option<Box<dyn Constraint>> {
     let StepInput { scene, links, state, index: step, .. } = input;
-    let (mut found, mut pairs, mut lists) = (ContactGeometry::default(), Vec::new(), LawLists::default());
+    let (mut geometry, mut pairs, mut lists) = (ContactGeometry::default(), Vec::new(), LawLists::default());
     let (mut spans, mut cohesion) = (Vec::new(), CohesionList::default());
     let all = &input.pairs.by_step[step];
-    let wanted: Vec<&SurfaceContact> = all.iter().filter(|pair| spatial_side(scene.bodies, pair).is_none()).collect();
-    if wanted.is_empty() {
+    let surface_pairs: Vec<&SurfaceContact> =
+        all.iter().filter(|pair| spatial_side(scene.bodies, pair).is_none()).collect();
+    if surface_pairs.is_empty() {
         return None;
     }
-    let (equal_motions, mut held) = links.equal_motions(prescribed);
-    held.extend(prescribed);
-    let around = CurveContext {
+    let (equal_motions, mut prescribed_dofs) = links.equal_motions(prescribed);
+    prescribed_dofs.extend(prescribed);
+    let context = CurveContext {
         input,
-        prescribed: &held,
+        prescribed: &prescribed_dofs,
         in_equations: &links.dofs_of_equations(),
         skin: &solid_skin(scene.model),
         general: scene.model.steps[step].general_contact.as_ref(),
         pairs: all,
     };
-    for contact in wanted {
+    for contact in surface_pairs {
         let pair = match &contact.analytical {
-            Some(side) => analytical_pair(contact, side, &around, &mut found, report),
-            None => pair_of_curves(contact, &around, &mut found, report),
+            Some(side) => analytical_pair(contact, side, &context, &mut geometry, report),
+            None => pair_of_curves(contact, &context, &mut geometry, report),
         };
         let Some((mut pair, length)) = pair else { continue };
         let other = if pair.analytical.is_some() { None } else { Some(pair.other.unwrap_or(pair.own)) };
-        let law = law_indices(input, contact, (pair.own, other), &mut lists, &found, report);
+        let law = law_indices(input, contact, (pair.own, other), &mut lists, &geometry, report);
         let Some([law, of_points]) = law else { continue };
         (pair.law, pair.of_points, pair.springs) = (law, of_points, has_springs(contact));
         let origin = (contact, pairs.len(), &pair);
-        let added = add_cohesion(input, origin, &mut lists, &found, &mut cohesion, report);
+        let added = add_cohesion(input, origin, &mut lists, &geometry, &mut cohesion, report);
         if added.is_none() {
             continue;
         }
@@ -83,7 +84,7 @@ pub fn contact_constraint(
     if pairs.is_empty() {
         return None;
     }
-    let ContactGeometry { points, places, curves, analyticals, .. } = found;
+    let ContactGeometry { points, places, curves, analyticals, .. } = geometry;
     let LawLists { mut laws, springs } = lists;
     let first = laws.len();
     pairs.iter_mut().filter(|p| p.springs).for_each(|p| p.law += first);
@@ -120,41 +121,41 @@ pub fn contact_constraint(
 /// later.
 fn pair_of_curves(
     contact: &SurfaceContact,
-    around: &CurveContext,
-    found: &mut ContactGeometry,
+    context: &CurveContext,
+    geometry: &mut ContactGeometry,
     report: &mut Report,
 ) -> Option<(ContactPair, f64)> {
-    let StepInput { scene, pairs, .. } = around.input;
-    let curves = [0, 1].map(|i| add_curve(contact, i, around, found, report));
+    let StepInput { scene, pairs, .. } = context.input;
+    let curves = [0, 1].map(|i| add_curve(contact, i, context, geometry, report));
     let [Some(first), Some(second)] = curves else { return None };
-    if !found.deforms[first] && !found.deforms[second] {
+    if !geometry.deforms[first] && !geometry.deforms[second] {
         let message = "both surfaces of this contact pair are rigid";
         let finding = Diagnostic::error("P021", message).at(contact.span, "no deformable surface");
         return report.refuse(finding.help("at least one surface must belong to a deformable body"));
     }
-    let general = around.general.filter(|_| contact.general);
+    let general = context.general.filter(|_| contact.general);
     if general.is_some_and(|g| g.excludes_detached_nodes) {
-        [first, second].into_iter().for_each(|curve| found.curves[curve].drop_orphans());
+        [first, second].into_iter().for_each(|curve| geometry.curves[curve].drop_orphans());
     }
-    let curves = order_curves(scene.model, contact, [first, second], found, report);
-    let length = found.lengths[first][0].min(found.lengths[second][0]);
+    let curves = order_curves(scene.model, contact, [first, second], geometry, report);
+    let length = geometry.lengths[first][0].min(geometry.lengths[second][0]);
     let id = match general {
-        Some(general) => general_row(general, around.pairs, report),
-        None => contact_row(contact, found, curves[0], report),
+        Some(general) => general_row(general, context.pairs, report),
+        None => contact_row(contact, geometry, curves[0], report),
     };
-    let met = ContactingCurves {
-        curves: curves.map(|c| &found.curves[c]),
-        points: &found.points,
-        places: &found.places,
-        length: found.lengths[curves[0]][1],
+    let contacting = ContactingCurves {
+        curves: curves.map(|c| &geometry.curves[c]),
+        points: &geometry.points,
+        places: &geometry.places,
+        length: geometry.lengths[curves[0]][1],
         first_carries: curves[0] == first,
     };
-    check_pair(around.input, contact, met, report);
+    check_pair(context.input, contact, contacting, report);
     let mut pair = ContactPair::new(id, pair_number(pairs, contact), curves, length);
     pair.first = curves[0] == first;
     // Faces of one body meet again and again where it folds or erodes; their impacts do not limit the increment.
     if !contact.is_self_contact() {
-        let thickness = curves.map(|curve| smallest_thickness(scene, &found.facet_elements[curve]));
+        let thickness = curves.map(|curve| smallest_thickness(scene, &geometry.facet_elements[curve]));
         pair.thickness = thickness[0].min(thickness[1]);
     }
     Some((pair, length))
@@ -164,19 +165,19 @@ fn pair_of_curves(
 fn analytical_pair(
     contact: &SurfaceContact,
     side: &AnalyticalSide,
-    around: &CurveContext,
-    found: &mut ContactGeometry,
+    context: &CurveContext,
+    geometry: &mut ContactGeometry,
     report: &mut Report,
 ) -> Option<(ContactPair, f64)> {
-    let StepInput { scene, pairs, .. } = around.input;
-    let ([curve, analytical], id) = analytical_contact((contact, side), around, found, report)?;
-    if around.general.is_some_and(|g| contact.general && g.excludes_detached_nodes) {
-        found.curves[curve].drop_orphans();
+    let StepInput { scene, pairs, .. } = context.input;
+    let ([curve, analytical], id) = analytical_contact((contact, side), context, geometry, report)?;
+    if context.general.is_some_and(|g| contact.general && g.excludes_detached_nodes) {
+        geometry.curves[curve].drop_orphans();
     }
-    let length = found.lengths[curve][0];
+    let length = geometry.lengths[curve][0];
     let mut pair = ContactPair::in_front_of(id, pair_number(pairs, contact), curve, analytical, length);
     pair.first = side.side == 1;
-    pair.thickness = smallest_thickness(scene, &found.facet_elements[curve]);
+    pair.thickness = smallest_thickness(scene, &geometry.facet_elements[curve]);
     Some((pair, length))
 }
 
@@ -194,16 +195,16 @@ fn law_indices(
     contact: &SurfaceContact,
     (own, other): (usize, Option<usize>),
     lists: &mut LawLists,
-    found: &ContactGeometry,
+    geometry: &ContactGeometry,
     report: &mut Report,
 ) -> Option<[usize; 2]> {
     let LawLists { laws, springs } = lists;
     let law = match contact.penalty.filter(|_| has_springs(contact)) {
         None => place_of(laws, contact.law.clone()),
         Some(factor) => {
-            let all = spring_laws(input, contact, PENALTY_FACTOR * factor, (own, other), found, report)?;
+            let all = spring_laws(input, contact, PENALTY_FACTOR * factor, (own, other), geometry, report)?;
             springs.extend(all);
-            springs.len() - found.curves[own].own.len()
+            springs.len() - geometry.curves[own].own.len()
         }
     };
     // Contact of single points has no area for a pressure, so that it is hard contact.
@@ -216,7 +217,7 @@ fn pair_number(pairs: &Pairs, contact: &SurfaceContact) -> usize {
     pairs.names.get_index_of(&name).unwrap_or_default()
 }
 
-fn contact_row(contact: &SurfaceContact, found: &ContactGeometry, own: usize, report: &mut Report) -> usize {
+fn contact_row(contact: &SurfaceContact, geometry: &ContactGeometry, own: usize, report: &mut Report) -> usize {
     let [a, b] = [0, 1].map(|i| contact.sides[i].name.as_str());
     let between = if contact.is_self_contact() { format!("{a} with itself") } else { format!("{a} and {b}") };
     // A pressure-overclosure relationship replaces penalty springs.
@@ -230,7 +231,7 @@ fn contact_row(contact: &SurfaceContact, found: &ContactGeometry, own: usize, re
         (PressureOverclosure::Table(_), _) => "tabular".into(),
     };
     let friction = friction_of(contact);
-    let count = found.curves[own].facets.len();
+    let count = geometry.curves[own].facets.len();
     let clearance = match contact.clearance {
         Some(clearance) if clearance.gap > 0.0 => format!(", clearance {:e}", clearance.gap),
         _ => String::new(),

@@ -135,11 +135,11 @@ pub fn spring_laws(
     contact: &SurfaceContact,
     factor: f64,
     (own, other): (usize, Option<usize>),
-    found: &ContactGeometry,
+    geometry: &ContactGeometry,
     report: &mut Report,
 ) -> Option<Vec<InteractionLaw>> {
     let softness = |curve: usize| {
-        let of = found.facet_elements[curve].iter().map(|&(e, nodes)| facet_compliance(input, e, nodes));
+        let of = geometry.facet_elements[curve].iter().map(|&(e, nodes)| facet_compliance(input, e, nodes));
         of.collect::<Option<Vec<f64>>>()
     };
     let others = other.map_or(Some(Vec::new()), softness);
@@ -151,7 +151,7 @@ pub fn spring_laws(
     };
     // An analytical surface has no compliance.
     let beside = others.iter().sum::<f64>() / others.len().max(1) as f64;
-    let curve = &found.curves[own];
+    let curve = &geometry.curves[own];
     let stiffness = |index: usize| {
         let around = curve.around_own(index).iter().filter_map(|f| own_ways.get(f.0 as usize));
         let (sum, count) = around.fold((0.0, 0), |(sum, count), way| (sum + way, count + 1));

@@ -27,16 +27,16 @@ pub fn spatial_side(bodies: &Bodies, pair: &SurfaceContact) -> Option<(usize, us
 pub fn wall_contacts(input: StepInput, report: &mut Report) -> Vec<Box<dyn Constraint>> {
     let StepInput { scene, pairs, index: step, .. } = input;
     let walls = pairs.by_step[step].iter().filter_map(|pair| Some((pair, spatial_side(scene.bodies, pair)?)));
-    let mut found: Vec<Box<dyn Constraint>> = Vec::new();
+    let mut contacts: Vec<Box<dyn Constraint>> = Vec::new();
     for (pair, (body, side)) in walls {
         match wall_contact(input, pair, (body, side), report) {
-            Ok(contact) => found.push(Box::new(contact)),
+            Ok(contact) => contacts.push(Box::new(contact)),
             Err(what) => {
                 refuse_on_spatial_body(pair.span, &scene.bodies.list[body].name, what, report);
             }
         }
     }
-    found
+    contacts
 }
 
 fn wall_contact(

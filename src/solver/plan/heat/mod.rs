@@ -190,8 +190,8 @@ fn temperature_field(
     let mut steps = Vec::with_capacity(model.steps.len());
     let input = HeatInput { scene, conductors: &conductors, conducting: &conducting };
     for (index, step) in model.steps.iter().enumerate() {
-        let goes_on = index > 0 && has_same_heat(&model.steps[index - 1], step);
-        steps.push((!goes_on).then(|| {
+        let continues = index > 0 && has_same_heat(&model.steps[index - 1], step);
+        steps.push((!continues).then(|| {
             let mut conditions = thermal_conditions(input, step, shared, report);
             hold_sinks(step, &sinks, &start, &mut conditions, report);
             conditions

@@ -345,15 +345,15 @@ fn node_columns(
     let mut parts = selected_parts(input.scene, selection, Variable::is_of_nodes);
     parts.retain(|p| nodes_have(input, p.variable));
     let name = |node: usize| model.mesh.node_names[node].as_str();
-    let mut found = Vec::new();
+    let mut sources_of_members = Vec::new();
     for node in by_number(members, name) {
         if let Some(&rotation) = places.rotations.get(&node) {
             let turning = parts.iter().filter(|p| p.variable.is_of_rotations());
-            found.extend(turning.map(|&part| (part, name(node), ColumnSource::Node(rotation))));
+            sources_of_members.extend(turning.map(|&part| (part, name(node), ColumnSource::Node(rotation))));
         }
         if let Some(&body) = bodies.of_node.get(&node).filter(|&&b| bodies.list[b].spatial) {
             let source = ColumnSource::Body { body, node };
-            found.extend(in_space(selection, &parts).map(|part| (part, name(node), source)));
+            sources_of_members.extend(in_space(selection, &parts).map(|part| (part, name(node), source)));
             continue;
         }
         let source = match (places.free_node(node), bodies.of_node.get(&node)) {
@@ -362,28 +362,28 @@ fn node_columns(
             _ => continue,
         };
         let moving = parts.iter().filter(|p| !p.variable.is_of_rotations() && !is_spatial(p.variable));
-        found.extend(moving.map(|&part| (part, name(node), source)));
+        sources_of_members.extend(moving.map(|&part| (part, name(node), source)));
     }
-    columns_of_set(set, members.len(), &found, &request.statistics, columns);
+    columns_of_set(set, members.len(), &sources_of_members, &request.statistics, columns);
 }
 
 /// Adds a column for each member of a set, or for each statistic of the set. `members` is the size of the set.
 fn columns_of_set(
     set: &str,
     members: usize,
-    found: &[(VariableComponent, &str, ColumnSource)],
+    sources_of_members: &[(VariableComponent, &str, ColumnSource)],
     statistics: &[Statistic],
     columns: &mut Columns,
 ) {
     if statistics.is_empty() {
         let place = |name| if members == 1 { set } else { name };
-        columns.list.extend(found.iter().map(|&(part, name, source)| column(part, place(name), source)));
+        columns.list.extend(sources_of_members.iter().map(|&(part, name, source)| column(part, place(name), source)));
         return;
     }
-    let mut parts: Vec<VariableComponent> = found.iter().map(|f| f.0).collect();
+    let mut parts: Vec<VariableComponent> = sources_of_members.iter().map(|f| f.0).collect();
     dedup(&mut parts);
     for part in parts {
-        let mut sources: Vec<ColumnSource> = found.iter().filter(|f| f.0 == part).map(|f| f.2).collect();
+        let mut sources: Vec<ColumnSource> = sources_of_members.iter().filter(|f| f.0 == part).map(|f| f.2).collect();
         if part.variable == Variable::Reaction {
             once_a_body(&mut sources);
         }
@@ -453,14 +453,14 @@ fn element_columns(
     let (set, members) = named(&model.element_sets, set.index());
     let parts = selected_parts(input.scene, selection, Variable::is_of_elements);
     let name = |element: usize| model.mesh.elements[element].name.as_str();
-    let mut found = Vec::new();
+    let mut sources_of_members = Vec::new();
     for element in by_number(members, name) {
         let Some(&(group, index)) = places.elements.get(&element) else { continue };
         let has = |part: &&VariableComponent| element_has(input, (group, index), **part);
         let source = ColumnSource::Element(group, index);
-        found.extend(parts.iter().filter(has).map(|&part| (part, name(element), source)));
+        sources_of_members.extend(parts.iter().filter(has).map(|&part| (part, name(element), source)));
     }
-    columns_of_set(set, members.len(), &found, &request.statistics, columns);
+    columns_of_set(set, members.len(), &sources_of_members, &request.statistics, columns);
 }
 
 fn section_columns(

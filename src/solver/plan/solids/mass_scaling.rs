@@ -26,8 +26,8 @@ pub fn mass_scaling(input: StepInput, report: &mut Report) -> Option<StepMassSca
         }
     }
     let before = index.checked_sub(1).and_then(|i| model.steps[i].mass_scalings.first());
-    let goes_on = before.is_some_and(|b| b.span == first.span);
-    Some(StepMassScaling::new((!goes_on).then_some(fixed), variable))
+    let continues = before.is_some_and(|b| b.span == first.span);
+    Some(StepMassScaling::new((!continues).then_some(fixed), variable))
 }
 
 fn scaling_request(input: StepInput, scaling: &MassScaling, report: &mut Report) -> Option<ScalingRequest> {

@@ -75,9 +75,9 @@ pub struct SolidProperties<'a> {
     density: f64,
     heats: bool,
     /// 1 - MAX DEGRADATION: remaining stiffness fraction at which an element is deleted.
-    spared: f64,
+    deletion_margin: f64,
     /// Whether failed elements are kept.
-    kept: bool,
+    keep_elements: bool,
     /// Absolute zero on the temperature scale of the model.
     absolute_zero: f64,
 }
@@ -115,11 +115,12 @@ pub fn solid_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) ->
     let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity, by_area };
     let heats = adiabatic(model) || conducts(model, section);
     solid_rows(input, &constants, heats, report);
-    let (spared, kept) = damage_limits(section, material, report);
+    let (deletion_margin, keep_elements) = damage_limits(section, material, report);
     let subzonal = subzonal(input, report)?;
     let absolute_zero = model.settings.absolute_zero;
     let span = section.span;
-    let solid = SolidProperties { material, span, constants, density, heats, spared, kept, absolute_zero };
+    let solid =
+        SolidProperties { material, span, constants, density, heats, deletion_margin, keep_elements, absolute_zero };
     let law = if by_area {
         check_by_area(input, report)?;
         von_mises_law(&solid, None, report)?
@@ -272,8 +273,8 @@ fn hardening_law(solid: &SolidProperties, report: &mut Report) -> Option<Hardeni
     let SolidProperties { material, span, .. } = *solid;
     let heating = if solid.heats { heating(material, solid.density) } else { PlasticHeating::None };
     let failing = material_failure(material, report)?.map(|failing| MaterialFailure {
-        deletion_margin: solid.spared,
-        keep_elements: solid.kept,
+        deletion_margin: solid.deletion_margin,
+        keep_elements: solid.keep_elements,
         ..failing
     });
     let Some(plastic) = &material.plastic else {
@@ -312,33 +313,33 @@ fn hardening_law(solid: &SolidProperties, report: &mut Report) -> Option<Hardeni
 /// Returns 1 - MAX DEGRADATION, and whether elements that reach this damage are kept.
 fn damage_limits(section: &SolidSection, material: &MaterialDefinition, report: &mut Report) -> (f64, bool) {
     let most = section.controls.max_degradation;
-    let (spared, kept) = (1.0 - most, section.controls.keep_failed_elements.is_some());
+    let (deletion_margin, keep_elements) = (1.0 - most, section.controls.keep_failed_elements.is_some());
     let grows = material.failures.iter().any(|f| f.evolution != DamageEvolution::Absent);
-    if grows && kept {
+    if grows && keep_elements {
         let detail = format!("MAX DEGRADATION {most}: the remaining stiffness is kept");
         report.ledger_row(section.span, "failed elements stay", section.elements.len(), "elements", detail);
     }
-    if spared > 0.0 && !kept && !grows {
+    if deletion_margin > 0.0 && !keep_elements && !grows {
         let why = format!("material {} has no damage evolution", material.name);
         report.add_unused_card(section.span, "MAX DEGRADATION", why);
     }
     if section.controls.viscosity != 0.0 {
         report.add_unused_card(section.span, "VISCOSITY", "only the damage of cohesive elements is delayed");
     }
-    (spared, kept)
+    (deletion_margin, keep_elements)
 }
 
 /// Returns whether the elements of a section have subzonal pressures: by default with an equation of state and
 /// without shear modulus.
 fn subzonal(input: &GroupInput, report: &mut Report) -> Option<bool> {
     let GroupInput { section, material, .. } = *input;
-    let wanted = section.controls.subzonal;
+    let requested = section.controls.subzonal;
     let fluid = material.eos.is_some() && material.shear_modulus.is_none_or(|shear| shear == 0.0);
-    if wanted == Some(true) && !fluid {
+    if requested == Some(true) && !fluid {
         let message = "SUBZONAL=YES needs *EOS and no shear modulus";
         return report.refuse(Diagnostic::error("P016", message).at(section.span, "the controls of this section"));
     }
-    let subzonal = fluid && wanted != Some(false);
+    let subzonal = fluid && requested != Some(false);
     if subzonal {
         let detail = "pressures from the density of the element quarters";
         report.ledger_row(section.span, "subzonal pressures", input.elements.len(), "elements", detail.into());
