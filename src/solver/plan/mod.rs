@@ -83,9 +83,7 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let solids::Solids { places, ties, state: mut solids } =
         solids::plan(model, &mut bodies, &surface_ties, &mut report);
     let scene = Scene { model, bodies: &bodies, places: &places };
-    let links = constraints::links::plan(scene, surface_ties, ties, &mut solids, &mut report);
-    constraints::connectors::connect(scene, &links, &mut solids, &mut report);
-    solids::cohesive::bound_cohesive_elements(scene, &links, &mut solids, &mut report);
+    let links = constraints::plan(scene, surface_ties, ties, &mut solids, &mut report);
     let velocities = bodies::start(scene, &mut report);
     let mut shared = Shared::default();
     let thermal = heat::plan(scene, &links, &solids, &mut shared, &mut report);

@@ -51,7 +51,7 @@ pub fn linked_nodes(model: &Model, bodies: &Bodies, ties: &[TieEquations]) -> Ve
 }
 
 /// Collects all equations and links, and gives linked nodes the initial velocity of their reference node.
-pub fn plan(
+pub fn collect_links(
     scene: Scene,
     surface_ties: Vec<TieEquations>,
     rigid_ties: Vec<TiedNodes>,

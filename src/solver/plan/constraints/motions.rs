@@ -23,7 +23,7 @@ type LineDirections<'a> = HashMap<(Span, &'a str, model::MotionKind), Vec<&'stat
 
 /// Adds the prescribed motions of a step and the condition r = 0 on the axis.
 pub fn add_motions<'a>(
-    scene: Scene<'a>,
+    scene: Scene,
     step: &'a Step,
     list: &mut ConstraintList<'a>,
     shared: &mut Shared,
@@ -110,12 +110,12 @@ fn directions_of_lines<'a>(places: &'a SolidPlaces, step: &'a Step) -> LineDirec
     directions
 }
 
-fn add_motion<'a>(
-    scene: Scene<'a>,
+fn add_motion(
+    scene: Scene,
     boundary: &BoundaryCondition,
     ways: &str,
     dofs: Vec<(Dof, usize)>,
-    list: &mut ConstraintList<'a>,
+    list: &mut ConstraintList,
     shared: &mut Shared,
     report: &mut Report,
 ) -> Option<Box<dyn Constraint>> {
@@ -134,11 +134,11 @@ fn add_motion<'a>(
 }
 
 /// Creates the motion of `*BOUNDARY, USER`. VDISP is called once per increment for each degree of freedom.
-fn add_user_motion<'a>(
-    scene: Scene<'a>,
+fn add_user_motion(
+    scene: Scene,
     boundary: &BoundaryCondition,
     dofs: Vec<(Dof, usize)>,
-    list: &mut ConstraintList<'a>,
+    list: &mut ConstraintList,
     shared: &mut Shared,
     report: &mut Report,
 ) -> Option<Box<dyn Constraint>> {
@@ -171,13 +171,7 @@ fn add_user_motion<'a>(
     Some(Box::new(PrescribedMotion::from_user_amplitudes(id, kind, first, &dofs)))
 }
 
-fn hold_axis<'a>(
-    scene: Scene<'a>,
-    step: &Step,
-    nodes: &HashSet<Dof>,
-    list: &mut ConstraintList<'a>,
-    report: &mut Report,
-) {
+fn hold_axis(scene: Scene, step: &Step, nodes: &HashSet<Dof>, list: &mut ConstraintList, report: &mut Report) {
     let mesh = &scene.model.mesh;
     let on_axis = |n: &usize| mesh.points[*n][0] == 0.0;
     let free = scene.places.nodes.keys().filter(|n| on_axis(n)).filter_map(|n| scene.places.free_node(n));
