@@ -118,8 +118,7 @@ impl<'a> Report<'a> {
         let unsupported = routines.unsupported.iter().map(|name| (*name, "Revolve does not support it"));
         for (name, why) in uncalled.into_iter().chain(unsupported) {
             self.add_unused_card(Span::default(), format!("routine {name}"), format!("it is never called: {why}"));
-            let message = format!("user subroutine `{name}` is never called: {why}");
-            self.diagnostics.push(Diagnostic::note("U009", message));
+            self.diagnostics.push(Diagnostic::note("U009", format!("user subroutine `{name}` is never called: {why}")));
         }
     }
 

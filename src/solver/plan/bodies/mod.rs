@@ -109,8 +109,7 @@ fn add_body(
     let how = if spatial { "six degrees of freedom" } else { "moves along z" };
     let detail = format!("reference node {}, {how}", mesh.node_names[rigid.reference]);
     report.ledger_row(rigid.span, "rigid body", body.nodes.len(), "nodes", detail);
-    let detail = format!("mass {}", body.mass());
-    report.ledger_row(rigid.span, "lumped mass", body.lumped_mass.len(), "nodes", detail);
+    report.ledger_row(rigid.span, "lumped mass", body.lumped_mass.len(), "nodes", format!("mass {}", body.mass()));
     bodies.list.push(body);
 }
 

@@ -68,8 +68,7 @@ pub fn collect_links(
         if !add_equation(scene.places, &mut links, equation, &state.dofs.nodes.mass) {
             let message =
                 "*EQUATION is supported only for nodes of deformable bodies that are not tied to a rigid body";
-            let finding = Diagnostic::error("P011", message).at(equation.span, "this equation has other nodes");
-            report.push(finding);
+            report.push(Diagnostic::error("P011", message).at(equation.span, "this equation has other nodes"));
             break;
         }
     }
@@ -205,8 +204,7 @@ fn list_surface_tie(tie: &SurfaceTie, TieEquations { nodes, form }: &TieEquation
         report.push(Diagnostic::note("P061", message).at(tie.span, "surfaces without common area"));
     }
     let adjusted = if tie.adjust { ", moved onto the master surface" } else { "" };
-    let detail = format!("{}: {motion}{adjusted}", tie.name);
-    report.ledger_row(tie.span, "tied surfaces", nodes.len(), "nodes", detail);
+    report.ledger_row(tie.span, "tied surfaces", nodes.len(), "nodes", format!("{}: {motion}{adjusted}", tie.name));
 }
 
 /// Adds an equation. Returns `false` if a node does not belong to a deformable body or is tied to a rigid body.

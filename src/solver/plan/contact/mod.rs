@@ -268,8 +268,7 @@ fn heat_row(scene: Scene, contact: &SurfaceContact, report: &mut Report) {
         let message = "no heat flows through this contact: one of the surfaces is rigid and has no temperature";
         report.push(Diagnostic::warning("P067", message).at(contact.span, "this pair"));
     } else if !parts.is_empty() {
-        let detail = format!("{a} and {b}: {}", parts.join(", "));
-        report.ledger_row(contact.span, "contact heat", 1, "pair", detail);
+        report.ledger_row(contact.span, "contact heat", 1, "pair", format!("{a} and {b}: {}", parts.join(", ")));
     }
 }
 

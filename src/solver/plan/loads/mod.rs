@@ -195,8 +195,7 @@ fn gravity_load(
         Some(list) => masses_of(scene, list),
     };
     if count == 0 && nodes.is_empty() {
-        let message = "gravity acts on elements that belong to no body";
-        report.push(Diagnostic::error("P003", message).at(load.span, "here"));
+        report.push(Diagnostic::error("P003", "gravity acts on elements that belong to no body").at(load.span, "here"));
     }
     let detail = match (in_space, direction) {
         (true, [a, b, c]) => {
@@ -467,8 +466,7 @@ fn loaded_volume(
     if let Some(element) = stray {
         let message =
             format!("`{set}` contains element {}, which is not a solid element of a body", mesh.elements[element].name);
-        let finding = Diagnostic::error("P003", message).at(load.span, "a body force needs solid elements");
-        report.push(finding);
+        report.push(Diagnostic::error("P003", message).at(load.span, "a body force needs solid elements"));
     }
     if axis == 0 && !volume.rigid.is_empty() {
         report.add_unused_card(load.span, kind_name(&load.kind), "a rigid body of revolution moves along z only");

@@ -49,8 +49,7 @@ pub fn cavity_load(
     let detail = format!("{} into {}", sides.name, target.name);
     let id = report.ledger_row(load.span, "cavity expansion", count, "facets", detail);
     if friction > 0.0 {
-        let detail = format!("Coulomb, coefficient {friction}");
-        report.ledger_row(load.span, "friction", count, "facets", detail);
+        report.ledger_row(load.span, "friction", count, "facets", format!("Coulomb, coefficient {friction}"));
     }
     target_rows(scene.model, target, report);
     let travel = match step.increment {

@@ -143,8 +143,7 @@ fn unsupported_remeshing(
     let mesh = BodyMesh { quads: body.quads.clone(), ..BodyMesh::default() };
     let all = loops(&mesh);
     let Some(all) = all else {
-        let message = format!("the boundary of `{name}` touches itself in a node");
-        return Some((message, "separate the parts of the body"));
+        return Some((format!("the boundary of `{name}` touches itself in a node"), "separate the parts of the body"));
     };
     let used = |node: usize| body.nodes.binary_search(&node).ok();
     let on_boundary: HashSet<u32> = all.iter().flatten().map(|edge| edge.ends[0]).collect();

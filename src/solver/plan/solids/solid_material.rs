@@ -227,8 +227,7 @@ fn shear_viscosity(input: &GroupInput, report: &mut Report) -> Option<f64> {
         let help = "for a solid use *RATE DEPENDENT, *DAMPING or *BULK VISCOSITY";
         return report.refuse(finding.at(section.span, "these elements").help(help));
     }
-    let detail = format!("Newtonian fluid, {viscosity:e}");
-    report.ledger_row(span, "shear viscosity", 1, "material", detail);
+    report.ledger_row(span, "shear viscosity", 1, "material", format!("Newtonian fluid, {viscosity:e}"));
     Some(viscosity)
 }
 
@@ -561,8 +560,7 @@ pub fn yield_stress(
             let mut tables = match tables(rows) {
                 Ok(tables) => tables,
                 Err(message) => {
-                    let finding = Diagnostic::error("P014", message).at(span, "the material of this section");
-                    return report.refuse(finding);
+                    return report.refuse(Diagnostic::error("P014", message).at(span, "the material of this section"));
                 }
             };
             tables.iter_mut().for_each(|(_, table)| extrapolate(&mut table.rows, material));
