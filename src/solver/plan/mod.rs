@@ -80,16 +80,16 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let surface_ties = constraints::tie_equations::tie_equations(model, &attached);
     let mut report = Report::new(model, routines);
     let mut bodies = bodies::plan(model, &surface_ties, &mut report);
-    let solids::Solids { places, ties, state: mut solids } =
+    let solids::Solids { places, ties, state: mut solid_state } =
         solids::plan(model, &mut bodies, &surface_ties, &mut report);
     let scene = Scene { model, bodies: &bodies, places: &places };
-    let links = constraints::plan(scene, surface_ties, ties, &mut solids, &mut report);
+    let links = constraints::plan(scene, surface_ties, ties, &mut solid_state, &mut report);
     let velocities = bodies::start(scene, &mut report);
     let mut shared = Shared::default();
-    let thermal = heat::plan(scene, &links, &solids, &mut shared, &mut report);
-    solids.elements.fields = heat::fields::plan(scene, &solids, &mut shared, &mut report);
+    let thermal = heat::plan(scene, &links, &solid_state, &mut shared, &mut report);
+    solid_state.elements.fields = heat::fields::plan(scene, &solid_state, &mut shared, &mut report);
     let body_states = bodies::rigid_bodies_3d::initial_states(scene, &velocities, &mut report);
-    let mut state = State::new(solids, body_states, thermal);
+    let mut state = State::new(solid_state, body_states, thermal);
     solids::erosion::apply_erosion(scene, &mut state, &mut report);
     let pairs = contact::general::find_pairs(scene);
     let columns = output::plan(scene, &pairs, &mut state, &mut report);

@@ -87,7 +87,7 @@ impl<'a> Report<'a> {
     }
 
     /// Reports that a user subroutine that the deck needs is missing, or the reason why it cannot be called.
-    pub fn report_missing_routine(&mut self, span: Span, label: &str, asks: &str, name: &'static str) {
+    pub fn refuse_missing_routine(&mut self, span: Span, label: &str, asks: &str, name: &'static str) {
         self.called_routines.push(name);
         if let Some(uncallable) = self.routines.uncallable.iter().find(|m| m.routine == name) {
             let code = if uncallable.code == "U004" { "U004" } else { "U005" };
@@ -102,7 +102,7 @@ impl<'a> Report<'a> {
     }
 
     /// Notes user subroutines that are never called.
-    pub fn note_uncalled(&mut self) {
+    pub fn note_uncalled_routines(&mut self) {
         let routines = self.routines;
         let there = [
             ("vdload", routines.load.is_some(), "there is no load PNU, BRNU or BZNU"),
@@ -123,7 +123,7 @@ impl<'a> Report<'a> {
     }
 
     /// Adds the ledger row of VEXTERNALDB.
-    pub fn events_row(&mut self) {
+    pub fn add_events_row(&mut self) {
         if self.routines.events.is_some() {
             self.ledger.add("user events", 1, "routine", "--user".into(), "vexternaldb".into());
         }

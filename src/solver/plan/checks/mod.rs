@@ -17,8 +17,8 @@ pub fn check_plan(scene: Scene, links: &Links, pairs: &Pairs, state: &State, rep
         report.add_unused_card(inert.span, format!("*{}", inert.keyword), inert.why.clone());
     }
     plausibility::check_plausibility(scene, state, report);
-    report.events_row();
-    report.note_uncalled();
+    report.add_events_row();
+    report.note_uncalled_routines();
 }
 
 fn check_complete(model: &Model, deforms: bool, report: &mut Report) {

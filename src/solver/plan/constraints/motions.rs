@@ -148,7 +148,7 @@ fn add_user_motion(
     }
     if report.routines.motion.is_none() {
         let asks = format!("the motion of `{}` is user-defined (*BOUNDARY, USER)", boundary.set);
-        report.report_missing_routine(boundary.span, "motion", &asks, "vdisp");
+        report.refuse_missing_routine(boundary.span, "motion", &asks, "vdisp");
         return None;
     }
     report.called_routines.push("vdisp");

@@ -130,13 +130,12 @@ fn curve_of_nodes(
     geometry: &mut ContactGeometry,
     report: &mut Report,
 ) -> Option<usize> {
-    let StepInput { scene, .. } = context.input;
     let mut points = Vec::new();
     for &node in nodes {
         match point_of(node, context, geometry) {
             Ok(point) => points.push(point),
             Err(why) => {
-                let finding = Diagnostic::error("P021", why.message(&scene.model.mesh));
+                let finding = Diagnostic::error("P021", why.message(&context.input.scene.model.mesh));
                 return report.refuse(finding.at(pair.span, "this pair"));
             }
         }

@@ -119,7 +119,7 @@ pub fn add_curve(
     geometry: &mut ContactGeometry,
     report: &mut Report,
 ) -> Option<usize> {
-    let StepInput { scene, .. } = context.input;
+    let scene = context.input.scene;
     let sides = &contact.sides[which];
     let key = (sides.name.clone(), contact.no_thickness);
     if let Some(&known) = geometry.by_name.get(&key) {
@@ -183,10 +183,10 @@ fn warn_of_left_out(model: &Model, contact: &SurfaceContact, surface: &str, node
 /// Adds the interior faces of the bodies of the exposed facets, one per side. They are exposed when the element in
 /// front is deleted.
 fn hidden_facets(context: &CurveContext, geometry: &mut ContactGeometry, facets: &mut Vec<([u32; 2], usize)>) {
-    let StepInput { scene, .. } = context.input;
-    let mesh = &scene.model.mesh;
+    let mesh = &context.input.scene.model.mesh;
     let own: HashSet<usize> = facets.iter().map(|f| f.1).collect();
-    let solids: Vec<usize> = scene.places.elements.keys().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
+    let solids: Vec<usize> =
+        context.input.scene.places.elements.keys().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
     for piece in pieces(mesh, &solids).iter().filter(|p| p.iter().any(|e| own.contains(e))) {
         let edges = |e: usize| {
             let nodes = &mesh.elements[e].nodes;
@@ -218,10 +218,9 @@ fn thickness_of(model: &Model, element: usize) -> f64 {
 }
 
 pub fn point_of(node: usize, context: &CurveContext, geometry: &mut ContactGeometry) -> Result<u32, PointRefusal> {
-    let StepInput { scene, .. } = context.input;
     match geometry.point_of_node.get(&node) {
         Some(&known) => Ok(known),
-        None => Ok(geometry.add(node, contact_point(node, context)?, scene.model.mesh.points[node])),
+        None => Ok(geometry.add(node, contact_point(node, context)?, context.input.scene.model.mesh.points[node])),
     }
 }
 

@@ -20,7 +20,7 @@ pub fn user_amplitude(scene: Scene, id: AmplitudeId, shared: &mut Shared, report
     let AmplitudeDefinition::User { properties, variables } = &amplitude.definition else { return index };
     if report.routines.amplitude.is_none() {
         let asks = format!("amplitude `{}` is user-defined", amplitude.name);
-        report.report_missing_routine(amplitude.span, "amplitude", &asks, "vuamp");
+        report.refuse_missing_routine(amplitude.span, "amplitude", &asks, "vuamp");
         return index;
     }
     report.called_routines.push("vuamp");

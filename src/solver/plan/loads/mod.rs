@@ -488,7 +488,7 @@ fn user_load_description(
 ) -> Option<UserLoadData> {
     let LoadInput { scene, load, .. } = *input;
     let Some(routine) = report.routines.load.clone() else {
-        report.report_missing_routine(
+        report.refuse_missing_routine(
             load.span,
             "load",
             &format!("the load on `{name}` is user-defined (PNU)"),

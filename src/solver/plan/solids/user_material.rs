@@ -154,7 +154,7 @@ fn user_moduli(input: &GroupInput, report: &mut Report) -> Option<ElasticModuli>
         ("P041", format!("material `{}` has {other} in addition to *USER MATERIAL", material.name))
     } else if report.routines.material.is_none() {
         let asks = format!("material `{}` is user-defined (*USER MATERIAL)", material.name);
-        report.report_missing_routine(section.span, "section", &asks, "vumat");
+        report.refuse_missing_routine(section.span, "section", &asks, "vumat");
         return None;
     } else {
         report.called_routines.push("vumat");
@@ -194,7 +194,7 @@ fn user_flow<'m>(input: &GroupInput<'m>, report: &mut Report) -> Option<(UserLaw
         Some(PlasticityModel::User(properties)) => {
             if report.routines.hardening.is_none() {
                 let asks = format!("the hardening of `{}` is user-defined (*PLASTIC, HARDENING=USER)", material.name);
-                report.report_missing_routine(section.span, "section", &asks, "vuhard");
+                report.refuse_missing_routine(section.span, "section", &asks, "vuhard");
                 return None;
             }
             report.called_routines.push("vuhard");
@@ -212,7 +212,7 @@ fn require_field_routine(input: &GroupInput, report: &mut Report) -> Option<()> 
     let Some((properties, span)) = &material.user.fields else { return Some(()) };
     if report.routines.fields.is_none() {
         let asks = format!("the fields of `{}` are user-defined (*USER DEFINED FIELD)", material.name);
-        report.report_missing_routine(section.span, "section", &asks, "vusdfld");
+        report.refuse_missing_routine(section.span, "section", &asks, "vusdfld");
         return None;
     }
     report.called_routines.push("vusdfld");
@@ -232,7 +232,7 @@ pub fn require_length_routine(input: &GroupInput, takes: bool, report: &mut Repo
     }
     if report.routines.lengths.is_none() {
         let asks = format!("the characteristic length of `{}` is user-defined (*CHARACTERISTIC LENGTH)", material.name);
-        report.report_missing_routine(section.span, "section", &asks, "vucharlength");
+        report.refuse_missing_routine(section.span, "section", &asks, "vucharlength");
         return None;
     }
     report.called_routines.push("vucharlength");
