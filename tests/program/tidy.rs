@@ -249,6 +249,31 @@ fn import_cycles_are_small() {
     assert!(large.is_empty(), "{large:#?}");
 }
 
+/// Largest number of files with `impl` blocks of one type of the solver.
+const MOST_IMPL_FILES: usize = 3;
+/// The time loop, which is still one type.
+const MANY_IMPL_FILES: &[&str] = &["SolverRun"];
+
+/// Returns the name of the type of an `impl` block, from its first line.
+fn implementor(line: &str) -> Option<&str> {
+    let head = line.strip_prefix("impl")?;
+    let head = head.split_once(" for ").map_or(head, |(_, implementor)| implementor);
+    let head = if head.starts_with('<') { head.split_once("> ")?.1 } else { head };
+    head.trim_start_matches(['&', ' ']).split(['<', ' ', '{']).next()?.rsplit("::").next()
+}
+
+#[test]
+fn types_have_impl_blocks_in_few_files() {
+    let mut files: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (path, text) in texts("src/solver", ".rs") {
+        for name in text.lines().filter_map(implementor) {
+            files.entry(name.to_owned()).or_default().insert(path.clone());
+        }
+    }
+    files.retain(|name, files| files.len() > MOST_IMPL_FILES && !MANY_IMPL_FILES.contains(&name.as_str()));
+    assert!(files.is_empty(), "{files:#?}");
+}
+
 /// Folders that may use the motion of rigid bodies in space. Others use what is common to all bodies, and the motion of
 /// points.
 const IN_SPACE: &[&str] = &["constraint", "load", "plan", "state"];

@@ -1,15 +1,15 @@
 //! Memory of each effect, for the ledger. Effects of the first step are in the state, effects of later steps in the
 //! plan.
 
-use super::changes::ListChange;
-use super::ledger::Ledger;
-use super::{Plan, State};
 use crate::kernel::lists::heap_bytes;
+use crate::plan::changes::ListChange;
+use crate::plan::ledger::Ledger;
+use crate::plan::{Plan, State};
 use crate::state::EffectId;
 use crate::state::rigid_body_3d::RigidBody3d;
 
 /// Adds the sizes of all arrays of plan and state to the ledger rows of their effects.
-pub(super) fn record_bytes(plan: &mut Plan, state: &State) {
+pub fn record_bytes(plan: &mut Plan, state: &State) {
     let ledger = &mut plan.ledger;
     let changes = || plan.steps.iter().map(|step| &step.changes);
     let loads =
@@ -54,7 +54,7 @@ pub(super) fn record_bytes(plan: &mut Plan, state: &State) {
         add(ledger, row, "steps", plan.steps.iter().map(|step| size_of_val(step) + step.changes.bytes()).sum());
     }
     if let Some(row) = plan.rows.output {
-        let bodies = plan.bodies.iter().map(super::PlannedRigidBody::bytes).sum();
+        let bodies = plan.bodies.iter().map(crate::plan::PlannedRigidBody::bytes).sum();
         let columns = plan.columns.iter().map(|c| size_of_val(c) + c.name.capacity()).sum();
         let fields = plan.fields.iter().map(|f| size_of_val(f) + f.bytes()).sum();
         for (name, bytes) in [

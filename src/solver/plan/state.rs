@@ -1,7 +1,6 @@
 //! The state of an analysis, and the list of its fields that a checkpoint contains. Total time, energy balance and
 //! increment control are in `solve`.
 
-use super::changes::{ListChange, StepChanges};
 use crate::adaptive::AdaptiveDomain;
 use crate::constraint::Constraint;
 use crate::constraint::user_motion::UserMotion;
@@ -11,6 +10,9 @@ use crate::heat::ThermalState;
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::load::{Load, PenetrationRecord};
+use crate::plan::StepChanges;
+use crate::plan::changes::ListChange;
+use crate::state::BodyState;
 use crate::state::archive::persist_struct;
 use crate::state::dofs::Dofs;
 
@@ -42,9 +44,22 @@ pub struct State {
     pub ended_penetrations: Vec<PenetrationRecord>,
 }
 
+/// Nodes and elements of the deformable bodies, before temperatures, rigid bodies and effects are known.
+#[derive(Default)]
+pub struct SolidState {
+    pub dofs: Dofs,
+    pub elements: Elements,
+}
+
 impl State {
+    /// Creates the state without effects.
+    pub(crate) fn new(solids: SolidState, bodies: Vec<BodyState>, thermal: Option<Box<ThermalState>>) -> State {
+        let SolidState { dofs, elements } = solids;
+        State { dofs: Dofs { bodies, ..dofs }, elements, thermal, ..State::default() }
+    }
+
     /// Activates the effects of the first step.
-    pub(super) fn begin_with(&mut self, first: StepChanges) {
+    pub(crate) fn begin_with(&mut self, first: StepChanges) {
         let StepChanges { loads, constraints, user_motions, scaling, adaptive } = first;
         self.loads = loads.map_or_else(Vec::new, ListChange::into_first);
         self.constraints = constraints.map_or_else(Vec::new, ListChange::into_first);

@@ -3,27 +3,40 @@
 use std::collections::HashSet;
 use std::rc::Rc;
 
-use super::changes::{ListChange, ListEntry, StepChanges};
-use super::{Compiler, State, StepPlan};
 use crate::constraint::Constraint;
 use crate::constraint::bonds::PrescribedDofs;
 use crate::constraint::user_motion::UserMotion;
-use crate::deck::Span;
+use crate::element::mass_scaling::StepMassScaling;
 use crate::load::{Load, VelocityUse};
 use crate::model::{
-    self, BoundaryCondition, IncrementControl, LoadKind, MassScaling, ScalingSchedule, Step, SurfaceContact,
+    self, BoundaryCondition, EnergyLimit, IncrementControl, LoadKind, MassScaling, Model, ScalingSchedule, Step,
+    SurfaceContact,
+};
+use crate::plan::changes::{ListChange, ListEntry};
+use crate::plan::checks::overlaps::overlapping_bodies;
+use crate::plan::constraints::equations::link_constraint;
+use crate::plan::constraints::motions::add_motions;
+use crate::plan::contact::cohesion::refuse_cohesive_walls;
+use crate::plan::contact::contact_constraint;
+use crate::plan::contact::walls::{spatial_side, wall_contacts};
+use crate::plan::loads::{LoadInput, create_load};
+use crate::plan::meshes::adaptive::adaptive_change;
+use crate::plan::output::output_schedules;
+use crate::plan::solids::mass_scaling::{check_scalable_step, mass_scaling};
+use crate::plan::{
+    GeneralLedgerRows, Links, Pairs, Report, Scene, Shared, SolidPlaces, State, StepChanges, StepInput, StepPlan,
 };
 use crate::state::dofs::Dof;
 
 /// Active effects of the last compiled step, by their origin in the model.
 #[derive(Default)]
-pub(super) struct ActiveEffects<'a> {
+struct ActiveEffects<'a> {
     loads: Vec<(&'a model::Load, VelocityUse)>,
     constraints: Vec<ConstraintOrigin<'a>>,
 }
 
 /// Origin of a constraint in the model. Constraints with equal origins are equal.
-pub(super) enum ConstraintOrigin<'a> {
+pub enum ConstraintOrigin<'a> {
     /// A line of `*BOUNDARY`, and the degrees of freedom that it prescribes.
     Motion(&'a BoundaryCondition, Vec<Dof>),
     /// Degrees of freedom on the axis of symmetry.
@@ -79,7 +92,9 @@ impl ConstraintOrigin<'_> {
     /// Returns the prescribed degrees of freedom, and whether they are fixed.
     fn prescribes(&self) -> (&[Dof], bool) {
         match self {
-            ConstraintOrigin::Motion(boundary, dofs) => (dofs, !boundary.user && super::motions::holds(boundary)),
+            ConstraintOrigin::Motion(boundary, dofs) => {
+                (dofs, !boundary.user && crate::plan::constraints::motions::holds(boundary))
+            }
             ConstraintOrigin::Axis(dofs) => (dofs, true),
             _ => (&[], false),
         }
@@ -111,7 +126,7 @@ fn continues_load(load: &model::Load, before: &model::Load) -> bool {
 }
 
 /// Builder of the constraints of a step: kept ones of the previous step, and new ones.
-pub(super) struct ConstraintList<'a> {
+pub struct ConstraintList<'a> {
     before: Vec<ConstraintOrigin<'a>>,
     origins: Vec<ConstraintOrigin<'a>>,
     entries: Vec<ListEntry<dyn Constraint>>,
@@ -121,7 +136,7 @@ pub(super) struct ConstraintList<'a> {
 impl<'a> ConstraintList<'a> {
     /// Keeps the constraint of the previous step with the same origin. Returns the origin as an error if no constraint
     /// has it.
-    pub(super) fn keep(&mut self, origin: ConstraintOrigin<'a>) -> Result<(), ConstraintOrigin<'a>> {
+    pub fn keep(&mut self, origin: ConstraintOrigin<'a>) -> Result<(), ConstraintOrigin<'a>> {
         let Some(place) = self.before.iter().position(|b| b.is_same(&origin)) else { return Err(origin) };
         if origin.is_users() {
             self.user_motions.push(ListEntry::Kept(self.before[..place].iter().filter(|b| b.is_users()).count()));
@@ -131,14 +146,14 @@ impl<'a> ConstraintList<'a> {
         Ok(())
     }
 
-    pub(super) fn add(&mut self, origin: ConstraintOrigin<'a>, effect: Box<dyn Constraint>) {
+    pub fn add(&mut self, origin: ConstraintOrigin<'a>, effect: Box<dyn Constraint>) {
         let places = (0..self.before.len()).filter(|&i| origin.continues(&self.before[i]));
         self.entries.push(ListEntry::Added { effect, continues: places.collect() });
         self.origins.push(origin);
     }
 
     /// Adds the user motion of the constraint that is added next.
-    pub(super) fn add_user_motion(&mut self, motion: UserMotion) {
+    pub fn add_user_motion(&mut self, motion: UserMotion) {
         self.user_motions.push(ListEntry::Added { effect: Box::new(motion), continues: Vec::new() });
     }
 
@@ -158,215 +173,230 @@ impl<'a> ConstraintList<'a> {
     }
 }
 
-impl<'a> Compiler<'a> {
-    /// Compiles all steps. The effects of the first step are added to the state.
-    pub(super) fn steps(&mut self, state: &mut State) -> Vec<StepPlan> {
-        let mut steps = Vec::with_capacity(self.model.steps.len());
-        for (index, step) in self.model.steps.iter().enumerate() {
-            let mut changes = self.changes(index, state);
-            if index == 0 {
-                state.begin_with(std::mem::take(&mut changes));
-            }
-            self.increment_rows(step);
-            steps.push(StepPlan {
-                name: step.name.clone(),
-                duration: step.duration,
-                control: step.increment,
-                scale_factor: step.scale_factor,
-                load_velocity: step.load_velocity,
-                changes,
-                energy_limit: self.energy_limit(step),
-                outputs: self.outputs(step),
-            });
+/// Compiles all steps. The effects of the first step are added to the state.
+pub fn plan(
+    scene: Scene,
+    links: &Links,
+    pairs: &Pairs,
+    state: &mut State,
+    shared: &mut Shared,
+    report: &mut Report,
+) -> Vec<StepPlan> {
+    let mut active = ActiveEffects::default();
+    let mut steps = Vec::with_capacity(scene.model.steps.len());
+    for (index, step) in scene.model.steps.iter().enumerate() {
+        let input = StepInput { scene, links, pairs, state, index };
+        let loads = load_changes(input, &mut active, shared, report);
+        let (constraints, user_motions) = constraint_changes(input, &mut active, shared, report);
+        let scaling = scaling_change(input, loads.is_some(), report);
+        let adaptive = adaptive_change(scene, links, pairs, index, state, shared, report);
+        let mut changes = StepChanges { loads, constraints, user_motions, scaling, adaptive };
+        if index == 0 {
+            state.begin_with(std::mem::take(&mut changes));
         }
-        steps
+        increment_rows(scene.places, step, &active, report);
+        steps.push(StepPlan {
+            name: step.name.clone(),
+            duration: step.duration,
+            control: step.increment,
+            scale_factor: step.scale_factor,
+            load_velocity: step.load_velocity,
+            changes,
+            energy_limit: energy_limit(step, report),
+            outputs: output_schedules(scene.model, step, report),
+        });
     }
+    steps
+}
 
-    /// Updates the loads of a compiled step from the current model.
-    pub(super) fn replan_loads(&mut self, index: usize, plan: &mut StepPlan, state: &mut State) {
-        let loads = self.load_changes(index, state);
+/// Updates the loads of compiled steps from the current model, which has no links and no contact.
+pub fn replan_loads(scene: Scene, steps: &mut [StepPlan], state: &mut State, shared: &mut Shared, report: &mut Report) {
+    let (links, pairs) = (&Links::default(), &Pairs::default());
+    let mut active = ActiveEffects::default();
+    for (index, plan) in steps.iter_mut().enumerate() {
+        let input = StepInput { scene, links, pairs, state, index };
+        let loads = load_changes(input, &mut active, shared, report);
         if index == 0 {
             state.loads = loads.map_or_else(Vec::new, ListChange::into_first);
         } else {
             plan.changes.loads = loads;
         }
-        self.increment_rows(&self.model.steps[index]);
+        increment_rows(scene.places, &scene.model.steps[index], &active, report);
     }
+}
 
-    fn changes(&mut self, index: usize, state: &mut State) -> StepChanges {
-        let loads = self.load_changes(index, state);
-        let (constraints, user_motions) = self.constraint_changes(index, state);
-        let scaling = self.scaling_change(index, loads.is_some(), state);
-        let adaptive = self.adaptive_change(index, state);
-        StepChanges { loads, constraints, user_motions, scaling, adaptive }
+/// Returns the step before the one at `index`; `None` for the first step.
+fn step_before(model: &Model, index: usize) -> Option<&Step> {
+    Some(&model.steps[index.checked_sub(1)?])
+}
+
+/// Returns the changes of the loads; those that resist motion are last.
+fn load_changes<'a>(
+    input: StepInput<'a, '_>,
+    active: &mut ActiveEffects<'a>,
+    shared: &mut Shared,
+    report: &mut Report,
+) -> Option<ListChange<dyn Load>> {
+    let StepInput { scene, links, state, index, .. } = input;
+    let (step, previous) = (&scene.model.steps[index], step_before(scene.model, index));
+    // Resistance loads depend on the accuracy of the increment control.
+    let same_pace = previous.is_some_and(|p| p.increment == step.increment);
+    if same_pace && previous.is_some_and(|p| p.loads == step.loads) {
+        return None;
     }
-
-    /// Returns the step before the one at `index`; `None` for the first step.
-    fn step_before(&self, index: usize) -> Option<&'a Step> {
-        Some(&self.model.steps[index.checked_sub(1)?])
-    }
-
-    /// Returns the changes of the loads; those that resist motion are last.
-    fn load_changes(&mut self, index: usize, state: &State) -> Option<ListChange<dyn Load>> {
-        let (step, previous) = (&self.model.steps[index], self.step_before(index));
-        // Resistance loads depend on the accuracy of the increment control.
-        let same_pace = previous.is_some_and(|p| p.increment == step.increment);
-        if same_pace && previous.is_some_and(|p| p.loads == step.loads) {
-            return None;
-        }
-        let before = std::mem::take(&mut self.in_force.loads);
-        let mut loads = Vec::with_capacity(step.loads.len());
-        for load in &step.loads {
-            let is_kept = |b: &(&model::Load, VelocityUse)| {
-                (same_pace || !matches!(load.kind, LoadKind::Cavity { .. })) && is_same_load(b.0, load)
-            };
-            let (velocity, entry) = match before.iter().position(is_kept) {
-                Some(place) => {
-                    self.share_ledger_rows(before[place].0.span, load.span);
-                    (before[place].1, ListEntry::Kept(place))
-                }
-                None => {
-                    let Some(effect) = self.load(load, step, state) else { continue };
-                    let continues = (0..before.len()).filter(|&i| continues_load(load, before[i].0)).collect();
-                    (effect.velocity_use(), ListEntry::Added { effect, continues })
-                }
-            };
-            loads.push(((load, velocity), entry));
-        }
-        loads.sort_by_key(|((_, velocity), _)| *velocity == VelocityUse::Resists);
-        let (origins, entries): (Vec<_>, Vec<_>) = loads.into_iter().unzip();
-        self.in_force.loads = origins;
-        ListChange::between(before.len(), entries)
-    }
-
-    fn constraint_changes(
-        &mut self,
-        index: usize,
-        state: &State,
-    ) -> (Option<ListChange<dyn Constraint>>, Option<ListChange<UserMotion>>) {
-        if self.keeps_constraints(index) {
-            return (None, None);
-        }
-        let step = &self.model.steps[index];
-        let before = std::mem::take(&mut self.in_force.constraints);
-        let (entries, user_motions) = (Vec::new(), Vec::new());
-        let mut list = ConstraintList { before, origins: Vec::new(), entries, user_motions };
-        self.motions(step, &mut list);
-        let given = list.given();
-        if let Err(origin) = list.keep(ConstraintOrigin::Equations(given.clone()))
-            && let Some(equations) = self.equations(step, state, &given)
-        {
-            list.add(origin, equations);
-        }
-        // Ties are added after contact, because tied nodes follow the motion of a rigid body after contact.
-        let drops_points = step.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes);
-        if let Err(origin) =
-            list.keep(ConstraintOrigin::Contact(self.pairs[index].clone(), given.all.clone(), drops_points))
-            && let Some(contact) = self.contact(index, &given.all, state)
-        {
-            list.add(origin, contact);
-        }
-        self.refuse_cohesive_walls(index);
-        let wall = |i: usize| ConstraintOrigin::Wall(self.pairs[index].clone(), given.all.clone(), i);
-        let walls = self.pairs[index].iter().filter(|pair| self.spatial_side(pair).is_some()).count();
-        let kept = (0..walls).take_while(|&i| list.keep(wall(i)).is_ok()).count();
-        if kept < walls {
-            let origins: Vec<ConstraintOrigin<'a>> = (0..walls).map(wall).collect();
-            for (origin, contact) in origins.into_iter().zip(self.wall_contacts(index, state)).skip(kept) {
-                list.add(origin, contact);
+    let before = std::mem::take(&mut active.loads);
+    let mut loads = Vec::with_capacity(step.loads.len());
+    for load in &step.loads {
+        let is_kept = |b: &(&model::Load, VelocityUse)| {
+            (same_pace || !matches!(load.kind, LoadKind::Cavity { .. })) && is_same_load(b.0, load)
+        };
+        let (velocity, entry) = match before.iter().position(is_kept) {
+            Some(place) => {
+                report.share_ledger_rows(before[place].0.span, load.span);
+                (before[place].1, ListEntry::Kept(place))
             }
-        }
-        if let Err(origin) = list.keep(ConstraintOrigin::Overlaps)
-            && let Some(overlaps) = self.overlapping_bodies(state).filter(|_| index == 0)
-        {
-            list.add(origin, overlaps);
-        }
-        for (i, tie) in self.ties.iter().enumerate() {
-            if let Err(origin) = list.keep(ConstraintOrigin::Tie(i)) {
-                list.add(origin, Box::new(tie.clone()));
-            }
-        }
-        let asked = list.before.iter().filter(|b| b.is_users()).count();
-        self.in_force.constraints = list.origins;
-        let constraints = ListChange::between(list.before.len(), list.entries);
-        (constraints, ListChange::between(asked, list.user_motions))
-    }
-
-    /// Returns whether all constraints of a step have the same origins as those of the previous step.
-    fn keeps_constraints(&self, index: usize) -> bool {
-        let (step, Some(previous)) = (&self.model.steps[index], self.step_before(index)) else { return false };
-        let (own, others) = (&step.boundaries, &previous.boundaries);
-        let drops = |step: &Step| step.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes);
-        own.len() == others.len()
-            && own.iter().zip(others).all(|(a, b)| is_same_boundary(a, b))
-            && Rc::ptr_eq(&self.pairs[index], &self.pairs[index - 1])
-            && drops(step) == drops(previous)
-    }
-
-    /// Returns the mass scaling of a step; `None` if the one of the previous step continues.
-    fn scaling_change(
-        &mut self,
-        index: usize,
-        loads_change: bool,
-        state: &State,
-    ) -> Option<Option<crate::element::mass_scaling::StepMassScaling>> {
-        let (step, previous) = (&self.model.steps[index], self.step_before(index));
-        let scalings = |step: &'a Step| &step.mass_scalings[..];
-        let intervals = |s: &MassScaling| matches!(s.schedule, Some(ScalingSchedule::Intervals(_)));
-        let same_pace = |p: &Step| p.duration == step.duration || !step.mass_scalings.iter().any(intervals);
-        if scalings(step) == previous.map_or(&[][..], scalings) && previous.is_none_or(same_pace) {
-            if loads_change && !step.mass_scalings.is_empty() {
-                self.check_scalable_step(step);
-            }
-            return None;
-        }
-        Some(self.mass_scaling(index, state))
-    }
-
-    /// Adds the card at `other`, which repeats the card at `first`, to the ledger rows of the latter.
-    pub(super) fn share_ledger_rows(&mut self, first: Span, other: Span) {
-        if first == other {
-            return;
-        }
-        let asked_by = self.model.origin.sources.describe(other);
-        let rows: Vec<(&'static str, usize)> = self
-            .ledger_rows
-            .iter()
-            .filter(|((span, _), _)| *span == first)
-            .map(|((_, effect), row)| (*effect, *row))
-            .collect();
-        for (effect, row) in rows {
-            self.ledger_rows.entry((other, effect)).or_insert(row);
-            let places = &mut self.ledger.effects[row].asked_by;
-            if !places.contains(&asked_by) {
-                places.push(asked_by.clone());
-            }
-        }
-    }
-
-    /// Creates the ledger rows of the increment control and of the velocity that is passed to loads.
-    fn increment_rows(&mut self, step: &Step) {
-        let mut detail = match step.increment {
-            IncrementControl::Automatic { .. } if !self.places.elements.is_empty() => {
-                format!("stable time increment times {}", step.scale_factor)
-            }
-            IncrementControl::Fixed(dt) => format!("fixed time increment {dt:e} (direct user control)"),
-            IncrementControl::Automatic { accuracy, .. } => {
-                format!("no stability limit; time increment by error control, accuracy {accuracy:e}")
+            None => {
+                let Some(effect) = create_load(&LoadInput { scene, links, load, step, state }, shared, report) else {
+                    continue;
+                };
+                let continues = (0..before.len()).filter(|&i| continues_load(load, before[i].0)).collect();
+                (effect.velocity_use(), ListEntry::Added { effect, continues })
             }
         };
-        if let IncrementControl::Automatic { largest, .. } = step.increment
-            && largest.is_finite()
-        {
-            detail += &format!(", at most {largest:e}");
-        }
-        self.ledger_row(step.span, "central difference", 1, "step", detail);
-        if self.in_force.loads.iter().any(|(_, velocity)| *velocity != VelocityUse::None) {
-            let scheme = match step.load_velocity {
-                model::LoadVelocity::Predicted => "second-order extrapolation to the time of the increment",
-                model::LoadVelocity::Lagged => "velocity of the previous half increment (LAGGED)",
-            };
-            self.ledger_row(step.span, "load velocity", 1, "step", scheme.into());
+        loads.push(((load, velocity), entry));
+    }
+    loads.sort_by_key(|((_, velocity), _)| *velocity == VelocityUse::Resists);
+    let (origins, entries): (Vec<_>, Vec<_>) = loads.into_iter().unzip();
+    active.loads = origins;
+    ListChange::between(before.len(), entries)
+}
+
+fn constraint_changes<'a>(
+    input: StepInput<'a, '_>,
+    active: &mut ActiveEffects<'a>,
+    shared: &mut Shared,
+    report: &mut Report,
+) -> (Option<ListChange<dyn Constraint>>, Option<ListChange<UserMotion>>) {
+    let StepInput { scene, links, pairs, index, .. } = input;
+    if keeps_constraints(input) {
+        return (None, None);
+    }
+    let step = &scene.model.steps[index];
+    let before = std::mem::take(&mut active.constraints);
+    let (entries, user_motions) = (Vec::new(), Vec::new());
+    let mut list = ConstraintList { before, origins: Vec::new(), entries, user_motions };
+    add_motions(scene, step, &mut list, shared, report);
+    let given = list.given();
+    if let Err(origin) = list.keep(ConstraintOrigin::Equations(given.clone()))
+        && let Some(equations) = link_constraint(input, &given, report)
+    {
+        list.add(origin, equations);
+    }
+    // Ties are added after contact, because tied nodes follow the motion of a rigid body after contact.
+    let drops_points = step.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes);
+    if let Err(origin) =
+        list.keep(ConstraintOrigin::Contact(pairs.by_step[index].clone(), given.all.clone(), drops_points))
+        && let Some(contact) = contact_constraint(input, &given.all, report)
+    {
+        list.add(origin, contact);
+    }
+    refuse_cohesive_walls(input, report);
+    let wall = |i: usize| ConstraintOrigin::Wall(pairs.by_step[index].clone(), given.all.clone(), i);
+    let walls = pairs.by_step[index].iter().filter(|pair| spatial_side(scene.bodies, pair).is_some()).count();
+    let kept = (0..walls).take_while(|&i| list.keep(wall(i)).is_ok()).count();
+    if kept < walls {
+        let origins: Vec<ConstraintOrigin<'a>> = (0..walls).map(wall).collect();
+        for (origin, contact) in origins.into_iter().zip(wall_contacts(input, report)).skip(kept) {
+            list.add(origin, contact);
         }
     }
+    if let Err(origin) = list.keep(ConstraintOrigin::Overlaps)
+        && let Some(overlaps) = overlapping_bodies(input, report).filter(|_| index == 0)
+    {
+        list.add(origin, overlaps);
+    }
+    for (i, tie) in links.rigid_ties.iter().enumerate() {
+        if let Err(origin) = list.keep(ConstraintOrigin::Tie(i)) {
+            list.add(origin, Box::new(tie.clone()));
+        }
+    }
+    let asked = list.before.iter().filter(|b| b.is_users()).count();
+    active.constraints = list.origins;
+    let constraints = ListChange::between(list.before.len(), list.entries);
+    (constraints, ListChange::between(asked, list.user_motions))
+}
+
+/// Returns whether all constraints of a step have the same origins as those of the previous step.
+fn keeps_constraints(input: StepInput) -> bool {
+    let StepInput { scene, pairs, index, .. } = input;
+    let (step, Some(previous)) = (&scene.model.steps[index], step_before(scene.model, index)) else { return false };
+    let (own, others) = (&step.boundaries, &previous.boundaries);
+    let drops = |step: &Step| step.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes);
+    own.len() == others.len()
+        && own.iter().zip(others).all(|(a, b)| is_same_boundary(a, b))
+        && Rc::ptr_eq(&pairs.by_step[index], &pairs.by_step[index - 1])
+        && drops(step) == drops(previous)
+}
+
+/// Returns the mass scaling of a step; `None` if the one of the previous step continues.
+fn scaling_change(input: StepInput, loads_change: bool, report: &mut Report) -> Option<Option<StepMassScaling>> {
+    let StepInput { scene, index, .. } = input;
+    let (step, previous) = (&scene.model.steps[index], step_before(scene.model, index));
+    let intervals = |s: &MassScaling| matches!(s.schedule, Some(ScalingSchedule::Intervals(_)));
+    let same_pace = |p: &Step| p.duration == step.duration || !step.mass_scalings.iter().any(intervals);
+    if step.mass_scalings[..] == *previous.map_or(&[][..], |p| &p.mass_scalings) && previous.is_none_or(same_pace) {
+        if loads_change && !step.mass_scalings.is_empty() {
+            check_scalable_step(step, report);
+        }
+        return None;
+    }
+    Some(mass_scaling(input, report))
+}
+
+/// Creates the ledger rows of the increment control and of the velocity that is passed to loads.
+fn increment_rows(places: &SolidPlaces, step: &Step, active: &ActiveEffects, report: &mut Report) {
+    let mut detail = match step.increment {
+        IncrementControl::Automatic { .. } if !places.elements.is_empty() => {
+            format!("stable time increment times {}", step.scale_factor)
+        }
+        IncrementControl::Fixed(dt) => format!("fixed time increment {dt:e} (direct user control)"),
+        IncrementControl::Automatic { accuracy, .. } => {
+            format!("no stability limit; time increment by error control, accuracy {accuracy:e}")
+        }
+    };
+    if let IncrementControl::Automatic { largest, .. } = step.increment
+        && largest.is_finite()
+    {
+        detail += &format!(", at most {largest:e}");
+    }
+    report.ledger_row(step.span, "central difference", 1, "step", detail);
+    if active.loads.iter().any(|(_, velocity)| *velocity != VelocityUse::None) {
+        let scheme = match step.load_velocity {
+            model::LoadVelocity::Predicted => "second-order extrapolation to the time of the increment",
+            model::LoadVelocity::Lagged => "velocity of the previous half increment (LAGGED)",
+        };
+        report.ledger_row(step.span, "load velocity", 1, "step", scheme.into());
+    }
+}
+
+fn energy_limit(step: &Step, report: &mut Report) -> Option<EnergyLimit> {
+    let limit = step.energy_limit?;
+    let part = |name: &str, value: Option<f64>| value.map(|v| format!("{name} {v:e}"));
+    let parts: Vec<String> =
+        [part("error", limit.error), part("artificial", limit.artificial)].into_iter().flatten().collect();
+    let detail = format!("{}, {}", parts.join(", "), if limit.halts { "halt" } else { "warn" });
+    report.ledger_row(limit.span, "energy limit", 1, "step", detail);
+    Some(limit)
+}
+
+/// Creates the ledger rows that every analysis has, attributed to the first step.
+pub fn integration_rows(scene: Scene, state: &State, shown: usize, report: &mut Report) -> GeneralLedgerRows {
+    let Some(step) = scene.model.steps.first() else { return GeneralLedgerRows::default() };
+    let integration = report.ledger_rows.get(&(step.span, "central difference")).copied();
+    let nodes = state.dofs.nodes.len() - scene.places.rotations.len();
+    let detail = "nodal forces, masses and motion";
+    let gather = (nodes > 0).then(|| report.ledger_row(step.span, "nodes", nodes, "nodes", detail.into()));
+    let detail = "mesh, frames, histories";
+    let output = Some(report.ledger_row(step.span, "output", shown, "variables", detail.into()));
+    GeneralLedgerRows { integration, gather, output }
 }

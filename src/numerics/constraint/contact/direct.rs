@@ -118,12 +118,10 @@ const ROUNDS: u32 = 16;
 const ENTRIES_PER_ROW: usize = 48;
 /// Blocks allocated for each row of contact.
 const BLOCKS_PER_ROW: usize = 24;
-/// Smallest fraction of a diagonal that elimination may leave. If less is left, rows depend on each other and the
-/// sweeps take over.
-const LEAST_PIVOT: f64 = 1e-9;
-/// As [`LEAST_PIVOT`], for the shear impulse of a sticking row. If less is left, other rows almost prevent its slip: the row
-/// would need large impulses, which other rows balance.
-const LEAST_SHEAR_PIVOT: f64 = 1e-6;
+/// Smallest fraction of a diagonal that elimination may leave, without and with sticking rows. If less is left, rows depend
+/// on each other. Pressures alone do not then grow, but pressures and shear impulses of rows that almost prevent the same
+/// motion can be large and balance each other.
+const LEAST_PIVOTS: [f64; 2] = [1e-9, 1e-6];
 const NONE: u32 = u32::MAX;
 
 impl DirectSolver {
@@ -569,9 +567,9 @@ impl DirectSolver {
     fn eliminate(&mut self, used: usize) -> Result<(), usize> {
         let (count, half) = (self.unknowns.len(), self.half_width);
         let width = 2 * half + 1;
+        let least = LEAST_PIVOTS[usize::from(self.unknowns.iter().any(|unknown| unknown.shears))];
         for p in 0..count {
             let pivot = self.band[p * width + half];
-            let least = if self.unknowns[p].shears { LEAST_SHEAR_PIVOT } else { LEAST_PIVOT };
             if pivot.is_nan() || pivot.abs() <= least * self.diagonal[p].abs() {
                 return Err(p);
             }

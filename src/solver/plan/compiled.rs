@@ -1,0 +1,148 @@
+//! The compiled plan and its steps.
+
+use crate::model::{CopyOnWrite, EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
+use crate::plan::ledger::Ledger;
+use crate::plan::{
+    ColumnSource, FrameField, FrameLabels, HistoryColumn, IntegratedSection, PlannedRigidBody, RemeshPlan,
+    RowExpression, SolidPlaces, StepChanges, StepOutputs,
+};
+use crate::state::EffectId;
+use crate::user::Routines;
+
+/// A compiled analysis: the effects that the deck requests. A plan is immutable; it can be run many times, on several
+/// threads at once, each time from its own [`State`](super::State).
+#[derive(Default)]
+pub struct Plan {
+    /// Effects of the analysis and the cards that request them.
+    pub ledger: Ledger,
+    /// Mesh of the model, for frames.
+    pub mesh: CopyOnWrite<Mesh>,
+    /// Rigid bodies, in the order of the model.
+    pub bodies: Vec<PlannedRigidBody>,
+    /// Solver indices of the deformable nodes and elements of the mesh.
+    pub places: SolidPlaces,
+    /// Steps in the order of the analysis.
+    pub steps: Vec<StepPlan>,
+    /// History columns, the same in every step.
+    pub columns: Vec<HistoryColumn>,
+    /// Surfaces over which history columns are integrated.
+    pub sections: Vec<IntegratedSection>,
+    /// Members of the sets over which history columns are statistics.
+    pub sets: Vec<Vec<ColumnSource>>,
+    /// Expressions of columns that are computed from previous columns.
+    pub expressions: Vec<RowExpression>,
+    /// Output arrays of frames.
+    pub fields: Vec<FrameField>,
+    /// User subroutines. Their own static memory is not part of the state.
+    pub routines: Routines,
+    /// Ledger rows of time integration, nodal assembly and output.
+    pub rows: GeneralLedgerRows,
+    /// Numbers, materials and sets of nodes and elements, for frames.
+    pub labels: FrameLabels,
+    /// Bodies that are remeshed; `None` without `*REMESH`.
+    pub remesh: Option<Box<RemeshPlan>>,
+    /// Largest increase of the elastic moduli of a material over temperature and fields, as a fraction.
+    pub stiffening: f64,
+    /// Whether a material is a gas or an explosive, whose viscous heat does work again.
+    pub returns_heat: bool,
+    /// Whether a material has an equation of state. It expands after a shock with the heat of plastic work and bulk
+    /// viscosity, and pays for its hourglass control.
+    pub has_equation_of_state: bool,
+    /// Whether a user subroutine computes the stress of a material.
+    pub has_user_stress: bool,
+    /// Cards of the deck against small increments.
+    pub mesh_cards: MeshCards,
+    /// Whether the variables of an element group can move from element to element, as in adaptive and new meshes.
+    pub movable_groups: Vec<bool>,
+    /// Whether nodes without elements leave the contact (`NODAL EROSION=YES`).
+    pub excludes_detached_nodes: bool,
+    /// Whether viscous dissipation is expected: shocks in materials with an equation of state, requested damping.
+    pub expects_dissipation: bool,
+}
+
+/// Cards of a deck against elements that reduce the time increment.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MeshCards {
+    /// `*EROSION` with a limit of the increment or of distortion.
+    pub erodes: bool,
+    /// DISTORTION CONTROL=YES in a section.
+    pub controls_distortion: bool,
+    /// Mass scaling in a step.
+    pub scales_masses: bool,
+}
+
+impl MeshCards {
+    pub(crate) fn of(model: &Model) -> MeshCards {
+        MeshCards {
+            erodes: model.erosions.iter().any(|e| e.increment.is_some() || e.distortion.is_some()),
+            controls_distortion: model.sections.iter().any(|s| s.controls.distortion.is_some()),
+            scales_masses: model.steps.iter().any(|s| !s.mass_scalings.is_empty()),
+        }
+    }
+}
+
+/// Ledger rows of effects that every analysis has.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct GeneralLedgerRows {
+    /// Central differences, energy balance, choice of the time increment.
+    pub integration: Option<EffectId>,
+    /// Assembly of nodal forces and nodal motion.
+    pub gather: Option<EffectId>,
+    /// Frames and histories.
+    pub output: Option<EffectId>,
+}
+
+/// A step of the plan: its increment control and the changes to the active effects of the previous step. The effects of
+/// the first step are in the initial [`State`](super::State).
+pub struct StepPlan {
+    /// Name of the step, from `*STEP, NAME=`.
+    pub name: String,
+    /// Duration of the step, time.
+    pub duration: f64,
+    /// Method that determines the time increment.
+    pub control: IncrementControl,
+    /// Factor on an automatic time increment.
+    pub scale_factor: f64,
+    /// Velocity that is passed to loads.
+    pub load_velocity: LoadVelocity,
+    /// Changes to the active effects.
+    pub changes: StepChanges,
+    /// Limits of the energy balance; `None` without `*ENERGY LIMIT`.
+    pub energy_limit: Option<EnergyLimit>,
+    /// Schedules of frames, histories and restart files.
+    pub outputs: StepOutputs,
+}
+
+impl StepPlan {
+    /// Returns whether the deck limits the drift of ETOTAL (`*ENERGY LIMIT, ERROR`).
+    pub fn has_drift_limit(&self) -> bool {
+        self.energy_limit.is_some_and(|limit| limit.error.is_some())
+    }
+
+    /// Returns whether the deck fixes the increments.
+    #[inline]
+    pub fn is_fixed(&self) -> bool {
+        matches!(self.control, IncrementControl::Fixed(_))
+    }
+}
+
+impl Plan {
+    /// Returns the names of the history columns.
+    pub fn column_names(&self) -> Vec<String> {
+        self.columns.iter().map(|c| c.name.clone()).collect()
+    }
+
+    /// Returns the name of an element, given its group and its index in the group.
+    pub fn element_name(&self, group: usize, element: usize) -> &str {
+        self.mesh_element(group, element).map_or("", |e| &self.mesh.elements[e].name)
+    }
+
+    /// Returns the name of the material of an element, given its group and its index in the group; empty without one.
+    pub fn material_name(&self, group: usize, element: usize) -> &str {
+        self.mesh_element(group, element).map_or("", |e| self.labels.material_name(e))
+    }
+
+    fn mesh_element(&self, group: usize, element: usize) -> Option<usize> {
+        self.places.elements.iter().find(|e| *e.1 == (group, element)).map(|e| e.0)
+    }
+}

@@ -1,0 +1,139 @@
+//! Stiffness of penalty contact from the underlying elements (ABAQUS Analysis User's Guide, "Contact constraint
+//! enforcement methods in Abaqus/Explicit").
+
+use crate::deck::Diagnostic;
+use crate::element::group::ElementStiffness;
+use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
+use crate::kernel::topology::MOST_NODES;
+use crate::model::{Element, ElementKind, InitialKind, MaterialId, Model, SurfaceContact};
+use crate::plan::contact::curves::ContactGeometry;
+use crate::plan::{Report, Scene, StepInput};
+
+/// Returns the compliance of a facet, length per pressure, from the stiffness matrix of its element, or else its
+/// thickness over the longitudinal modulus; 0 for rigid facets. `None` if it cannot be determined.
+pub fn facet_compliance(input: StepInput, element: usize, nodes: [usize; 2]) -> Option<f64> {
+    let StepInput { scene, state, .. } = input;
+    let mesh = &scene.model.mesh;
+    let Some(&(group, index)) = scene.places.elements.get(&element) else { return Some(0.0) };
+    let of = &mesh.elements[element];
+    let [a, b] = nodes.map(|n| mesh.points[n]);
+    let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
+    let length = libm::hypot(dr, dz);
+    if of.kind == ElementKind::Sax1 {
+        let section = scene.model.shell_sections.iter().find(|s| s.elements.contains(&element))?;
+        return Some(section.thickness / longitudinal_modulus(scene.model, section.material, element)?);
+    }
+    let places = nodes.map(|n| scene.places.nodes.get(&n).copied());
+    let matrix = state.elements.groups[group].stiffness(index, state.dofs.nodes.as_slice());
+    let Some(ElementStiffness(matrix)) = matrix else {
+        return Some(height(of, &mesh.points, length) / modulus_of(scene.model, element)?);
+    };
+    // Stiffness of the element for a displacement of the facet along its normal, per area.
+    let (corners, normal) = (state.elements.groups[group].nodes(index), [dz / length, -dr / length]);
+    let mut way = [0.0; 2 * MOST_NODES];
+    for (i, corner) in corners.iter().enumerate() {
+        // The last two corners of a triangle are the same node.
+        let again = corners[..i].contains(corner);
+        if places.contains(&Some(*corner as usize)) && !again {
+            (way[2 * i], way[2 * i + 1]) = (normal[0], normal[1]);
+        }
+    }
+    let size = 2 * corners.len();
+    let force: f64 = (0..size).map(|i| way[i] * (0..size).map(|j| matrix[i][j] * way[j]).sum::<f64>()).sum();
+    let area = std::f64::consts::PI * (a[0] + b[0]) * length;
+    (force > 0.0).then(|| area / force)
+}
+
+/// Returns the longitudinal modulus of an element; `None` if it cannot be determined.
+pub fn modulus_of(model: &Model, element: usize) -> Option<f64> {
+    longitudinal_modulus(model, model.sections.iter().find(|s| s.elements.contains(&element))?.material, element)
+}
+
+/// Returns the longitudinal modulus of a material at the start: density times the square of the longitudinal wave speed.
+fn longitudinal_modulus(model: &Model, material: MaterialId, element: usize) -> Option<f64> {
+    let material = &model.materials[material];
+    let shear = material.shear_modulus.or(material.elastic.map(|[e, nu]| e / (2.0 * (1.0 + nu)))).unwrap_or(0.0);
+    if material.eos.is_some() {
+        let temperature = initial_temperature(model, element).map(|t| t - model.settings.absolute_zero);
+        return Some(material.bulk_modulus(temperature)? + 4.0 / 3.0 * shear);
+    }
+    material.elastic.map(|[e, nu]| e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu)))
+}
+
+/// Returns the mean initial temperature of the nodes of an element; `None` if a node has none.
+fn initial_temperature(model: &Model, element: usize) -> Option<f64> {
+    let nodes = &model.mesh.elements[element].nodes;
+    let of_node = |node: &usize| {
+        let conditions = model.initial_conditions.iter().rev();
+        conditions.filter(|condition| condition.members.binary_search(node).is_ok()).find_map(|c| match c.kind {
+            InitialKind::Temperature(value) => Some(value),
+            _ => None,
+        })
+    };
+    let temperatures: Vec<f64> = nodes.iter().map(of_node).collect::<Option<_>>()?;
+    Some(temperatures.iter().sum::<f64>() / nodes.len() as f64)
+}
+
+/// Returns the smallest thickness normal to the surface of the deformable solid elements of facets; infinite without
+/// any.
+pub fn smallest_thickness(scene: Scene, facets: &[(usize, [usize; 2])]) -> f64 {
+    let mesh = &scene.model.mesh;
+    let thickness = |&(element, nodes): &(usize, [usize; 2])| {
+        let of = &mesh.elements[element];
+        if !scene.places.elements.contains_key(&element) || !of.kind.is_solid() {
+            return f64::INFINITY;
+        }
+        let [a, b] = nodes.map(|n| mesh.points[n]);
+        height(of, &mesh.points, libm::hypot(b[0] - a[0], b[1] - a[1]))
+    };
+    facets.iter().map(thickness).fold(f64::INFINITY, f64::min)
+}
+
+/// Returns the thickness of an element normal to a side: area over side length, for triangles twice this value.
+fn height(element: &Element, points: &[[f64; 2]], length: f64) -> f64 {
+    let corner = |i: usize| points[element.nodes[i % element.nodes.len()]];
+    let cross = |i: usize| corner(i)[0] * corner(i + 1)[1] - corner(i + 1)[0] * corner(i)[1];
+    let area = 0.5 * (0..element.nodes.len()).map(cross).sum::<f64>();
+    // A facet of a six-node triangle is half of a side.
+    let share = if element.nodes.len() == 3 { 2.0 } else { 1.0 };
+    share * area.abs() / length
+}
+
+/// Returns the laws of springs of each point of a curve. The stiffness is `factor` times 2 / (sum of the compliances of
+/// both surfaces): for two equal bodies and a factor of 1 the stiffness of one layer of elements.
+pub fn spring_laws(
+    input: StepInput,
+    contact: &SurfaceContact,
+    factor: f64,
+    (own, other): (usize, Option<usize>),
+    geometry: &ContactGeometry,
+    report: &mut Report,
+) -> Option<Vec<InteractionLaw>> {
+    let softness = |curve: usize| {
+        let of = geometry.facet_elements[curve].iter().map(|&(e, nodes)| facet_compliance(input, e, nodes));
+        of.collect::<Option<Vec<f64>>>()
+    };
+    let others = other.map_or(Some(Vec::new()), softness);
+    let (Some(own_ways), Some(others)) = (softness(own).filter(|ways| !ways.is_empty()), others) else {
+        let message = "the penalty stiffness cannot be computed for the elements of this pair";
+        let finding = Diagnostic::error("P021", message).at(contact.span, "this pair");
+        report.push(finding.help("give *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, or remove PENALTY"));
+        return None;
+    };
+    // An analytical surface has no compliance.
+    let beside = others.iter().sum::<f64>() / others.len().max(1) as f64;
+    let curve = &geometry.curves[own];
+    let stiffness = |index: usize| {
+        let around = curve.around_own(index).iter().filter_map(|f| own_ways.get(f.0 as usize));
+        let (sum, count) = around.fold((0.0, 0), |(sum, count), way| (sum + way, count + 1));
+        // Points that are exposed by element deletion have the mean stiffness of the exposed facets.
+        let way = match count {
+            0 => own_ways.iter().sum::<f64>() / own_ways.len() as f64,
+            _ => sum / f64::from(count),
+        };
+        factor * 2.0 / (way + beside)
+    };
+    let law =
+        |index| InteractionLaw { overclosure: PressureOverclosure::Spring(stiffness(index)), ..contact.law.clone() };
+    Some((0..curve.own.len()).map(law).collect())
+}

@@ -1,0 +1,224 @@
+//! Bodies of the plan that are remeshed (`*REMESH`), and combinations that are not supported.
+
+use std::collections::HashSet;
+
+use crate::deck::Diagnostic;
+use crate::kernel::lists::heap_bytes;
+use crate::kernel::topology::ElementTopology;
+use crate::model::remesh::{ModelBody, is_shared, nodes_of_histories};
+use crate::model::{
+    BoundaryCondition, LoadKind, Model, MotionKind, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing,
+};
+use crate::plan::contact::cohesion::cohesive_behaviors;
+use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
+use crate::remesh::BodyMesh;
+use crate::remesh::outline::loops;
+use crate::state::{BodyState, EffectId};
+use crate::variables::Variable;
+
+/// Bodies that are remeshed, and the model from which their plans are compiled.
+pub struct RemeshPlan {
+    /// The model of this plan.
+    pub model: Model,
+    /// Bodies in the order of their cards.
+    pub bodies: Vec<RemeshedBody>,
+}
+
+/// A body that is remeshed, with its own numbering of nodes and elements ([`ModelBody`]).
+pub struct RemeshedBody {
+    /// Ledger row.
+    pub id: EffectId,
+    /// Element group.
+    pub group: usize,
+    /// Index in the group of each element.
+    pub elements: Vec<u32>,
+    /// Solver node of each node.
+    pub nodes: Vec<usize>,
+    /// Nodes of the body at the corners of its elements.
+    pub quads: Vec<[u32; 4]>,
+    /// Increments between two checks.
+    pub frequency: u64,
+    /// Smallest angle, radians.
+    pub angle: f64,
+    /// Smallest fraction of the stable time increment after the last mesh.
+    pub increment: f64,
+}
+
+/// User subroutines that continue on new meshes: their state is that of elements and amplitudes.
+const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp"];
+
+impl RemeshedBody {
+    /// Returns the size of all lists in bytes.
+    pub fn bytes(&self) -> usize {
+        heap_bytes(&self.elements) + heap_bytes(&self.nodes) + heap_bytes(&self.quads)
+    }
+}
+
+/// Lists the bodies of all `*REMESH` cards; `None` without any.
+pub fn plan(scene: Scene, pairs: &Pairs, state: &mut State, report: &mut Report) -> Option<Box<RemeshPlan>> {
+    let model = scene.model;
+    if model.remeshings.is_empty() || report.diagnostics.has_errors() {
+        return None;
+    }
+    let mut bodies = Vec::new();
+    for (index, card) in model.remeshings.iter().enumerate() {
+        let body = ModelBody::new(model, index);
+        if let Some((message, help)) = unsupported_remeshing(scene, pairs, card, &body, state, report) {
+            report.push(Diagnostic::error("P072", message).at(card.span, "this body").help(help));
+            continue;
+        }
+        bodies.extend(remeshed_body(scene.places, card, &body, state, report));
+    }
+    Some(Box::new(RemeshPlan { model: model.clone(), bodies }))
+}
+
+fn remeshed_body(
+    places: &SolidPlaces,
+    card: &Remeshing,
+    body: &ModelBody,
+    state: &mut State,
+    report: &mut Report,
+) -> Option<RemeshedBody> {
+    let members: Vec<(usize, usize)> = card.elements.iter().map(|e| places.elements[e]).collect();
+    let group = members[0].0;
+    let Some(transfer) = state.elements.groups[group].extensions().transfer() else {
+        let message = "moduli that depend on field variables, WEIGHTING=AREA and SUBZONAL=YES are not supported in bodies that are remeshed";
+        let finding = Diagnostic::error("P072", message).at(card.span, "this body");
+        return report.refuse(finding.help("use another material or other section controls"));
+    };
+    transfer.prepare();
+    if let Some(heat) = state.thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
+        heat.begin_adaptive(group, &state.elements);
+    }
+    let detail = format!(
+        "new mesh below {} degrees or {} of the stable time increment, checked every {} increments",
+        (1e9 * card.angle.to_degrees()).round() / 1e9,
+        card.increment,
+        card.frequency
+    );
+    Some(RemeshedBody {
+        id: report.ledger_row(card.span, "remeshing", card.elements.len(), "elements", detail),
+        group,
+        elements: members.iter().map(|place| place.1 as u32).collect(),
+        nodes: body.nodes.iter().map(|node| places.nodes[node]).collect(),
+        quads: body.quads.clone(),
+        frequency: card.frequency,
+        angle: card.angle,
+        increment: card.increment,
+    })
+}
+
+/// Returns why a body cannot be remeshed, and what could be.
+fn unsupported_remeshing(
+    scene: Scene,
+    pairs: &Pairs,
+    card: &Remeshing,
+    body: &ModelBody,
+    state: &State,
+    report: &Report,
+) -> Option<(String, &'static str)> {
+    let name = &card.set;
+    let groups = &state.elements.groups;
+    let places: Vec<_> = card.elements.iter().filter_map(|e| scene.places.elements.get(e)).collect();
+    let whole = places
+        .first()
+        .is_some_and(|first| places.len() == groups[first.0].len() && places.iter().all(|place| place.0 == first.0));
+    if !whole || places.len() < card.elements.len() {
+        let message = format!("`{name}` does not consist of all elements of one *SOLID SECTION");
+        return Some((message, "give one *REMESH, and one section, for each body"));
+    }
+    let group = &groups[places[0].0];
+    if group.topology() != ElementTopology::Quadrilateral {
+        let message = format!("`{name}` contains elements other than CAX4R and CAX3");
+        return Some((message, "give a set of CAX4R or CAX3 elements"));
+    }
+    if card.limits.strain_change.is_some() && group.value(0, Variable::PlasticStrain.into()).is_none() {
+        let message = format!("the material of `{name}` has no equivalent plastic strain (PEEQ)");
+        return Some((message, "remove STRAIN CHANGE, or use a material with plasticity"));
+    }
+    if is_shared(scene.model, body) {
+        let message = format!("elements outside `{name}` use nodes of its elements");
+        return Some((message, "separate the bodies, with contact between them"));
+    }
+    let mesh = BodyMesh { quads: body.quads.clone(), ..BodyMesh::default() };
+    let all = loops(&mesh);
+    let Some(all) = all else {
+        return Some((format!("the boundary of `{name}` touches itself in a node"), "separate the parts of the body"));
+    };
+    let used = |node: usize| body.nodes.binary_search(&node).ok();
+    let on_boundary: HashSet<u32> = all.iter().flatten().map(|edge| edge.ends[0]).collect();
+    if nodes_of_histories(scene.model).filter_map(used).any(|at| !on_boundary.contains(&(at as u32))) {
+        let message = format!("a history shows the values of a node inside `{name}`, which a new mesh does not keep");
+        return Some((message, "request a statistic of a set, or a node on the boundary"));
+    }
+    let found = excluded_by_model(scene.model, pairs, state, report).or_else(|| excluded_by_nodes(scene.model, &used));
+    found.map(|what| (format!("*REMESH cannot be combined with {what}"), "remove one of the two"))
+}
+
+/// Returns what in the model excludes new meshes of any body.
+fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Report) -> Option<&'static str> {
+    let (model, elements) = (model, &state.elements);
+    let loads = || model.steps.iter().flat_map(|step| &step.loads);
+    let contacts = || pairs.by_step.iter().flat_map(|pairs| pairs.iter());
+    let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
+    let scales = model.steps.iter().any(|step| !step.mass_scalings.is_empty());
+    let is_users =
+        |kind: &LoadKind| matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. } | LoadKind::UserBody { .. });
+    let found = [
+        (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDLOAD, VDISP and VUCHARLENGTH"),
+        (heats && scales, "mass scaling together with nodal temperatures"),
+        (elements.distortion.is_some(), "DISTORTION CONTROL"),
+        (elements.damping.is_some(), "*DAMPING"),
+        (elements.rings.is_some(), "WEIGHTING=AREA"),
+        (elements.fields.is_some(), "field variables"),
+        (elements.connectors.is_some(), "springs and dashpots"),
+        (!model.cohesive_sections.is_empty(), "cohesive elements"),
+        (cohesive_behaviors(model, pairs).next().is_some(), "*COHESIVE BEHAVIOR"),
+        (!model.constraints.ties.is_empty(), "*TIE"),
+        (!model.targets.is_empty(), "*TARGET"),
+        (loads().any(|load| is_users(&load.kind)), "user-defined loads"),
+        (state.dofs.bodies.iter().any(BodyState::is_spatial), "oblique rigid bodies"),
+        (contacts().any(|pair| pair.clearance.is_some()), "initial clearances of contact"),
+    ];
+    found.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
+}
+
+/// Returns what excludes new meshes at the nodes or elements of a body.
+fn excluded_by_nodes(model: &Model, used: &dyn Fn(usize) -> Option<usize>) -> Option<&'static str> {
+    let requests = model.steps.iter().flat_map(|step| &step.outputs);
+    let is_single = |request: &&OutputRequest| {
+        let of_elements = request.kind == OutputKind::History && request.card == OutputCard::Element;
+        of_elements && request.statistics.is_empty()
+    };
+    let shown = requests.filter(is_single).filter_map(|request| match request.region {
+        OutputRegion::Elements(id) => Some(&model.element_sets[id].members),
+        _ => None,
+    });
+    let mut shown = shown.flatten().flat_map(|e| model.mesh.elements[*e].nodes.iter());
+    let moves = |boundary: &&BoundaryCondition| {
+        boundary.kind == MotionKind::Displacement && (boundary.value != 0.0 || boundary.user)
+    };
+    let held = model.steps.iter().flat_map(|step| &step.boundaries).filter(moves);
+    let pushed = model.steps.iter().flat_map(|step| &step.loads).filter_map(|load| match &load.kind {
+        LoadKind::Concentrated { nodes, .. } => Some(nodes),
+        _ => None,
+    });
+    let terms = model.constraints.equations.iter().flat_map(|equation| equation.terms.iter().map(|term| term.0));
+    let links = model.constraints.links.iter().flat_map(|link| link.nodes.iter().chain([&link.reference]).copied());
+    let masses = model.discrete.masses.iter().map(|mass| mass.node);
+    let rigid = model.rigid_bodies.iter().flat_map(|body| body.nodes.iter().chain([&body.reference]).copied());
+    let is_used = |node: usize| used(node).is_some();
+    let found = [
+        (shown.any(|node| is_used(*node)), "histories of single elements of the body"),
+        (
+            terms.chain(links).chain(masses).chain(rigid).any(is_used),
+            "equations, couplings, masses and rigid bodies at nodes of the body",
+        ),
+        (pushed.flatten().any(|node| is_used(*node)), "*CLOAD on nodes of the body"),
+        (
+            held.flat_map(|boundary| &boundary.nodes).any(|node| is_used(*node)),
+            "prescribed displacements of nodes of the body other than zero",
+        ),
+    ];
+    found.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
+}
