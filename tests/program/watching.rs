@@ -57,7 +57,7 @@ fn wave_speeds_follow_from_every_equation_of_state() {
         ("*Eos, type=USUP\n 0.5, 1.5, 2.\n", 1.0),
         ("*Eos, type=TABULAR\n -0.1, 0., 0.1\n 0., 0., 0.\n 0.2, 0., -0.2\n", 1.0),
         (gas, 1.4),
-        ("*Eos, type=JWL\n 0.5, 1., 1., 0.3, 4., 1., 0.05, 1.\n", 1.0),
+        ("*Eos, type=JWL\n 0.5, 1., 1., 0.3, 4., 1., 0.05, 1.\n*Detonation Point\n 0., 0.\n", 1.0),
     ];
     let folder = tempfile::tempdir().expect("a folder");
     for (law, modulus) in laws {

@@ -294,7 +294,7 @@ pub fn read_system(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card
 }
 
 /// Reads transformed directions at nodes (ABAQUS Keywords Reference Guide, *TRANSFORM). Directions along r and z
-/// have no effect; others are reported by [`ModelBuilder::check_transforms`] if the nodes have a condition or force.
+/// have no effect; others are reported by [`check_transforms`] if the nodes have a condition or force.
 pub fn read_transform(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(set) = context.required(card, "NSET") else { return };
     let Some(nodes) = context.node_members(set) else { return };
