@@ -44,17 +44,12 @@ pub(crate) use scene::{Pairs, Scene, Shared, StepInput};
 pub use state::State;
 
 /// A plan, its initial state, and the products that a revision of the plan needs.
+#[derive(Default)]
 struct Compilation {
     plan: Plan,
     state: State,
     diagnostics: Diagnostics,
-    /// `None` after errors.
-    products: Option<Products>,
-}
-
-/// Products of the passes that are not part of the plan.
-struct Products {
-    /// The list of bodies is in the plan.
+    /// Rigid bodies without their list, which is in the plan.
     bodies: Bodies,
     shared: Shared,
     ledger_rows: LedgerRows,
@@ -72,7 +67,7 @@ pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics)
 fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let mut diagnostics = model.check();
     if diagnostics.has_errors() {
-        return Compilation { plan: Plan::default(), state: State::default(), diagnostics, products: None };
+        return Compilation { diagnostics, ..Compilation::default() };
     }
     let attached = constraints::surface_ties::find_attached_nodes(model, &mut diagnostics);
     let adjusted = constraints::surface_ties::adjusted(model, &attached);
@@ -106,7 +101,6 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     state.elements.tile(read.map(|&(group, element, _)| (group, element)));
     let Report { ledger, ledger_rows, diagnostics: found, .. } = report;
     let list = bodies.take_list(&velocities);
-    let products = (!found.has_errors()).then_some(Products { bodies, shared, ledger_rows, has_contact });
     diagnostics.append(found);
     // If there are errors, warnings and notes would only hide them.
     if diagnostics.has_errors() {
@@ -141,7 +135,7 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
         expects_dissipation: expects_dissipation(model),
     };
     bytes::record_bytes(&mut plan, &state);
-    Compilation { plan, state, diagnostics, products }
+    Compilation { plan, state, diagnostics, bodies, shared, ledger_rows, has_contact }
 }
 
 /// Returns the largest increase of a bulk or shear modulus over the tables of elastic moduli, as a fraction.

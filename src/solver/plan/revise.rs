@@ -5,13 +5,17 @@
 use crate::deck::Diagnostics;
 use crate::model::Model;
 use crate::model::revise::RevisableNumber;
-use crate::plan::{Compilation, Plan, Products, Report, Scene, State, bodies, steps};
+use crate::plan::report::LedgerRows;
+use crate::plan::{Bodies, Compilation, Plan, Report, Scene, Shared, State, bodies, steps};
 use crate::state::BodyState;
 use crate::user::Routines;
 
 /// Results of compilation that do not depend on the numbers of the model.
 pub struct PlanReviser {
-    products: Products,
+    /// Rigid bodies without their list, which is in the plan.
+    bodies: Bodies,
+    shared: Shared,
+    ledger_rows: LedgerRows,
     /// Number of cards without effect in the ledger.
     unused: usize,
     /// Whether masses and loads depend on the revised numbers.
@@ -27,19 +31,10 @@ pub fn compile(
     routines: &Routines,
     numbers: &[RevisableNumber],
 ) -> (Plan, State, Diagnostics, Option<PlanReviser>) {
-    let Compilation { plan, state, diagnostics, products } = super::compile_with_products(model, routines);
-    let reviser = products.filter(|products| is_rigid(model, products, &state)).map(|products| PlanReviser {
-        products,
-        unused: plan.ledger.unused.len(),
-        masses: numbers.iter().any(RevisableNumber::changes_masses),
-        loads: numbers.iter().any(RevisableNumber::changes_loads),
-    });
-    (plan, state, diagnostics, reviser)
-}
-
-/// Returns whether a model consists of rigid bodies without contact, constraints and user amplitudes.
-fn is_rigid(model: &Model, products: &Products, state: &State) -> bool {
-    state.elements.is_empty()
+    let Compilation { plan, state, diagnostics, bodies, shared, ledger_rows, has_contact } =
+        super::compile_with_products(model, routines);
+    let is_revisable = !diagnostics.has_errors()
+        && state.elements.is_empty()
         && state.thermal.is_none()
         && model.discrete.connectors.is_empty()
         && model.constraints.equations.is_empty()
@@ -47,16 +42,25 @@ fn is_rigid(model: &Model, products: &Products, state: &State) -> bool {
         && model.constraints.ties.is_empty()
         && model.attitudes.is_empty()
         && !state.dofs.bodies.iter().any(BodyState::is_spatial)
-        && !products.has_contact
+        && !has_contact
         && state.user_amplitudes.is_empty()
-        && state.amplitude_routines.is_empty()
+        && state.amplitude_routines.is_empty();
+    let reviser = is_revisable.then(|| PlanReviser {
+        bodies,
+        shared,
+        ledger_rows,
+        unused: plan.ledger.unused.len(),
+        masses: numbers.iter().any(RevisableNumber::changes_masses),
+        loads: numbers.iter().any(RevisableNumber::changes_loads),
+    });
+    (plan, state, diagnostics, reviser)
 }
 
 impl PlanReviser {
     /// Updates a plan and its initial state from a model with other numbers. Returns `false` if there are errors.
     /// Details in the ledger remain those of the first model.
     pub fn revise(&mut self, model: &Model, routines: &Routines, plan: &mut Plan, state: &mut State) -> bool {
-        let Products { bodies, shared, ledger_rows, .. } = &mut self.products;
+        let PlanReviser { bodies, shared, ledger_rows, .. } = self;
         let mut report = Report::new(model, routines);
         std::mem::swap(&mut report.ledger, &mut plan.ledger);
         std::mem::swap(&mut report.ledger_rows, ledger_rows);
