@@ -6,7 +6,6 @@
 
 use revolve_numerics::{kernel, platform, remesh, state, variables};
 
-#[macro_use]
 pub mod deck;
 pub mod generate;
 pub mod model;

@@ -7,6 +7,7 @@
 #[allow(missing_docs)]
 #[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 pub mod adaptive;
+pub mod codes;
 #[allow(missing_docs)]
 #[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 pub mod constraint;

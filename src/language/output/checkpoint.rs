@@ -13,6 +13,8 @@ use super::write_durable;
 use crate::deck::{Diagnostic, files};
 use crate::state::Instant;
 use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+pub use revolve_diagnostics::digest::hash;
+use revolve_diagnostics::digest::hexadecimal;
 
 /// Suffix of the file.
 pub const CHECKPOINT: &str = ".checkpoint";
@@ -46,20 +48,6 @@ pub struct Checkpoint {
     pub shown: Vec<u8>,
     /// State of the solver, in the format of the state archive.
     pub state: Vec<u8>,
-}
-
-/// Returns the hexadecimal SHA-256 of byte strings, each with its length.
-pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
-    let mut hash = Hash::new();
-    for piece in pieces {
-        hash.update((piece.len() as u64).to_le_bytes());
-        hash.update(piece);
-    }
-    hexadecimal(hash)
-}
-
-fn hexadecimal(hash: Hash) -> String {
-    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Returns the hexadecimal SHA-256 of coordinates and node lists of elements.

@@ -1,5 +1,7 @@
 //! Diagnostic codes of checkpoints and result folders (`K…`), for `revolve explain`.
 
+use revolve_numerics::codes;
+
 use crate::deck::DiagnosticCode;
 
 /// Diagnostic codes of writing results.

@@ -16,7 +16,6 @@ pub mod pvd;
 mod raster;
 pub mod sums;
 pub mod vtu;
-pub mod whole;
 
 use std::io;
 use std::ops::Index;
@@ -25,7 +24,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 pub use history::{ColumnSummary, HistorySummary, RunHistory};
-pub use whole::{AtomicFile, unnamed_file, write_durable, write_whole};
+pub use revolve_diagnostics::whole::{self, AtomicFile, unnamed_file, write_durable, write_whole};
 
 /// Suffix of the history file.
 pub const HISTORY: &str = "_history.csv";

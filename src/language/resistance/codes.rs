@@ -1,5 +1,7 @@
 //! Diagnostic codes of cavity expansion (`C…`), for `revolve explain`.
 
+use revolve_numerics::codes;
+
 use crate::deck::DiagnosticCode;
 
 /// Diagnostic codes C001 to C005 with their titles and explanations.

@@ -1,5 +1,7 @@
 //! Diagnostic codes of user subroutines (`U…`), with the texts of `revolve explain`.
 
+use revolve_numerics::codes;
+
 use crate::deck::DiagnosticCode;
 
 /// Diagnostic codes of user subroutines.

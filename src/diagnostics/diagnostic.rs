@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::source::{Sources, Span};
+use crate::source::{Sources, Span};
 
 /// Maximum number of places that one diagnostic shows.
 const MOST_PLACES: usize = 4;
@@ -141,7 +141,7 @@ fn meant_word(text: &str) -> Option<&str> {
 /// Returns numbers that are separated by blanks with commas between them; `None` for other texts.
 fn missing_comma(text: &str) -> Option<String> {
     let words: Vec<&str> = text.split_whitespace().collect();
-    let numbers = words.len() > 1 && words.iter().all(|word| super::number::parse_number(word).is_ok());
+    let numbers = words.len() > 1 && words.iter().all(|word| crate::number::parse_number(word).is_ok());
     numbers.then(|| words.join(", "))
 }
 
@@ -238,11 +238,11 @@ impl Diagnostics {
 
     /// Returns the diagnostics as plain text with excerpts of the deck; at most 20 of each severity.
     pub fn render(&self, sources: &Sources) -> String {
-        super::render::render(&self.list, sources, false)
+        crate::render::render(&self.list, sources, false)
     }
 
     /// Returns the same text as [`Diagnostics::render`] with terminal colours.
     pub fn render_styled(&self, sources: &Sources) -> String {
-        super::render::render(&self.list, sources, true)
+        crate::render::render(&self.list, sources, true)
     }
 }

@@ -5,7 +5,7 @@ use std::io::{self, Read as _};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use crate::platform::{special_file, without_waiting};
+use revolve_numerics::platform::{special_file, without_waiting};
 
 /// Bytes that a file may have beyond its reported length. Files in virtual file systems report a length of zero.
 const SLACK: u64 = 1 << 26;

@@ -61,6 +61,9 @@ pub struct SourceFile {
     pub included_at: Option<Span>,
 }
 
+/// Returns the text of a file that is open in an editor; `None` for a file that is read from disk.
+pub type OpenTexts<'a> = dyn Fn(&Path) -> Option<String> + 'a;
+
 /// All files of a deck.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
@@ -77,7 +80,7 @@ impl Sources {
     }
 
     /// Sets the text of a file. The parser adds the file before it parses the text, to have its index.
-    pub(super) fn fill(&mut self, file: u32, text: String) {
+    pub fn fill(&mut self, file: u32, text: String) {
         if let Some(entry) = self.files.get_mut(file as usize) {
             self.line_starts[file as usize] = line_starts(&text);
             entry.text = text;
@@ -90,7 +93,7 @@ impl Sources {
     }
 
     /// Sets the texts that have been released.
-    pub fn restore_texts(&mut self, open_texts: &super::OpenTexts<'_>) {
+    pub fn restore_texts(&mut self, open_texts: &OpenTexts<'_>) {
         for file in self.files.iter_mut().filter(|file| file.text.is_empty()) {
             file.text = open_texts(&file.path).map(normalise).unwrap_or_default();
         }
@@ -121,12 +124,12 @@ impl Sources {
     }
 
     /// Returns the line of a byte, counted from 1.
-    pub(super) fn line_of(&self, file: u32, byte: u32) -> usize {
+    pub fn line_of(&self, file: u32, byte: u32) -> usize {
         self.line_starts.get(file as usize).map_or(1, |s| s.partition_point(|&b| b <= byte).max(1))
     }
 
     /// Returns the byte range of a line (counted from 1) without its line end.
-    pub(super) fn line_range(&self, file: u32, line: usize) -> std::ops::Range<usize> {
+    pub fn line_range(&self, file: u32, line: usize) -> std::ops::Range<usize> {
         let (Some(source), Some(starts)) = (self.files.get(file as usize), self.line_starts.get(file as usize)) else {
             return 0..0;
         };
@@ -181,7 +184,7 @@ fn utf16(bytes: &[u8], order: fn([u8; 2]) -> u16) -> String {
 }
 
 /// Removes the byte-order mark and changes line ends to `\n`.
-pub(super) fn normalise(text: String) -> String {
+pub fn normalise(text: String) -> String {
     let text = match text.strip_prefix('\u{FEFF}') {
         Some(rest) => rest.to_owned(),
         None => text,

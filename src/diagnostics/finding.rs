@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::diagnostic::{Diagnostics, Severity};
-use super::source::Sources;
+use crate::diagnostic::{Diagnostics, Severity};
+use crate::source::Sources;
 
 /// A diagnostic with its place as text.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -39,7 +39,7 @@ pub struct FilePosition {
 impl Diagnostics {
     /// Converts all diagnostics to plain data.
     pub fn findings(&self, sources: &Sources) -> Vec<Finding> {
-        let finding = |d: &super::Diagnostic| Finding {
+        let finding = |d: &crate::Diagnostic| Finding {
             severity: match d.severity {
                 Severity::Note => "note",
                 Severity::Warning => "warning",

@@ -2,10 +2,10 @@
 
 use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Renderer, Snippet};
 
-use super::diagnostic::{Diagnostic, Severity, SourceLabel};
-use super::printable::printable;
-use super::source::{Sources, Span};
-use super::untrusted::is_restricted;
+use crate::diagnostic::{Diagnostic, Severity, SourceLabel};
+use crate::printable::printable;
+use crate::source::{Sources, Span};
+use crate::untrusted::is_restricted;
 
 /// Maximum number of diagnostics shown per severity; the others are counted.
 const MOST: usize = 20;

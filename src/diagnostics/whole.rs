@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use crate::platform::{create_private_folder, readable_by_all, sync_folder};
+use revolve_numerics::platform::{create_private_folder, readable_by_all, sync_folder};
 
 /// Prefix of temporary files; the name of the final file follows.
 const MARK: &str = ".revolve-";
@@ -111,7 +111,7 @@ impl Write for AtomicFile {
 ///
 /// # Errors
 /// If it cannot be removed; the message contains the path.
-pub(super) fn remove(path: &Path) -> io::Result<()> {
+pub fn remove(path: &Path) -> io::Result<()> {
     match std::fs::remove_file(path) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => {
             Err(io::Error::new(e.kind(), format!("cannot remove {}: {e}", path.display())))
@@ -144,23 +144,22 @@ pub fn unnamed_file(path: &Path) -> io::Result<File> {
 }
 
 /// Temporary folder; it is removed with its contents on drop.
-#[cfg_attr(not(compiled_routines), allow(dead_code))]
-pub(crate) struct ScratchFolder(PathBuf);
+pub struct ScratchFolder(PathBuf);
 
-#[cfg_attr(not(compiled_routines), allow(dead_code))]
 impl ScratchFolder {
     /// Creates a folder in another one that only its owner may open.
     ///
     /// # Errors
     /// If the folder cannot be created.
-    pub(crate) fn within(folder: &Path) -> io::Result<ScratchFolder> {
+    pub fn within(folder: &Path) -> io::Result<ScratchFolder> {
         unique(|letters| {
             let path = folder.join(format!("revolve-{letters}"));
             create_private_folder(&path).map(|()| ScratchFolder(path))
         })
     }
 
-    pub(crate) fn path(&self) -> &Path {
+    /// Returns the path of the folder.
+    pub fn path(&self) -> &Path {
         &self.0
     }
 }
