@@ -61,7 +61,9 @@
 #[doc(inline)]
 pub use revolve_analysis::{explain, study};
 #[doc(inline)]
-pub use revolve_language::{deck, generate, model, output, resistance, user};
+pub use revolve_host as user;
+#[doc(inline)]
+pub use revolve_language::{deck, generate, model, output, resistance};
 #[doc(inline)]
 pub use revolve_numerics::variables;
 #[doc(inline)]

@@ -4,8 +4,9 @@
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
 
+use revolve_host as user;
 use revolve_language::resistance;
-use revolve_language::{deck, generate, model, output, probability, user};
+use revolve_language::{deck, generate, model, output, probability};
 use revolve_numerics::{element, kernel, load, platform, state, variables};
 #[cfg(feature = "cli")]
 use revolve_solver::overview;

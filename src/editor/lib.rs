@@ -4,7 +4,8 @@
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
 
-use revolve_language::{deck, model, user};
+use revolve_host as user;
+use revolve_language::{deck, model};
 use revolve_numerics::variables;
 
 use revolve_solver::{job, overview};

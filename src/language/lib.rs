@@ -1,5 +1,4 @@
-//! Language of Revolve: input decks, the model, output files, mesh generation, the resistance of targets, and compiled
-//! user subroutines. The public interface is in the crate `revolve`.
+//! Language of Revolve: input decks, the model, output files, mesh generation and the resistance of targets. The public interface is in the crate `revolve`.
 #![warn(missing_docs)]
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
@@ -12,4 +11,3 @@ pub mod model;
 pub mod output;
 pub mod probability;
 pub mod resistance;
-pub mod user;

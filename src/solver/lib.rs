@@ -4,7 +4,8 @@
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
 
-use revolve_language::{deck, model, output, user};
+use revolve_host as user;
+use revolve_language::{deck, model, output};
 use revolve_numerics::{
     adaptive, constraint, element, heat, kernel, load, material, mesh, platform, remesh, state, variables,
 };

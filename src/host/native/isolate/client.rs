@@ -11,7 +11,7 @@ use super::super::{
 use super::channel::RoutineChannel;
 use super::message::{MessageField as _, MessageWriter, put};
 use super::shared_memory::TurnPurpose;
-use crate::state::Instant;
+use revolve_numerics::state::Instant;
 
 /// A user subroutine on the other side of the channel.
 pub struct RoutineClient {

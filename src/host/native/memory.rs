@@ -13,8 +13,8 @@ use libloading::os::unix::Library;
 use super::host::{self, MessageLevel};
 use super::symbols::LibrarySymbols;
 use super::{PersistentMemory, SavedMemory, guard};
-use crate::output::checkpoint::hash;
-use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields};
+use revolve_diagnostics::digest::hash;
+use revolve_numerics::state::archive::{Persist, StateArchive, UnfitState, persist_fields};
 
 /// Number of bytes that are compared at once, and size of a saved cell in bytes.
 const PAGE: usize = 4096;

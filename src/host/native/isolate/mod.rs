@@ -14,11 +14,11 @@ use std::io;
 use std::sync::Arc;
 
 use super::{Routines, library};
-use crate::deck::Diagnostic;
-use crate::state::archive::{Persist, StateArchive};
 use channel::RoutineChannel;
 use client::RoutineClient;
 use opening::{OpeningReport, receive};
+use revolve_diagnostics::Diagnostic;
+use revolve_numerics::state::archive::{Persist, StateArchive};
 
 /// Opens user subroutines in a process forked from this one, which must not have other threads yet.
 ///

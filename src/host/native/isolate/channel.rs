@@ -10,8 +10,8 @@ use super::super::{PersistentMemory, Routines, SavedMemory};
 use super::child;
 use super::opening::{receive, send};
 use super::shared_memory::{LEAVE, ProcessSide, REQUEST, SharedMemory};
-use crate::deck::Diagnostic;
-use crate::state::archive::{Persist, StateArchive, UnfitState};
+use revolve_diagnostics::Diagnostic;
+use revolve_numerics::state::archive::{Persist, StateArchive, UnfitState};
 
 /// The connection to the process of the user subroutines.
 pub struct RoutineChannel {

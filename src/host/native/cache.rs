@@ -11,9 +11,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde::{Deserialize, Serialize};
 
 use super::UncallableRoutine;
-use crate::deck::files;
-use crate::output::checkpoint::hash;
-use crate::output::whole::{ScratchFolder, write_whole};
+use revolve_diagnostics::digest::hash;
+use revolve_diagnostics::files;
+use revolve_diagnostics::whole::{ScratchFolder, write_whole};
 
 /// Largest number of cached libraries; the least recently used ones are removed.
 const KEPT: usize = 64;

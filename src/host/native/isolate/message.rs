@@ -3,7 +3,7 @@
 #![allow(unsafe_code)]
 
 use super::super::LoadFailure;
-use crate::state::Instant;
+use revolve_numerics::state::Instant;
 
 /// Largest number of scalars, of lists, and of 8-byte words in all lists of a call.
 const NUMBERS: usize = 32;
@@ -152,12 +152,12 @@ pub trait MessageField<'m>: Sized {
 
 /// Writes several values.
 macro_rules! put {
-    ($to:expr; $($value:expr),*) => {{ $($crate::user::native::isolate::message::MessageField::put(&$value, $to);)* }};
+    ($to:expr; $($value:expr),*) => {{ $($crate::native::isolate::message::MessageField::put(&$value, $to);)* }};
 }
 
 /// Reads several variables in the order of writing.
 macro_rules! get {
-    ($from:expr; $($name:ident),*) => { $(let $name = $crate::user::native::isolate::message::MessageField::get($from);)* };
+    ($from:expr; $($name:ident),*) => { $(let $name = $crate::native::isolate::message::MessageField::get($from);)* };
 }
 pub(super) use {get, put};
 
@@ -250,7 +250,7 @@ impl AnswerLists {
 #[cfg(test)]
 mod tests {
     use super::{AnswerLists, CallMessage, MessageField as _, WORDS};
-    use crate::state::Instant;
+    use revolve_numerics::state::Instant;
 
     fn message() -> Box<CallMessage> {
         // SAFETY: zeros are a valid message.

@@ -6,8 +6,8 @@ use std::os::unix::net::UnixStream;
 use serde::{Deserialize, Serialize};
 
 use super::super::{Routines, UncallableRoutine};
-use crate::deck::Diagnostic;
-use crate::state::archive::{Persist, StateArchive};
+use revolve_diagnostics::Diagnostic;
+use revolve_numerics::state::archive::{Persist, StateArchive};
 
 /// Sends a number that identifies a request, and a value; `None` if the other process has ended.
 pub fn send(stream: &mut UnixStream, what: u8, value: &mut impl Persist) -> Option<()> {

@@ -17,7 +17,7 @@ use super::{
     LoadFailure, LoadPoints, MAX_MATERIAL_BLOCK, MaterialAnswer, MaterialCall, MotionCall, RunAction, UserAmplitude,
     UserEvents, UserFields, UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion, crash, guard,
 };
-use crate::state::Instant;
+use revolve_numerics::state::Instant;
 
 /// `FE_INVALID` of `fenv.h` on x86-64 and aarch64.
 const FE_INVALID: c_int = 1;

@@ -5,8 +5,8 @@
 pub mod compile {
     use std::path::PathBuf;
 
-    use crate::deck::{Diagnostic, Diagnostics};
-    use crate::user::Routines;
+    use crate::Routines;
+    use revolve_diagnostics::{Diagnostic, Diagnostics};
 
     /// Compiled user subroutines, which do not exist on this platform.
     #[derive(Debug)]

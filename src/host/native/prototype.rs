@@ -1,7 +1,7 @@
 //! Comparison of the arguments of the user's subroutines with those of the call (`subroutines.rs`).
 
 use super::subroutines::{ArgumentKind, interface};
-use crate::deck::lists;
+use revolve_diagnostics::lists;
 
 /// Checks the prototypes printed by `gfortran -fc-prototypes-external`. Returns each subroutine that differs, with a
 /// description of the difference.

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::sync::atomic::{AtomicPtr, Ordering};
 
 use super::PointValues;
-use crate::state::Instant;
+use revolve_numerics::state::Instant;
 
 /// A call of a user subroutine in progress.
 pub struct ActiveCall<'a> {

@@ -8,8 +8,8 @@ use super::super::{Routines, SavedMemory, call, guard};
 use super::opening::{OpeningReport, receive, send};
 use super::server::RoutineServer;
 use super::shared_memory::{ProcessSide, REQUEST, SharedMemory, TurnPurpose};
-use crate::deck::Diagnostic;
-use crate::state::archive::{Persist, StateArchive};
+use revolve_diagnostics::Diagnostic;
+use revolve_numerics::state::archive::{Persist, StateArchive};
 
 /// Request over the stream: a run begins; with the data of its job.
 pub const BEGIN: u8 = 1;

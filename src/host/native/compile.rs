@@ -9,8 +9,8 @@ use std::time::SystemTime;
 use super::cache::{BuildInputs, BuiltLibrary, LibraryCache, search_environment};
 use super::source::{HEADER, PreparedSource, candidates, included};
 use super::{MAX_BLOCK, Routines, UncallableRoutine, isolate, library, prototype};
-use crate::deck::{Diagnostic, Diagnostics, files};
-use crate::output::checkpoint::hash;
+use revolve_diagnostics::digest::hash;
+use revolve_diagnostics::{Diagnostic, Diagnostics, files};
 
 /// Flags similar to those of the ABAQUS compile command: long lines, legacy Fortran and DEC extensions (Cray pointers,
 /// structures, D comment lines) are allowed, local arrays are on the stack. No contraction to fused multiply-add, so

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::deck::{files, printable};
+use revolve_diagnostics::{files, printable};
 
 /// A user file and its includes, as they are compiled.
 pub struct PreparedSource {

@@ -11,8 +11,8 @@ use super::compiled::{CompiledRoutine, MaterialAxes, RestartFollows, WatchInvali
 use super::memory::{LibraryMemory, RoutineMemory, bases};
 use super::subroutines::{MaterialArrays, Vdisp, Vdload, Vexternaldb, Vuamp, Vucharlength, Vuhard, Vumat, Vusdfld};
 use super::{PersistentMemory, ROUTINES, Routines, UncallableRoutine, crash, guard, host};
-use crate::deck::{Diagnostic, files};
-use crate::output::whole::ScratchFolder;
+use revolve_diagnostics::whole::ScratchFolder;
+use revolve_diagnostics::{Diagnostic, files};
 
 /// Opens libraries and binds the subroutines that they define. Each call returns subroutines with separate variables,
 /// so the runs of a sweep share no state. With `watch_invalid` a load that computes with NaN halts the run.
