@@ -63,9 +63,11 @@ pub use revolve_analysis::{explain, study};
 #[doc(inline)]
 pub use revolve_host as user;
 #[doc(inline)]
-pub use revolve_language::{deck, generate, model, output, resistance};
+pub use revolve_language::{deck, generate, model, resistance};
 #[doc(inline)]
 pub use revolve_numerics::variables;
+#[doc(inline)]
+pub use revolve_results as output;
 #[doc(inline)]
 pub use revolve_solver::{job, overview, plan, solve};
 

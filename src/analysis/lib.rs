@@ -6,8 +6,9 @@
 
 use revolve_host as user;
 use revolve_language::resistance;
-use revolve_language::{deck, generate, model, output, probability};
+use revolve_language::{deck, generate, model, probability};
 use revolve_numerics::{element, kernel, load, platform, state, variables};
+use revolve_results as output;
 #[cfg(feature = "cli")]
 use revolve_solver::overview;
 use revolve_solver::{job, plan, solve};

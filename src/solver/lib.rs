@@ -5,10 +5,11 @@
 #![allow(rustdoc::private_intra_doc_links)]
 
 use revolve_host as user;
-use revolve_language::{deck, model, output};
+use revolve_language::{deck, model};
 use revolve_numerics::{
     adaptive, constraint, element, heat, kernel, load, material, mesh, platform, remesh, state, variables,
 };
+use revolve_results as output;
 
 pub mod job;
 pub mod overview;

@@ -2,7 +2,7 @@
 
 use revolve_numerics::codes;
 
-use crate::deck::DiagnosticCode;
+use revolve_diagnostics::DiagnosticCode;
 
 /// Diagnostic codes of writing results.
 pub const CODES: &[DiagnosticCode] = codes! {

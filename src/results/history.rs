@@ -6,8 +6,8 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use super::csv;
-use crate::state::Instant;
-use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use revolve_numerics::state::Instant;
+use revolve_numerics::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 
 /// Name of the column after the time: number of the step, from 1.
 pub const STEP: &str = "step";

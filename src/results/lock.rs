@@ -4,8 +4,8 @@ use std::fs::{File, TryLockError};
 use std::io::{self, Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use crate::deck::{Diagnostic, printable};
-use crate::platform::{is_still, readable_by_all, without_links};
+use revolve_diagnostics::{Diagnostic, printable};
+use revolve_numerics::platform::{is_still, readable_by_all, without_links};
 
 /// Name of the lock file.
 const NAME: &str = ".revolve-lock";

@@ -8,7 +8,7 @@ use flate2::Crc;
 use indexmap::IndexMap;
 
 use super::{JobFiles, write_whole};
-use crate::deck::files;
+use revolve_diagnostics::files;
 
 /// Suffix of the checksum file of a run; sweeps and studies add a word before it.
 pub const SUMS: &str = ".sfv";
@@ -148,7 +148,7 @@ impl Checksums {
 #[cfg(test)]
 mod tests {
     use super::{Checksums, SUMS, sum};
-    use crate::output::JobFiles;
+    use crate::JobFiles;
 
     #[test]
     fn changed_files_are_detected() {

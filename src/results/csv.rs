@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::deck::printable;
+use revolve_diagnostics::printable;
 
 /// Returns a field for writing: quoted if it contains a separator, with control characters escaped.
 pub fn field(text: &str) -> Cow<'_, str> {

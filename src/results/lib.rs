@@ -1,5 +1,10 @@
 //! Result files: VTU frames in a PVD series, history CSV, summary JSON and checksums, one module per format. Each file
-//! is written atomically.
+//! is written atomically. Drawings become SVG and PNG pictures and animations. The public interface is in the crate
+//! `revolve`, as module `output`.
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+// Links to private items serve readers of the sources.
+#![allow(rustdoc::private_intra_doc_links)]
 
 #[cfg(feature = "cli")]
 pub mod animation;

@@ -10,11 +10,11 @@ use std::path::Path;
 use hmac_sha256::Hash;
 
 use super::write_durable;
-use crate::deck::{Diagnostic, files};
-use crate::state::Instant;
-use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 pub use revolve_diagnostics::digest::hash;
 use revolve_diagnostics::digest::hexadecimal;
+use revolve_diagnostics::{Diagnostic, files};
+use revolve_numerics::state::Instant;
+use revolve_numerics::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
 
 /// Suffix of the file.
 pub const CHECKPOINT: &str = ".checkpoint";
