@@ -63,9 +63,9 @@ pub use revolve_analysis::{explain, study};
 #[doc(inline)]
 pub use revolve_host as user;
 #[doc(inline)]
-pub use revolve_language::{deck, generate, model, resistance};
+pub use revolve_language::{deck, generate, model};
 #[doc(inline)]
-pub use revolve_numerics::variables;
+pub use revolve_numerics::{resistance, variables};
 #[doc(inline)]
 pub use revolve_results as output;
 #[doc(inline)]

@@ -5,9 +5,8 @@
 #![allow(rustdoc::private_intra_doc_links)]
 
 use revolve_host as user;
-use revolve_language::resistance;
-use revolve_language::{deck, generate, model, probability};
-use revolve_numerics::{element, kernel, load, platform, state, variables};
+use revolve_language::{deck, generate, model};
+use revolve_numerics::{element, kernel, load, platform, probability, resistance, state, variables};
 use revolve_results as output;
 #[cfg(feature = "cli")]
 use revolve_solver::overview;

@@ -7,7 +7,6 @@ use super::root;
 
 /// Shape of the cavity that opens in a target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum CavityShape {
     /// Sphere in an unbounded target: deep penetration.
     #[default]

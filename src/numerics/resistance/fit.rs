@@ -21,7 +21,6 @@ pub struct FitForm {
 
 /// Weights of squared differences.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum FitWeight {
     /// Equal weights.
     #[default]

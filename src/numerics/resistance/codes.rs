@@ -1,8 +1,7 @@
 //! Diagnostic codes of cavity expansion (`C…`), for `revolve explain`.
 
-use revolve_numerics::codes;
-
-use crate::deck::DiagnosticCode;
+use crate::codes;
+use crate::codes::DiagnosticCode;
 
 /// Diagnostic codes C001 to C005 with their titles and explanations.
 pub const CODES: &[DiagnosticCode] = codes! {
