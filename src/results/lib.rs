@@ -8,6 +8,11 @@
 
 #[cfg(feature = "cli")]
 pub mod animation;
+#[cfg(feature = "cli")]
+pub mod axis;
+pub mod chart;
+#[cfg(feature = "cli")]
+mod chart_drawing;
 pub mod checkpoint;
 pub mod clock;
 pub mod codes;
@@ -20,6 +25,7 @@ pub mod pvd;
 #[cfg(feature = "cli")]
 mod raster;
 pub mod sums;
+pub mod table;
 pub mod vtu;
 
 use std::io;

@@ -1,7 +1,7 @@
 //! Tables of text for the terminal and CSV files, and formatting of numbers.
 
-use crate::output::columns::aligned_table;
-use crate::output::csv;
+use crate::columns::aligned_table;
+use crate::csv;
 
 /// Table of formatted cells.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,7 +25,7 @@ impl TextTable {
 }
 
 /// Formats a cell with `few` digits or with all digits; empty without a value.
-pub(super) fn cell(value: Option<f64>, few: usize, all_digits: bool) -> String {
+pub fn cell(value: Option<f64>, few: usize, all_digits: bool) -> String {
     match value {
         Some(value) if all_digits => format!("{value:?}"),
         Some(value) => digits(value, few),

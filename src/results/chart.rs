@@ -2,6 +2,12 @@
 
 use serde::ser::SerializeStruct as _;
 use serde::{Serialize, Serializer};
+use thiserror::Error;
+
+/// Reason why a chart cannot be drawn, as text for the user.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct ChartError(pub String);
 
 /// A chart. Its JSON keys are those that `report/page.js` reads.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -1,9 +1,8 @@
 //! Drawing of charts as SVG and PNG with linear or logarithmic axes and a legend below the plot.
 
-use super::StudyError;
 use super::axis;
-use super::chart::{AxisScale, Chart, ChartSeries, SeriesForm, stacked};
-use crate::output::drawing::{Colour, Drawing, LETTERS, LineStroke, ShapePaint, TextAnchor, TextLabel};
+use super::chart::{AxisScale, Chart, ChartError, ChartSeries, SeriesForm, stacked};
+use crate::drawing::{Colour, Drawing, LETTERS, LineStroke, ShapePaint, TextAnchor, TextLabel};
 
 /// Width and height of a picture, in points.
 const WIDTH: f64 = 960.0;
@@ -29,8 +28,8 @@ impl Chart {
     ///
     /// # Errors
     /// If the chart has no points.
-    pub fn drawing(&self) -> Result<Drawing, StudyError> {
-        let drawing = ChartDrawing::of(self).ok_or_else(|| StudyError::Chart("the chart has no points".into()))?;
+    pub fn drawing(&self) -> Result<Drawing, ChartError> {
+        let drawing = ChartDrawing::of(self).ok_or_else(|| ChartError("the chart has no points".into()))?;
         Ok(drawing.complete())
     }
 
@@ -38,7 +37,7 @@ impl Chart {
     ///
     /// # Errors
     /// If the chart has no points.
-    pub fn svg(&self) -> Result<String, StudyError> {
+    pub fn svg(&self) -> Result<String, ChartError> {
         Ok(self.drawing()?.svg())
     }
 
@@ -46,8 +45,8 @@ impl Chart {
     ///
     /// # Errors
     /// If the chart has no points.
-    pub fn png(&self) -> Result<Vec<u8>, StudyError> {
-        self.drawing()?.png().map_err(|e| StudyError::Chart(format!("the chart cannot be drawn: {e}")))
+    pub fn png(&self) -> Result<Vec<u8>, ChartError> {
+        self.drawing()?.png().map_err(|e| ChartError(format!("the chart cannot be drawn: {e}")))
     }
 }
 
