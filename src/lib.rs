@@ -55,6 +55,7 @@
 //!
 //! Without the default feature `cli`, the program, its charts and its reports are not compiled. The feature `study`, part of
 //! `cli`, compiles [`study`] and [`explain`].
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 #[cfg(feature = "study")]

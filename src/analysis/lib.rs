@@ -1,5 +1,6 @@
 //! Analysis of Revolve: many runs of a deck, pages about results, and the command line. The public interface is in the
 //! crate `revolve`.
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]

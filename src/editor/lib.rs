@@ -1,5 +1,6 @@
 //! Language server for decks: the protocol LSP on two byte streams, the texts of open files, and what an editor asks
 //! about them. `revolve lsp` serves standard input and output.
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]

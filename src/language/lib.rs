@@ -1,5 +1,6 @@
 //! Language of Revolve: input decks, the model and mesh generation. The public interface is in
 //! the crate `revolve`.
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]

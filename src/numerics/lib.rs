@@ -1,5 +1,6 @@
 //! Numerics of Revolve: arithmetic, degrees of freedom, surfaces, material laws, elements, adaptive meshes, loads, constraints, heat, the
 //! resistance of targets, and the interface of user subroutines. The layers above it, and the public interface, are in the crate `revolve`.
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]

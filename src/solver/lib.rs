@@ -1,5 +1,6 @@
 //! Solver of Revolve: the plan of a model, the time loop, and the pipeline from text to result files. The public
 //! interface is in the crate `revolve`.
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
