@@ -55,15 +55,20 @@
 //!
 //! Without the default feature `cli`, the program, its charts and its reports are not compiled. The feature `study`, part of
 //! `cli`, compiles [`study`] and [`explain`].
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 #[cfg(feature = "study")]
 #[doc(inline)]
 pub use revolve_analysis::{explain, study};
 #[doc(inline)]
-pub use revolve_language::{deck, generate, model, output, resistance, user};
+pub use revolve_host as user;
 #[doc(inline)]
-pub use revolve_numerics::variables;
+pub use revolve_language::{deck, generate, model};
+#[doc(inline)]
+pub use revolve_numerics::{resistance, variables};
+#[doc(inline)]
+pub use revolve_results as output;
 #[doc(inline)]
 pub use revolve_solver::{job, overview, plan, solve};
 

@@ -1,4 +1,5 @@
 //! Main function of the program `revolve`.
+#![forbid(unsafe_code)]
 
 use std::process::ExitCode;
 

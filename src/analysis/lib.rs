@@ -1,12 +1,14 @@
 //! Analysis of Revolve: many runs of a deck, pages about results, and the command line. The public interface is in the
 //! crate `revolve`.
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
 
-use revolve_language::resistance;
-use revolve_language::{deck, generate, model, output, probability, user};
-use revolve_numerics::{element, kernel, load, platform, state, variables};
+use revolve_host as user;
+use revolve_language::{deck, generate, model};
+use revolve_numerics::{element, kernel, load, platform, probability, resistance, state, variables};
+use revolve_results as output;
 #[cfg(feature = "cli")]
 use revolve_solver::overview;
 use revolve_solver::{job, plan, solve};

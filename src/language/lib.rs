@@ -1,16 +1,13 @@
-//! Language of Revolve: input decks, the model, output files, mesh generation, the resistance of targets, and compiled
-//! user subroutines. The public interface is in the crate `revolve`.
+//! Language of Revolve: input decks, the model and mesh generation. The public interface is in
+//! the crate `revolve`.
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
 
-use revolve_numerics::{kernel, platform, remesh, state, variables};
+use revolve_numerics::{kernel, platform, remesh, resistance, variables};
+use revolve_results as output;
 
-#[macro_use]
 pub mod deck;
 pub mod generate;
 pub mod model;
-pub mod output;
-pub mod probability;
-pub mod resistance;
-pub mod user;

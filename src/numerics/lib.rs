@@ -1,5 +1,6 @@
-//! Numerics of Revolve: arithmetic, degrees of freedom, surfaces, material laws, elements, adaptive meshes, loads, constraints, heat, and
-//! the interface of user subroutines. The layers above it, and the public interface, are in the crate `revolve`.
+//! Numerics of Revolve: arithmetic, degrees of freedom, surfaces, material laws, elements, adaptive meshes, loads, constraints, heat, the
+//! resistance of targets, and the interface of user subroutines. The layers above it, and the public interface, are in the crate `revolve`.
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
@@ -7,6 +8,7 @@
 #[allow(missing_docs)]
 #[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 pub mod adaptive;
+pub mod codes;
 #[allow(missing_docs)]
 #[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 pub mod constraint;
@@ -31,7 +33,9 @@ pub mod mesh;
 pub mod names;
 #[allow(missing_docs)]
 pub mod platform;
+pub mod probability;
 pub mod remesh;
+pub mod resistance;
 pub mod routines;
 #[allow(missing_docs)]
 #[cfg_attr(not(test), warn(clippy::disallowed_methods))]

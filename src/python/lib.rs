@@ -1,4 +1,5 @@
 //! The extension module `revolve._revolve` of the Python package; one file per class or group of functions.
+#![forbid(unsafe_code)]
 
 mod deck;
 mod errors;

@@ -35,7 +35,7 @@ pub fn chart(py: Python<'_>, title: String, x: String, y: String, series: Vec<Na
         ChartSeries::new(name, if marks { SeriesForm::Marks } else { SeriesForm::Line }, points)
     };
     let series = series.into_iter().map(of).collect();
-    Chart::new(&title, [&x, &y], series).svg().map_err(|why| errors::study(py, &why))
+    Chart::new(&title, [&x, &y], series).svg().map_err(|why| errors::study(py, &why.into()))
 }
 
 /// Options of a study, as passed from Python.

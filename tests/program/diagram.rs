@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::fs;
 
 use crate::common::project;
-use crate::tidy::{LAYERS, SourceTree};
+use crate::tidy::{LAYERS, SourceTree, folder};
 
 const FILE: &str = "docs/architecture.svg";
 /// Size of a box and the distances between boxes and between layers, pixels.
@@ -21,8 +21,11 @@ type FolderImports = BTreeMap<String, BTreeSet<String>>;
 fn imports() -> FolderImports {
     let tree = SourceTree::read();
     let mut imports = FolderImports::new();
-    for (from, to, _) in tree.imports().into_iter().filter(|(from, to, _)| from[0] != to[0]) {
-        imports.entry(from[0].clone()).or_default().insert(to[0].clone());
+    for (from, to, _) in tree.imports() {
+        let (Some(user), Some(used)) = (folder(from), folder(&to)) else { continue };
+        if user != used {
+            imports.entry(user.to_owned()).or_default().insert(used.to_owned());
+        }
     }
     imports
 }

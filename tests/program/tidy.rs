@@ -10,7 +10,8 @@ use std::path::Path;
 use crate::common::project;
 
 /// Folders of `src` by layer, top first, with their crate. A folder may import from lower layers and from folders to its
-/// right. Cargo keeps the crates apart: `numerics` does not depend on decks and models.
+/// right. A crate without folders is listed as one folder with its own name. Cargo keeps the crates apart: `numerics`
+/// does not depend on decks and models.
 pub const LAYERS: &[(&str, &[&str])] = &[
     ("analysis", &["command"]),
     ("analysis", &["view"]),
@@ -23,12 +24,15 @@ pub const LAYERS: &[(&str, &[&str])] = &[
     ("solver", &["job", "overview"]),
     ("solver", &["solve"]),
     ("solver", &["plan"]),
-    ("language", &["user", "generate", "model"]),
-    ("language", &["output", "resistance"]),
-    ("language", &["deck", "probability"]),
+    ("language", &["generate", "model"]),
+    ("language", &["deck"]),
+    ("results", &["results"]),
+    ("host", &["host"]),
+    ("diagnostics", &["diagnostics"]),
+    ("numerics", &["resistance"]),
     ("numerics", &["adaptive", "heat", "constraint", "load", "element", "material"]),
     ("numerics", &["mesh", "remesh", "routines", "variables"]),
-    ("numerics", &["state", "names"]),
+    ("numerics", &["state", "names", "probability", "codes"]),
     ("numerics", &["kernel"]),
     ("numerics", &["platform"]),
 ];
@@ -46,14 +50,14 @@ pub struct ModuleSource {
     exported: BTreeMap<String, ModulePath>,
 }
 
-/// All modules except the crate roots. A path begins with the folder in its crate.
+/// All modules. A path begins with the crate.
 pub struct SourceTree(BTreeMap<ModulePath, ModuleSource>);
 
 impl SourceTree {
     pub fn read() -> SourceTree {
         let mut files = Vec::new();
         let crates: BTreeSet<&str> = LAYERS.iter().map(|layer| layer.0).collect();
-        crates.iter().for_each(|name| collect(&project("src").join(name), &mut Vec::new(), &mut files));
+        crates.iter().for_each(|name| collect(&project("src").join(name), &mut vec![(*name).to_owned()], &mut files));
         let modules: BTreeSet<ModulePath> = files.iter().map(|f| f.0.clone()).collect();
         let read = |(module, file): (ModulePath, String)| {
             let text = strip_comments(&fs::read_to_string(project(&file)).expect("a source"));
@@ -64,7 +68,7 @@ impl SourceTree {
         SourceTree(files.into_iter().map(read).collect())
     }
 
-    /// Returns the module that defines what a path names, and the name in it; `None` outside the crate.
+    /// Returns the module that defines what a path names, and the name in it; `None` outside the project.
     fn definition(&self, path: &ModulePath) -> Option<(ModulePath, Option<String>)> {
         let mut path = path.clone();
         for _ in 0..8 {
@@ -90,11 +94,13 @@ impl SourceTree {
 impl ModuleSource {
     /// Records every path that a text names.
     fn record_paths(&mut self, text: &str, module: &ModulePath, modules: &BTreeSet<ModulePath>) {
+        // Other files of a crate name the imports of its root by `crate::`.
+        let is_root = module.len() == 1;
         let mut rest = text;
         let mut code = String::new();
         while let Some((before, statement, after)) = next_use(rest) {
             code += before;
-            let exports = before.trim_end().ends_with("pub") || before.trim_end().ends_with(')');
+            let exports = is_root || before.trim_end().ends_with("pub") || before.trim_end().ends_with(')');
             for (path, name) in branches(statement) {
                 let Some(path) = absolute(&path, module, modules) else { continue };
                 if exports {
@@ -118,15 +124,17 @@ impl ModuleSource {
 fn collect(folder: &Path, above: &mut ModulePath, files: &mut Vec<(ModulePath, String)>) {
     for entry in fs::read_dir(folder).expect("a folder").map(|e| e.expect("a file").path()) {
         let name = entry.file_stem().expect("a name").to_string_lossy().into_owned();
+        if above.len() == 1 && name == "build" {
+            continue;
+        }
         above.push(name.clone());
         if entry.is_dir() {
             collect(&entry, above, files);
         } else if entry.extension().is_some_and(|e| e == "rs") {
-            let module = &above[..above.len() - usize::from(name == "mod")];
+            let is_root = above.len() == 2 && name == "lib";
+            let module = &above[..above.len() - usize::from(name == "mod" || is_root)];
             let file = entry.strip_prefix(project("")).expect("of the project").to_string_lossy().into_owned();
-            if !["lib", "build"].contains(&module[0].as_str()) {
-                files.push((module.to_vec(), file));
-            }
+            files.push((module.to_vec(), file));
         }
         above.pop();
     }
@@ -177,24 +185,31 @@ fn split_list(list: &str) -> Vec<&str> {
     parts
 }
 
-/// Returns whether a word names a crate of the project.
-fn is_crate(word: &str) -> bool {
-    word == "crate" || word.strip_prefix("revolve_").is_some_and(|name| LAYERS.iter().any(|layer| layer.0 == name))
+/// Returns the crate of the project that a word names in a module.
+fn named_crate<'n>(word: &'n str, module: &'n ModulePath) -> Option<&'n str> {
+    if word == "crate" {
+        return Some(&module[0]);
+    }
+    word.strip_prefix("revolve_").filter(|name| LAYERS.iter().any(|layer| layer.0 == *name))
 }
 
-/// Returns a path from the root of its crate; `None` for crates of others.
+/// Returns a path that begins with its crate; `None` for crates of others.
 fn absolute(path: &str, module: &ModulePath, modules: &BTreeSet<ModulePath>) -> Option<ModulePath> {
     let mut words = path.split("::").filter(|w| !w.is_empty()).map(str::to_owned).peekable();
     let mut base = module.clone();
-    match words.peek()?.as_str() {
-        word if is_crate(word) => base.clear(),
+    let first = words.peek()?.clone();
+    match first.as_str() {
+        word if named_crate(word, module).is_some() => {
+            base = named_crate(word, module).map(str::to_owned).into_iter().collect();
+            words.next();
+        }
         "super" | "self" => {}
         child if modules.contains(&[&module[..], &[child.to_owned()]].concat()) => {}
         _ => return None,
     }
     for word in words {
         match word.as_str() {
-            word if word == "self" || is_crate(word) => {}
+            "self" => {}
             "super" => {
                 base.pop()?;
             }
@@ -202,6 +217,13 @@ fn absolute(path: &str, module: &ModulePath, modules: &BTreeSet<ModulePath>) -> 
         }
     }
     Some(base)
+}
+
+/// Returns the folder of a module, or the crate if it has no folders; `None` for the root of a crate with folders.
+pub fn folder(module: &ModulePath) -> Option<&str> {
+    let name = module[0].as_str();
+    let is_flat = LAYERS.iter().any(|(of, folders)| *of == name && folders.contains(&name));
+    if is_flat { Some(name) } else { module.get(1).map(String::as_str) }
 }
 
 /// Returns the layer of a folder and its place there.
@@ -215,8 +237,9 @@ fn place(folder: &str) -> (usize, usize) {
 fn imports_point_downwards() {
     let tree = SourceTree::read();
     let mut wrong = BTreeSet::new();
-    for (from, to, name) in tree.imports().into_iter().filter(|(from, to, _)| from[0] != to[0]) {
-        if place(&from[0]) >= place(&to[0]) {
+    for (from, to, name) in tree.imports() {
+        let (Some(user), Some(used)) = (folder(from), folder(&to)) else { continue };
+        if user != used && place(user) >= place(used) {
             wrong.insert(format!("{} imports {} {}", tree.0[from].file, tree.0[&to].file, name.unwrap_or_default()));
         }
     }
@@ -227,7 +250,7 @@ fn imports_point_downwards() {
 fn import_cycles_are_small() {
     let tree = SourceTree::read();
     let mut next: BTreeMap<&ModulePath, BTreeSet<ModulePath>> = BTreeMap::new();
-    for (from, to, _) in tree.imports().into_iter().filter(|(from, to, _)| from[0] == to[0]) {
+    for (from, to, _) in tree.imports().into_iter().filter(|(from, to, _)| folder(from) == folder(to)) {
         next.entry(from).or_default().insert(to);
     }
     let reached = |start: &ModulePath| {
@@ -299,7 +322,7 @@ const OF_PLATFORMS: &[&str] = &[
     "target_os",
     "\"/proc",
 ];
-const PLATFORM: &[&str] = &["src/numerics/platform/", "src/language/user/native/"];
+const PLATFORM: &[&str] = &["src/numerics/platform/", "src/host/native/"];
 
 /// Other platforms compile because nothing else names an operating system; the release workflow compiles for them.
 #[test]
@@ -312,6 +335,19 @@ fn two_folders_know_the_operating_system() {
             continue;
         }
         wrong.extend(named.map(|name| format!("{path} names {name}")));
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn crates_other_than_host_forbid_unsafe_code() {
+    let mut wrong = BTreeSet::new();
+    for (path, text) in texts("src", ".rs") {
+        let is_root = path.ends_with("/lib.rs") || path == "src/main.rs";
+        let is_of_host = path.starts_with("src/host/");
+        if is_root && !is_of_host && !text.contains("\n#![forbid(unsafe_code)]\n") {
+            wrong.insert(format!("{path} has no `#![forbid(unsafe_code)]`"));
+        }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }

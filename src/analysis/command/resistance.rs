@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant as Stopwatch;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::options::OutputOptions;
 use super::words::{self, print_err, print_out};
@@ -21,6 +21,45 @@ use crate::study::expansion;
 use crate::study::law::ResistanceRecord;
 use crate::{deck, model};
 
+/// Values of `--type`.
+#[derive(Clone, Copy, ValueEnum)]
+enum ShapeArgument {
+    /// Sphere in an unbounded target: deep penetration.
+    Spherical,
+    /// Cylinder in plane strain: hole expansion in plates by slender noses.
+    Cylindrical,
+}
+
+impl From<ShapeArgument> for CavityShape {
+    fn from(shape: ShapeArgument) -> CavityShape {
+        match shape {
+            ShapeArgument::Spherical => CavityShape::Spherical,
+            ShapeArgument::Cylindrical => CavityShape::Cylindrical,
+        }
+    }
+}
+
+/// Values of `--weight`.
+#[derive(Clone, Copy, ValueEnum)]
+enum WeightArgument {
+    /// Equal weights.
+    Even,
+    /// Relative differences (weight 1/pressure²).
+    Relative,
+    /// Weight proportional to velocity: the depth is the integral of m V / F over V.
+    Velocity,
+}
+
+impl From<WeightArgument> for FitWeight {
+    fn from(weight: WeightArgument) -> FitWeight {
+        match weight {
+            WeightArgument::Even => FitWeight::Even,
+            WeightArgument::Relative => FitWeight::Relative,
+            WeightArgument::Velocity => FitWeight::Velocity,
+        }
+    }
+}
+
 /// Compute the constants A, B and C of *CAVITY EXPANSION from the stress-strain curve of a target.
 #[derive(Args)]
 pub struct ResistanceCommand {
@@ -36,7 +75,7 @@ pub struct ResistanceCommand {
     given: MaterialArguments,
     /// Shape of the cavity: a sphere for deep penetration, a cylinder for the expansion of a hole in a plate.
     #[arg(long = "type", value_name = "SHAPE", default_value = "spherical")]
-    shape: CavityShape,
+    shape: ShapeArgument,
     /// Tensile strength; above it the target has radial cracks, as concrete does.
     #[arg(long, value_name = "STRESS")]
     tension: Option<f64>,
@@ -59,8 +98,8 @@ pub struct ResistanceCommand {
     #[arg(long = "static")]
     pinned: bool,
     /// Weights of the least-squares fit.
-    #[arg(long, value_enum, default_value_t = FitWeight::Even)]
-    weight: FitWeight,
+    #[arg(long, value_enum, default_value_t = WeightArgument::Even)]
+    weight: WeightArgument,
     /// Also compute the pressure with finite elements, on a meshed cavity that opens at these velocities (default: 1/4,
     /// 1/2 and 1 times the highest velocity). Spherical cavities only.
     #[arg(long, value_name = "VELOCITIES", num_args = 0..=1, require_equals = true, value_delimiter = ',')]
@@ -131,7 +170,7 @@ impl ResistanceCommand {
                 self.given.material(self.tension, self.radius)?
             }
         };
-        let material = TargetMaterial { shape: self.shape, ..material };
+        let material = TargetMaterial { shape: self.shape.into(), ..material };
         let begin = Stopwatch::now();
         let target = ScaledTarget::new(&material).map_err(|fault| finding(&fault))?;
         let derived = derive(&target, &self.request()).map_err(|fault| finding(&fault))?;
@@ -157,7 +196,7 @@ impl ResistanceCommand {
             points: self.points,
             linear: self.terms == 3,
             pinned: self.pinned,
-            weight: self.weight,
+            weight: self.weight.into(),
         }
     }
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::chart::ChartError;
 use crate::deck::{Diagnostic, Severity};
 use crate::job::PreparedJob;
 use crate::solve::HaltReason;
@@ -63,6 +64,12 @@ pub enum StudyError {
     /// A chart that cannot be drawn.
     #[error("{0}")]
     Chart(String),
+}
+
+impl From<ChartError> for StudyError {
+    fn from(error: ChartError) -> StudyError {
+        StudyError::Chart(error.0)
+    }
 }
 
 impl StudyError {

@@ -3,11 +3,8 @@
 
 mod ablation;
 #[cfg(feature = "cli")]
-pub(crate) mod axis;
-#[cfg(feature = "cli")]
 pub(crate) mod cases;
 pub mod causes;
-pub mod chart;
 #[cfg(feature = "cli")]
 pub mod chosen;
 #[cfg(feature = "cli")]
@@ -16,8 +13,6 @@ pub mod compare;
 pub mod convergence;
 #[cfg(feature = "cli")]
 pub(crate) mod dakota;
-#[cfg(feature = "cli")]
-mod draw;
 pub mod effects;
 mod error;
 pub mod evaluate;
@@ -48,9 +43,11 @@ pub mod settings;
 pub mod shot;
 pub mod statistics;
 pub mod sweep;
-pub mod table;
 pub mod target;
 #[cfg(feature = "cli")]
 pub mod uncertainty;
 
 pub use error::StudyError;
+#[cfg(feature = "cli")]
+pub(crate) use revolve_results::axis;
+pub use revolve_results::{chart, table};

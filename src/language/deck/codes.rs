@@ -1,14 +1,8 @@
 //! Explanations of the diagnostic codes of this folder (`D…`).
 
-use super::DiagnosticCode;
+use revolve_numerics::codes;
 
-/// Builds a list of [`DiagnosticCode`]s from lines of code, title and text.
-#[macro_export]
-macro_rules! codes {
-    ($($code:literal $title:literal $text:literal)*) => {
-        &[$($crate::deck::DiagnosticCode { code: $code, title: $title, text: $text }),*]
-    };
-}
+use super::DiagnosticCode;
 
 /// Diagnostic codes of reading a deck.
 pub static CODES: &[DiagnosticCode] = codes! {

@@ -1,5 +1,7 @@
 //! Diagnostic codes of mesh generation (`G…`), for `revolve explain`.
 
+use revolve_numerics::codes;
+
 use crate::deck::DiagnosticCode;
 
 /// Diagnostic codes of mesh generation.

@@ -1,5 +1,7 @@
 //! Diagnostic codes of the model (`M…`) with their explanations, for `revolve explain`.
 
+use revolve_numerics::codes;
+
 use crate::deck::DiagnosticCode;
 
 /// Diagnostic codes of building a model.

@@ -261,7 +261,7 @@ impl Load {
         Load::new(LoadKind::Pressure(sides), magnitude)
     }
 
-    /// Creates a pressure load given by a user load ([`crate::user::Routines::with_load`]).
+    /// Creates a pressure load given by a user load ([`revolve_numerics::routines::Routines::with_load`]).
     #[track_caller]
     pub fn user(sides: SideSelection) -> Load {
         Load::new(LoadKind::User { sides, load_type: 0 }, 1.0)

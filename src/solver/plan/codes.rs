@@ -1,6 +1,6 @@
 //! Explanations of the diagnostic codes of the plan (`P…`) and of the run (`R…`).
 
-use revolve_language::codes;
+use revolve_numerics::codes;
 
 use crate::deck::DiagnosticCode;
 

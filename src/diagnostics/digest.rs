@@ -1,0 +1,18 @@
+//! Identity of data: SHA-256 as hexadecimal text.
+
+use hmac_sha256::Hash;
+
+/// Returns the hexadecimal SHA-256 of byte strings, each with its length.
+pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
+    let mut hash = Hash::new();
+    for piece in pieces {
+        hash.update((piece.len() as u64).to_le_bytes());
+        hash.update(piece);
+    }
+    hexadecimal(hash)
+}
+
+/// Returns the digits of a finished hash.
+pub fn hexadecimal(hash: Hash) -> String {
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}

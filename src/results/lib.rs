@@ -1,0 +1,215 @@
+//! Result files: VTU frames in a PVD series, history CSV, summary JSON and checksums, one module per format. Each file
+//! is written atomically. Drawings become SVG and PNG pictures and animations. The public interface is in the crate
+//! `revolve`, as module `output`.
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+// Links to private items serve readers of the sources.
+#![allow(rustdoc::private_intra_doc_links)]
+
+#[cfg(feature = "cli")]
+pub mod animation;
+#[cfg(feature = "cli")]
+pub mod axis;
+pub mod chart;
+#[cfg(feature = "cli")]
+mod chart_drawing;
+pub mod checkpoint;
+pub mod clock;
+pub mod codes;
+pub mod columns;
+pub mod csv;
+pub mod drawing;
+pub mod history;
+pub mod lock;
+pub mod pvd;
+#[cfg(feature = "cli")]
+mod raster;
+pub mod sums;
+pub mod table;
+pub mod vtu;
+
+use std::io;
+use std::ops::Index;
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+pub use history::{ColumnSummary, HistorySummary, RunHistory};
+pub use revolve_diagnostics::whole::{self, AtomicFile, unnamed_file, write_durable, write_whole};
+
+/// Suffix of the history file.
+pub const HISTORY: &str = "_history.csv";
+/// Suffix of the status file.
+pub const STATUS: &str = ".sta";
+/// Suffix of the file with the setup of a run, which exists until the summary is written.
+pub const SETUP: &str = ".setup";
+
+/// An array over points or cells.
+#[derive(Clone, Debug)]
+pub struct FieldArray {
+    /// Name in ABAQUS (`U`, `V`, `S`, …), or an extension in upper case.
+    pub name: String,
+    /// Values per point or cell.
+    pub components: usize,
+    /// Names of the components; may be empty.
+    pub component_names: Vec<String>,
+    /// Values of all components of the first point or cell, then of the next.
+    pub values: Vec<f64>,
+}
+
+/// Model at one time: geometry and fields.
+#[derive(Clone, Debug, Default)]
+pub struct OutputFrame {
+    /// Total time of the frame.
+    pub time: f64,
+    /// Number of completed increments at the time of the frame.
+    pub increment: u64,
+    /// Current coordinates `[r, z]` of points.
+    pub points: Vec<[f64; 2]>,
+    /// Third coordinates of points, for bodies with six degrees of freedom; empty if all points are in the plane of the
+    /// mesh.
+    pub third: Vec<f64>,
+    /// Initial third coordinates; empty likewise.
+    pub third_at_start: Vec<f64>,
+    /// Cells as point indices: 1 = vertex, 2 = line, 3 = triangle, 4 = quadrilateral.
+    pub cells: CellList,
+    /// Whether the element of each cell is deleted; empty if none is.
+    pub deleted: Vec<bool>,
+    /// Arrays with one value or vector per point.
+    pub point_fields: Vec<FieldArray>,
+    /// Arrays with one value or vector per cell.
+    pub cell_fields: Vec<FieldArray>,
+    /// Initial coordinates `[r, z]` of points.
+    pub start: Vec<[f64; 2]>,
+    /// Labels of points, constant over time.
+    pub point_labels: Vec<EntityLabels>,
+    /// Labels of cells, constant over time.
+    pub cell_labels: Vec<EntityLabels>,
+}
+
+/// Point indices of cells, in one list.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct CellList {
+    corners: Vec<u32>,
+    /// End of each cell in `corners`.
+    ends: Vec<u32>,
+}
+
+impl CellList {
+    /// Creates an empty list with memory for a number of quadrilaterals.
+    pub fn with_capacity(count: usize) -> CellList {
+        CellList { corners: Vec::with_capacity(4 * count), ends: Vec::with_capacity(count) }
+    }
+
+    /// Adds a cell.
+    pub fn push(&mut self, corners: impl IntoIterator<Item = usize>) {
+        self.corners.extend(corners.into_iter().map(|point| point as u32));
+        self.ends.push(self.corners.len() as u32);
+    }
+
+    /// Returns the number of cells.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Returns whether there are no cells.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// Iterates over the point indices of each cell.
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
+        (0..self.len()).map(|cell| &self[cell])
+    }
+
+    /// Returns the point indices of all cells.
+    pub fn corners(&self) -> &[u32] {
+        &self.corners
+    }
+}
+
+impl Index<usize> for CellList {
+    type Output = [u32];
+
+    fn index(&self, cell: usize) -> &[u32] {
+        let start = cell.checked_sub(1).map_or(0, |previous| self.ends[previous]);
+        &self.corners[start as usize..self.ends[cell] as usize]
+    }
+}
+
+impl FromIterator<Vec<usize>> for CellList {
+    fn from_iter<I: IntoIterator<Item = Vec<usize>>>(cells: I) -> CellList {
+        let mut list = CellList::default();
+        cells.into_iter().for_each(|cell| list.push(cell));
+        list
+    }
+}
+
+/// Integer labels of points or cells: node and element numbers of the deck, materials, members of sets.
+#[derive(Clone, Debug)]
+pub struct EntityLabels {
+    /// `NODE`, `ELEMENT`, `MATERIAL`, `NSET …` or `ELSET …`.
+    pub name: String,
+    /// One value for each point or cell.
+    pub values: Vec<i32>,
+}
+
+impl EntityLabels {
+    /// Returns whether this is the name of a label array.
+    pub fn is_name(name: &str) -> bool {
+        ["NODE", "ELEMENT", "MATERIAL"].contains(&name) || name.starts_with("NSET ") || name.starts_with("ELSET ")
+    }
+}
+
+/// Point coordinates written to frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum FramePoints {
+    /// Current coordinates.
+    #[default]
+    Current,
+    /// Initial coordinates, with U as an array: Warp By Vector in ParaView shows the motion at any scale.
+    Reference,
+}
+
+/// Folder and name of a job's files.
+#[derive(Clone, Debug)]
+pub struct JobFiles {
+    /// Folder to which the results are written.
+    pub folder: PathBuf,
+    /// Name: the file name of the deck without its suffix.
+    pub name: String,
+}
+
+impl JobFiles {
+    /// Returns the path of one of the job's files: `<name><ending>`.
+    pub fn path(&self, ending: &str) -> PathBuf {
+        self.folder.join(format!("{}{ending}", self.name))
+    }
+}
+
+/// Writes the summary as `<job>.json`; returns its checksum.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_summary<T: Serialize>(job: &JobFiles, summary: &T) -> io::Result<u32> {
+    let mut text = serde_json::to_string_pretty(summary)?;
+    text.push('\n');
+    write_whole(&job.path(".json"), text.as_bytes())?;
+    Ok(sums::sum(text.as_bytes()))
+}
+
+/// Writes files of a job, given by suffix and bytes, and a checksum file with the suffix `list`.
+///
+/// # Errors
+/// If a file cannot be written; the message contains the path.
+pub fn write_with_sums(job: &JobFiles, files: &[(String, Vec<u8>)], list: &str) -> io::Result<()> {
+    // An old list would not match the new files.
+    whole::remove(&job.path(list))?;
+    let mut sums = sums::Checksums::default();
+    for (ending, bytes) in files {
+        write_whole(&job.path(ending), bytes)?;
+        sums.add(job, ending, bytes);
+    }
+    sums.write(job, list)
+}
