@@ -12,16 +12,16 @@ use hmac_sha256::Hash;
 use super::write_durable;
 use crate::deck::{Diagnostic, files};
 use crate::state::Instant;
-use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_fields};
 
 /// Suffix of the file.
 pub const CHECKPOINT: &str = ".checkpoint";
 /// The last byte is the number of the format.
-const MAGIC: [u8; 8] = *b"REVOLVE\x0a";
+const MAGIC: [u8; 8] = *b"REVOLVE\x0b";
 const SUM: usize = 32;
 
 /// Identity of the job that a state belongs to. Each part is a hexadecimal hash, or the data itself.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Persist)]
 pub struct JobIdentity {
     /// Text of the deck and of the files that it includes.
     pub deck: String,
@@ -34,7 +34,8 @@ pub struct JobIdentity {
 }
 
 /// Contents of a checkpoint file.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Persist)]
+#[persist(blob: shown, state)]
 pub struct Checkpoint {
     /// Version of the program that wrote it.
     pub version: String,
@@ -72,17 +73,6 @@ pub fn hash_mesh<'a>(points: &[[f64; 2]], elements: impl IntoIterator<Item = &'a
         nodes.iter().for_each(|node| hash.update((*node as u64).to_le_bytes()));
     }
     hexadecimal(hash)
-}
-
-persist_struct!(JobIdentity { deck, parameters, mesh, user });
-
-impl Persist for Checkpoint {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let Checkpoint { version, identity, now, shown, state } = self;
-        persist_fields!(archive; version, identity, now);
-        archive.blob(shown);
-        archive.blob(state);
-    }
 }
 
 impl Checkpoint {

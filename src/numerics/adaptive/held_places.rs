@@ -4,7 +4,7 @@ use super::smoothing::{BoundaryContact, MeshSmoothing, Surroundings, turn_cosine
 use super::topology::{BoundaryNode, DomainTopology};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::magnitude::{AmplitudeClock, Magnitude};
 use crate::state::nodes::Nodes;
 
@@ -22,7 +22,8 @@ pub struct MeshMotion {
 }
 
 /// Prescribed places of the nodes of a domain.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: places; derived: motions, held, kept, returns)]
 pub(super) struct HeldPlaces {
     /// Motions, with the positions of their nodes in the domain.
     motions: Vec<MeshMotion>,
@@ -207,5 +208,3 @@ fn on_surface(
     }
     best
 }
-
-persist_struct!(HeldPlaces { places: fixed } derived { motions, held, kept, returns });

@@ -24,7 +24,7 @@ use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad;
 use crate::kernel::shape::smallest_angle;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::energies::BoundaryFlow;
 use crate::state::magnitude::AmplitudeClock;
@@ -74,7 +74,12 @@ pub struct DomainBoundary<'a> {
 
 /// A domain of elements of one group with its transport; all arrays are allocated here, so that nothing allocates
 /// inside an increment.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(
+    fixed: prescribed;
+    derived: id, group, settings, topology, active, transport, momentum, temperatures, places, velocity,
+        given_velocity, node_mass, mass, material_volume, corner_mass, packs, mass_shares, due_sweeps
+)]
 pub struct AdaptiveDomain {
     /// Ledger row.
     pub id: EffectId,
@@ -558,8 +563,3 @@ fn mobility(topology: &DomainTopology, fixed: &[bool]) -> Vec<NodeMobility> {
     }
     mobility
 }
-
-persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing, held_places } derived {
-    id, group, settings, topology, active, transport, momentum, temperatures, places, velocity, given_velocity, node_mass,
-    mass, material_volume, corner_mass, packs, mass_shares, due_sweeps
-});

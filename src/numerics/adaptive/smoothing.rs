@@ -6,7 +6,7 @@ use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
 use crate::kernel::shape::{corner_shape, is_triangle, twice_area};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Weights of the smoothing methods; they sum to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,7 +102,12 @@ pub trait Surroundings {
 }
 
 /// Smoothing of a domain.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(
+    fixed: deferred;
+    derived: weights, grading, corner_cosine, mobility, slides_at_ends, now, target, shares, parts, corners, handed,
+        is_spread, boundary_of, contact, keeps_gaps, is_deleted, halted
+)]
 pub(super) struct MeshSmoothing {
     pub weights: SmoothingWeights,
     /// Grading of the mesh; `None` if elements become equal.
@@ -766,11 +771,6 @@ fn keep(prescribed: [bool; 2], [before, own, after]: [[f64; 2]; 3], place: [f64;
     }
     kept
 }
-
-persist_struct!(MeshSmoothing { deferred: fixed } derived {
-    weights, grading, corner_cosine, mobility, slides_at_ends, now, target, shares, parts, corners, handed, is_spread, boundary_of, contact,
-    keeps_gaps, is_deleted, halted
-});
 
 #[cfg(test)]
 mod tests {

@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 use super::system::{EquationSystem, EquationUnknown, change_velocity, load};
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::lists::sorted_unique;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 
 /// A linear equation, `sum of c u = 0`, between degrees of freedom of nodes.
@@ -77,14 +77,16 @@ pub enum LinkConflict {
 }
 
 /// Equations and groups of nodes with equal motion, ready to be solved.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(fixed: systems, followers)]
 pub struct LinkSystem {
     pub(super) systems: Vec<EquationSystem>,
     pub(super) followers: Vec<MasslessFollower>,
 }
 
 /// Nodes without mass along one axis. Their motion is a weighted sum of other degrees of freedom.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: members, axis, terms)]
 pub(super) struct MasslessFollower {
     members: Vec<usize>,
     axis: usize,
@@ -390,10 +392,6 @@ impl MasslessFollower {
         heap_bytes(&self.members) + heap_bytes(&self.terms) + size_of_val(self)
     }
 }
-
-persist_struct!(MasslessFollower { load } derived { members, axis, terms });
-
-persist_struct!(LinkSystem { systems: fixed, followers: fixed });
 
 #[cfg(test)]
 mod tests {

@@ -6,7 +6,7 @@ use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::{MemoryUse, sorted_pair};
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes};
 use crate::state::EffectId;
-use crate::state::archive::{StateArchive, persist_struct};
+use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::Dofs;
 use crate::state::magnitude::AmplitudeClock;
 
@@ -71,7 +71,11 @@ impl ContactsOfBodies {
 }
 
 /// Check for overlaps of bodies at fixed intervals.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(
+    derived: id, outlines, contacts, places, boxes, sorted_boxes, near, order;
+    then: OverlapMonitor::check_bodies
+)]
 pub struct OverlapMonitor {
     id: EffectId,
     outlines: Vec<BodyOutline>,
@@ -289,8 +293,6 @@ impl StoredConstraint for OverlapMonitor {
             + self.contacts.memory()
     }
 }
-
-persist_struct!(OverlapMonitor { reported, has_begun, found } derived { id, outlines, contacts, places, boxes, sorted_boxes, near, order } then OverlapMonitor::check_bodies);
 
 impl OverlapMonitor {
     fn check_bodies(&mut self, archive: &mut StateArchive<'_>) {

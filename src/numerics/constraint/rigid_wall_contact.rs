@@ -16,7 +16,7 @@ use crate::kernel::lists::MemoryUse;
 use crate::kernel::profile::SurfaceProfile;
 use crate::platform::PortableMath as _;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
@@ -109,7 +109,8 @@ impl ContactPoint {
 }
 
 /// Contact of one rigid body with one wall over a step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: pair, profile, rings, stations, travel, points)]
 pub struct RigidWallContact {
     pair: WallPair,
     profile: SurfaceProfile,
@@ -424,9 +425,3 @@ impl StoredConstraint for RigidWallContact {
         MemoryUse::of(&self.points) + MemoryUse::of(&self.rings) + MemoryUse::of(&self.stations)
     }
 }
-
-persist_struct!(RigidWallContact {
-    forces, duration, longest, previous_dt
-} derived {
-    pair, profile, rings, stations, travel, points
-});

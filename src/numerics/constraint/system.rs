@@ -4,11 +4,12 @@ use std::collections::HashMap;
 
 use super::bonds::DependentEquation;
 use crate::kernel::lists::heap_bytes;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 
 /// Unknown of the equations: a degree of freedom, or several with equal motion.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(derived: members, axis, inverse_mass, change, value)]
 pub(super) struct EquationUnknown {
     /// Nodes with equal motion. The motion is computed at the first node and copied to the others; a node with a
     /// prescribed motion is always the first.
@@ -60,7 +61,9 @@ impl FactorRow {
 }
 
 /// Factorised equations that share degrees of freedom.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+// The factor follows from the masses; multipliers are solved for in each increment.
+#[persist(fixed: unknowns; derived: rows, spare, factor, last, lambda)]
 pub struct EquationSystem {
     pub(super) unknowns: Vec<EquationUnknown>,
     /// Terms of each equation: index of the unknown, coefficient.
@@ -355,8 +358,3 @@ pub(super) fn change_velocity(dofs: &mut Dofs, node: usize, axis: usize, change:
         dofs.nodes.acceleration[node][axis] += change / half;
     }
 }
-
-persist_struct!(EquationUnknown { constraint_force, member_force, inertia } derived { members, axis, inverse_mass, change, value });
-
-// The factor follows from the masses; multipliers are solved for in each increment.
-persist_struct!(EquationSystem { unknowns: fixed } derived { rows, spare, factor, last, lambda });

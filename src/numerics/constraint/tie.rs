@@ -3,12 +3,13 @@
 use super::{CarriedNodes, Constraint, ConstraintView, StoredConstraint};
 use crate::kernel::lists::MemoryUse;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::magnitude::AmplitudeClock;
 
 /// Nodes that one rigid body carries. Their mass is added to the body and is zero in the solver.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Persist)]
+#[persist(derived: id, body, nodes)]
 pub struct TiedNodes {
     /// Row of the ledger.
     pub id: EffectId,
@@ -65,5 +66,3 @@ impl StoredConstraint for TiedNodes {
         MemoryUse::of(&self.nodes)
     }
 }
-
-persist_struct!(TiedNodes {} derived { id, body, nodes });

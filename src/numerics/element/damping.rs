@@ -6,7 +6,7 @@ use super::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad::{UNIT, gradient};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 
@@ -32,7 +32,8 @@ struct DampedCell {
 }
 
 /// Damping forces of all nodes of elements with Rayleigh damping.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: coefficients, forces; derived: factors, half, most, cells, stresses)]
 pub struct RayleighDamping {
     /// Factors of each element group.
     factors: Vec<RayleighFactors>,
@@ -161,5 +162,3 @@ impl RayleighDamping {
         cells + size_of_val(&*self.factors) + size_of_val(&*self.coefficients) + size_of_val(&*self.forces)
     }
 }
-
-persist_struct!(RayleighDamping { coefficients: fixed, forces: fixed, started } derived { factors, half, most, cells, stresses });

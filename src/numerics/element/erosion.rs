@@ -14,7 +14,7 @@ use crate::kernel::corners::{is_distorted, largest_shell_strain, largest_strain}
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
-use crate::state::archive::{Persist, StateArchive};
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
@@ -62,7 +62,8 @@ impl DeletionCriteria {
 }
 
 /// Elements with the same criteria.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: due; derived: criteria, elements)]
 struct MonitoredElements {
     criteria: DeletionCriteria,
     elements: Vec<(usize, usize)>,
@@ -93,7 +94,8 @@ impl MonitoredElements {
 }
 
 /// All elements with deletion criteria.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(fixed: list)]
 pub struct ErosionControl {
     list: Vec<MonitoredElements>,
 }
@@ -179,14 +181,6 @@ impl Elements {
         group.extensions().deletion().erode(element, volume);
         if let Some(removed) = &mut self.removed {
             removed.add(work);
-        }
-    }
-}
-
-impl Persist for ErosionControl {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        for MonitoredElements { criteria: _, elements: _, due } in &mut self.list {
-            due.as_mut_slice().persist(archive);
         }
     }
 }

@@ -2,12 +2,13 @@
 //! to full rings, so that loads and motions act on a node as in other formulations.
 
 use super::group::ElementGroup;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
 /// Factors from plane sections to rings at the nodes of area-weighted elements.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: factors; derived: quarters)]
 pub struct RingFactors {
     /// A quarter of the mass of each element over 2π, group by group.
     quarters: Vec<Vec<f64>>,
@@ -44,5 +45,3 @@ impl RingFactors {
         }
     }
 }
-
-persist_struct!(RingFactors { factors: fixed } derived { quarters });

@@ -12,7 +12,7 @@ use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
 use crate::kernel::lists::heap_bytes;
 use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::{NodalAssembly, SLOTS, slots_total};
-use crate::state::archive::{Persist, StateArchive};
+use crate::state::archive::Persist;
 
 /// Tasks of a ring: 4 096 elements, or 256 kB.
 const RING: usize = 16;
@@ -45,7 +45,8 @@ pub(super) fn blocks_in_ring(task: usize, blocks: usize) -> Range<usize> {
 }
 
 /// Tiles of all groups, and the nodal forces that they sum.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: forces; derived: groups, slots, shared, first_shared, stored)]
 pub(super) struct Tiles {
     /// `None` for a group that stores all its corner forces.
     groups: Vec<Option<GroupTiles>>,
@@ -334,11 +335,5 @@ fn sum(slots: &[[u16; SLOTS]], ring: &[f64], forces: &mut [[f64; 2]]) {
     let pair = |slot: u16| [ring[usize::from(slot)], ring[usize::from(slot) + LANES]];
     for (force, slots) in forces.iter_mut().zip(slots) {
         *force = slots_total(slots.inline_map(pair));
-    }
-}
-
-impl Persist for Tiles {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        self.forces.as_mut_slice().persist(archive);
     }
 }

@@ -8,7 +8,7 @@ use crate::element::elements::Elements;
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::lists::heap_bytes;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 
 /// Thermal expansion of a group of elements: `alpha(T) (T - T0) - alpha(T_I) (T_I - T0)`, with the initial temperature
@@ -31,7 +31,8 @@ impl GroupExpansion {
 }
 
 /// Thermal strains of all groups with expansion.
-#[derive(Clone)]
+#[derive(Clone, Persist)]
+#[persist(fixed_lists: strains; derived: list, scratch)]
 pub struct ThermalStrains {
     list: Arc<Vec<GroupExpansion>>,
     /// Strains relative to T0 already applied to the elements, group by group.
@@ -114,5 +115,3 @@ impl ThermalStrains {
         self.strains.iter().chain(&self.scratch).map(heap_bytes).sum()
     }
 }
-
-persist_struct!(ThermalStrains { strains: fixed_lists } derived { list, scratch });

@@ -11,7 +11,8 @@ use crate::state::archive::{Persist, StateArchive};
 use crate::state::nodes::Nodes;
 
 /// A surface; either part may be empty.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(derived: patches)]
 pub struct SurfaceGeometry {
     /// Rigid parts, one per rigid body.
     pub patches: Vec<RigidFacets>,

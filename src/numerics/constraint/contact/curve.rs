@@ -6,7 +6,7 @@ use crate::kernel::lists::MemoryUse;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::sorted_boxes::{BoundingBox, bounding_box};
 use crate::kernel::topology::ElementNodes;
-use crate::state::archive::{Persist, StateArchive, persist_struct};
+use crate::state::archive::{Persist, StateArchive};
 
 /// Carrier of a point of a contact surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,13 @@ pub enum FacetNeighbor {
 }
 
 /// Connected facets; the body is to the left of each.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(
+    fixed: is_exposed, has_element, neighbors, depth;
+    derived: facets, lift, is_side_of_line, own, around, exposed, exposed_points, orphans, drops_orphans, tips,
+        corners, kinks, shapes, ordered;
+    then: FacetCurve::list_again
+)]
 pub struct FacetCurve {
     /// The two points of each facet, as indices of contact points.
     pub facets: Vec<[u32; 2]>,
@@ -524,10 +530,6 @@ impl Persist for FacetNeighbor {
         };
     }
 }
-
-persist_struct!(FacetCurve { is_exposed: fixed, has_element: fixed, neighbors: fixed, depth: fixed } derived {
-    facets, lift, is_side_of_line, own, around, exposed, exposed_points, orphans, drops_orphans, tips, corners, kinks, shapes, ordered
-} then FacetCurve::list_again);
 
 impl FacetCurve {
     /// Rebuilds the lists of exposed facets after reading.

@@ -54,7 +54,7 @@ use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
-use crate::state::archive::{StateArchive, persist_struct};
+use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
@@ -171,7 +171,14 @@ pub struct InitialClearance {
 }
 
 /// Contact of all pairs of a step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(
+    fixed: curves, pressures, gap_offsets, impulses, bodies;
+    present: contact_heat, cohesion;
+    derived: points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, springs, means, places, active_points,
+        near, listed, gaps, rows, motion, mesh;
+    then: ContactConstraint::list_again
+)]
 pub struct ContactConstraint {
     points: Vec<SurfacePoint>,
     curves: Vec<FacetCurve>,
@@ -246,7 +253,8 @@ impl MergedContactDof {
 }
 
 /// A rigid body that takes part in the contact.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Persist)]
+#[persist(derived: dof, body, prescribed)]
 struct ContactBody {
     /// Index of the body's degree of freedom.
     dof: usize,
@@ -1186,15 +1194,6 @@ impl StoredConstraint for ContactConstraint {
             + self.mesh.iter().map(|mesh| mesh.memory()).sum()
     }
 }
-
-persist_struct!(ContactBody { contact_acceleration } derived { dof, body, prescribed });
-
-persist_struct!(ContactConstraint {
-    curves: fixed, pressures: fixed, gap_offsets: fixed, stored_energy, slip_damping, impact, touched, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present,
-    cohesion: present
-} derived {
-    points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, springs, means, places, active_points, near, listed, gaps, rows, motion, mesh
-} then ContactConstraint::list_again);
 
 impl ContactConstraint {
     /// Lists are built again after reading; rows do not depend on when lists were built.

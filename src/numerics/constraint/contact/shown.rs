@@ -7,12 +7,13 @@ use crate::constraint::{ContactResults, PairForces};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
 use crate::kernel::topology::ElementNodes;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
 use crate::variables::{Variable, VariableComponent};
 
 /// Values kept for output only.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(fixed: opening, slip; derived: by_node, on_bodies)]
 pub(super) struct ContactOutput {
     /// Gap of each key; NaN if no surface is near.
     pub(super) opening: Vec<f64>,
@@ -212,5 +213,3 @@ impl ContactResults for ContactConstraint {
         self.pairs.iter().find(|p| p.number == number).map(|pair| self.contact_area(pair))
     }
 }
-
-persist_struct!(ContactOutput { opening: fixed, slip: fixed } derived { by_node, on_bodies });

@@ -13,7 +13,7 @@ use super::sweeps::{ContactRow, ContactRows, ContactStep, ContactVelocities};
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::MemoryUse;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Share by which the slow part of the slip rate approaches the rate in an increment.
 const APPROACH: f64 = 0.1;
@@ -21,7 +21,8 @@ const APPROACH: f64 = 0.1;
 const PRESSURE_APPROACH: f64 = 0.1;
 
 /// Slip rates of the keys in contact.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(fixed: slow, impulse, stress, pressure; derived: next, next_pressure)]
 pub(super) struct SlipDamping {
     /// Slow part of the slip rate; NaN if not in contact. Empty without damping.
     slow: Vec<f64>,
@@ -175,5 +176,3 @@ impl SlipDamping {
         }
     }
 }
-
-persist_struct!(SlipDamping { slow: fixed, impulse: fixed, stress: fixed, pressure: fixed } derived { next, next_pressure });

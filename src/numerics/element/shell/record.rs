@@ -2,10 +2,10 @@
 
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shell::SectionComponents;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Recorded values of one element.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub(super) struct ShellElementRecord {
     /// Section strains: membrane strains, curvatures, transverse shear.
     pub section: SectionComponents,
@@ -14,7 +14,7 @@ pub(super) struct ShellElementRecord {
 }
 
 /// Recorded strains of one point: meridian, hoop, thickness.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub(super) struct PointStrains {
     /// Logarithmic strain.
     pub total: [f64; 3],
@@ -25,7 +25,8 @@ pub(super) struct PointStrains {
 }
 
 /// Recorded values of a group.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(fixed: elements, points)]
 pub(super) struct ShellRecord {
     pub elements: Vec<ShellElementRecord>,
     pub points: Vec<PointStrains>,
@@ -52,9 +53,3 @@ impl ShellRecord {
         size_of_val(&*self.elements) + size_of_val(&*self.points)
     }
 }
-
-persist_struct!(ShellElementRecord { section, work });
-
-persist_struct!(PointStrains { total, plastic, rate });
-
-persist_struct!(ShellRecord { elements: fixed, points: fixed });

@@ -12,7 +12,7 @@ use crate::load::fields::FacetFields;
 use crate::load::{PenetrationOutcome, PenetrationRecord};
 use crate::mesh::surface::RigidFacets;
 use crate::state::BodyState;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::limit::IncrementLimit;
 
 /// Facets that are loaded in one direction of motion.
@@ -73,7 +73,8 @@ impl NoseFront {
 }
 
 /// Facets of one body in a stack of layers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: body, fronts, idle, travel, rounding)]
 pub(super) struct NoseResistance {
     pub(super) body: usize,
     /// Facets loaded in motion along -z and +z.
@@ -344,5 +345,3 @@ fn time_to_travel(distance: f64, speed: f64, acceleration: f64) -> f64 {
     }
     2.0 * distance / (speed + discriminant.sqrt())
 }
-
-persist_struct!(NoseResistance { last_layer } derived { body, fronts, idle, travel, rounding });

@@ -11,7 +11,7 @@ use crate::load::{FinalMotion, PenetrationOutcome, PenetrationRecord};
 use crate::mesh::surface::RigidFacets;
 use crate::platform::PortableMath as _;
 use crate::state::BodyState;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::limit::IncrementLimit;
 use crate::state::rigid_body_3d::{RigidBody3d, RigidMotion, Wrench};
 
@@ -54,7 +54,8 @@ impl StackTilt {
 }
 
 /// Facets of one body in an inclined stack.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: body, tilt, friction, travel, rings, elements, direction)]
 pub(super) struct ObliqueResistance {
     pub(super) body: usize,
     tilt: StackTilt,
@@ -215,8 +216,6 @@ impl ObliqueResistance {
         self.rings.bytes() + heap_bytes(&self.elements)
     }
 }
-
-persist_struct!(ObliqueResistance { entered, exit, damping } derived { body, tilt, friction, travel, rings, elements, direction });
 
 #[cfg(test)]
 mod tests {

@@ -3,18 +3,19 @@
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::mesh::surface::CurrentFace;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Wall radii in slices of equal thickness. Slices are reused in a ring buffer that covers twice the initial length of
 /// the body.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: slices; derived: thickness)]
 pub(super) struct TunnelWall {
     thickness: f64,
     slices: Vec<WallSlice>,
 }
 
 /// One slice: its index along z and the radius to which it was opened.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 struct WallSlice {
     number: f64,
     radius: f64,
@@ -77,10 +78,6 @@ impl TunnelWall {
         heap_bytes(&self.slices)
     }
 }
-
-persist_struct!(WallSlice { number, radius });
-
-persist_struct!(TunnelWall { slices: fixed } derived { thickness });
 
 #[cfg(test)]
 mod tests {
