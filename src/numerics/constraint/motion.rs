@@ -4,7 +4,7 @@ use std::any::Any;
 use std::collections::HashMap;
 
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, NodeRelation, StoredConstraint};
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
@@ -58,7 +58,7 @@ impl PrescribedQuantity {
 }
 
 /// Prescribed motion of a list of degrees of freedom.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 #[persist(fixed: bodies, nodes; derived: id, kind, magnitudes, has_begun)]
 pub struct PrescribedMotion {
     id: EffectId,
@@ -285,13 +285,5 @@ impl StoredConstraint for PrescribedMotion {
                 (*motion, self.has_begun) = (**known, true);
             }
         }
-    }
-
-    fn memory(&self) -> MemoryUse {
-        let magnitudes: usize = self.magnitudes.iter().map(Magnitude::bytes).sum();
-        MemoryUse::of(&self.magnitudes)
-            + MemoryUse::of(&self.bodies)
-            + MemoryUse::of(&self.nodes)
-            + MemoryUse::in_use(magnitudes)
     }
 }

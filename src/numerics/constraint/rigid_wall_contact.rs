@@ -12,7 +12,7 @@ use super::contact::curve::PointCarrier;
 use super::{Constraint, ConstraintForces, ConstraintView, ContactResults, PairForces, StoredConstraint};
 use crate::kernel::attitude::{SpatialVector, cross, dot, norm, plus, times};
 use crate::kernel::interaction::CoulombFriction;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::kernel::profile::SurfaceProfile;
 use crate::platform::PortableMath as _;
 use crate::state::EffectId;
@@ -109,8 +109,9 @@ impl ContactPoint {
 }
 
 /// Contact of one rigid body with one wall over a step.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 #[persist(derived: pair, profile, rings, stations, travel, points)]
+#[memory(uncounted: pair, profile)]
 pub struct RigidWallContact {
     pair: WallPair,
     profile: SurfaceProfile,
@@ -420,8 +421,4 @@ impl ContactResults for RigidWallContact {
     }
 }
 
-impl StoredConstraint for RigidWallContact {
-    fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.points) + MemoryUse::of(&self.rings) + MemoryUse::of(&self.stations)
-    }
-}
+impl StoredConstraint for RigidWallContact {}

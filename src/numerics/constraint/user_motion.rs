@@ -3,7 +3,7 @@
 
 use super::motion::PrescribedQuantity;
 use crate::kernel::amplitude::SampledAmplitude;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::routines::{LoadFailure, LockedRoutines, MotionCall};
 use crate::state::Instant;
 use crate::state::archive::Persist;
@@ -12,7 +12,7 @@ use crate::state::halt::HaltReason;
 use crate::state::magnitude::{AmplitudeClock, Magnitude};
 
 /// Prescribed motion of a node set along one axis.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 #[persist(fixed: asked; derived: set, kind, amplitude, first)]
 pub struct UserMotion {
     /// Node set, upper case.
@@ -29,7 +29,7 @@ pub struct UserMotion {
 }
 
 /// A degree of freedom whose motion the subroutine prescribes.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 #[persist(derived: dof, number, reference)]
 pub struct UserDof {
     pub dof: Dof,
@@ -93,9 +93,5 @@ impl UserMotion {
         }
         (self.increment_before, self.has_begun) = (increment, true);
         Ok(())
-    }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.asked) + self.set.capacity() + self.amplitude.bytes()
     }
 }

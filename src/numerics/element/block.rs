@@ -12,7 +12,7 @@ use super::motion::BlockMotion;
 use super::subzonal::SubzonalPressures;
 use crate::element::record::{BlockRecord, RecordUpdate};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::prefetch::request;
 use crate::kernel::quad::{QuadOperators, UNIT, at_corners, sums};
@@ -106,7 +106,7 @@ impl CornerNodes {
 }
 
 /// Hourglass and viscous stresses of a block until the next increment; zero where the constants have no such stress.
-#[derive(Clone, Debug, Default, Persist)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
 #[repr(C, align(64))]
 pub(super) struct ControlStresses {
     /// Generalised hourglass stresses along r and z.
@@ -177,7 +177,7 @@ pub struct TaskWorkspace {
 
 /// State of the blocks of a task other than stress and material; each list but the first is empty unless the model needs
 /// it.
-#[derive(Clone, Debug, Default, Persist)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(fixed: eroded, own_rates, records, controls, enhanced, subzones)]
 pub struct TaskState {
     /// Hourglass and viscous stresses.
@@ -640,16 +640,6 @@ impl TaskState {
             enhanced: vec![AssumedStresses::default(); enhanced],
             ..TaskState::default()
         }
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        let TaskState { controls, enhanced, subzones, records, eroded, own_rates } = self;
-        heap_bytes(controls)
-            + heap_bytes(enhanced)
-            + heap_bytes(subzones)
-            + heap_bytes(records)
-            + heap_bytes(eroded)
-            + heap_bytes(own_rates)
     }
 
     /// Allocates the state of deletion by `*EROSION` for `blocks` blocks.

@@ -4,7 +4,7 @@
 
 use super::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::quad::{UNIT, gradient};
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
@@ -32,7 +32,7 @@ struct DampedCell {
 }
 
 /// Damping forces of all nodes of elements with Rayleigh damping.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 #[persist(fixed: coefficients, forces; derived: factors, half, most, cells, stresses)]
 pub struct RayleighDamping {
     /// Factors of each element group.
@@ -155,10 +155,5 @@ impl RayleighDamping {
         dofs.energies.external -= work;
         dofs.energies.viscous -= work;
         self.started = dofs.nodes.previous_dt == 0.0;
-    }
-
-    pub fn bytes(&self) -> usize {
-        let cells = heap_bytes(&self.cells) + heap_bytes(&self.stresses);
-        cells + size_of_val(&*self.factors) + size_of_val(&*self.coefficients) + size_of_val(&*self.forces)
     }
 }

@@ -3,7 +3,7 @@
 //! controls").
 
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::platform::PortableMath as _;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
@@ -22,7 +22,7 @@ const CAUTION: f64 = 1.5;
 const AHEAD: f64 = 5.0;
 
 /// An element under distortion control.
-#[derive(Clone, Debug, PartialEq, Persist)]
+#[derive(Clone, Debug, PartialEq, Persist, Memory)]
 #[persist(derived: place, corners, inverse_mass, offset)]
 pub struct ControlledElement {
     /// Index of the element group, and of the element in it.
@@ -115,7 +115,7 @@ impl ControlledElement {
 }
 
 /// All elements under distortion control.
-#[derive(Clone, Debug, Default, Persist)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(fixed: list)]
 pub struct DistortionControl {
     list: Vec<ControlledElement>,
@@ -169,10 +169,6 @@ impl DistortionControl {
         if active {
             *rate *= CAUTION;
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.list)
     }
 }
 

@@ -24,7 +24,7 @@ use super::removed::DeletionRecord;
 use super::rings::RingFactors;
 use super::tiles::{Tiles, tile_length};
 use crate::kernel::lanes::{InlineMap, LANES};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::prefetch::PrefetchChoice;
 use crate::kernel::topology::{ElementNodes, ElementTopology};
 use crate::material::available::AvailableEnergy;

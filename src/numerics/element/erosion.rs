@@ -12,7 +12,7 @@ use super::elements::Elements;
 use super::group::{ElementGroup, PARALLEL};
 use crate::kernel::corners::{is_distorted, largest_shell_strain, largest_strain};
 use crate::kernel::lanes::{InlineMap, LANES};
-use crate::kernel::lists::sorted_unique;
+use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::quad;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
@@ -62,7 +62,7 @@ impl DeletionCriteria {
 }
 
 /// Elements with the same criteria.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 #[persist(fixed: due; derived: criteria, elements)]
 struct MonitoredElements {
     criteria: DeletionCriteria,
@@ -94,7 +94,7 @@ impl MonitoredElements {
 }
 
 /// All elements with deletion criteria.
-#[derive(Clone, Debug, Default, Persist)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(fixed: list)]
 pub struct ErosionControl {
     list: Vec<MonitoredElements>,
@@ -119,11 +119,6 @@ impl ErosionControl {
             let own = own.elements.iter().zip(&mut own.due).filter(|((g, _), _)| *g != group);
             own.zip(of_others).for_each(|((_, due), (_, before))| *due = *before);
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        let each = |w: &MonitoredElements| size_of_val(w) + size_of_val(&*w.elements) + w.due.capacity();
-        self.list.iter().map(each).sum()
     }
 }
 

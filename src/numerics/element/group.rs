@@ -1,6 +1,7 @@
 //! Interface of element groups, and the group of quadrilaterals: its blocks, dispatched to the instruction set of the
 //! machine and distributed over threads.
 
+use crate::kernel::lists::Memory;
 use std::cell::RefCell;
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Mass scaling (`*FIXED MASS SCALING`, `*VARIABLE MASS SCALING`): requests, the factor of each element, and when
 //! factors are recomputed.
 
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::topology::PerNode;
 use crate::state::archive::Persist;
 
@@ -94,9 +94,10 @@ pub struct ArrivedScaling {
 
 /// Masses without scaling, and the factors on them. All lists are allocated here, so that nothing allocates inside an
 /// increment.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 // The set of linked nodes follows from the plan; scaled masses are recomputed.
 #[persist(fixed: nodes; fixed_lists: elements, fixed, factors, applied; derived: linked, sums)]
+#[memory(inside: elements, fixed, factors, applied)]
 pub struct ScaledMasses {
     pub(super) nodes: Vec<f64>,
     /// Masses of elements at their nodes, by group.
@@ -147,16 +148,5 @@ impl ScaledMasses {
         let mut masses = self.elements[group][element];
         masses.iter_mut().for_each(|mass| *mass *= factor);
         masses
-    }
-
-    pub fn bytes(&self) -> usize {
-        let of = |lists: &Vec<Vec<f64>>| lists.iter().map(|l| 8 * l.capacity()).sum::<usize>();
-        let elements: usize = self.elements.iter().map(heap_bytes).sum();
-        of(&self.fixed)
-            + of(&self.factors)
-            + of(&self.applied)
-            + elements
-            + self.linked.capacity()
-            + 8 * (self.nodes.capacity() + self.sums.capacity())
     }
 }

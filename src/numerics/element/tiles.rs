@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::block::TASK;
 use crate::kernel::chunks::FEW;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::{NodalAssembly, SLOTS, slots_total};
 use crate::state::archive::Persist;
@@ -45,8 +45,9 @@ pub(super) fn blocks_in_ring(task: usize, blocks: usize) -> Range<usize> {
 }
 
 /// Tiles of all groups, and the nodal forces that they sum.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 #[persist(fixed: forces; derived: groups, slots, shared, first_shared, stored)]
+#[memory(inside: groups)]
 pub(super) struct Tiles {
     /// `None` for a group that stores all its corner forces.
     groups: Vec<Option<GroupTiles>>,
@@ -63,7 +64,7 @@ pub(super) struct Tiles {
 }
 
 /// Tiles of a group.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 struct GroupTiles {
     /// Tasks of a tile.
     length: usize,
@@ -224,13 +225,6 @@ impl Tiles {
             Ok(at) => gather.0.node_force(at, gather.1),
             Err(_) => self.forces[node],
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        let of_group = |tiles: &GroupTiles| heap_bytes(&tiles.before) + tiles.stored.capacity();
-        let groups: usize = self.groups.iter().flatten().map(of_group).sum();
-        let nodes = heap_bytes(&self.slots) + heap_bytes(&self.forces);
-        groups + nodes + heap_bytes(&self.shared) + heap_bytes(&self.first_shared) + heap_bytes(&self.stored)
     }
 }
 

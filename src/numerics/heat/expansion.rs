@@ -6,7 +6,7 @@ use super::conductors::at;
 use super::field::TemperatureField;
 use crate::element::elements::Elements;
 use crate::kernel::hardening::LinearTable;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
@@ -31,8 +31,9 @@ impl GroupExpansion {
 }
 
 /// Thermal strains of all groups with expansion.
-#[derive(Clone, Persist)]
+#[derive(Clone, Persist, Memory)]
 #[persist(fixed_lists: strains; derived: list, scratch)]
+#[memory(inside: strains; uncounted: list)]
 pub struct ThermalStrains {
     list: Arc<Vec<GroupExpansion>>,
     /// Strains relative to T0 already applied to the elements, group by group.
@@ -109,9 +110,5 @@ impl ThermalStrains {
     /// Returns the strains of a group; `None` if it does not expand.
     pub fn of_group(&mut self, index: usize) -> Option<&mut Vec<f64>> {
         self.list.iter().zip(&mut self.strains).find(|e| e.0.group == index).map(|e| e.1)
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        self.strains.iter().chain(&self.scratch).map(heap_bytes).sum()
     }
 }

@@ -9,7 +9,7 @@ use crate::constraint::Constraint;
 use crate::constraint::bonds::LinkSystem;
 use crate::element::elements::Elements;
 use crate::element::group::ElementGroup;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::Persist;

@@ -10,6 +10,7 @@ pub mod field;
 pub mod sources;
 
 use crate::element::elements::Elements;
+use crate::kernel::lists::Memory;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::magnitude::AmplitudeClock;

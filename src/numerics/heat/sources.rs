@@ -1,7 +1,7 @@
 //! Heat sources: fluxes into nodes, faces and volumes, films, and prescribed temperatures.
 
 use super::conductors::ConductingElements;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::topology::ElementNodes;
 use crate::mesh::surface::{CurrentFace, DeformableFaces};
 use crate::state::EffectId;

@@ -6,7 +6,7 @@ use super::pressure::add_pressure;
 use super::{Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
 use crate::kernel::blast_wave::{BlastWave, BurstShape, has_arrived};
 use crate::kernel::facet::Facet;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
 use crate::platform::PortableMath as _;
 use crate::routines::LockedRoutines;

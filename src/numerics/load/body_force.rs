@@ -3,7 +3,7 @@
 use super::TargetDissipation;
 use super::{EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::quad::{corner_masses, section};
 use crate::kernel::topology::ElementNodes;
 use crate::routines::LockedRoutines;

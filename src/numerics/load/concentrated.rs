@@ -1,7 +1,7 @@
 //! Concentrated forces and moments (`*CLOAD`).
 
 use super::{EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneView, TargetDissipation};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::routines::LockedRoutines;
 use crate::state::EffectId;
 use crate::state::archive::Persist;

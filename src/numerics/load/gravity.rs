@@ -1,7 +1,7 @@
 //! Gravity (`*DLOAD`, GRAV): a uniform acceleration along z, or in any direction on bodies with six degrees of freedom.
 
 use super::{GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView, TargetDissipation};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::routines::LockedRoutines;
 use crate::state::EffectId;
 use crate::state::archive::Persist;

@@ -7,6 +7,7 @@ use super::{
 use crate::kernel::attitude::times;
 use crate::kernel::facet::{ring_pressure, section_pressure, shell_pressure};
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::Memory;
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
 use crate::routines::LockedRoutines;

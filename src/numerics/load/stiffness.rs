@@ -1,7 +1,7 @@
 //! Stiffness of a displacement-dependent load, estimated from its own pressures. A user subroutine whose pressure
 //! depends on position raises the highest frequency of the model.
 
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::state::archive::Persist;
 
 /// Estimated stiffness that a load adds to nodes.
@@ -57,7 +57,7 @@ pub struct FaceSample {
 /// depends on position follows it in proportion. A slope therefore counts only if the displacement changes its sign and
 /// grows by [`GROWTH`], the pressure changes its sign too, two consecutive slopes agree within [`SLOPE_TOLERANCE`], and
 /// the load is stiff enough ([`MIN_STIFFNESS`]). Detection takes a few increments, while the amplitude is still small.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 #[persist(fixed: points)]
 pub struct StiffnessMonitor {
     points: Vec<FaceHistory>,
@@ -69,10 +69,6 @@ impl StiffnessMonitor {
         // NaN: the first comparisons are false.
         let none = FaceHistory { place: [f64::NAN; 2], pressure: f64::NAN, way: f64::NAN, change: f64::NAN };
         StiffnessMonitor { points: vec![none; count], most: None }
-    }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.points)
     }
 
     pub fn stiffest(&self) -> Option<&LoadStiffness> {

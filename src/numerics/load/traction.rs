@@ -6,6 +6,7 @@ use super::{Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
 use super::{TargetDissipation, VelocityUse};
 use crate::kernel::facet::{Facet, ring_areas, section_areas, shell_areas};
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::Memory;
 use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
 use crate::platform::PortableMath as _;
 use crate::routines::LockedRoutines;

@@ -10,7 +10,7 @@
 
 use super::curve::FacetShape;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::kernel::traction_separation::DissipatedEnergy;
 use crate::kernel::traction_separation::{InterfaceHistory, TractionSeparationLaw};
 use crate::state::archive::Persist;
@@ -132,8 +132,9 @@ impl FootVector {
 const SMALL_LEVERAGE: f64 = 0.01;
 
 /// Bonds of all pairs of a contact constraint.
-#[derive(Clone, Debug, Default, Persist)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(fixed: pairs, points, impulses; derived: laws, sums)]
+#[memory(flat: laws, pairs)]
 pub(super) struct CohesiveSurfaces {
     pub(super) laws: Vec<TractionSeparationLaw>,
     /// Pairs, ascending by their index.
@@ -145,16 +146,6 @@ pub(super) struct CohesiveSurfaces {
     pub(super) sums: Vec<f64>,
     /// Bound of the square of the highest frequency of the bonds.
     pub(super) squared_frequency: f64,
-}
-
-impl CohesiveSurfaces {
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.laws)
-            + MemoryUse::of(&self.pairs)
-            + MemoryUse::of(&self.points)
-            + MemoryUse::of(&self.impulses)
-            + MemoryUse::of(&self.sums)
-    }
 }
 
 impl BondedPoint {

@@ -9,14 +9,14 @@ use super::curve::{PointCarrier, SurfacePoint};
 use super::sweeps::{ContactRow, ContactRows, GapTerm};
 use crate::constraint::HeatExchange;
 use crate::kernel::interaction::InteractionLaw;
-use crate::kernel::lists::{MemoryUse, sorted_unique};
+use crate::kernel::lists::{Memory, sorted_unique};
 use crate::state::archive::Persist;
 
 /// Marks a point without temperature.
 const NONE: u32 = u32::MAX;
 
 /// Heat exchange of all contact rows.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 // Rows are computed again in the next increment.
 #[persist(fixed: most; derived: nodes, point_of, keys, rows, terms)]
 pub(super) struct ContactHeat {
@@ -149,15 +149,6 @@ impl ContactHeat {
     /// Returns the upper bound of the conductance of each point, read-only.
     pub(super) fn exchange_bounds(&self) -> &[f64] {
         &self.most
-    }
-
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.nodes)
-            + MemoryUse::of(&self.point_of)
-            + MemoryUse::of(&self.keys)
-            + MemoryUse::of(&self.rows)
-            + MemoryUse::of(&self.terms)
-            + MemoryUse::of(&self.most)
     }
 }
 

@@ -51,7 +51,7 @@ use super::{
     StoredConstraint,
 };
 use crate::kernel::interaction::InteractionLaw;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::{Persist, StateArchive};
@@ -60,7 +60,8 @@ use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
 
 /// Two surfaces that may come into contact, or one with self-contact.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
+#[memory(uncounted: name)]
 pub struct ContactPair {
     /// Row of the ledger.
     pub id: EffectId,
@@ -171,7 +172,7 @@ pub struct InitialClearance {
 }
 
 /// Contact of all pairs of a step.
-#[derive(Clone, Debug, Default, Persist)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(
     fixed: curves, pressures, gap_offsets, impulses, bodies;
     present: contact_heat, cohesion;
@@ -179,6 +180,7 @@ pub struct InitialClearance {
         near, listed, gaps, rows, motion, mesh;
     then: ContactConstraint::list_again
 )]
+#[memory(flat: analyticals, laws; inside: cohesion, contact_heat, mesh; uncounted: impact, touched)]
 pub struct ContactConstraint {
     points: Vec<SurfacePoint>,
     curves: Vec<FacetCurve>,
@@ -238,7 +240,7 @@ pub struct ContactConstraint {
 
 /// A degree of freedom of nodes with equal motion, such as the nodes of a kinematic coupling. It moves with their total
 /// mass.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 struct MergedContactDof {
     /// Index of the degree of freedom.
     dof: usize,
@@ -1157,41 +1159,6 @@ impl StoredConstraint for ContactConstraint {
         if let Some(previous) = (previous as &dyn Any).downcast_ref::<ContactConstraint>() {
             self.take_over(previous);
         }
-    }
-
-    fn memory(&self) -> MemoryUse {
-        let of_pair = |p: &ContactPair| p.search.memory() + MemoryUse::of(&p.facet_gaps);
-        MemoryUse::of(&self.pairs)
-            + self.pairs.iter().map(of_pair).sum()
-            + MemoryUse::of(&self.curves)
-            + self.curves.iter().map(FacetCurve::memory).sum()
-            + self.gaps.memory()
-            + self.shown.memory()
-            + self.stored_energy.memory()
-            + self.slip_damping.memory()
-            + self.rows.memory()
-            + self.memory_of_cohesion()
-            + MemoryUse::of(&self.points)
-            + MemoryUse::of(&self.analyticals)
-            + MemoryUse::of(&self.feet)
-            + MemoryUse::of(&self.laws)
-            + MemoryUse::of(&self.dofs_of)
-            + MemoryUse::of(&self.dofs)
-            + MemoryUse::of(&self.merged)
-            + self.merged.iter().map(|merged| MemoryUse::of(&merged.nodes.nodes)).sum()
-            + MemoryUse::of(&self.pressures)
-            + MemoryUse::of(&self.gap_offsets)
-            + MemoryUse::of(&self.means)
-            + MemoryUse::of(&self.places)
-            + MemoryUse::of(&self.active_points)
-            + self.near.memory()
-            + MemoryUse::of(&self.listed)
-            + MemoryUse::of(&self.impulses)
-            + MemoryUse::of(&self.bodies)
-            + MemoryUse::of(&self.motion.velocity)
-            + MemoryUse::of(&self.motion.inverse_mass)
-            + self.contact_heat.iter().map(|exchange| exchange.memory()).sum()
-            + self.mesh.iter().map(|mesh| mesh.memory()).sum()
     }
 }
 

@@ -12,7 +12,7 @@ use super::mesh_continuation::KeyPlace;
 use super::sweeps::{ContactRow, ContactRows, ContactStep, ContactVelocities};
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::state::archive::Persist;
 
 /// Share by which the slow part of the slip rate approaches the rate in an increment.
@@ -21,7 +21,7 @@ const APPROACH: f64 = 0.1;
 const PRESSURE_APPROACH: f64 = 0.1;
 
 /// Slip rates of the keys in contact.
-#[derive(Clone, Debug, Default, Persist)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(fixed: slow, impulse, stress, pressure; derived: next, next_pressure)]
 pub(super) struct SlipDamping {
     /// Slow part of the slip rate; NaN if not in contact. Empty without damping.
@@ -61,15 +61,6 @@ impl SlipDamping {
         self.impulse[key] = place.value(|other| previous.impulse[other]);
         self.stress[key] = place.value(|other| previous.stress[other]);
         self.pressure[key] = [0, 1].inline_map(|part: usize| place.value(|other| previous.pressure[other][part]));
-    }
-
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.slow)
-            + MemoryUse::of(&self.impulse)
-            + MemoryUse::of(&self.stress)
-            + MemoryUse::of(&self.pressure)
-            + MemoryUse::of(&self.next_pressure)
-            + MemoryUse::of(&self.next)
     }
 
     /// Returns the values of the keys that continue.

@@ -4,6 +4,7 @@
 //! coordinate is the angle (counter-clockwise in r and z, radians), its mass is the rotary inertia. A shell therefore
 //! acts on two nodes and their two companion nodes; moments act on companion nodes as forces along r act on nodes.
 
+use crate::kernel::lists::Memory;
 use std::sync::Arc;
 
 use pulp::Arch;

@@ -1,6 +1,7 @@
 //! Strains and energies of shells that are integrated over increments for output only.
 
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::Memory;
 use crate::kernel::shell::SectionComponents;
 use crate::state::archive::Persist;
 
@@ -25,7 +26,7 @@ pub(super) struct PointStrains {
 }
 
 /// Recorded values of a group.
-#[derive(Clone, Debug, Default, Persist)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(fixed: elements, points)]
 pub(super) struct ShellRecord {
     pub elements: Vec<ShellElementRecord>,
@@ -47,9 +48,5 @@ impl ShellRecord {
             elements: vec![ShellElementRecord::default(); elements],
             points: vec![PointStrains::default(); points],
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        size_of_val(&*self.elements) + size_of_val(&*self.points)
     }
 }

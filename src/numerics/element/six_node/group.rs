@@ -1,5 +1,6 @@
 //! A group of six-node triangles: its blocks, distributed over threads, and its implementation of the group interface.
 
+use crate::kernel::lists::Memory;
 use std::cell::RefCell;
 use std::f64::consts::PI;
 use std::sync::Arc;

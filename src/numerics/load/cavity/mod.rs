@@ -21,7 +21,7 @@ use super::{
     EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, PenetrationRecord, SceneChange,
     SceneView, TargetDissipation, VelocityUse,
 };
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{RigidFacets, SurfaceGeometry};
 use crate::routines::LockedRoutines;

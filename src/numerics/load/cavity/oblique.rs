@@ -4,7 +4,7 @@
 use super::rings::{RingKinematics, RingSet};
 use super::stack::LayerStack;
 use crate::kernel::attitude::{SpatialVector, dot, norm};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::load::fields::FacetFields;
 use crate::load::stations::{divided_facets, largest_radius};
 use crate::load::{FinalMotion, PenetrationOutcome, PenetrationRecord};
@@ -54,7 +54,7 @@ impl StackTilt {
 }
 
 /// Facets of one body in an inclined stack.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 #[persist(derived: body, tilt, friction, travel, rings, elements, direction)]
 pub(super) struct ObliqueResistance {
     pub(super) body: usize,
@@ -210,10 +210,6 @@ impl ObliqueResistance {
         let Some(body) = &body.spatial else { return };
         let scene = self.scene(body, &body.motion());
         self.rings.show(stack, &scene, |ring, area, shown| fields.push_station(self.elements[ring], area, shown));
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        self.rings.bytes() + heap_bytes(&self.elements)
     }
 }
 

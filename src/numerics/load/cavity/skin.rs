@@ -5,7 +5,7 @@ use super::stack::{LayerStack, is_level};
 use super::tunnel::TunnelWall;
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
 use crate::load::fields::FacetFields;
 use crate::load::pressure::solid_face_forces;
@@ -37,7 +37,7 @@ struct FaceResistance {
 }
 
 /// Faces with their current and previous forces.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 #[persist(fixed: current, before, previous; present: tunnel)]
 pub(super) struct SkinResistance {
     skin: DeformableFaces,
@@ -192,11 +192,6 @@ impl SkinResistance {
                 *layer = facet.map_or(0.0, |f| stack.number_of(&f) as f64);
             }
         }
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        let tunnel = self.tunnel.as_ref().map_or(0, TunnelWall::bytes);
-        self.skin.bytes() + heap_bytes(&self.current) + heap_bytes(&self.before) + heap_bytes(&self.previous) + tunnel
     }
 }
 

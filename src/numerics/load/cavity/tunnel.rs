@@ -1,13 +1,13 @@
 //! The tunnel that a deformable body opens: the radius of its wall as a function of z.
 
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::mesh::surface::CurrentFace;
 use crate::state::archive::Persist;
 
 /// Wall radii in slices of equal thickness. Slices are reused in a ring buffer that covers twice the initial length of
 /// the body.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Persist, Memory)]
 #[persist(fixed: slices; derived: thickness)]
 pub(super) struct TunnelWall {
     thickness: f64,
@@ -72,10 +72,6 @@ impl TunnelWall {
 
     fn place(&self, number: f64) -> usize {
         number.rem_euclid(self.slices.len() as f64) as usize
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        heap_bytes(&self.slices)
     }
 }
 

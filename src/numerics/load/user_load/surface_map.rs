@@ -5,7 +5,7 @@ use super::UserLoadData;
 use super::surface_view::SurfaceView;
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::load::SceneView;
 use crate::load::body_force::corner_volumes;
 use crate::load::fields::FacetFields;
