@@ -1,8 +1,8 @@
 //! Derives of `Persist` (state of checkpoints) and `Memory` (heap memory) of `revolve-numerics`.
 //!
 //! Both visit all fields in the order of their declaration. Exceptions are listed by name in an attribute of the type:
-//! `#[persist(fixed: a, b; derived: c)]`, `#[memory(uncounted: a)]`. A new field is therefore visited, or it does not compile
-//! until its type has the trait or the field is listed.
+//! `#[persist(fixed: a, b; derived: c)]`, `#[memory(uncounted: a)]`. A new field is therefore visited, or the code does not
+//! compile until the type of the field has the trait or the field is listed.
 
 mod memory;
 mod persist;

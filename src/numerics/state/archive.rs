@@ -357,4 +357,37 @@ mod tests {
         Vec::<u8>::new().persist(&mut archive);
         assert!(archive.finish().is_err());
     }
+
+    #[derive(Clone, Copy, Debug, PartialEq, Persist)]
+    enum Phase {
+        Loading,
+        Unloading,
+    }
+
+    #[derive(Debug, PartialEq, Persist)]
+    #[persist(fixed: forces; blob: text; derived: mass)]
+    struct Probe {
+        phase: Phase,
+        mass: f64,
+        forces: Vec<f64>,
+        text: Vec<u8>,
+    }
+
+    #[test]
+    fn derive_visits_all_fields_that_are_not_derived() {
+        let mut state = Probe { phase: Phase::Unloading, mass: 2.0, forces: vec![3.0], text: vec![4, 5] };
+        let bytes = written(&mut state);
+        let numbers: Vec<u8> =
+            [&[1][..], &1_u64.to_le_bytes(), &3_f64.to_le_bytes(), &2_u64.to_le_bytes(), &[4, 5]].concat();
+        assert_eq!(bytes, numbers);
+        let mut read = Probe { phase: Phase::Loading, mass: 7.0, forces: vec![0.0], text: Vec::new() };
+        let mut archive = StateArchive::reader(&bytes);
+        read.persist(&mut archive);
+        assert_eq!(archive.finish(), Ok(()));
+        assert_eq!(read, Probe { mass: 7.0, ..state });
+        let mut archive = StateArchive::reader(&[2]);
+        let mut phase = Phase::Loading;
+        phase.persist(&mut archive);
+        assert_eq!(archive.finish().map_err(|e| e.reason), Err("2 is not a value of Phase".into()));
+    }
 }

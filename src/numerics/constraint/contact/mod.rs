@@ -180,7 +180,7 @@ pub struct InitialClearance {
         near, listed, gaps, rows, motion, mesh;
     then: ContactConstraint::list_again
 )]
-#[memory(flat: analyticals, laws; inside: cohesion, contact_heat, mesh; uncounted: impact, touched)]
+#[memory(flat: analyticals, laws; inside: cohesion, contact_heat, mesh; uncounted: touched)]
 pub struct ContactConstraint {
     points: Vec<SurfacePoint>,
     curves: Vec<FacetCurve>,
