@@ -5,6 +5,9 @@
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
 
+// The name of this crate in the code of derives.
+extern crate self as revolve_numerics;
+
 #[allow(missing_docs)]
 #[cfg_attr(not(test), warn(clippy::disallowed_methods))]
 pub mod adaptive;

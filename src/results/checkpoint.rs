@@ -14,16 +14,16 @@ pub use revolve_diagnostics::digest::hash;
 use revolve_diagnostics::digest::hexadecimal;
 use revolve_diagnostics::{Diagnostic, files};
 use revolve_numerics::state::Instant;
-use revolve_numerics::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use revolve_numerics::state::archive::{Persist, StateArchive, persist_fields};
 
 /// Suffix of the file.
 pub const CHECKPOINT: &str = ".checkpoint";
 /// The last byte is the number of the format.
-const MAGIC: [u8; 8] = *b"REVOLVE\x0a";
+const MAGIC: [u8; 8] = *b"REVOLVE\x0b";
 const SUM: usize = 32;
 
 /// Identity of the job that a state belongs to. Each part is a hexadecimal hash, or the data itself.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Persist)]
 pub struct JobIdentity {
     /// Text of the deck and of the files that it includes.
     pub deck: String,
@@ -36,7 +36,8 @@ pub struct JobIdentity {
 }
 
 /// Contents of a checkpoint file.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Persist)]
+#[persist(blob: shown, state)]
 pub struct Checkpoint {
     /// Version of the program that wrote it.
     pub version: String,
@@ -60,17 +61,6 @@ pub fn hash_mesh<'a>(points: &[[f64; 2]], elements: impl IntoIterator<Item = &'a
         nodes.iter().for_each(|node| hash.update((*node as u64).to_le_bytes()));
     }
     hexadecimal(hash)
-}
-
-persist_struct!(JobIdentity { deck, parameters, mesh, user });
-
-impl Persist for Checkpoint {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let Checkpoint { version, identity, now, shown, state } = self;
-        persist_fields!(archive; version, identity, now);
-        archive.blob(shown);
-        archive.blob(state);
-    }
 }
 
 impl Checkpoint {

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::csv;
 use revolve_numerics::state::Instant;
-use revolve_numerics::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use revolve_numerics::state::archive::{Persist, StateArchive, persist_fields};
 
 /// Name of the column after the time: number of the step, from 1.
 pub const STEP: &str = "step";
@@ -110,7 +110,7 @@ pub fn between(times: &[f64], value: impl Fn(usize) -> f64, time: f64) -> Option
 }
 
 /// Summary of a column over all rows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Persist)]
 pub struct ColumnSummary {
     /// Value of the last row.
     #[serde(rename = "final")]
@@ -163,8 +163,6 @@ impl Persist for RunHistory {
         summary.persist(columns, archive);
     }
 }
-
-persist_struct!(ColumnSummary { last, min, max, time_min, time_max });
 
 impl HistorySummary {
     /// Saves or reads the summaries; after the first row the columns are those of the plan.

@@ -95,19 +95,12 @@ struct WritableRange {
 }
 
 /// A run of consecutive changed cells.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Persist)]
+#[persist(blob: bytes)]
 struct ChangedBytes {
     area: usize,
     at: usize,
     bytes: Vec<u8>,
-}
-
-impl Persist for ChangedBytes {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let ChangedBytes { area, at, bytes } = self;
-        persist_fields!(archive; area, at);
-        archive.blob(bytes);
-    }
 }
 
 impl RoutineMemory {

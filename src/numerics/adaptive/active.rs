@@ -1,10 +1,10 @@
 //! Parts of a domain that a change of the mesh concerns: nodes that move, the elements at them, and their neighbours.
 
 use super::topology::DomainTopology;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 
 /// Nodes and elements that a change of the mesh concerns.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub(super) struct ActiveParts {
     /// Whether each node moves.
     pub moves: Vec<bool>,
@@ -28,11 +28,6 @@ impl ActiveParts {
             nodes: vec![false; nodes],
             edges: vec![false; domain.edges.len()],
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        let elements = heap_bytes(&self.changes) + heap_bytes(&self.reads);
-        heap_bytes(&self.moves) + elements + heap_bytes(&self.nodes) + heap_bytes(&self.edges)
     }
 
     /// Finds the parts at nodes whose places differ. Returns whether a node moves.

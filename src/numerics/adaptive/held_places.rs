@@ -3,8 +3,8 @@
 use super::smoothing::{BoundaryContact, MeshSmoothing, Surroundings, turn_cosine};
 use super::topology::{BoundaryNode, DomainTopology};
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
-use crate::state::archive::persist_struct;
+use crate::kernel::lists::Memory;
+use crate::state::archive::Persist;
 use crate::state::magnitude::{AmplitudeClock, Magnitude};
 use crate::state::nodes::Nodes;
 
@@ -12,7 +12,7 @@ use crate::state::nodes::Nodes;
 const REACH: usize = 8;
 
 /// A motion of the mesh that is prescribed in space (`*ADAPTIVE MESH CONSTRAINT`).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub struct MeshMotion {
     /// Nodes and axes: 0 is r, 1 is z.
     pub dofs: Vec<(usize, usize)>,
@@ -22,7 +22,9 @@ pub struct MeshMotion {
 }
 
 /// Prescribed places of the nodes of a domain.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(fixed: places; derived: motions, held, kept, returns)]
+#[memory(inside: motions)]
 pub(super) struct HeldPlaces {
     /// Motions, with the positions of their nodes in the domain.
     motions: Vec<MeshMotion>,
@@ -48,11 +50,6 @@ impl HeldPlaces {
         }
         let size = if returns || !motions.is_empty() { count } else { 0 };
         HeldPlaces { motions, held, kept: vec![[false; 2]; count], returns, places: vec![[f64::NAN; 2]; size] }
-    }
-
-    pub fn bytes(&self) -> usize {
-        let motions: usize = self.motions.iter().map(|m| heap_bytes(&m.dofs) + m.magnitude.bytes()).sum();
-        motions + heap_bytes(&self.held) + heap_bytes(&self.kept) + heap_bytes(&self.places)
     }
 
     /// Takes the places of a previous step that continue.
@@ -207,5 +204,3 @@ fn on_surface(
     }
     best
 }
-
-persist_struct!(HeldPlaces { places: fixed } derived { motions, held, kept, returns });

@@ -20,11 +20,11 @@ use crate::element::group::{ArrivedElements, ElementGroup};
 use crate::heat::field::TemperatureField;
 use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::quad;
 use crate::kernel::shape::smallest_angle;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::energies::BoundaryFlow;
 use crate::state::magnitude::AmplitudeClock;
@@ -74,7 +74,13 @@ pub struct DomainBoundary<'a> {
 
 /// A domain of elements of one group with its transport; all arrays are allocated here, so that nothing allocates
 /// inside an increment.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(
+    fixed: prescribed;
+    derived: id, group, settings, topology, active, transport, momentum, temperatures, places, velocity,
+        given_velocity, node_mass, mass, material_volume, corner_mass, packs, mass_shares, due_sweeps
+)]
+#[memory(inside: packs)]
 pub struct AdaptiveDomain {
     /// Ledger row.
     pub id: EffectId,
@@ -198,23 +204,6 @@ impl AdaptiveDomain {
     /// Takes the history of the domain of the same ledger row with another mesh.
     pub fn follow(&mut self, previous: &AdaptiveDomain) {
         (self.first, self.changes) = (previous.first, previous.changes);
-    }
-
-    /// Returns the size of all lists in bytes.
-    pub fn bytes(&self) -> usize {
-        let mesh = self.topology.bytes() + self.smoothing.bytes() + self.held_places.bytes() + self.active.bytes();
-        let heat = self.temperatures.as_ref().map_or(0, TemperatureTransport::bytes);
-        let work = mesh + self.transport.bytes() + self.momentum.bytes() + heat;
-        let nodes = self.places.iter().map(heap_bytes).sum::<usize>()
-            + heap_bytes(&self.velocity)
-            + heap_bytes(&self.given_velocity)
-            + self.node_mass.iter().map(heap_bytes).sum::<usize>();
-        let elements = heap_bytes(&self.mass)
-            + heap_bytes(&self.material_volume)
-            + self.corner_mass.iter().map(heap_bytes).sum::<usize>()
-            + self.packs.iter().map(heap_bytes).sum::<usize>()
-            + self.mass_shares.as_ref().map_or(0, heap_bytes);
-        work + nodes + elements + heap_bytes(&self.prescribed)
     }
 
     /// Takes the degrees of freedom (node and axis) whose motions are prescribed from now on.
@@ -558,8 +547,3 @@ fn mobility(topology: &DomainTopology, fixed: &[bool]) -> Vec<NodeMobility> {
     }
     mobility
 }
-
-persist_struct!(AdaptiveDomain { first, changes, prescribed: fixed, smoothing, held_places } derived {
-    id, group, settings, topology, active, transport, momentum, temperatures, places, velocity, given_velocity, node_mass,
-    mass, material_volume, corner_mass, packs, mass_shares, due_sweeps
-});

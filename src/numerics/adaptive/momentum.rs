@@ -10,7 +10,7 @@ use super::topology::{DomainEdge, DomainTopology};
 use super::transport::{EdgeFlux, TransportOrder};
 use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::shape::is_triangle;
 
 /// Mass that passes along an edge to its first node.
@@ -34,7 +34,7 @@ struct NodeRange {
 }
 
 /// Transport of nodal velocities, and its work arrays.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub(super) struct MomentumTransport {
     order: TransportOrder,
     fluxes: Vec<NodeFlux>,
@@ -55,11 +55,6 @@ impl MomentumTransport {
             moved: vec![[0.0; 2]; nodes],
             ranges: vec![NodeRange::default(); nodes],
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        let elements = heap_bytes(&self.passed);
-        heap_bytes(&self.fluxes) + elements + heap_bytes(&self.moved) + heap_bytes(&self.ranges)
     }
 
     /// Finds the masses that pass between nodes, from those between elements and from the corner masses before and after.

@@ -4,9 +4,10 @@ use super::held_places::HeldPlaces;
 use super::topology::{BoundaryNode, DomainTopology};
 use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::Memory;
 use crate::kernel::quad;
 use crate::kernel::shape::{corner_shape, is_triangle, twice_area};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Weights of the smoothing methods; they sum to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +22,7 @@ pub struct SmoothingWeights {
 }
 
 /// Weights by which each place follows from its neighbours in the mesh at the start (SMOOTHING OBJECTIVE=GRADED).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub struct MeshGrading {
     /// Weights of the adjacent nodes of each node, one list after another.
     adjacent: Vec<f64>,
@@ -102,7 +103,13 @@ pub trait Surroundings {
 }
 
 /// Smoothing of a domain.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(
+    fixed: deferred;
+    derived: weights, grading, corner_cosine, mobility, slides_at_ends, now, target, shares, parts, corners, handed,
+        is_spread, boundary_of, contact, keeps_gaps, is_deleted, halted
+)]
+#[memory(uncounted: handed)]
 pub(super) struct MeshSmoothing {
     pub weights: SmoothingWeights,
     /// Grading of the mesh; `None` if elements become equal.
@@ -216,22 +223,6 @@ impl MeshSmoothing {
         if self.deferred.len() == previous.deferred.len() {
             self.deferred.copy_from_slice(&previous.deferred);
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        let grading = self.grading.as_ref().map_or(0, |g| 8 * (g.adjacent.capacity() + g.before.capacity()));
-        grading
-            + 3 * self.mobility.capacity()
-            + 16 * self.target.capacity()
-            + 16 * self.deferred.capacity()
-            + 8 * self.shares.capacity()
-            + 24 * self.parts.capacity()
-            + self.is_spread.capacity()
-            + self.halted.capacity()
-            + self.keeps_gaps.capacity()
-            + self.is_deleted.capacity()
-            + 4 * (self.corners.capacity() + self.boundary_of.capacity())
-            + size_of::<BoundaryContact>() * self.contact.capacity()
     }
 
     /// Reads the contact of the nodes of the boundary.
@@ -766,11 +757,6 @@ fn keep(prescribed: [bool; 2], [before, own, after]: [[f64; 2]; 3], place: [f64;
     }
     kept
 }
-
-persist_struct!(MeshSmoothing { deferred: fixed } derived {
-    weights, grading, corner_cosine, mobility, slides_at_ends, now, target, shares, parts, corners, handed, is_spread, boundary_of, contact,
-    keeps_gaps, is_deleted, halted
-});
 
 #[cfg(test)]
 mod tests {

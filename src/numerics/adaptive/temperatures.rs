@@ -8,10 +8,10 @@ use super::topology::DomainTopology;
 use super::transport::EdgeFlux;
 use crate::heat::field::TemperatureField;
 use crate::kernel::chunks::ChunkLoops;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 
 /// Heat of the nodes of a domain.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub(super) struct TemperatureTransport {
     /// Heat per mass of the material of the domain, and zero: the transport of momentum moves pairs of values.
     values: Vec<[f64; 2]>,
@@ -32,10 +32,6 @@ impl TemperatureTransport {
             rest: vec![0.0; count],
             entered: 0.0,
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.values) + heap_bytes(&self.masses) + heap_bytes(&self.rest)
     }
 
     /// Reads the heat of the nodes; `group` is the element group of the domain.

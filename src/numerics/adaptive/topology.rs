@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use crate::element::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::{heap_bytes, sorted_pair, sorted_unique};
+use crate::kernel::lists::{Memory, sorted_pair, sorted_unique};
 use crate::kernel::quad;
 use crate::kernel::shape::elements_around;
 
@@ -56,7 +56,7 @@ pub struct BoundaryNode {
 }
 
 /// Lists of variable length, one after another.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct PackedLists {
     ends: Vec<u32>,
     items: Vec<u32>,
@@ -82,14 +82,10 @@ impl PackedLists {
         let start = if at == 0 { 0 } else { self.ends[at - 1] as usize };
         start..self.ends[at] as usize
     }
-
-    fn bytes(&self) -> usize {
-        heap_bytes(&self.ends) + heap_bytes(&self.items)
-    }
 }
 
 /// Connectivity of a domain; elements and nodes are numbered by their position in it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct DomainTopology {
     /// Index in the group of each element.
     pub elements: Vec<u32>,
@@ -155,18 +151,6 @@ impl DomainTopology {
     /// Returns the volume of an element with nodes at these places.
     pub fn volume(&self, element: usize, places: &[[f64; 2]]) -> f64 {
         quad::volume(self.corners[element].inline_map(|n| places[n as usize]))
-    }
-
-    /// Returns the size of the lists in bytes.
-    pub fn bytes(&self) -> usize {
-        let lists = heap_bytes(&self.sides) + self.edges_at.bytes() + self.around.bytes() + self.adjacent.bytes();
-        let nodes = heap_bytes(&self.elements) + heap_bytes(&self.nodes) + heap_bytes(&self.corners);
-        lists
-            + nodes
-            + heap_bytes(&self.edges)
-            + heap_bytes(&self.boundary)
-            + heap_bytes(&self.open)
-            + heap_bytes(&self.inside)
     }
 }
 

@@ -10,7 +10,7 @@ use super::limiter::{ElementFlow, larger, smaller};
 use super::topology::{DomainEdge, DomainTopology, ElementSide};
 use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::quad;
 use crate::kernel::volume_balance::VolumeBalance;
 
@@ -50,7 +50,7 @@ struct ElementPlace {
 }
 
 /// Transport of the elements of a domain, and its work arrays.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub(super) struct ElementTransport {
     order: TransportOrder,
     places: Vec<ElementPlace>,
@@ -67,7 +67,7 @@ pub(super) struct ElementTransport {
 }
 
 /// Rings that edges on closed boundaries sweep, and flows between elements that provide them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 struct SweptRings {
     /// Volumes of the rings at each element.
     volumes: Vec<f64>,
@@ -99,12 +99,6 @@ impl ElementTransport {
             gradients: vec![[Pack::default(); 2]; cells],
             moved: vec![Pack::default(); cells],
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        let fluxes = heap_bytes(&self.fluxes) + heap_bytes(&self.flows) + heap_bytes(&self.density_slopes);
-        let rings = self.swept_rings.as_ref().map_or(0, |rings| heap_bytes(&rings.volumes) + rings.balance.bytes());
-        rings + fluxes + heap_bytes(&self.places) + heap_bytes(&self.gradients) + heap_bytes(&self.moved)
     }
 
     /// Measures the rings that edges sweep from the places `before` to `after`. Returns the largest share of its volume

@@ -7,9 +7,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::system::{EquationSystem, EquationUnknown, change_velocity, load};
-use crate::kernel::lists::heap_bytes;
-use crate::kernel::lists::sorted_unique;
-use crate::state::archive::persist_struct;
+use crate::kernel::lists::{Memory, sorted_unique};
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 
 /// A linear equation, `sum of c u = 0`, between degrees of freedom of nodes.
@@ -42,7 +41,7 @@ impl NodalEquation {
 }
 
 /// Nodes with equal motion along an axis. The motion is computed at the first node and copied to the others.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Memory)]
 pub struct MergedDofs {
     pub nodes: Vec<usize>,
     /// 0 along r, 1 along z.
@@ -77,14 +76,16 @@ pub enum LinkConflict {
 }
 
 /// Equations and groups of nodes with equal motion, ready to be solved.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(fixed: systems, followers)]
 pub struct LinkSystem {
     pub(super) systems: Vec<EquationSystem>,
     pub(super) followers: Vec<MasslessFollower>,
 }
 
 /// Nodes without mass along one axis. Their motion is a weighted sum of other degrees of freedom.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(derived: members, axis, terms)]
 pub(super) struct MasslessFollower {
     members: Vec<usize>,
     axis: usize,
@@ -137,12 +138,6 @@ impl LinkSystem {
     /// Returns the systems; they share no unknowns.
     pub fn systems(&mut self) -> &mut [EquationSystem] {
         &mut self.systems
-    }
-
-    pub fn bytes(&self) -> usize {
-        let systems = heap_bytes(&self.systems);
-        let own = systems + self.systems.iter().map(EquationSystem::bytes).sum::<usize>();
-        own + self.followers.iter().map(MasslessFollower::bytes).sum::<usize>()
     }
 
     /// Returns the number of independent systems, groups of nodes with equal motion included.
@@ -385,15 +380,7 @@ impl MasslessFollower {
     pub fn loads(&self, node: usize, axis: usize) -> bool {
         self.terms.iter().any(|t| t.given && (t.node, t.axis) == (node, axis))
     }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.members) + heap_bytes(&self.terms) + size_of_val(self)
-    }
 }
-
-persist_struct!(MasslessFollower { load } derived { members, axis, terms });
-
-persist_struct!(LinkSystem { systems: fixed, followers: fixed });
 
 #[cfg(test)]
 mod tests {

@@ -8,7 +8,7 @@
 
 use super::bonds::LinkSystem;
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, StoredConstraint};
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::{Memory, MemoryUse};
 use crate::state::EffectId;
 use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::{Dof, Dofs};
@@ -107,7 +107,9 @@ impl ConstraintForces for EquationConstraint {
     }
 }
 
-impl StoredConstraint for EquationConstraint {
+impl StoredConstraint for EquationConstraint {}
+
+impl Memory for EquationConstraint {
     fn memory(&self) -> MemoryUse {
         MemoryUse::in_use(self.bonds.bytes())
     }

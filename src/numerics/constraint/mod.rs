@@ -14,7 +14,7 @@ pub mod user_motion;
 use std::any::Any;
 
 use self::contact::curve::PointCarrier;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
@@ -63,12 +63,9 @@ pub trait Constraint: StoredConstraint + Send + Sync {
 
 /// A constraint as part of the state: it can be saved, copied and measured, and continued by the constraint that
 /// replaces it.
-pub trait StoredConstraint: Persist + CopyConstraint + Any {
+pub trait StoredConstraint: Persist + Memory + CopyConstraint + Any {
     /// Takes the history of the constraint that it replaces.
     fn continue_from(&mut self, _previous: &dyn Constraint) {}
-
-    /// Returns the number of bytes of the constraint's arrays.
-    fn memory(&self) -> MemoryUse;
 }
 
 /// Copies of a constraint trait object.

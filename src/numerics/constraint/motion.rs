@@ -4,9 +4,9 @@ use std::any::Any;
 use std::collections::HashMap;
 
 use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, NodeRelation, StoredConstraint};
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::{AmplitudeClock, Magnitude, TimeFunction};
@@ -58,7 +58,8 @@ impl PrescribedQuantity {
 }
 
 /// Prescribed motion of a list of degrees of freedom.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(fixed: bodies, nodes; derived: id, kind, magnitudes, has_begun)]
 pub struct PrescribedMotion {
     id: EffectId,
     kind: PrescribedQuantity,
@@ -71,14 +72,16 @@ pub struct PrescribedMotion {
 }
 
 /// A rigid body and its displacement when the motion began. A prescribed displacement is added to it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Persist)]
+#[persist(derived: body)]
 struct BodyMotion {
     body: usize,
     start: f64,
 }
 
 /// A node along one axis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Persist)]
+#[persist(derived: node, axis)]
 struct NodeMotion {
     node: usize,
     axis: usize,
@@ -283,18 +286,4 @@ impl StoredConstraint for PrescribedMotion {
             }
         }
     }
-
-    fn memory(&self) -> MemoryUse {
-        let magnitudes: usize = self.magnitudes.iter().map(Magnitude::bytes).sum();
-        MemoryUse::of(&self.magnitudes)
-            + MemoryUse::of(&self.bodies)
-            + MemoryUse::of(&self.nodes)
-            + MemoryUse::in_use(magnitudes)
-    }
 }
-
-persist_struct!(BodyMotion { start } derived { body });
-
-persist_struct!(NodeMotion { origin, force, kinetic, travel } derived { node, axis });
-
-persist_struct!(PrescribedMotion { bodies: fixed, nodes: fixed } derived { id, kind, magnitudes, has_begun });

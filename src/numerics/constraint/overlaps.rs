@@ -3,10 +3,10 @@
 use super::contact::curve::PointCarrier;
 use super::{Constraint, ConstraintUpkeep, StoredConstraint};
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::{MemoryUse, sorted_pair};
+use crate::kernel::lists::{Memory, sorted_pair};
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes};
 use crate::state::EffectId;
-use crate::state::archive::{StateArchive, persist_struct};
+use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::Dofs;
 use crate::state::magnitude::AmplitudeClock;
 
@@ -19,7 +19,8 @@ const EVERY: u64 = 401;
 const FIT: f64 = 0.05;
 
 /// Boundary of a body: points and faces.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
+#[memory(uncounted: name)]
 pub struct BodyOutline {
     /// Name of the body in warnings.
     pub name: String,
@@ -43,7 +44,7 @@ impl BodyOutline {
 }
 
 /// Contact pairs and ties of bodies.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct ContactsOfBodies {
     /// Contact pairs of each body, by the side of the pair on which the body is, in ascending order.
     pub pairs: [Vec<Vec<u32>>; 2],
@@ -63,15 +64,15 @@ impl ContactsOfBodies {
     pub fn are_tied(&self, bodies: [usize; 2]) -> bool {
         self.tied.binary_search(&sorted_pair(bodies.inline_map(|body| body as u32))).is_ok()
     }
-
-    fn memory(&self) -> MemoryUse {
-        let of_lists = |lists: &Vec<Vec<u32>>| MemoryUse::of(lists) + lists.iter().map(MemoryUse::of).sum();
-        self.pairs.iter().map(of_lists).sum::<MemoryUse>() + MemoryUse::of(&self.tied)
-    }
 }
 
 /// Check for overlaps of bodies at fixed intervals.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(
+    derived: id, outlines, contacts, places, boxes, sorted_boxes, near, order;
+    then: OverlapMonitor::check_bodies
+)]
+#[memory(inside: outlines, places)]
 pub struct OverlapMonitor {
     id: EffectId,
     outlines: Vec<BodyOutline>,
@@ -275,22 +276,7 @@ impl ConstraintUpkeep for OverlapMonitor {
     }
 }
 
-impl StoredConstraint for OverlapMonitor {
-    fn memory(&self) -> MemoryUse {
-        let of_outline = |o: &BodyOutline| MemoryUse::of(&o.points) + MemoryUse::of(&o.faces);
-        self.outlines.iter().map(of_outline).sum::<MemoryUse>()
-            + self.places.iter().map(MemoryUse::of).sum()
-            + MemoryUse::of(&self.boxes)
-            + MemoryUse::of(&self.order)
-            + MemoryUse::of(&self.found)
-            + MemoryUse::of(&self.reported)
-            + MemoryUse::of(&self.near)
-            + self.sorted_boxes.memory()
-            + self.contacts.memory()
-    }
-}
-
-persist_struct!(OverlapMonitor { reported, has_begun, found } derived { id, outlines, contacts, places, boxes, sorted_boxes, near, order } then OverlapMonitor::check_bodies);
+impl StoredConstraint for OverlapMonitor {}
 
 impl OverlapMonitor {
     fn check_bodies(&mut self, archive: &mut StateArchive<'_>) {

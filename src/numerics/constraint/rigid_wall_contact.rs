@@ -12,11 +12,11 @@ use super::contact::curve::PointCarrier;
 use super::{Constraint, ConstraintForces, ConstraintView, ContactResults, PairForces, StoredConstraint};
 use crate::kernel::attitude::{SpatialVector, cross, dot, norm, plus, times};
 use crate::kernel::interaction::CoulombFriction;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::kernel::profile::SurfaceProfile;
 use crate::platform::PortableMath as _;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
@@ -109,7 +109,9 @@ impl ContactPoint {
 }
 
 /// Contact of one rigid body with one wall over a step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(derived: pair, profile, rings, stations, travel, points)]
+#[memory(uncounted: pair, profile)]
 pub struct RigidWallContact {
     pair: WallPair,
     profile: SurfaceProfile,
@@ -419,14 +421,4 @@ impl ContactResults for RigidWallContact {
     }
 }
 
-impl StoredConstraint for RigidWallContact {
-    fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.points) + MemoryUse::of(&self.rings) + MemoryUse::of(&self.stations)
-    }
-}
-
-persist_struct!(RigidWallContact {
-    forces, duration, longest, previous_dt
-} derived {
-    pair, profile, rings, stations, travel, points
-});
+impl StoredConstraint for RigidWallContact {}

@@ -3,12 +3,13 @@
 use std::collections::HashMap;
 
 use super::bonds::DependentEquation;
-use crate::kernel::lists::heap_bytes;
-use crate::state::archive::persist_struct;
+use crate::kernel::lists::Memory;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 
 /// Unknown of the equations: a degree of freedom, or several with equal motion.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(derived: members, axis, inverse_mass, change, value)]
 pub(super) struct EquationUnknown {
     /// Nodes with equal motion. The motion is computed at the first node and copied to the others; a node with a
     /// prescribed motion is always the first.
@@ -47,7 +48,7 @@ pub(super) fn load(dofs: &Dofs, node: usize, axis: usize) -> f64 {
 }
 
 /// Row of a lower triangular matrix, from its first nonzero column.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 struct FactorRow {
     first: usize,
     values: Vec<f64>,
@@ -60,7 +61,9 @@ impl FactorRow {
 }
 
 /// Factorised equations that share degrees of freedom.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+// The factor follows from the masses; multipliers are solved for in each increment.
+#[persist(fixed: unknowns; derived: rows, spare, factor, last, lambda)]
 pub struct EquationSystem {
     pub(super) unknowns: Vec<EquationUnknown>,
     /// Terms of each equation: index of the unknown, coefficient.
@@ -306,14 +309,6 @@ impl EquationSystem {
     fn unknown(&self, node: usize, axis: usize) -> Option<&EquationUnknown> {
         self.unknowns.iter().find(|f| f.axis == axis && f.members.contains(&node))
     }
-
-    pub fn bytes(&self) -> usize {
-        let rows: usize = self.rows.iter().map(|r| size_of_val(r) + heap_bytes(r)).sum();
-        let factor: usize = self.factor.iter().map(|r| size_of_val(r) + 8 * r.values.capacity()).sum();
-        let members: usize = self.unknowns.iter().map(|f| heap_bytes(&f.members)).sum();
-        let own = heap_bytes(&self.unknowns) + self.spare.capacity();
-        rows + factor + members + own + 8 * (self.lambda.capacity() + self.last.capacity())
-    }
 }
 
 impl EquationUnknown {
@@ -355,8 +350,3 @@ pub(super) fn change_velocity(dofs: &mut Dofs, node: usize, axis: usize, change:
         dofs.nodes.acceleration[node][axis] += change / half;
     }
 }
-
-persist_struct!(EquationUnknown { constraint_force, member_force, inertia } derived { members, axis, inverse_mass, change, value });
-
-// The factor follows from the masses; multipliers are solved for in each increment.
-persist_struct!(EquationSystem { unknowns: fixed } derived { rows, spare, factor, last, lambda });

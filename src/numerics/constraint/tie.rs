@@ -1,14 +1,15 @@
 //! Nodes of deformable bodies that belong to a rigid body: they move with it, and it takes their forces.
 
 use super::{CarriedNodes, Constraint, ConstraintView, StoredConstraint};
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::magnitude::AmplitudeClock;
 
 /// Nodes that one rigid body carries. Their mass is added to the body and is zero in the solver.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Persist, Memory)]
+#[persist(derived: id, body, nodes)]
 pub struct TiedNodes {
     /// Row of the ledger.
     pub id: EffectId,
@@ -60,10 +61,4 @@ impl Constraint for TiedNodes {
     }
 }
 
-impl StoredConstraint for TiedNodes {
-    fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.nodes)
-    }
-}
-
-persist_struct!(TiedNodes {} derived { id, body, nodes });
+impl StoredConstraint for TiedNodes {}

@@ -3,16 +3,17 @@
 
 use super::motion::PrescribedQuantity;
 use crate::kernel::amplitude::SampledAmplitude;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::routines::{LoadFailure, LockedRoutines, MotionCall};
 use crate::state::Instant;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::HaltReason;
 use crate::state::magnitude::{AmplitudeClock, Magnitude};
 
 /// Prescribed motion of a node set along one axis.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(fixed: asked; derived: set, kind, amplitude, first)]
 pub struct UserMotion {
     /// Node set, upper case.
     pub set: String,
@@ -28,7 +29,8 @@ pub struct UserMotion {
 }
 
 /// A degree of freedom whose motion the subroutine prescribes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(derived: dof, number, reference)]
 pub struct UserDof {
     pub dof: Dof,
     pub number: i32,
@@ -92,12 +94,4 @@ impl UserMotion {
         (self.increment_before, self.has_begun) = (increment, true);
         Ok(())
     }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.asked) + self.set.capacity() + self.amplitude.bytes()
-    }
 }
-
-persist_struct!(UserDof { offset } derived { dof, number, reference });
-
-persist_struct!(UserMotion { asked: fixed, increment_before, has_begun } derived { set, kind, amplitude, first });

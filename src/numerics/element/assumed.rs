@@ -2,10 +2,10 @@
 
 use crate::kernel::lanes::Lanes;
 use crate::material::carried::carried_state;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Stresses of assumed strains of a block.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 #[repr(C, align(64))]
 pub struct AssumedStresses {
     /// Stress of each pattern at the edge of the element: in its direction, and hoop.
@@ -22,5 +22,3 @@ impl AssumedStresses {
 }
 
 carried_state!(AssumedStresses { stress, limit });
-
-persist_struct!(AssumedStresses { stress, limit });

@@ -3,13 +3,13 @@
 
 use super::group::ElementGroup;
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
-use crate::kernel::lists::sorted_unique;
+use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::quad::dilation;
 use crate::kernel::shape::is_triangle;
 use crate::state::nodes::Nodes;
 
 /// Averaging of the triangles of one group.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub struct DilationAveraging {
     /// Element of each triangle in the group, and its nodes as indices into `nodes`.
     triangles: Vec<(u32, [u32; 3])>,
@@ -59,13 +59,5 @@ impl DilationAveraging {
             self.correction[element as usize / LANES][element as usize % LANES] = correction;
         }
         &self.correction
-    }
-
-    pub fn bytes(&self) -> usize {
-        size_of_val(&*self.triangles)
-            + size_of_val(&*self.nodes)
-            + size_of_val(&*self.around)
-            + size_of_val(&*self.own)
-            + size_of_val(&*self.correction)
     }
 }

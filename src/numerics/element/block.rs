@@ -12,22 +12,23 @@ use super::motion::BlockMotion;
 use super::subzonal::SubzonalPressures;
 use crate::element::record::{BlockRecord, RecordUpdate};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, dispatch_outlined, inline_from_fn};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::prefetch::request;
 use crate::kernel::quad::{QuadOperators, UNIT, at_corners, sums};
 use crate::material::carried::carried_state;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{Material, PlasticFlow};
-use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_fields};
 use crate::state::nodes::{Node, NodeAccelerations};
 
 /// Blocks of one task of a thread. The number is fixed, so that sums do not depend on the number of threads.
 pub const TASK: usize = 16;
 
 /// A block of [`LANES`] elements; each quantity is an array over lanes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
 #[repr(C, align(64))]
+#[persist(derived: nodes)]
 pub struct ElementBlock<S> {
     /// Corner nodes, counter-clockwise.
     pub nodes: [[u32; LANES]; 4],
@@ -40,7 +41,7 @@ pub struct ElementBlock<S> {
 }
 
 /// Energy increments and the largest rate of a task in one increment, lane by lane.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct LaneSums {
     /// Work of the stress.
     pub internal: Lanes,
@@ -105,7 +106,7 @@ impl CornerNodes {
 }
 
 /// Hourglass and viscous stresses of a block until the next increment; zero where the constants have no such stress.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
 #[repr(C, align(64))]
 pub(super) struct ControlStresses {
     /// Generalised hourglass stresses along r and z.
@@ -117,7 +118,9 @@ pub(super) struct ControlStresses {
 }
 
 /// Sums of the last pass and state of one task, stored between passes.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+// The sums stay valid while a task is quiescent.
+#[persist(derived: deformed, deleted)]
 pub struct StoredTask {
     /// With the sums of [`StressUpdate`].
     sums: LaneSums,
@@ -129,8 +132,14 @@ pub struct StoredTask {
 }
 
 /// Scratch memory of a thread, with the state of the task that it updates.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
 #[repr(C, align(64))]
+// The other fields are scratch memory of one pass; the sums stay valid while a task is quiescent.
+#[persist(
+    derived: stress, recorded, r, z, v_r, v_z, motion, turned, middle, weight, strain, block, at, own_rate, cap,
+        arch, deformed;
+    then: TaskWorkspace::persist_work
+)]
 pub struct TaskWorkspace {
     /// Coordinates and velocities of the corners, combined by [`sums`].
     pub(super) r: [Lanes; 4],
@@ -168,7 +177,8 @@ pub struct TaskWorkspace {
 
 /// State of the blocks of a task other than stress and material; each list but the first is empty unless the model needs
 /// it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(fixed: eroded, own_rates, records, controls, enhanced, subzones)]
 pub struct TaskState {
     /// Hourglass and viscous stresses.
     pub(super) controls: Vec<ControlStresses>,
@@ -632,16 +642,6 @@ impl TaskState {
         }
     }
 
-    pub(super) fn bytes(&self) -> usize {
-        let TaskState { controls, enhanced, subzones, records, eroded, own_rates } = self;
-        heap_bytes(controls)
-            + heap_bytes(enhanced)
-            + heap_bytes(subzones)
-            + heap_bytes(records)
-            + heap_bytes(eroded)
-            + heap_bytes(own_rates)
-    }
-
     /// Allocates the state of deletion by `*EROSION` for `blocks` blocks.
     pub(super) fn make_erodible(&mut self, blocks: usize) {
         self.eroded = vec![ErodedLanes::default(); blocks];
@@ -702,28 +702,7 @@ pub fn across(list: &Lanes) -> f64 {
     sums[0]
 }
 
-persist_struct!(ElementBlock<S> [S: Persist] { stress, mass, inverse_mass, state } derived { nodes });
-
-persist_struct!(LaneSums { internal, plastic, damaged, viscous, artificial, rate, limiting });
-
 carried_state!(ControlStresses { hourglass, viscous, slow_dilation });
-
-persist_struct!(ControlStresses { hourglass, viscous, slow_dilation });
-
-persist_struct!(TaskState {
-    eroded: fixed,
-    own_rates: fixed,
-    records: fixed,
-    controls: fixed,
-    enhanced: fixed,
-    subzones: fixed
-});
-
-// The sums stay valid while a task is quiescent.
-persist_struct!(StoredTask { sums, task } derived { deformed, deleted });
-
-// The other fields are scratch memory of one pass; the sums stay valid while a task is quiescent.
-persist_struct!(TaskWorkspace { sums, task } derived { stress, recorded, r, z, v_r, v_z, motion, turned, middle, weight, strain, block, at, own_rate, cap, arch, deformed } then TaskWorkspace::persist_work);
 
 impl TaskWorkspace {
     fn persist_work(&mut self, archive: &mut StateArchive<'_>) {

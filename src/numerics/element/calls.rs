@@ -5,6 +5,7 @@
 //! A call has the points of one number in up to [`ELEMENTS`] elements, because subroutines receive one number of the
 //! integration point (`kIntPt`) per call.
 
+use crate::kernel::lists::Memory;
 use pulp::Arch;
 use rayon::prelude::*;
 

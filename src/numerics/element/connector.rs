@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::heap_bytes;
 use crate::platform::PortableMath as _;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 
@@ -82,7 +82,8 @@ impl SpringDashpotLaw {
 }
 
 /// A spring or dashpot between two nodes, or between a node and the ground.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: ends, axis, law)]
 pub struct Connector {
     /// End nodes; `None` is the ground.
     pub ends: [Option<usize>; 2],
@@ -102,7 +103,7 @@ impl Connector {
 }
 
 /// Squared frequency and damping rate of connectors alone.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct ConnectorBounds {
     square: f64,
     damping: f64,
@@ -135,7 +136,8 @@ pub struct CarriedEnd {
 }
 
 /// All springs and dashpots of a model, and their bound of the time increment.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: list; derived: carried, sums)]
 pub struct Connectors {
     list: Vec<Connector>,
     bounds: ConnectorBounds,
@@ -251,9 +253,3 @@ impl Connector {
         }
     }
 }
-
-persist_struct!(Connectors { list: fixed, bounds } derived { carried, sums });
-
-persist_struct!(Connector { force, released } derived { ends, axis, law });
-
-persist_struct!(ConnectorBounds { square, damping });

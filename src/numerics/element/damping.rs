@@ -4,9 +4,9 @@
 
 use super::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::quad::{UNIT, gradient};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 
@@ -32,7 +32,8 @@ struct DampedCell {
 }
 
 /// Damping forces of all nodes of elements with Rayleigh damping.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(fixed: coefficients, forces; derived: factors, half, most, cells, stresses)]
 pub struct RayleighDamping {
     /// Factors of each element group.
     factors: Vec<RayleighFactors>,
@@ -155,11 +156,4 @@ impl RayleighDamping {
         dofs.energies.viscous -= work;
         self.started = dofs.nodes.previous_dt == 0.0;
     }
-
-    pub fn bytes(&self) -> usize {
-        let cells = heap_bytes(&self.cells) + heap_bytes(&self.stresses);
-        cells + size_of_val(&*self.factors) + size_of_val(&*self.coefficients) + size_of_val(&*self.forces)
-    }
 }
-
-persist_struct!(RayleighDamping { coefficients: fixed, forces: fixed, started } derived { factors, half, most, cells, stresses });

@@ -3,9 +3,9 @@
 //! controls").
 
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::platform::PortableMath as _;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 
@@ -22,7 +22,8 @@ const CAUTION: f64 = 1.5;
 const AHEAD: f64 = 5.0;
 
 /// An element under distortion control.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Persist, Memory)]
+#[persist(derived: place, corners, inverse_mass, offset)]
 pub struct ControlledElement {
     /// Index of the element group, and of the element in it.
     pub place: (usize, usize),
@@ -114,7 +115,8 @@ impl ControlledElement {
 }
 
 /// All elements under distortion control.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(fixed: list)]
 pub struct DistortionControl {
     list: Vec<ControlledElement>,
     /// Initial stable time increment.
@@ -168,15 +170,7 @@ impl DistortionControl {
             *rate *= CAUTION;
         }
     }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.list)
-    }
 }
-
-persist_struct!(DistortionControl { list: fixed, time });
-
-persist_struct!(ControlledElement { force } derived { place, corners, inverse_mass, offset });
 
 #[cfg(test)]
 mod tests {

@@ -24,14 +24,14 @@ use super::removed::DeletionRecord;
 use super::rings::RingFactors;
 use super::tiles::{Tiles, tile_length};
 use crate::kernel::lanes::{InlineMap, LANES};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::prefetch::PrefetchChoice;
 use crate::kernel::topology::{ElementNodes, ElementTopology};
 use crate::material::available::AvailableEnergy;
 use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::NodalAssembly;
 use crate::routines::PointRoutines;
-use crate::state::archive::{StateArchive, persist_struct};
+use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::Dofs;
 use crate::state::energies::EnergyTotals;
 use crate::state::halt::HaltReason;
@@ -47,7 +47,15 @@ const TILED: usize = 131_072;
 const AHEAD: usize = 2;
 
 /// Deformable elements of a model, and everything that acts through them; nodes are stored separately.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, Persist)]
+// Characteristic lengths are stored in the groups; fields depend on the time only. Corner forces of quiescent elements
+// are saved because their zeros have signs, which affect the accelerations.
+#[persist(
+    each: groups;
+    present: connectors, damping, distortion, erosion, removed, masses, frequency, rings, tiles;
+    derived: ids, deformed, interfaces, averagings, lengths, fields, arch, gather, prefetch, failure;
+    then: Elements::check_deleted
+)]
 pub struct Elements {
     pub groups: Vec<Box<dyn ElementGroup>>,
     /// Ledger row of each group.
@@ -514,13 +522,6 @@ fn add(totals: &GroupTotals, energies: &mut EnergyTotals) {
     energies.viscous += totals.viscous;
     energies.artificial += totals.artificial;
 }
-
-// Characteristic lengths are stored in the groups; fields depend on the time only. Corner forces of quiescent elements
-// are saved because their zeros have signs, which affect the accelerations.
-persist_struct!(Elements {
-    limit, active_nodes, pending, deleted, deleted_before, uses_frequency, connectors: present, damping: present, distortion: present, erosion: present,
-    removed: present, masses: present, frequency: present, rings: present, groups: each, corners, tiles: present
-} derived { ids, deformed, interfaces, averagings, lengths, fields, arch, gather, prefetch, failure } then Elements::check_deleted);
 
 impl Elements {
     fn check_deleted(&mut self, archive: &mut StateArchive<'_>) {

@@ -2,10 +2,10 @@
 
 use crate::kernel::lanes::Lanes;
 use crate::kernel::quad::UNIT;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Deletion state of a block's elements, independent of their materials.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 pub struct ErodedLanes {
     /// Height of the ring that replaces each deleted element; 0 for active elements.
     height: Lanes,
@@ -37,5 +37,3 @@ impl ErodedLanes {
 pub(super) fn height(volume: f64) -> f64 {
     volume / (24.0 * UNIT)
 }
-
-persist_struct!(ErodedLanes { height });

@@ -12,9 +12,9 @@ use super::elements::Elements;
 use super::group::{ElementGroup, PARALLEL};
 use crate::kernel::corners::{is_distorted, largest_shell_strain, largest_strain};
 use crate::kernel::lanes::{InlineMap, LANES};
-use crate::kernel::lists::sorted_unique;
+use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::quad;
-use crate::state::archive::{Persist, StateArchive};
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
@@ -62,7 +62,8 @@ impl DeletionCriteria {
 }
 
 /// Elements with the same criteria.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(fixed: due; derived: criteria, elements)]
 struct MonitoredElements {
     criteria: DeletionCriteria,
     elements: Vec<(usize, usize)>,
@@ -93,7 +94,8 @@ impl MonitoredElements {
 }
 
 /// All elements with deletion criteria.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(fixed: list)]
 pub struct ErosionControl {
     list: Vec<MonitoredElements>,
 }
@@ -117,11 +119,6 @@ impl ErosionControl {
             let own = own.elements.iter().zip(&mut own.due).filter(|((g, _), _)| *g != group);
             own.zip(of_others).for_each(|((_, due), (_, before))| *due = *before);
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        let each = |w: &MonitoredElements| size_of_val(w) + size_of_val(&*w.elements) + w.due.capacity();
-        self.list.iter().map(each).sum()
     }
 }
 
@@ -179,14 +176,6 @@ impl Elements {
         group.extensions().deletion().erode(element, volume);
         if let Some(removed) = &mut self.removed {
             removed.add(work);
-        }
-    }
-}
-
-impl Persist for ErosionControl {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        for MonitoredElements { criteria: _, elements: _, due } in &mut self.list {
-            due.as_mut_slice().persist(archive);
         }
     }
 }

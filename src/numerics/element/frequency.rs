@@ -14,7 +14,7 @@ use super::group::ElementGroup;
 use super::lanczos::{LanczosVectors, SparseOperator};
 use crate::kernel::chunks::CHUNK;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::nodes::Nodes;
 
 /// Approximate run time of an estimate in increments: each step reads the operator once.
@@ -25,7 +25,9 @@ pub(super) const WORN: f64 = 0.1;
 const PAUSE: [u64; 2] = [100, 20_000];
 
 /// Estimator of the highest frequency: operator, vectors and current estimate.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+// The operator is recomputed with each estimate.
+#[persist(fixed: roots; derived: id, operator, vectors)]
 pub struct HighestFrequency {
     pub id: EffectId,
     operator: SparseOperator,
@@ -36,7 +38,7 @@ pub struct HighestFrequency {
 }
 
 /// State of the estimate between increments.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub(super) struct EstimateState {
     /// Last estimated frequency, radians per time; 0 if none is valid.
     pub found: f64,
@@ -183,11 +185,6 @@ impl HighestFrequency {
         self.vectors.largest_eigenvalue(&self.operator, arch).sqrt()
     }
 }
-
-// The operator is recomputed with each estimate.
-persist_struct!(HighestFrequency { roots: fixed, state } derived { id, operator, vectors });
-
-persist_struct!(EstimateState { found, growth, predicted_growth, age, pause, by_elements, gain, count, holds });
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,7 @@
 //! Interface of element groups, and the group of quadrilaterals: its blocks, dispatched to the instruction set of the
 //! machine and distributed over threads.
 
+use crate::kernel::lists::Memory;
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -27,13 +28,13 @@ use crate::material::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::mesh::corner_forces::{CornerForces, are_zero};
 use crate::routines::PointRoutines;
 use crate::state::Instant;
-use crate::state::archive::{Persist, persist_struct};
+use crate::state::archive::Persist;
 use crate::state::halt::HaltReason;
 use crate::state::nodes::{Node, NodeAccelerations};
 use crate::variables::{Variable, VariableComponent};
 
 /// Energy increments and limits of a group from one update.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct GroupTotals {
     /// Work of the stress.
     pub internal: f64,
@@ -388,6 +389,12 @@ pub(super) fn spoil_scratch() {
 }
 
 /// Quadrilaterals of one material, with volume or area weighting.
+#[derive(Persist)]
+#[persist(
+    fixed: blocks, tasks, listed, quiescence;
+    derived: material, constants, calls, count, arch;
+    then: persist_called_moduli
+)]
 pub struct QuadGroup<M: Material> {
     pub(super) material: Arc<M>,
     pub(super) constants: ElementConstants,
@@ -1109,14 +1116,6 @@ pub(super) fn totals(tasks: impl Iterator<Item = (LaneSums, [Lanes; 2])>, most: 
     totals.rate = 0.5 * largest;
     totals
 }
-
-persist_struct!(QuadGroup<M> [M: Material] {
-    cap, blocks: fixed, tasks: fixed, listed: fixed, quiescence: fixed
-} derived {
-    material, constants, calls, count, arch
-} then persist_called_moduli);
-
-persist_struct!(GroupTotals { internal, plastic, damaged, viscous, artificial, rate, limiting, deformed });
 
 #[cfg(test)]
 mod tests {

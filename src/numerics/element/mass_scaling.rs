@@ -1,9 +1,9 @@
 //! Mass scaling (`*FIXED MASS SCALING`, `*VARIABLE MASS SCALING`): requests, the factor of each element, and when
 //! factors are recomputed.
 
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::topology::PerNode;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Rule that derives mass factors from a target stable time increment (`TYPE`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +37,8 @@ pub enum ScalingInterval {
 }
 
 /// Variable mass scaling, with its interval and the next due increment or interval of the step.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Persist)]
+#[persist(derived: request, rhythm)]
 pub struct VariableScaling {
     /// Elements and scaling rule.
     pub request: ScalingRequest,
@@ -65,7 +66,8 @@ impl VariableScaling {
 }
 
 /// Requests of fixed and variable mass scaling of one step.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Persist)]
+#[persist(fixed: variable; derived: fixed)]
 pub struct StepMassScaling {
     /// Requests evaluated once, at the start of the step; `None` if those of an earlier step continue.
     pub fixed: Option<Vec<ScalingRequest>>,
@@ -92,7 +94,10 @@ pub struct ArrivedScaling {
 
 /// Masses without scaling, and the factors on them. All lists are allocated here, so that nothing allocates inside an
 /// increment.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+// The set of linked nodes follows from the plan; scaled masses are recomputed.
+#[persist(fixed: nodes; fixed_lists: elements, fixed, factors, applied; derived: linked, sums)]
+#[memory(inside: elements, fixed, factors, applied)]
 pub struct ScaledMasses {
     pub(super) nodes: Vec<f64>,
     /// Masses of elements at their nodes, by group.
@@ -137,10 +142,6 @@ impl StepMassScaling {
     }
 }
 
-persist_struct!(VariableScaling { due } derived { request, rhythm });
-
-persist_struct!(StepMassScaling { variable: fixed, first } derived { fixed });
-
 impl ScaledMasses {
     /// Returns the masses of an element at its nodes, scaled by a factor.
     pub(super) fn scaled(&self, group: usize, element: usize, factor: f64) -> PerNode<f64> {
@@ -148,23 +149,4 @@ impl ScaledMasses {
         masses.iter_mut().for_each(|mass| *mass *= factor);
         masses
     }
-
-    pub fn bytes(&self) -> usize {
-        let of = |lists: &Vec<Vec<f64>>| lists.iter().map(|l| 8 * l.capacity()).sum::<usize>();
-        let elements: usize = self.elements.iter().map(heap_bytes).sum();
-        of(&self.fixed)
-            + of(&self.factors)
-            + of(&self.applied)
-            + elements
-            + self.linked.capacity()
-            + 8 * (self.nodes.capacity() + self.sums.capacity())
-    }
 }
-
-// The set of linked nodes follows from the plan; scaled masses are recomputed.
-persist_struct!(ScaledMasses {
-    nodes: fixed, elements: fixed_lists, fixed: fixed_lists, factors: fixed_lists, applied: fixed_lists, original, added,
-    added_to_links
-} derived {
-    linked, sums
-});

@@ -1,5 +1,6 @@
 //! Field variables prescribed at nodes over time (`*FIELD`), and their transfer to elements.
 
+use crate::kernel::lists::Memory;
 use std::sync::Arc;
 
 use super::group::ElementGroup;

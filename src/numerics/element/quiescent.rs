@@ -6,11 +6,12 @@ use super::group::ElementGroup;
 use crate::kernel::chunks::FEW;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lists::heap_bytes;
-use crate::state::archive::{Persist, StateArchive, persist_struct};
+use crate::state::archive::{Persist, StateArchive};
 use crate::state::nodes::Node;
 
 /// Nodes of a task of elements, and whether it is quiescent.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: nodes)]
 pub(super) struct TaskQuiescence {
     pub nodes: Vec<u32>,
     /// Whether the task has been at rest since the start of the analysis.
@@ -101,8 +102,6 @@ impl ActiveNodes {
         self.awake.is_empty() || self.awake[first / FEW]
     }
 }
-
-persist_struct!(TaskQuiescence { quiescent } derived { nodes });
 
 impl Persist for ActiveNodes {
     fn persist(&mut self, archive: &mut StateArchive<'_>) {

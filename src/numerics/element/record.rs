@@ -9,11 +9,11 @@ use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::rotation::{rotate, rotation_of_spin};
 use crate::material::PlasticFlow;
 use crate::material::increment::{StrainIncrement, StressUpdate};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::variables::{Variable, VariableComponent};
 
 /// Output variables of the elements of a block.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 pub struct BlockRecord {
     /// Logarithmic strain rr, zz, hoop, rz (tensor component), integrated with the rotation of the stress.
     strain: [Lanes; 4],
@@ -161,5 +161,3 @@ impl BlockRecord {
         }
     }
 }
-
-persist_struct!(BlockRecord { strain, plastic, rate, work });

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::elements::Elements;
 use super::group::ElementGroup;
 use super::values::internal_energy;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
@@ -30,7 +30,8 @@ pub struct DeletionTotals {
 }
 
 /// Deletion so far.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: around; fixed_lists: counted)]
 pub struct DeletionRecord {
     /// For each group, whether each element has been counted; empty if elements of the group cannot be deleted.
     counted: Vec<Vec<bool>>,
@@ -153,5 +154,3 @@ impl Elements {
         }
     }
 }
-
-persist_struct!(DeletionRecord { counted: fixed_lists, around: fixed, points, mass, internal, seen });

@@ -2,12 +2,15 @@
 //! to full rings, so that loads and motions act on a node as in other formulations.
 
 use super::group::ElementGroup;
-use crate::state::archive::persist_struct;
+use crate::kernel::lists::Memory;
+use crate::state::archive::Persist;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
 /// Factors from plane sections to rings at the nodes of area-weighted elements.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(fixed: factors; derived: quarters)]
+#[memory(inside: quarters)]
 pub struct RingFactors {
     /// A quarter of the mass of each element over 2π, group by group.
     quarters: Vec<Vec<f64>>,
@@ -22,10 +25,6 @@ impl RingFactors {
         let mass = |g: &dyn ElementGroup, e| g.value(e, Variable::Mass.into()).unwrap_or_default();
         let of_group = |g: &dyn ElementGroup| (0..g.len()).map(|e| quarter(mass(g, e))).collect();
         RingFactors { quarters: groups.iter().map(|g| of_group(&**g)).collect(), factors: vec![0.0; nodes] }
-    }
-
-    pub fn bytes(&self) -> usize {
-        self.quarters.iter().map(|q| size_of_val(&**q)).sum::<usize>() + size_of_val(&*self.factors)
     }
 
     /// Updates the factors at the current positions: the mass of a section is that of its element over the
@@ -44,5 +43,3 @@ impl RingFactors {
         }
     }
 }
-
-persist_struct!(RingFactors { factors: fixed } derived { quarters });

@@ -8,15 +8,17 @@ use pulp::{Simd, WithSimd};
 use super::block::{CornerNodes, TaskWorkspace, is_larger};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, dispatch_outlined};
 use crate::kernel::quad::{UNIT, at_corners, volume_gradient};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::nodes::Node;
 
 /// Smallest fraction of its nominal volume at which the pressure of a quarter still increases.
 const LEAST: f64 = 0.01;
 
 /// Subzonal state of a block.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 #[repr(C, align(64))]
+// The mass fractions follow from the mesh.
+#[persist(derived: share)]
 pub(super) struct SubzonalPressures {
     /// Mass of each quarter over that of the element.
     share: [Lanes; 4],
@@ -194,9 +196,6 @@ impl TaskWorkspace {
         }
     }
 }
-
-// The mass fractions follow from the mesh.
-persist_struct!(SubzonalPressures { pressure } derived { share });
 
 #[cfg(test)]
 mod tests {

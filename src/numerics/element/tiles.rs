@@ -9,10 +9,10 @@ use std::ops::Range;
 use super::block::TASK;
 use crate::kernel::chunks::FEW;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::mesh::corner_forces::CornerForces;
 use crate::mesh::gather::{NodalAssembly, SLOTS, slots_total};
-use crate::state::archive::{Persist, StateArchive};
+use crate::state::archive::Persist;
 
 /// Tasks of a ring: 4 096 elements, or 256 kB.
 const RING: usize = 16;
@@ -45,7 +45,9 @@ pub(super) fn blocks_in_ring(task: usize, blocks: usize) -> Range<usize> {
 }
 
 /// Tiles of all groups, and the nodal forces that they sum.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(fixed: forces; derived: groups, slots, shared, first_shared, stored)]
+#[memory(inside: groups)]
 pub(super) struct Tiles {
     /// `None` for a group that stores all its corner forces.
     groups: Vec<Option<GroupTiles>>,
@@ -62,7 +64,7 @@ pub(super) struct Tiles {
 }
 
 /// Tiles of a group.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 struct GroupTiles {
     /// Tasks of a tile.
     length: usize,
@@ -224,13 +226,6 @@ impl Tiles {
             Err(_) => self.forces[node],
         }
     }
-
-    pub fn bytes(&self) -> usize {
-        let of_group = |tiles: &GroupTiles| heap_bytes(&tiles.before) + tiles.stored.capacity();
-        let groups: usize = self.groups.iter().flatten().map(of_group).sum();
-        let nodes = heap_bytes(&self.slots) + heap_bytes(&self.forces);
-        groups + nodes + heap_bytes(&self.shared) + heap_bytes(&self.first_shared) + heap_bytes(&self.stored)
-    }
 }
 
 /// Returns the task that completes a node, if its corner forces are in the ring of one tile.
@@ -334,11 +329,5 @@ fn sum(slots: &[[u16; SLOTS]], ring: &[f64], forces: &mut [[f64; 2]]) {
     let pair = |slot: u16| [ring[usize::from(slot)], ring[usize::from(slot) + LANES]];
     for (force, slots) in forces.iter_mut().zip(slots) {
         *force = slots_total(slots.inline_map(pair));
-    }
-}
-
-impl Persist for Tiles {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        self.forces.as_mut_slice().persist(archive);
     }
 }

@@ -6,9 +6,9 @@ use super::conductors::at;
 use super::field::TemperatureField;
 use crate::element::elements::Elements;
 use crate::kernel::hardening::LinearTable;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 
 /// Thermal expansion of a group of elements: `alpha(T) (T - T0) - alpha(T_I) (T_I - T0)`, with the initial temperature
@@ -31,7 +31,9 @@ impl GroupExpansion {
 }
 
 /// Thermal strains of all groups with expansion.
-#[derive(Clone)]
+#[derive(Clone, Persist, Memory)]
+#[persist(fixed_lists: strains; derived: list, scratch)]
+#[memory(inside: strains; uncounted: list)]
 pub struct ThermalStrains {
     list: Arc<Vec<GroupExpansion>>,
     /// Strains relative to T0 already applied to the elements, group by group.
@@ -109,10 +111,4 @@ impl ThermalStrains {
     pub fn of_group(&mut self, index: usize) -> Option<&mut Vec<f64>> {
         self.list.iter().zip(&mut self.strains).find(|e| e.0.group == index).map(|e| e.1)
     }
-
-    pub(super) fn bytes(&self) -> usize {
-        self.strains.iter().chain(&self.scratch).map(heap_bytes).sum()
-    }
 }
-
-persist_struct!(ThermalStrains { strains: fixed_lists } derived { list, scratch });

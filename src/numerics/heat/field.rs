@@ -9,16 +9,18 @@ use crate::constraint::Constraint;
 use crate::constraint::bonds::LinkSystem;
 use crate::element::elements::Elements;
 use crate::element::group::ElementGroup;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
-use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
 
 /// Heat sources and prescribed temperatures of a step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+// Factors of equations follow from the capacities; multipliers are computed again.
+#[persist(fixed: sources, held; derived: bonds)]
 pub struct ThermalConditions {
     pub sources: Vec<HeatSource>,
     /// Prescribed temperatures; each node at most once.
@@ -28,7 +30,7 @@ pub struct ThermalConditions {
 }
 
 /// Heat since the start of the analysis.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct HeatEnergies {
     /// Heat from outside: fluxes, films and prescribed temperatures.
     pub external: f64,
@@ -50,7 +52,12 @@ const NEWTON_STEPS: usize = 20;
 const BESIDE: f64 = 2.2;
 
 /// Nodal temperatures, and all processes that change them.
-#[derive(Clone)]
+#[derive(Clone, Persist)]
+// The step determines the conditions.
+#[persist(
+    fixed: temperature, power, means;
+    derived: id, conductors, adaptive, steps, masses, capacity, sinks, exchange, trial_temperatures, corners, warmed, largest
+)]
 pub struct TemperatureField {
     pub id: EffectId,
     conductors: Arc<ConductingElements>,
@@ -565,38 +572,4 @@ fn capacities(conductors: &ConductingElements, masses: &[Vec<f64>], temperature:
         conductors.parts.iter().zip(masses).map(|(p, m)| m[n] * at(&p.properties.capacity, *t)).sum()
     };
     temperature.iter().enumerate().map(of).collect()
-}
-
-persist_struct!(HeatEnergies { external, internal, inelastic });
-
-impl Persist for TemperatureField {
-    /// Visits the state within a step, which determines the conditions.
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let TemperatureField {
-            id: _,
-            conductors: _,
-            adaptive: _,
-            steps: _,
-            now,
-            masses: _,
-            capacity: _,
-            temperature,
-            power,
-            given,
-            sinks: _,
-            exchange: _,
-            trial_temperatures: _,
-            corners: _,
-            means,
-            warmed: _,
-            largest: _,
-            rate,
-            energies,
-        } = self;
-        archive.mark("heat");
-        // Factors of equations follow from the capacities; multipliers are computed again.
-        let ThermalConditions { sources, held, bonds: _ } = now;
-        persist_fields!(archive; sources.as_mut_slice(), held.as_mut_slice(), temperature.as_mut_slice());
-        persist_fields!(archive; power.as_mut_slice(), given, means.as_mut_slice(), rate, energies);
-    }
 }

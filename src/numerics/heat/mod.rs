@@ -10,14 +10,16 @@ pub mod field;
 pub mod sources;
 
 use crate::element::elements::Elements;
-use crate::state::archive::persist_struct;
+use crate::kernel::lists::Memory;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::magnitude::AmplitudeClock;
 use expansion::ThermalStrains;
 use field::TemperatureField;
 
 /// Temperatures and thermal strains of a model; at least one of both exists.
-#[derive(Clone)]
+#[derive(Clone, Persist)]
+#[persist(present: heat, expansion)]
 pub struct ThermalState {
     /// Nodal temperatures; `None` if each element has its own temperature.
     pub heat: Option<TemperatureField>,
@@ -44,5 +46,3 @@ impl ThermalState {
         ]
     }
 }
-
-persist_struct!(ThermalState { heat: present, expansion: present });

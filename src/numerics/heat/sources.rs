@@ -1,11 +1,11 @@
 //! Heat sources: fluxes into nodes, faces and volumes, films, and prescribed temperatures.
 
 use super::conductors::ConductingElements;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::topology::ElementNodes;
 use crate::mesh::surface::{CurrentFace, DeformableFaces};
 use crate::state::EffectId;
-use crate::state::archive::{Persist, StateArchive, persist_struct};
+use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::Dofs;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::{AmplitudeClock, Magnitude};
@@ -113,7 +113,8 @@ impl HeatSource {
 }
 
 /// Prescribed temperatures (`*BOUNDARY` on degree of freedom 11).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: nodes; derived: id, magnitude)]
 pub struct PrescribedTemperature {
     pub id: EffectId,
     /// Temperature over time.
@@ -122,7 +123,8 @@ pub struct PrescribedTemperature {
 }
 
 /// A node with prescribed temperature.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
+#[persist(derived: node)]
 pub struct TemperatureNode {
     pub node: usize,
     /// Heat by plastic work at the node since the start of the increment.
@@ -145,7 +147,3 @@ impl Persist for HeatSource {
         }
     }
 }
-
-persist_struct!(PrescribedTemperature { nodes: fixed } derived { id, magnitude });
-
-persist_struct!(TemperatureNode { made, reaction } derived { node });

@@ -1,10 +1,10 @@
 //! Functions of time (amplitudes) that scale loads and motions.
 
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 
 /// A tabulated amplitude: linear or smooth-step interpolation between points, constant outside (ABAQUS Analysis User's
 /// Guide, "Amplitude curves").
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub struct AmplitudeCurve {
     points: Vec<[f64; 2]>,
     smooth: bool,
@@ -27,10 +27,6 @@ impl AmplitudeCurve {
         let xi = (time - from[0]) / (to[0] - from[0]);
         let weight = if self.smooth { xi * xi * xi * (10.0 + xi * (6.0 * xi - 15.0)) } else { xi };
         from[1] + (to[1] - from[1]) * weight
-    }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.points)
     }
 
     /// Returns the slope at a time; at a kink the slope after it.

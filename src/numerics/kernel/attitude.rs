@@ -2,6 +2,7 @@
 //! symmetric top. Axes 1, 2, 3: r at angle 0, the axis of symmetry, and the third axis of a right-handed frame.
 
 use super::lanes::InlineMap;
+use revolve_derive::Persist;
 /// A vector with components along 1, 2, 3.
 pub type SpatialVector = [f64; 3];
 
@@ -38,7 +39,7 @@ pub fn angle(a: SpatialVector, b: SpatialVector) -> f64 {
 }
 
 /// A rotation as a unit quaternion: scalar part, then vector part.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Persist)]
 pub struct Attitude(pub [f64; 4]);
 
 impl Default for Attitude {

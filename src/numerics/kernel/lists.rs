@@ -3,6 +3,8 @@
 use std::iter::Sum;
 use std::ops::Add;
 
+pub use revolve_derive::Memory;
+
 /// Returns the members in ascending order without duplicates.
 pub fn sorted_unique<T: Ord>(members: impl IntoIterator<Item = T>) -> Vec<T> {
     let mut sorted: Vec<T> = members.into_iter().collect();
@@ -53,5 +55,85 @@ impl Add for MemoryUse {
 impl Sum for MemoryUse {
     fn sum<I: Iterator<Item = MemoryUse>>(parts: I) -> MemoryUse {
         parts.fold(MemoryUse::default(), Add::add)
+    }
+}
+
+/// A type with lists on the heap.
+///
+/// `#[derive(Memory)]` adds the memory that all fields own: lists, boxes, options, arrays and tuples of them, types with
+/// this trait, and `Copy` types, which own none. `#[memory(role: field, field; role: field)]` lists the exceptions:
+///
+/// - `uncounted`: memory that is shared, counted elsewhere or not counted
+/// - `flat`: a list without the memory that its entries own
+/// - `inside`: the memory that the entries of a list or the content of a box own, without the list or box itself
+///
+/// A field of another type does not compile until it is listed:
+///
+/// ```compile_fail,E0599
+/// use revolve_numerics::kernel::lists::Memory;
+///
+/// struct Mesh(Vec<u32>);
+///
+/// #[derive(Memory)]
+/// struct Probe {
+///     values: Vec<f64>,
+///     mesh: Mesh, // neither `Copy` nor `Memory`
+/// }
+/// ```
+///
+/// ```
+/// # use revolve_numerics::kernel::lists::Memory;
+/// #[derive(Memory)]
+/// struct Mesh(Vec<u32>);
+///
+/// #[derive(Memory)]
+/// struct Probe {
+///     values: Vec<f64>,
+///     mesh: Mesh,
+/// }
+/// assert_eq!(Probe { values: vec![1.0; 3], mesh: Mesh(vec![0; 2]) }.bytes(), 3 * 8 + 2 * 4);
+/// ```
+pub trait Memory {
+    /// Returns the memory that the value owns outside itself.
+    fn memory(&self) -> MemoryUse;
+
+    /// Returns the bytes that the value has allocated, used or not.
+    fn bytes(&self) -> usize {
+        let MemoryUse { used, reserved } = self.memory();
+        used + reserved
+    }
+}
+
+impl Memory for String {
+    fn memory(&self) -> MemoryUse {
+        MemoryUse { used: self.len(), reserved: self.capacity() - self.len() }
+    }
+}
+
+/// A field of a type that derives [`Memory`]. Method resolution tries [`MemoryOfOwner`] before [`MemoryOfCopy`], which
+/// needs one more reference.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct FieldMemory<'a, T: ?Sized>(pub &'a T);
+
+#[doc(hidden)]
+pub trait MemoryOfOwner {
+    fn memory_of_field(&self) -> MemoryUse;
+}
+
+impl<T: Memory + ?Sized> MemoryOfOwner for FieldMemory<'_, T> {
+    fn memory_of_field(&self) -> MemoryUse {
+        self.0.memory()
+    }
+}
+
+#[doc(hidden)]
+pub trait MemoryOfCopy {
+    fn memory_of_field(&self) -> MemoryUse;
+}
+
+impl<T: Copy> MemoryOfCopy for &FieldMemory<'_, T> {
+    fn memory_of_field(&self) -> MemoryUse {
+        MemoryUse::default()
     }
 }

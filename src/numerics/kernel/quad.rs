@@ -7,6 +7,7 @@
 //! on the axis.
 
 use super::lanes::InlineMap;
+use revolve_derive::Persist;
 use std::f64::consts::PI;
 
 use super::real::Real;
@@ -146,7 +147,7 @@ impl<T: Real> SquareSums<T> {
 }
 
 /// Integrals over the volume of an element, a full ring, in [`UNIT`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Persist)]
 pub struct CornerGradient {
     /// int dN_I/dr dV of each corner, length².
     pub r: [f64; 4],

@@ -1,6 +1,6 @@
 //! Boxes sorted along one direction, to find those near another box.
 
-use super::lists::MemoryUse;
+use super::lists::Memory;
 
 /// A box in the (r, z) plane, by its lower and upper corner.
 pub type BoundingBox = [[f64; 2]; 2];
@@ -19,7 +19,7 @@ pub fn box_of(points: &[[f64; 2]]) -> BoundingBox {
 }
 
 /// Boxes with an index each, sorted by their lower end along r or z: the direction in which the boxes extend farther.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct SortedBoxes {
     axis: usize,
     longest: f64,
@@ -55,11 +55,6 @@ impl SortedBoxes {
                 add(*index);
             }
         }
-    }
-
-    /// Returns the number of bytes of the list, in use and in reserve.
-    pub fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.boxes)
     }
 }
 

@@ -12,6 +12,7 @@
 use super::damage_envelope::{DamageEnvelope, EnvelopeShape};
 use super::lanes::InlineMap;
 use crate::platform::PortableMath as _;
+use revolve_derive::Persist;
 
 /// Largest difference of the damage from that of the envelope at which the stored separation is on the envelope.
 const ON_ENVELOPE: f64 = 1e-12;
@@ -103,7 +104,7 @@ pub struct TractionSeparationLaw {
 }
 
 /// History of a point of an interface.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct InterfaceHistory {
     /// Damage that acts on the tractions, 0 to 1.
     pub damage: f64,

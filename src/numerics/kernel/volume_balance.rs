@@ -1,7 +1,7 @@
 //! Small flows between adjacent elements that bring the volume of the material in each element close to the volume of the
 //! element: a screened graph Laplacian, solved by conjugate gradients.
 
-use super::lists::heap_bytes;
+use super::lists::Memory;
 
 /// Weight of the volume that remains missing over that of the flows, both relative to the volumes of elements: a missing
 /// volume that flows cannot provide is shared by about ten elements around.
@@ -12,7 +12,7 @@ const NEGLIGIBLE: f64 = 1e-12;
 const MOST_ITERATIONS: usize = 50;
 
 /// Flows between elements, as differences of a potential. All arrays are allocated at the start.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub struct VolumeBalance {
     /// Accuracy of the flows, relative to the largest missing volume.
     accuracy: f64,
@@ -35,12 +35,6 @@ impl VolumeBalance {
             image: zeros(),
             diagonal: zeros(),
         }
-    }
-
-    /// Returns the size of all lists in bytes.
-    pub fn bytes(&self) -> usize {
-        let lists = [&self.potential, &self.residual, &self.direction, &self.image, &self.diagonal];
-        lists.into_iter().map(heap_bytes).sum()
     }
 
     /// Finds flows through `links` between elements that provide the `missing` volumes. Returns whether there are any.

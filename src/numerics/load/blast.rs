@@ -6,12 +6,12 @@ use super::pressure::add_pressure;
 use super::{Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
 use crate::kernel::blast_wave::{BlastWave, BurstShape, has_arrived};
 use crate::kernel::facet::Facet;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
 use crate::platform::PortableMath as _;
 use crate::routines::LockedRoutines;
 use crate::state::EffectId;
-use crate::state::archive::{Persist, StateArchive, persist_fields};
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
@@ -64,7 +64,8 @@ impl BlastSource {
 
 /// Blast on a surface of rigid bodies that move along z and of deformable bodies. Distances are those at the start of
 /// the analysis; angles are current.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: id, source, waves, of_bodies, arrivals)]
 pub struct BlastLoad {
     id: EffectId,
     surface: SurfaceGeometry,
@@ -217,12 +218,5 @@ impl LoadOutput for BlastLoad {
     fn arrays(&self) -> Vec<(&'static str, usize)> {
         let waves = heap_bytes(&self.waves) + heap_bytes(&self.of_bodies) + heap_bytes(&self.arrivals);
         vec![("surface", self.surface.bytes()), ("waves", waves)]
-    }
-}
-
-impl Persist for BlastLoad {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let BlastLoad { id: _, surface, source: _, waves: _, of_bodies: _, arrivals: _, times, time } = self;
-        persist_fields!(archive; &mut surface.skin, times, time);
     }
 }

@@ -3,19 +3,20 @@
 use super::TargetDissipation;
 use super::{EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::quad::{corner_masses, section};
 use crate::kernel::topology::ElementNodes;
 use crate::routines::LockedRoutines;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
 
 /// A force per current volume on deformable elements and rigid bodies.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: id, axis, bodies, magnitude)]
 pub struct BodyForceLoad {
     pub id: EffectId,
     /// 0 along r, 1 along z.
@@ -97,10 +98,9 @@ impl LoadOutput for BodyForceLoad {
     }
 }
 
-persist_struct!(BodyForceLoad { cells } derived { id, axis, bodies, magnitude });
-
 /// Centrifugal force of a rotation about the axis of symmetry: mass times squared angular velocity times radius.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: id, nodes, square)]
 pub struct CentrifugalLoad {
     pub id: EffectId,
     /// Nodes, with the part of their mass that rotates.
@@ -143,5 +143,3 @@ impl LoadOutput for CentrifugalLoad {
         vec![("masses", heap_bytes(&self.nodes)), ("amplitude", self.square.bytes())]
     }
 }
-
-persist_struct!(CentrifugalLoad {} derived { id, nodes, square });

@@ -1,10 +1,10 @@
 //! Concentrated forces and moments (`*CLOAD`).
 
 use super::{EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneView, TargetDissipation};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::routines::LockedRoutines;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
@@ -12,7 +12,8 @@ use crate::state::magnitude::Magnitude;
 use crate::state::rigid_body_3d::Wrench;
 
 /// A force or moment on one degree of freedom of each listed body and node.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: id, bodies, spatial, nodes, dof, magnitude)]
 pub struct ConcentratedLoad {
     pub id: EffectId,
     /// Bodies that move along z only.
@@ -82,5 +83,3 @@ impl LoadOutput for ConcentratedLoad {
         vec![("places", places), ("amplitude", self.magnitude.bytes())]
     }
 }
-
-persist_struct!(ConcentratedLoad {} derived { id, bodies, spatial, nodes, dof, magnitude });

@@ -1,16 +1,17 @@
 //! Gravity (`*DLOAD`, GRAV): a uniform acceleration along z, or in any direction on bodies with six degrees of freedom.
 
 use super::{GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView, TargetDissipation};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::routines::LockedRoutines;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
 
 /// Gravity on a set of bodies and nodes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: nodes; derived: id, bodies, whole, acceleration, along_z)]
 pub struct GravityLoad {
     pub id: EffectId,
     /// Generalised forces on bodies, with mass times the direction's component.
@@ -79,5 +80,3 @@ impl LoadOutput for GravityLoad {
         vec![("masses", masses), ("amplitude", self.acceleration.bytes())]
     }
 }
-
-persist_struct!(GravityLoad { nodes: fixed } derived { id, bodies, whole, acceleration, along_z });

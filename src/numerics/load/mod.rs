@@ -21,7 +21,7 @@ use crate::kernel::topology::ElementNodes;
 use crate::mesh::surface::{RigidFacets, SurfaceGeometry};
 use crate::routines::LockedRoutines;
 use crate::state::EffectId;
-use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
@@ -149,7 +149,7 @@ impl SceneView<'_> {
 }
 
 /// Outcome of a rigid body's impact on a target.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Persist)]
 pub enum PenetrationOutcome {
     /// The body has come to rest in the target.
     AtRest,
@@ -176,7 +176,7 @@ impl PenetrationOutcome {
 }
 
 /// Result of a rigid body's impact on a target.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 pub struct PenetrationRecord {
     pub body: usize,
     /// Outcome at the current time.
@@ -185,7 +185,7 @@ pub struct PenetrationRecord {
 }
 
 /// Motion of a rigid body with six degrees of freedom at the end of the run; angles in degrees.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 pub struct FinalMotion {
     /// Total time at which the body left the target, if it did.
     pub exit_time: Option<f64>,
@@ -299,19 +299,6 @@ pub struct LastIncrement<'a> {
     /// dt²/8 for the increment with which central differences start, else 0.
     start: f64,
     dofs: &'a Dofs,
-}
-
-persist_struct!(FinalMotion { exit_time, velocity, rotational_velocity, speed, obliquity, yaw, tilt });
-
-impl Persist for PenetrationRecord {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let PenetrationRecord { body, outcome, in_space } = self;
-        let mut number = *outcome as u8;
-        persist_fields!(archive; body, &mut number, in_space);
-        use PenetrationOutcome::{AtRest, Moving, NotMet, Ricochet, Through};
-        let found = [AtRest, Moving, Through, Ricochet, NotMet].into_iter().find(|o| *o as u8 == number);
-        *outcome = found.unwrap_or_default();
-    }
 }
 
 impl<'a> LastIncrement<'a> {

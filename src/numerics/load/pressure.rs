@@ -7,11 +7,12 @@ use super::{
 use crate::kernel::attitude::times;
 use crate::kernel::facet::{ring_pressure, section_pressure, shell_pressure};
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::Memory;
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
 use crate::routines::LockedRoutines;
 use crate::state::EffectId;
-use crate::state::archive::{Persist, StateArchive, persist_fields};
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
@@ -19,7 +20,8 @@ use crate::state::magnitude::Magnitude;
 
 /// A uniform pressure, positive against the outward normal. On a rigid body the resultant acts along the axis, so only
 /// the sum of the facets' axial areas is needed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: id, axial_areas, magnitude)]
 pub struct PressureLoad {
     id: EffectId,
     surface: SurfaceGeometry,
@@ -134,11 +136,4 @@ pub(super) fn solid_face_forces(face: &CurrentFace, pressure: f64, rings: Option
     let Some(rings) = rings else { return ring_pressure(face.ends, pressure) };
     let half = section_pressure(face.ends, pressure);
     face.nodes.inline_map(|node| half.inline_map(|f| rings[node] * f))
-}
-
-impl Persist for PressureLoad {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let PressureLoad { id: _, surface, axial_areas: _, magnitude: _, current } = self;
-        persist_fields!(archive; &mut surface.skin, current);
-    }
 }

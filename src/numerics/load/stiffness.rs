@@ -1,11 +1,11 @@
 //! Stiffness of a displacement-dependent load, estimated from its own pressures. A user subroutine whose pressure
 //! depends on position raises the highest frequency of the model.
 
-use crate::kernel::lists::heap_bytes;
-use crate::state::archive::persist_struct;
+use crate::kernel::lists::Memory;
+use crate::state::archive::Persist;
 
 /// Estimated stiffness that a load adds to nodes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct LoadStiffness {
     /// Upper bound of the squared angular frequency of the nodes on the load alone, 1/time².
     pub squared: f64,
@@ -29,7 +29,7 @@ const GROWTH: f64 = 1.3;
 const MIN_STIFFNESS: f64 = 1.0;
 
 /// Values of a face at the last evaluation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Persist)]
 struct FaceHistory {
     place: [f64; 2],
     pressure: f64,
@@ -57,7 +57,8 @@ pub struct FaceSample {
 /// depends on position follows it in proportion. A slope therefore counts only if the displacement changes its sign and
 /// grows by [`GROWTH`], the pressure changes its sign too, two consecutive slopes agree within [`SLOPE_TOLERANCE`], and
 /// the load is stiff enough ([`MIN_STIFFNESS`]). Detection takes a few increments, while the amplitude is still small.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(fixed: points)]
 pub struct StiffnessMonitor {
     points: Vec<FaceHistory>,
     most: Option<LoadStiffness>,
@@ -68,10 +69,6 @@ impl StiffnessMonitor {
         // NaN: the first comparisons are false.
         let none = FaceHistory { place: [f64::NAN; 2], pressure: f64::NAN, way: f64::NAN, change: f64::NAN };
         StiffnessMonitor { points: vec![none; count], most: None }
-    }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.points)
     }
 
     pub fn stiffest(&self) -> Option<&LoadStiffness> {
@@ -114,12 +111,6 @@ impl StiffnessMonitor {
         }
     }
 }
-
-persist_struct!(LoadStiffness { squared, rate, point, place, time });
-
-persist_struct!(FaceHistory { place, pressure, way, change });
-
-persist_struct!(StiffnessMonitor { points: fixed, most });
 
 #[cfg(test)]
 mod tests {

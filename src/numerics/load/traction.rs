@@ -6,11 +6,12 @@ use super::{Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
 use super::{TargetDissipation, VelocityUse};
 use crate::kernel::facet::{Facet, ring_areas, section_areas, shell_areas};
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::Memory;
 use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
 use crate::platform::PortableMath as _;
 use crate::routines::LockedRoutines;
 use crate::state::EffectId;
-use crate::state::archive::{Persist, StateArchive, persist_fields};
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
@@ -104,7 +105,8 @@ impl TractionLaw {
 }
 
 /// A traction on a surface of rigid bodies that move along z and of deformable bodies.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: id, of_bodies, law, magnitude)]
 pub struct TractionLoad {
     id: EffectId,
     surface: SurfaceGeometry,
@@ -202,12 +204,5 @@ impl LoadOutput for TractionLoad {
 
     fn damping(&self) -> f64 {
         self.damping
-    }
-}
-
-impl Persist for TractionLoad {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let TractionLoad { id: _, surface, of_bodies: _, law: _, magnitude: _, damping } = self;
-        persist_fields!(archive; &mut surface.skin, damping);
     }
 }

@@ -1,9 +1,9 @@
 //! Amplitudes computed by a user subroutine (`*AMPLITUDE, DEFINITION=USER`).
 
 use crate::kernel::amplitude::SampledAmplitude;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::routines::{AmplitudeCall, LoadFailure, LockedRoutines, RunAction};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::HaltReason;
 use crate::state::{EffectId, Instant};
@@ -16,7 +16,9 @@ pub enum SensorQuantity {
 }
 
 /// A user amplitude, evaluated once per increment for all loads and conditions that use it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+// Sensor values are read before each call; amplitude values are saved with the run.
+#[persist(fixed: variables; derived: id, name, properties, sensor_names, sensors, sensor_values, index)]
 pub struct SubroutineAmplitude {
     pub id: EffectId,
     /// Name, upper case.
@@ -76,17 +78,4 @@ impl SubroutineAmplitude {
             _ => RunAction::Continue,
         })
     }
-
-    pub fn bytes(&self) -> usize {
-        let names: usize = self.sensor_names.iter().map(|n| size_of::<String>() + n.capacity()).sum();
-        let numbers = self.properties.capacity() + self.variables.capacity() + self.sensor_values.capacity();
-        names + 8 * numbers + heap_bytes(&self.sensors) + self.name.capacity()
-    }
 }
-
-// Sensor values are read before each call; amplitude values are saved with the run.
-persist_struct!(SubroutineAmplitude {
-    variables: fixed
-} derived {
-    id, name, properties, sensor_names, sensors, sensor_values, index
-});

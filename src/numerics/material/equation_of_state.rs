@@ -10,7 +10,7 @@ use super::isentrope::isentropic_work;
 use super::volumetric::{PressureUpdate, VolumetricLaw};
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::material::carried::carried_state;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// An equation of state with the energy of each element. One enum for all laws, matched once per block: with one type
 /// per law, every hardening law and failure criterion would be compiled once more for each.
@@ -23,7 +23,8 @@ pub enum EquationOfState {
 }
 
 /// State variables of a block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(present: burn, mass_factors)]
 pub struct EosState {
     /// Specific energy, energy per mass.
     energy: Lanes,
@@ -162,5 +163,3 @@ impl VolumetricLaw for EquationOfState {
 }
 
 carried_state!(EosState { energy, burn } stay { mass_factors });
-
-persist_struct!(EosState { energy, burn: present, mass_factors: present });

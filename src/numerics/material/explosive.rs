@@ -8,7 +8,7 @@ use crate::kernel::transcendental::exp_of;
 use crate::material::BlockStart;
 use crate::material::carried::carried_state;
 use crate::material::volumetric::PressureUpdate;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Width of the burn front in elements (ABAQUS Analysis User's Guide, "Equation of state", JWL).
 const WIDTH: f64 = 2.5;
@@ -74,7 +74,7 @@ pub struct HighExplosive {
 }
 
 /// Burn fraction, arrival time of the detonation front and burn rate of the elements of a block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
 pub struct BurnState {
     /// Burn fraction, 0 to 1.
     burnt: Lanes,
@@ -143,8 +143,6 @@ impl HighExplosive {
 }
 
 carried_state!(BurnState { burnt, lit, pace });
-
-persist_struct!(BurnState { burnt, lit, pace });
 
 #[cfg(test)]
 mod tests {

@@ -5,7 +5,7 @@ use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::kernel::levels::NestedTable;
 use crate::kernel::transcendental::{exp, ln};
 use crate::material::carried::{CarriedState, carried_state};
-use crate::state::archive::{Persist, persist_struct};
+use crate::state::archive::Persist;
 
 /// A failure model. Materials without failure use [`NoDamage`], which has no state and no cost.
 pub trait FailureLaw: Send + Sync + 'static {
@@ -225,7 +225,8 @@ pub struct MaterialFailure {
 pub const CRITERIA: usize = 3;
 
 /// Damage state of a block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: volume)]
 pub struct DamageState {
     alive: [bool; LANES],
     /// Sum of dp over the failure strain, per criterion.
@@ -383,5 +384,3 @@ impl StrainCriterion {
 // Lengths are saved: a user subroutine may have set them, and is not called again after a restart.
 // The characteristic length and the volume are those of the element at the start.
 carried_state!(DamageState { begun, damage, at_failure, share } stay { alive, length, volume });
-
-persist_struct!(DamageState { alive, begun, damage, at_failure, length, share } derived { volume });

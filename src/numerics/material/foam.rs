@@ -8,7 +8,7 @@ use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::material::carried::carried_state;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::{BlockStart, Material, PlasticFlow};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::variables::{Variable, VariableComponent};
 
 /// Hardening of the yield surface.
@@ -43,7 +43,7 @@ pub struct FoamMaterial {
 }
 
 /// State variables of a block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
 pub struct FoamState {
     /// Compacting volumetric plastic strain (volumetric hardening) or equivalent plastic strain (isotropic hardening).
     strain: Lanes,
@@ -244,8 +244,6 @@ impl Material for FoamMaterial {
 }
 
 carried_state!(FoamState { strain });
-
-persist_struct!(FoamState { strain });
 
 #[cfg(test)]
 mod tests {

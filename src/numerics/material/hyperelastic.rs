@@ -8,7 +8,7 @@ use crate::material::carried::carried_state;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::strain_energy::{PrincipalResponse, StrainEnergy, VolumetricEnergy};
 use crate::material::{BlockStart, Material};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Neo-Hooke: U = C10 (J^(-2/3) tr B - 3) + (J - 1)²/D1. The Cauchy stress is 2 C10 J^(-5/3) dev B + 2 (J - 1)/D1
 /// (ABAQUS Theory Guide, "Hyperelastic material behavior").
@@ -21,7 +21,7 @@ pub struct NeoHooke {
 }
 
 /// State variables of a block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
 pub struct DeformationState {
     /// Deformation gradient: rr, rz, zr, zz, and the hoop stretch r/R.
     gradient: [Lanes; 5],
@@ -217,5 +217,3 @@ impl<E: StrainEnergy> HyperelasticMaterial<E> {
 const LEAST: f64 = 1e-2;
 
 carried_state!(DeformationState { gradient });
-
-persist_struct!(DeformationState { gradient });

@@ -5,7 +5,7 @@ use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::material::carried::carried_state;
 use crate::material::plasticity::{FlowUpdate, HardeningLaw};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Linear kinematic hardening of Prager and Ziegler (ABAQUS Analysis User's Guide, "Models for metals subjected to
 /// cyclic loading", linear kinematic hardening): the back stress grows by 2/3 C times the plastic strain and rotates
@@ -19,7 +19,7 @@ pub struct KinematicHardening {
 }
 
 /// State variables of a block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
 pub struct BackStress {
     strain: Lanes,
     /// Back stress: rr, zz, hoop, rz; its trace is zero.
@@ -78,5 +78,3 @@ impl HardeningLaw for KinematicHardening {
 }
 
 carried_state!(BackStress { strain, back });
-
-persist_struct!(BackStress { strain, back });

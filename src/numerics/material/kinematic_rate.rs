@@ -7,7 +7,7 @@ use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::material::carried::carried_state;
 use crate::material::plasticity::{FlowUpdate, HardeningLaw};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Linear kinematic hardening with rate and temperature dependence (ABAQUS Analysis User's Guide, "Models for metals
 /// subjected to cyclic loading"). The back stress grows by 2/3 C times the plastic strain; if C changes with
@@ -22,7 +22,7 @@ pub struct RateKinematicHardening {
 }
 
 /// State variables of a block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
 pub struct RateBackStress {
     strain: Lanes,
     temperature: Lanes,
@@ -105,5 +105,3 @@ impl HardeningLaw for RateKinematicHardening {
 }
 
 carried_state!(RateBackStress { strain, temperature, slope, back });
-
-persist_struct!(RateBackStress { strain, temperature, slope, back });

@@ -6,7 +6,7 @@ use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::return_mapping::{TrialState, plastic_increments};
 use crate::material::carried::{CarriedState, carried_state};
-use crate::state::archive::{Persist, persist_struct};
+use crate::state::archive::Persist;
 
 /// Hardening law of von Mises plasticity. Materials without yield use [`ElasticOnly`], which has no state.
 pub trait HardeningLaw: Send + Sync + 'static {
@@ -175,7 +175,7 @@ pub struct RateDependentHardening {
 }
 
 /// State variables of a block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
 pub struct PlasticState {
     strain: Lanes,
     temperature: Lanes,
@@ -233,8 +233,6 @@ impl HardeningLaw for RateDependentHardening {
 }
 
 carried_state!(PlasticState { strain, temperature, rate });
-
-persist_struct!(PlasticState { strain, temperature, rate });
 
 #[cfg(test)]
 mod tests {

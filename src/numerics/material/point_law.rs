@@ -8,7 +8,7 @@ use crate::kernel::lanes::{LANES, Lanes, column, inline_from_fn};
 use crate::kernel::stress::mises;
 use crate::material::carried::CarriedState;
 use crate::routines::law::{MaterialLaw, MaterialPoint};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::variables::{Variable, VariableComponent};
 
 /// A material law in Rust with the constants of the deck.
@@ -21,7 +21,8 @@ pub struct PointLaw {
 }
 
 /// State variables of a block.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: variables; derived: volume, total_time)]
 pub struct PointState {
     /// State variables, point by point.
     variables: Vec<f64>,
@@ -144,5 +145,3 @@ impl CarriedState for PointState {
         }
     }
 }
-
-persist_struct!(PointState { variables: fixed, deleted } derived { volume, total_time });

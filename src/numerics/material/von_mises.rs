@@ -13,7 +13,7 @@ use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::rotation::rotated;
 use crate::kernel::stress;
 use crate::material::carried::carried_state;
-use crate::state::archive::{Persist, persist_struct};
+use crate::state::archive::Persist;
 use crate::variables::{Variable, VariableComponent};
 
 /// A material composed of three laws.
@@ -28,7 +28,7 @@ pub struct VonMises<H, V, F = NoDamage> {
 }
 
 /// State variables of a block: those of the three laws.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
 pub struct VonMisesState<S, Q, X> {
     hardening: S,
     volumetric: Q,
@@ -381,8 +381,6 @@ fn yield_stress<H: HardeningLaw>(hardening: &H, state: &H::State, shear: f64, co
 }
 
 carried_state!(VonMisesState<S, Q, X> { hardening, volumetric, failure });
-
-persist_struct!(VonMisesState<S, Q, X> [S: Persist, Q: Persist, X: Persist] { hardening, volumetric, failure });
 
 #[cfg(test)]
 mod tests {

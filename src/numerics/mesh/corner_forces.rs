@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::kernel::lanes::{BlockCornerForces, LANES};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::state::archive::{Persist, StateArchive};
 
 /// Numbers of a block.
@@ -12,7 +12,7 @@ const BLOCK: usize = 8 * LANES;
 const LINE: usize = 64;
 
 /// Corner forces of all elements.
-#[derive(Debug)]
+#[derive(Debug, Memory)]
 pub struct CornerForces {
     /// Numbers of all blocks, after those before the first cache line.
     list: Vec<f64>,
@@ -84,11 +84,6 @@ impl CornerForces {
     /// Sets the corner forces of an element to zero.
     pub fn clear(&mut self, block: usize, lane: usize) {
         clear_lane(&mut self.slots(block..block + 1)[0], lane);
-    }
-
-    /// Returns the heap memory in bytes.
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.list)
     }
 }
 

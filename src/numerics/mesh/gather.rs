@@ -3,7 +3,7 @@
 
 use super::corner_forces::CornerForces;
 use crate::kernel::lanes::{InlineMap, LANES};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::prefetch::request;
 use crate::kernel::topology::ElementNodes;
 
@@ -17,7 +17,7 @@ pub fn slots_total([a, b, c, d]: [[f64; 2]; SLOTS]) -> [f64; 2] {
 }
 
 /// Corner slots of each node, in fixed order.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct NodalAssembly {
     /// First slots of each node, as indices of corner forces; unused ones refer to a slot of zeros.
     slots: Vec<[u32; SLOTS]>,
@@ -113,9 +113,5 @@ impl NodalAssembly {
             request(corners.values(), slot as usize, 1);
             request(corners.values(), slot as usize + LANES, 1);
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.slots) + heap_bytes(&self.more)
     }
 }

@@ -4,12 +4,12 @@ use crate::kernel::lanes::InlineMap;
 use std::ops::Range;
 
 use super::room::clone_with_capacity;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Persist, StateArchive, persist_fields};
 
 /// Interior faces and their exposure state.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Memory)]
 pub struct InteriorFaces {
     /// Nodes of each face, in ascending order of faces; the body is on the left in the direction from first to second
     /// node.
@@ -76,10 +76,6 @@ impl InteriorFaces {
             }
         }
         first..self.exposed.len()
-    }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.faces) + heap_bytes(&self.elements) + self.is_hidden.capacity() + heap_bytes(&self.exposed)
     }
 }
 

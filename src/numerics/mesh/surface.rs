@@ -4,14 +4,15 @@ use super::hidden::InteriorFaces;
 use super::room::clone_with_capacity;
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
 use crate::platform::PortableMath as _;
 use crate::state::archive::{Persist, StateArchive};
 use crate::state::nodes::Nodes;
 
 /// A surface; either part may be empty.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(derived: patches)]
 pub struct SurfaceGeometry {
     /// Rigid parts, one per rigid body.
     pub patches: Vec<RigidFacets>,
@@ -20,7 +21,7 @@ pub struct SurfaceGeometry {
 }
 
 /// Facets of one rigid body in their initial position.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub struct RigidFacets {
     pub body: usize,
     /// Mesh index of the element, and facet.
@@ -28,7 +29,7 @@ pub struct RigidFacets {
 }
 
 /// Faces of deformable elements.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Memory)]
 pub struct DeformableFaces {
     /// Nodes of each face; the body is on the left in the direction from first to second node.
     pub faces: Vec<[usize; 2]>,
@@ -89,11 +90,6 @@ impl SurfaceGeometry {
     /// Returns the number of facets and faces.
     pub fn count(&self) -> usize {
         self.patches.iter().map(|p| p.facets.len()).sum::<usize>() + self.skin.faces.len()
-    }
-
-    pub fn bytes(&self) -> usize {
-        let facets = |p: &RigidFacets| heap_bytes(&p.facets);
-        self.patches.iter().map(facets).sum::<usize>() + heap_bytes(&self.patches) + self.skin.bytes()
     }
 }
 
@@ -182,14 +178,6 @@ impl DeformableFaces {
         self.elements.truncate(count);
         self.is_active.truncate(count);
         self.shells.truncate(count);
-    }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.faces)
-            + heap_bytes(&self.elements)
-            + self.is_active.capacity()
-            + self.shells.capacity()
-            + self.hidden.as_ref().map_or(0, |h| size_of_val(&**h) + h.bytes())
     }
 }
 

@@ -12,10 +12,10 @@ pub mod transfer;
 mod triangulation;
 
 use crate::kernel::lanes::InlineMap;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Quadrilaterals of a body with its own numbering of nodes. The last two nodes of a triangle are the same.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Persist)]
 pub struct BodyMesh {
     /// Places `[r, z]` of the nodes.
     pub points: Vec<[f64; 2]>,
@@ -33,7 +33,7 @@ impl BodyMesh {
 }
 
 /// Side of a new element on the boundary of its body, and the side of an old element on which it is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Persist)]
 pub struct RevisedSide {
     /// Index of the new element, and number of its side from 0.
     pub new: (u32, u8),
@@ -42,7 +42,7 @@ pub struct RevisedSide {
 }
 
 /// A new mesh of a body, with what relates it to the mesh that it replaces.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Persist)]
 pub struct MeshRevision {
     /// Index of the body among those that can have new meshes.
     pub body: usize,
@@ -61,7 +61,3 @@ pub struct MeshRevision {
 
 /// Marks nodes that are not on the boundary.
 pub const INSIDE: u32 = u32::MAX;
-
-persist_struct!(BodyMesh { points, quads, sizes });
-persist_struct!(RevisedSide { new, old });
-persist_struct!(MeshRevision { body, mesh, parents, sides, displacements, origins });

@@ -7,10 +7,10 @@ use std::sync::Mutex;
 
 use serde::Serialize;
 
-use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use crate::state::archive::{Persist, StateArchive};
 
 /// Severity of a message.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Persist)]
 #[serde(rename_all = "lowercase")]
 pub enum MessageLevel {
     /// Information, from `LOP = 1`.
@@ -23,7 +23,7 @@ pub enum MessageLevel {
 }
 
 /// A message of a user subroutine (`xplb_abqerr`).
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Persist)]
 pub struct RoutineMessage {
     /// Whether the message is a note, a warning or an error.
     pub level: MessageLevel,
@@ -34,7 +34,7 @@ pub struct RoutineMessage {
 }
 
 /// Data of the job for its user subroutines.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
 pub struct JobInfo {
     /// Name of the job (`vgetjobname`).
     pub name: String,
@@ -105,8 +105,6 @@ impl JobInfo {
     }
 }
 
-persist_struct!(JobInfo { name, folder, nodes, elements });
-
 /// Archives the arrays of this thread.
 pub fn persist_arrays(archive: &mut StateArchive<'_>) {
     let place = |(key, array): (&(u8, i32), &HostArray)| (*key, (array.0.to_vec(), array.1));
@@ -115,18 +113,6 @@ pub fn persist_arrays(archive: &mut StateArchive<'_>) {
     if archive.reads() {
         let arrays = list.into_iter().map(|(key, (words, count))| (key, (words.into_boxed_slice(), count)));
         ARRAYS.with_borrow_mut(|all| *all = arrays.collect());
-    }
-}
-
-impl Persist for RoutineMessage {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let RoutineMessage { level, text, times } = self;
-        let mut number = *level as u8;
-        persist_fields!(archive; &mut number, text, times);
-        *level = [MessageLevel::Note, MessageLevel::Warning]
-            .into_iter()
-            .find(|l| *l as u8 == number)
-            .unwrap_or(MessageLevel::Error);
     }
 }
 

@@ -5,6 +5,7 @@ pub mod host;
 pub mod law;
 mod saved_memory;
 
+use crate::state::archive::Persist;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use crate::state::Instant;
@@ -251,7 +252,7 @@ impl AnalysisMoment {
 }
 
 /// Action of the run after a call of VEXTERNALDB (`i_Array(i_int_iStatus)`).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Persist)]
 pub enum RunAction {
     /// The run continues.
     #[default]

@@ -1,6 +1,5 @@
 //! State of user subroutines in a checkpoint: their variables and the action they requested, and the trait by which a run saves and restores them.
 
-use super::RunAction;
 use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields};
 
 /// Variables of user subroutines in a checkpoint.
@@ -44,16 +43,5 @@ impl Persist for SavedMemory {
         } else {
             *memory = None;
         }
-    }
-}
-
-impl Persist for RunAction {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let mut number = *self as u8;
-        number.persist(archive);
-        *self = [RunAction::Continue, RunAction::EndStep, RunAction::EndAnalysis]
-            .into_iter()
-            .find(|w| *w as u8 == number)
-            .unwrap_or_default();
     }
 }

@@ -1,11 +1,13 @@
 //! Serialization of the state. One function visits all fields in a fixed order for writing and reading, so that nothing
-//! can be saved without being restored. Each type lists its own fields.
+//! can be saved without being restored.
 //!
-//! [`persist_struct`] destructures a type without `..`: a new field does not compile until it is listed as state or as
-//! derived. Data that follow from the plan are not state; reading requires an object created from the same plan.
+//! `#[derive(Persist)]` visits every field: a new field is state unless the type lists it as derived. Data that follow
+//! from the plan are not state; reading requires an object created from the same plan.
 
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
+
+pub use revolve_derive::Persist;
 
 /// Error: bytes that are not a state of the plan for which they are read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -162,6 +164,42 @@ impl<'a> StateArchive<'a> {
 }
 
 /// State that can be written to an archive and read back.
+///
+/// `#[derive(Persist)]` visits the fields of a struct in the order of their declaration, or the number of a variant
+/// without fields. `#[persist(role: field, field; role: field)]` lists the exceptions:
+///
+/// - `derived`: follows from plan and step and is not state
+/// - `fixed`: a list whose length the plan determines
+/// - `fixed_lists`: a list of such lists
+/// - `each`: a list of boxed objects
+/// - `present`: an `Option` that the plan determines
+/// - `blob`: raw bytes
+/// - `then`: a function that is called last
+///
+/// A field whose type is not state does not compile until it is listed:
+///
+/// ```compile_fail,E0277
+/// use revolve_numerics::state::archive::Persist;
+///
+/// struct Mesh;
+///
+/// #[derive(Persist)]
+/// struct Probe {
+///     value: f64,
+///     mesh: Mesh, // the trait bound `Mesh: Persist` is not satisfied
+/// }
+/// ```
+///
+/// ```
+/// # use revolve_numerics::state::archive::Persist;
+/// # struct Mesh;
+/// #[derive(Persist)]
+/// #[persist(derived: mesh)]
+/// struct Probe {
+///     value: f64,
+///     mesh: Mesh,
+/// }
+/// ```
 pub trait Persist {
     /// Visits the state in a fixed order: writes it, or replaces it by the bytes read.
     fn persist(&mut self, archive: &mut StateArchive<'_>);
@@ -277,61 +315,6 @@ macro_rules! persist_fields {
 }
 pub use persist_fields;
 
-/// Implements [`Persist`] from lists of a type's fields: first those of its state, in the order of their visits, then
-/// the derived ones, which follow from plan and step.
-///
-/// - `name` is visited by its type
-/// - `name: fixed` is a list whose length the plan determines
-/// - `name: fixed_lists` is a list of such lists
-/// - `name: each` is a list of boxed objects
-/// - `name: present` is an `Option` that the plan determines
-///
-/// `then` is a function that is called last.
-#[macro_export]
-macro_rules! persist_struct {
-    ($name:ident $(<$($argument:ident),+>)? $([$($bound:tt)+])? { $($field:ident $(: $how:ident)?),* $(,)? }
-        $(derived { $($derived:ident),+ $(,)? })? $(then $then:path)?) => {
-        impl $(<$($bound)+>)? $crate::state::archive::Persist for $name $(<$($argument),+>)? {
-            #[allow(unused_variables)] // For types without state.
-            #[inline]
-            fn persist(&mut self, archive: &mut $crate::state::archive::StateArchive<'_>) {
-                let $name { $($field,)* $($($derived: _,)+)? } = self;
-                $($crate::state::archive::persist_field!(archive, $field $(, $how)?);)*
-                $($then(self, archive);)?
-            }
-        }
-    };
-}
-pub use persist_struct;
-
-/// Visits one field as specified in [`persist_struct`].
-#[doc(hidden)]
-#[macro_export]
-macro_rules! persist_field {
-    ($archive:ident, $field:ident) => {
-        $crate::state::archive::Persist::persist($field, $archive)
-    };
-    ($archive:ident, $field:ident, fixed) => {
-        $crate::state::archive::Persist::persist(&mut $field[..], $archive)
-    };
-    ($archive:ident, $field:ident, fixed_lists) => {
-        for list in $field.iter_mut() {
-            $crate::state::archive::Persist::persist(&mut list[..], $archive);
-        }
-    };
-    ($archive:ident, $field:ident, each) => {{
-        $archive.mark(stringify!($field));
-        $crate::state::archive::persist_all(&mut $field[..], $archive);
-    }};
-    ($archive:ident, $field:ident, present) => {
-        if let Some(field) = $field {
-            $crate::state::archive::Persist::persist(field, $archive);
-        }
-    };
-}
-#[doc(hidden)]
-pub use persist_field;
-
 #[cfg(test)]
 mod tests {
     use super::{Persist, StateArchive};
@@ -373,5 +356,38 @@ mod tests {
         let mut archive = StateArchive::reader(&huge);
         Vec::<u8>::new().persist(&mut archive);
         assert!(archive.finish().is_err());
+    }
+
+    #[derive(Clone, Copy, Debug, PartialEq, Persist)]
+    enum Phase {
+        Loading,
+        Unloading,
+    }
+
+    #[derive(Debug, PartialEq, Persist)]
+    #[persist(fixed: forces; blob: text; derived: mass)]
+    struct Probe {
+        phase: Phase,
+        mass: f64,
+        forces: Vec<f64>,
+        text: Vec<u8>,
+    }
+
+    #[test]
+    fn derive_visits_all_fields_that_are_not_derived() {
+        let mut state = Probe { phase: Phase::Unloading, mass: 2.0, forces: vec![3.0], text: vec![4, 5] };
+        let bytes = written(&mut state);
+        let numbers: Vec<u8> =
+            [&[1][..], &1_u64.to_le_bytes(), &3_f64.to_le_bytes(), &2_u64.to_le_bytes(), &[4, 5]].concat();
+        assert_eq!(bytes, numbers);
+        let mut read = Probe { phase: Phase::Loading, mass: 7.0, forces: vec![0.0], text: Vec::new() };
+        let mut archive = StateArchive::reader(&bytes);
+        read.persist(&mut archive);
+        assert_eq!(archive.finish(), Ok(()));
+        assert_eq!(read, Probe { mass: 7.0, ..state });
+        let mut archive = StateArchive::reader(&[2]);
+        let mut phase = Phase::Loading;
+        phase.persist(&mut archive);
+        assert_eq!(archive.finish().map_err(|e| e.reason), Err("2 is not a value of Phase".into()));
     }
 }

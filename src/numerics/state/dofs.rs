@@ -1,7 +1,7 @@
 //! Degrees of freedom of a model: rigid bodies (one or six), and nodes (r and z).
 
 use super::BodyState;
-use super::archive::persist_struct;
+use super::archive::Persist;
 use super::energies::EnergyTotals;
 use super::nodes::Nodes;
 
@@ -15,7 +15,8 @@ pub enum Dof {
 }
 
 /// Degrees of freedom of a model, and the energies of deformable bodies.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(fixed: bodies)]
 pub struct Dofs {
     /// State of the rigid bodies, in the order of the model.
     pub bodies: Vec<BodyState>,
@@ -61,5 +62,3 @@ impl Dofs {
         }
     }
 }
-
-persist_struct!(Dofs { bodies: fixed, nodes, energies });

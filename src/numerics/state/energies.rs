@@ -1,9 +1,9 @@
 //! Energies of deformable bodies, summed over a run.
 
-use super::archive::persist_struct;
+use super::archive::Persist;
 
 /// Flow through the Eulerian boundaries of adaptive meshes since the start of the analysis.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct BoundaryFlow {
     /// Mass that has entered.
     pub mass_in: f64,
@@ -16,7 +16,7 @@ pub struct BoundaryFlow {
 }
 
 /// Energies since the start of the analysis.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct EnergyTotals {
     /// Kinetic energy at the current instant: v(i-1/2) m v(i+1/2)/2. For a linear body, central differences conserve
     /// the sum of this value and the strain energy exactly.
@@ -61,24 +61,3 @@ impl EnergyTotals {
         self.kinetic + self.internal + self.artificial + dissipated + self.penalty - self.flow.kinetic
     }
 }
-
-persist_struct!(BoundaryFlow { mass_in, mass_out, momentum, kinetic });
-
-persist_struct!(EnergyTotals {
-    kinetic,
-    internal,
-    plastic,
-    damaged,
-    viscous,
-    artificial,
-    external,
-    contact,
-    friction,
-    cavity,
-    distortion,
-    advection,
-    flow,
-    penalty,
-    initial_overlap,
-    supplied
-});

@@ -3,6 +3,7 @@
 use super::Instant;
 use super::limit::IncrementLimit;
 use crate::kernel::amplitude::{AmplitudeCurve, SampledAmplitude};
+use crate::kernel::lists::{Memory, MemoryUse};
 
 /// Current time, with the amplitudes that user subroutines define.
 #[derive(Clone, Copy, Debug)]
@@ -33,12 +34,18 @@ pub enum TimeFunction {
 }
 
 /// A magnitude scaled by an amplitude.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub struct Magnitude {
     /// Value at amplitude 1.
     pub value: f64,
     /// Amplitude: factor of the value as a function of time.
     pub shape: TimeFunction,
+}
+
+impl Memory for TimeFunction {
+    fn memory(&self) -> MemoryUse {
+        if let TimeFunction::Curve(curve) = self { curve.memory() } else { MemoryUse::default() }
+    }
 }
 
 impl Magnitude {
@@ -75,10 +82,6 @@ impl Magnitude {
         let TimeFunction::Curve(curve) = &self.shape else { return IncrementLimit::NONE };
         let time = curves_time(curve, &clock.now);
         IncrementLimit { time: curve.next_point(time) - time, jump: false }
-    }
-
-    pub fn bytes(&self) -> usize {
-        if let TimeFunction::Curve(curve) = &self.shape { curve.bytes() } else { 0 }
     }
 }
 

@@ -9,7 +9,7 @@ pub mod magnitude;
 pub mod nodes;
 pub mod rigid_body_3d;
 
-use archive::{Persist, StateArchive, persist_fields, persist_struct};
+use archive::{Persist, StateArchive, persist_fields};
 
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::kernel::topology::{MOST_NODES, PerNode};
@@ -19,7 +19,7 @@ use rigid_body_3d::{PointMotion, RigidBody3d, Wrench};
 pub type EffectId = usize;
 
 /// Current time, step and increment.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct Instant {
     /// Time since the start of the step.
     pub step_time: f64,
@@ -36,8 +36,10 @@ pub struct Instant {
 /// A rigid body with one degree of freedom along z, or with six if its impact is oblique; the values along z are then
 /// those of its reference node along direction 2. The fields of a body are used together, so each body is one object of
 /// two cache lines.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
 #[repr(C, align(64))]
+// The derived fields follow from the plan and the start of a step.
+#[persist(present: spatial; derived: slots, reads_velocity, prescribed, tied)]
 pub struct BodyState {
     pub mass: f64,
     /// Inverse mass, which avoids a division in the chain from force to velocity.
@@ -78,7 +80,7 @@ pub struct BodyState {
 }
 
 /// Motion of a body at the previous instant.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 pub struct PreviousMotion {
     pub velocity: f64,
     pub acceleration: f64,
@@ -348,15 +350,3 @@ impl Persist for SampledAmplitude {
         self.points().into_iter().for_each(|point| point.persist(archive));
     }
 }
-
-persist_struct!(Instant { step_time, total_time, step, increment, lost });
-
-persist_struct!(PreviousMotion { velocity, acceleration, displacement });
-
-// The derived fields follow from the plan and the start of a step.
-persist_struct!(BodyState {
-    spatial: present, displacement, velocity_half, acceleration, velocity, force, velocity_load, direction, before,
-    reaction, contact, mass, inverse_mass
-} derived {
-    slots, reads_velocity, prescribed, tied
-});

@@ -2,11 +2,11 @@
 
 use std::ops::{Index, IndexMut};
 
-use super::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use super::archive::{Persist, StateArchive, persist_fields};
 use crate::kernel::lists::heap_bytes;
 
 /// Nodal data that elements read: half a cache line.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 #[repr(C, align(32))]
 pub struct Node {
     /// Current coordinate r, length.
@@ -182,8 +182,6 @@ impl IndexMut<usize> for Nodes {
         &mut self.list[node]
     }
 }
-
-persist_struct!(Node { r, z, v_r, v_z });
 
 impl Persist for Nodes {
     /// Visits the state within a step, where the forces are allocated. Those of the previous instant are overwritten

@@ -2,7 +2,7 @@
 //! mass and of its angular momentum, with the exact torque-free motion of a symmetric top between the updates (Strang
 //! splitting, second order). Directions are 1, 2, 3 of `kernel::attitude`.
 
-use super::archive::{Persist, StateArchive, persist_struct};
+use super::archive::Persist;
 use crate::kernel::attitude::{Attitude, PrincipalInertia, SpatialVector, angle, cross, dot, norm, plus, times};
 use crate::kernel::lanes::InlineMap;
 
@@ -11,7 +11,7 @@ use crate::kernel::lanes::InlineMap;
 const PROBE: f64 = 1e-9;
 
 /// Force at the centre of mass and moment about it, in the global frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct Wrench {
     pub force: SpatialVector,
     pub moment: SpatialVector,
@@ -52,7 +52,7 @@ impl Wrench {
 }
 
 /// Velocity of the centre of mass and angular velocity, in the global frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct RigidMotion {
     /// Velocity of the centre of mass.
     pub velocity: SpatialVector,
@@ -61,7 +61,7 @@ pub struct RigidMotion {
 }
 
 /// Position, attitude, velocity and angular momentum at an instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct Pose {
     /// Position of the centre of mass.
     pub centre: SpatialVector,
@@ -92,7 +92,9 @@ pub struct PointMotion {
 }
 
 /// A rigid body with six degrees of freedom.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+// Derived fields follow from the plan and the start of a step; `energy_before` is used within an increment only.
+#[persist(derived: mass, inertia, heights, size, start, stations, resisted, energy_before)]
 pub struct RigidBody3d {
     pub mass: f64,
     /// Moments of inertia about the centre of mass.
@@ -390,25 +392,6 @@ impl RigidBody3d {
         angle(self.attitude.axis(), [0.0, 1.0, 0.0])
     }
 }
-
-impl Persist for Attitude {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        self.0.persist(archive);
-    }
-}
-
-persist_struct!(RigidMotion { velocity, turning });
-
-persist_struct!(Pose { centre, attitude, moving });
-
-persist_struct!(Wrench { force, moment });
-
-// Derived fields follow from the plan and the start of a step; `energy_before` is used within an increment only.
-persist_struct!(RigidBody3d {
-    centre, attitude, velocity, momentum, half, shown, total, contact, previous_kicks, previous, fastest, moved, rests
-} derived {
-    mass, inertia, heights, size, start, stations, resisted, energy_before
-});
 
 #[cfg(test)]
 mod tests {

@@ -1,7 +1,7 @@
 //! Memory of each effect, for the ledger. Effects of the first step are in the state, effects of later steps in the
 //! plan.
 
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::plan::changes::ListChange;
 use crate::plan::ledger::Ledger;
 use crate::plan::{Plan, State};

@@ -4,7 +4,7 @@ use crate::adaptive::AdaptiveDomain;
 use crate::constraint::Constraint;
 use crate::constraint::user_motion::UserMotion;
 use crate::element::mass_scaling::StepMassScaling;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::load::Load;
 
 /// Entry of the list of effects that are active from a step on.

@@ -13,11 +13,16 @@ use crate::load::{Load, PenetrationRecord};
 use crate::plan::StepChanges;
 use crate::plan::changes::ListChange;
 use crate::state::BodyState;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 
 /// Everything that changes during a run: degrees of freedom, elements and active effects.
-#[derive(Clone, Default)]
+#[derive(Clone, Default, Persist)]
+#[persist(
+    fixed: adaptive, user_amplitudes, amplitude_routines;
+    each: loads, constraints, user_motions;
+    present: scaling, thermal
+)]
 pub struct State {
     /// Nodes and rigid bodies.
     pub dofs: Dofs,
@@ -68,17 +73,3 @@ impl State {
         self.adaptive = adaptive.unwrap_or_default();
     }
 }
-
-persist_struct!(State {
-    dofs,
-    loads: each,
-    constraints: each,
-    scaling: present,
-    adaptive: fixed,
-    user_amplitudes: fixed,
-    amplitude_routines: fixed,
-    user_motions: each,
-    elements,
-    thermal: present,
-    ended_penetrations,
-});

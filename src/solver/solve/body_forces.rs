@@ -2,10 +2,13 @@
 
 use crate::load::{EnergyAccount, GeneralizedForce, VelocityUse};
 use crate::plan::State;
+use crate::state::archive::Persist;
 use crate::state::{BodyState, EffectId};
 
 /// Generalised forces on rigid bodies: first those of tied nodes, then those of each load.
-#[derive(Default)]
+#[derive(Default, Persist)]
+// The list of forces follows from the effects in force.
+#[persist(fixed: values; derived: slots, order_by_body, loads, tied, first_resistance)]
 pub(super) struct BodyForces {
     pub values: Vec<f64>,
     /// Body, coordinate and energy account of each force.

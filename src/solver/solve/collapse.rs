@@ -1,12 +1,12 @@
 //! History of the stable time increment: how many increments a few elements, for example squashed ones, have reduced.
 
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Ratio of the largest stable time increment so far to the increment, from which the increment has collapsed.
 pub(super) const COLLAPSED: f64 = 25.0;
 
 /// History of the stable time increment.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
 pub(super) struct CollapseMonitor {
     /// Largest stable time increment of the elements.
     pub largest: f64,
@@ -35,5 +35,3 @@ impl CollapseMonitor {
         }
     }
 }
-
-persist_struct!(CollapseMonitor { largest, count, since, smallest, place, seen, reported });

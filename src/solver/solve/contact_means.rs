@@ -5,11 +5,12 @@ use super::run::SolverRun;
 use crate::kernel::lanes::InlineMap;
 use crate::plan::Plan;
 use crate::state::Instant;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::variables::{Variable, VariableComponent};
 
 /// Impulse of a contact pair since the last row, and the mean forces over the interval of that row.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(derived: pair)]
 struct PairMean {
     /// Index of the pair among the pairs of all steps.
     pair: usize,
@@ -21,7 +22,8 @@ struct PairMean {
 }
 
 /// Impulses of the contact pairs that have history columns.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(fixed: pairs)]
 pub(super) struct ContactMeans {
     pairs: Vec<PairMean>,
     /// Last increment whose impulses have been added.
@@ -99,7 +101,3 @@ impl ContactMeans {
         }
     }
 }
-
-persist_struct!(PairMean { impulse, mean, area } derived { pair });
-
-persist_struct!(ContactMeans { pairs: fixed, added, row_time });

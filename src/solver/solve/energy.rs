@@ -7,13 +7,15 @@ use super::energy_supply::EnergySupply;
 use crate::element::removed::DeletionTotals;
 use crate::load::{EnergyAccount, GeneralizedForce};
 use crate::state::BodyState;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::energies::{BoundaryFlow, EnergyTotals};
 
 /// Energies at an instant, with ABAQUS names. `ETOTAL = ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLADV +
 /// ALLCAV - ALLWK - ALLMW - ALLFKE` is constant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Persist)]
+// Heat, penalty, damage and deletion are filled in by their owners.
+#[persist(derived: penalty, mass_scaling, added_mass, advection, inflow, flow, damage, heat, internal_heat, removed)]
 pub struct Energy {
     /// Kinetic energy ALLKE of nodes and rigid bodies.
     #[serde(rename = "ALLKE")]
@@ -130,7 +132,9 @@ impl EnergyTerms {
 }
 
 /// Sums that are updated in each increment; [`EnergyBalance::energy`] computes the energies for output.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+// The step has begun when the state is read, so the entries exist.
+#[persist(fixed: entries, prescribed)]
 pub struct EnergyBalance {
     entries: Vec<ForceWork>,
     prescribed: Vec<PrescribedBody>,
@@ -160,7 +164,8 @@ pub struct EnergyBalance {
 }
 
 /// Work of one generalised force in this step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Persist)]
+#[persist(derived: body, coordinate, account, external, tied)]
 struct ForceWork {
     body: usize,
     coordinate: u32,
@@ -186,7 +191,8 @@ impl ForceWork {
 }
 
 /// A body with prescribed motion: the reaction force does the work that is missing in the change of its kinetic energy.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Persist)]
+#[persist(derived: body)]
 struct PrescribedBody {
     body: usize,
     kinetic: f64,
@@ -455,33 +461,6 @@ impl EnergyBalance {
         energy
     }
 }
-
-// Heat, penalty, damage and deletion are filled in by their owners.
-persist_struct!(Energy {
-    kinetic, work, friction, cavity, internal, strain, plastic, viscous, contact, artificial, distortion, total, initial, drift
-} derived { penalty, mass_scaling, added_mass, advection, inflow, flow, damage, heat, internal_heat, removed });
-
-persist_struct!(ForceWork { force, last, work } derived { body, coordinate, account, external, tied });
-
-persist_struct!(PrescribedBody { kinetic } derived { body });
-
-// The step has begun when the state is read, so the entries exist.
-persist_struct!(EnergyBalance {
-    entries: fixed,
-    prescribed: fixed,
-    previous_steps,
-    kinetic,
-    done,
-    external,
-    tied,
-    largest,
-    supply,
-    departure,
-    departure_now,
-    mass_scaling,
-    solid,
-    solid_initial
-});
 
 /// Returns the kinetic energy of rigid bodies.
 fn kinetic(dofs: &Dofs) -> f64 {

@@ -2,14 +2,14 @@
 //! of the model can exceed it, whatever the terms of the energy balance are.
 
 use crate::material::available::AvailableEnergy;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::energies::EnergyTotals;
 
 /// Number of intervals of time in which the fronts of detonations are sorted.
 const INTERVALS: usize = 256;
 
 /// Energies that the model can release, and the energy put in.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
 pub struct EnergySupply {
     /// Total times and the energies that are available from then on, in ascending order.
     available: Vec<[f64; 2]>,
@@ -102,17 +102,6 @@ impl EnergySupply {
         self.take(given + released + energies.initial_overlap);
     }
 }
-
-persist_struct!(EnergySupply {
-    available,
-    per_mass,
-    stiffening,
-    returns_heat,
-    strain,
-    without_stiffening,
-    released,
-    put_in
-});
 
 #[cfg(test)]
 mod tests {

@@ -6,7 +6,7 @@ use crate::heat::field::TemperatureField;
 use crate::load::{SceneView, VelocityUse};
 use crate::model::IncrementControl;
 use crate::plan::{State, StepPlan};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
@@ -188,7 +188,8 @@ pub fn shortened(added: f64, increment: f64) -> f64 {
 }
 
 /// Choice of increments over a step.
-#[derive(Debug)]
+#[derive(Debug, Persist)]
+#[persist(fixed: speed; derived: fixed, factor, most, resolution, largest)]
 pub struct IncrementController {
     fixed: Option<f64>,
     factor: f64,
@@ -338,5 +339,3 @@ fn end_at_rest(next: &mut Increment, bodies: &[BodyState], slow: f64) {
         };
     }
 }
-
-persist_struct!(IncrementController { free, speed: fixed } derived { fixed, factor, most, resolution, largest });

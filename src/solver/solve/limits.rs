@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::plan::Plan;
 use crate::state::EffectId;
-use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_fields};
 
 /// Largest number of intervals; when it is reached, the number of increments per interval is doubled.
 const SPANS: usize = 64;
@@ -66,7 +66,7 @@ impl Persist for IncrementLimiter {
 }
 
 /// Interval of total time, with its smallest increment and the reason for that increment.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 struct IncrementSpan {
     /// Total time at the start of the interval.
     time: f64,
@@ -165,7 +165,7 @@ fn name(span: &IncrementSpan, plan: &Plan) -> String {
 }
 
 /// Limits on the increments of a step over time: the smallest increment in each of at most 64 intervals.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Persist)]
 pub struct LimitsOverTime {
     /// Total time at the start of each interval.
     pub time: Vec<f64>,
@@ -177,8 +177,6 @@ pub struct LimitsOverTime {
     pub names: Vec<String>,
 }
 
-persist_struct!(IncrementSpan { time, shortest, by, place });
-
 impl Persist for IncrementLimits {
     fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let IncrementLimits { spans, stride, in_last } = self;
@@ -186,8 +184,6 @@ impl Persist for IncrementLimits {
         self.spans.reserve_exact(SPANS.saturating_sub(self.spans.len()));
     }
 }
-
-persist_struct!(LimitsOverTime { time, increment, by, names });
 
 #[cfg(test)]
 mod tests {

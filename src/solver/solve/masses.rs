@@ -1,9 +1,9 @@
 //! Record of the masses before mass scaling.
 
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Masses without scaling, and the largest kinetic energy with added mass.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
 pub(super) struct MassMonitor {
     /// Original mass of each element group; empty before the first scaling.
     pub original: Vec<f64>,
@@ -16,5 +16,3 @@ pub(super) struct MassMonitor {
     /// Largest kinetic energy of the deformable bodies while added mass was above the limit of the warning.
     pub kinetic: f64,
 }
-
-persist_struct!(MassMonitor { original, bodies, added_to_bodies, added_shares, kinetic });

@@ -3,10 +3,10 @@
 use super::outcome::MeshChanges;
 use crate::plan::{Plan, RemeshedBody};
 use crate::remesh::MeshRevision;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Quality of the mesh of a body when it was made.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
 pub(super) struct MeshQuality {
     /// Angle below which the body is remeshed, radians.
     pub(super) limit: f64,
@@ -19,7 +19,8 @@ pub(super) struct MeshQuality {
 }
 
 /// New meshes of a run.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Persist)]
+#[persist(derived: revisions)]
 pub(super) struct RemeshMonitor {
     /// All new meshes, in their order. They are in the header of a checkpoint.
     pub(super) revisions: Vec<MeshRevision>,
@@ -27,9 +28,6 @@ pub(super) struct RemeshMonitor {
     /// Whether a mesh that could not be made has been reported.
     pub(super) reported: bool,
 }
-
-persist_struct!(MeshQuality { limit, increment, next, count });
-persist_struct!(RemeshMonitor { bodies, reported } derived { revisions });
 
 impl RemeshMonitor {
     pub(super) fn new(plan: &Plan) -> RemeshMonitor {

@@ -13,7 +13,7 @@ use super::run::SolverRun;
 use crate::output::OutputFrame;
 use crate::plan::{ColumnSource, Plan, WriteSchedule};
 use crate::state::Instant;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::halt::HaltReason;
 use crate::user::RunAction;
 
@@ -97,7 +97,8 @@ pub trait Sink {
 }
 
 /// Next instants of one kind of output.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Persist)]
+#[persist(derived: schedules)]
 pub(super) struct OutputSchedule {
     schedules: Vec<WriteSchedule>,
     pub(super) next_time: f64,
@@ -183,6 +184,8 @@ impl ProgressTimer {
 }
 
 /// Output of a run: schedules of fields and history, the current row, and the time of the last progress message.
+#[derive(Persist)]
+#[persist(derived: row, pace)]
 pub(super) struct RunOutput {
     field: OutputSchedule,
     history: OutputSchedule,
@@ -348,7 +351,3 @@ fn report_progress(run: &SolverRun<'_>, frame: bool, sink: &mut dyn Sink) {
 pub(super) fn output_failure(why: SinkError) -> HaltReason {
     HaltReason { code: "R205", reason: why.to_string() }
 }
-
-persist_struct!(OutputSchedule { next_time, next_increment } derived { schedules });
-
-persist_struct!(RunOutput { field, history, contact, reactions, next_time, next_increment, first, shown } derived { row, pace });

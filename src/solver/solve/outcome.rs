@@ -1,5 +1,6 @@
 //! Result of a run: how it ended, energies, warnings and run time.
 
+use crate::state::archive::Persist;
 use serde::Serialize;
 
 use super::energy::Energy;
@@ -9,7 +10,12 @@ use crate::state::EffectId;
 use crate::state::halt::HaltReason;
 
 /// Result of a run.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Persist)]
+// Halts and results at the end do not exist yet; run times belong to this process.
+#[persist(
+    derived: new_meshes, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits,
+        deleted, seconds, checkpoint_seconds, digest, lost, effect_seconds
+)]
 pub struct Outcome {
     /// Reason for an early end, if any.
     #[serde(skip)]
@@ -60,7 +66,7 @@ pub struct Outcome {
 }
 
 /// Number of changes of an adaptive mesh (NADAPT).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Persist)]
 pub struct MeshChanges {
     /// Ledger row of the domain.
     pub row: EffectId,
@@ -107,7 +113,7 @@ pub struct BodyExit {
 }
 
 /// Time that a step reached, and its increments.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Persist)]
 pub struct StepSummary {
     /// Name of the step, from `*STEP, NAME=`.
     pub name: String,
@@ -137,7 +143,7 @@ pub struct StepSummary {
 }
 
 /// Mass added by mass scaling, by the nodes of the scaled elements that take it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Persist)]
 pub struct AddedMassPlaces {
     /// Nodes without constraints, or with prescribed motions alone.
     pub free_nodes: f64,
@@ -194,7 +200,7 @@ pub struct PenetrationSummary {
 }
 
 /// A body that came to rest, with the time and the displacement.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Persist)]
 pub struct BodyRest {
     /// Name of the body.
     pub body: String,

@@ -6,12 +6,13 @@
 
 use super::run::SolverRun;
 use crate::plan::{ColumnSource, Plan};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dof;
 use crate::variables::{Variable, VariableComponent};
 
 /// Impulse of the reaction on a degree of freedom since the last row, and the mean over the interval of that row.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: dof, prescribed, constraints)]
 struct ReactionMean {
     dof: Dof,
     /// Whether its motion is prescribed in the step.
@@ -30,7 +31,8 @@ struct ReactionMean {
 }
 
 /// Impulses of the reactions that have history columns, in the order of the degrees of freedom.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(fixed: reactions)]
 pub(super) struct ReactionMeans {
     reactions: Vec<ReactionMean>,
     /// Last increment whose impulses have been added.
@@ -202,7 +204,3 @@ fn reaction_dof(source: ColumnSource, part: VariableComponent) -> Option<Dof> {
         _ => None,
     }
 }
-
-persist_struct!(ReactionMean { impulse, opening, closing, mean, since } derived { dof, prescribed, constraints });
-
-persist_struct!(ReactionMeans { reactions: fixed, added });

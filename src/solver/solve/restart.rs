@@ -6,17 +6,14 @@ use std::io::{BufWriter, Read as _, Seek as _};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant as Stopwatch};
 
-use super::body_forces::BodyForces;
 use super::increment::IncrementController;
 use super::observe::{OutputSchedule, RunOutput, output_failure};
-use super::outcome::MeshChanges;
 use super::position::RunPosition;
-use super::routines::UserSession;
-use super::{AddedMassPlaces, BodyRest, Outcome, Sink, SinkError, SolverRun, StepSummary};
+use super::{Sink, SinkError, SolverRun};
 use crate::plan::StepPlan;
 use crate::remesh::MeshRevision;
 use crate::state::Instant;
-use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields, persist_struct};
+use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields};
 use crate::state::halt::HaltReason;
 use crate::user::{AnalysisMoment, SavedMemory};
 
@@ -265,14 +262,12 @@ pub(super) struct RunCursor<'r, 'p> {
 }
 
 /// Header of a saved state: index of the step, memory of the user subroutines, and the meshes that bodies had.
-#[derive(Default)]
+#[derive(Default, Persist)]
 struct CheckpointHead {
     step: usize,
     routines: SavedMemory,
     revisions: Vec<MeshRevision>,
 }
-
-persist_struct!(CheckpointHead { step, routines, revisions });
 
 /// Returns descriptions of the user memory that a saved state does not contain; empty if it is complete.
 pub fn lost(state: &[u8]) -> Vec<String> {
@@ -341,75 +336,6 @@ impl RunCursor<'_, '_> {
         observing.show(run, &mut DiscardingSink)
     }
 }
-
-impl Persist for SolverRun<'_> {
-    /// Visits the state of a step that has begun; the effects in force are those of the step.
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let SolverRun {
-            plan: _,
-            step: _,
-            state,
-            now,
-            previous_instant,
-            previous_dt,
-            last_increment,
-            velocity_extrapolation: _,
-            previous_stable_increment: _,
-            complete,
-            finds_onsets: _,
-            forces_may_differ: _,
-            released,
-            user,
-            body_forces,
-            limiting,
-            balance,
-            watch,
-            remesh,
-            threads: _,
-            kinetic: _,
-            timing: _,
-            outcome,
-        } = self;
-        persist_fields!(archive; now, previous_instant, previous_dt, last_increment, complete, released, user);
-        persist_fields!(archive; body_forces, limiting, balance, watch, remesh, state, outcome);
-    }
-}
-
-impl Persist for UserSession {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let UserSession { routines: _, requested_action, increment_reported, loss_reported: _, restored_memory: _ } =
-            self;
-        persist_fields!(archive; requested_action, increment_reported);
-    }
-}
-
-// The list of forces follows from the effects in force.
-persist_struct!(BodyForces { values: fixed } derived { slots, order_by_body, loads, tied, first_resistance });
-
-// Halts and results at the end do not exist yet; run times belong to this process.
-persist_struct!(MeshChanges { row, count });
-
-persist_struct!(Outcome { steps, rests, increments, warnings, mesh_changes } derived {
-    new_meshes, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits, deleted, seconds, checkpoint_seconds, digest, lost,
-    effect_seconds
-});
-
-persist_struct!(StepSummary {
-    name,
-    increments,
-    time,
-    smallest_increment,
-    largest_increment,
-    limiting_element,
-    global_estimates,
-    added_mass,
-    added_mass_at,
-    limits
-});
-
-persist_struct!(AddedMassPlaces { free_nodes, linked_nodes, rigid_bodies });
-
-persist_struct!(BodyRest { body, time, displacement });
 
 impl SolverRun<'_> {
     /// Warns once of memory that the checkpoint does not contain.

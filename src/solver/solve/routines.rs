@@ -4,11 +4,13 @@ use super::increment::Increment;
 use super::run::SolverRun;
 use crate::constraint;
 use crate::state::Instant;
+use crate::state::archive::Persist;
 use crate::state::halt::HaltReason;
 use crate::user::{AnalysisMoment, LockedRoutines, Routines, RunAction, SavedMemory};
 
 /// User subroutines over a run, and the action that they have requested.
-#[derive(Default)]
+#[derive(Default, Persist)]
+#[persist(derived: routines, loss_reported, restored_memory)]
 pub(super) struct UserSession {
     pub routines: LockedRoutines,
     pub requested_action: RunAction,

@@ -1,5 +1,6 @@
 //! A run: the data of an increment, and its seven operations.
 
+use crate::state::archive::Persist;
 use std::ops::Range;
 
 use super::body_forces::BodyForces;
@@ -29,6 +30,12 @@ use crate::user::RunAction;
 
 /// Data that an increment uses or changes. It is aligned so that the run time does not depend on the stack address.
 #[repr(align(64))]
+#[derive(Persist)]
+// The state of a step that has begun; the effects in force are those of the step.
+#[persist(
+    derived: plan, step, velocity_extrapolation, previous_stable_increment, finds_onsets, forces_may_differ, threads,
+        kinetic, timing
+)]
 pub(super) struct SolverRun<'a> {
     pub(super) plan: &'a Plan,
     /// Plan of the current step.

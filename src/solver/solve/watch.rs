@@ -8,7 +8,7 @@ use super::run::SolverRun;
 use crate::constraint::ContactResults;
 use crate::kernel::lanes::InlineMap;
 use crate::model::IncrementControl;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::{BodyState, Instant};
 
 /// Fraction of the energy put in below which internal energy is too small to be compared with artificial energy.
@@ -67,7 +67,8 @@ const GROWTH: f64 = 4.0;
 const WORTH: f64 = 0.01;
 
 /// History of the monitored values.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist)]
+#[persist(derived: shown, drift_bound)]
 pub(super) struct RunMonitor {
     /// Bound for the warning of the drift of ETOTAL in this step, relative to the energy put in.
     pub(super) drift_bound: f64,
@@ -110,7 +111,7 @@ pub(super) struct RunMonitor {
 }
 
 /// Increments in which a term of the energy exceeds a bound.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 struct ExcessRecord {
     /// Number of increments.
     count: u64,
@@ -131,8 +132,6 @@ impl ExcessRecord {
         }
     }
 }
-
-persist_struct!(ExcessRecord { count, largest, value, increment, total_time });
 
 impl RunMonitor {
     /// Allows the warning of small increments once in each step.
@@ -611,13 +610,6 @@ fn cause(energy: &Energy, departure: f64, beyond: Option<f64>) -> String {
     "Compare with SCALE FACTOR=0.5 on *DYNAMIC: the increment may be too large for loads, contact or a stiffening material"
         .into()
 }
-
-persist_struct!(RunMonitor {
-    unsound, drift, lasting_drifts, drift_count, excess, lasting_excess, dissipated, decreases, contact_below_zero, pattern_reported, slow_reported, slow, expected, pattern, next_look, collapse, masses,
-    limits_reported
-} derived {
-    shown, drift_bound
-});
 
 #[cfg(test)]
 mod tests {

@@ -9,7 +9,6 @@ use super::curve::{FacetCurve, PointCarrier};
 use super::sweeps::NONE;
 use super::{ContactConstraint, ContactPair, MergedContactDof, pair_of};
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::MemoryUse;
 use crate::kernel::traction_separation::{DissipatedEnergy, TractionSeparationLaw};
 use crate::state::archive::StateArchive;
 use crate::state::dofs::{Dof, Dofs};
@@ -438,10 +437,6 @@ impl ContactConstraint {
                 archive.reject(|| "a contact point is bonded to a facet that does not exist".to_owned());
             }
         }
-    }
-
-    pub(super) fn memory_of_cohesion(&self) -> MemoryUse {
-        self.cohesion.iter().map(|cohesion| cohesion.memory()).sum()
     }
 
     /// Returns pressure and shear stress of the bond of a key.

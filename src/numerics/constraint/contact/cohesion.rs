@@ -10,14 +10,15 @@
 
 use super::curve::FacetShape;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::kernel::traction_separation::DissipatedEnergy;
 use crate::kernel::traction_separation::{InterfaceHistory, TractionSeparationLaw};
-use crate::state::archive::{Persist, StateArchive, persist_struct};
+use crate::state::archive::Persist;
 use crate::variables::Variable;
 
 /// Cohesive behaviour of a contact pair.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(derived: pair, law, has_law_of_points, intact_law, bonds_later, bonds_again, criterion, first)]
 pub struct CohesivePair {
     /// Index of the pair among those of the contact.
     pub pair: usize,
@@ -63,7 +64,7 @@ impl CohesivePair {
 }
 
 /// Whether a point is bonded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Persist)]
 pub(super) enum BondStatus {
     /// It has not been bonded yet.
     #[default]
@@ -76,7 +77,7 @@ pub(super) enum BondStatus {
 }
 
 /// State of a point of a cohesive pair.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub(super) struct BondedPoint {
     pub(super) status: BondStatus,
     /// Facet of the foot, and its coordinate on the facet from 0 to 1.
@@ -131,7 +132,9 @@ impl FootVector {
 const SMALL_LEVERAGE: f64 = 0.01;
 
 /// Bonds of all pairs of a contact constraint.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(fixed: pairs, points, impulses; derived: laws, sums)]
+#[memory(flat: laws, pairs)]
 pub(super) struct CohesiveSurfaces {
     pub(super) laws: Vec<TractionSeparationLaw>,
     /// Pairs, ascending by their index.
@@ -143,16 +146,6 @@ pub(super) struct CohesiveSurfaces {
     pub(super) sums: Vec<f64>,
     /// Bound of the square of the highest frequency of the bonds.
     pub(super) squared_frequency: f64,
-}
-
-impl CohesiveSurfaces {
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.laws)
-            + MemoryUse::of(&self.pairs)
-            + MemoryUse::of(&self.points)
-            + MemoryUse::of(&self.impulses)
-            + MemoryUse::of(&self.sums)
-    }
 }
 
 impl BondedPoint {
@@ -184,26 +177,6 @@ impl BondedPoint {
 pub(super) fn opened([normal, shear]: [f64; 2]) -> [f64; 2] {
     [normal.max(0.0), shear]
 }
-
-impl Persist for BondStatus {
-    fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let all = [BondStatus::Free, BondStatus::Bonded, BondStatus::Failed, BondStatus::Separated];
-        let mut code = *self as u8;
-        code.persist(archive);
-        match all.get(usize::from(code)) {
-            Some(status) => *self = *status,
-            None => archive.reject(|| format!("the status of a bond is {code}")),
-        }
-    }
-}
-
-persist_struct!(BondedPoint { status, facet, part, area, reference, history, separation, traction });
-
-persist_struct!(CohesivePair { is_new } derived {
-    pair, law, has_law_of_points, intact_law, bonds_later, bonds_again, criterion, first
-});
-
-persist_struct!(CohesiveSurfaces { pairs: fixed, points: fixed, impulses: fixed, squared_frequency } derived { laws, sums });
 
 #[cfg(test)]
 mod tests {

@@ -2,11 +2,11 @@
 //! removes or exposes.
 
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::sorted_boxes::{BoundingBox, bounding_box};
 use crate::kernel::topology::ElementNodes;
-use crate::state::archive::{Persist, StateArchive, persist_struct};
+use crate::state::archive::{Persist, StateArchive};
 
 /// Carrier of a point of a contact surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,13 @@ pub enum FacetNeighbor {
 }
 
 /// Connected facets; the body is to the left of each.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(
+    fixed: is_exposed, has_element, neighbors, depth;
+    derived: facets, lift, is_side_of_line, own, around, exposed, exposed_points, orphans, drops_orphans, tips,
+        corners, kinks, shapes, ordered;
+    then: FacetCurve::list_again
+)]
 pub struct FacetCurve {
     /// The two points of each facet, as indices of contact points.
     pub facets: Vec<[u32; 2]>,
@@ -486,27 +492,6 @@ impl FacetCurve {
         let sum: f64 = around.iter().map(|f| self.lift[f.0 as usize]).sum();
         sum / around.len().max(1) as f64
     }
-
-    /// Returns the number of bytes of the arrays, in use and in reserve.
-    pub fn memory(&self) -> MemoryUse {
-        let of_facets = MemoryUse::of(&self.facets)
-            + MemoryUse::of(&self.neighbors)
-            + MemoryUse::of(&self.lift)
-            + MemoryUse::of(&self.depth)
-            + MemoryUse::of(&self.is_exposed)
-            + MemoryUse::of(&self.has_element)
-            + MemoryUse::of(&self.exposed)
-            + MemoryUse::of(&self.shapes)
-            + MemoryUse::of(&self.ordered);
-        let of_points = MemoryUse::of(&self.own) + MemoryUse::of(&self.exposed_points) + MemoryUse::of(&self.orphans);
-        let around = MemoryUse::of(&self.around) + self.around.iter().map(MemoryUse::of).sum();
-        of_facets
-            + of_points
-            + around
-            + MemoryUse::of(&self.tips)
-            + MemoryUse::of(&self.corners)
-            + MemoryUse::of(&self.kinks)
-    }
 }
 
 impl Persist for FacetNeighbor {
@@ -524,10 +509,6 @@ impl Persist for FacetNeighbor {
         };
     }
 }
-
-persist_struct!(FacetCurve { is_exposed: fixed, has_element: fixed, neighbors: fixed, depth: fixed } derived {
-    facets, lift, is_side_of_line, own, around, exposed, exposed_points, orphans, drops_orphans, tips, corners, kinks, shapes, ordered
-} then FacetCurve::list_again);
 
 impl FacetCurve {
     /// Rebuilds the lists of exposed facets after reading.

@@ -12,7 +12,7 @@ use super::sweeps::{
 };
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::lanes::inline_from_fn;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use nalgebra::{SMatrix, SVector};
 
 /// Status of a contact row.
@@ -75,7 +75,7 @@ struct CoupledRows {
 }
 
 /// Work arrays of the direct contact solver.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub(super) struct DirectSolver {
     status: Vec<ContactStatus>,
     /// Rates of each row along the normal and along the surface, times its area.
@@ -144,23 +144,6 @@ impl DirectSolver {
         self.on_bodies.reserve(2 * rows);
         self.first.resize(dofs, NONE);
         self.last.resize(dofs, NONE);
-    }
-
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.status)
-            + MemoryUse::of(&self.rates)
-            + MemoryUse::of(&self.coupled)
-            + MemoryUse::of(&self.blocks)
-            + MemoryUse::of(&self.unknowns)
-            + MemoryUse::of(&self.unknowns_of_row)
-            + MemoryUse::of(&self.last_coupled)
-            + MemoryUse::of(&self.first)
-            + MemoryUse::of(&self.last)
-            + MemoryUse::of(&self.links)
-            + MemoryUse::of(&self.band)
-            + MemoryUse::of(&self.diagonal)
-            + MemoryUse::of(&self.columns)
-            + MemoryUse::of(&self.on_bodies)
     }
 }
 

@@ -9,7 +9,7 @@
 //! Lorenzis 2009, Int. J. Numer. Meth. Engng 79, 379).
 
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 
 use super::curve::{FacetCurve, FacetNeighbor, FacetShape};
 use super::sweeps::{most_rows, reserve_total};
@@ -116,7 +116,7 @@ impl NearestFacet {
 }
 
 /// Gap integration: work arrays and the derivatives of an increment.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct GapIntegrator {
     /// Derivatives for all facets, in their order.
     pub shares: Vec<GapDerivative>,
@@ -476,14 +476,6 @@ impl GapIntegrator {
             }
             None => self.shares.push(GapDerivative { point, of }),
         }
-    }
-
-    /// Returns the number of bytes of the arrays, in use and in reserve.
-    pub fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.shares)
-            + MemoryUse::of(&self.edges)
-            + MemoryUse::of(&self.facing)
-            + MemoryUse::of(&self.cuts)
     }
 }
 

@@ -9,14 +9,16 @@ use super::curve::{PointCarrier, SurfacePoint};
 use super::sweeps::{ContactRow, ContactRows, GapTerm};
 use crate::constraint::HeatExchange;
 use crate::kernel::interaction::InteractionLaw;
-use crate::kernel::lists::{MemoryUse, sorted_unique};
-use crate::state::archive::persist_struct;
+use crate::kernel::lists::{Memory, sorted_unique};
+use crate::state::archive::Persist;
 
 /// Marks a point without temperature.
 const NONE: u32 = u32::MAX;
 
 /// Heat exchange of all contact rows.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+// Rows are computed again in the next increment.
+#[persist(fixed: most; derived: nodes, point_of, keys, rows, terms)]
 pub(super) struct ContactHeat {
     /// Node of each point; [`NONE`] if it has no temperature.
     nodes: Vec<u32>,
@@ -148,15 +150,6 @@ impl ContactHeat {
     pub(super) fn exchange_bounds(&self) -> &[f64] {
         &self.most
     }
-
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.nodes)
-            + MemoryUse::of(&self.point_of)
-            + MemoryUse::of(&self.keys)
-            + MemoryUse::of(&self.rows)
-            + MemoryUse::of(&self.terms)
-            + MemoryUse::of(&self.most)
-    }
 }
 
 impl HeatExchange for ContactHeat {
@@ -184,9 +177,6 @@ impl HeatExchange for ContactHeat {
         }
     }
 }
-
-// Rows are computed again in the next increment.
-persist_struct!(ContactHeat { most: fixed } derived { nodes, point_of, keys, rows, terms });
 
 /// Adds the points of a row with a temperature and their weights, which follow from the derivatives of the gap along
 /// the normal of the own point. The other surface is that of a rigid body if `facing` is given, the index of the body's

@@ -5,7 +5,7 @@
 //! the order of the wave speed, the pressure of a shock overshoots or the element collapses. Before surfaces touch, and until
 //! the shock has left the elements at the surface, the increment is at most a part of thickness over closing speed.
 
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Largest compression of an element in an increment by the closing speed, as a fraction of its thickness.
 pub(super) const LARGEST_COMPRESSION: f64 = 0.1;
@@ -18,7 +18,7 @@ pub(super) const SOFT: f64 = 0.5;
 const AFTER: f64 = 4.0;
 
 /// Limit of the time increment by impacts.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Persist)]
 pub(super) struct ImpactLimit {
     /// Largest increment.
     pub(super) increment: f64,
@@ -55,5 +55,3 @@ impl ImpactLimit {
         }
     }
 }
-
-persist_struct!(ImpactLimit { increment, remaining });

@@ -2,7 +2,7 @@
 //! keys between those at the start.
 
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 
 /// New place of a key between two keys at the start.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +31,7 @@ impl KeyPlace {
 }
 
 /// Contact at the start of a change of meshes, and work arrays.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub(super) struct MeshContinuation {
     /// Places of all points at the start.
     pub(super) starts: Vec<[f64; 2]>,
@@ -62,16 +62,6 @@ impl MeshContinuation {
             shifts: vec![0.0; dofs],
             is_free: vec![false; dofs],
         }
-    }
-
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.starts)
-            + [&self.gaps, &self.areas, &self.mixed, &self.stored, &self.shifts]
-                .inline_map(MemoryUse::of)
-                .into_iter()
-                .sum()
-            + MemoryUse::of(&self.shares)
-            + MemoryUse::of(&self.is_free)
     }
 
     /// Returns the value of a key at its new place, from those of all keys at the start.

@@ -51,16 +51,17 @@ use super::{
     StoredConstraint,
 };
 use crate::kernel::interaction::InteractionLaw;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
-use crate::state::archive::{StateArchive, persist_struct};
+use crate::state::archive::{Persist, StateArchive};
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
 
 /// Two surfaces that may come into contact, or one with self-contact.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
+#[memory(uncounted: name)]
 pub struct ContactPair {
     /// Row of the ledger.
     pub id: EffectId,
@@ -171,7 +172,15 @@ pub struct InitialClearance {
 }
 
 /// Contact of all pairs of a step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(
+    fixed: curves, pressures, gap_offsets, impulses, bodies;
+    present: contact_heat, cohesion;
+    derived: points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, springs, means, places, active_points,
+        near, listed, gaps, rows, motion, mesh;
+    then: ContactConstraint::list_again
+)]
+#[memory(flat: analyticals, laws; inside: cohesion, contact_heat, mesh; uncounted: touched)]
 pub struct ContactConstraint {
     points: Vec<SurfacePoint>,
     curves: Vec<FacetCurve>,
@@ -231,7 +240,7 @@ pub struct ContactConstraint {
 
 /// A degree of freedom of nodes with equal motion, such as the nodes of a kinematic coupling. It moves with their total
 /// mass.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 struct MergedContactDof {
     /// Index of the degree of freedom.
     dof: usize,
@@ -246,7 +255,8 @@ impl MergedContactDof {
 }
 
 /// A rigid body that takes part in the contact.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Persist)]
+#[persist(derived: dof, body, prescribed)]
 struct ContactBody {
     /// Index of the body's degree of freedom.
     dof: usize,
@@ -1150,51 +1160,7 @@ impl StoredConstraint for ContactConstraint {
             self.take_over(previous);
         }
     }
-
-    fn memory(&self) -> MemoryUse {
-        let of_pair = |p: &ContactPair| p.search.memory() + MemoryUse::of(&p.facet_gaps);
-        MemoryUse::of(&self.pairs)
-            + self.pairs.iter().map(of_pair).sum()
-            + MemoryUse::of(&self.curves)
-            + self.curves.iter().map(FacetCurve::memory).sum()
-            + self.gaps.memory()
-            + self.shown.memory()
-            + self.stored_energy.memory()
-            + self.slip_damping.memory()
-            + self.rows.memory()
-            + self.memory_of_cohesion()
-            + MemoryUse::of(&self.points)
-            + MemoryUse::of(&self.analyticals)
-            + MemoryUse::of(&self.feet)
-            + MemoryUse::of(&self.laws)
-            + MemoryUse::of(&self.dofs_of)
-            + MemoryUse::of(&self.dofs)
-            + MemoryUse::of(&self.merged)
-            + self.merged.iter().map(|merged| MemoryUse::of(&merged.nodes.nodes)).sum()
-            + MemoryUse::of(&self.pressures)
-            + MemoryUse::of(&self.gap_offsets)
-            + MemoryUse::of(&self.means)
-            + MemoryUse::of(&self.places)
-            + MemoryUse::of(&self.active_points)
-            + self.near.memory()
-            + MemoryUse::of(&self.listed)
-            + MemoryUse::of(&self.impulses)
-            + MemoryUse::of(&self.bodies)
-            + MemoryUse::of(&self.motion.velocity)
-            + MemoryUse::of(&self.motion.inverse_mass)
-            + self.contact_heat.iter().map(|exchange| exchange.memory()).sum()
-            + self.mesh.iter().map(|mesh| mesh.memory()).sum()
-    }
 }
-
-persist_struct!(ContactBody { contact_acceleration } derived { dof, body, prescribed });
-
-persist_struct!(ContactConstraint {
-    curves: fixed, pressures: fixed, gap_offsets: fixed, stored_energy, slip_damping, impact, touched, impulses: fixed, bodies: fixed, half, output_share, shown, uncovered, contact_heat: present,
-    cohesion: present
-} derived {
-    points, pairs, analyticals, feet, laws, dofs_of, dofs, merged, springs, means, places, active_points, near, listed, gaps, rows, motion, mesh
-} then ContactConstraint::list_again);
 
 impl ContactConstraint {
     /// Lists are built again after reading; rows do not depend on when lists were built.

@@ -2,15 +2,14 @@
 //! facets next to them, and their points. Only these parts are read and measured in an increment. All other points are
 //! compared with their positions at the last search only.
 
-use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 
 use super::curve::FacetCurve;
 use super::search::ContactSearch;
 use super::sweeps::NONE;
 
 /// Parts of all curves of a contact that are near another surface.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub(super) struct NearParts {
     /// Curve and index of each near facet.
     pub(super) facets: Vec<[u32; 2]>,
@@ -107,12 +106,5 @@ impl NearParts {
             let of_other = other.single_points().enumerate().filter(|(at, _)| !search.others.of(*at).is_empty());
             of_other.for_each(|(_, (index, _))| is_candidate[other.own[index as usize] as usize] = true);
         }
-    }
-
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.facets)
-            + [&self.points, &self.others, &self.dofs].inline_map(MemoryUse::of).into_iter().sum()
-            + MemoryUse::of(&self.is_near)
-            + MemoryUse::of(&self.is_candidate)
     }
 }

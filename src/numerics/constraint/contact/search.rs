@@ -1,6 +1,6 @@
 //! Search for contact candidates: lists of facets that may come into contact, valid until a point has moved too far.
 
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes};
 
 use super::curve::FacetCurve;
@@ -13,7 +13,7 @@ const SLACK: f64 = 0.5;
 
 /// Contact candidates: for each exposed facet and each single point of one curve, the facets of the other curve,
 /// ascending.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct ContactSearch {
     /// Length that reach and slack refer to: the smaller of the longest facets of both curves.
     pub length: f64,
@@ -29,7 +29,7 @@ pub struct ContactSearch {
 }
 
 /// Lists of indices, stored one after the other.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct CandidateLists {
     first: Vec<u32>,
     list: Vec<u32>,
@@ -54,10 +54,6 @@ impl CandidateLists {
         let from = self.first[self.first.len() - 1] as usize;
         self.list[from..].sort_unstable();
         self.first.push(self.list.len() as u32);
-    }
-
-    fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.first) + MemoryUse::of(&self.list)
     }
 }
 
@@ -111,12 +107,6 @@ impl ContactSearch {
             sorted.sort(boxes_of(own));
             list_points(others, (other, other.single_points().map(|point| point.0)), sorted, places, margin);
         }
-    }
-
-    /// Returns the number of bytes of the lists, in use and in reserve.
-    pub fn memory(&self) -> MemoryUse {
-        [&self.facets, &self.orphans, &self.others].into_iter().map(CandidateLists::memory).sum::<MemoryUse>()
-            + self.sorted.memory()
     }
 }
 

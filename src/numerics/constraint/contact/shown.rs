@@ -5,14 +5,15 @@ use super::mesh_continuation::KeyPlace;
 use super::{ContactConstraint, ContactPair};
 use crate::constraint::{ContactResults, PairForces};
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
 use crate::variables::{Variable, VariableComponent};
 
 /// Values kept for output only.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(fixed: opening, slip; derived: by_node, on_bodies)]
 pub(super) struct ContactOutput {
     /// Gap of each key; NaN if no surface is near.
     pub(super) opening: Vec<f64>,
@@ -68,13 +69,6 @@ impl ContactOutput {
             *point = self.point(PointCarrier::Node(*point as usize))?;
         }
         Some(points)
-    }
-
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.opening)
-            + MemoryUse::of(&self.slip)
-            + MemoryUse::of(&self.by_node)
-            + MemoryUse::of(&self.on_bodies)
     }
 }
 
@@ -212,5 +206,3 @@ impl ContactResults for ContactConstraint {
         self.pairs.iter().find(|p| p.number == number).map(|pair| self.contact_area(pair))
     }
 }
-
-persist_struct!(ContactOutput { opening: fixed, slip: fixed } derived { by_node, on_bodies });

@@ -12,8 +12,8 @@ use super::mesh_continuation::KeyPlace;
 use super::sweeps::{ContactRow, ContactRows, ContactStep, ContactVelocities};
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::MemoryUse;
-use crate::state::archive::persist_struct;
+use crate::kernel::lists::Memory;
+use crate::state::archive::Persist;
 
 /// Share by which the slow part of the slip rate approaches the rate in an increment.
 const APPROACH: f64 = 0.1;
@@ -21,7 +21,8 @@ const APPROACH: f64 = 0.1;
 const PRESSURE_APPROACH: f64 = 0.1;
 
 /// Slip rates of the keys in contact.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(fixed: slow, impulse, stress, pressure; derived: next, next_pressure)]
 pub(super) struct SlipDamping {
     /// Slow part of the slip rate; NaN if not in contact. Empty without damping.
     slow: Vec<f64>,
@@ -60,15 +61,6 @@ impl SlipDamping {
         self.impulse[key] = place.value(|other| previous.impulse[other]);
         self.stress[key] = place.value(|other| previous.stress[other]);
         self.pressure[key] = [0, 1].inline_map(|part: usize| place.value(|other| previous.pressure[other][part]));
-    }
-
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.slow)
-            + MemoryUse::of(&self.impulse)
-            + MemoryUse::of(&self.stress)
-            + MemoryUse::of(&self.pressure)
-            + MemoryUse::of(&self.next_pressure)
-            + MemoryUse::of(&self.next)
     }
 
     /// Returns the values of the keys that continue.
@@ -175,5 +167,3 @@ impl SlipDamping {
         }
     }
 }
-
-persist_struct!(SlipDamping { slow: fixed, impulse: fixed, stress: fixed, pressure: fixed } derived { next, next_pressure });

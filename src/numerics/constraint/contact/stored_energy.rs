@@ -7,11 +7,12 @@
 use super::mesh_continuation::KeyPlace;
 use super::sweeps::{ContactInterval, ContactRow, ContactRows, ContactVelocities, closed_overlap};
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
-use crate::kernel::lists::MemoryUse;
-use crate::state::archive::persist_struct;
+use crate::kernel::lists::Memory;
+use crate::state::archive::Persist;
 
 /// Energy that soft contact has stored, by the key of the contact row.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(fixed: stored; derived: next)]
 pub(super) struct StoredEnergy {
     /// Energy that a soft law has absorbed and not released; NaN before the first increment. Empty without soft laws.
     stored: Vec<f64>,
@@ -40,10 +41,6 @@ impl StoredEnergy {
     /// Returns the energies of the keys.
     pub(super) fn values(&self) -> &[f64] {
         &self.stored
-    }
-
-    pub(super) fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.stored) + MemoryUse::of(&self.next)
     }
 
     /// Limits the overlaps of soft rows to those that work has been done for. Returns the energy of the overlaps with
@@ -109,5 +106,3 @@ fn elastic_impulse(row: &ContactRow, law: &PressureOverclosure, rate: f64, span:
     let [pressure, _] = law.pressure(closed_overlap(row, law, rate, span));
     if row.normal_impulse > 0.0 { span.half * pressure } else { 0.0 }
 }
-
-persist_struct!(StoredEnergy { stored: fixed } derived { next });

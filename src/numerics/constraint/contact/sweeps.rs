@@ -5,7 +5,7 @@
 use super::direct::DirectSolver;
 use super::light::LightBody;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
-use crate::kernel::lists::MemoryUse;
+use crate::kernel::lists::Memory;
 
 /// Coefficients of one degree of freedom in a row, along the normal and along the surface.
 #[derive(Clone, Copy, Debug)]
@@ -158,7 +158,7 @@ impl ContactRow {
 }
 
 /// Velocities and inverse masses of the degrees of freedom in contact.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct ContactVelocities {
     /// Velocities over the increment.
     pub velocity: Vec<f64>,
@@ -230,7 +230,7 @@ pub struct ContactStep<'a> {
 }
 
 /// Contact rows of all pairs and their solution.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct ContactRows {
     pub terms: Vec<GapTerm>,
     /// Rows in the order of the sweeps.
@@ -566,17 +566,6 @@ impl ContactRows {
 
     pub fn terms_of(&self, row: &ContactRow) -> &[GapTerm] {
         row.own(&self.terms)
-    }
-
-    /// Returns the number of bytes of the arrays, in use and in reserve.
-    pub fn memory(&self) -> MemoryUse {
-        MemoryUse::of(&self.terms)
-            + MemoryUse::of(&self.rows)
-            + MemoryUse::of(&self.bodies)
-            + MemoryUse::of(&self.light)
-            + MemoryUse::of(&self.slots)
-            + MemoryUse::of(&self.response)
-            + self.direct.memory()
     }
 }
 

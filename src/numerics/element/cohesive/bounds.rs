@@ -2,7 +2,7 @@
 //! masses of the nodes that they join, including those of the adjacent bodies.
 
 use crate::element::group::ElementGroup;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::state::nodes::Nodes;
 
 /// A degree of freedom that resists the motion of a node of an interface.
@@ -17,7 +17,7 @@ pub struct InertiaShare {
 }
 
 /// Stiffness between two nodes along an axis.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Memory)]
 pub struct InterfaceSpring {
     /// Group and index in the group of the element.
     pub element: (usize, usize),
@@ -30,7 +30,7 @@ pub struct InterfaceSpring {
 }
 
 /// Springs of all cohesive elements.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct InterfaceBounds {
     springs: Vec<InterfaceSpring>,
     /// Stiffness at each node along each axis.
@@ -70,10 +70,5 @@ impl InterfaceBounds {
             let (group, element) = spring.element;
             groups[group].extensions().settings().set_rate(element, most);
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        let shares: usize = self.springs.iter().map(|spring| heap_bytes(&spring.shares)).sum();
-        heap_bytes(&self.springs) + shares + heap_bytes(&self.sums)
     }
 }

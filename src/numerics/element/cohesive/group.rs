@@ -17,7 +17,7 @@ use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::kernel::traction_separation::{
     DissipatedEnergy, InterfaceHistory, InterfaceStiffness, TractionSeparationLaw,
 };
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
 
@@ -36,7 +36,11 @@ pub struct CohesiveElement {
 }
 
 /// Group of cohesive elements of a section.
-#[derive(Clone)]
+#[derive(Clone, Persist)]
+#[persist(
+    fixed: masses, points, energies, rates, rate_factors, deleted;
+    derived: laws, elements, areas, gaps, deletes, criterion, is_erodible, fresh
+)]
 pub struct CohesiveGroup {
     laws: Arc<[TractionSeparationLaw]>,
     elements: Arc<[CohesiveElement]>,
@@ -64,7 +68,7 @@ pub struct CohesiveGroup {
 }
 
 /// State of an integration point.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 struct CohesivePoint {
     history: InterfaceHistory,
     /// Normal and shear separation.
@@ -369,13 +373,3 @@ impl GroupDeletion for CohesiveGroup {
 impl InitialState for CohesiveGroup {
     fn set(&mut self, _element: usize, _stress: Option<[f64; 4]>, _temperature: Option<f64>) {}
 }
-
-persist_struct!(InterfaceHistory { damage, inviscid_damage, separation, criterion });
-
-persist_struct!(CohesivePoint { history, separation, traction });
-
-persist_struct!(CohesiveGroup {
-    masses: fixed, points: fixed, energies: fixed, rates: fixed, rate_factors: fixed, deleted: fixed
-} derived {
-    laws, elements, areas, gaps, deletes, criterion, is_erodible, fresh
-});

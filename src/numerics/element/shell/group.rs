@@ -4,6 +4,7 @@
 //! coordinate is the angle (counter-clockwise in r and z, radians), its mass is the rotary inertia. A shell therefore
 //! acts on two nodes and their two companion nodes; moments act on companion nodes as forces along r act on nodes.
 
+use crate::kernel::lists::Memory;
 use std::sync::Arc;
 
 use pulp::Arch;
@@ -21,12 +22,13 @@ use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{SectionComponents, ShellFrame};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::material::available::AvailableEnergy;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
 
 /// Group of shell elements with the same section.
-#[derive(Clone)]
+#[derive(Clone, Persist)]
+#[persist(fixed: deleted, masses, state, stress, flow; present: record; derived: section, arch, ends)]
 pub struct ShellGroup {
     pub(super) section: Arc<ShellProperties>,
     /// Instruction set of the update.
@@ -47,7 +49,7 @@ pub struct ShellGroup {
 }
 
 /// State of an element apart from its section points.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 pub(super) struct ShellState {
     /// Current thickness, length.
     pub thickness: f64,
@@ -60,7 +62,7 @@ pub(super) struct ShellState {
 }
 
 /// Plastic state of a section point.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub(super) struct ShellPointState {
     /// Equivalent plastic strain.
     pub strain: f64,
@@ -325,13 +327,3 @@ impl InitialState for ShellGroup {
         }
     }
 }
-
-persist_struct!(ShellPointState { strain, temperature });
-
-persist_struct!(ShellState { thickness, shear, slow_rates, viscous });
-
-persist_struct!(ShellGroup {
-    deleted: fixed, masses: fixed, state: fixed, stress: fixed, flow: fixed, record: present
-} derived {
-    section, arch, ends
-});

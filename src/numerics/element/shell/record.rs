@@ -1,11 +1,12 @@
 //! Strains and energies of shells that are integrated over increments for output only.
 
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::Memory;
 use crate::kernel::shell::SectionComponents;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Recorded values of one element.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub(super) struct ShellElementRecord {
     /// Section strains: membrane strains, curvatures, transverse shear.
     pub section: SectionComponents,
@@ -14,7 +15,7 @@ pub(super) struct ShellElementRecord {
 }
 
 /// Recorded strains of one point: meridian, hoop, thickness.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub(super) struct PointStrains {
     /// Logarithmic strain.
     pub total: [f64; 3],
@@ -25,7 +26,8 @@ pub(super) struct PointStrains {
 }
 
 /// Recorded values of a group.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(fixed: elements, points)]
 pub(super) struct ShellRecord {
     pub elements: Vec<ShellElementRecord>,
     pub points: Vec<PointStrains>,
@@ -47,14 +49,4 @@ impl ShellRecord {
             points: vec![PointStrains::default(); points],
         }
     }
-
-    pub fn bytes(&self) -> usize {
-        size_of_val(&*self.elements) + size_of_val(&*self.points)
-    }
 }
-
-persist_struct!(ShellElementRecord { section, work });
-
-persist_struct!(PointStrains { total, plastic, rate });
-
-persist_struct!(ShellRecord { elements: fixed, points: fixed });

@@ -12,11 +12,12 @@ use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, i
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators};
 use crate::kernel::stress::mises;
 use crate::material::{BlockStart, Material, PlasticFlow};
-use crate::state::archive::{Persist, persist_struct};
+use crate::state::archive::Persist;
 use crate::state::nodes::Node;
 
 /// Triangles with stress and state of their points.
-#[derive(Clone)]
+#[derive(Clone, Persist)]
+#[persist(derived: start)]
 pub struct TriangleBlock<S> {
     pub triangles: TriangleLanes,
     /// Integration points, each with its mass.
@@ -259,5 +260,3 @@ fn moduli<M: Material>(constants: &ElementConstants, scratch: &TaskWorkspace) ->
         _ => [scratch.stress.bulk, constant[1]],
     }
 }
-
-persist_struct!(TriangleBlock<S> [S: Persist] { triangles, points } derived { start });

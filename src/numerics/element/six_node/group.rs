@@ -1,5 +1,6 @@
 //! A group of six-node triangles: its blocks, distributed over threads, and its implementation of the group interface.
 
+use crate::kernel::lists::Memory;
 use std::cell::RefCell;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -27,11 +28,17 @@ use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::material::available::AvailableEnergy;
 use crate::material::{Material, PlasticFlow, PointValue};
 use crate::mesh::corner_forces::are_zero;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
 
 /// Group of six-node triangles with the same material.
+#[derive(Persist)]
+#[persist(
+    fixed: blocks, tasks, listed, quiescence;
+    derived: material, constants, calls, count, arch, erodible;
+    then: persist_called_moduli
+)]
 pub struct SixNodeTriangles<M: Material> {
     material: Arc<M>,
     constants: ElementConstants,
@@ -549,9 +556,3 @@ impl<M: Material> ElementTemperatures for SixNodeTriangles<M> {
         work
     }
 }
-
-persist_struct!(SixNodeTriangles<M> [M: Material] {
-    cap, blocks: fixed, tasks: fixed, listed: fixed, quiescence: fixed
-} derived {
-    material, constants, calls, count, arch, erodible
-} then persist_called_moduli);

@@ -12,7 +12,7 @@ use crate::kernel::bulk_viscosity::{BulkViscosity, slow_rate};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::quad::UNIT;
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators, frequency_squared, masses};
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::nodes::{Node, NodeAccelerations};
 
 /// Blocks of corner forces per block of triangles.
@@ -22,7 +22,8 @@ pub const FORCE_BLOCKS: usize = 2;
 const RING: f64 = 2.0 * PI / UNIT;
 
 /// Nodes, masses and deletion state of a block of triangles.
-#[derive(Clone)]
+#[derive(Clone, Persist)]
+#[persist(derived: nodes, volume)]
 pub struct TriangleLanes {
     /// Nodes around each element from a corner, counter-clockwise.
     nodes: [[u32; LANES]; NODES],
@@ -330,5 +331,3 @@ impl NullaryFnOnce for TriangleAssembly<'_> {
         }
     }
 }
-
-persist_struct!(TriangleLanes { inverse_mass, deleted, rate } derived { nodes, volume });

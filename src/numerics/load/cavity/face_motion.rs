@@ -4,10 +4,10 @@
 use crate::kernel::lanes::InlineMap;
 use crate::load::SceneView;
 use crate::mesh::surface::CurrentFace;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Motion of a node at the previous instant, from which the effect of constraints follows.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 pub(super) struct PreviousMotion {
     /// Velocity in the middle of the increment before that instant.
     velocity: [f64; 2],
@@ -99,5 +99,3 @@ fn known_force(view: &SceneView<'_>, loads: &[[f64; 2]], node: usize) -> [f64; 2
     let ([r, z], [more_r, more_z]) = (view.element_force.map_or([0.0; 2], |force| force(node)), loads[node]);
     [r + more_r, z + more_z]
 }
-
-persist_struct!(PreviousMotion { velocity, force });

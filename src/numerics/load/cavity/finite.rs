@@ -3,10 +3,10 @@
 
 use crate::kernel::facet::Facet;
 use crate::kernel::free_surface::FiniteSphere;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 
 /// Free surfaces of a stack of layers, and the effects of finite thickness that are requested for it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub struct StackBounds {
     /// Bounds of each layer, ascending in z as in the stack.
     pub layers: Vec<LayerBounds>,
@@ -83,9 +83,5 @@ impl StackBounds {
         let distance = || bounds.along(z, n_z).min(across.max(0.0));
         let free = bounds.decay.map_or(1.0, |decay| decay.factor(radius, distance()));
         free * self.crater.map_or(1.0, |crater| crater.share(z))
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        heap_bytes(&self.layers)
     }
 }

@@ -21,12 +21,12 @@ use super::{
     EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, PenetrationRecord, SceneChange,
     SceneView, TargetDissipation, VelocityUse,
 };
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{RigidFacets, SurfaceGeometry};
 use crate::routines::LockedRoutines;
 use crate::state::EffectId;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
@@ -40,7 +40,8 @@ use skin::SkinResistance;
 pub use stack::LayerStack;
 
 /// Resistance of one stack of layers on a surface.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: noses, oblique; derived: id, friction, stack)]
 pub struct CavityExpansion {
     id: EffectId,
     friction: f64,
@@ -225,5 +226,3 @@ fn not_finite(scene: &SceneView<'_>, speed: f64) -> HaltReason {
         reason: format!("the target resistance is not finite at total time {time:e} and speed {speed:e}"),
     }
 }
-
-persist_struct!(CavityExpansion { noses: fixed, skin, oblique: fixed } derived { id, friction, stack });

@@ -7,16 +7,16 @@ use super::shadow;
 use super::stack::{LayerStack, is_level};
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::load::fields::FacetFields;
 use crate::load::{PenetrationOutcome, PenetrationRecord};
 use crate::mesh::surface::RigidFacets;
 use crate::state::BodyState;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::limit::IncrementLimit;
 
 /// Facets that are loaded in one direction of motion.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 struct NoseFront {
     facets: Vec<Facet>,
     elements: Vec<usize>,
@@ -73,7 +73,8 @@ impl NoseFront {
 }
 
 /// Facets of one body in a stack of layers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(derived: body, fronts, idle, travel, rounding)]
 pub(super) struct NoseResistance {
     pub(super) body: usize,
     /// Facets loaded in motion along -z and +z.
@@ -195,16 +196,6 @@ impl NoseResistance {
             });
         }
         self.idle.iter().for_each(|e| fields.push(*e, 0.0, 0.0));
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        let front = |f: &NoseFront| {
-            heap_bytes(&f.facets)
-                + size_of::<usize>() * (f.elements.capacity() + f.inwards.capacity())
-                + heap_bytes(&f.levels)
-                + f.profile.as_ref().map_or(0, NoseProfile::bytes)
-        };
-        self.fronts.iter().map(front).sum::<usize>() + heap_bytes(&self.idle)
     }
 
     fn front(&self, direction: f64) -> &NoseFront {
@@ -344,5 +335,3 @@ fn time_to_travel(distance: f64, speed: f64, acceleration: f64) -> f64 {
     }
     2.0 * distance / (speed + discriminant.sqrt())
 }
-
-persist_struct!(NoseResistance { last_layer } derived { body, fronts, idle, travel, rounding });

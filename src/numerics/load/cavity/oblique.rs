@@ -4,14 +4,14 @@
 use super::rings::{RingKinematics, RingSet};
 use super::stack::LayerStack;
 use crate::kernel::attitude::{SpatialVector, dot, norm};
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::load::fields::FacetFields;
 use crate::load::stations::{divided_facets, largest_radius};
 use crate::load::{FinalMotion, PenetrationOutcome, PenetrationRecord};
 use crate::mesh::surface::RigidFacets;
 use crate::platform::PortableMath as _;
 use crate::state::BodyState;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::limit::IncrementLimit;
 use crate::state::rigid_body_3d::{RigidBody3d, RigidMotion, Wrench};
 
@@ -54,7 +54,8 @@ impl StackTilt {
 }
 
 /// Facets of one body in an inclined stack.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(derived: body, tilt, friction, travel, rings, elements, direction)]
 pub(super) struct ObliqueResistance {
     pub(super) body: usize,
     tilt: StackTilt,
@@ -210,13 +211,7 @@ impl ObliqueResistance {
         let scene = self.scene(body, &body.motion());
         self.rings.show(stack, &scene, |ring, area, shown| fields.push_station(self.elements[ring], area, shown));
     }
-
-    pub(super) fn bytes(&self) -> usize {
-        self.rings.bytes() + heap_bytes(&self.elements)
-    }
 }
-
-persist_struct!(ObliqueResistance { entered, exit, damping } derived { body, tilt, friction, travel, rings, elements, direction });
 
 #[cfg(test)]
 mod tests {

@@ -5,7 +5,7 @@ use super::plug::plus;
 use super::stack::{LayerStack, is_level};
 use crate::kernel::cavity::CavityResistance;
 use crate::kernel::facet::Facet;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 
 /// Sums over the facets of one orientation inside one material. With the body velocity V, the normal velocity is v_n =
 /// V |n_z|, so the force is a polynomial in V (reference: F = pi a^2 (A Y N0 + ...)).
@@ -54,7 +54,7 @@ impl FacetSums {
 }
 
 /// Facets in ascending order along z that do not overlap along z, and facets normal to the axis.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub(super) struct NoseProfile {
     level: Vec<Facet>,
     facets: Vec<Facet>,
@@ -120,10 +120,6 @@ impl NoseProfile {
             cut(&self.facets[end]);
         }
         if start < end { plus(total, self.sums[end].less(&self.sums[start]).forces(law, speed)) } else { total }
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        heap_bytes(&self.level) + heap_bytes(&self.facets) + heap_bytes(&self.sums)
     }
 }
 

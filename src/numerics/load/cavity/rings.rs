@@ -13,7 +13,7 @@ use super::stack::LayerStack;
 use crate::kernel::attitude::{SpatialVector, dot};
 use crate::kernel::cavity::CavityResistance;
 use crate::kernel::facet::Facet;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::load::stations::centroid;
 use crate::platform::PortableMath as _;
 use crate::state::rigid_body_3d::Wrench;
@@ -55,7 +55,7 @@ impl FacetRing {
 }
 
 /// Cosines and sines of the angles of stations, at their midpoints and edges, padded to whole arrays.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub struct StationAngles {
     count: usize,
     middle: [Vec<StationLanes>; 2],
@@ -83,10 +83,6 @@ impl StationAngles {
             weight: lanes(&|k| f64::from(u8::from(k < count))),
             half: 0.5 * step,
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        7 * heap_bytes(&self.weight)
     }
 }
 
@@ -159,7 +155,7 @@ impl RingHarmonics {
 }
 
 /// Rings of stations that cover the surface of one body.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub struct RingSet {
     rings: Vec<FacetRing>,
     stations: StationAngles,
@@ -201,10 +197,6 @@ impl RingSet {
                 }
             }
         }
-    }
-
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.rings) + self.stations.bytes()
     }
 }
 

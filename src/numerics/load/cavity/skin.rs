@@ -5,14 +5,14 @@ use super::stack::{LayerStack, is_level};
 use super::tunnel::TunnelWall;
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
 use crate::load::fields::FacetFields;
 use crate::load::pressure::solid_face_forces;
 use crate::load::{LastIncrement, SceneView, TargetDissipation};
 use crate::mesh::surface::{CurrentFace, DeformableFaces};
 use crate::platform::PortableMath as _;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::direction;
 use crate::state::dofs::Dofs;
 use crate::state::limit::IncrementLimit;
@@ -27,7 +27,7 @@ const SWEEPS: usize = 8;
 const SETTLED: f64 = 1e-4;
 
 /// Resistance of a face, and whether it can stop the face.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 struct FaceResistance {
     forces: FaceForces,
     /// Pressure as a fraction of that of the law.
@@ -37,7 +37,8 @@ struct FaceResistance {
 }
 
 /// Faces with their current and previous forces.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(fixed: current, before, previous; present: tunnel)]
 pub(super) struct SkinResistance {
     skin: DeformableFaces,
     /// Resistance at the current instant.
@@ -192,11 +193,6 @@ impl SkinResistance {
             }
         }
     }
-
-    pub(super) fn bytes(&self) -> usize {
-        let tunnel = self.tunnel.as_ref().map_or(0, TunnelWall::bytes);
-        self.skin.bytes() + heap_bytes(&self.current) + heap_bytes(&self.before) + heap_bytes(&self.previous) + tunnel
-    }
 }
 
 fn touches_wall(tunnel: &TunnelWall, nodes: [usize; 2], view: &SceneView<'_>) -> bool {
@@ -296,7 +292,3 @@ fn face_limit(stack: &LayerStack, face: &CurrentFace, nodes: &Nodes) -> Incremen
     let distance = if jump { ahead } else { ahead + (a - b).abs() };
     IncrementLimit { time: distance / velocity.abs(), jump }
 }
-
-persist_struct!(FaceResistance { forces, share, near_rest });
-
-persist_struct!(SkinResistance { skin, current: fixed, before: fixed, previous: fixed, tunnel: present });

@@ -3,10 +3,10 @@
 use super::finite::StackBounds;
 use crate::kernel::cavity::CavityResistance;
 use crate::kernel::facet::Facet;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 
 /// A stack of layers separated by planes of constant z.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
 pub struct LayerStack {
     /// z of the planes, ascending; one more than layers. The outermost may be infinite.
     pub planes: Vec<f64>,
@@ -104,13 +104,6 @@ impl LayerStack {
         }
         let parts = self.planes.windows(2).map(|p| facet.area_between(p[0], p[1])).zip(&self.numbers);
         parts.fold((0.0, 0), |most, (area, &number)| if area > most.0 { (area, number) } else { most }).1
-    }
-
-    pub(super) fn bytes(&self) -> usize {
-        heap_bytes(&self.planes)
-            + heap_bytes(&self.laws)
-            + heap_bytes(&self.numbers)
-            + self.bounds.as_ref().map_or(0, StackBounds::bytes)
     }
 }
 

@@ -1,20 +1,21 @@
 //! The tunnel that a deformable body opens: the radius of its wall as a function of z.
 
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::mesh::surface::CurrentFace;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 
 /// Wall radii in slices of equal thickness. Slices are reused in a ring buffer that covers twice the initial length of
 /// the body.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist, Memory)]
+#[persist(fixed: slices; derived: thickness)]
 pub(super) struct TunnelWall {
     thickness: f64,
     slices: Vec<WallSlice>,
 }
 
 /// One slice: its index along z and the radius to which it was opened.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Persist)]
 struct WallSlice {
     number: f64,
     radius: f64,
@@ -72,15 +73,7 @@ impl TunnelWall {
     fn place(&self, number: f64) -> usize {
         number.rem_euclid(self.slices.len() as f64) as usize
     }
-
-    pub(super) fn bytes(&self) -> usize {
-        heap_bytes(&self.slices)
-    }
 }
-
-persist_struct!(WallSlice { number, radius });
-
-persist_struct!(TunnelWall { slices: fixed } derived { thickness });
 
 #[cfg(test)]
 mod tests {

@@ -10,7 +10,7 @@ use super::{
     EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView,
     TargetDissipation, VelocityUse,
 };
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::load::fields::FacetFields;
 use crate::load::stations::stations;
 use crate::load::stiffness::LoadStiffness;

@@ -5,7 +5,7 @@ use super::UserLoadData;
 use super::surface_view::SurfaceView;
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::{Memory, heap_bytes};
 use crate::load::SceneView;
 use crate::load::body_force::corner_volumes;
 use crate::load::fields::FacetFields;
@@ -16,14 +16,16 @@ use crate::mesh::surface::{CurrentFace, DeformableFaces};
 use crate::platform::PortableMath as _;
 use crate::routines::{LoadFailure, MAX_BLOCK};
 use crate::state::BodyState;
-use crate::state::archive::{Persist, StateArchive, persist_fields, persist_struct};
+use crate::state::archive::{Persist, StateArchive, persist_fields};
 use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::state::nodes::Nodes;
 use crate::state::rigid_body_3d::{RigidBody3d, Wrench};
 
 /// Points of one call, at most [`MAX_BLOCK`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+// Previous pressures are not saved: the next evaluation sets them from the current ones.
+#[persist(derived: pressure_before)]
 pub(super) struct PointBlock {
     pub(super) map: SurfaceMap,
     view: SurfaceView,
@@ -404,6 +406,3 @@ impl Persist for SurfaceMap {
         }
     }
 }
-
-// Previous pressures are not saved: the next evaluation sets them from the current ones.
-persist_struct!(PointBlock { map, view } derived { pressure_before });

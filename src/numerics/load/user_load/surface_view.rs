@@ -4,12 +4,15 @@ use super::UserLoadData;
 use crate::kernel::lists::heap_bytes;
 use crate::routines::{LoadFailure, LoadPoints, MAX_BLOCK, UserLoad};
 use crate::state::Instant;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::state::halt::HaltReason;
 use crate::state::magnitude::AmplitudeClock;
 
 /// Arrays of one call, for at most [`MAX_BLOCK`] points; [`LoadPoints`] describes their layout.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+// Motion is saved, because for some subroutines only the velocities are updated. The number of points follows from the
+// exposed faces.
+#[persist(fixed: coordinates, motion, pressure; derived: count, directions, normal_r, normal_z)]
 pub(super) struct SurfaceView {
     count: usize,
     /// r of all points, z of all points, then NaN.
@@ -186,11 +189,3 @@ impl SurfaceView {
         failure.halt(&format!("the user load on `{}`{point}", load.name), now)
     }
 }
-
-// Motion is saved, because for some subroutines only the velocities are updated. The number of points follows from the
-// exposed faces.
-persist_struct!(SurfaceView {
-    coordinates: fixed, motion: fixed, pressure: fixed
-} derived {
-    count, directions, normal_r, normal_z
-});

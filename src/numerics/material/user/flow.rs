@@ -8,6 +8,7 @@ use super::points::{PointArguments, check_guards, check_values, guard_values};
 use crate::kernel::hardening::{YieldStress, plastic_increment};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::Memory;
 use crate::routines::{HardeningAnswer, HardeningCall, LoadFailure, MAX_MATERIAL_BLOCK, UserHardening};
 use crate::state::Instant;
 
@@ -23,7 +24,7 @@ const ENOUGH: f64 = 1e-11;
 const LEAST: f64 = 0.02;
 
 /// Arguments and results of one VUHARD call for the points that have not converged, in their order.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct HardeningBuffers {
     points: Vec<usize>,
     elements: Vec<i32>,
@@ -38,7 +39,7 @@ pub struct HardeningBuffers {
 }
 
 /// Work arrays of the return mapping, one entry per point of a chunk.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct ReturnScratch {
     buffers: HardeningBuffers,
     /// Points that have not converged.
@@ -75,26 +76,6 @@ impl ReturnScratch {
             };
         }
         returning
-    }
-
-    pub fn bytes(&self) -> usize {
-        let ReturnScratch { buffers, open, trial, increment, low, high } = self;
-        let HardeningBuffers {
-            points,
-            elements,
-            temperature,
-            field,
-            state,
-            strain,
-            rate,
-            stress,
-            by_temperature,
-            slopes,
-        } = buffers;
-        let single = [trial, increment, low, high, strain, rate, stress, by_temperature, slopes];
-        let lists = single.into_iter().chain(temperature).chain(field).chain(state);
-        let numbers: usize = lists.map(|list| 8 * list.capacity()).sum();
-        numbers + 8 * (open.capacity() + points.capacity()) + 4 * elements.capacity()
     }
 }
 

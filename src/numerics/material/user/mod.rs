@@ -18,7 +18,7 @@ use crate::material::carried::{ArrivedElement, carried_state};
 use crate::platform::PortableMath as _;
 use crate::routines::{LoadFailure, MAX_MATERIAL_BLOCK, PointRoutines};
 use crate::state::Instant;
-use crate::state::archive::persist_struct;
+use crate::state::archive::Persist;
 use crate::variables::{Variable, VariableComponent};
 use description::UserMaterialData;
 use flow::{PointContext, ReturnScratch};
@@ -40,7 +40,12 @@ pub struct SubroutineMaterial<const FLOWS: bool> {
 }
 
 /// State of a block. Tensors have the components rr, zz, hoop, rz in the rotated axes of [`SubroutineMaterial`].
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
+#[persist(
+    fixed: variables, field, moduli, plastic;
+    present: transported;
+    derived: numbers, start, has_nodal_temperature, nodal_field, flowed, dissipated
+)]
 pub struct UserState {
     /// The user's numbers of the elements.
     numbers: [i32; LANES],
@@ -81,7 +86,7 @@ pub struct UserState {
 
 /// Configuration of each element at its last transport, to which its deformation refers from then on; the initial one
 /// before.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Persist)]
 struct TransportedReference {
     start: [CornerGradient; LANES],
     /// Deformation gradient of the material in the element at that time (rr, zz, hoop, rz, zr).
@@ -625,15 +630,4 @@ impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
 carried_state!(UserState { turn, gradient, temperature, variables, field, nodal_field, plastic, internal, inelastic } stay {
     numbers, start, mass, transported, deleted, thermal, place, stress, stretch, has_nodal_temperature, moduli, flowed,
     dissipated
-});
-
-persist_struct!(CornerGradient { r, z, hoop, volume });
-
-persist_struct!(TransportedReference { start, gradient });
-
-persist_struct!(UserState {
-    mass, transported: present, turn, deleted, thermal, place, stress, stretch, gradient, temperature, variables: fixed,
-    field: fixed, moduli: fixed, plastic: fixed, internal, inelastic
-} derived {
-    numbers, start, has_nodal_temperature, nodal_field, flowed, dissipated
 });

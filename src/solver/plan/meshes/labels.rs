@@ -1,6 +1,6 @@
 //! Labels of nodes and elements in frames: numbers of the deck, materials and sets.
 
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::model::{MemberSet, Mesh, Model};
 use crate::output::EntityLabels;
 
@@ -8,7 +8,7 @@ use crate::output::EntityLabels;
 const SETS: usize = 32;
 
 /// Materials of elements and user-defined sets, for frames.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct FrameLabels {
     /// Material number of each mesh element, counted from 1 in the order of the deck; 0 without material.
     materials: Vec<i32>,
@@ -30,19 +30,6 @@ impl FrameLabels {
             node_sets: named(&model.node_sets),
             element_sets: named(&model.element_sets),
         }
-    }
-
-    pub(crate) fn bytes(&self) -> usize {
-        let sets = |list: &Vec<(String, Vec<u32>)>| {
-            let of = |(name, members): &(String, Vec<u32>)| name.capacity() + heap_bytes(members);
-            heap_bytes(list) + list.iter().map(of).sum::<usize>()
-        };
-        let names: usize = self.material_names.iter().map(String::capacity).sum();
-        heap_bytes(&self.materials)
-            + heap_bytes(&self.material_names)
-            + names
-            + sets(&self.node_sets)
-            + sets(&self.element_sets)
     }
 
     /// Returns the name of the material of a mesh element; empty without one.

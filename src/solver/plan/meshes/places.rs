@@ -2,14 +2,15 @@
 
 use std::ops::Index;
 
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 
 /// Marks an index without entry.
 const NONE: u32 = u32::MAX;
 
 /// A map from mesh indices to values, in the order of insertion. The indices are dense, so that a lookup table of 4
 /// bytes per index is used in place of hashing. While the indices are 0, 1, 2 and so on, only the values are stored.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Memory)]
+#[memory(flat: values)]
 pub struct MeshIndexMap<V> {
     /// Position of each index in the lists; [`NONE`] without entry.
     at: Vec<u32>,
@@ -104,11 +105,6 @@ impl<V> MeshIndexMap<V> {
     pub fn iter(&self) -> impl Iterator<Item = (usize, &V)> + Clone {
         self.keys().zip(&self.values)
     }
-
-    /// Returns the heap size in bytes.
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.at) + heap_bytes(&self.keys) + heap_bytes(&self.values)
-    }
 }
 
 impl<V> Index<&usize> for MeshIndexMap<V> {
@@ -130,7 +126,7 @@ impl<V> FromIterator<(usize, V)> for MeshIndexMap<V> {
 }
 
 /// Solver indices of the deformable nodes and elements of the mesh.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Memory)]
 pub struct SolidPlaces {
     /// Solver node of each mesh node.
     pub nodes: MeshIndexMap<usize>,
@@ -143,11 +139,6 @@ pub struct SolidPlaces {
 }
 
 impl SolidPlaces {
-    /// Returns the heap size in bytes.
-    pub fn bytes(&self) -> usize {
-        self.nodes.bytes() + self.elements.bytes() + self.tied.bytes() + self.rotations.bytes()
-    }
-
     /// Returns whether a mesh node belongs to a deformable body and is not tied to a rigid body.
     pub fn has_node(&self, node: usize) -> bool {
         self.free_node(node).is_some()

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use crate::deck::Diagnostic;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::{ModelBody, is_shared, nodes_of_histories};
 use crate::model::{
@@ -25,6 +25,7 @@ pub struct RemeshPlan {
 }
 
 /// A body that is remeshed, with its own numbering of nodes and elements ([`ModelBody`]).
+#[derive(Memory)]
 pub struct RemeshedBody {
     /// Ledger row.
     pub id: EffectId,
@@ -46,13 +47,6 @@ pub struct RemeshedBody {
 
 /// User subroutines that continue on new meshes: their state is that of elements and amplitudes.
 const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp"];
-
-impl RemeshedBody {
-    /// Returns the size of all lists in bytes.
-    pub fn bytes(&self) -> usize {
-        heap_bytes(&self.elements) + heap_bytes(&self.nodes) + heap_bytes(&self.quads)
-    }
-}
 
 /// Lists the bodies of all `*REMESH` cards; `None` without any.
 pub fn plan(scene: Scene, pairs: &Pairs, state: &mut State, report: &mut Report) -> Option<Box<RemeshPlan>> {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use indexmap::{IndexMap, IndexSet};
 
 use crate::element::values;
-use crate::kernel::lists::heap_bytes;
+use crate::kernel::lists::Memory;
 use crate::model::{
     ContactPairFilter, ElementSetId, MemberSet, Model, NodeSetId, OutputCard, OutputInterval, OutputKind,
     OutputPosition, OutputRegion, OutputRequest, RegionType, Step, SurfaceId,
@@ -81,7 +81,8 @@ pub struct HistoryColumn {
 }
 
 /// An output array of frames.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Memory)]
+#[memory(flat: parts; uncounted: position)]
 pub struct FrameField {
     /// Name of the array in the result files.
     pub name: String,
@@ -95,11 +96,6 @@ impl FrameField {
     fn new(parts: Vec<VariableComponent>) -> FrameField {
         let name = if parts.len() == 1 { parts[0].label() } else { parts[0].variable.name().into() };
         FrameField { name, parts, position: OutputPosition::Element }
-    }
-
-    /// Returns the heap size in bytes.
-    pub fn bytes(&self) -> usize {
-        self.name.capacity() + heap_bytes(&self.parts)
     }
 
     /// Returns the variable of all components of the array.
