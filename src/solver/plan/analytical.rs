@@ -1,12 +1,13 @@
 //! Contact pairs with analytical surfaces: their nodes, the side of the surface, and checks of the initial position.
 
 use super::contact_curves::{ContactGeometry, CurveContext};
+use super::general_contact::pair_name;
 use super::{Compiler, State};
 use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::FacetCurve;
 use crate::deck::Diagnostic;
 use crate::kernel::profile::SurfaceProfile;
-use crate::model::{AnalyticalSide, Element, RigidSurface, SideSelection, SurfaceContact};
+use crate::model::{AnalyticalFront, AnalyticalSide, Element, RigidSurface, SideSelection, SurfaceContact};
 
 /// Accepted initial penetration of nodes, as a fraction of the size of the smaller surface: rounded coordinates,
 /// straight edges of a curved mesh.
@@ -59,6 +60,11 @@ pub(super) fn friction_of(pair: &SurfaceContact) -> String {
         f64::INFINITY => ", rough".into(),
         coefficient => format!(", friction {coefficient}"),
     }
+}
+
+/// Returns the name of a pair in [`AnalyticalFront`]: all pairs of general contact have the same front.
+fn name_of_front(pair: &SurfaceContact) -> Option<String> {
+    (!pair.general).then(|| pair_name(pair))
 }
 
 /// The surface of a pair that is opposite to the analytical one.
@@ -180,13 +186,34 @@ impl Compiler<'_> {
         let ends = surface.profile.bounds();
         let overlap =
             OVERLAP * [extent(&ends), extent(&places)].into_iter().filter(|e| *e > 0.0).fold(f64::MAX, f64::min);
-        let profile = match opposite.pair.general {
-            true => self.facing_all(opposite, (surface, side), around.pairs, &places, [analytical.rounding, overlap]),
-            false => self.facing(opposite, surface, &places, analytical.rounding, overlap)?,
+        let limits = [analytical.rounding, overlap];
+        let profile = match (self.known_front(opposite.pair, side), opposite.pair.general) {
+            (Some(true), _) => surface.profile.reversed(),
+            (Some(false), _) => surface.profile.clone(),
+            (None, true) => self.facing_all(opposite, (surface, side), around.pairs, &places, limits),
+            (None, false) => self.facing(opposite, surface, &places, limits)?,
         };
+        self.record_front(opposite.pair, side, profile != surface.profile);
         analytical = AnalyticalSurface::new(profile, 0);
         analytical.overlap = overlap.max(analytical.rounding);
         Ok((analytical, body, nodes.len()))
+    }
+
+    /// Returns whether the surface of a pair is reversed, if this was determined at the start of the run: on a new mesh, places
+    /// of nodes are current ones, while a surface is where it was at the start, and soft contact may have deep overlaps.
+    fn known_front(&self, pair: &SurfaceContact, side: &AnalyticalSide) -> Option<bool> {
+        let pair = name_of_front(pair);
+        let fronts = self.model.surfaces.fronts.iter().flatten();
+        let mut found = fronts.filter(|front| (front.surface, &front.pair) == (side.surface, &pair));
+        found.next().map(|front| front.is_reversed)
+    }
+
+    /// Records the front of the surface of a pair for new meshes.
+    fn record_front(&mut self, pair: &SurfaceContact, side: &AnalyticalSide, is_reversed: bool) {
+        let front = AnalyticalFront { surface: side.surface, pair: name_of_front(pair), is_reversed };
+        if !self.fronts.contains(&front) {
+            self.fronts.push(front);
+        }
     }
 
     /// Returns the profile with its front towards the nodes. Warns if it was reversed, if nodes penetrate it, or if
@@ -196,8 +223,7 @@ impl Compiler<'_> {
         opposite: OpposingSurface<'_>,
         surface: &RigidSurface,
         places: &[[f64; 2]],
-        rounding: f64,
-        overlap: f64,
+        [rounding, overlap]: [f64; 2],
     ) -> Result<SurfaceProfile, String> {
         let OpposingSurface { sides, pair, .. } = opposite;
         let side = usize::from(pair.sides[0].name == sides.name);

@@ -34,7 +34,8 @@ impl Compiler<'_> {
         let mut springs: Vec<InteractionLaw> = Vec::new();
         let (mut spans, mut cohesion) = (Vec::new(), CohesionList::default());
         let all = self.pairs[step].clone();
-        let wanted: Vec<&SurfaceContact> = all.iter().filter(|pair| self.spatial_side(pair).is_none()).collect();
+        let is_planned = |pair: &&SurfaceContact| self.spatial_side(pair).is_none() && !self.is_lost(pair);
+        let wanted: Vec<&SurfaceContact> = all.iter().filter(is_planned).collect();
         if wanted.is_empty() {
             return None;
         }
@@ -106,6 +107,15 @@ impl Compiler<'_> {
             self.warn_of_overlap(contact, length, overlap);
         }
         Some(Box::new(contact))
+    }
+
+    /// Returns whether a surface of a pair has no element on a new mesh, because all of them have been deleted.
+    fn is_lost(&self, pair: &SurfaceContact) -> bool {
+        let has_members = match &pair.analytical {
+            Some(side) => !side.nodes.is_empty(),
+            None => pair.sides.iter().all(|side| !side.faces.is_empty()),
+        };
+        self.model.surfaces.fronts.is_some() && !has_members
     }
 
     /// Creates the pair of two curves, or of one curve with itself. Returns it with its facet length; the laws are set

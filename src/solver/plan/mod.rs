@@ -65,8 +65,8 @@ use crate::kernel::amplitude::SampledAmplitude;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::mesh::surface::SurfaceGeometry;
 use crate::model::{
-    AmplitudeId, CopyOnWrite, EnergyLimit, EosKind, IncrementControl, LoadVelocity, MaterialDefinition, Mesh, Model,
-    SurfaceContact,
+    AmplitudeId, AnalyticalFront, CopyOnWrite, EnergyLimit, EosKind, IncrementControl, LoadVelocity,
+    MaterialDefinition, Mesh, Model, SurfaceContact,
 };
 use crate::state::EffectId;
 pub use crate::state::dofs::{Dof, Dofs};
@@ -260,6 +260,8 @@ struct Compiler<'a> {
     /// Contact pairs of each step, and the names of all pairs for histories.
     pairs: Vec<Rc<Vec<SurfaceContact>>>,
     pair_names: IndexSet<String>,
+    /// Fronts of the analytical surfaces of these pairs.
+    fronts: Vec<AnalyticalFront>,
     /// Active effects of the last compiled step.
     in_force: steps::ActiveEffects<'a>,
     /// Names of the user subroutines that are called.
@@ -305,6 +307,7 @@ fn compile_with(
         unresisted_dofs: HashSet::new(),
         pairs: Vec::new(),
         pair_names: IndexSet::new(),
+        fronts: Vec::new(),
         in_force: steps::ActiveEffects::default(),
         called_routines: Vec::new(),
         diagnostics: Diagnostics::default(),

@@ -69,7 +69,9 @@ impl Compiler<'_> {
             }
             bodies.extend(self.remeshed_body(card, &body, state));
         }
-        Some(Box::new(RemeshPlan { model: model.clone(), bodies }))
+        let mut model = model.clone();
+        model.surfaces.fronts = Some(self.fronts.clone());
+        Some(Box::new(RemeshPlan { model, bodies }))
     }
 
     fn remeshed_body(&mut self, card: &Remeshing, body: &ModelBody, state: &mut State) -> Option<RemeshedBody> {

@@ -106,6 +106,7 @@ impl PlanReviser {
             pairs: vec![Rc::default(); model.steps.len()],
             in_force: ActiveEffects::default(),
             pair_names: std::mem::take(&mut self.pair_names),
+            fronts: Vec::new(),
             called_routines: std::mem::take(&mut self.called),
         };
         if self.masses {
