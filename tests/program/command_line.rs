@@ -110,6 +110,22 @@ fn the_ledger_of_the_seed_deck_is_pinned() {
     insta::assert_snapshot!(text(&output.stdout));
 }
 
+/// A quantity that is given twice is evaluated once, also with an estimate of its uncertainty.
+#[test]
+fn repeated_quantity_is_evaluated_once() {
+    let quantity = ["--quantity", "final(U2@REF)"];
+    let run = ["run", "input/ogive.inp", "--no-frames", "--json", "--out", "target/tests/repeated_quantity"];
+    for more in [&[][..], &["--uncertainty"]] {
+        let output = revolve(&[&run[..], &quantity, &quantity, more].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("an object");
+        assert_eq!(found["quantities"].as_object().map(serde_json::Map::len), Some(1));
+        if !more.is_empty() {
+            assert_eq!(found["certificate"]["quantities"].as_array().map(Vec::len), Some(1));
+        }
+    }
+}
+
 /// Each file of `input/materials` is listed with the name of its material and its range.
 #[test]
 fn explain_lists_all_ready_materials() {

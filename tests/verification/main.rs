@@ -44,6 +44,7 @@ mod links;
 mod loads;
 mod mass_scaling;
 mod materials;
+mod meshes_at_walls;
 mod moving_mesh_volumes;
 mod oblique;
 mod over_temperature;

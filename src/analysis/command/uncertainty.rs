@@ -18,6 +18,7 @@ use crate::study::uncertainty::{
 };
 use crate::user::compile::Compiled;
 use clap::Args;
+use indexmap::IndexSet;
 
 use super::run::duration;
 use super::words::print_out;
@@ -81,13 +82,15 @@ pub struct EstimatedRun<'a> {
 }
 
 impl UncertaintyOptions {
-    /// Returns the quantities: those given or, with `--uncertainty`, the final values of the expressions of the deck.
+    /// Returns the quantities, each once: those given or, with `--uncertainty`, the final values of the expressions of the
+    /// deck.
     pub fn quantities(&self, given: &[String], traits: &ModelTraits) -> Result<Vec<Quantity>, Box<dyn Error>> {
         let default = || traits.expressions.iter().map(|name| format!("final({name})")).collect();
         let texts: Vec<String> = if given.is_empty() && self.uncertainty { default() } else { given.to_vec() };
         if self.uncertainty && texts.is_empty() {
             return Err("--uncertainty needs a --quantity, or an *OUTPUT EXPRESSION in the deck".into());
         }
+        let texts: IndexSet<String> = texts.into_iter().collect();
         Ok(texts.iter().map(|text| Quantity::parse(text)).collect::<Result<_, _>>()?)
     }
 

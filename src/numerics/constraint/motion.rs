@@ -261,7 +261,10 @@ impl ConstraintUpkeep for PrescribedMotion {
 
     fn follow_new_mesh(&mut self, previous: &dyn Constraint, nodes: &NodeRelation<'_>, _dofs: &Dofs) {
         let Some(previous) = (previous as &dyn Any).downcast_ref::<PrescribedMotion>() else { return };
-        self.bodies.clone_from(&previous.bodies);
+        for motion in &mut self.bodies {
+            let known = previous.bodies.iter().find(|known| known.body == motion.body);
+            known.into_iter().for_each(|known| *motion = *known);
+        }
         let known: HashMap<_, _> = previous.nodes.iter().map(|m| ((m.node, m.axis), m.origin)).collect();
         for motion in &mut self.nodes {
             let same = nodes(motion.node).and_then(|place| place.node());

@@ -36,6 +36,13 @@ impl<M: Material> QuadGroup<M> {
     }
 }
 
+/// Returns the lanes of an element of a group of `count` elements. Lanes after the last element repeat it: the state of another
+/// element with its nodes may be invalid.
+fn lanes_of(element: u32, count: usize) -> std::ops::Range<usize> {
+    let lane = element as usize % LANES;
+    lane..if element as usize + 1 == count { LANES } else { lane + 1 }
+}
+
 /// Calls `each` with every block of wanted elements, and the range of elements in this block.
 fn by_block(elements: &[u32], wanted: &[bool], mut each: impl FnMut(usize, std::ops::Range<usize>)) {
     let mut first = 0;
@@ -75,27 +82,30 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
     }
 
     fn write(&mut self, (elements, wanted): (&[u32], &[bool]), packs: &[Vec<Pack>], arrived: ArrivedElements<'_>) {
+        let count = self.count;
         by_block(elements, wanted, |block, range| {
             self.wake(block / TASK);
             for i in range.clone().filter(|i| wanted[*i]) {
-                self.blocks[block].set_corner_masses(elements[i] as usize % LANES, arrived.masses[i]);
+                let masses = arrived.masses[i];
+                lanes_of(elements[i], count).for_each(|lane| self.blocks[block].set_corner_masses(lane, masses));
             }
             let (mass, mut variable) = (self.blocks[block].mass, 0);
             self.carry(block, &mut |list, extent| {
                 let (pack, at) = (&packs[variable / PACK], variable % PACK);
                 for i in range.clone().filter(|i| wanted[*i]) {
-                    let lane = elements[i] as usize % LANES;
-                    let factor = if extent == Extent::Total { mass[lane] } else { 1.0 };
-                    list[lane] = factor * pack[i].0[at];
+                    let lanes = lanes_of(elements[i], count);
+                    let factor = if extent == Extent::Total { mass[lanes.start] } else { 1.0 };
+                    list[lanes].fill(factor * pack[i].0[at]);
                 }
                 variable += 1;
             });
             let ElementBlock { stress, state, .. } = &mut self.blocks[block];
             for i in range.filter(|i| wanted[*i]) {
-                let lane = elements[i] as usize % LANES;
+                let lanes = lanes_of(elements[i], count);
                 let corners = arrived.corners[i].inline_map(|n| arrived.places[n as usize]);
-                let element = ArrivedElement { corners, mass: mass[lane], stress: column(stress, lane) };
-                self.material.arrive(state, lane, &element);
+                let (mass, stress) = (mass[lanes.start], column(stress, lanes.start));
+                let element = ArrivedElement { corners, mass, stress };
+                lanes.for_each(|lane| self.material.arrive(state, lane, &element));
             }
         });
     }
@@ -106,7 +116,22 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
     }
 
     fn set_volume_ratio(&mut self, element: u32, ratio: f64) {
-        let (block, lane) = (element as usize / LANES, element as usize % LANES);
-        self.material.set_volume_ratio(&mut self.blocks[block].state, lane, ratio);
+        let (block, lanes) = (element as usize / LANES, lanes_of(element, self.count));
+        lanes.for_each(|lane| self.material.set_volume_ratio(&mut self.blocks[block].state, lane, ratio));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lanes_of;
+    use crate::kernel::lanes::LANES;
+
+    #[test]
+    fn lanes_after_the_last_element_repeat_it() {
+        let (full, part) = (2 * LANES, 2 * LANES - 3);
+        assert_eq!(lanes_of(LANES as u32 + 2, full), 2..3);
+        assert_eq!(lanes_of(full as u32 - 1, full), LANES - 1..LANES);
+        assert_eq!(lanes_of(part as u32 - 1, part), LANES - 4..LANES);
+        assert_eq!(lanes_of(part as u32 - 2, part), LANES - 5..LANES - 4);
     }
 }

@@ -67,6 +67,9 @@ fn mesh_with(
     }
     let triangles = fill(&boundary, &edges, &|place| factor * field.size(place))?;
     let mut revision = filled(triangles, &all);
+    if has_loose_points(&revision.mesh) {
+        return None;
+    }
     let on_boundary: Vec<bool> = revision.parents.iter().map(|parents| parents[0] != INSIDE).collect();
     improve(&mut revision.mesh, &on_boundary);
     let mesh = &mut revision.mesh;
@@ -125,6 +128,13 @@ fn filled(triangles: TriangleMesh, all: &[Vec<OutlinePoint>]) -> MeshRevision {
         }
     }
     revision
+}
+
+/// Returns whether a point of a mesh has no element.
+fn has_loose_points(mesh: &BodyMesh) -> bool {
+    let mut is_used = vec![false; mesh.points.len()];
+    mesh.quads.iter().flatten().for_each(|n| is_used[*n as usize] = true);
+    is_used.contains(&false)
 }
 
 /// Returns the smallest angle of elements, or the smallest difference of an angle from 180 degrees, radians; negative if
@@ -215,6 +225,23 @@ mod tests {
         let angle = sharpest(&new.mesh.quads, |n| new.mesh.points[n as usize]).to_degrees();
         assert!(angle > 30.0, "{angle} degrees");
         assert_eq!(new.sides.len(), new.parents.iter().filter(|p| p[0] != super::INSIDE).count());
+    }
+
+    /// Fragments that are too small for three edges of the wanted length keep their nodes.
+    #[test]
+    fn small_fragments_keep_their_elements() {
+        for width in [0.01, 0.05, 0.1] {
+            let mut old = block(8, 16, |x, y| [x, 2.0 * y]);
+            let first = old.points.len() as u32;
+            old.points.extend([[3.0, 0.0], [3.0 + width, 0.0], [3.0 + width, width], [3.0, width]]);
+            old.quads.push([0, 1, 2, 3].map(|corner| first + corner));
+            old.sizes.push(0.125);
+            let kept = vec![false; old.points.len()];
+            let new = new_mesh(&old, &rules(&kept), None).expect("a mesh");
+            let is_used = |n: usize| new.mesh.quads.iter().flatten().any(|corner| *corner as usize == n);
+            assert!((0..new.mesh.points.len()).all(is_used), "{width}");
+            assert!((area(&new.mesh) - area(&old)).abs() < 1e-12, "{width}");
+        }
     }
 
     #[test]

@@ -65,7 +65,7 @@ pub fn loops(mesh: &BodyMesh) -> Option<Vec<Vec<BoundaryEdge>>> {
 }
 
 /// Divides a loop into edges of about `factor` times the sizes of the elements. Corners, and the nodes that are `kept`,
-/// remain.
+/// remain. A loop that is too short for three edges keeps all its nodes.
 pub fn divide(mesh: &BodyMesh, edges: &[BoundaryEdge], kept: &[bool], factor: f64) -> Vec<OutlinePoint> {
     let starts = ends_of_runs(mesh, edges, kept);
     let mut points = Vec::new();
@@ -73,6 +73,9 @@ pub fn divide(mesh: &BodyMesh, edges: &[BoundaryEdge], kept: &[bool], factor: f6
         let end = if i + 1 < starts.len() { starts[i + 1] } else { starts[0] + edges.len() };
         let run: Vec<BoundaryEdge> = (start..end).map(|at| edges[at % edges.len()]).collect();
         divide_run(mesh, &run, factor, &mut points);
+    }
+    if points.len() < 3 {
+        return edges.iter().map(|edge| old_node(mesh, edge)).collect();
     }
     points
 }
@@ -114,6 +117,12 @@ pub(super) fn cosine_between(mesh: &BodyMesh, pair: [&BoundaryEdge; 2]) -> f64 {
     if lengths > 0.0 { (a[0] * b[0] + a[1] * b[1]) / lengths } else { 1.0 }
 }
 
+/// Returns the node at which an edge begins.
+fn old_node(mesh: &BodyMesh, edge: &BoundaryEdge) -> OutlinePoint {
+    let node = edge.ends[0];
+    OutlinePoint { place: mesh.points[node as usize], parents: [node; 2], side: edge.side }
+}
+
 /// Divides the edges between two nodes that remain; the last node is the first one of the next run.
 fn divide_run(mesh: &BodyMesh, run: &[BoundaryEdge], factor: f64, points: &mut Vec<OutlinePoint>) {
     // Lengths in units of the wanted edge, summed up to the start of each edge.
@@ -132,8 +141,7 @@ fn divide_run(mesh: &BodyMesh, run: &[BoundaryEdge], factor: f64, points: &mut V
         let nodes = [nearest.saturating_sub(1), nearest].into_iter().filter(|at| *at < run.len());
         let snapped = nodes.filter(|&at| (at > 0 || i == 0) && (sums[at] - wanted).abs() <= SNAP * step);
         if let Some(at) = snapped.min_by(|a, b| (sums[*a] - wanted).abs().total_cmp(&(sums[*b] - wanted).abs())) {
-            let node = run[at].ends[0];
-            points.push(OutlinePoint { place: mesh.points[node as usize], parents: [node; 2], side: run[at].side });
+            points.push(old_node(mesh, &run[at]));
             continue;
         }
         let at = (sums.partition_point(|sum| *sum <= wanted) - 1).min(run.len() - 1);

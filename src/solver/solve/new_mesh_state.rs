@@ -283,10 +283,12 @@ impl SolverRun<'_> {
         constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.remove_elements(deleted));
     }
 
+    /// Continues the constraints from all previous ones of the same kind and degrees of freedom. Their order says nothing: a
+    /// condition whose nodes have all been deleted is not in the new plan.
     fn continue_constraints(&mut self, old: &SolverRun<'_>, places: &[Option<PreviousPlace>]) {
         let State { constraints, loads, dofs, .. } = &mut self.state;
-        for (constraint, previous) in constraints.iter_mut().zip(&old.state.constraints) {
-            if let Some(follower) = constraint.upkeep() {
+        for follower in constraints.iter_mut().filter_map(|constraint| constraint.upkeep()) {
+            for previous in &old.state.constraints {
                 follower.follow_new_mesh(&**previous, &|node| places[node], dofs);
             }
         }

@@ -18,6 +18,20 @@ pub struct SurfaceDefinitions {
     pub analytical: IndexMap<String, RigidSurface>,
     /// Node-based surfaces: node indices.
     pub nodes: IndexMap<String, Vec<usize>>,
+    /// Fronts of analytical surfaces that were determined at the start of a run, in a model with new meshes; `None` in the
+    /// model of a deck.
+    pub fronts: Option<Vec<AnalyticalFront>>,
+}
+
+/// Front of an analytical surface in contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnalyticalFront {
+    /// Handle of the analytical surface.
+    pub surface: RigidSurfaceId,
+    /// Name of the contact pair; `None` in general contact.
+    pub pair: Option<String>,
+    /// Whether the front is to the right of the direction of the surface.
+    pub is_reversed: bool,
 }
 
 impl SurfaceDefinitions {

@@ -6,6 +6,7 @@
 //! dt n.v*, and updated on arcs after the impulses have been applied.
 
 use super::curve::{FacetCurve, PointCarrier};
+use super::mesh_motion::next_point;
 use super::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
 use super::{ContactConstraint, ContactPair};
 use crate::kernel::interaction::PressureOverclosure;
@@ -267,17 +268,43 @@ impl ContactConstraint {
     }
 
     /// Returns the closest place on the only analytical surface of a point at the start of an increment, of which only the
-    /// motion of bodies has been made.
+    /// motion of bodies has been made. In soft contact it is the closest place with the gap that the material has there.
     pub(super) fn place_on_analytical(&self, point: u32, place: [f64; 2], dofs: &Dofs) -> Option<[f64; 2]> {
-        let of_point = |pair: &ContactPair| {
-            let index = self.curves[pair.own].own.binary_search(&point).ok()?;
-            Some((&self.analyticals[pair.analytical?], index, pair.first_key as usize + index))
-        };
-        let mut surfaces = self.pairs.iter().filter_map(of_point);
-        let (Some((analytical, index, key)), None) = (surfaces.next(), surfaces.next()) else { return None };
+        let analytical_pairs = self.pairs.iter().filter(|pair| pair.analytical.is_some());
+        let mut surfaces =
+            analytical_pairs.filter_map(|pair| Some((pair, self.curves[pair.own].own.binary_search(&point).ok()?)));
+        let (Some((pair, index)), None) = (surfaces.next(), surfaces.next()) else { return None };
+        let analytical = &self.analyticals[pair.analytical?];
         let PointCarrier::Body(body, [_, start]) = self.points[analytical.point as usize].carrier else { return None };
         let lift = start + dofs.bodies[body].before.displacement;
-        analytical.place_at(self.zero_of(analytical, index, key), place, lift)
+        let gap = if self.laws[pair.law_of(index) as usize].is_soft() {
+            self.gap_along_facets(pair, index, place, (dofs, lift))?
+        } else {
+            0.0
+        };
+        analytical.place_at(self.zero_of(analytical, index, pair.first_key as usize + index) + gap, place, lift)
+    }
+
+    /// Returns the gap to an analytical surface at the new place of a point that slides along its facets: between the gaps
+    /// of the point and of the next one. `None` beyond the ends of the surface.
+    fn gap_along_facets(
+        &self,
+        pair: &ContactPair,
+        index: usize,
+        place: [f64; 2],
+        (dofs, lift): (&Dofs, f64),
+    ) -> Option<f64> {
+        let (analytical, own) = (&self.analyticals[pair.analytical?], &self.curves[pair.own]);
+        let place_of = |point: u32| self.place_of(point, dofs, 0.0);
+        let gap = |index: usize| {
+            let nearest = analytical.profile.nearest(place_of(own.own[index]), lift);
+            let zero = self.zero_of(analytical, index, pair.first_key as usize + index);
+            (!nearest.beyond).then_some(nearest.gap - zero)
+        };
+        let start = gap(index)?;
+        let Some((next, share)) = next_point(own, index, place, place_of) else { return Some(start) };
+        let end = own.own.binary_search(&next).ok().and_then(gap).unwrap_or(start);
+        Some(start + share * (end - start))
     }
 
     /// Returns the distance from the profile that is gap zero at a point.

@@ -4,6 +4,7 @@
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 use crate::kernel::lists::sorted_unique;
+use crate::kernel::shape::distance;
 use crate::kernel::sorted_boxes::{BoundingBox, bounding_box};
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Persist, StateArchive};
@@ -484,6 +485,17 @@ impl FacetCurve {
             std::f64::consts::TAU * self.shapes[k as usize].length * (2.0 * here + there) / 6.0
         };
         own.map(of).sum()
+    }
+
+    /// Returns the area of an own point on the exposed facets between the places that `place_of` gives for points.
+    pub fn area_at(&self, index: usize, place_of: impl Fn(u32) -> [f64; 2]) -> f64 {
+        let exposed = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let areas = exposed.map(|&(k, end)| {
+            let ends = self.facets[k as usize].inline_map(&place_of);
+            let (here, there) = (ends[end as usize][0], ends[1 - end as usize][0]);
+            std::f64::consts::TAU * distance(ends[0], ends[1]) * (2.0 * here + there) / 6.0
+        });
+        areas.sum()
     }
 
     /// Returns the mean distance of the surface from an own point, over all of its facets.

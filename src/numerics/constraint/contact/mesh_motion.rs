@@ -2,9 +2,9 @@
 //! of both surfaces continue, and the values of the keys follow their places on the surface: pressures, slip, the memory
 //! of friction, clearances and stored energies.
 
-use super::curve::PointCarrier;
+use super::curve::{FacetCurve, PointCarrier};
 use super::mesh_continuation::{KeyShare, MeshContinuation};
-use super::sweeps::{ContactRow, NONE};
+use super::sweeps::ContactRow;
 use super::{ContactConstraint, ContactPair};
 use crate::constraint::MeshMotion;
 use crate::kernel::lanes::InlineMap;
@@ -111,15 +111,64 @@ impl MeshContinuation {
         for (at, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.analytical.is_none()) {
             let end = pairs.get(at + 1).map_or(energies.len(), |next| next.first_key as usize);
             let keys = pair.first_key as usize..end;
-            let sum = |list: &[f64]| list[keys.clone()].iter().filter(|energy| !energy.is_nan()).sum::<f64>();
-            let [before, after] = [sum(energies), sum(&self.stored)];
-            let part = if after > 0.0 { before / after } else { 0.0 };
-            for (energy, stored) in energies[keys.clone()].iter_mut().zip(&self.stored[keys]) {
-                if !energy.is_nan() {
-                    *energy = part * stored;
-                }
+            replace_energies(&mut energies[keys.clone()], &self.stored[keys]);
+        }
+    }
+
+    /// Moves stored energies of soft contact with analytical surfaces to the new places of their keys: energies per area are
+    /// interpolated, and the sum of a pair is kept.
+    fn carry_energies_on_analyticals(&mut self, contact: &mut ContactConstraint, mesh: &dyn MeshMotion, dofs: &Dofs) {
+        if contact.stored_energy.values().is_empty() {
+            return;
+        }
+        for at in (0..contact.pairs.len()).filter(|at| contact.pairs[*at].analytical.is_some()) {
+            if self.find_energies(contact, at, mesh, dofs) {
+                let pair = &contact.pairs[at];
+                let first = pair.first_key as usize;
+                let keys = first..first + contact.curves[pair.own].own.len();
+                replace_energies(&mut contact.stored_energy.values_mut()[keys.clone()], &self.stored[keys]);
             }
         }
+    }
+
+    /// Finds the energies at the new places of the keys of a pair with an analytical surface. Returns whether a point has
+    /// moved.
+    fn find_energies(&mut self, contact: &ContactConstraint, at: usize, mesh: &dyn MeshMotion, dofs: &Dofs) -> bool {
+        let pair = &contact.pairs[at];
+        let (own, energies) = (&contact.curves[pair.own], contact.stored_energy.values());
+        let start_of = |point: u32| contact.place_of(point, dofs, 0.0);
+        let place_of = |point: u32| match contact.points[point as usize].carrier {
+            PointCarrier::Node(node) => mesh.place(node).unwrap_or_else(|| start_of(point)),
+            PointCarrier::Body(..) => start_of(point),
+        };
+        if own.own.iter().all(|point| place_of(*point) == start_of(*point)) {
+            return false;
+        }
+        let density = |index: usize| {
+            let (energy, area) = (energies[pair.first_key as usize + index], own.area_at(index, start_of));
+            if energy > 0.0 && area > 0.0 { energy / area } else { 0.0 }
+        };
+        for (index, point) in own.own.iter().enumerate() {
+            let mut value = density(index);
+            if let Some((next, share)) = next_point(own, index, place_of(*point), start_of)
+                && let Ok(next) = own.own.binary_search(&next)
+            {
+                value += share * (density(next) - value);
+            }
+            self.stored[pair.first_key as usize + index] = value * own.area_at(index, place_of);
+        }
+        true
+    }
+}
+
+/// Replaces stored energies by others in proportion, so that their sum does not change. Energies that are not known yet
+/// remain.
+fn replace_energies(energies: &mut [f64], others: &[f64]) {
+    let sum = |list: &[f64]| list.iter().filter(|energy| !energy.is_nan()).sum::<f64>();
+    let [before, after] = [sum(energies), sum(others)];
+    let part = if after > 0.0 { before / after } else { 0.0 };
+    for (energy, other) in energies.iter_mut().zip(others).filter(|(energy, _)| !energy.is_nan()) {
+        *energy = part * other;
     }
 }
 
@@ -139,20 +188,32 @@ fn near_nodes(contact: &ContactConstraint) -> impl Iterator<Item = (usize, [u32;
 /// Returns the new place of the key of an own point; `None` if it does not move along the surface.
 fn key_share(contact: &ContactConstraint, pair: &ContactPair, index: u32, starts: &[[f64; 2]]) -> Option<KeyShare> {
     let own = &contact.curves[pair.own];
-    let point = own.own[index as usize] as usize;
-    let [from, to] = [starts[point], contact.places[point]];
-    if from == to {
+    let place = contact.places[own.own[index as usize] as usize];
+    let (next, share) = next_point(own, index as usize, place, |point| starts[point as usize])?;
+    Some(KeyShare { key: pair.first_key + index, other: pair.key_of(own, next), share })
+}
+
+/// Returns the point of a curve next to an own point on the side to which it has moved, and the displacement along the facet
+/// between both as a fraction of its length; `None` if it has not moved along the curve. `start_of` gives the places before.
+pub(super) fn next_point(
+    own: &FacetCurve,
+    index: usize,
+    place: [f64; 2],
+    start_of: impl Fn(u32) -> [f64; 2],
+) -> Option<(u32, f64)> {
+    let from = start_of(own.own[index]);
+    if from == place {
         return None;
     }
-    let mut found = KeyShare { key: pair.first_key + index, other: NONE, share: 0.0 };
-    for &(facet, end) in own.around_own(index as usize).iter().filter(|f| own.is_exposed[f.0 as usize]) {
+    let mut found: Option<(u32, f64)> = None;
+    for &(facet, end) in own.around_own(index).iter().filter(|f| own.is_exposed[f.0 as usize]) {
         let beyond = own.facets[facet as usize][1 - end as usize];
-        let share = share_of_way([from, to], starts[beyond as usize]);
-        if share > found.share {
-            (found.other, found.share) = (pair.key_of(own, beyond), share.min(1.0));
+        let share = share_of_way([from, place], start_of(beyond));
+        if share > found.map_or(0.0, |found| found.1) {
+            found = Some((beyond, share.min(1.0)));
         }
     }
-    (found.other != NONE).then_some(found)
+    found
 }
 
 /// Returns the displacement between two places along the way to `end`, as a fraction of the way.
@@ -164,7 +225,8 @@ fn share_of_way([from, to]: [[f64; 2]; 2], end: [f64; 2]) -> f64 {
 impl ContactConstraint {
     /// Allocates for changes of adaptive meshes.
     pub(super) fn reserve_mesh_motion(&mut self) {
-        if self.mesh.is_none() && mesh_pairs(self).next().is_some() {
+        let stores_energy = !self.stored_energy.values().is_empty();
+        if self.mesh.is_none() && (stores_energy || mesh_pairs(self).next().is_some()) {
             let new = MeshContinuation::new(self.pressures.len(), self.points.len(), self.dofs.len());
             self.mesh = Some(Box::new(new));
         }
@@ -213,7 +275,7 @@ impl ContactConstraint {
     pub(super) fn follow_meshes(&mut self, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
         self.reserve_mesh_motion();
         let Some(mut work) = self.mesh.take() else { return };
-        if self.moves_near(dofs, mesh) {
+        if mesh_pairs(self).next().is_some() && self.moves_near(dofs, mesh) {
             self.measure(0.0);
             work.begin(self);
             for pass in 0..PASSES {
@@ -228,6 +290,7 @@ impl ContactConstraint {
             self.carry_keys(&mut work);
             self.listed.clear();
         }
+        work.carry_energies_on_analyticals(self, mesh, dofs);
         self.mesh = Some(work);
     }
 

@@ -4,9 +4,9 @@ use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::FacetCurve;
 use crate::deck::Diagnostic;
 use crate::kernel::profile::SurfaceProfile;
-use crate::model::{AnalyticalSide, Element, Model, RigidSurface, SideSelection, SurfaceContact};
+use crate::model::{AnalyticalFront, AnalyticalSide, Element, Model, RigidSurface, SideSelection, SurfaceContact};
 use crate::plan::contact::curves::{ContactGeometry, CurveContext, add_curve, point_of};
-use crate::plan::contact::general::general_row;
+use crate::plan::contact::general::{general_row, pair_name};
 use crate::plan::{Report, StepInput};
 
 /// Accepted initial penetration of nodes, as a fraction of the size of the smaller surface: rounded coordinates,
@@ -60,6 +60,11 @@ pub fn friction_of(pair: &SurfaceContact) -> String {
         f64::INFINITY => ", rough".into(),
         coefficient => format!(", friction {coefficient}"),
     }
+}
+
+/// Returns the name of a pair in [`AnalyticalFront`]: all pairs of general contact have the same front.
+fn name_of_front(pair: &SurfaceContact) -> Option<String> {
+    (!pair.general).then(|| pair_name(pair))
 }
 
 /// The surface of a pair that is opposite to the analytical one.
@@ -178,13 +183,28 @@ fn analytical_surface(
     let ends = surface.profile.bounds();
     let overlap = OVERLAP * [extent(&ends), extent(&places)].into_iter().filter(|e| *e > 0.0).fold(f64::MAX, f64::min);
     let tolerances = [analytical.rounding, overlap];
-    let profile = match opposite.pair.general {
-        true => profile_facing_all(context, opposite, (surface, side), &places, tolerances, report),
-        false => facing_profile(scene.model, opposite, surface, &places, tolerances, report)?,
+    let profile = match (known_front(scene.model, opposite.pair, side), opposite.pair.general) {
+        (Some(true), _) => surface.profile.reversed(),
+        (Some(false), _) => surface.profile.clone(),
+        (None, true) => profile_facing_all(context, opposite, (surface, side), &places, tolerances, report),
+        (None, false) => facing_profile(scene.model, opposite, surface, &places, tolerances, report)?,
     };
+    let is_reversed = profile != surface.profile;
+    let front = AnalyticalFront { surface: side.surface, pair: name_of_front(opposite.pair), is_reversed };
+    if !report.fronts.contains(&front) {
+        report.fronts.push(front);
+    }
     analytical = AnalyticalSurface::new(profile, 0);
     analytical.overlap = overlap.max(analytical.rounding);
     Ok((analytical, body, nodes.len()))
+}
+
+/// Returns whether the surface of a pair is reversed, if this was determined at the start of the run: on a new mesh, places of
+/// nodes are current ones, while a surface is where it was at the start, and soft contact may have deep overlaps.
+fn known_front(model: &Model, pair: &SurfaceContact, side: &AnalyticalSide) -> Option<bool> {
+    let pair = name_of_front(pair);
+    let mut fronts = model.surfaces.fronts.iter().flatten();
+    fronts.find(|front| (front.surface, &front.pair) == (side.surface, &pair)).map(|front| front.is_reversed)
 }
 
 /// Returns the profile with its front towards the nodes. Warns if it was reversed, if nodes penetrate it, or if

@@ -14,7 +14,7 @@ use crate::constraint::Constraint;
 use crate::constraint::contact::{ContactConstraint, ContactPair, InitialClearance, SurfaceOverlap};
 use crate::deck::Diagnostic;
 use crate::kernel::interaction::{GapHeat, InteractionLaw, PressureOverclosure};
-use crate::model::{AnalyticalSide, SideSelection, SurfaceContact};
+use crate::model::{AnalyticalSide, Model, SideSelection, SurfaceContact};
 use crate::plan::checks::contact_pairs::{ContactingCurves, check_pair, order_curves};
 use crate::plan::contact::analytical::{analytical_contact, friction_of};
 use crate::plan::contact::cohesion::{CohesionList, add_cohesion, report_cohesion};
@@ -42,8 +42,9 @@ pub fn contact_constraint(
     let (mut geometry, mut pairs, mut lists) = (ContactGeometry::default(), Vec::new(), LawLists::default());
     let (mut spans, mut cohesion) = (Vec::new(), CohesionList::default());
     let all = &input.pairs.by_step[step];
-    let surface_pairs: Vec<&SurfaceContact> =
-        all.iter().filter(|pair| spatial_side(scene.bodies, pair).is_none()).collect();
+    let is_planned =
+        |pair: &&SurfaceContact| spatial_side(scene.bodies, pair).is_none() && !is_lost(scene.model, pair);
+    let surface_pairs: Vec<&SurfaceContact> = all.iter().filter(is_planned).collect();
     if surface_pairs.is_empty() {
         return None;
     }
@@ -159,6 +160,15 @@ fn pair_of_curves(
         pair.thickness = thickness[0].min(thickness[1]);
     }
     Some((pair, length))
+}
+
+/// Returns whether a surface of a pair has no element on a new mesh, because all of them have been deleted.
+fn is_lost(model: &Model, pair: &SurfaceContact) -> bool {
+    let has_members = match &pair.analytical {
+        Some(side) => !side.nodes.is_empty(),
+        None => pair.sides.iter().all(|side| !side.faces.is_empty()),
+    };
+    model.surfaces.fronts.is_some() && !has_members
 }
 
 /// Creates the pair of a curve with an analytical surface.

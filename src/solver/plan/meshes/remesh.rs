@@ -63,7 +63,9 @@ pub fn plan(scene: Scene, pairs: &Pairs, state: &mut State, report: &mut Report)
         }
         bodies.extend(remeshed_body(scene.places, card, &body, state, report));
     }
-    Some(Box::new(RemeshPlan { model: model.clone(), bodies }))
+    let mut model = model.clone();
+    model.surfaces.fronts = Some(report.fronts.clone());
+    Some(Box::new(RemeshPlan { model, bodies }))
 }
 
 fn remeshed_body(
