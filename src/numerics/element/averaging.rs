@@ -7,6 +7,16 @@ use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::quad::dilation;
 use crate::kernel::shape::is_triangle;
 use crate::state::nodes::Nodes;
+use crate::variables::Variable;
+
+/// Returns the factor of damage on the stress of an element, the weight of its volume in the means: with it, the
+/// averaged pressures act with the transposed operator.
+fn stress_factor(group: &dyn ElementGroup, element: usize) -> f64 {
+    if group.is_deleted(element) {
+        return 0.0;
+    }
+    1.0 - group.value(element, Variable::Degradation.into()).unwrap_or(0.0)
+}
 
 /// Averaging of the triangles of one group.
 #[derive(Clone, Debug, Memory)]
@@ -16,7 +26,7 @@ pub struct DilationAveraging {
     nodes: Vec<u32>,
     /// Volume around each node, and its growth over the previous increment.
     around: Vec<[f64; 2]>,
-    /// Volume of each triangle and its growth; zero for a deleted triangle.
+    /// Volume of each triangle and its growth, times the factor of damage on its stress; zero for a deleted triangle.
     own: Vec<[f64; 2]>,
     /// Averaged minus own volumetric strain increment of each element, block by block; 0 for quadrilaterals.
     correction: Vec<Lanes>,
@@ -44,8 +54,9 @@ impl DilationAveraging {
         self.around.fill([0.0; 2]);
         for (&(element, corners), own) in self.triangles.iter().zip(&mut self.own) {
             let [a, b, c] = corners.inline_map(|n| nodes[self.nodes[n as usize] as usize].as_array());
-            let deleted = group.is_deleted(element as usize);
-            *own = if deleted { [0.0; 2] } else { dilation::<false>([a, b, c, c], nodes.previous_dt) };
+            let share = stress_factor(group, element as usize);
+            let measured = dilation::<false>([a, b, c, c], nodes.previous_dt);
+            *own = if share > 0.0 { [share * measured[0], share * measured[1]] } else { [0.0; 2] };
             for n in corners {
                 let sum = &mut self.around[n as usize];
                 *sum = [sum[0] + own[0], sum[1] + own[1]];

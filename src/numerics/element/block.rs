@@ -482,6 +482,7 @@ impl TaskWorkspace {
             bulk: list,
             shear: list,
             heat: list,
+            tension_excess: list,
             sheared: list,
             internal: list,
             dissipated: list,

@@ -64,6 +64,16 @@ fn by_corner(inverse_mass: &[Lanes; 4]) -> [Lanes; 4] {
     list
 }
 
+/// Returns the pressure of a quarter minus that of the element where both have the same largest tension, from the
+/// difference without this limit and the excess of the element's tension over it.
+#[inline(always)]
+fn limited(difference: f64, excess: f64) -> f64 {
+    let (unstressed, least) = if excess > 0.0 { (excess, 0.0) } else { (0.0, excess) };
+    let pressure = difference - unstressed;
+    // NaN is kept, so that the run halts.
+    if pressure < least { least } else { pressure }
+}
+
 impl SubzonalPressures {
     /// Creates the state for a block's elements in the initial configuration; lanes after the last element repeat it.
     pub fn of(elements: &[[u32; 4]], nodes: &[Node]) -> Self {
@@ -182,7 +192,7 @@ impl TaskWorkspace {
             let SubzoneVolume { volume, by_r, by_z } = quarter(CORNER, &r, &z);
             let nominal = zones.share[CORNER][l] * whole[l];
             let bounded = if volume > LEAST * nominal { volume } else { LEAST * nominal };
-            let pressure = self.stress.bulk[l] * (nominal / bounded - 1.0);
+            let pressure = limited(self.stress.bulk[l] * (nominal / bounded - 1.0), self.stress.tension_excess[l]);
             let mean = 0.5 * (zones.pressure[CORNER][l] + pressure);
             zones.pressure[CORNER][l] = pressure;
             let growth = |i: usize| by_r[i] * v_r[i] + by_z[i] * v_z[i];
@@ -199,7 +209,7 @@ impl TaskWorkspace {
 
 #[cfg(test)]
 mod tests {
-    use super::{SubzoneVolume, quarter};
+    use super::{SubzoneVolume, limited, quarter};
     use crate::kernel::quad::gradient;
 
     const R: [f64; 4] = [1.0, 3.2, 2.9, 0.8];
@@ -215,6 +225,21 @@ mod tests {
             let (by_r, by_z): (f64, f64) = quarters.iter().fold((0.0, 0.0), |s, q| (s.0 + q.by_r[i], s.1 + q.by_z[i]));
             assert!((by_r - g.r[i] - g.hoop[i]).abs() < 1e-13 && (by_z - g.z[i]).abs() < 1e-13);
         }
+    }
+
+    /// The tension of the element and that of its quarters, each below the limit 2, differ by the limited difference.
+    #[test]
+    fn quarters_have_the_tension_limit_of_the_element() {
+        let limit = 2.0;
+        for tension in [-3.0, 1.0, 2.0, 2.5, 9.0] {
+            for difference in [-5.0, -0.5, 0.0, 0.4, 3.0, 20.0] {
+                let expected = f64::min(tension, limit) - f64::min(tension - difference, limit);
+                let found = limited(difference, tension - limit);
+                assert!((found - expected).abs() < 1e-14, "{tension} {difference}: {found} {expected}");
+                assert_eq!(limited(difference, f64::NEG_INFINITY).to_bits(), f64::to_bits(difference));
+            }
+        }
+        assert!(limited(f64::NAN, 1.0).is_nan());
     }
 
     #[test]

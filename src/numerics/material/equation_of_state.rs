@@ -4,10 +4,10 @@
 
 use super::BlockStart;
 use super::available::AvailableEnergy;
-use super::eos::{EosLaw, IdealGas, Tabulated, UsUp, advance_block};
+use super::eos::{EosLaw, EosLine, IdealGas, Tabulated, UsUp, advance_block};
 use super::explosive::{BurnState, HighExplosive};
-use super::isentrope::isentropic_work;
-use super::volumetric::{PressureUpdate, VolumetricLaw};
+use super::isentrope::{end_of_limited_tension, isentropic_work};
+use super::volumetric::{ElementSize, PressureUpdate, VolumetricLaw};
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::material::carried::carried_state;
 use crate::state::archive::Persist;
@@ -50,6 +50,31 @@ impl EquationOfState {
             _ => None,
         }
     }
+
+    /// Returns the work per mass on the isentrope from a specific volume and energy to zero pressure, where the tension
+    /// is below `limit`. Explosives release the energy of the unburnt fraction; that of the products is chemical.
+    fn isentropic_work(&self, [specific_volume, energy]: [f64; 2], unburnt: f64, limit: f64) -> f64 {
+        match self {
+            EquationOfState::IdealGas(law) => {
+                let line = |volume: f64| law.curve(1.0 / volume, volume);
+                let [volume, energy] = end_of_limited_tension(line, law.ambient(), limit, [specific_volume, energy]);
+                law.available_energy(volume, energy)
+            }
+            EquationOfState::UsUp(law) => {
+                isentropic_work_below(|volume: f64| law.curve(1.0 / volume, volume), [specific_volume, energy], limit)
+            }
+            EquationOfState::Tabulated(law) => {
+                isentropic_work_below(|volume: f64| law.line(volume), [specific_volume, energy], limit)
+            }
+            EquationOfState::Explosive(law) => unburnt * law.unburnt_energy(specific_volume),
+        }
+    }
+}
+
+/// Returns the isentropic work from a specific volume and energy, where the tension is below `limit`.
+fn isentropic_work_below(line: impl Fn(f64) -> EosLine, start: [f64; 2], limit: f64) -> f64 {
+    let [volume, energy] = end_of_limited_tension(&line, 0.0, limit, start);
+    isentropic_work(line, 0.0, volume, energy)
 }
 
 impl VolumetricLaw for EquationOfState {
@@ -116,21 +141,18 @@ impl VolumetricLaw for EquationOfState {
 
     fn available_energy(&self, state: &EosState, lane: usize, specific_volume: f64) -> AvailableEnergy {
         let energy = state.energy[lane];
-        match self {
-            EquationOfState::IdealGas(law) => AvailableEnergy::initial(law.available_energy(specific_volume, energy)),
-            EquationOfState::UsUp(law) => {
-                let line = |volume: f64| law.curve(1.0 / volume, volume);
-                AvailableEnergy::initial(isentropic_work(line, 0.0, specific_volume, energy))
-            }
-            EquationOfState::Tabulated(law) => {
-                let line = |volume: f64| law.line(volume);
-                AvailableEnergy::initial(isentropic_work(line, 0.0, specific_volume, energy))
-            }
-            EquationOfState::Explosive(_) => {
-                let from = state.burn.as_ref().map_or(f64::INFINITY, |burn| burn.arrival(lane));
-                AvailableEnergy { energy: energy.max(0.0), from }
-            }
+        if let EquationOfState::Explosive(_) = self {
+            let from = state.burn.as_ref().map_or(f64::INFINITY, |burn| burn.arrival(lane));
+            return AvailableEnergy { energy: energy.max(0.0), from };
         }
+        AvailableEnergy::initial(self.isentropic_work([specific_volume, energy], 0.0, f64::INFINITY))
+    }
+
+    #[cold]
+    fn recoverable_energy(&self, state: &EosState, lane: usize, element: ElementSize, limit: f64) -> Option<f64> {
+        let mass = element.mass * state.mass_factors.as_ref().map_or(1.0, |factors| factors[lane]);
+        let unburnt = state.burn.as_ref().map_or(0.0, |burn| 1.0 - burn.share(lane));
+        Some(mass * self.isentropic_work([element.volume / mass, state.energy[lane]], unburnt, limit))
     }
 
     fn temperature(&self, state: &EosState, lane: usize) -> Option<f64> {

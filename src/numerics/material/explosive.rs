@@ -118,6 +118,12 @@ impl HighExplosive {
         BurnState { burnt: [0.0; LANES], lit, pace }
     }
 
+    /// Returns the energy per mass that unburnt explosive releases on the way to zero pressure.
+    pub(super) fn unburnt_energy(&self, specific_volume: f64) -> f64 {
+        let ratio = self.products.density * specific_volume;
+        self.unburnt / self.products.density * ((ratio - 1.0) - libm::log(ratio))
+    }
+
     /// Updates pressures and energies of a block. The burn fraction has the pressure of the products, the rest that of
     /// the unburnt explosive. Until an element has burnt completely, its bulk modulus is at least rho D², so that the
     /// time increment resolves the detonation.
@@ -146,7 +152,7 @@ carried_state!(BurnState { burnt, lit, pace });
 
 #[cfg(test)]
 mod tests {
-    use super::{EosLaw, EosLine, JwlProducts};
+    use super::{EosLaw, EosLine, HighExplosive, JwlProducts};
 
     fn at(density: f64) -> EosLine {
         TNT.curve(density, 1.0 / density)
@@ -181,5 +187,19 @@ mod tests {
             .fold((0.0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
         println!("detonation {speed:.1} m/s, {:.3e} Pa at {best}", hugoniot(best));
         assert!((speed / 6930.0 - 1.0).abs() < 5e-3 && (hugoniot(best) / 21.0e9 - 1.0).abs() < 1e-2);
+    }
+
+    /// The energy of unburnt explosive is the work of its pressure K (rho/rho0 - 1), by quadrature.
+    #[test]
+    fn unburnt_explosive_releases_the_work_of_its_pressure() {
+        let law = HighExplosive { products: TNT, speed: 6930.0, energy: 4.29e6, unburnt: 1e10, points: Vec::new() };
+        let reference = 1.0 / TNT.density;
+        for ratio in [0.9, 1.0, 1.05] {
+            let (start, n) = (ratio * reference, 1000);
+            let part = (reference - start) / f64::from(n);
+            let volumes = (0..n).map(|i| start + part * (f64::from(i) + 0.5));
+            let work: f64 = volumes.map(|v| 1e10 * (reference / v - 1.0) * part).sum();
+            assert!((law.unburnt_energy(start) - work).abs() < 1e-5 * work.abs() + 1e-9, "{ratio}");
+        }
     }
 }

@@ -30,6 +30,10 @@ pub trait FailureLaw: Send + Sync + 'static {
     fn volume(&self, state: &Self::State, lane: usize) -> f64;
     /// Returns the factor on the stress, 1 minus damage; 0 for a deleted element.
     fn share(&self, state: &Self::State, lane: usize) -> f64;
+    /// Returns the largest mean stress in tension; infinite without a limit.
+    fn tension_limit(&self) -> f64 {
+        f64::INFINITY
+    }
     /// Returns the damage of an element, if damage evolves.
     fn damage(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
         None
@@ -275,6 +279,10 @@ impl FailureLaw for MaterialFailure {
 
     fn share(&self, state: &DamageState, lane: usize) -> f64 {
         if state.alive[lane] { state.share[lane] } else { 0.0 }
+    }
+
+    fn tension_limit(&self) -> f64 {
+        self.cutoff.map_or(f64::INFINITY, |cutoff| cutoff.stress)
     }
 
     fn damage(&self, state: &DamageState, lane: usize) -> Option<f64> {

@@ -58,6 +58,9 @@ pub struct StressUpdate {
     pub shear: Lanes,
     /// Result of an equation of state: estimated work of the bulk viscosity.
     pub heat: Lanes,
+    /// Result of a failure model with an equation of state: mean stress minus the largest tension that the material bears;
+    /// negative infinity without a limit.
+    pub tension_excess: Lanes,
     /// Result of a fluid with shear viscosity: work of the viscous stress.
     pub sheared: Lanes,
     /// Work of the stress, summed over the blocks of a task, lane by lane.
@@ -89,7 +92,8 @@ impl StressUpdate {
     /// Resets sums and results at the start of a task: materials do not set results that are zero.
     #[inline(always)]
     pub fn begin(&mut self) {
-        *self = StressUpdate { returned: [1.0; LANES], ..StressUpdate::default() };
+        let tension_excess = [f64::NEG_INFINITY; LANES];
+        *self = StressUpdate { returned: [1.0; LANES], tension_excess, ..StressUpdate::default() };
     }
 
     /// Computes the factor that returns the deviator to the yield surface from [`StressUpdate::flow`].

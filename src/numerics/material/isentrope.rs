@@ -1,10 +1,45 @@
-//! Work of isentropes: the largest work that a material can do from its initial state, without work or heat from outside.
+//! Work of isentropes: the largest work that a material can do from a state, without work or heat from outside.
 
 use super::eos::{EosLaw, EosLine, IdealGas};
 
 /// Increment of the logarithm of the volume along an isentrope, and the largest number of increments.
 const INCREMENT: f64 = 0.01;
 const MOST: usize = 4000;
+
+/// Number of bisections for the end of limited tension.
+const BISECTIONS: usize = 40;
+
+/// Specific volume and specific energy at which the tension falls below a limit on the way from a state that exceeds it,
+/// at a constant tension equal to the limit; the state itself if it does not exceed the limit.
+pub(super) fn end_of_limited_tension(
+    line: impl Fn(f64) -> EosLine,
+    ambient: f64,
+    limit: f64,
+    [specific_volume, specific_energy]: [f64; 2],
+) -> [f64; 2] {
+    // The limited tension does this work per specific volume on the way.
+    let energy = |volume: f64| specific_energy + (limit - ambient) * (volume - specific_volume);
+    let exceeds = |volume: f64| {
+        let EosLine { cold, per_energy, .. } = line(volume);
+        -(cold + per_energy * energy(volume)) > limit
+    };
+    if !exceeds(specific_volume) {
+        return [specific_volume, specific_energy];
+    }
+    let (mut low, mut high) = (specific_volume, specific_volume);
+    for _ in 0..MOST {
+        low = high * libm::exp(-INCREMENT);
+        if !exceeds(low) {
+            break;
+        }
+        high = low;
+    }
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        *(if exceeds(middle) { &mut high } else { &mut low }) = middle;
+    }
+    [high, energy(high)]
+}
 
 /// Returns the work per mass of the isentrope from a specific volume and energy to the volume without pressure. `line`
 /// gives the pressure line at a specific volume.
@@ -57,7 +92,7 @@ impl IdealGas {
 
 #[cfg(test)]
 mod tests {
-    use super::isentropic_work;
+    use super::{end_of_limited_tension, isentropic_work};
     use crate::material::eos::{EosLaw, IdealGas, UsUp};
 
     const AIR: IdealGas = IdealGas { gas_constant: 287.0, specific_heat: 717.5, ambient: 1e5, absolute_zero: 0.0 };
@@ -91,5 +126,21 @@ mod tests {
             assert!((work / elastic - 1.0).abs() < 0.01, "{work} {elastic}");
         }
         assert_eq!(isentropic_work(|v| law.curve(1.0 / v, v), 0.0, 1.0 / law.density, 0.0), 0.0);
+    }
+
+    /// The tension is the limit where it ends, and the energy falls by its work. States below the limit do not change.
+    #[test]
+    fn limited_tension_ends_at_its_limit() {
+        let law = UsUp { density: 8930.0, c0: 3940.0, s: 1.489, gamma0: 2.02 };
+        let line = |v: f64| law.curve(1.0 / v, v);
+        let (start, limit) = ([1.3 / law.density, 2e4], 2e9);
+        let [volume, energy] = end_of_limited_tension(line, 0.0, limit, start);
+        let (curve, reference) = (line(volume), 1.0 / law.density);
+        let tension = -(curve.cold + curve.per_energy * energy);
+        assert!((tension / limit - 1.0).abs() < 1e-9 && volume > reference, "{tension} {volume}");
+        let lost = limit * (start[0] - volume);
+        assert!((start[1] - energy - lost).abs() < 1e-9 * lost, "{energy}");
+        let below = [1.001 * reference, 0.0];
+        assert_eq!(end_of_limited_tension(line, 0.0, limit, below), below);
     }
 }

@@ -28,6 +28,7 @@ use available::AvailableEnergy;
 use carried::{ArrivedElement, CarriedState};
 use increment::{StrainIncrement, StressUpdate};
 use user::PointCalls;
+use volumetric::ElementSize;
 
 /// The direction of plastic flow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,6 +157,13 @@ pub trait Material: Send + Sync + 'static {
     /// stress.
     fn available_energy(&self, _state: &Self::State, _lane: usize, _specific_volume: f64) -> AvailableEnergy {
         AvailableEnergy::NONE
+    }
+
+    /// Returns the recoverable energy of the volume change of an element with an equation of state, from its current
+    /// volume and mass: the work of the undamaged material on the isentrope to zero pressure. `None` without an equation
+    /// of state.
+    fn recoverable_energy(&self, _state: &Self::State, _lane: usize, _element: ElementSize) -> Option<f64> {
+        None
     }
 
     /// Sets a value of an element. Returns whether the material uses it.

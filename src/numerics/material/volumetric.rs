@@ -63,6 +63,18 @@ pub trait VolumetricLaw: Send + Sync + 'static {
         AvailableEnergy::NONE
     }
 
+    /// Returns the recoverable volumetric energy of an element: the work of its pressure on the isentrope to zero
+    /// pressure. Tension is at most `limit`, and counts below it. `None` for laws whose pressure has a constant modulus.
+    fn recoverable_energy(
+        &self,
+        _state: &Self::State,
+        _lane: usize,
+        _element: ElementSize,
+        _limit: f64,
+    ) -> Option<f64> {
+        None
+    }
+
     /// Returns the number of bytes that the state of a block needs in addition to its own size.
     fn bytes(&self, _state: &Self::State) -> usize {
         0
@@ -90,6 +102,13 @@ pub struct PressureUpdate {
     pub volume: Lanes,
     /// Mass of the element of each lane.
     pub mass: Lanes,
+}
+
+/// Current volume and mass of an element.
+#[derive(Clone, Copy, Debug)]
+pub struct ElementSize {
+    pub volume: f64,
+    pub mass: f64,
 }
 
 /// Volumetric law without equation of state: the pressure follows from a constant bulk modulus.

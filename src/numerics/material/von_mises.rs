@@ -6,7 +6,7 @@ use super::available::AvailableEnergy;
 use super::failure::{FailureInput, FailureLaw, InitiationKind, NoDamage};
 use super::increment::{StrainIncrement, StressUpdate};
 use super::plasticity::{FlowUpdate, HardeningLaw};
-use super::volumetric::{PressureUpdate, VolumetricLaw};
+use super::volumetric::{ElementSize, PressureUpdate, VolumetricLaw};
 use super::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::moduli::ElasticModuli;
@@ -173,6 +173,10 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
         self.volumetric.available_energy(&state.volumetric, lane, specific_volume)
     }
 
+    fn recoverable_energy(&self, state: &Self::State, lane: usize, element: ElementSize) -> Option<f64> {
+        self.volumetric.recoverable_energy(&state.volumetric, lane, element, self.failure.tension_limit())
+    }
+
     fn set(&self, state: &mut Self::State, lane: usize, value: PointValue) -> bool {
         match value {
             PointValue::Temperature(temperature) => {
@@ -251,10 +255,13 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             dt: strain.dt,
             count: strain.count,
         };
-        let mut before = [0.0; LANES];
+        let (mut before, limit) = ([0.0; LANES], self.failure.tension_limit());
         for l in 0..LANES {
             let stress = column(stress, l);
             (input.mean[l], input.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
+            if V::EOS {
+                update.tension_excess[l] = input.mean[l] - limit;
+            }
         }
         for l in 0..strain.count {
             before[l] = self.failure.share(&state.failure, l);
@@ -280,29 +287,32 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
                 let added = carried + full[i];
                 let twice = if i == 3 { 2.0 } else { 1.0 };
                 work += twice * increment * (before[l] * carried + degraded - added);
-                unloaded += twice * increment * (before[l] * full[i] - degraded);
+                let undamaged = if V::EOS { full[i] + shift[i] } else { full[i] };
+                unloaded += twice * increment * (before[l] * undamaged - degraded);
                 let plastic = twice * flow * update.deviator[i][l];
                 flowed_before += plastic * carried;
                 flowed += plastic * full[i];
                 stress[i][l] = degraded;
             }
             update.internal[l] += 0.5 * volume * work;
-            let bulk = if V::EOS { update.bulk[l] } else { bulk };
             let distortion = mises * mises * per_shear;
-            let volumetric = |mean: f64| mean * mean / (2.0 * bulk);
-            // A pressure that follows from the density does not continue from the limited one of the previous increment.
-            let unlimited = if V::EOS && limited != mean {
-                let carried = -stress::pressure([0, 1, 2, 3].inline_map(|i: usize| strain.carried[i][l]));
-                let dilation: f64 = (0..3).map(|i| strain.strain[i][l]).sum();
-                volumetric(carried) + 0.5 * dilation * (carried + mean)
+            // Only a change of the factor takes elastic energy.
+            let volumetric = if !V::EOS {
+                mean * mean / (2.0 * bulk)
+            } else if before[l] == left {
+                0.0
             } else {
-                volumetric(mean)
+                let element = ElementSize { volume: strain.current_volume[l], mass: strain.mass[l] };
+                self.recoverable_energy(state, l, element).unwrap_or(0.0) / volume
             };
-            let energy_before = before[l] * (distortion + unlimited);
-            let energy_after = left * (distortion + volumetric(limited));
+            let elastic = distortion + volumetric;
+            let (energy_before, energy_after) = (before[l] * elastic, left * elastic);
             // The work of the increment is that of the degraded stress (trapezoidal rule), without this elastic part.
             let missing = 0.5 * (unloaded - (before[l] - left) * flowed);
-            let lost = (energy_before - energy_after) - missing;
+            let mut lost = (energy_before - energy_after) - missing;
+            if V::EOS && limit < f64::INFINITY {
+                lost += before[l] * update.limit_tension(strain, l, (mean, limit));
+            }
             let not_flowed = 0.5 * ((1.0 - before[l]) * flowed_before + (1.0 - left) * flowed);
             update.dissipated[l] += volume * (lost - not_flowed);
             update.damaged[l] += volume * lost;
@@ -311,7 +321,30 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
     }
 }
 
+/// Returns the fraction of an increment in which a mean stress is limited, from its excess over the limit at the end and
+/// its growth in the increment.
+#[inline(always)]
+fn limited_fraction(excess: f64, growth: f64) -> f64 {
+    let previous = excess - growth;
+    match (excess > 0.0, previous > 0.0) {
+        (true, true) => 1.0,
+        (true, false) => excess / (excess - previous),
+        (false, true) => previous / (previous - excess),
+        (false, false) => 0.0,
+    }
+}
+
 impl StressUpdate {
+    /// Returns the work per volume of the tension while it is limited, which is dissipated, from the mean stress of the
+    /// equation of state and its limit. The specific energy, which has the work of the unlimited tension, is corrected.
+    #[inline(always)]
+    fn limit_tension(&mut self, strain: &StrainIncrement, l: usize, (mean, limit): (f64, f64)) -> f64 {
+        let dilation: f64 = (0..3).map(|i| strain.strain[i][l]).sum();
+        let excess = if mean > limit { mean - limit } else { 0.0 };
+        self.heat[l] += 0.5 * strain.volume[l] * dilation * excess;
+        limited_fraction(mean - limit, self.bulk[l] * dilation) * dilation * limit
+    }
+
     /// Sets the deviator to 2 η times the rate of the deviatoric strain (Newtonian fluid; ABAQUS Analysis User's Guide
     /// 25.2.1, "Viscous shear behavior"), with the strain rate of the increment. The work of the deviator is viscous
     /// dissipation instead of internal energy.

@@ -11,6 +11,7 @@ use crate::element::group::block_of_points;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators};
 use crate::kernel::stress::mises;
+use crate::material::volumetric::ElementSize;
 use crate::material::{BlockStart, Material, PlasticFlow};
 use crate::state::archive::Persist;
 use crate::state::nodes::Node;
@@ -225,7 +226,12 @@ impl<S: Clone> TriangleBlock<S> {
                 if share > 0.0 && !M::CALLS {
                     let (mises, mean) = (mises(stress), (stress[0] + stress[1] + stress[2]) / 3.0);
                     let distortion = if constants.shear > 0.0 { mises * mises / (6.0 * constants.shear) } else { 0.0 };
-                    let stored = (distortion + 0.5 * mean * mean / done.bulk[l]) / share;
+                    let element = ElementSize { volume: done.current_volume[l], mass: point.mass[l] };
+                    // The energy is that of the undamaged material times its factor; the stress has this factor.
+                    let stored = match material.recoverable_energy(&point.state, l, element) {
+                        Some(energy) => distortion / share + share * energy / volume,
+                        None => (distortion + 0.5 * mean * mean / done.bulk[l]) / share,
+                    };
                     // The stress has done half of the work of the increment less.
                     let lost = volume * stored - undone;
                     scratch.stress.dissipated[l] += lost;
