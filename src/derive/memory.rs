@@ -75,6 +75,7 @@ fn owned(value: &TokenStream, ty: &Type) -> Option<TokenStream> {
             let inside = owned_inside(value, ty).into_iter();
             Some(quote!(MemoryUse::in_use(size_of_val(&**#value)) #(+ #inside)*))
         }
+        Some(Composite::Optional(content)) => Some(sum(value, owned(&quote!(entry), content)?)),
         Some(_) => owned_inside(value, ty),
         None if NUMBERS.iter().any(|name| matches!(ty, Type::Path(path) if path.path.is_ident(name))) => None,
         None => Some(quote_spanned!(ty.span()=> (&FieldMemory(#value)).memory_of_field())),
@@ -99,5 +100,10 @@ fn owned_inside(value: &TokenStream, ty: &Type) -> Option<TokenStream> {
         }
         Composite::List(content) | Composite::Optional(content) | Composite::Array(content) => owned(&entry, content),
     }?;
-    Some(quote!(#value.iter().map(|entry| #of_entry).sum::<MemoryUse>()))
+    Some(sum(value, of_entry))
+}
+
+/// Returns the sum over the entries of a list or an option; `of_entry` is an expression of `entry`.
+fn sum(value: &TokenStream, of_entry: TokenStream) -> TokenStream {
+    quote!(#value.iter().map(|entry| #of_entry).sum::<MemoryUse>())
 }

@@ -494,7 +494,7 @@ impl Elements {
 
     /// Returns the bytes of the lists of deletion criteria.
     pub fn bytes_of_erosion(&self) -> usize {
-        self.erosion.as_ref().map_or(0, |e| e.bytes())
+        self.erosion.as_ref().map_or(0, |e| e.memory().used)
     }
 
     /// Returns the bytes of the lists of mass scaling.

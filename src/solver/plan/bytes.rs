@@ -86,7 +86,7 @@ fn elements(ledger: &mut Ledger, state: &State, gather: Option<EffectId>) {
     let damping = if of_mass { "mass proportional damping" } else { "stiffness proportional damping" };
     let named = [
         ("area weighting", "rings", elements.rings.as_ref().map_or(0, |r| r.bytes())),
-        ("averaged pressure", "triangles", elements.averagings.iter().flatten().map(|a| a.bytes()).sum()),
+        ("averaged pressure", "triangles", elements.averagings.iter().flatten().map(|a| a.memory().used).sum()),
         (connectors, "connectors", elements.connectors.as_ref().map_or(0, |c| c.bytes())),
         ("cohesive elements", "bounds", elements.interfaces.as_ref().map_or(0, |i| i.bytes())),
         (damping, "coefficients and forces", elements.damping.as_ref().map_or(0, |d| d.bytes())),
