@@ -6,7 +6,6 @@
 //! dt n.v*, and updated on arcs after the impulses have been applied.
 
 use super::curve::{FacetCurve, PointCarrier};
-use super::mesh_motion::next_point;
 use super::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
 use super::{ContactConstraint, ContactPair};
 use crate::kernel::interaction::PressureOverclosure;
@@ -302,7 +301,7 @@ impl ContactConstraint {
             (!nearest.beyond).then_some(nearest.gap - zero)
         };
         let start = gap(index)?;
-        let Some((next, share)) = next_point(own, index, place, place_of) else { return Some(start) };
+        let Some((next, share)) = own.next_point(index, place, place_of) else { return Some(start) };
         let end = own.own.binary_search(&next).ok().and_then(gap).unwrap_or(start);
         Some(start + share * (end - start))
     }

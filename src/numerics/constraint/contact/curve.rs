@@ -87,6 +87,12 @@ pub struct FacetCurve {
     ordered: Vec<bool>,
 }
 
+/// Returns the displacement between two places along the way to `end`, as a fraction of the way.
+fn share_of_way([from, to]: [[f64; 2]; 2], end: [f64; 2]) -> f64 {
+    let [by, way] = [to, end].inline_map(|to: [f64; 2]| [to[0] - from[0], to[1] - from[1]]);
+    (by[0] * way[0] + by[1] * way[1]) / (way[0] * way[0] + way[1] * way[1])
+}
+
 /// Geometry of a facet at an instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FacetShape {
@@ -496,6 +502,24 @@ impl FacetCurve {
             std::f64::consts::TAU * distance(ends[0], ends[1]) * (2.0 * here + there) / 6.0
         });
         areas.sum()
+    }
+
+    /// Returns the point next to an own point on the side to which it has moved, and the displacement along the facet between
+    /// both as a fraction of its length; `None` if it has not moved along the curve. `start_of` gives the places before.
+    pub fn next_point(&self, index: usize, place: [f64; 2], start_of: impl Fn(u32) -> [f64; 2]) -> Option<(u32, f64)> {
+        let from = start_of(self.own[index]);
+        if from == place {
+            return None;
+        }
+        let mut found: Option<(u32, f64)> = None;
+        for &(facet, end) in self.around_own(index).iter().filter(|f| self.is_exposed[f.0 as usize]) {
+            let beyond = self.facets[facet as usize][1 - end as usize];
+            let share = share_of_way([from, place], start_of(beyond));
+            if share > found.map_or(0.0, |found| found.1) {
+                found = Some((beyond, share.min(1.0)));
+            }
+        }
+        found
     }
 
     /// Returns the mean distance of the surface from an own point, over all of its facets.

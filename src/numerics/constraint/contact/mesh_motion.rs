@@ -2,7 +2,7 @@
 //! of both surfaces continue, and the values of the keys follow their places on the surface: pressures, slip, the memory
 //! of friction, clearances and stored energies.
 
-use super::curve::{FacetCurve, PointCarrier};
+use super::curve::PointCarrier;
 use super::mesh_continuation::{KeyShare, MeshContinuation};
 use super::sweeps::ContactRow;
 use super::{ContactConstraint, ContactPair};
@@ -150,7 +150,7 @@ impl MeshContinuation {
         };
         for (index, point) in own.own.iter().enumerate() {
             let mut value = density(index);
-            if let Some((next, share)) = next_point(own, index, place_of(*point), start_of)
+            if let Some((next, share)) = own.next_point(index, place_of(*point), start_of)
                 && let Ok(next) = own.own.binary_search(&next)
             {
                 value += share * (density(next) - value);
@@ -189,37 +189,8 @@ fn near_nodes(contact: &ContactConstraint) -> impl Iterator<Item = (usize, [u32;
 fn key_share(contact: &ContactConstraint, pair: &ContactPair, index: u32, starts: &[[f64; 2]]) -> Option<KeyShare> {
     let own = &contact.curves[pair.own];
     let place = contact.places[own.own[index as usize] as usize];
-    let (next, share) = next_point(own, index as usize, place, |point| starts[point as usize])?;
+    let (next, share) = own.next_point(index as usize, place, |point| starts[point as usize])?;
     Some(KeyShare { key: pair.first_key + index, other: pair.key_of(own, next), share })
-}
-
-/// Returns the point of a curve next to an own point on the side to which it has moved, and the displacement along the facet
-/// between both as a fraction of its length; `None` if it has not moved along the curve. `start_of` gives the places before.
-pub(super) fn next_point(
-    own: &FacetCurve,
-    index: usize,
-    place: [f64; 2],
-    start_of: impl Fn(u32) -> [f64; 2],
-) -> Option<(u32, f64)> {
-    let from = start_of(own.own[index]);
-    if from == place {
-        return None;
-    }
-    let mut found: Option<(u32, f64)> = None;
-    for &(facet, end) in own.around_own(index).iter().filter(|f| own.is_exposed[f.0 as usize]) {
-        let beyond = own.facets[facet as usize][1 - end as usize];
-        let share = share_of_way([from, place], start_of(beyond));
-        if share > found.map_or(0.0, |found| found.1) {
-            found = Some((beyond, share.min(1.0)));
-        }
-    }
-    found
-}
-
-/// Returns the displacement between two places along the way to `end`, as a fraction of the way.
-fn share_of_way([from, to]: [[f64; 2]; 2], end: [f64; 2]) -> f64 {
-    let [by, way] = [to, end].inline_map(|to: [f64; 2]| [to[0] - from[0], to[1] - from[1]]);
-    (by[0] * way[0] + by[1] * way[1]) / (way[0] * way[0] + way[1] * way[1])
 }
 
 impl ContactConstraint {
