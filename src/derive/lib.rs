@@ -4,6 +4,8 @@
 //! `#[persist(fixed: a, b; derived: c)]`, `#[memory(uncounted: a)]`. A new field is therefore visited, or the code does not
 //! compile until the type of the field has the trait or the field is listed.
 
+#![forbid(unsafe_code)]
+
 mod memory;
 mod persist;
 mod roles;

@@ -337,7 +337,7 @@ fn target_is_met_with_singular_corners() {
 }
 
 /// Rod through a plate with failure: the final velocity of a node scatters by more than the perturbations, its average
-/// over the last third less. Bar: no uncertainty is below the noise. An elastic wave does not amplify perturbations.
+/// over the last third less than half as much. Bar: no uncertainty is below the noise. An elastic wave does not amplify perturbations.
 #[test]
 fn noise_of_an_eroding_model_limits_the_uncertainty() {
     let eroding = || deck_study("input/rod_plate.inp", "mesh=1/2,1", "final(V2@TAIL)", None, 8).0;
@@ -345,7 +345,7 @@ fn noise_of_an_eroding_model_limits_the_uncertainty() {
     let noise = study.noise.as_ref().expect("noise");
     println!("{noise:?}");
     assert!(noise.relative.expect("a value") > 1e-3 && noise.divergence != Divergence::Absent);
-    assert!(noise.better.as_ref().expect("an average").relative < 0.2 * noise.relative.expect("a value"));
+    assert!(noise.better.as_ref().expect("an average").relative < 0.5 * noise.relative.expect("a value"));
     assert!(study.rows.iter().filter_map(|r| r.uncertainty).all(|u| u >= noise.uncertainty));
     assert_eq!(eroding().noise.expect("noise"), *noise);
     let upset = deck_study("tests/decks/studies/upset.inp", "n=2,4", "final(ALLWK)", None, 4).0;

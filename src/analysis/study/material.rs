@@ -333,15 +333,9 @@ impl TensionTest<'_> {
 
     /// Returns the initial Poisson's ratio, with which the side moves at the start.
     fn poisson(&self) -> f64 {
-        match (self.material.elastic, &self.material.eos, self.material.shear_modulus, self.material.density) {
+        match (self.material.elastic, self.material.bulk_modulus(None), self.material.shear_modulus) {
             (Some([_, poisson]), ..) => poisson,
-            (None, Some(eos), Some(shear), Some(density)) => match eos.kind {
-                EosKind::UsUp([c0, ..]) => {
-                    let bulk = density * c0 * c0;
-                    (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear))
-                }
-                _ => 0.3,
-            },
+            (None, Some(bulk), Some(shear)) => (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear)),
             _ if self.material.hyperelastic.is_some() => 0.48,
             _ => 0.3,
         }

@@ -92,13 +92,15 @@ impl ConsistencyCheck<'_> {
 
     /// Reports values that are negative or not finite.
     fn not_negative<const N: usize>(&mut self, span: Span, values: [(&str, f64); N]) {
-        for (name, value) in values {
-            self.value(is_non_negative(value), span, format!("{name} must not be negative, found {value}"));
+        for (name, value) in values.into_iter().filter(|(_, value)| !is_non_negative(*value)) {
+            self.value(false, span, format!("{name} must not be negative, found {value}"));
         }
     }
 
     fn ascending(&mut self, span: Span, members: &str, indices: &[usize]) {
-        self.value(is_ascending(indices), span, format!("the {members} must be in ascending order"));
+        if !is_ascending(indices) {
+            self.value(false, span, format!("the {members} must be in ascending order"));
+        }
     }
 
     /// Reports the first index that is out of range.
@@ -558,8 +560,10 @@ impl ConsistencyCheck<'_> {
     }
 
     fn interval(&mut self, span: Span, interval: OutputInterval) {
-        if let OutputInterval::Time(time) = interval {
-            self.value(time > 0.0, span, format!("an output interval must be positive, found {time}"));
+        if let OutputInterval::Time(time) = interval
+            && (time.is_nan() || time <= 0.0)
+        {
+            self.value(false, span, format!("an output interval must be positive, found {time}"));
         }
     }
 }

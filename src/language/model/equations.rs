@@ -54,7 +54,7 @@ fn equation_term(context: &mut Context<'_>, mesh: &mut MeshReader, words: &[&Wor
     Some((nodes, dof as u8, coefficient))
 }
 
-/// Adds one equation per node of the sets; single nodes appear in all of them.
+/// Adds one equation per node of the sets; single nodes appear in all equations.
 fn add_equations(context: &mut Context<'_>, terms: &[EquationTerm], span: Span) {
     let count = terms[0].0.len();
     if let Some(other) = terms.iter().find(|t| t.0.len() != count && t.0.len() != 1) {

@@ -91,7 +91,7 @@ pub struct MeshReader {
     pub moved: HashMap<usize, Span>,
     /// Cards that generated existing nodes at other coordinates: first label, and number of nodes.
     pub regenerated_by_card: HashMap<Span, (i64, usize)>,
-    /// Nodes generated again at other coordinates, and elements that are degenerate because of them.
+    /// Nodes generated again at other coordinates, and elements that are degenerate at their new coordinates.
     pub regenerated: HashSet<usize>,
     pub shapeless_elements: HashSet<usize>,
     /// Local system of node coordinates (`*SYSTEM`).

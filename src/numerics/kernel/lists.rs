@@ -60,7 +60,7 @@ impl Sum for MemoryUse {
 
 /// A type with lists on the heap.
 ///
-/// `#[derive(Memory)]` adds the memory that all fields own: lists, boxes, options, arrays and tuples of them, types with
+/// `#[derive(Memory)]` adds the memory that all fields own: lists, boxes, options, arrays, tuples, types with
 /// this trait, and `Copy` types, which own none. `#[memory(role: field, field; role: field)]` lists the exceptions:
 ///
 /// - `uncounted`: memory that is shared, counted elsewhere or not counted

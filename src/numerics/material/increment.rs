@@ -58,7 +58,7 @@ pub struct StressUpdate {
     pub shear: Lanes,
     /// Result of an equation of state: estimated work of the bulk viscosity.
     pub heat: Lanes,
-    /// Result of a failure model with an equation of state: mean stress minus the largest tension that the material bears;
+    /// Result of a failure model with an equation of state: mean stress minus the largest tension of the material;
     /// negative infinity without a limit.
     pub tension_excess: Lanes,
     /// Result of a fluid with shear viscosity: work of the viscous stress.

@@ -324,7 +324,7 @@ impl ContactGeometry {
                 [first.min(middle), middle, second.min(middle)]
             })
             .collect();
-        // A body may be only one element thick behind an interior facet.
+        // A body may be only one element thick below an interior facet.
         depths.extend(lengths[exposed_count..].iter().map(|l| [0.5 * l; 3]));
         // Points beyond the middle surface of a shell are on its other side.
         for (depth, (half, length)) in depths.iter_mut().zip(lift.iter().zip(&lengths)).filter(|d| *d.1.0 > 0.0) {

@@ -42,8 +42,7 @@ pub fn contact_constraint(
     let (mut geometry, mut pairs, mut lists) = (ContactGeometry::default(), Vec::new(), LawLists::default());
     let (mut spans, mut cohesion) = (Vec::new(), CohesionList::default());
     let all = &input.pairs.by_step[step];
-    let is_planned =
-        |pair: &&SurfaceContact| spatial_side(scene.bodies, pair).is_none() && !is_lost(scene.model, pair);
+    let is_planned = |pair: &&SurfaceContact| spatial_side(scene.bodies, pair).is_none() && !is_lost(scene.model, pair);
     let surface_pairs: Vec<&SurfaceContact> = all.iter().filter(is_planned).collect();
     if surface_pairs.is_empty() {
         return None;
@@ -162,7 +161,7 @@ fn pair_of_curves(
     Some((pair, length))
 }
 
-/// Returns whether a surface of a pair has no element on a new mesh, because all of them have been deleted.
+/// Returns whether a surface of a pair has no element on a new mesh, because all its elements have been deleted.
 fn is_lost(model: &Model, pair: &SurfaceContact) -> bool {
     let has_members = match &pair.analytical {
         Some(side) => !side.nodes.is_empty(),
