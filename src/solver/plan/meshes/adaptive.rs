@@ -40,13 +40,13 @@ pub fn adaptive_change<'a>(
         let regions = (&step.adaptive_regions, &step.mesh_motions);
         (&step.adaptive, &step.adaptive_fixed, regions, &step.loads, heated_nodes(step).collect::<Vec<usize>>())
     };
-    let unchanged = before.is_some_and(|before| {
+    report_unused_regions(scene.model, step, report);
+    let is_absent = step.adaptive.is_empty() && before.is_none_or(|before| before.adaptive.is_empty());
+    let is_unchanged = |before: &'a Step| {
         causes(before) == causes(step)
             && cohesive_nodes(scene.model, pairs, index - 1).eq(cohesive_nodes(scene.model, pairs, index))
-    });
-    let absent = step.adaptive.is_empty() && before.is_none_or(|before| before.adaptive.is_empty());
-    report_unused_regions(scene.model, step, report);
-    if unchanged || absent {
+    };
+    if is_absent || before.is_some_and(is_unchanged) {
         return None;
     }
     // A domain of the same set continues that of the previous step.
