@@ -1,5 +1,7 @@
 //! Validation of composed models: indices and value ranges, with the diagnostic codes of decks.
 
+use std::fmt::Display;
+
 use super::adaptive::check_size_limits;
 use super::faults::{ValueCheck, is_non_negative, is_positive, require};
 use super::fields::MOST_FIELDS;
@@ -66,7 +68,7 @@ impl ConsistencyCheck<'_> {
     }
 
     /// Reports an invalid value unless `is_valid`.
-    fn value(&mut self, is_valid: bool, span: Span, message: impl Into<String>) {
+    fn value(&mut self, is_valid: bool, span: Span, message: impl Display) {
         self.accept("", span, require(is_valid, message));
     }
 
@@ -92,15 +94,13 @@ impl ConsistencyCheck<'_> {
 
     /// Reports values that are negative or not finite.
     fn not_negative<const N: usize>(&mut self, span: Span, values: [(&str, f64); N]) {
-        for (name, value) in values.into_iter().filter(|(_, value)| !is_non_negative(*value)) {
-            self.value(false, span, format!("{name} must not be negative, found {value}"));
+        for (name, value) in values {
+            self.value(is_non_negative(value), span, format_args!("{name} must not be negative, found {value}"));
         }
     }
 
     fn ascending(&mut self, span: Span, members: &str, indices: &[usize]) {
-        if !is_ascending(indices) {
-            self.value(false, span, format!("the {members} must be in ascending order"));
-        }
+        self.value(is_ascending(indices), span, format_args!("the {members} must be in ascending order"));
     }
 
     /// Reports the first index that is out of range.
@@ -143,7 +143,7 @@ impl ConsistencyCheck<'_> {
     }
 
     fn degree(&mut self, span: Span, dof: u8, last: u8) {
-        let message = format!("degree of freedom must be from 1 to {last} (1 = r, 2 = z), found {dof}");
+        let message = format_args!("degree of freedom must be from 1 to {last} (1 = r, 2 = z), found {dof}");
         self.value((1..=last).contains(&dof), span, message);
     }
 
@@ -560,10 +560,8 @@ impl ConsistencyCheck<'_> {
     }
 
     fn interval(&mut self, span: Span, interval: OutputInterval) {
-        if let OutputInterval::Time(time) = interval
-            && (time.is_nan() || time <= 0.0)
-        {
-            self.value(false, span, format!("an output interval must be positive, found {time}"));
+        if let OutputInterval::Time(time) = interval {
+            self.value(time > 0.0, span, format_args!("an output interval must be positive, found {time}"));
         }
     }
 }

@@ -1,6 +1,8 @@
 //! Checks of values beyond the ranges of the keyword table. The readers of cards and [`Model::check`](super::Model::check)
 //! share them, so that the same rules apply to decks and to models composed in Rust.
 
+use std::fmt::Display;
+
 use crate::deck::{Diagnostic, Span};
 
 /// A value that is not allowed.
@@ -17,13 +19,18 @@ pub struct ValueFault {
 
 pub type ValueCheck = Result<(), ValueFault>;
 
-/// Returns a fault of the card unless `is_valid`.
-pub fn require(is_valid: bool, message: impl Into<String>) -> ValueCheck {
-    if is_valid { Ok(()) } else { Err(ValueFault { line: None, message: message.into(), label: "here", help: "" }) }
+/// Returns a fault of the card unless `is_valid`. A message that is formatted is given as `format_args!`: it is written
+/// only if there is a fault.
+pub fn require(is_valid: bool, message: impl Display) -> ValueCheck {
+    if is_valid {
+        Ok(())
+    } else {
+        Err(ValueFault { line: None, message: message.to_string(), label: "here", help: "" })
+    }
 }
 
 /// Returns a fault of a data line unless `is_valid`.
-pub fn require_line(line: usize, is_valid: bool, message: impl Into<String>) -> ValueCheck {
+pub fn require_line(line: usize, is_valid: bool, message: impl Display) -> ValueCheck {
     require(is_valid, message).map_err(|fault| ValueFault { line: Some(line), ..fault })
 }
 

@@ -165,12 +165,12 @@ impl IncrementControl {
         let (IncrementControl::Fixed(given) | IncrementControl::Automatic { largest: given, .. }) = *self;
         let count = duration / given;
         let message =
-            format!("the step would take {count:.1e} increments, more than the allowed {MOST_INCREMENTS:.0e}");
+            format_args!("the step would take {count:.1e} increments, more than the allowed {MOST_INCREMENTS:.0e}");
         require_line(0, given <= 0.0 || count <= MOST_INCREMENTS, message)?;
         let is_short = given <= duration || !matches!(self, IncrementControl::Fixed(_));
-        let message = format!("the increment must be at most the step duration {duration}, found {given}");
+        let message = format_args!("the increment must be at most the step duration {duration}, found {given}");
         require_line(0, is_short, message)?;
-        require_line(0, given > 0.0, format!("the increment must be positive, found {given}"))
+        require_line(0, given > 0.0, format_args!("the increment must be positive, found {given}"))
     }
 }
 
