@@ -300,7 +300,7 @@ fn check_mass(input: StepInput, contact: &SurfaceContact, body: usize, curves: C
             "the mass {light:.3e} of rigid body `{}` is less than the mass of the contact nodes, about {weighs:.3e}",
             scene.bodies.list[body].name
         );
-        let label = "at impact it takes the velocity of these nodes and loses its kinetic energy";
+        let label = "at impact it takes the velocity of the contact nodes and loses its kinetic energy";
         let finding = Diagnostic::warning("P117", message).at(contact.span, label);
         report.push(finding.help("use thinner elements at the contact surface"));
     }
