@@ -54,9 +54,14 @@ pub fn read_adaptive_mesh(context: &mut Context<'_>, steps: &mut StepReader, car
 
 /// Reads a body that is remeshed.
 pub fn read_remesh(context: &mut Context<'_>, card: &Card) {
-    let Some(word) = card.value("ELSET") else { return };
+    let cards::Remesh { keeps_mesh, .. } = card.values();
+    if keeps_mesh {
+        return read_kept_mesh(context, card);
+    }
+    let Some(word) = context.required(card, "ELSET") else { return };
     let Some(elements) = context.element_members(word) else { return };
     let cards::Remesh {
+        keeps_mesh: _,
         angle,
         increment,
         frequency,
@@ -81,7 +86,27 @@ pub fn read_remesh(context: &mut Context<'_>, card: &Card) {
     let curvature_angle = curvature_angle.map(f64::to_radians);
     let limits = SizeLimits { curvature_angle, strain_change, smallest: minimum_size };
     context.accepts(card, check_size_limits(&limits));
-    context.model.remeshings.push(Remeshing { span, set, elements, angle, increment, frequency, size, limits });
+    context.model.remeshings.push(Remeshing {
+        span,
+        set,
+        elements,
+        angle,
+        increment,
+        frequency,
+        size,
+        limits,
+        automatic: false,
+    });
+}
+
+/// Reads bodies that keep their mesh even if it collapses.
+fn read_kept_mesh(context: &mut Context<'_>, card: &Card) {
+    let elements = match card.value("ELSET") {
+        Some(word) => context.element_members(word).unwrap_or_default(),
+        None => (0..context.model.mesh.elements.len()).collect(),
+    };
+    let kept_meshes = &mut context.model.kept_meshes;
+    *kept_meshes = sorted_unique(kept_meshes.drain(..).chain(elements));
 }
 
 pub fn check_size_limits(limits: &SizeLimits) -> ValueCheck {

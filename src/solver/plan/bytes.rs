@@ -31,7 +31,7 @@ pub fn record_bytes(plan: &mut Plan, state: &State) {
         add(ledger, domain.id, "domain", domain.bytes());
     }
     for body in plan.remesh.iter().flat_map(|remesh| &remesh.bodies) {
-        add(ledger, body.id, "body", body.bytes());
+        body.id.into_iter().for_each(|id| add(ledger, id, "body", body.bytes()));
     }
     for amplitude in &state.amplitude_routines {
         add(ledger, amplitude.id, "routine", amplitude.bytes());

@@ -56,7 +56,11 @@ impl SolverRun<'_> {
         let limit = self.plan.remesh.as_ref().map_or(0.0, |remesh| remesh.bodies[body].angle);
         let angle = sharpest(&revision.mesh.quads, |n| revision.mesh.points[n as usize]);
         let quality = &mut self.remesh.bodies[body];
-        (quality.limit, quality.increment) = (limit.min(WORSE * angle), 0.0);
+        quality.limit = limit.min(WORSE * angle);
+        if !self.plan.remesh.as_ref().is_some_and(|remesh| remesh.bodies[body].automatic) {
+            quality.increment = 0.0;
+        }
+        quality.excess = 0.0;
         quality.count += 1;
         self.remesh.revisions.push(revision);
     }
@@ -122,6 +126,9 @@ impl SolverRun<'_> {
     fn move_body(&mut self, old: &mut SolverRun<'_>, mesh: ReplacedMesh<'_>, mut places: Vec<Option<PreviousPlace>>) {
         let (Some(own), Some(previous)) = (&self.plan.remesh, &old.plan.remesh) else { return };
         let (own, previous) = (&own.bodies[mesh.body], &previous.bodies[mesh.body]);
+        if let Some(from) = old.state.elements.groups[previous.group].extensions().transfer() {
+            from.prepare();
+        }
         let living = LivingElements::new(previous, &old.state);
         let (scaled, factors) = (living.masses(&old.state), living.factors(&old.state));
         old.state.elements.remove_scaling(previous.group);

@@ -13,6 +13,7 @@ use super::routines::UserSession;
 use super::run::SolverRun;
 use super::timing::TimeSums;
 use super::watch::RunMonitor;
+use crate::element::elements::Elements;
 use crate::kernel::lanes::InlineMap;
 use crate::model::Model;
 use crate::model::remesh::{ModelBody, nodes_of_histories, revised};
@@ -27,6 +28,14 @@ use crate::variables::Variable;
 
 /// Checks without a new mesh after one could not be made, in units of the interval of checks.
 const PAUSE: u64 = 5;
+
+/// Plastic strain from which an element that limits the increment counts as squashed by plastic flow.
+const SQUASHED: f64 = 1.0;
+
+/// Returns whether plastic flow has squashed an element.
+fn is_squashed(elements: &Elements, (group, element): (usize, usize)) -> bool {
+    elements.groups[group].value(element, Variable::PlasticStrain.into()).is_some_and(|strain| strain > SQUASHED)
+}
 
 /// A run between two plans.
 pub(super) struct DetachedRun {
@@ -129,11 +138,18 @@ impl SolverRun<'_> {
         }
         quality.next = self.now.increment + body.frequency;
         let (nodes, elements) = (&self.state.dofs.nodes, &self.state.elements);
-        let stable = elements.stable_increment();
-        if quality.increment == 0.0 {
+        let (stable, limiting) = (elements.stable_increment(), elements.limiting());
+        if quality.increment == 0.0 || body.automatic && quality.increment < stable {
             quality.increment = stable;
         }
-        let is_short = elements.limiting().0 == body.group && stable < body.increment * quality.increment;
+        let mut is_short = limiting.0 == body.group && stable < body.increment * quality.increment;
+        if body.automatic {
+            quality.excess += body.frequency as f64 * (1.0 - stable / quality.increment);
+            is_short &= quality.excess > quality.price && is_squashed(elements, limiting);
+            if quality.count == 0 {
+                return is_short;
+            }
+        }
         is_short || sharpest(&body.quads, |n| nodes[body.nodes[n as usize]].place()) < quality.limit
     }
 
@@ -174,6 +190,22 @@ impl SolverRun<'_> {
         next.take_over(self, &old, body);
         next.begin_nodes(true)?;
         next.evaluate_new_mesh(kinetic)?;
+        if std::env::var_os("DBG").is_some() {
+            let q = &next.remesh.bodies[body];
+            eprintln!(
+                "DBG t {:.3e} inc {} dt before {:.3e} after {:.3e} ref {:.3e} elements {} -> {} angle limit {:.1} sharp {:.1} by {:?}",
+                next.now.total_time,
+                next.now.increment,
+                self.state.elements.stable_increment(),
+                next.state.elements.stable_increment(),
+                q.increment,
+                self.plan.remesh.as_ref().map_or(0, |r| r.bodies[body].quads.len()),
+                plan.remesh.as_ref().map_or(0, |r| r.bodies[body].quads.len()),
+                q.limit.to_degrees(),
+                0.0,
+                next.state.elements.limiting()
+            );
+        }
         output.follow(std::mem::replace(observing, RunOutput::new(&plan)), &next.now);
         *observing = output;
         let run = next.detach();

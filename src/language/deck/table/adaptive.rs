@@ -38,7 +38,8 @@ card!(AdaptiveMeshConstraint: "ADAPTIVE MESH CONSTRAINT", "Motion of nodes of an
 }, [(rows ["node or set" read "Nodes of the domain; those of the boundary stay on the surface of the material, except at Eulerian boundaries", "first degree of freedom" read "1 is r, 2 is z", "last degree of freedom", "value"])]);
 
 card!(Remesh: extension "REMESH", "Remeshes a body during the run whenever its elements become too distorted, and transports material to the new mesh", (), {
-    "ELSET" (TEXT.required()) "All elements of the body: CAX4R and CAX3 of one section, without common nodes with other elements",
+    "ELSET" read "All elements of the body: CAX4R and CAX3 of one section, without common nodes with other elements. Optional with AUTOMATIC=NO: all bodies",
+    keeps_mesh: bool = "AUTOMATIC" (word(&["YES", "NO"]).or(0.0)) "NO: the body keeps its mesh, even if plastic flow squashes elements until the time increment collapses; without this card, such a body is remeshed from then on",
     angle: f64 = "ANGLE" (POSITIVE.below(60.0).or(15.0)) "Smallest angle of the elements in degrees below which the body is remeshed, unless the last mesh had a similar one",
     increment: f64 = "INCREMENT" (NUMBER.from(0.0).below(1.0).or(0.3)) "Fraction of the stable time increment after the last mesh below which the body is remeshed; 0 does not limit it",
     frequency: usize = "FREQUENCY" (COUNT.or(10.0)) "Increments between two checks of the mesh",

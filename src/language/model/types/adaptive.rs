@@ -98,4 +98,6 @@ pub struct Remeshing {
     pub size: Option<f64>,
     /// Limits of the edge length by curvature and strain.
     pub limits: SizeLimits,
+    /// Whether the plan has added the body: no card names it, and it keeps its mesh until that collapses.
+    pub automatic: bool,
 }

@@ -86,6 +86,8 @@ pub struct Model {
     pub erosions: Vec<ErosionCriteria>,
     /// Bodies that are remeshed (`*REMESH`).
     pub remeshings: Vec<Remeshing>,
+    /// Elements, in ascending order, whose bodies keep their mesh even if it collapses (`*REMESH, AUTOMATIC=NO`).
+    pub kept_meshes: Vec<usize>,
     /// Amplitudes in deck order.
     pub amplitudes: Vec<Amplitude>,
     /// Rigid bodies in deck order.

@@ -559,7 +559,7 @@ fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
     let smooths = scene.model.steps.iter().any(|step| !step.adaptive.is_empty());
     let eulerian = |step: &Step| step.adaptive_regions.iter().any(|region| region.kind == RegionType::Eulerian);
     let flows = smooths && scene.model.steps.iter().any(eulerian);
-    let adapts = smooths || !scene.model.remeshings.is_empty();
+    let adapts = smooths || scene.model.remeshings.iter().any(|card| !card.automatic);
     let added = scales.then_some(Variable::AddedMass);
     let springs = pairs.by_step.iter().flat_map(|pairs| pairs.iter()).any(|pair| pair.penalty.is_some());
     let walls =
