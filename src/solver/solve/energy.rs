@@ -149,8 +149,8 @@ pub struct EnergyBalance {
     tied: f64,
     /// Largest energy so far.
     largest: f64,
-    /// Energy put in.
-    supply: EnergySupply,
+    /// Energies that the model can release, and the energy put in.
+    pub(super) supply: EnergySupply,
     /// Largest drift of the total energy.
     departure: f64,
     /// Drift of the total energy at the last instant, as a positive energy.
@@ -223,11 +223,6 @@ impl EnergyBalance {
     /// Returns whether the sums are finite numbers.
     pub fn is_finite(&self) -> bool {
         self.departure.is_finite()
-    }
-
-    /// Returns the energies that the model can release, and the energy put in.
-    pub fn supply(&mut self) -> &mut EnergySupply {
-        &mut self.supply
     }
 
     /// Returns the energy put in, with which all others are compared. It is the largest energy so far if none was put in.
@@ -481,7 +476,7 @@ mod tests {
     fn terms(energies: EnergyTotals, available: f64) -> EnergyTerms {
         let mut dofs = Dofs::default();
         let mut balance = EnergyBalance::start(&dofs);
-        balance.supply().begin([(AvailableEnergy::initial(available), 1.0)], 0.0, false);
+        balance.supply.begin([(AvailableEnergy::initial(available), 1.0)], 0.0, false);
         dofs.energies.kinetic = 100.0;
         balance.add_increment(&dofs, &[], false, Some(0.0));
         dofs.energies = energies;

@@ -10,6 +10,7 @@ use super::energy::Energy;
 use super::frames::{RowSources, frame};
 use super::reaction_means::ReactionMeans;
 use super::run::SolverRun;
+use super::run_state::RunState;
 use crate::output::OutputFrame;
 use crate::plan::{ColumnSource, Plan, WriteSchedule};
 use crate::state::Instant;
@@ -218,7 +219,7 @@ impl RunOutput {
     }
 
     /// Begins a step; its constraints are in force.
-    pub(super) fn begin(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn begin(&mut self, run: &RunState<'_>) {
         let (outputs, increment) = (&run.step.outputs, run.now.increment);
         self.field.begin(&outputs.field, increment);
         self.history.begin(&outputs.history, increment);
@@ -238,14 +239,14 @@ impl RunOutput {
     }
 
     /// Adds the impulses with which constraints complete the velocities before a new mesh.
-    pub(super) fn add_completion(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn add_completion(&mut self, run: &RunState<'_>) {
         self.contact.add_completion(run);
         self.reactions.add_completion(run);
     }
 
     /// Adds the impulses of the motion that has led to a new instant, before that instant is evaluated.
     #[inline(always)]
-    pub(super) fn add_motion(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn add_motion(&mut self, run: &RunState<'_>) {
         self.reactions.add_motion(run);
     }
 
@@ -253,10 +254,11 @@ impl RunOutput {
     /// each step.
     #[inline(always)]
     pub(super) fn show(&mut self, run: &mut SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
-        self.contact.add(run);
-        self.reactions.add_instant(run);
-        if run.now.step_time < self.next_time
-            && run.now.increment < self.next_increment
+        let current = &run.current;
+        self.contact.add(current);
+        self.reactions.add_instant(current);
+        if current.now.step_time < self.next_time
+            && current.now.increment < self.next_increment
             && run.user.requested_action == RunAction::Continue
         {
             return Ok(());
@@ -267,17 +269,18 @@ impl RunOutput {
     #[inline(never)]
     fn show_timed(&mut self, run: &mut SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let began = Stopwatch::now();
-        let shown = self.show_due(run, sink);
+        let is_over = run.is_over();
+        let shown = self.show_due(&run.current, is_over, sink);
         run.timing.add_output(began.elapsed().as_secs_f64());
         shown
     }
 
-    fn show_due(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
+    fn show_due(&mut self, run: &RunState<'_>, is_over: bool, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let (step, time, increment) = (run.step, run.now.step_time, run.now.increment);
-        let edge = std::mem::take(&mut self.first) || run.is_over();
+        let edge = std::mem::take(&mut self.first) || is_over;
         let frame = self.field.due(time, increment) || edge && !step.outputs.field.is_empty();
         if self.pace.due(increment) || frame || edge {
-            report_progress(run, frame, sink);
+            report_progress(run, frame, is_over, sink);
         }
         if self.history.due(time, increment) || edge && !step.outputs.history.is_empty() {
             self.history.advance(time, increment);
@@ -294,7 +297,7 @@ impl RunOutput {
 
     /// Writes the last complete instant before a halt, unless it has been written. With deformable bodies an incomplete
     /// instant is not written.
-    pub(super) fn last(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
+    pub(super) fn last(&mut self, run: &RunState<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         if !run.state.elements.is_empty() && !run.complete {
             return Ok(());
         }
@@ -308,7 +311,7 @@ impl RunOutput {
         Ok(())
     }
 
-    fn show_frame(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
+    fn show_frame(&mut self, run: &RunState<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         if !sink.wants_frames() {
             return Ok(());
         }
@@ -316,7 +319,7 @@ impl RunOutput {
         sink.frame(&frame(run)).map_err(output_failure)
     }
 
-    fn show_row(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
+    fn show_row(&mut self, run: &RunState<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let energy = run.energy();
         self.contact.begin_row(run);
         self.reactions.begin_row(run.now.total_time);
@@ -333,7 +336,7 @@ impl RunOutput {
 }
 
 /// Passes step, time, energies and the limiting element to the sink.
-fn report_progress(run: &SolverRun<'_>, frame: bool, sink: &mut dyn Sink) {
+fn report_progress(run: &RunState<'_>, frame: bool, is_over: bool, sink: &mut dyn Sink) {
     let total: f64 = run.plan.steps.iter().map(|s| s.duration).sum();
     let limiting = if run.state.elements.is_empty() { (0, 0) } else { run.limits() };
     sink.progress(&Progress {
@@ -344,7 +347,7 @@ fn report_progress(run: &SolverRun<'_>, frame: bool, sink: &mut dyn Sink) {
         limiting: run.plan.element_name(limiting.0, limiting.1),
         energy: &run.energy(),
         frame,
-        ends: run.is_over(),
+        ends: is_over,
     });
 }
 

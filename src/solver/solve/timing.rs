@@ -8,6 +8,7 @@ use std::time::Instant as Stopwatch;
 use super::position::RunPosition;
 use crate::element::elements::GroupTiming;
 use crate::plan::Plan;
+use crate::plan::ledger::{Ledger, LedgerRow};
 use crate::state::EffectId;
 
 /// Increments per timed increment.
@@ -36,25 +37,51 @@ pub(super) struct EffectTiming<'a> {
     pub position: Option<&'a RunPosition>,
 }
 
-/// Measured times of a run, s: of each row and of all timed increments, and of output.
-#[derive(Clone, Debug, Default)]
+/// Measured times of a run, s: of each effect and of all timed increments, and of output.
+#[derive(Debug)]
 pub(super) struct TimeSums {
-    rows: Vec<f64>,
+    effects: Vec<EffectSeconds>,
     sampled: f64,
     output: f64,
 }
 
+/// Time of an effect. Another mesh may have other rows in its ledger, so the effect is known by its name and cards.
+#[derive(Debug)]
+struct EffectSeconds {
+    effect: String,
+    asked_by: Vec<String>,
+    seconds: f64,
+}
+
 impl<'a> EffectTiming<'a> {
-    /// Returns the times so far.
-    pub fn sums(&self) -> TimeSums {
-        TimeSums { rows: self.rows.clone(), sampled: self.sampled, output: self.output }
+    /// Takes the times so far.
+    pub fn take_sums(&mut self, ledger: &Ledger) -> TimeSums {
+        let rows = ledger.effects.iter().zip(&mut self.rows);
+        let effects = rows.map(|(LedgerRow { effect, asked_by, .. }, seconds)| EffectSeconds {
+            effect: effect.clone(),
+            asked_by: asked_by.clone(),
+            seconds: std::mem::take(seconds),
+        });
+        TimeSums {
+            effects: effects.collect(),
+            sampled: std::mem::take(&mut self.sampled),
+            output: std::mem::take(&mut self.output),
+        }
     }
 
-    /// Adds the times of the same run with another mesh.
-    pub fn add(&mut self, before: &TimeSums) {
-        self.rows.iter_mut().zip(&before.rows).for_each(|(row, seconds)| *row += seconds);
-        self.sampled += before.sampled;
-        self.output += before.output;
+    /// Adds the times of the same run with another mesh. The integration gets the times of effects that have ended.
+    pub fn add(&mut self, previous: &TimeSums, ledger: &Ledger) {
+        let mut is_taken = vec![false; self.rows.len()];
+        for EffectSeconds { effect, asked_by, seconds } in &previous.effects {
+            let mut rows = ledger.effects.iter().zip(&is_taken);
+            let same = rows.position(|(row, taken)| !taken && row.effect == *effect && row.asked_by == *asked_by);
+            if let Some(row) = same {
+                is_taken[row] = true;
+                self.rows[row] += seconds;
+            }
+        }
+        self.sampled += previous.sampled;
+        self.output += previous.output;
     }
 
     /// Timers for this number of rows.
