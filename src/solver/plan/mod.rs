@@ -24,7 +24,7 @@ mod steps;
 
 use crate::deck::Diagnostics;
 use crate::kernel::amplitude::SampledAmplitude;
-use crate::model::{EosKind, MaterialDefinition, Model};
+use crate::model::{MaterialDefinition, Model, Step};
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
 pub(crate) use bodies::rigid_body::Bodies;
@@ -108,8 +108,6 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     }
     let movable = state.elements.groups.iter_mut().map(|group| group.extensions().transfer().is_some());
     let movable_groups = movable.collect();
-    let mut general_contacts = model.steps.iter().filter_map(|s| s.general_contact.as_ref());
-    let is_gas = |eos: &EosKind| matches!(eos, EosKind::IdealGas(_) | EosKind::Jwl(_));
     let mut plan = Plan {
         ledger,
         mesh: model.mesh.clone(),
@@ -127,10 +125,10 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
         remesh,
         mesh_cards: MeshCards::of(model),
         movable_groups,
-        excludes_detached_nodes: general_contacts.any(|g| g.excludes_detached_nodes),
+        excludes_detached_nodes: model.steps.iter().any(Step::excludes_detached_nodes),
         stiffening: stiffening(model),
-        returns_heat: model.materials.iter().any(|m| m.eos.as_ref().is_some_and(|eos| is_gas(&eos.kind))),
-        has_equation_of_state: model.materials.iter().any(|m| m.eos.is_some()),
+        returns_heat: model.materials.iter().any(|m| m.is_ideal_gas() || m.is_explosive()),
+        has_equation_of_state: model.has_equation_of_state(),
         has_user_stress: model.materials.iter().any(|m| m.user.material.is_some()),
         expects_dissipation: expects_dissipation(model),
     };
@@ -154,6 +152,6 @@ fn stiffening(model: &Model) -> f64 {
 
 /// Returns whether viscous dissipation is part of the model: shocks in materials with an equation of state, or damping.
 fn expects_dissipation(model: &Model) -> bool {
-    let of_material = |m: &MaterialDefinition| m.eos.is_some() || m.damping.is_some();
-    model.materials.iter().any(of_material) || !model.discrete.connectors.is_empty()
+    let is_damped = |m: &MaterialDefinition| m.damping.is_some();
+    model.has_equation_of_state() || model.materials.iter().any(is_damped) || !model.discrete.connectors.is_empty()
 }

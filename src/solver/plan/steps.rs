@@ -293,7 +293,7 @@ fn constraint_changes<'a>(
         list.add(origin, equations);
     }
     // Ties are added after contact, because tied nodes follow the motion of a rigid body after contact.
-    let drops_points = step.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes);
+    let drops_points = step.excludes_detached_nodes();
     if let Err(origin) =
         list.keep(ConstraintOrigin::Contact(pairs.by_step[index].clone(), given.all.clone(), drops_points))
         && let Some(contact) = contact_constraint(input, &given.all, report)
@@ -331,11 +331,10 @@ fn keeps_constraints(input: StepInput) -> bool {
     let StepInput { scene, pairs, index, .. } = input;
     let (step, Some(previous)) = (&scene.model.steps[index], step_before(scene.model, index)) else { return false };
     let (own, others) = (&step.boundaries, &previous.boundaries);
-    let drops = |step: &Step| step.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes);
     own.len() == others.len()
         && own.iter().zip(others).all(|(a, b)| is_same_boundary(a, b))
         && Rc::ptr_eq(&pairs.by_step[index], &pairs.by_step[index - 1])
-        && drops(step) == drops(previous)
+        && step.excludes_detached_nodes() == previous.excludes_detached_nodes()
 }
 
 /// Returns the mass scaling of a step; `None` if the one of the previous step continues.

@@ -67,23 +67,23 @@ pub(super) fn point_value(run: &RunState<'_>, point: &SpatialPoint, part: Variab
 
 /// Returns the surfaces of all bodies with six degrees of freedom.
 pub(super) fn surfaces(run: &RunState<'_>) -> SpatialSurfaces {
-    let mut all = SpatialSurfaces::default();
-    (0..run.state.dofs.bodies.len()).for_each(|body| add_surface(run, body, &mut all));
-    all
+    let mut surfaces = SpatialSurfaces::default();
+    (0..run.state.dofs.bodies.len()).for_each(|body| add_surface(run, body, &mut surfaces));
+    surfaces
 }
 
 fn add_surface(run: &RunState<'_>, index: usize, all: &mut SpatialSurfaces) {
-    let of = &run.state.dofs.bodies[index];
+    let motion_of_body = &run.state.dofs.bodies[index];
     let (body, mesh) = (&run.plan.bodies[index], &run.plan.mesh);
-    let Some(stations) = of.stations() else { return };
+    let Some(stations) = motion_of_body.stations() else { return };
     let mut rings: HashMap<usize, (usize, usize)> = HashMap::new();
     let mut ring = |node: usize, count: usize, points: &mut Vec<(SpatialPoint, SpatialVector, SpatialVector)>| {
         *rings.entry(node).or_insert_with(|| {
-            let (first, place) = (points.len(), mesh.points[node]);
-            let count = if place[0] == 0.0 { 1 } else { count };
+            let (first, meridian_point) = (points.len(), mesh.points[node]);
+            let count = if meridian_point[0] == 0.0 { 1 } else { count };
             for k in 0..count {
                 let around = 2.0 * std::f64::consts::PI * k as f64 / stations as f64;
-                let Some(motion) = of.point_motion(place, around) else { continue };
+                let Some(motion) = motion_of_body.point_motion(meridian_point, around) else { continue };
                 let start = inline_from_fn(|i| motion.place[i] - motion.displacement[i]);
                 points.push((SpatialPoint { body: index, node, around }, motion.place, start));
             }
@@ -93,8 +93,13 @@ fn add_surface(run: &RunState<'_>, index: usize, all: &mut SpatialSurfaces) {
     for (element, ends) in faces(run.plan, index) {
         let [(a, many), (b, more)] = ends.inline_map(|n| ring(n, stations, &mut all.points));
         for k in 0..stations {
-            let at = |first: usize, count: usize, k: usize| first + k % count;
-            let mut cell = vec![at(a, many, k), at(b, more, k), at(b, more, k + 1), at(a, many, k + 1)];
+            let point_of_ring = |first: usize, count: usize, k: usize| first + k % count;
+            let mut cell = vec![
+                point_of_ring(a, many, k),
+                point_of_ring(b, more, k),
+                point_of_ring(b, more, k + 1),
+                point_of_ring(a, many, k + 1),
+            ];
             cell.dedup();
             if cell.first() == cell.last() {
                 cell.pop();
@@ -121,8 +126,8 @@ fn faces(plan: &Plan, body: usize) -> Vec<(usize, [usize; 2])> {
         }
     }
     if solid {
-        let own = mesh.exterior_faces().into_iter().filter(|(e, _)| body.elements.contains(e));
-        let ends = own.filter_map(|(e, side)| Some((e, mesh.side_nodes(e, side)?)));
+        let exposed_sides = mesh.exterior_faces().into_iter().filter(|(e, _)| body.elements.contains(e));
+        let ends = exposed_sides.filter_map(|(e, side)| Some((e, mesh.side_nodes(e, side)?)));
         faces.extend(ends.filter(|(_, ends)| ends.iter().any(|&n| mesh.points[n][0] != 0.0)));
     }
     faces

@@ -154,6 +154,6 @@ pub(super) fn name_folding_remedy(run: &RunState<'_>, group: usize) -> String {
 
 fn name_element(plan: &Plan, (group, element): (usize, usize)) -> String {
     let material = plan.material_name(group, element);
-    let of = if material.is_empty() { String::new() } else { format!(" (material {material})") };
-    format!("{}{of}", plan.element_name(group, element))
+    let material_text = if material.is_empty() { String::new() } else { format!(" (material {material})") };
+    format!("{}{material_text}", plan.element_name(group, element))
 }

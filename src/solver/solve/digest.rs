@@ -48,7 +48,7 @@ pub(super) fn digest(run: &RunState<'_>) -> String {
     for group in &run.state.elements.groups {
         (0..group.len()).for_each(|e| bits.element(&**group, e));
     }
-    if let Some(heat) = run.heat() {
+    if let Some(heat) = run.state.heat() {
         bits.add(heat.temperatures());
         let energies = heat.energies();
         bits.add(&[energies.external, energies.internal, energies.inelastic]);

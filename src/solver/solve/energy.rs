@@ -328,8 +328,8 @@ impl EnergyBalance {
     /// Begins a step with these forces and prescribed motions of bodies; sums continue if they are the same as before.
     pub fn begin(&mut self, forces: &[GeneralizedForce], bodies: &[BodyState]) {
         let prescribed = || (0..bodies.len()).filter(|&b| bodies[b].prescribed);
-        let own = self.entries.iter().map(|e| (e.body, e.coordinate, e.account));
-        let same = own.eq(forces.iter().map(|f| (f.body, f.coordinate, f.account)));
+        let known_forces = self.entries.iter().map(|e| (e.body, e.coordinate, e.account));
+        let same = known_forces.eq(forces.iter().map(|f| (f.body, f.coordinate, f.account)));
         if same && self.prescribed.iter().map(|p| p.body).eq(prescribed()) {
             return;
         }
@@ -363,14 +363,14 @@ impl EnergyBalance {
     #[inline]
     pub fn add_increment(&mut self, dofs: &Dofs, forces: &[f64], after_jump: bool, solid_at: Option<f64>) {
         let bodies = &dofs.bodies;
-        let (mut done, mut external, mut tied) = (self.done, self.external, self.tied);
+        let (mut work_of_forces, mut external, mut tied) = (self.done, self.external, self.tied);
         for (entry, &force) in self.entries.iter_mut().zip(forces) {
             let body = &bodies[entry.body];
             let work = body.work(entry.coordinate, [entry.force, force], after_jump);
             entry.force = force;
             entry.last = work;
             entry.work += work;
-            done += work;
+            work_of_forces += work;
             external += entry.external * work;
             tied += entry.tied * work;
         }
@@ -381,7 +381,7 @@ impl EnergyBalance {
             let reaction = gained - on_body.map(|e| e.last).sum::<f64>();
             prescribed.kinetic = now;
             self.previous_steps.work += reaction;
-            done += reaction;
+            work_of_forces += reaction;
             external += reaction;
         }
         let kinetic = kinetic(dofs);
@@ -390,8 +390,8 @@ impl EnergyBalance {
                 self.largest = energy;
             }
         }
-        (self.kinetic, self.done, self.external, self.tied) = (kinetic, done, external, tied);
-        let mut departure = kinetic - self.previous_steps.initial - done;
+        (self.kinetic, self.done, self.external, self.tied) = (kinetic, work_of_forces, external, tied);
+        let mut departure = kinetic - self.previous_steps.initial - work_of_forces;
         // Without deformable bodies, contact still dissipates energy of rigid bodies.
         if solid_at.is_some() || dofs.energies.contact != 0.0 || dofs.energies.friction != 0.0 {
             departure += self.add_nodes(&dofs.energies, solid_at);
@@ -411,8 +411,9 @@ impl EnergyBalance {
         let initial = *self.solid_initial.get_or_insert(if solid_at.is_some() { sum } else { 0.0 });
         let stored = energies.internal.max(energies.initial_overlap);
         self.largest = self.largest.max(energies.kinetic).max(stored).max(energies.external.abs());
-        let given = self.previous_steps.initial + initial + self.external + energies.external + energies.flow.kinetic;
-        self.supply.take_with_elements(given, energies, solid_at.unwrap_or(f64::NEG_INFINITY));
+        let external_energy =
+            self.previous_steps.initial + initial + self.external + energies.external + energies.flow.kinetic;
+        self.supply.take_with_elements(external_energy, energies, solid_at.unwrap_or(f64::NEG_INFINITY));
         sum - initial
     }
 
@@ -488,9 +489,12 @@ mod tests {
     #[test]
     fn energy_from_nothing_exceeds_what_was_put_in_although_the_sum_is_constant() {
         let energies = EnergyTotals { kinetic: 50.0, internal: -451.0, viscous: 501.0, ..EnergyTotals::default() };
-        let found = terms(energies, 0.0);
-        assert_eq!([found.put_in, found.excess(INTERNAL)[0], found.excess(5)[1]], [100.0, 451.0, 401.0]);
-        assert_eq!((TERMS[5], found.largest_excess()), ("ALLVD", 451.0));
+        let terms_of_metal = terms(energies, 0.0);
+        assert_eq!(
+            [terms_of_metal.put_in, terms_of_metal.excess(INTERNAL)[0], terms_of_metal.excess(5)[1]],
+            [100.0, 451.0, 401.0]
+        );
+        assert_eq!((TERMS[5], terms_of_metal.largest_excess()), ("ALLVD", 451.0));
     }
 
     /// A gas or an explosive of 400 J drives a body: its internal energy is negative, the kinetic energy above that at
@@ -508,8 +512,11 @@ mod tests {
     #[test]
     fn work_counts_and_transport_does_not() {
         let energies = EnergyTotals { kinetic: 140.0, external: 50.0, advection: 10.0, ..EnergyTotals::default() };
-        let found = terms(energies, 0.0);
-        assert_eq!([found.put_in, found.excess(KINETIC)[1], found.excess(ADVECTION)[1]], [150.0, -10.0, 10.0]);
+        let terms_of_work = terms(energies, 0.0);
+        assert_eq!(
+            [terms_of_work.put_in, terms_of_work.excess(KINETIC)[1], terms_of_work.excess(ADVECTION)[1]],
+            [150.0, -10.0, 10.0]
+        );
         let lost = EnergyTotals { kinetic: 100.0, advection: -12.0, ..EnergyTotals::default() };
         assert_eq!(terms(lost, 0.0).largest_excess(), 12.0);
     }

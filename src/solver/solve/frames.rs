@@ -185,7 +185,7 @@ impl RunState<'_> {
     }
 
     fn node_value(&self, node: usize, part: VariableComponent) -> f64 {
-        match (part.variable, self.heat()) {
+        match (part.variable, self.state.heat()) {
             (Variable::NodalTemperature, Some(heat)) => heat.temperature(node),
             (Variable::ReactionFlux, Some(heat)) => heat.reaction(node),
             (v, _) if v.is_of_contact_nodes() => self.contact_value(PointCarrier::Node(node), part),
@@ -203,7 +203,7 @@ impl RunState<'_> {
     /// Returns a value of an element; NaN if its group does not have the variable. The temperature of an element with
     /// heat conduction is that of its nodes.
     fn element_value(&self, (group, e): (usize, usize), part: VariableComponent) -> f64 {
-        let thermal = self.heat().and_then(|heat| match part.variable {
+        let thermal = self.state.heat().and_then(|heat| match part.variable {
             Variable::Temperature => heat.element_temperature(group, e),
             Variable::HeatFlux => Some(heat.flux(group, e, &self.state.dofs)?[part.component]),
             _ => None,
@@ -263,8 +263,8 @@ pub(super) fn frame(run: &RunState<'_>) -> OutputFrame {
             frame.points.push([r, z + run.state.dofs.bodies[b].displacement]);
             of_point.push(node, Some(b));
         }
-        let shown = body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete());
-        elements.extend(shown.map(|e| *e as u32));
+        let surface_elements = body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete());
+        elements.extend(surface_elements.map(|e| *e as u32));
     }
     frame.cells = CellList::with_capacity(elements.len());
     for &e in &elements {
@@ -451,8 +451,8 @@ fn averaged_at_nodes(run: &RunState<'_>, field: &FrameField, frame: &OutputFrame
 /// Returns the output of loads on facets. Values of several loads on a facet are combined as the variable requires; for
 /// the faces of one deformable element the mean is used.
 fn facet_fields(run: &RunState<'_>, elements: &[u32]) -> Vec<FieldArray> {
-    let shown: Vec<_> = run.state.loads.iter().filter_map(|load| load.fields(&run.state.dofs)).collect();
-    if shown.is_empty() {
+    let load_fields: Vec<_> = run.state.loads.iter().filter_map(|load| load.fields(&run.state.dofs)).collect();
+    if load_fields.is_empty() {
         return Vec::new();
     }
     // First cell of each element, and its number of cells: a body with six degrees of freedom has one for each station.
@@ -464,7 +464,7 @@ fn facet_fields(run: &RunState<'_>, elements: &[u32]) -> Vec<FieldArray> {
     let facet_variables = Variable::ALL.iter().filter(|v| v.place() == VariablePlace::Facet);
     let field = |&variable: &Variable| {
         let mut values = vec![0.0; elements.len()];
-        for fields in &shown {
+        for fields in &load_fields {
             let mut element_values: IndexMap<usize, Vec<[f64; 2]>> = IndexMap::new();
             for (facet, element) in fields.elements.iter().enumerate() {
                 let value = fields.value(facet, variable).unwrap_or_default();

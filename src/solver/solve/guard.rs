@@ -55,13 +55,13 @@ impl RunReport {
         let fixed = run.step.is_fixed();
         for load in loads {
             let Some(LoadStiffness { squared, rate, point, place: [r, z], time }) = load.stiffness() else { continue };
-            let by = shortened(*squared, alone);
+            let ratio = shortened(*squared, alone);
             let consequence = if fixed {
                 format!(
-                    "a stable increment is {by:.1} times smaller than that of the elements, and the increments of the deck are fixed"
+                    "a stable increment is {ratio:.1} times smaller than that of the elements, and the increments of the deck are fixed"
                 )
             } else {
-                format!("since then increments are {by:.1} times smaller than those of the elements")
+                format!("since then increments are {ratio:.1} times smaller than those of the elements")
             };
             let row = &run.plan.ledger.effects[load.effect()];
             self.outcome.warn("R312", format!(
@@ -71,7 +71,7 @@ impl RunReport {
                 row.effect,
                 row.asked_by.join(", "),
                 point + 1,
-                (1.0 / by).min(1.0)
+                (1.0 / ratio).min(1.0)
             ));
         }
     }

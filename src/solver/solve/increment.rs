@@ -178,7 +178,7 @@ pub struct IncrementController {
 impl IncrementController {
     /// Creates the controller at the start of a step.
     pub fn new(step: &StepPlan, bodies: &[BodyState]) -> Self {
-        let (fixed, accuracy, most) = match step.control {
+        let (fixed, accuracy, longest) = match step.control {
             IncrementControl::Fixed(length) => (Some(length), 1.0, f64::INFINITY),
             IncrementControl::Automatic { accuracy, largest, .. } => (None, accuracy, largest),
         };
@@ -186,7 +186,7 @@ impl IncrementController {
         IncrementController {
             fixed,
             factor: step.scale_factor,
-            most,
+            most: longest,
             resolution: RESOLUTION * accuracy.sqrt(),
             largest,
             free: FIRST * largest / GROWTH,
@@ -242,7 +242,7 @@ impl IncrementController {
     #[inline(never)]
     fn bound_by_elements(&self, mut next: Increment, run: &RunState<'_>) -> Increment {
         next.bound(run.stable_increment() * self.factor, run.stability_limiter());
-        if let Some(heat) = run.heat() {
+        if let Some(heat) = run.state.heat() {
             next.bound(heat.stable_increment() * self.factor, IncrementLimiter::Conduction);
             next.shorten(heat.limit(&run.clock()), || IncrementLimiter::Heat);
         }

@@ -52,8 +52,8 @@ impl IncrementLimiter {
 
     fn of_code([kind, id]: [usize; 2]) -> IncrementLimiter {
         use IncrementLimiter::{Accuracy, Conduction, Effect, Elements, Given, Heat, Longest, Rest, Step};
-        let all = [Given, Accuracy, Elements, Conduction, Heat, Longest, Effect(id), Step, Rest];
-        all.get(kind).copied().unwrap_or_default()
+        let limiters = [Given, Accuracy, Elements, Conduction, Heat, Longest, Effect(id), Step, Rest];
+        limiters.get(kind).copied().unwrap_or_default()
     }
 }
 
@@ -106,9 +106,8 @@ impl IncrementLimits {
     /// Adds an increment that starts at the total time `time`.
     #[inline]
     pub fn take(&mut self, time: f64, length: f64, by: IncrementLimiter, place: (usize, usize)) {
-        let place =
-            if matches!(by, IncrementLimiter::Elements | IncrementLimiter::Conduction) { place } else { (0, 0) };
-        let span = IncrementSpan { time, shortest: length, by, place };
+        let is_of_element = matches!(by, IncrementLimiter::Elements | IncrementLimiter::Conduction);
+        let span = IncrementSpan { time, shortest: length, by, place: if is_of_element { place } else { (0, 0) } };
         match self.spans.last_mut() {
             Some(last) if self.in_last < self.stride => last.take(&span),
             _ => self.open(span),
@@ -136,12 +135,12 @@ impl IncrementLimits {
         let mut known: Vec<(IncrementLimiter, (usize, usize))> = Vec::new();
         for span in &self.spans {
             let limit = (span.by, span.place);
-            let by = known.iter().position(|k| *k == limit).unwrap_or_else(|| {
+            let index = known.iter().position(|k| *k == limit).unwrap_or_else(|| {
                 known.push(limit);
                 record.names.push(name(span, plan));
                 known.len() - 1
             });
-            record.by.push(by);
+            record.by.push(index);
             record.time.push(span.time);
             record.increment.push(span.shortest);
         }
@@ -194,9 +193,9 @@ mod tests {
         let mut limits = IncrementLimits::begin();
         let capacity = limits.spans.capacity();
         for i in 0..10_000_u32 {
-            let (length, by) =
+            let (length, limiter) =
                 if i == 7777 { (0.5, IncrementLimiter::Rest) } else { (1.0, IncrementLimiter::Elements) };
-            limits.take(f64::from(i), length, by, (0, 0));
+            limits.take(f64::from(i), length, limiter, (0, 0));
         }
         limits.take(10_000.0, 1e-9, IncrementLimiter::Step, (0, 0));
         assert_eq!(limits.spans.capacity(), capacity, "no memory was allocated");
@@ -209,7 +208,7 @@ mod tests {
 
     #[test]
     fn codes_convert_back_to_limiters() {
-        let all = [
+        let limiters = [
             IncrementLimiter::Given,
             IncrementLimiter::Accuracy,
             IncrementLimiter::Elements,
@@ -218,6 +217,6 @@ mod tests {
         ];
         let more =
             [IncrementLimiter::Longest, IncrementLimiter::Effect(7), IncrementLimiter::Step, IncrementLimiter::Rest];
-        all.into_iter().chain(more).for_each(|l| assert_eq!(IncrementLimiter::of_code(l.code()), l));
+        limiters.into_iter().chain(more).for_each(|l| assert_eq!(IncrementLimiter::of_code(l.code()), l));
     }
 }

@@ -270,9 +270,9 @@ impl RunOutput {
     fn show_timed(&mut self, run: &mut SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let began = Stopwatch::now();
         let is_over = run.is_over();
-        let shown = self.show_due(&run.current, is_over, sink);
+        let result = self.show_due(&run.current, is_over, sink);
         run.timing.add_output(began.elapsed().as_secs_f64());
-        shown
+        result
     }
 
     fn show_due(&mut self, run: &RunState<'_>, is_over: bool, sink: &mut dyn Sink) -> Result<(), HaltReason> {

@@ -124,16 +124,18 @@ impl ReactionMeans {
         self.added = previous.added;
         for reaction in &mut self.reactions {
             let same = |known: &&ReactionMean| known.dof == reaction.dof && matches!(known.dof, Dof::Body(_));
-            let before = previous.reactions.iter().find(same).map(|known| (known.impulse, known.mean, known.since));
-            (reaction.impulse, reaction.mean, reaction.since) = before.unwrap_or((0.0, 0.0, total_time));
+            (reaction.impulse, reaction.mean, reaction.since) = match previous.reactions.iter().find(same) {
+                Some(previous) => (previous.impulse, previous.mean, previous.since),
+                None => (0.0, 0.0, total_time),
+            };
         }
     }
 
     /// Returns the mean reaction of a column; `None` for another variable.
     pub(super) fn value(&self, source: ColumnSource, part: VariableComponent) -> Option<f64> {
         let dof = reaction_dof(source, part)?;
-        let at = self.reactions.binary_search_by_key(&dof, |reaction| reaction.dof).ok()?;
-        Some(self.reactions[at].mean)
+        let index = self.reactions.binary_search_by_key(&dof, |reaction| reaction.dof).ok()?;
+        Some(self.reactions[index].mean)
     }
 }
 
@@ -167,27 +169,27 @@ impl ReactionMean {
     }
 
     fn of_constraints(&self, run: &RunState<'_>, half: f64) -> f64 {
-        let of = |&(i, index): &(usize, usize)| {
+        let impulse = |&(i, index): &(usize, usize)| {
             run.state.constraints[i].view().forces.map_or(0.0, |c| c.impulse(self.dof, index, half))
         };
-        self.constraints.iter().map(of).sum()
+        self.constraints.iter().map(impulse).sum()
     }
 
     /// Returns the impulse from the middle of the last increment to the current instant.
     fn closing_impulse(&self, run: &RunState<'_>) -> f64 {
-        let (dofs, rest) = (&run.state.dofs, 0.5 * run.last_increment);
+        let (dofs, half) = (&run.state.dofs, 0.5 * run.last_increment);
         match self.dof {
             _ if !self.prescribed => 0.0,
             Dof::Body(b) => {
                 let body = &dofs.bodies[b];
-                body.mass * (body.velocity - body.velocity_half) - rest * body.force
+                body.mass * (body.velocity - body.velocity_half) - half * body.force
             }
             Dof::Node(node, axis) => {
                 let force = |&(i, index): &(usize, usize)| {
                     run.state.constraints[i].view().forces.map_or(0.0, |c| c.current_force(self.dof, index))
                 };
                 let forces: f64 = self.constraints.iter().map(force).sum();
-                rest * (dofs.nodes.mass[node] * dofs.nodes.acceleration[node][axis] - forces)
+                half * (dofs.nodes.mass[node] * dofs.nodes.acceleration[node][axis] - forces)
             }
         }
     }

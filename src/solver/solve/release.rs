@@ -59,10 +59,10 @@ mod tests {
         let (a, next, dt) = (-3.0, -2.5, 0.2);
         for velocity in [0.0, 1e-9, -1e-9, 0.7, -0.7, 50.0, -50.0] {
             let after = velocity + velocity_change(velocity, a, dt);
-            let before = 0.5 * velocity * velocity;
+            let kinetic_before = 0.5 * velocity * velocity;
             let kinetic = 0.5 * after * (after + dt * next);
             let work = 0.5 * (a + next) * after * dt;
-            assert!((kinetic - before - work).abs() < 1e-12 * (1.0 + before), "{velocity}");
+            assert!((kinetic - kinetic_before - work).abs() < 1e-12 * (1.0 + kinetic_before), "{velocity}");
         }
         assert_eq!(velocity_change(0.0, a, dt), a * dt);
         assert!((velocity_change(-50.0, a, dt) / (0.5 * a * dt) - 1.0).abs() < 0.01);

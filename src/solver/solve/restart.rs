@@ -114,8 +114,8 @@ impl<'a> Checkpointer<'a> {
             Some(CheckpointInterval::Increments(n)) => (now.increment / n + 1) * n,
             Some(CheckpointInterval::Elapsed(_)) => self.next_look,
         };
-        let held = if self.holds { self.next_held } else { u64::MAX };
-        self.next_increment = if self.due_at_start { 0 } else { self.asked.next_increment.min(every).min(held) };
+        let next_stored = if self.holds { self.next_held } else { u64::MAX };
+        self.next_increment = if self.due_at_start { 0 } else { self.asked.next_increment.min(every).min(next_stored) };
     }
 
     /// Writes a checkpoint between two increments if one is due, and ends the run after a signal.
@@ -187,11 +187,11 @@ impl<'a> Checkpointer<'a> {
     }
 
     fn is_due(&mut self, now: &Instant) -> bool {
-        let asked = self.asked.due(now.step_time, now.increment) | std::mem::take(&mut self.due_at_start);
-        if asked {
+        let is_requested = self.asked.due(now.step_time, now.increment) | std::mem::take(&mut self.due_at_start);
+        if is_requested {
             self.asked.advance(now.step_time, now.increment);
         }
-        asked
+        is_requested
             || match self.control.every {
                 None => false,
                 Some(CheckpointInterval::Increments(n)) => now.increment > 0 && now.increment.is_multiple_of(n),

@@ -128,8 +128,7 @@ impl<'a> SolverRun<'a> {
     pub(super) fn begin(&mut self, index: usize) -> bool {
         let run = &mut self.current;
         let (step, previous) = (&run.plan.steps[index], run.step);
-        let heat = run.state.thermal.as_mut().and_then(|t| t.heat.as_mut());
-        let heat_changes = heat.is_some_and(|heat| heat.begin(index));
+        let heat_changes = run.state.heat_mut().is_some_and(|heat| heat.begin(index));
         let changes = index == 0 || heat_changes || !step.changes.is_empty();
         let releases = index > 0 && step.changes.constraints.is_some();
         let prescribed = if releases { run.sorted_prescribed_motions() } else { Vec::new() };
@@ -318,8 +317,8 @@ impl<'a> SolverRun<'a> {
         if let Some(position) = self.timing.position {
             position.begin(&run.now, limiting);
         }
-        if let (IncrementLimiter::Elements, Some(place)) = (by, limiting) {
-            watch.collapse.count(length, run.previous_instant.total_time, place);
+        if let (IncrementLimiter::Elements, Some(element)) = (by, limiting) {
+            watch.collapse.count(length, run.previous_instant.total_time, element);
         }
         if let Some(summary) = outcome.steps.last_mut() {
             summary.increments += 1;

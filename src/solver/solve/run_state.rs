@@ -78,11 +78,6 @@ impl<'a> RunState<'a> {
         self.now.step as usize == self.plan.steps.len()
     }
 
-    /// Returns the nodal temperatures, if they are solved for.
-    pub(super) fn heat(&self) -> Option<&TemperatureField> {
-        self.state.thermal.as_ref()?.heat.as_ref()
-    }
-
     pub(super) fn contacts(&self) -> impl Iterator<Item = &dyn ContactResults> {
         self.state.constraints.iter().filter_map(|c| c.view().contact)
     }
@@ -100,7 +95,7 @@ impl<'a> RunState<'a> {
     }
 
     pub(super) fn energy(&self) -> Energy {
-        let heat = self.heat().map(TemperatureField::energies);
+        let heat = self.state.heat().map(TemperatureField::energies);
         let removed = self.state.elements.removed.as_ref().map(|r| r.totals(&self.state.dofs.nodes));
         let (external, internal) = (heat.map(|h| h.external), heat.map(|h| h.internal));
         let added_mass = self.state.scaling.as_ref().and_then(|_| self.masses.added_percent(&self.state.elements));
@@ -111,7 +106,7 @@ impl<'a> RunState<'a> {
     #[inline(never)]
     pub(super) fn limits(&self) -> (usize, usize) {
         let slower = |h: &&TemperatureField| h.stable_increment() < self.state.elements.stable_increment();
-        self.heat().filter(slower).map_or_else(|| self.state.elements.limiting(), TemperatureField::limiting)
+        self.state.heat().filter(slower).map_or_else(|| self.state.elements.limiting(), TemperatureField::limiting)
     }
 
     /// Returns the length of fixed increments and its ratio to the stable time increment at the previous instant, if they

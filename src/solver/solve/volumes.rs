@@ -31,8 +31,8 @@ pub(super) fn warn_of_volumes(plan: &Plan, state: &mut State, outcome: &mut Outc
             continue;
         }
         let nodes = state.elements.groups[group].nodes(element);
-        let place = |i: usize| state.dofs.nodes[nodes[i] as usize].place();
-        let [r, z] = middle([0, 1, 2, 3].inline_map(place));
+        let corner = |i: usize| state.dofs.nodes[nodes[i] as usize].place();
+        let [r, z] = middle([0, 1, 2, 3].inline_map(corner));
         let warning = format!(
             "changes of the mesh have changed the outline of the body of material {}: elements have {:.1} % more or less mass \
              than fills their volumes at the density of the material, most in element {} near (r = {r:.4e}, z = {z:.4e}), \

@@ -237,8 +237,8 @@ impl RunReport {
         let (put_in, released) = (run.balance.put_in(), run.balance.terms().released);
         for (term, name) in TERMS.into_iter().enumerate() {
             for (which, bound) in bounds(run.plan, term).into_iter().enumerate() {
-                let found = self.watch.excess[term][which];
-                if found.count < SEEN || found.largest <= bound * put_in {
+                let record = self.watch.excess[term][which];
+                if record.count < SEEN || record.largest <= bound * put_in {
                     continue;
                 }
                 let below = which == 0;
@@ -257,10 +257,10 @@ impl RunReport {
                     "R303",
                     format!(
                         "{name} is {:.3e}, {:.1} % of the energy put in ({put_in:.3e}){bounded}, at increment {}, time {:e}: {why}{}",
-                        found.value,
-                        100.0 * found.largest / put_in,
-                        found.increment,
-                        found.total_time,
+                        record.value,
+                        100.0 * record.largest / put_in,
+                        record.increment,
+                        record.total_time,
                         name_folded(run)
                     ),
                 );
@@ -349,9 +349,9 @@ impl RunReport {
             return;
         }
         let now = run.state.elements.hourglass_motion(&run.state.dofs.nodes);
-        let before = std::mem::replace(&mut self.watch.pattern, now.kinetic);
+        let previous_kinetic = std::mem::replace(&mut self.watch.pattern, now.kinetic);
         let counts = now.kinetic > WORTH * run.balance.put_in() && !run.is_noise();
-        let grows = before > 0.0 && now.kinetic >= GROWTH * before;
+        let grows = previous_kinetic > 0.0 && now.kinetic >= GROWTH * previous_kinetic;
         if !counts || !grows || now.kinetic < PATTERN * now.relative {
             return;
         }
@@ -373,25 +373,25 @@ impl RunReport {
         if run.last_increment <= 0.0 {
             return;
         }
-        let left = remaining / run.last_increment;
+        let increments_left = remaining / run.last_increment;
         if self.watch.expected == 0.0 {
             self.watch.expected = run.step.duration / run.last_increment;
         }
         let expected = self.watch.expected;
-        let slow = left > CRAWL || left > WORTH_A_WARNING && left > SLOWER * expected;
+        let slow = increments_left > CRAWL || increments_left > WORTH_A_WARNING && increments_left > SLOWER * expected;
         let must_warn = std::mem::replace(&mut self.watch.slow, slow) && slow && !self.watch.slow_reported;
         if !must_warn {
             return;
         }
         self.watch.slow_reported = true;
-        let by = match run.step.control {
+        let limiter = match run.step.control {
             IncrementControl::Fixed(_) => "; it is fixed by DIRECT USER CONTROL".into(),
             IncrementControl::Automatic { .. } if run.state.elements.is_empty() => String::new(),
             IncrementControl::Automatic { .. } => name_slowest(run),
         };
         self.outcome.warn("R306", format!(
-            "the run advances slowly: at increment {}, time {:e} the increment is {:.3e}, and {left:.1e} increments remain in the \
-             step; at its start {expected:.1e} were expected{by}",
+            "the run advances slowly: at increment {}, time {:e} the increment is {:.3e}, and {increments_left:.1e} increments remain in the \
+             step; at its start {expected:.1e} were expected{limiter}",
             run.now.increment,
             run.now.total_time,
             run.last_increment
@@ -502,12 +502,12 @@ pub(super) fn name_created_energy(run: &RunState<'_>) -> String {
     let energy = run.balance.absorbed_by_contact();
     let contacts = run.state.constraints.iter().filter_map(|c| c.view().contact);
     let lowest = contacts.filter_map(ContactResults::lowest_energy).min_by(|a, b| a.1.total_cmp(&b.1));
-    let place = lowest.map_or_else(String::new, |(pair, _, [r, z])| {
+    let position = lowest.map_or_else(String::new, |(pair, _, [r, z])| {
         format!(", most in pair {pair}, with the largest release near (r = {r:.4e}, z = {z:.4e})")
     });
     format!(
         "contact has created energy: ALLCW + ALLPW is {energy:.3e}, {:.1} % of the energy put in below zero, at increment {}, \
-         time {:e}{place}. Use smaller facets there, SCALE FACTOR=0.5 on *DYNAMIC, or hard contact instead of a \
+         time {:e}{position}. Use smaller facets there, SCALE FACTOR=0.5 on *DYNAMIC, or hard contact instead of a \
          pressure-overclosure relationship",
         -100.0 * energy / run.balance.put_in(),
         run.now.increment,

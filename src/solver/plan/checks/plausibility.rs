@@ -165,7 +165,7 @@ fn check_free_motion(scene: Scene, report: &mut Report) {
     let free = model.rigid_bodies.is_empty()
         && model.targets.is_empty()
         && model.constraints.equations.is_empty()
-        && model.materials.iter().all(|m| m.eos.is_none())
+        && !model.has_equation_of_state()
         && model.mesh.elements.iter().all(|e| e.kind.is_solid() && !e.kind.is_thermal())
         && model.steps.iter().all(|s| s.boundaries.is_empty() && s.loads.is_empty() && !s.has_contact());
     let plain = |c: &InitialCondition| matches!(c.kind, InitialKind::Velocity(..) | InitialKind::Temperature(_));

@@ -8,7 +8,6 @@ use crate::model::{
 };
 use crate::plan::Report;
 use crate::plan::checks::plausibility::side_lengths;
-use crate::plan::queries::adiabatic;
 
 /// Largest usual hardening exponent of the Johnson-Cook law; published fits of metals are between 0.05 and 1.
 const LARGEST_EXPONENT: f64 = 1.0;
@@ -79,13 +78,8 @@ fn warn_about(code: &'static str, message: String, (span, label): (Span, &str), 
 /// Checks initial temperatures against the temperature dependence, and heating by plastic work.
 fn check_temperatures(model: &Model, material: &MaterialDefinition, findings: &mut Vec<Finding>) {
     let name = &material.name;
-    let initial = || {
-        model.initial_conditions.iter().filter_map(|c| match c.kind {
-            InitialKind::Temperature(value) => Some(value),
-            _ => None,
-        })
-    };
-    let heated = adiabatic(model) || model.steps.first().is_some_and(|s| s.coupled);
+    let initial = || model.initial_conditions.iter().filter_map(|condition| condition.kind.temperature());
+    let heated = model.is_adiabatic() || model.solves_for_temperatures();
     if let Some(PlasticityModel::JohnsonCook([.., melting, transition])) = material.plastic
         && melting > transition
     {
@@ -104,7 +98,7 @@ fn check_temperatures(model: &Model, material: &MaterialDefinition, findings: &m
             findings.push(("P141", message, "add *INITIAL CONDITIONS, TYPE=TEMPERATURE"));
         }
     }
-    if adiabatic(model) && material.plastic.is_some() && material.user.material.is_none() {
+    if model.is_adiabatic() && material.plastic.is_some() && material.user.material.is_none() {
         let thermal = &material.thermal;
         let missing = [
             ("*SPECIFIC HEAT", thermal.specific_heat.is_none()),

@@ -21,7 +21,7 @@ use crate::model::{
 use crate::plan::heat::ties::tie_temperatures;
 use crate::plan::loads::{amplitude_name, has_effect, kind_name, magnitude};
 use crate::plan::meshes::surfaces::load_surface;
-use crate::plan::queries::{adiabatic, conducts, heated_references};
+use crate::plan::queries::heated_references;
 use crate::plan::solids::solid_material::heating;
 use crate::plan::state::SolidState;
 use crate::plan::{Links, Report, Scene, Shared};
@@ -50,7 +50,7 @@ pub fn plan(
     report: &mut Report,
 ) -> Option<Box<ThermalState>> {
     let model = scene.model;
-    let coupled = model.steps.first().is_some_and(|s| s.coupled);
+    let coupled = model.solves_for_temperatures();
     if !coupled {
         note_unused_thermal_input(scene.model, report);
     }
@@ -108,7 +108,7 @@ fn note_unused_thermal_input(model: &Model, report: &mut Report) {
             report.add_unused_card(*span, "*CONDUCTIVITY", why);
         }
         let heats = material.thermal.inelastic_heat_fraction.is_some() && material.user.material.is_none();
-        if heats && !adiabatic(model) && material.eos.is_none() {
+        if heats && !model.is_adiabatic() && material.eos.is_none() {
             let why = "no step is ADIABATIC or solves for temperatures";
             report.add_unused_card(material.span, format!("*INELASTIC HEAT FRACTION of {}", material.name), why);
         }
@@ -142,7 +142,7 @@ fn temperature_field(
     let step = model.steps.first()?;
     let (mut parts, mut list, mut id) = (Vec::new(), Vec::new(), None);
     for &(section, group) in sections {
-        if !conducts(scene.model, section) {
+        if !model.conducts_heat(section) {
             continue;
         }
         let material = &model.materials[section.material];
@@ -174,7 +174,7 @@ fn temperature_field(
     }
     let Some(id) = id else {
         // A section that could not be planned has been reported.
-        if report.diagnostics.has_errors() && model.sections.iter().any(|section| conducts(scene.model, section)) {
+        if report.diagnostics.has_errors() && model.sections.iter().any(|section| model.conducts_heat(section)) {
             return None;
         }
         let message = "the step solves for temperatures, but no element has temperatures";
@@ -223,9 +223,7 @@ fn conduction_properties(
     let mixed = section.elements.iter().find(|e| !model.mesh.elements[**e].kind.is_thermal());
     let missing = match (&material.thermal.conductivity, &material.thermal.specific_heat) {
         _ if mixed.is_some() => "has elements with and without nodal temperatures",
-        _ if matches!(&material.eos, Some(eos) if matches!(eos.kind, crate::model::EosKind::IdealGas(_))) => {
-            "has an ideal gas, for which heat conduction is unsupported"
-        }
+        _ if material.is_ideal_gas() => "has an ideal gas, for which heat conduction is unsupported",
         (None, _) => "solves for temperatures, but its material has no *CONDUCTIVITY",
         (_, None) => "solves for temperatures, but its material has no *SPECIFIC HEAT",
         (Some((conductivity, _)), Some(capacity)) => {
@@ -348,8 +346,8 @@ fn group_expansion(
     report: &mut Report,
 ) -> Option<GroupExpansion> {
     let expansion = material.thermal.expansion.as_ref()?;
-    let (conducts, elements) = (conducts(model, section), &state.elements.groups[group]);
-    let warms = adiabatic(model) && !heating(material, 1.0).is_none() && material.plastic.is_some();
+    let (conducts, elements) = (model.conducts_heat(section), &state.elements.groups[group]);
+    let warms = model.is_adiabatic() && !heating(material, 1.0).is_none() && material.plastic.is_some();
     let idle = |coefficient: f64| coefficient == 0.0;
     let why = if elements.is_empty() || expansion.rows.iter().all(|r| idle(r[0])) {
         Some("its coefficient is zero")

@@ -137,7 +137,7 @@ fn adaptive_domain(
         refuse_domain(mesh.span, message.into(), help, report);
     }
     let domain = domain.map(|domain| if scales_masses(scene) { domain.with_mass_scaling() } else { domain });
-    domain.map(|domain| if conducts(group, state) { domain.with_temperatures() } else { domain })
+    domain.map(|domain| if state.conducts_heat(group) { domain.with_temperatures() } else { domain })
 }
 
 /// Returns why a domain is not supported, and what would be.
@@ -162,7 +162,7 @@ fn unsupported_domain(
         let message = format!("elements of `{}` belong to two adaptive meshes", mesh.set);
         return Some((message, "give each element to one domain"));
     }
-    if scales_masses(scene) && conducts(group, state) {
+    if scales_masses(scene) && state.conducts_heat(group) {
         let message = "adaptive meshes with heat conduction cannot be combined with mass scaling".into();
         return Some((message, "remove the mass scaling, or use ADIABATIC on *DYNAMIC, EXPLICIT"));
     }
@@ -389,10 +389,4 @@ fn settings(mesh: &AdaptiveMesh, [is_eulerian, is_held]: [bool; 2]) -> AdaptiveS
         order: if mesh.controls.second_order { TransportOrder::Second } else { TransportOrder::First },
         returns: mesh.controls.previous.unwrap_or(is_eulerian),
     }
-}
-
-/// Returns whether the elements of a group conduct heat.
-fn conducts(group: usize, state: &State) -> bool {
-    let heat = state.thermal.as_ref().and_then(|thermal| thermal.heat.as_ref());
-    heat.is_some_and(|heat| heat.conducts(group))
 }

@@ -430,7 +430,7 @@ fn pair_columns(input: OutputInput, selection: VariableRequest, which: &ContactP
 fn nodes_have(input: OutputInput, variable: Variable) -> bool {
     let OutputInput { scene, pairs, .. } = input;
     match variable.row().preselected {
-        PreselectRule::HeatConduction => solves_for_temperatures(scene.model),
+        PreselectRule::HeatConduction => scene.model.solves_for_temperatures(),
         PreselectRule::SurfaceContact => !pairs.names.is_empty(),
         PreselectRule::CohesiveContact => has_cohesive_variable(scene.model, pairs, variable),
         PreselectRule::SixDofBody => scene.bodies.list.iter().any(|b| b.spatial),
@@ -540,10 +540,6 @@ fn frame_fields(
     report.ledger_row(request.span, "field output", request.variables.len(), "variables", detail);
 }
 
-fn solves_for_temperatures(model: &Model) -> bool {
-    model.steps.first().is_some_and(|s| s.coupled)
-}
-
 pub fn scales_masses(scene: Scene) -> bool {
     !scene.places.elements.is_empty() && scene.model.steps.iter().any(|step| !step.mass_scalings.is_empty())
 }
@@ -551,7 +547,7 @@ pub fn scales_masses(scene: Scene) -> bool {
 /// Returns the variables that this model has as a whole: energies, the time increment and the added mass.
 fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
     let deforms = !scene.places.elements.is_empty();
-    let (conducts, deletes) = (solves_for_temperatures(scene.model), deletes(scene));
+    let (conducts, deletes) = (scene.model.solves_for_temperatures(), deletes(scene));
     let damages = materials_present(scene).any(fails)
         || damaged_interfaces(scene.model).next().is_some()
         || cohesive_behaviors(scene.model, pairs).any(|cohesion| cohesion.evolution.is_some());
@@ -641,7 +637,7 @@ fn is_preselected(scene: Scene, field: &FrameField) -> bool {
 /// Returns whether an element has a variable, also if the variable is integrated only on request.
 fn element_has(input: OutputInput, (group, element): (usize, usize), part: VariableComponent) -> bool {
     let OutputInput { state, model_variables, .. } = input;
-    let heat = state.thermal.as_ref().and_then(|t| t.heat.as_ref());
+    let heat = state.heat();
     match part.variable {
         Variable::MassScalingFactor => model_variables.contains(&Variable::AddedMass),
         Variable::Temperature | Variable::HeatFlux

@@ -25,8 +25,8 @@ use crate::kernel::quad;
 use crate::kernel::topology::ElementTopology;
 use crate::mesh::gather::NodalAssembly;
 use crate::model::{
-    EosKind, FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model,
-    RayleighCoefficients, SolidSection, Step,
+    FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, RayleighCoefficients,
+    SolidSection, Step,
 };
 use crate::plan::constraints::links::linked_nodes;
 use crate::plan::constraints::tie_equations::TieEquations;
@@ -320,7 +320,7 @@ fn point_masses(model: &Model, places: &SolidPlaces, mass: &mut [f64]) {
 /// Warns of elements of an ideal gas with an initial energy and an initial temperature.
 fn check_gas_states(model: &Model, report: &mut Report) {
     let conditions = || model.initial_conditions.iter();
-    let is_gas = |section: &SolidSection| matches!(&model.materials[section.material].eos, Some(eos) if matches!(eos.kind, EosKind::IdealGas(_)));
+    let is_gas = |section: &SolidSection| model.materials[section.material].is_ideal_gas();
     let gas: Vec<usize> = model.sections.iter().filter(|s| is_gas(s)).flat_map(|s| s.elements.clone()).collect();
     for energy in conditions().filter(|c| matches!(c.kind, InitialKind::Energy(_)) && !gas.is_empty()) {
         let both = |heat: &&InitialCondition| {

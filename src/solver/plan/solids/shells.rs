@@ -10,7 +10,6 @@ use crate::kernel::lists::sorted_unique;
 use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{ShellFrame, simpson};
 use crate::model::{MaterialDefinition, Model, PlasticityModel, ShellSection, ShellThinning};
-use crate::plan::queries::adiabatic;
 use crate::plan::solids::solid_material::{bulk_viscosity, heating, yield_stress};
 use crate::plan::{Bodies, Report, Scene, SolidPlaces};
 use crate::state::nodes::Node;
@@ -100,7 +99,7 @@ fn shell_properties(
     count: usize,
     report: &mut Report,
 ) -> Option<ShellProperties> {
-    if let Some(message) = refusal(material, adiabatic(model)) {
+    if let Some(message) = refusal(material, model.is_adiabatic()) {
         let message = format!("material `{}`: {message}", material.name);
         let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
         report.push(finding.help("shells support *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
@@ -112,7 +111,7 @@ fn shell_properties(
         None => None,
         Some(plastic) => {
             let law = yield_stress(plastic, material, section.span, report)?;
-            let heats = adiabatic(model);
+            let heats = model.is_adiabatic();
             let heating = if heats { heating(material, density) } else { crate::kernel::heating::PlasticHeating::None };
             let heat = if heating.is_none() { "" } else { ", heated by plastic work" };
             let kind =

@@ -23,7 +23,6 @@ use crate::model::{
     DamageEvolution, EosKind, FailureCriterion, HourglassMethod, MaterialDefinition, Model, PlasticityModel,
     RateDependence, SectionControls, SolidSection, StrainAtFailure,
 };
-use crate::plan::queries::{adiabatic, conducts};
 use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
 use crate::plan::solids::user_material::{calls_routines_at_points, law_group, require_length_routine, user_group};
 use crate::plan::{Report, SolidPlaces};
@@ -108,7 +107,7 @@ pub fn solid_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) ->
     let bulk_viscosity = bulk_viscosity(model, material.eos.is_some() || by_area);
     let ElasticModuli { bulk, shear } = moduli;
     let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity, by_area };
-    let heats = adiabatic(model) || conducts(model, section);
+    let heats = model.is_adiabatic() || model.conducts_heat(section);
     solid_rows(input, &constants, heats, report);
     let (deletion_margin, keep_elements) = damage_limits(section, material, report);
     let subzonal = subzonal(input, report)?;
@@ -128,8 +127,7 @@ pub fn solid_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) ->
 /// Selects the law of a material.
 fn solid_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
     let material = solid.material;
-    let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
-    if !burns && !material.detonation.is_empty() {
+    if !material.is_explosive() && !material.detonation.is_empty() {
         report.add_unused_card(material.span, "*DETONATION POINT", "it applies only to *EOS, TYPE=JWL");
     }
     let row = MATERIALS.iter().find(|row| (row.applies)(material))?;

@@ -16,7 +16,7 @@ use crate::material::user::description::{
     BuiltInPlasticity, FieldElasticity, MOST_DEPENDENCIES, UserMaterialData, YieldOverFields, YieldSource,
 };
 use crate::model::{MaterialDefinition, PlasticityModel, SolidSection, StateVariables};
-use crate::plan::queries::{adiabatic, conducts, field_variables};
+use crate::plan::queries::field_variables;
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::solid_material::{
     GroupInput, bulk_viscosity, control_rows, elastic_moduli, heating, hourglass_control, rate_factor, yield_stress,
@@ -61,8 +61,11 @@ pub fn user_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> 
     let user_stress = matches!(law, UserLaw::Stress(..));
     let [bulk, shear] = if user_stress { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
     let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity: 0.0, by_area: false };
-    let heating =
-        if adiabatic(model) || conducts(model, section) { heating(material, density) } else { PlasticHeating::None };
+    let heating = if model.is_adiabatic() || model.conducts_heat(section) {
+        heating(material, density)
+    } else {
+        PlasticHeating::None
+    };
     user_rows(input, &law, connectivity.element_type(), &constants, &heating, report);
     let StateVariables { count, delete } = material.user.state;
     let (properties, flow) = match law {
