@@ -38,7 +38,9 @@ pub use meshes::places::{MeshIndexMap, SolidPlaces};
 pub use meshes::remesh::{RemeshPlan, RemeshedBody};
 pub(crate) use output::Columns;
 pub use output::expressions::RowExpression;
-pub use output::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule};
+pub use output::{
+    ColumnSource, ElementCorner, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule,
+};
 pub(crate) use report::{LedgerRows, Report};
 pub(crate) use scene::{Pairs, Scene, Shared, StepInput};
 pub use state::State;
@@ -84,11 +86,10 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let thermal = heat::plan(scene, &links, &solid_state, &mut shared, &mut report);
     solid_state.elements.fields = heat::fields::plan(scene, &solid_state, &mut shared, &mut report);
     let body_states = bodies::rigid_bodies_3d::initial_states(scene, &velocities, &mut report);
-    let mut state = State::new(solid_state, body_states, thermal);
-    solids::erosion::apply_erosion(scene, &mut state, &mut report);
+    let eroding = solids::erosion::plan(scene, State::new(solid_state, body_states, thermal), &mut report);
     let pairs = contact::general::find_pairs(scene);
-    let columns = output::plan(scene, &pairs, &mut state, &mut report);
-    let steps = steps::plan(scene, &links, &pairs, &mut state, &mut shared, &mut report);
+    let (columns, recording) = output::plan(scene, &pairs, eroding, &mut report);
+    let (steps, mut state) = steps::plan(scene, &links, &pairs, recording, &mut shared, &mut report);
     solids::scale_and_estimate(scene, &links, &mut state, &mut report);
     bodies::rigid_bodies_3d::refuse_on_spatial_bodies(scene, &links, &mut report);
     let remesh = meshes::remesh::plan(scene, &pairs, &mut state, &mut report);
@@ -97,8 +98,8 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let has_contact = pairs.by_step.iter().any(|pairs| !pairs.is_empty());
     state.user_amplitudes = vec![SampledAmplitude::default(); shared.amplitude_count];
     state.amplitude_routines = std::mem::take(&mut shared.amplitudes);
-    let read = columns.sections.iter().flat_map(|section| &section.corners);
-    state.elements.tile(read.map(|&(group, element, _)| (group, element)));
+    let corners = columns.sections.iter().flat_map(|section| &section.corners);
+    state.elements.tile(corners.map(|corner| (corner.group, corner.element)));
     let Report { ledger, ledger_rows, diagnostics: found, .. } = report;
     let list = bodies.take_list(&velocities);
     diagnostics.append(found);

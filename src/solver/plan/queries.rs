@@ -36,7 +36,8 @@ pub fn field_variables(model: &Model, material: &MaterialDefinition) -> usize {
 /// Returns the number of field variables on which the tables of a material depend.
 pub fn dependencies(material: &MaterialDefinition) -> usize {
     // The first three columns are two moduli, or yield stress and plastic strain, and the temperature.
-    let of = |rows: &[Vec<f64>]| rows.first().map_or(0, |row| row.len().saturating_sub(3));
-    let plastic = if let Some(PlasticityModel::OverFields(rows)) = &material.plastic { of(rows) } else { 0 };
-    plastic.max(of(&material.elastic_table))
+    let dependencies_of = |rows: &[Vec<f64>]| rows.first().map_or(0, |row| row.len().saturating_sub(3));
+    let plastic =
+        if let Some(PlasticityModel::OverFields(rows)) = &material.plastic { dependencies_of(rows) } else { 0 };
+    plastic.max(dependencies_of(&material.elastic_table))
 }

@@ -97,9 +97,9 @@ impl<'a> Report<'a> {
             let finding = Diagnostic::error(code, format!("{asks}: {}", uncallable.message));
             return self.diagnostics.push(finding.at(span, format!("this {label} calls a user subroutine")));
         }
-        let given =
+        let user_files =
             if self.routines.any() { "the given files do not define it" } else { "no user subroutine was given" };
-        let finding = Diagnostic::error("P004", format!("{asks}, but {given}"));
+        let finding = Diagnostic::error("P004", format!("{asks}, but {user_files}"));
         let finding = finding.at(span, format!("this {label} calls a user subroutine"));
         self.diagnostics.push(finding.help(format!("give a file that defines {name} with --user FILE")));
     }
@@ -107,7 +107,7 @@ impl<'a> Report<'a> {
     /// Notes user subroutines that are never called.
     pub fn note_uncalled_routines(&mut self) {
         let routines = self.routines;
-        let there = [
+        let routines_of_deck = [
             ("vdload", routines.load.is_some(), "there is no load PNU, BRNU or BZNU"),
             ("vuamp", routines.amplitude.is_some(), "no *AMPLITUDE, DEFINITION=USER is used"),
             ("vdisp", routines.motion.is_some(), "there is no *BOUNDARY, USER"),
@@ -116,8 +116,11 @@ impl<'a> Report<'a> {
             ("vusdfld", routines.fields.is_some(), "no element has a *USER DEFINED FIELD"),
             ("vucharlength", routines.lengths.is_some(), "no element uses a length of *CHARACTERISTIC LENGTH"),
         ];
-        let uncalled: Vec<(&str, &str)> =
-            there.into_iter().filter(|r| r.1 && !self.called_routines.contains(&r.0)).map(|r| (r.0, r.2)).collect();
+        let uncalled: Vec<(&str, &str)> = routines_of_deck
+            .into_iter()
+            .filter(|r| r.1 && !self.called_routines.contains(&r.0))
+            .map(|r| (r.0, r.2))
+            .collect();
         let unsupported = routines.unsupported.iter().map(|name| (*name, "Revolve does not support it"));
         for (name, why) in uncalled.into_iter().chain(unsupported) {
             self.add_unused_card(Span::default(), format!("routine {name}"), format!("it is never called: {why}"));

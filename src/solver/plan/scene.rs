@@ -18,6 +18,14 @@ pub struct Scene<'a> {
     pub places: &'a SolidPlaces,
 }
 
+impl<'a> Scene<'a> {
+    /// Returns the name of an element of a group; empty if it does not exist.
+    pub fn element_name(self, place: (usize, usize)) -> &'a str {
+        let element = self.places.elements.iter().find(|entry| *entry.1 == place);
+        element.map_or("", |(e, _)| &self.model.mesh.elements[e].name)
+    }
+}
+
 /// A step of the model, and the products on which its constraints depend.
 #[derive(Clone, Copy)]
 pub struct StepInput<'a, 's> {

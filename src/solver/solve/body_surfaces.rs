@@ -45,11 +45,17 @@ fn value(body: &BodyState, place: [f64; 2], around: f64, part: VariableComponent
     })
 }
 
+/// A point with its current and initial coordinates.
+pub(super) struct SurfacePoint {
+    pub(super) point: SpatialPoint,
+    pub(super) place: SpatialVector,
+    pub(super) start: SpatialVector,
+}
+
 /// Points and cells of a frame for bodies with six degrees of freedom.
 #[derive(Default)]
 pub(super) struct SpatialSurfaces {
-    /// Points with their current and initial coordinates.
-    pub(super) points: Vec<(SpatialPoint, SpatialVector, SpatialVector)>,
+    pub(super) points: Vec<SurfacePoint>,
     /// Corners of the cells, as indices of `points`.
     pub(super) cells: Vec<Vec<usize>>,
     /// Element of each cell.
@@ -77,7 +83,7 @@ fn add_surface(run: &RunState<'_>, index: usize, all: &mut SpatialSurfaces) {
     let (body, mesh) = (&run.plan.bodies[index], &run.plan.mesh);
     let Some(stations) = motion_of_body.stations() else { return };
     let mut rings: HashMap<usize, (usize, usize)> = HashMap::new();
-    let mut ring = |node: usize, count: usize, points: &mut Vec<(SpatialPoint, SpatialVector, SpatialVector)>| {
+    let mut ring = |node: usize, count: usize, points: &mut Vec<SurfacePoint>| {
         *rings.entry(node).or_insert_with(|| {
             let (first, meridian_point) = (points.len(), mesh.points[node]);
             let count = if meridian_point[0] == 0.0 { 1 } else { count };
@@ -85,7 +91,8 @@ fn add_surface(run: &RunState<'_>, index: usize, all: &mut SpatialSurfaces) {
                 let around = 2.0 * std::f64::consts::PI * k as f64 / stations as f64;
                 let Some(motion) = motion_of_body.point_motion(meridian_point, around) else { continue };
                 let start = inline_from_fn(|i| motion.place[i] - motion.displacement[i]);
-                points.push((SpatialPoint { body: index, node, around }, motion.place, start));
+                let point = SpatialPoint { body: index, node, around };
+                points.push(SurfacePoint { point, place: motion.place, start });
             }
             (first, count)
         })

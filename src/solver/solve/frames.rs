@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use super::adaptive_meshes::smallest_angle;
-use super::body_surfaces::{SpatialPoint, on_cells, point_value, surfaces, value_in_space};
+use super::body_surfaces::{SpatialPoint, SurfacePoint, on_cells, point_value, surfaces, value_in_space};
 use super::energy::Energy;
 use super::reaction_means::ReactionMeans;
 use super::run_state::RunState;
@@ -13,7 +13,7 @@ use crate::element::parts::PartTotals;
 use crate::element::values;
 use crate::model::OutputPosition;
 use crate::output::{CellList, FieldArray, OutputFrame};
-use crate::plan::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, SolidPlaces};
+use crate::plan::{ColumnSource, ElementCorner, FrameField, HistoryColumn, IntegratedSection, SolidPlaces};
 use crate::state::dofs::{Dof, Dofs};
 use crate::variables::statistic::Statistic;
 use crate::variables::{Variable, VariableComponent, VariablePlace};
@@ -168,8 +168,8 @@ impl RunState<'_> {
         let nodes = &self.state.dofs.nodes;
         match part.variable {
             Variable::SurfaceForce => {
-                let force = |&(group, e, corner): &(usize, usize, usize)| {
-                    self.state.elements.corner_force(group, e, corner)[part.component]
+                let force = |&ElementCorner { group, element, corner }: &ElementCorner| {
+                    self.state.elements.corner_force(group, element, corner)[part.component]
                 };
                 -section.corners.iter().map(force).sum::<f64>()
             }
@@ -350,7 +350,7 @@ fn add_surfaces(run: &RunState<'_>, frame: &mut OutputFrame, elements: &mut Vec<
         return;
     }
     (frame.third, frame.third_at_start) = (vec![0.0; in_plane], vec![0.0; in_plane]);
-    for (point, [x, y, z], start) in surfaces.points {
+    for SurfacePoint { point, place: [x, y, z], start } in surfaces.points {
         frame.points.push([x, y]);
         frame.third.push(z);
         frame.start.push([start[0], start[1]]);

@@ -67,11 +67,13 @@ pub fn plan(
         let material = &model.materials[section.material];
         if let Some(own) = group_expansion(scene.model, section, group, material, state, report) {
             let elements = &state.elements.groups[group];
-            let held = |e: usize| {
-                let own = elements.value(e, Variable::Temperature.into());
-                own.filter(|_| heat.is_none()).unwrap_or_else(|| mean(&**elements, e, &start, &state.dofs.nodes))
+            let strain_temperature = |e: usize| {
+                let element_temperature = elements.value(e, Variable::Temperature.into());
+                element_temperature
+                    .filter(|_| heat.is_none())
+                    .unwrap_or_else(|| mean(&**elements, e, &start, &state.dofs.nodes))
             };
-            expanding.push((own, (0..elements.len()).map(held).collect()));
+            expanding.push((own, (0..elements.len()).map(strain_temperature).collect()));
         }
     }
     let expansion = (!expanding.is_empty()).then(|| ThermalStrains::new(expanding));
@@ -204,8 +206,8 @@ fn temperature_field(
 
 /// Holds the temperatures of rigid bodies that the step does not prescribe: they have no heat capacity.
 fn hold_sinks(step: &Step, sinks: &[usize], start: &[f64], conditions: &mut ThermalConditions, report: &mut Report) {
-    let held: HashSet<usize> = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| n.node).collect();
-    for &node in sinks.iter().filter(|node| !held.contains(node)) {
+    let prescribed: HashSet<usize> = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| n.node).collect();
+    for &node in sinks.iter().filter(|node| !prescribed.contains(node)) {
         let detail = format!("initial temperature {}: rigid bodies have no heat capacity", start[node]);
         let id = report.ledger_row(step.span, "constant temperature", 1, "rigid body", detail);
         let magnitude = Magnitude::constant(start[node]);
@@ -388,9 +390,9 @@ fn mean(group: &dyn ElementGroup, element: usize, nodal: &[f64], nodes: &Nodes) 
 
 /// Returns whether two steps have the same heat loads and prescribed temperatures.
 fn has_same_heat(a: &Step, b: &Step) -> bool {
-    let held = |b: &&BoundaryCondition| b.kind == MotionKind::Temperature;
+    let is_temperature = |b: &&BoundaryCondition| b.kind == MotionKind::Temperature;
     let gives = |l: &&Load| is_heat(&l.kind);
-    a.boundaries.iter().filter(held).eq(b.boundaries.iter().filter(held))
+    a.boundaries.iter().filter(is_temperature).eq(b.boundaries.iter().filter(is_temperature))
         && a.loads.iter().filter(gives).eq(b.loads.iter().filter(gives))
 }
 

@@ -256,8 +256,8 @@ fn masses_of(scene: Scene, elements: &[usize]) -> Vec<(usize, f64)> {
     let mut masses: IndexMap<usize, f64> = IndexMap::new();
     for section in &scene.model.sections {
         let density = scene.model.materials[section.material].density.unwrap_or(0.0);
-        let own: HashSet<usize> = section.elements.iter().copied().collect();
-        for &e in elements.iter().filter(|e| own.contains(*e) && scene.places.elements.contains_key(e)) {
+        let section_elements: HashSet<usize> = section.elements.iter().copied().collect();
+        for &e in elements.iter().filter(|e| section_elements.contains(*e) && scene.places.elements.contains_key(e)) {
             for cell in mesh.cells(e) {
                 for (n, mass) in cell.iter().zip(corner_masses(cell.map(|n| mesh.points[n]), density)) {
                     *masses.entry(scene.places.nodes[n]).or_default() += mass;
@@ -361,12 +361,12 @@ fn reference_motion(input: &LoadInput, node: Option<usize>, report: &mut Report)
     if let Some(&body) = scene.bodies.of_node.get(&node) {
         return Some(ReferenceMotion::Body(body));
     }
-    let place = scene.places.free_node(node).map(ReferenceMotion::Node);
-    if place.is_none() {
+    let motion = scene.places.free_node(node).map(ReferenceMotion::Node);
+    if motion.is_none() {
         let message = format!("REF NODE {} belongs to no body", scene.model.mesh.node_names[node]);
         report.push(Diagnostic::error("P003", message).at(load.span, "this load"));
     }
-    place
+    motion
 }
 
 /// Creates `BR`, `BZ` and `CENTRIF` loads.

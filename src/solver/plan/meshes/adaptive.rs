@@ -34,24 +34,26 @@ pub fn adaptive_change<'a>(
     report: &mut Report,
 ) -> Option<Vec<AdaptiveDomain>> {
     let step = &scene.model.steps[index];
-    let before = index.checked_sub(1).map(|i| &scene.model.steps[i]);
+    let previous_step = index.checked_sub(1).map(|i| &scene.model.steps[i]);
     // Loaded and bonded nodes follow the material.
     let causes = |step: &'a Step| {
         let regions = (&step.adaptive_regions, &step.mesh_motions);
         (&step.adaptive, &step.adaptive_fixed, regions, &step.loads, heated_nodes(step).collect::<Vec<usize>>())
     };
     report_unused_regions(scene.model, step, report);
-    let is_absent = step.adaptive.is_empty() && before.is_none_or(|before| before.adaptive.is_empty());
-    let is_unchanged = |before: &'a Step| {
-        causes(before) == causes(step)
+    let is_absent =
+        step.adaptive.is_empty() && previous_step.is_none_or(|previous_step| previous_step.adaptive.is_empty());
+    let is_unchanged = |previous_step: &'a Step| {
+        causes(previous_step) == causes(step)
             && cohesive_nodes(scene.model, pairs, index - 1).eq(cohesive_nodes(scene.model, pairs, index))
     };
-    if is_absent || before.is_some_and(is_unchanged) {
+    if is_absent || previous_step.is_some_and(is_unchanged) {
         return None;
     }
     // A domain of the same set continues that of the previous step.
     for mesh in &step.adaptive {
-        let continued = before.and_then(|before| before.adaptive.iter().find(|domain| domain.set == mesh.set));
+        let continued =
+            previous_step.and_then(|previous_step| previous_step.adaptive.iter().find(|domain| domain.set == mesh.set));
         if let Some(domain) = continued {
             report.share_ledger_rows(domain.span, mesh.span);
         }
@@ -122,9 +124,9 @@ fn adaptive_domain(
         fixed[*place] |= !sliding[*place];
     }
     nodes_with_material(scene, step, &mut fixed);
-    let held: BTreeSet<usize> = motions.iter().flat_map(|motion| &motion.dofs).map(|dof| dof.0).collect();
-    let settings = settings(mesh, [!open.is_empty(), !held.is_empty()]);
-    let detail = adaptive_detail(mesh, &settings, [open.len(), held.len()]);
+    let prescribed: BTreeSet<usize> = motions.iter().flat_map(|motion| &motion.dofs).map(|dof| dof.0).collect();
+    let settings = settings(mesh, [!open.is_empty(), !prescribed.is_empty()]);
+    let detail = adaptive_detail(mesh, &settings, [open.len(), prescribed.len()]);
     let id = report.ledger_row(mesh.span, "adaptive mesh", elements.len(), "elements", detail);
     let of_group = &mut *state.elements.groups[group];
     let is_open = |ends| open.contains(&sorted_pair(ends));
@@ -185,10 +187,10 @@ fn refuse_domain(span: Span, message: String, help: &str, report: &mut Report) {
 /// not change.
 fn nodes_of_others(linked: &[bool], group: usize, elements: &[u32], state: &State) -> Vec<bool> {
     let mut fixed = vec![false; state.dofs.nodes.len()];
-    let own: HashSet<u32> = elements.iter().copied().collect();
+    let domain_elements: HashSet<u32> = elements.iter().copied().collect();
     let groups = &state.elements.groups;
     for (g, other) in groups.iter().enumerate() {
-        for e in (0..other.len()).filter(|e| g != group || !own.contains(&(*e as u32))) {
+        for e in (0..other.len()).filter(|e| g != group || !domain_elements.contains(&(*e as u32))) {
             other.nodes(e).into_iter().for_each(|n| fixed[n as usize] = true);
         }
     }
@@ -243,8 +245,8 @@ fn sliding_nodes(scene: Scene, step: &Step, motions: &[MeshMotion], count: usize
     let mut sliding = vec![false; count];
     let regions = step.adaptive_regions.iter().filter(|region| region.kind != RegionType::Lagrangian);
     let nodes = regions.flat_map(|region| nodes_of_region(scene.model, region));
-    let held = motions.iter().flat_map(|motion| &motion.dofs).map(|dof| dof.0);
-    nodes.filter_map(|node| scene.places.nodes.get(&node).copied()).chain(held).for_each(|n| sliding[n] = true);
+    let prescribed = motions.iter().flat_map(|motion| &motion.dofs).map(|dof| dof.0);
+    nodes.filter_map(|node| scene.places.nodes.get(&node).copied()).chain(prescribed).for_each(|n| sliding[n] = true);
     sliding
 }
 
@@ -255,7 +257,7 @@ fn nodes_of_region<'r>(model: &'r Model, region: &'r AdaptiveRegion) -> impl Ite
 
 /// Returns the pairs of nodes of a domain between which material flows through its boundary; pairs inside have no effect.
 fn eulerian_edges(scene: Scene, step: &Step, nodes: &BTreeSet<u32>) -> HashSet<[u32; 2]> {
-    let place = |node: &usize| scene.places.nodes.get(node).map(|n| *n as u32).filter(|n| nodes.contains(n));
+    let domain_node = |node: &usize| scene.places.nodes.get(node).map(|n| *n as u32).filter(|n| nodes.contains(n));
     let mut edges = HashSet::new();
     for region in step.adaptive_regions.iter().filter(|region| region.kind == RegionType::Eulerian) {
         let of_nodes: HashSet<&usize> = region.nodes.iter().collect();
@@ -264,7 +266,7 @@ fn eulerian_edges(scene: Scene, step: &Step, nodes: &BTreeSet<u32>) -> HashSet<[
         let between = between.filter(|ends| ends.iter().all(|node| of_nodes.contains(node)));
         let of_faces = region.faces.iter().filter_map(|(e, side)| scene.model.mesh.side_nodes(*e, *side));
         for [a, b] in of_faces.chain(between) {
-            if let (Some(a), Some(b)) = (place(&a), place(&b)) {
+            if let (Some(a), Some(b)) = (domain_node(&a), domain_node(&b)) {
                 edges.insert(sorted_pair([a, b]));
             }
         }
@@ -301,8 +303,8 @@ fn unsupported_boundary(
     (motions, open): (&[MeshMotion], &HashSet<[u32; 2]>),
 ) -> Option<(String, &'static str)> {
     let name = |n: usize| {
-        let found = scene.places.nodes.iter().find(|(_, place)| **place == n).map(|(node, _)| node);
-        found.map_or_else(String::new, |node| scene.model.mesh.node_names[node].to_string())
+        let mesh_node = scene.places.nodes.iter().find(|(_, place)| **place == n).map(|(node, _)| node);
+        mesh_node.map_or_else(String::new, |node| scene.model.mesh.node_names[node].to_string())
     };
     if let Some(n) = motions.iter().flat_map(|m| &m.dofs).map(|dof| dof.0).filter(|n| others[*n]).min() {
         let message =
@@ -315,11 +317,12 @@ fn unsupported_boundary(
         let message = format!("node {} of an Eulerian boundary must move with the material", name(n));
         return Some((message, "an Eulerian boundary has no nodes of other elements, links or rigid bodies"));
     }
-    let place = |node: usize| scene.places.nodes.get(&node).map_or(u32::MAX, |n| *n as u32);
+    let solver_node = |node: usize| scene.places.nodes.get(&node).map_or(u32::MAX, |n| *n as u32);
     let moved = |b: &&BoundaryCondition| b.user || b.kind == MotionKind::Displacement && b.amplitude.is_some();
-    let held: HashSet<(u32, usize)> =
+    let held_dofs: HashSet<(u32, usize)> =
         motions.iter().flat_map(|m| &m.dofs).map(|(node, axis)| (*node as u32, axis + 1)).collect();
-    let is_held = |b: &&BoundaryCondition| b.nodes.iter().any(|n| held.contains(&(place(*n), usize::from(b.dof))));
+    let is_held =
+        |b: &&BoundaryCondition| b.nodes.iter().any(|n| held_dofs.contains(&(solver_node(*n), usize::from(b.dof))));
     if let Some(boundary) = step.boundaries.iter().filter(moved).find(is_held) {
         let message = format!(
             "a displacement of `{}` is prescribed along the same axis as the place of the mesh: the displacement of a \
@@ -330,7 +333,7 @@ fn unsupported_boundary(
     }
     let is_open = |(e, side): &(usize, ElementSide)| {
         let ends = scene.model.mesh.side_nodes(*e, *side);
-        ends.is_some_and(|ends| open.contains(&sorted_pair(ends.map(place))))
+        ends.is_some_and(|ends| open.contains(&sorted_pair(ends.map(solver_node))))
     };
     let contact = step.surface_contacts.iter().find(|c| c.sides.iter().any(|sides| sides.faces.iter().any(is_open)));
     if contact.is_some() {
@@ -367,12 +370,12 @@ fn adaptive_detail(mesh: &AdaptiveMesh, settings: &AdaptiveSettings, [open, held
 
 /// Iterates over the nodes with prescribed temperatures and nodal heat sources.
 fn heated_nodes(step: &Step) -> impl Iterator<Item = usize> {
-    let held = step.boundaries.iter().filter(|boundary| boundary.kind == MotionKind::Temperature);
+    let boundaries = step.boundaries.iter().filter(|boundary| boundary.kind == MotionKind::Temperature);
     let sources = step.loads.iter().filter_map(|load| match &load.kind {
         LoadKind::NodalHeat { nodes, .. } => Some(nodes),
         _ => None,
     });
-    held.flat_map(|boundary| &boundary.nodes).chain(sources.flatten()).copied()
+    boundaries.flat_map(|boundary| &boundary.nodes).chain(sources.flatten()).copied()
 }
 
 /// Returns the settings of a domain, which may have Eulerian boundaries and nodes whose places are prescribed.

@@ -90,8 +90,8 @@ pub fn cohesive_group(
     laws.iter().try_for_each(|law| check_energies(origin, law, what, report))?;
     cohesive_row(section, material, &thicknesses, list.len(), report);
     let deletes = material.interface.evolution.is_some() && section.controls.keep_failed_elements.is_none();
-    let shown = (deletes, material.interface.initiation.as_ref().map(variable));
-    let group = CohesiveGroup::new(laws, list, material.density.unwrap_or(0.0), shown, nodes);
+    let variables = (deletes, material.interface.initiation.as_ref().map(variable));
+    let group = CohesiveGroup::new(laws, list, material.density.unwrap_or(0.0), variables, nodes);
     for element in 0..group.len() {
         for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
             mass[n as usize] += m;
@@ -127,13 +127,13 @@ fn check_section(section: &CohesiveSection, material: &MaterialDefinition, repor
         let message = "WEIGHTING=AREA together with cohesive elements is not supported";
         return report.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
     }
-    let (interface, most) = (&material.interface, section.controls.max_degradation);
+    let (interface, max_degradation) = (&material.interface, section.controls.max_degradation);
     if let (Some(initiation), None) = (interface.initiation, &interface.evolution) {
         let message = format!("cohesive elements of material `{}` are never damaged", material.name);
         let finding = Diagnostic::warning("P147", message).at(initiation.span, "no *DAMAGE EVOLUTION after it");
         report.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
     }
-    let unused = [("MAX DEGRADATION", most < 1.0), ("VISCOSITY", section.controls.viscosity != 0.0)];
+    let unused = [("MAX DEGRADATION", max_degradation < 1.0), ("VISCOSITY", section.controls.viscosity != 0.0)];
     for (name, _) in unused.into_iter().filter(|entry| entry.1 && interface.evolution.is_none()) {
         report.add_unused_card(section.span, name, format!("material {} has no damage evolution", material.name));
     }
@@ -185,9 +185,9 @@ fn cohesive_row(
     parts.extend(interface.initiation.as_ref().map(|i| format!("damage by {}", criterion(i))));
     parts.extend(interface.evolution.as_ref().map(|e| softening(&e.softening)));
     if interface.evolution.is_some() {
-        let most = section.controls.max_degradation;
-        let kept = section.controls.keep_failed_elements.is_some();
-        parts.push(format!("{} at damage {most}", if kept { "kept" } else { "deleted" }));
+        let max_degradation = section.controls.max_degradation;
+        let keeps_elements = section.controls.keep_failed_elements.is_some();
+        parts.push(format!("{} at damage {max_degradation}", if keeps_elements { "kept" } else { "deleted" }));
         let viscosity = damage_viscosity(section, material);
         parts.extend((viscosity > 0.0).then(|| format!("viscosity {viscosity:e}")));
     }
@@ -208,11 +208,11 @@ pub fn bound_cohesive_elements(scene: Scene, links: &Links, state: &mut SolidSta
             let ends = pair.map(|i| mesh.elements[e].nodes[i]);
             for axis in 0..2 {
                 let moving = || ends.iter().filter(|n| !search.is_held(**n, axis, mesh));
-                let place = |n: &usize| scene.places.nodes[n];
+                let solver_node = |n: &usize| scene.places.nodes[n];
                 let shares = moving()
-                    .flat_map(|n| inertia_of_dof(scene.bodies, links, (place(n), axis), (&search, mass), DEPTH))
+                    .flat_map(|n| inertia_of_dof(scene.bodies, links, (solver_node(n), axis), (&search, mass), DEPTH))
                     .collect();
-                bare.extend(ends.iter().filter(|n| mass[place(n)] == 0.0 && !scene.places.tied.contains_key(n)));
+                bare.extend(ends.iter().filter(|n| mass[solver_node(n)] == 0.0 && !scene.places.tied.contains_key(n)));
                 springs.push(InterfaceSpring { element: (group, element), axis, stiffness, shares });
             }
         }
@@ -231,8 +231,8 @@ pub fn add_masses_of_cohesive_elements(scene: Scene, elements: &[usize], masses:
     let mesh = &scene.model.mesh;
     for section in &scene.model.cohesive_sections {
         let density = scene.model.materials[section.material].density.unwrap_or(0.0);
-        let own: HashSet<usize> = section.elements.iter().copied().collect();
-        for &e in elements.iter().filter(|e| own.contains(*e) && scene.places.elements.contains_key(e)) {
+        let section_elements: HashSet<usize> = section.elements.iter().copied().collect();
+        for &e in elements.iter().filter(|e| section_elements.contains(*e) && scene.places.elements.contains_key(e)) {
             let nodes = [0, 1, 2, 3].map(|i| mesh.elements[e].nodes[i]);
             let corners = nodes.map(|n| mesh.points[n]);
             let thickness = section.thickness.unwrap_or_else(|| geometric_thickness(corners));
@@ -292,8 +292,9 @@ fn inertia_of_dof(
 fn refuse_bare_node(model: &Model, node: usize, report: &mut Report) {
     let mesh = &model.mesh;
     let message = format!("node {} of a cohesive element has no mass", mesh.node_names[node]);
-    let at = mesh.elements.iter().find(|e| e.kind == ElementKind::Cohax4 && e.nodes.contains(&node));
-    let finding = Diagnostic::error("P026", message).at(at.map(|e| e.span).unwrap_or_default(), "this element");
+    let cohesive_element = mesh.elements.iter().find(|e| e.kind == ElementKind::Cohax4 && e.nodes.contains(&node));
+    let finding =
+        Diagnostic::error("P026", message).at(cohesive_element.map(|e| e.span).unwrap_or_default(), "this element");
     let help = "give the material of the cohesive elements a *DENSITY, or share the node with a solid element";
     report.push(finding.help(help));
 }

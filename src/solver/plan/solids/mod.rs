@@ -266,8 +266,8 @@ fn check_steps_alike(model: &Model, report: &mut Report) {
 /// deck.
 fn elements_in_order(model: &Model, bodies: &Bodies, section: &SolidSection) -> Vec<usize> {
     let elements = section.elements.iter().copied().filter(|e| !bodies.of_element.contains_key(e)).collect();
-    let shown = calls_routines_at_points(&model.materials[section.material]);
-    if shown { elements } else { numbering::in_order(elements, &model.mesh) }
+    let keeps_order = calls_routines_at_points(&model.materials[section.material]);
+    if keeps_order { elements } else { numbering::in_order(elements, &model.mesh) }
 }
 
 /// Splits elements into lists of one topology.
@@ -406,8 +406,8 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut SolidState, repo
             InitialKind::State(values) => {
                 for (group, i) in condition.members.iter().filter_map(|e| places.elements.get(e)) {
                     let state = groups[*group].extensions().initial_state();
-                    let mut kept = values.iter().enumerate().map(|(v, x)| state.set_state(*i, v, *x) || *x == 0.0);
-                    if !kept.all(|kept| kept) {
+                    let mut results = values.iter().enumerate().map(|(v, x)| state.set_state(*i, v, *x) || *x == 0.0);
+                    if !results.all(|results| results) {
                         let message = format!(
                             "{} state variables are given, but the material of some elements has fewer \
                              (*DEPVAR)",

@@ -17,8 +17,8 @@ use crate::state::nodes::Node;
 /// Returns the shell sections with their elements that do not belong to a rigid body.
 pub fn free_shells<'a>(model: &'a Model, bodies: &'a Bodies) -> Vec<(&'a ShellSection, Vec<usize>)> {
     let free = |e: &usize| !bodies.of_element.contains_key(e);
-    let of = |s: &ShellSection| s.elements.iter().copied().filter(free).collect();
-    let sections = model.shell_sections.iter().map(|s| (s, of(s)));
+    let free_elements = |s: &ShellSection| s.elements.iter().copied().filter(free).collect();
+    let sections = model.shell_sections.iter().map(|s| (s, free_elements(s)));
     sections.filter(|(_, elements): &(_, Vec<usize>)| !elements.is_empty()).collect()
 }
 
@@ -154,8 +154,8 @@ pub fn add_masses_of_shells(scene: Scene, elements: &[usize], masses: &mut Index
         let material = &scene.model.materials[section.material];
         let (Some([young, ratio]), Some(density)) = (material.elastic, material.density) else { continue };
         let per_area = density * section.thickness + section.per_area;
-        let own = |e: &&usize| section.elements.contains(e) && scene.places.elements.contains_key(e);
-        for &e in elements.iter().filter(own) {
+        let is_deformable = |e: &&usize| section.elements.contains(e) && scene.places.elements.contains_key(e);
+        for &e in elements.iter().filter(is_deformable) {
             let ends = [0, 1].map(|i| mesh.elements[e].nodes[i]);
             let places = ends.map(|n| mesh.points[n]);
             let elastic = PlaneElastic { young, ratio };

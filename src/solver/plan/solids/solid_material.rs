@@ -304,11 +304,11 @@ fn hardening_law(solid: &SolidProperties, report: &mut Report) -> Option<Hardeni
 
 /// Returns 1 - MAX DEGRADATION, and whether elements that reach this damage are kept.
 fn damage_limits(section: &SolidSection, material: &MaterialDefinition, report: &mut Report) -> (f64, bool) {
-    let most = section.controls.max_degradation;
-    let (deletion_margin, keep_elements) = (1.0 - most, section.controls.keep_failed_elements.is_some());
+    let max_degradation = section.controls.max_degradation;
+    let (deletion_margin, keep_elements) = (1.0 - max_degradation, section.controls.keep_failed_elements.is_some());
     let grows = material.failures.iter().any(|f| f.evolution != DamageEvolution::Absent);
     if grows && keep_elements {
-        let detail = format!("MAX DEGRADATION {most}: the remaining stiffness is kept");
+        let detail = format!("MAX DEGRADATION {max_degradation}: the remaining stiffness is kept");
         report.ledger_row(section.span, "failed elements stay", section.elements.len(), "elements", detail);
     }
     if deletion_margin > 0.0 && !keep_elements && !grows {
@@ -400,8 +400,8 @@ fn quad_hourglass(input: &GroupInput, moduli: ElasticModuli, report: &mut Report
 
 /// Returns the bulk viscosity, which all steps share; `whole_rate` if the linear term needs the whole rate.
 pub fn bulk_viscosity(model: &Model, whole_rate: bool) -> BulkViscosity {
-    let given = model.steps.first().map(|s| s.bulk_viscosity).unwrap_or_default();
-    if whole_rate { given.unfiltered() } else { given }
+    let viscosity = model.steps.first().map(|s| s.bulk_viscosity).unwrap_or_default();
+    if whole_rate { viscosity.unfiltered() } else { viscosity }
 }
 
 fn solid_rows(input: &GroupInput, constants: &ElementConstants, heats: bool, report: &mut Report) {

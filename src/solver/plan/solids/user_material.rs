@@ -174,7 +174,7 @@ fn user_moduli(input: &GroupInput, report: &mut Report) -> Option<ElasticModuli>
 fn user_flow<'m>(input: &GroupInput<'m>, report: &mut Report) -> Option<(UserLaw<'m>, ElasticModuli)> {
     let GroupInput { section, material, .. } = *input;
     let moduli = elastic_moduli(material, section.span, report)?;
-    let cause = if material.user.fields.is_some() {
+    let reason = if material.user.fields.is_some() {
         "*USER DEFINED FIELD"
     } else if flows_at_points(material) {
         "*PLASTIC, HARDENING=USER or DEPENDENCIES="
@@ -191,7 +191,8 @@ fn user_flow<'m>(input: &GroupInput<'m>, report: &mut Report) -> Option<(UserLaw
         (material.rate.is_some() && matches!(material.plastic, Some(PlasticityModel::User(_))), "*RATE DEPENDENT"),
     ];
     if let Some((_, other)) = beside.iter().find(|(there, _)| *there) {
-        let message = format!("material `{}` has {cause} together with {other}, which is not supported", material.name);
+        let message =
+            format!("material `{}` has {reason} together with {other}, which is not supported", material.name);
         return report.refuse(Diagnostic::error("P041", message).at(material.span, "this material"));
     }
     let yields = match &material.plastic {
@@ -258,8 +259,8 @@ fn user_rows(
     let name = &material.name;
     let heated = if heating.is_none() { "" } else { ", heated by inelastic work" };
     let variables = material.user.state.count;
-    let by = if matches!(law, UserLaw::Stress(..)) { "user-defined" } else { "elastic" };
-    let detail = format!("material {name}, {by}, Jaumann rate");
+    let elasticity = if matches!(law, UserLaw::Stress(..)) { "user-defined" } else { "elastic" };
+    let detail = format!("material {name}, {elasticity}, Jaumann rate");
     report.ledger_row(section.span, "deformable elements", count, element_type, detail);
     match law {
         UserLaw::Stress(properties, who) => {
@@ -337,11 +338,11 @@ pub fn fails(material: &MaterialDefinition) -> bool {
 /// Returns tables of moduli over temperature and field variables; `None` if the moduli are constant.
 fn elasticity(input: &GroupInput, report: &mut Report) -> Option<Arc<FieldElasticity>> {
     let rows = &input.material.elastic_table;
-    let of = |value: usize| {
+    let table_of = |value: usize| {
         let rows: Vec<Vec<f64>> = rows.iter().map(|r| [&r[value..=value], &r[2..]].concat()).collect();
         NestedTable::new(&rows)
     };
-    let (young, ratio) = (of(0)?, of(1)?);
+    let (young, ratio) = (table_of(0)?, table_of(1)?);
     let fields = rows.first()?.len() - 3;
     let detail = format!("{} rows over temperature and {fields} field variables", rows.len());
     report.ledger_row(input.section.span, "moduli", input.elements.len(), "elements", detail);
