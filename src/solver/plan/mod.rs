@@ -82,27 +82,26 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let scene = Scene { model, bodies: &bodies, places: &places };
     let links = constraints::plan(scene, surface_ties, ties, &mut solid_state, &mut report);
     let velocities = bodies::start(scene, &mut report);
-    let mut shared = Shared::default();
-    let thermal = heat::plan(scene, &links, &solid_state, &mut shared, &mut report);
-    solid_state.elements.fields = heat::fields::plan(scene, &solid_state, &mut shared, &mut report);
+    let thermal = heat::plan(scene, &links, &solid_state, &mut report);
+    solid_state.elements.fields = heat::fields::plan(scene, &solid_state, &mut report);
     let body_states = bodies::rigid_bodies_3d::initial_states(scene, &velocities, &mut report);
     let eroding = solids::erosion::plan(scene, State::new(solid_state, body_states, thermal), &mut report);
     let pairs = contact::general::find_pairs(scene);
     let (columns, recording) = output::plan(scene, &pairs, eroding, &mut report);
-    let (steps, mut state) = steps::plan(scene, &links, &pairs, recording, &mut shared, &mut report);
+    let (steps, mut state) = steps::plan(scene, &links, &pairs, recording, &mut report);
     solids::scale_and_estimate(scene, &links, &mut state, &mut report);
     bodies::rigid_bodies_3d::refuse_on_spatial_bodies(scene, &links, &mut report);
     let remesh = meshes::remesh::plan(scene, &pairs, &mut state, &mut report);
     checks::check_plan(scene, &links, &pairs, &state, &mut report);
     let rows = steps::integration_rows(scene, &state, columns.list.len() + columns.fields.len(), &mut report);
     let has_contact = pairs.by_step.iter().any(|pairs| !pairs.is_empty());
-    state.user_amplitudes = vec![SampledAmplitude::default(); shared.amplitude_count];
-    state.amplitude_routines = std::mem::take(&mut shared.amplitudes);
+    state.user_amplitudes = vec![SampledAmplitude::default(); report.shared.amplitude_count];
+    state.amplitude_routines = std::mem::take(&mut report.shared.amplitudes);
     let corners = columns.sections.iter().flat_map(|section| &section.corners);
     state.elements.tile(corners.map(|corner| (corner.group, corner.element)));
-    let Report { ledger, ledger_rows, diagnostics: found, .. } = report;
+    let Report { ledger, ledger_rows, diagnostics: plan_diagnostics, shared, .. } = report;
     let list = bodies.take_list(&velocities);
-    diagnostics.append(found);
+    diagnostics.append(plan_diagnostics);
     // If there are errors, warnings and notes would only hide them.
     if diagnostics.has_errors() {
         diagnostics.keep_errors();

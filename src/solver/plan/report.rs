@@ -1,9 +1,10 @@
-//! The report of the passes: diagnostics, the ledger, and the user subroutines that are called.
+//! The report of the passes: diagnostics, the ledger, the user subroutines that are called, and what effects share.
 
 use indexmap::IndexMap;
 
 use crate::deck::{Diagnostic, Diagnostics, Sources, Span};
 use crate::model::{AnalyticalFront, Model};
+use crate::plan::Shared;
 use crate::plan::ledger::{Ledger, UnusedCard};
 use crate::state::EffectId;
 use crate::user::Routines;
@@ -11,7 +12,7 @@ use crate::user::Routines;
 /// Ledger row of each card and effect.
 pub type LedgerRows = IndexMap<(Span, &'static str), EffectId>;
 
-/// Diagnostics and ledger of a plan. Every pass adds to it.
+/// Diagnostics, ledger and shared objects of a plan. Every pass adds to it.
 pub struct Report<'a> {
     sources: &'a Sources,
     pub routines: &'a Routines,
@@ -22,6 +23,8 @@ pub struct Report<'a> {
     pub called_routines: Vec<&'static str>,
     /// Fronts of analytical surfaces in contact, which new meshes keep.
     pub fronts: Vec<AnalyticalFront>,
+    /// User amplitudes and surfaces that effects share.
+    pub shared: Shared,
 }
 
 impl<'a> Report<'a> {
@@ -34,6 +37,7 @@ impl<'a> Report<'a> {
             ledger_rows: IndexMap::new(),
             called_routines: Vec::new(),
             fronts: Vec::new(),
+            shared: Shared::default(),
         }
     }
 

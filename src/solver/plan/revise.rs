@@ -68,6 +68,7 @@ impl PlanReviser {
         let mut report = Report::new(model, routines);
         std::mem::swap(&mut report.ledger, &mut plan.ledger);
         std::mem::swap(&mut report.ledger_rows, ledger_rows);
+        std::mem::swap(&mut report.shared, shared);
         bodies.list = std::mem::take(&mut plan.bodies);
         if self.masses {
             bodies::update_masses(model, bodies, &mut report);
@@ -75,14 +76,14 @@ impl PlanReviser {
         let scene = Scene { model, bodies, places: &plan.places };
         let velocities = bodies::initial_velocities(scene, &mut report);
         if self.loads {
-            steps::replan_loads(scene, &mut plan.steps, state, shared, &mut report);
+            steps::replan_loads(scene, &mut plan.steps, state, &mut report);
         }
         let is_valid = !report.diagnostics.has_errors();
         state.dofs.bodies = bodies::rigid_bodies_3d::initial_states(scene, &velocities, &mut report);
         plan.bodies = bodies.take_list(&velocities);
         report.ledger.unused.truncate(self.unused);
         plan.ledger = report.ledger;
-        *ledger_rows = report.ledger_rows;
+        (*ledger_rows, *shared) = (report.ledger_rows, report.shared);
         is_valid
     }
 }

@@ -24,7 +24,7 @@ use crate::plan::meshes::adaptive::adaptive_change;
 use crate::plan::output::{RecordingState, output_schedules};
 use crate::plan::solids::mass_scaling::{check_scalable_step, mass_scaling};
 use crate::plan::{
-    GeneralLedgerRows, Links, Pairs, Report, Scene, Shared, SolidPlaces, State, StepChanges, StepInput, StepPlan,
+    GeneralLedgerRows, Links, Pairs, Report, Scene, SolidPlaces, State, StepChanges, StepInput, StepPlan,
 };
 use crate::state::dofs::Dof;
 
@@ -179,17 +179,16 @@ pub fn plan(
     links: &Links,
     pairs: &Pairs,
     state: RecordingState,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> (Vec<StepPlan>, State) {
     let (mut active, mut state) = (ActiveEffects::default(), state.into_state());
     let mut steps = Vec::with_capacity(scene.model.steps.len());
     for (index, step) in scene.model.steps.iter().enumerate() {
         let input = StepInput { scene, links, pairs, state: &state, index };
-        let loads = load_changes(input, &mut active, shared, report);
-        let (constraints, user_motions) = constraint_changes(input, &mut active, shared, report);
+        let loads = load_changes(input, &mut active, report);
+        let (constraints, user_motions) = constraint_changes(input, &mut active, report);
         let scaling = scaling_change(input, loads.is_some(), report);
-        let adaptive = adaptive_change(scene, links, pairs, index, &mut state, shared, report);
+        let adaptive = adaptive_change(scene, links, pairs, index, &mut state, report);
         let mut changes = StepChanges { loads, constraints, user_motions, scaling, adaptive };
         if index == 0 {
             state.begin_with(std::mem::take(&mut changes));
@@ -210,12 +209,12 @@ pub fn plan(
 }
 
 /// Updates the loads of compiled steps from the current model, which has no links and no contact.
-pub fn replan_loads(scene: Scene, steps: &mut [StepPlan], state: &mut State, shared: &mut Shared, report: &mut Report) {
+pub fn replan_loads(scene: Scene, steps: &mut [StepPlan], state: &mut State, report: &mut Report) {
     let (links, pairs) = (&Links::default(), &Pairs::default());
     let mut active = ActiveEffects::default();
     for (index, plan) in steps.iter_mut().enumerate() {
         let input = StepInput { scene, links, pairs, state, index };
-        let loads = load_changes(input, &mut active, shared, report);
+        let loads = load_changes(input, &mut active, report);
         if index == 0 {
             state.loads = loads.map_or_else(Vec::new, ListChange::into_first);
         } else {
@@ -234,7 +233,6 @@ fn step_before(model: &Model, index: usize) -> Option<&Step> {
 fn load_changes<'a>(
     input: StepInput<'a, '_>,
     active: &mut ActiveEffects<'a>,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> Option<ListChange<dyn Load>> {
     let StepInput { scene, links, state, index, .. } = input;
@@ -256,7 +254,7 @@ fn load_changes<'a>(
                 (previous_loads[place].1, ListEntry::Kept(place))
             }
             None => {
-                let Some(effect) = create_load(&LoadInput { scene, links, load, step, state }, shared, report) else {
+                let Some(effect) = create_load(&LoadInput { scene, links, load, step, state }, report) else {
                     continue;
                 };
                 let continues =
@@ -275,7 +273,6 @@ fn load_changes<'a>(
 fn constraint_changes<'a>(
     input: StepInput<'a, '_>,
     active: &mut ActiveEffects<'a>,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> (Option<ListChange<dyn Constraint>>, Option<ListChange<UserMotion>>) {
     let StepInput { scene, links, pairs, index, .. } = input;
@@ -286,7 +283,7 @@ fn constraint_changes<'a>(
     let before = std::mem::take(&mut active.constraints);
     let (entries, user_motions) = (Vec::new(), Vec::new());
     let mut list = ConstraintList { before, origins: Vec::new(), entries, user_motions };
-    add_motions(scene, step, &mut list, shared, report);
+    add_motions(scene, step, &mut list, report);
     let prescribed = list.given();
     if let Err(origin) = list.keep(ConstraintOrigin::Equations(prescribed.clone()))
         && let Some(equations) = link_constraint(input, &prescribed, report)

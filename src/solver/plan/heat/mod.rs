@@ -24,7 +24,7 @@ use crate::plan::meshes::surfaces::load_surface;
 use crate::plan::queries::heated_references;
 use crate::plan::solids::solid_material::heating;
 use crate::plan::state::SolidState;
-use crate::plan::{Links, Report, Scene, Shared};
+use crate::plan::{Links, Report, Scene};
 use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
@@ -42,13 +42,7 @@ pub struct HeatInput<'a> {
 }
 
 /// Creates the thermal part of the state; `None` if temperatures have no effect.
-pub fn plan(
-    scene: Scene,
-    links: &Links,
-    state: &SolidState,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> Option<Box<ThermalState>> {
+pub fn plan(scene: Scene, links: &Links, state: &SolidState, report: &mut Report) -> Option<Box<ThermalState>> {
     let model = scene.model;
     let coupled = model.solves_for_temperatures();
     if !coupled {
@@ -60,7 +54,7 @@ pub fn plan(
     };
     let with_groups = |s| groups(s).into_iter().map(move |group| (s, group));
     let sections: Vec<SectionGroup> = model.sections.iter().flat_map(with_groups).collect();
-    let heat = if coupled { temperature_field(scene, links, &sections, state, shared, report) } else { None };
+    let heat = if coupled { temperature_field(scene, links, &sections, state, report) } else { None };
     let start = initial_temperatures(scene, state);
     let mut expanding = Vec::new();
     for &(section, group) in &sections {
@@ -137,7 +131,6 @@ fn temperature_field(
     links: &Links,
     sections: &[SectionGroup],
     state: &SolidState,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> Option<TemperatureField> {
     let model = scene.model;
@@ -194,7 +187,7 @@ fn temperature_field(
     for (index, step) in model.steps.iter().enumerate() {
         let continues = index > 0 && has_same_heat(&model.steps[index - 1], step);
         steps.push((!continues).then(|| {
-            let mut conditions = thermal_conditions(input, step, shared, report);
+            let mut conditions = thermal_conditions(input, step, report);
             hold_sinks(step, &sinks, &start, &mut conditions, report);
             conditions
         }));
@@ -250,7 +243,7 @@ fn initial_temperatures(scene: Scene, state: &SolidState) -> Vec<f64> {
     temperatures
 }
 
-fn thermal_conditions(input: HeatInput, step: &Step, shared: &mut Shared, report: &mut Report) -> ThermalConditions {
+fn thermal_conditions(input: HeatInput, step: &Step, report: &mut Report) -> ThermalConditions {
     let HeatInput { scene, conducting, .. } = input;
     let mut conditions = ThermalConditions::default();
     let mut taken = HashSet::new();
@@ -265,18 +258,18 @@ fn thermal_conditions(input: HeatInput, step: &Step, shared: &mut Shared, report
         }
         let detail = format!("{}: {}", boundary.set, boundary.value);
         let id = report.ledger_row(boundary.span, "prescribed temperature", nodes.len(), "nodes", detail);
-        let magnitude = magnitude(scene, boundary.value, boundary.amplitude, shared, report);
+        let magnitude = magnitude(scene, boundary.value, boundary.amplitude, report);
         let nodes = nodes.into_iter().map(TemperatureNode::new).collect();
         conditions.held.push(PrescribedTemperature { id, magnitude, nodes });
     }
     let loads: Vec<&Load> = step.loads.iter().filter(|l| is_heat(&l.kind)).collect();
     for load in loads {
-        conditions.sources.extend(heat_source(input, load, shared, report));
+        conditions.sources.extend(heat_source(input, load, report));
     }
     conditions
 }
 
-fn heat_source(input: HeatInput, load: &Load, shared: &mut Shared, report: &mut Report) -> Option<HeatSource> {
+fn heat_source(input: HeatInput, load: &Load, report: &mut Report) -> Option<HeatSource> {
     let HeatInput { scene, conductors, conducting } = input;
     if !has_effect(load, report) {
         return None;
@@ -298,14 +291,14 @@ fn heat_source(input: HeatInput, load: &Load, shared: &mut Shared, report: &mut 
             (HeatSourceKind::Volumes(list), "heat into volumes", count, "elements", set)
         }
         LoadKind::SurfaceHeat(sides) => {
-            let surface = load_surface(scene, sides, load.span, shared, report);
+            let surface = load_surface(scene, sides, load.span, report);
             let count = surface.skin.faces.len();
             (HeatSourceKind::Faces(surface.skin), "heat flux", count, "faces", &sides.name)
         }
         LoadKind::Film { sides, coefficient, amplitude } => {
-            let skin = load_surface(scene, sides, load.span, shared, report).skin;
+            let skin = load_surface(scene, sides, load.span, report).skin;
             let count = skin.faces.len();
-            let coefficient = magnitude(scene, *coefficient, *amplitude, shared, report);
+            let coefficient = magnitude(scene, *coefficient, *amplitude, report);
             (HeatSourceKind::Film(skin, coefficient), "film", count, "faces", &sides.name)
         }
         _ => return None,
@@ -321,7 +314,7 @@ fn heat_source(input: HeatInput, load: &Load, shared: &mut Shared, report: &mut 
     };
     let detail = format!("on {set}, {film}{}{}", load.magnitude, amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, effect, count, unit, detail);
-    let magnitude = magnitude(scene, load.magnitude, load.amplitude, shared, report);
+    let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
     Some(HeatSource { id, kind, magnitude })
 }
 

@@ -16,7 +16,7 @@ use crate::plan::contact::cohesion::cohesive_nodes;
 use crate::plan::loads::magnitude;
 use crate::plan::output::scales_masses;
 use crate::plan::solids::mass_scaling::constrained_nodes;
-use crate::plan::{Links, Pairs, Report, Scene, Shared, State};
+use crate::plan::{Links, Pairs, Report, Scene, State};
 
 /// Default of FREQUENCY, and that with Eulerian boundaries or spatial constraints (ABAQUS Keywords Reference Guide,
 /// `*ADAPTIVE MESH`).
@@ -30,7 +30,6 @@ pub fn adaptive_change<'a>(
     pairs: &Pairs,
     index: usize,
     state: &mut State,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> Option<Vec<AdaptiveDomain>> {
     let step = &scene.model.steps[index];
@@ -62,7 +61,7 @@ pub fn adaptive_change<'a>(
     let input = DomainInput { scene, step, constrained, loaded: nodes_with_loads(scene.model, pairs, index) };
     let mut taken = HashSet::new();
     let domains = step.adaptive.iter();
-    Some(domains.filter_map(|mesh| adaptive_domain(&input, mesh, state, &mut taken, shared, report)).collect())
+    Some(domains.filter_map(|mesh| adaptive_domain(&input, mesh, state, &mut taken, report)).collect())
 }
 
 /// The step of a domain, and the nodes of all its domains that must move with the material.
@@ -95,7 +94,6 @@ fn adaptive_domain(
     mesh: &AdaptiveMesh,
     state: &mut State,
     taken: &mut HashSet<usize>,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> Option<AdaptiveDomain> {
     let DomainInput { scene, step, ref constrained, ref loaded } = *input;
@@ -113,7 +111,7 @@ fn adaptive_domain(
     elements.sort_unstable();
     elements.dedup();
     let nodes: BTreeSet<u32> = elements.iter().flat_map(|e| state.elements.groups[group].nodes(*e as usize)).collect();
-    let (motions, open) = (mesh_motions(scene, step, &nodes, shared, report), eulerian_edges(scene, step, &nodes));
+    let (motions, open) = (mesh_motions(scene, step, &nodes, report), eulerian_edges(scene, step, &nodes));
     let mut fixed = nodes_of_others(constrained, group, &elements, state);
     if let Some((message, help)) = unsupported_boundary(scene, step, &fixed, (&motions, &open)) {
         refuse_domain(mesh.span, message, help, report);
@@ -275,20 +273,14 @@ fn eulerian_edges(scene: Scene, step: &Step, nodes: &BTreeSet<u32>) -> HashSet<[
 }
 
 /// Returns the motions of the nodes of a domain that are prescribed in space.
-fn mesh_motions(
-    scene: Scene,
-    step: &Step,
-    nodes: &BTreeSet<u32>,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> Vec<MeshMotion> {
+fn mesh_motions(scene: Scene, step: &Step, nodes: &BTreeSet<u32>, report: &mut Report) -> Vec<MeshMotion> {
     let mut motions = Vec::new();
     for motion in &step.mesh_motions {
         let places = motion.nodes.iter().filter_map(|node| scene.places.nodes.get(node).copied());
         let axis = usize::from(motion.dof) - 1;
         let dofs: Vec<_> = places.filter(|n| nodes.contains(&(*n as u32))).map(|n| (n, axis)).collect();
         if !dofs.is_empty() {
-            let magnitude = magnitude(scene, motion.value, motion.amplitude, shared, report);
+            let magnitude = magnitude(scene, motion.value, motion.amplitude, report);
             motions.push(MeshMotion { dofs, is_velocity: motion.kind == MotionKind::Velocity, magnitude });
         }
     }

@@ -8,22 +8,16 @@ use crate::mesh::hidden::InteriorFaces;
 use crate::mesh::surface::{DeformableFaces, RigidFacets, SurfaceGeometry};
 use crate::model::{ElementKind, ElementSide, Model, SideSelection};
 use crate::plan::solids::user_material::deletes;
-use crate::plan::{Report, Scene, Shared};
+use crate::plan::{Report, Scene};
 
 /// Returns the surface of element sides for the load at `span`. Elements that belong to no body are an error.
-pub fn load_surface(
-    scene: Scene,
-    sides: &SideSelection,
-    span: Span,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> SurfaceGeometry {
-    if let Some(known) = shared.surfaces.get(&span) {
+pub fn load_surface(scene: Scene, sides: &SideSelection, span: Span, report: &mut Report) -> SurfaceGeometry {
+    if let Some(known) = report.shared.surfaces.get(&span) {
         return known.clone();
     }
     let surface = make_surface(scene, sides, span, report);
     if scene.places.elements.is_empty() {
-        shared.surfaces.insert(span, surface.clone());
+        report.shared.surfaces.insert(span, surface.clone());
     }
     surface
 }
