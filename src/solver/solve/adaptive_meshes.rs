@@ -118,7 +118,7 @@ pub(super) fn begin_domains(run: &mut RunState<'_>) {
 /// Takes the masses of adaptive meshes after a restart.
 pub(super) fn restore_masses(state: &mut State) {
     if let Some(heat) = state.thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
-        heat.restore_masses(&mut state.elements);
+        heat.restore_masses(&state.elements);
     }
 }
 

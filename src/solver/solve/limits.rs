@@ -35,25 +35,21 @@ pub enum IncrementLimiter {
 }
 
 impl IncrementLimiter {
-    /// Returns two numbers for an archive.
-    fn code(self) -> [usize; 2] {
-        match self {
-            IncrementLimiter::Given => [0, 0],
-            IncrementLimiter::Accuracy => [1, 0],
-            IncrementLimiter::Elements => [2, 0],
-            IncrementLimiter::Conduction => [3, 0],
-            IncrementLimiter::Heat => [4, 0],
-            IncrementLimiter::Longest => [5, 0],
-            IncrementLimiter::Effect(id) => [6, id],
-            IncrementLimiter::Step => [7, 0],
-            IncrementLimiter::Rest => [8, 0],
-        }
+    /// Returns all limiters, in the order of their numbers in an archive.
+    fn all(effect: EffectId) -> [IncrementLimiter; 9] {
+        use IncrementLimiter::{Accuracy, Conduction, Effect, Elements, Given, Heat, Longest, Rest, Step};
+        [Given, Accuracy, Elements, Conduction, Heat, Longest, Effect(effect), Step, Rest]
     }
 
-    fn of_code([kind, id]: [usize; 2]) -> IncrementLimiter {
-        use IncrementLimiter::{Accuracy, Conduction, Effect, Elements, Given, Heat, Longest, Rest, Step};
-        let limiters = [Given, Accuracy, Elements, Conduction, Heat, Longest, Effect(id), Step, Rest];
-        limiters.get(kind).copied().unwrap_or_default()
+    /// Returns two numbers for an archive: of the limiter and of its effect.
+    fn code(self) -> [usize; 2] {
+        let effect = if let IncrementLimiter::Effect(effect) = self { effect } else { 0 };
+        let number = IncrementLimiter::all(effect).iter().position(|limiter| *limiter == self);
+        [number.unwrap_or_default(), effect]
+    }
+
+    fn of_code([number, effect]: [usize; 2]) -> IncrementLimiter {
+        IncrementLimiter::all(effect).get(number).copied().unwrap_or_default()
     }
 }
 
@@ -208,15 +204,6 @@ mod tests {
 
     #[test]
     fn codes_convert_back_to_limiters() {
-        let limiters = [
-            IncrementLimiter::Given,
-            IncrementLimiter::Accuracy,
-            IncrementLimiter::Elements,
-            IncrementLimiter::Conduction,
-            IncrementLimiter::Heat,
-        ];
-        let more =
-            [IncrementLimiter::Longest, IncrementLimiter::Effect(7), IncrementLimiter::Step, IncrementLimiter::Rest];
-        limiters.into_iter().chain(more).for_each(|l| assert_eq!(IncrementLimiter::of_code(l.code()), l));
+        IncrementLimiter::all(7).into_iter().for_each(|l| assert_eq!(IncrementLimiter::of_code(l.code()), l));
     }
 }

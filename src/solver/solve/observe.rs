@@ -149,34 +149,37 @@ impl OutputSchedule {
     }
 }
 
-/// Approximate time between two readings of the clock, which makes their cost negligible.
+/// Approximate time between two readings of the clock for progress, which makes their cost negligible.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// First number of increments between two readings of the clock in models without deformable elements.
 const RIGID_STRIDE: u64 = 256;
 
-/// Schedule of progress reports: every `stride` increments, adapted to the clock.
-struct ProgressTimer {
+/// Schedule of readings of the clock: every `stride` increments, adapted to the time between them.
+pub(super) struct ClockReadings {
+    look: Duration,
     looked: Stopwatch,
     stride: u64,
-    next: u64,
+    /// Increment of the next reading.
+    pub(super) next: u64,
 }
 
-impl ProgressTimer {
-    fn new(stride: u64) -> ProgressTimer {
-        ProgressTimer { looked: Stopwatch::now(), stride, next: 0 }
+impl ClockReadings {
+    /// Creates a schedule with about the time `look` between readings. `stride` is the first number of increments.
+    pub(super) fn new(look: Duration, stride: u64) -> ClockReadings {
+        ClockReadings { look, looked: Stopwatch::now(), stride, next: 0 }
     }
 
-    /// Returns whether a report is due, and schedules the next one.
-    fn due(&mut self, increment: u64) -> bool {
+    /// Returns whether a reading is due, and schedules the next one.
+    pub(super) fn due(&mut self, increment: u64) -> bool {
         if increment < self.next {
             return false;
         }
         let passed = self.looked.elapsed();
         self.looked = Stopwatch::now();
-        if passed < LOOK / 2 {
+        if passed < self.look / 2 {
             self.stride = self.stride.saturating_mul(2);
-        } else if passed > LOOK {
+        } else if passed > self.look {
             self.stride = (self.stride / 2).max(1);
         }
         self.next = increment.saturating_add(self.stride);
@@ -193,7 +196,7 @@ pub(super) struct RunOutput {
     row: Vec<f64>,
     contact: ContactMeans,
     reactions: ReactionMeans,
-    pace: ProgressTimer,
+    pace: ClockReadings,
     /// Step time before which no output is due, unless `next_increment` is reached.
     pub(super) next_time: f64,
     next_increment: u64,
@@ -210,7 +213,7 @@ impl RunOutput {
             row: vec![0.0; plan.columns.len()],
             contact: ContactMeans::new(plan),
             reactions: ReactionMeans::new(plan),
-            pace: ProgressTimer::new(if plan.places.elements.is_empty() { RIGID_STRIDE } else { 1 }),
+            pace: ClockReadings::new(LOOK, if plan.places.elements.is_empty() { RIGID_STRIDE } else { 1 }),
             next_time: 0.0,
             next_increment: 0,
             first: true,

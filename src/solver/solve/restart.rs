@@ -8,7 +8,7 @@ use std::time::{Duration, Instant as Stopwatch};
 
 use super::adaptive_meshes::restore_masses;
 use super::increment::IncrementController;
-use super::observe::{OutputSchedule, RunOutput, output_failure};
+use super::observe::{ClockReadings, OutputSchedule, RunOutput, output_failure};
 use super::position::RunPosition;
 use super::{Sink, SinkError, SolverRun};
 use crate::plan::StepPlan;
@@ -51,15 +51,12 @@ const LOOK: Duration = Duration::from_millis(5);
 pub(super) struct Checkpointer<'a> {
     control: RunControl<'a>,
     /// Schedule of `*RESTART, WRITE`.
-    asked: OutputSchedule,
+    schedule: OutputSchedule,
     /// Whether the previous step requested a checkpoint at its end, where this step begins.
     due_at_start: bool,
-    /// Times of the last checkpoint and of the last reading of the clock.
-    kept: Stopwatch,
-    looked: Stopwatch,
-    /// Increments between readings of the clock, and the increment of the next one.
-    stride: u64,
-    next_look: u64,
+    /// Time of the last checkpoint.
+    written: Stopwatch,
+    clock: ClockReadings,
     /// Whether states are stored for the return to the last complete instant, and the increment of the next one.
     holds: bool,
     next_held: u64,
@@ -78,15 +75,12 @@ impl<'a> Checkpointer<'a> {
     /// Creates the checkpointer of a run. `holds` states whether states are stored for a return to an earlier instant,
     /// which requires frames and deformable bodies, and excludes user subroutines, which would be called twice.
     pub(super) fn new(control: RunControl<'a>, holds: bool) -> Self {
-        let now = Stopwatch::now();
         Checkpointer {
             control,
-            asked: OutputSchedule::default(),
+            schedule: OutputSchedule::default(),
             due_at_start: false,
-            kept: now,
-            looked: now,
-            stride: 1,
-            next_look: 0,
+            written: Stopwatch::now(),
+            clock: ClockReadings::new(LOOK, 1),
             holds,
             next_held: 0,
             next_time: 0.0,
@@ -99,23 +93,24 @@ impl<'a> Checkpointer<'a> {
 
     /// Begins a step, or continues one, at this instant.
     pub(super) fn begin(&mut self, step: &StepPlan, now: &Instant) {
-        self.due_at_start = !self.asked.is_empty();
-        self.asked.begin(&step.outputs.restart, now.increment);
-        self.asked.advance(now.step_time, now.increment);
+        self.due_at_start = !self.schedule.is_empty();
+        self.schedule.begin(&step.outputs.restart, now.increment);
+        self.schedule.advance(now.step_time, now.increment);
         self.has_state = false;
         self.next_held = 0;
         self.plan_ahead(now);
     }
 
     fn plan_ahead(&mut self, now: &Instant) {
-        self.next_time = self.asked.next_time;
+        self.next_time = self.schedule.next_time;
         let every = match self.control.every {
             None => u64::MAX,
             Some(CheckpointInterval::Increments(n)) => (now.increment / n + 1) * n,
-            Some(CheckpointInterval::Elapsed(_)) => self.next_look,
+            Some(CheckpointInterval::Elapsed(_)) => self.clock.next,
         };
         let next_stored = if self.holds { self.next_held } else { u64::MAX };
-        self.next_increment = if self.due_at_start { 0 } else { self.asked.next_increment.min(every).min(next_stored) };
+        self.next_increment =
+            if self.due_at_start { 0 } else { self.schedule.next_increment.min(every).min(next_stored) };
     }
 
     /// Writes a checkpoint between two increments if one is due, and ends the run after a signal.
@@ -154,7 +149,7 @@ impl<'a> Checkpointer<'a> {
                 self.state = Vec::new();
             }
             at.warn_of_lost_memory(sink);
-            self.kept = Stopwatch::now();
+            self.written = Stopwatch::now();
             at.run.report.outcome.checkpoint_seconds += begin.elapsed().as_secs_f64();
         }
         self.plan_ahead(&now);
@@ -187,28 +182,18 @@ impl<'a> Checkpointer<'a> {
     }
 
     fn is_due(&mut self, now: &Instant) -> bool {
-        let is_requested = self.asked.due(now.step_time, now.increment) | std::mem::take(&mut self.due_at_start);
+        let is_requested = self.schedule.due(now.step_time, now.increment) | std::mem::take(&mut self.due_at_start);
         if is_requested {
-            self.asked.advance(now.step_time, now.increment);
+            self.schedule.advance(now.step_time, now.increment);
         }
         is_requested
             || match self.control.every {
                 None => false,
                 Some(CheckpointInterval::Increments(n)) => now.increment > 0 && now.increment.is_multiple_of(n),
-                Some(CheckpointInterval::Elapsed(time)) => self.clock_is_due(now, time),
+                Some(CheckpointInterval::Elapsed(time)) => {
+                    self.clock.due(now.increment) && self.written.elapsed() >= time
+                }
             }
-    }
-
-    /// Reads the clock only every `stride` increments, so that its cost is negligible.
-    fn clock_is_due(&mut self, now: &Instant, time: Duration) -> bool {
-        if now.increment < self.next_look {
-            return false;
-        }
-        let passed = self.looked.elapsed();
-        self.looked = Stopwatch::now();
-        self.stride = if passed < LOOK { 2 * self.stride } else { (self.stride / 2).max(1) };
-        self.next_look = now.increment + self.stride;
-        self.kept.elapsed() >= time
     }
 
     /// Returns to the last complete instant after a halt within an increment: restores the stored state and repeats the

@@ -174,3 +174,29 @@ impl<'a> EffectTiming<'a> {
         seconds
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::EffectTiming;
+    use crate::plan::ledger::Ledger;
+
+    /// The ledger of a new mesh has no row for a condition whose nodes have been deleted, and rows with the same effect
+    /// and card.
+    #[test]
+    fn times_follow_their_effects_to_another_ledger() {
+        let ledger = |effects: &[&str]| {
+            let mut ledger = Ledger::default();
+            for effect in effects {
+                ledger.add(effect, 1, "nodes", "a.inp:7".into(), String::new());
+            }
+            ledger
+        };
+        let (old, new) = (ledger(&["plate", "load", "contact", "contact"]), ledger(&["load", "contact", "contact"]));
+        let mut timing = EffectTiming::new(4, None);
+        (timing.rows, timing.sampled) = (vec![1.0, 2.0, 3.0, 4.0], 10.0);
+        let mut next = EffectTiming::new(3, None);
+        next.add(&timing.take_sums(&old), &new);
+        assert_eq!((next.rows, next.sampled), (vec![2.0, 3.0, 4.0], 10.0));
+        assert_eq!((timing.rows, timing.sampled), (vec![0.0; 4], 0.0));
+    }
+}
