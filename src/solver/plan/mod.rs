@@ -42,7 +42,7 @@ pub use output::{
     ColumnSource, ElementCorner, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule,
 };
 pub(crate) use report::{LedgerRows, Report};
-pub(crate) use scene::{Pairs, Scene, Shared, StepInput};
+pub(crate) use scene::{Pairs, Scene, SectionInput, Shared, StepInput};
 pub use state::State;
 
 /// A plan, its initial state, and the products that a revision of the plan needs.

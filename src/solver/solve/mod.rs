@@ -169,7 +169,7 @@ impl RunSession {
         while let StepStart::Step(index) | StepStart::Within(index) | StepStart::NewMesh(index) = self.begins
             && index < run.current.plan.steps.len()
         {
-            match step(run, self.begins, &mut self.control, &mut self.observing, keeping, sink) {
+            match self.run_step(run, keeping, sink) {
                 Ok(None) => self.begins = StepStart::Step(index + 1),
                 Ok(Some(next)) => {
                     self.begins = StepStart::NewMesh(index);
@@ -188,6 +188,36 @@ impl RunSession {
             }
         }
         None
+    }
+
+    /// Runs one step; the increment control continues from step to step. Each increment is [`SolverRun::evaluate`] followed
+    /// by [`SolverRun::advance`], as in ABAQUS Theory Guide 2.4.5 with a half step at the start.
+    fn run_step(
+        &mut self,
+        run: &mut SolverRun<'_>,
+        keeping: &mut Checkpointer<'_>,
+        sink: &mut dyn Sink,
+    ) -> Result<Option<NextMesh>, HaltReason> {
+        let RunSession { begins, control, observing } = self;
+        let changes = match *begins {
+            StepStart::Step(index) => begin_step(run, index, observing, control),
+            StepStart::Within(_) | StepStart::NewMesh(_) => false,
+        };
+        let Some(control) = control else { return Ok(None) };
+        keeping.begin(run.current.step, &run.current.now);
+        let begun = match begins {
+            StepStart::Within(_) => {
+                run.user.resume(&run.current).and_then(|()| run.advance(control, observing.next_time))
+            }
+            StepStart::NewMesh(_) => run.advance(control, observing.next_time),
+            StepStart::Step(_) => run.user.begin(&mut run.current).and_then(|()| run.begin_nodes(changes)),
+        };
+        let end = begun.and_then(|()| increments(run, control, observing, keeping, sink));
+        if end.is_err() {
+            keeping.rewind(&mut RunCursor { run, observing, control });
+        }
+        run.name_limiting_element();
+        end
     }
 }
 
@@ -247,35 +277,6 @@ enum StepStart {
     Within(usize),
     /// Within the step with this index, with a new mesh.
     NewMesh(usize),
-}
-
-/// Runs one step; `control` continues from step to step. Each increment is [`SolverRun::evaluate`] followed by
-/// [`SolverRun::advance`], as in ABAQUS Theory Guide 2.4.5 with a half step at the start.
-fn step(
-    run: &mut SolverRun<'_>,
-    begins: StepStart,
-    control: &mut Option<IncrementController>,
-    observing: &mut RunOutput,
-    keeping: &mut Checkpointer<'_>,
-    sink: &mut dyn Sink,
-) -> Result<Option<NextMesh>, HaltReason> {
-    let mut changes = false;
-    if let StepStart::Step(index) = begins {
-        changes = begin_step(run, index, observing, control);
-    }
-    let Some(control) = control else { return Ok(None) };
-    keeping.begin(run.current.step, &run.current.now);
-    let begun = match begins {
-        StepStart::Within(_) => run.user.resume(&run.current).and_then(|()| run.advance(control, observing.next_time)),
-        StepStart::NewMesh(_) => run.advance(control, observing.next_time),
-        StepStart::Step(_) => run.user.begin(&mut run.current).and_then(|()| run.begin_nodes(changes)),
-    };
-    let end = begun.and_then(|()| increments(run, control, observing, keeping, sink));
-    if end.is_err() {
-        keeping.rewind(&mut RunCursor { run, observing, control });
-    }
-    run.name_limiting_element();
-    end
 }
 
 fn increments(

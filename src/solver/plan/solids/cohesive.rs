@@ -16,8 +16,7 @@ use crate::model::{
 };
 use crate::plan::constraints::connectors::inverse;
 use crate::plan::state::SolidState;
-use crate::plan::{Bodies, Links, Report, Scene, SolidPlaces};
-use crate::state::nodes::Node;
+use crate::plan::{Bodies, Links, Report, Scene, SectionInput};
 use crate::variables::Variable;
 
 /// Depth to which equations of linked nodes are followed.
@@ -50,16 +49,9 @@ pub fn damaged_interfaces(model: &Model) -> impl Iterator<Item = &CohesiveSectio
     model.cohesive_sections.iter().filter(grows)
 }
 
-/// Creates the element group of a section and adds its masses.
-pub fn cohesive_group(
-    model: &Model,
-    places: &SolidPlaces,
-    section: &CohesiveSection,
-    elements: &[usize],
-    nodes: &[Node],
-    mass: &mut [f64],
-    report: &mut Report,
-) -> Option<Box<dyn ElementGroup>> {
+/// Creates the element group of a section.
+pub fn cohesive_group(input: &SectionInput<CohesiveSection>, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
+    let SectionInput { model, places, section, elements, nodes } = *input;
     let material = &model.materials[section.material];
     check_section(section, material, report)?;
     let (mut thicknesses, mut list): (Vec<f64>, Vec<CohesiveElement>) = Default::default();
@@ -91,13 +83,7 @@ pub fn cohesive_group(
     cohesive_row(section, material, &thicknesses, list.len(), report);
     let deletes = material.interface.evolution.is_some() && section.controls.keep_failed_elements.is_none();
     let variables = (deletes, material.interface.initiation.as_ref().map(variable));
-    let group = CohesiveGroup::new(laws, list, material.density.unwrap_or(0.0), variables, nodes);
-    for element in 0..group.len() {
-        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
-            mass[n as usize] += m;
-        }
-    }
-    Some(Box::new(group))
+    Some(Box::new(CohesiveGroup::new(laws, list, material.density.unwrap_or(0.0), variables, nodes)))
 }
 
 /// Returns the viscosity of the damage, which the material or the section controls give.

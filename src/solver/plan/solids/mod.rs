@@ -39,7 +39,7 @@ use crate::plan::solids::shells::{free_shells, place_rotations, shell_group};
 use crate::plan::solids::solid_material::{GroupInput, solid_group};
 use crate::plan::solids::user_material::calls_routines_at_points;
 use crate::plan::state::SolidState;
-use crate::plan::{Bodies, Links, MeshIndexMap, Report, Scene, SolidPlaces, State};
+use crate::plan::{Bodies, Links, MeshIndexMap, Report, Scene, SectionInput, SolidPlaces, State};
 use crate::state::EffectId;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
@@ -93,7 +93,8 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
         let Some(list) = connectivity_of(model, places, elements, &nodes, report) else { continue };
         let material = &model.materials[section.material];
         let input = GroupInput { model, places, section, material, elements, connectivity: &list, nodes: &nodes };
-        let Some(group) = solid_group(&input, &mut mass, report) else { continue };
+        list.add_masses(&nodes, material.density.unwrap_or(0.0), &mut mass);
+        let Some(group) = solid_group(&input, report) else { continue };
         ids.push(place_elements(places, elements, groups.len(), (section.span, "deformable elements"), report));
         controlled.extend(distortion_control(section, elements.len(), report).map(|ratio| (groups.len(), ratio)));
         damped.push(rayleigh_factors(model, section, elements.len(), report));
@@ -102,12 +103,16 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
         groups.push(group);
     }
     for (section, elements) in &shells {
-        let Some(group) = shell_group(model, places, section, elements, &nodes, &mut mass, report) else { continue };
+        let input = SectionInput { model, places, section: *section, elements, nodes: &nodes };
+        let Some(group) = shell_group(&input, report) else { continue };
+        add_masses(&*group, &mut mass);
         ids.push(place_elements(places, elements, groups.len(), (section.span, "shells"), report));
         groups.push(group);
     }
     for (section, elements) in &interfaces {
-        let Some(group) = cohesive_group(model, places, section, elements, &nodes, &mut mass, report) else { continue };
+        let input = SectionInput { model, places, section: *section, elements, nodes: &nodes };
+        let Some(group) = cohesive_group(&input, report) else { continue };
+        add_masses(&*group, &mut mass);
         ids.push(place_elements(places, elements, groups.len(), (section.span, "cohesive elements"), report));
         groups.push(group);
     }
@@ -307,6 +312,15 @@ fn connectivity_of(
         cells.extend(elements.iter().flat_map(|&e| mesh.cells(e)).map(|cell| cell.map(node)));
         Connectivity::Quadrilaterals(cells)
     })
+}
+
+/// Adds the masses and rotary inertias of a group to its nodes.
+fn add_masses(group: &dyn ElementGroup, mass: &mut [f64]) {
+    for element in 0..group.len() {
+        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
+            mass[n as usize] += m;
+        }
+    }
 }
 
 fn point_masses(model: &Model, places: &SolidPlaces, mass: &mut [f64]) {

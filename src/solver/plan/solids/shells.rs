@@ -11,7 +11,7 @@ use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{ShellFrame, simpson};
 use crate::model::{MaterialDefinition, Model, PlasticityModel, ShellSection, ShellThinning};
 use crate::plan::solids::solid_material::{bulk_viscosity, heating, yield_stress};
-use crate::plan::{Bodies, Report, Scene, SolidPlaces};
+use crate::plan::{Bodies, Report, Scene, SectionInput, SolidPlaces};
 use crate::state::nodes::Node;
 
 /// Returns the shell sections with their elements that do not belong to a rigid body.
@@ -41,16 +41,9 @@ pub fn place_rotations(
     }
 }
 
-/// Creates the element group of a section and adds its masses and rotary inertias.
-pub fn shell_group(
-    model: &Model,
-    places: &SolidPlaces,
-    section: &ShellSection,
-    elements: &[usize],
-    nodes: &[Node],
-    mass: &mut [f64],
-    report: &mut Report,
-) -> Option<Box<dyn ElementGroup>> {
+/// Creates the element group of a section.
+pub fn shell_group(input: &SectionInput<ShellSection>, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
+    let SectionInput { model, places, section, elements, nodes } = *input;
     let material = &model.materials[section.material];
     let section_of_group = shell_properties(model, section, material, elements.len(), report)?;
     let corners = |&e: &usize| {
@@ -65,13 +58,7 @@ pub fn shell_group(
         let message = format!("element {} is on the axis or has no length", element.name);
         return report.refuse(Diagnostic::error("P012", message).at(element.span, "this element"));
     }
-    let group = ShellGroup::new(section_of_group, list, nodes);
-    for element in 0..group.len() {
-        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
-            mass[n as usize] += m;
-        }
-    }
-    Some(Box::new(group))
+    Some(Box::new(ShellGroup::new(section_of_group, list, nodes)))
 }
 
 /// Lists cards of a material without effect on shells as unused, unless solid elements have the material too.

@@ -81,27 +81,26 @@ pub struct SolidProperties<'a> {
     absolute_zero: f64,
 }
 
-pub fn solid_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> Option<Box<dyn ElementGroup>> {
+pub fn solid_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
     let GroupInput { model, section, material, connectivity, nodes, .. } = *input;
     let shear_viscosity = shear_viscosity(input, report)?;
     if let Some(constants) = &material.user.material
         && let Some(law) = report.routines.law(&material.name)
     {
         let law = Arc::clone(law);
-        return law_group(input, constants, law, mass, report);
+        return law_group(input, constants, law, report);
     }
     if calls_routines_at_points(material) {
         if section.controls.by_area {
             let message = "WEIGHTING=AREA with user subroutines is not supported";
             return report.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
         }
-        return user_group(input, mass, report);
+        return user_group(input, report);
     }
     let evolves = material.failures.iter().any(FailureCriterion::takes_length);
     require_length_routine(input, evolves, report)?;
     let moduli = elastic_moduli(material, section.span, report)?;
     let density = material.density.unwrap_or(0.0);
-    connectivity.add_masses(nodes, density, mass);
     let hourglass = hourglass_control(input, moduli, report)?;
     let by_area = section.controls.by_area;
     let bulk_viscosity = bulk_viscosity(model, material.eos.is_some() || by_area);

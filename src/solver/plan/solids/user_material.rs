@@ -44,7 +44,7 @@ enum UserLaw<'m> {
 }
 
 /// Creates the element group of a material that is evaluated point by point.
-pub fn user_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> Option<Box<dyn ElementGroup>> {
+pub fn user_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
     let GroupInput { model, section, material, elements, connectivity, nodes, .. } = *input;
     let (law, moduli) = match &material.user.material {
         Some(properties) => (UserLaw::Stress(properties, "vumat"), user_moduli(input, report)?),
@@ -54,7 +54,6 @@ pub fn user_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> 
     require_field_routine(input, report)?;
     let takes_lengths = material.user.material.is_some() || material.user.fields.is_some();
     require_length_routine(input, takes_lengths, report)?;
-    connectivity.add_masses(nodes, density, mass);
     let hourglass = hourglass_control(input, moduli, report)?;
     let bulk_viscosity = bulk_viscosity(model, false);
     // The moduli of a user material are computed from its first call.
@@ -112,7 +111,6 @@ pub fn law_group(
     input: &GroupInput,
     constants: &[f64],
     law: Arc<dyn MaterialLaw>,
-    mass: &mut [f64],
     report: &mut Report,
 ) -> Option<Box<dyn ElementGroup>> {
     let GroupInput { model, section, material, connectivity, nodes, .. } = *input;
@@ -129,7 +127,6 @@ pub fn law_group(
             format!("the law of material `{name}` needs {least} state variables, but *DEPVAR gives {variables}")
         }
         (Some(density), Ok(moduli)) => {
-            connectivity.add_masses(nodes, density, mass);
             let hourglass = hourglass_control(input, moduli, report)?;
             let bulk_viscosity = bulk_viscosity(model, false);
             let group = ElementConstants {
