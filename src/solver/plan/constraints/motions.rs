@@ -138,12 +138,8 @@ fn add_user_motion(
         let message = "rotations of shells cannot be prescribed by a user subroutine";
         return report.refuse(Diagnostic::error("P015", message).at(boundary.span, "here"));
     }
-    if report.routines.motion.is_none() {
-        let asks = format!("the motion of `{}` is user-defined (*BOUNDARY, USER)", boundary.set);
-        report.refuse_missing_routine(boundary.span, "motion", &asks, "vdisp");
-        return None;
-    }
-    report.called_routines.push("vdisp");
+    let asks = format!("the motion of `{}` is user-defined (*BOUNDARY, USER)", boundary.set);
+    report.require_routine(boundary.span, "motion", &asks, "vdisp")?;
     let (kind, _) = prescribed(boundary);
     let detail = format!("{}: {kind:?} along {} by vdisp", boundary.set, along(boundary)).to_lowercase();
     let id = report.ledger_row(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);

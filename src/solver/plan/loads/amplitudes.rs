@@ -18,12 +18,10 @@ pub fn user_amplitude(scene: Scene, id: AmplitudeId, report: &mut Report) -> usi
     report.shared.amplitude_index.insert(id, index);
     let amplitude = &scene.model.amplitudes[id];
     let AmplitudeDefinition::User { properties, variables } = &amplitude.definition else { return index };
-    if report.routines.amplitude.is_none() {
-        let asks = format!("amplitude `{}` is user-defined", amplitude.name);
-        report.refuse_missing_routine(amplitude.span, "amplitude", &asks, "vuamp");
+    let asks = format!("amplitude `{}` is user-defined", amplitude.name);
+    if report.require_routine(amplitude.span, "amplitude", &asks, "vuamp").is_none() {
         return index;
     }
-    report.called_routines.push("vuamp");
     let (sensor_names, sensors): (Vec<_>, Vec<_>) = sensors(scene, report).into_iter().unzip();
     let detail = format!("{} ({} sensors)", amplitude.name, sensors.len());
     let id = report.ledger_row(amplitude.span, "user amplitude", 1, "amplitude", detail);

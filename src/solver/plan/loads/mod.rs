@@ -447,16 +447,9 @@ fn user_load_description(
     report: &mut Report,
 ) -> Option<UserLoadData> {
     let LoadInput { scene, load, .. } = *input;
-    let Some(routine) = report.routines.load.clone() else {
-        report.refuse_missing_routine(
-            load.span,
-            "load",
-            &format!("the load on `{name}` is user-defined (PNU)"),
-            "vdload",
-        );
-        return None;
-    };
-    report.called_routines.push("vdload");
+    let asks = format!("the load on `{name}` is user-defined (PNU)");
+    report.require_routine(load.span, "load", &asks, "vdload")?;
+    let routine = report.routines.load.clone()?;
     if load.magnitude != 1.0 && routine.lock().as_deref_mut().is_some_and(|load| !load.reads_magnitude()) {
         let what = format!("magnitude {} of {}", load.magnitude, kind_name(&load.kind));
         report.add_unused_card(load.span, what, "VDLOAD defines the load; it is not multiplied by the magnitude");

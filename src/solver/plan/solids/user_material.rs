@@ -154,12 +154,9 @@ fn user_moduli(input: &GroupInput, report: &mut Report) -> Option<ElasticModuli>
         ("P013", format!("material `{}` has no *DENSITY", material.name))
     } else if let Some(other) = law_beside_user_material(material) {
         ("P041", format!("material `{}` has {other} in addition to *USER MATERIAL", material.name))
-    } else if report.routines.material.is_none() {
-        let asks = format!("material `{}` is user-defined (*USER MATERIAL)", material.name);
-        report.refuse_missing_routine(section.span, "section", &asks, "vumat");
-        return None;
     } else {
-        report.called_routines.push("vumat");
+        let asks = format!("material `{}` is user-defined (*USER MATERIAL)", material.name);
+        report.require_routine(section.span, "section", &asks, "vumat")?;
         // Unit values: hourglass factors are multiplied by the moduli of the first call.
         return Some(ElasticModuli { bulk: 1.0, shear: 1.0 });
     };
@@ -195,12 +192,8 @@ fn user_flow<'m>(input: &GroupInput<'m>, report: &mut Report) -> Option<(UserLaw
     let yields = match &material.plastic {
         None => YieldSource::Never,
         Some(PlasticityModel::User(properties)) => {
-            if report.routines.hardening.is_none() {
-                let asks = format!("the hardening of `{}` is user-defined (*PLASTIC, HARDENING=USER)", material.name);
-                report.refuse_missing_routine(section.span, "section", &asks, "vuhard");
-                return None;
-            }
-            report.called_routines.push("vuhard");
+            let asks = format!("the hardening of `{}` is user-defined (*PLASTIC, HARDENING=USER)", material.name);
+            report.require_routine(section.span, "section", &asks, "vuhard")?;
             YieldSource::User(properties.clone())
         }
         Some(PlasticityModel::OverFields(rows)) => yield_over_fields(input, rows, report)?,
@@ -213,12 +206,8 @@ fn user_flow<'m>(input: &GroupInput<'m>, report: &mut Report) -> Option<(UserLaw
 fn require_field_routine(input: &GroupInput, report: &mut Report) -> Option<()> {
     let GroupInput { section, material, .. } = *input;
     let Some((properties, span)) = &material.user.fields else { return Some(()) };
-    if report.routines.fields.is_none() {
-        let asks = format!("the fields of `{}` are user-defined (*USER DEFINED FIELD)", material.name);
-        report.refuse_missing_routine(section.span, "section", &asks, "vusdfld");
-        return None;
-    }
-    report.called_routines.push("vusdfld");
+    let asks = format!("the fields of `{}` are user-defined (*USER DEFINED FIELD)", material.name);
+    report.require_routine(section.span, "section", &asks, "vusdfld")?;
     let detail = format!("vusdfld: {} constants, {} state variables", properties.len(), material.user.state.count);
     report.ledger_row(*span, "user-defined fields", 1, "material", detail);
     Some(())
@@ -233,12 +222,8 @@ pub fn require_length_routine(input: &GroupInput, takes: bool, report: &mut Repo
         report.add_unused_card(*span, "*CHARACTERISTIC LENGTH", why);
         return Some(());
     }
-    if report.routines.lengths.is_none() {
-        let asks = format!("the characteristic length of `{}` is user-defined (*CHARACTERISTIC LENGTH)", material.name);
-        report.refuse_missing_routine(section.span, "section", &asks, "vucharlength");
-        return None;
-    }
-    report.called_routines.push("vucharlength");
+    let asks = format!("the characteristic length of `{}` is user-defined (*CHARACTERISTIC LENGTH)", material.name);
+    report.require_routine(section.span, "section", &asks, "vucharlength")?;
     let detail = format!("vucharlength: {} constants", properties.len());
     report.ledger_row(*span, "characteristic length", 1, "material", detail);
     Some(())
