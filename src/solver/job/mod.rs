@@ -204,7 +204,7 @@ pub fn prepare_model(model: &Model, routines: &Routines) -> PreparedJob {
 fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &Routines) -> PreparedJob {
     let (plan, state, mut plan_diagnostics) = plan::compile(model, routines);
     // After an error in the deck, planning errors may be consequences of it and are dropped, except those on elements,
-    // // sections and materials if all bodies have been read.
+    // sections and materials if all bodies have been read.
     if diagnostics.has_errors() {
         plan_diagnostics
             .retain(|d| model.origin.bodies_read && d.severity == Severity::Error && OF_BODIES.contains(&d.code));
@@ -568,8 +568,7 @@ pub fn run_in_memory(prepared: &PreparedJob) -> (Outcome, HistorySummary) {
 
 /// Runs a prepared deck with a given sink; no file is written.
 pub fn run_into(prepared: &PreparedJob, sink: &mut dyn Sink) -> (Outcome, State) {
-    announce_to_user(prepared, &JobFiles { folder: PathBuf::from("."), name: "job".into() });
-    solve::run(&prepared.plan, prepared.state.clone(), sink)
+    run_until(prepared, sink, &AtomicUsize::new(0))
 }
 
 /// Runs like [`run_into`]; a nonzero `interrupt` ends the run.

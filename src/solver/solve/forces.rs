@@ -215,9 +215,10 @@ impl SolverRun<'_> {
         }
         let deforms = !elements.is_empty();
         if deforms {
-            let started = self.timing.start_gather(plan);
+            let row = plan.rows.gather.unwrap_or_default();
+            let started = self.timing.start(row);
             accelerate_nodes(elements, dofs, &mut self.kinetic);
-            self.timing.stop_gather(started, plan);
+            self.timing.stop(started, row);
         }
         for constraint in constraints {
             constraint.accelerations(dofs, &AmplitudeClock { now: *now, user_amplitudes });

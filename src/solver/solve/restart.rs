@@ -203,8 +203,7 @@ impl<'a> Checkpointer<'a> {
             return;
         }
         let last = at.run.current.now.increment - 1;
-        let mut archive = StateArchive::reader(self.stored());
-        CheckpointHead::default().persist(&mut archive);
+        let (_, mut archive) = CheckpointHead::read(self.stored());
         at.visit(&mut archive);
         // The state was written by this run, so it fits unless its file cannot be read.
         let mut fits = archive.finish().is_ok();
@@ -255,18 +254,23 @@ struct CheckpointHead {
     revisions: Vec<MeshRevision>,
 }
 
+impl CheckpointHead {
+    /// Reads the header of a saved state. Returns also the archive of the rest.
+    fn read(state: &[u8]) -> (CheckpointHead, StateArchive<'_>) {
+        let (mut head, mut archive) = (CheckpointHead::default(), StateArchive::reader(state));
+        head.persist(&mut archive);
+        (head, archive)
+    }
+}
+
 /// Returns descriptions of the user memory that a saved state does not contain; empty if it is complete.
 pub fn lost(state: &[u8]) -> Vec<String> {
-    let mut head = CheckpointHead::default();
-    head.persist(&mut StateArchive::reader(state));
-    head.routines.lost
+    CheckpointHead::read(state).0.routines.lost
 }
 
 /// Returns the new meshes that bodies had when a state was saved.
 pub(super) fn saved_revisions(state: &[u8]) -> Vec<MeshRevision> {
-    let mut head = CheckpointHead::default();
-    head.persist(&mut StateArchive::reader(state));
-    head.revisions
+    CheckpointHead::read(state).0.revisions
 }
 
 impl RunCursor<'_, '_> {
@@ -359,10 +363,7 @@ pub(super) fn restore(
     observing: &mut RunOutput,
     state: &[u8],
 ) -> Result<(usize, IncrementController), UnfitState> {
-    let mut archive = StateArchive::reader(state);
-    let mut head = CheckpointHead::default();
-    head.persist(&mut archive);
-    let CheckpointHead { step: index, routines, revisions } = head;
+    let (CheckpointHead { step: index, routines, revisions }, mut archive) = CheckpointHead::read(state);
     run.remesh.revisions = revisions;
     if index >= run.current.plan.steps.len() {
         return Err(UnfitState { reason: "it is incomplete".into() });

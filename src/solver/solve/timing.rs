@@ -121,11 +121,6 @@ impl<'a> EffectTiming<'a> {
         self.began.map(|_| Stopwatch::now())
     }
 
-    /// Starts timing the force assembly at nodes.
-    pub fn start_gather(&self, plan: &Plan) -> Option<Stopwatch> {
-        self.start(plan.rows.gather?)
-    }
-
     /// Adds the time since `since` to a row.
     #[inline(always)]
     pub fn stop(&mut self, since: Option<Stopwatch>, row: EffectId) {
@@ -134,13 +129,6 @@ impl<'a> EffectTiming<'a> {
             self.rows[row] += (passed - self.look).max(0.0);
             // The two readings of the clock belong to no row.
             self.sampled -= 2.0 * self.look;
-        }
-    }
-
-    /// Adds the time since `since` to the row of the force assembly at nodes.
-    pub fn stop_gather(&mut self, since: Option<Stopwatch>, plan: &Plan) {
-        if let Some(row) = plan.rows.gather {
-            self.stop(since, row);
         }
     }
 

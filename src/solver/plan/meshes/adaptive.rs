@@ -33,26 +33,24 @@ pub fn adaptive_change<'a>(
     report: &mut Report,
 ) -> Option<Vec<AdaptiveDomain>> {
     let step = &scene.model.steps[index];
-    let previous_step = index.checked_sub(1).map(|i| &scene.model.steps[i]);
+    let previous = index.checked_sub(1).map(|i| &scene.model.steps[i]);
     // Loaded and bonded nodes follow the material.
     let causes = |step: &'a Step| {
         let regions = (&step.adaptive_regions, &step.mesh_motions);
         (&step.adaptive, &step.adaptive_fixed, regions, &step.loads, heated_nodes(step).collect::<Vec<usize>>())
     };
     report_unused_regions(scene.model, step, report);
-    let is_absent =
-        step.adaptive.is_empty() && previous_step.is_none_or(|previous_step| previous_step.adaptive.is_empty());
-    let is_unchanged = |previous_step: &'a Step| {
-        causes(previous_step) == causes(step)
+    let is_absent = step.adaptive.is_empty() && previous.is_none_or(|previous| previous.adaptive.is_empty());
+    let is_unchanged = |previous: &'a Step| {
+        causes(previous) == causes(step)
             && cohesive_nodes(scene.model, pairs, index - 1).eq(cohesive_nodes(scene.model, pairs, index))
     };
-    if is_absent || previous_step.is_some_and(is_unchanged) {
+    if is_absent || previous.is_some_and(is_unchanged) {
         return None;
     }
     // A domain of the same set continues that of the previous step.
     for mesh in &step.adaptive {
-        let continued =
-            previous_step.and_then(|previous_step| previous_step.adaptive.iter().find(|domain| domain.set == mesh.set));
+        let continued = previous.and_then(|previous| previous.adaptive.iter().find(|domain| domain.set == mesh.set));
         if let Some(domain) = continued {
             report.share_ledger_rows(domain.span, mesh.span);
         }

@@ -425,8 +425,7 @@ fn columns_of_set(
 
 /// Adds columns of a part. A rigid body belongs to it with all its mass if one of its elements does.
 fn part_columns(scene: Scene, selection: VariableRequest, set: ElementSetId, columns: &mut Columns) {
-    let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
-    let parts = selected_parts(scene, selection, |v| v.place() == VariablePlace::Part);
+    let parts = all_parts(scene, selection, VariablePlace::Part);
     let model = scene.model;
     let (name, members) = named(&model.element_sets, set.index());
     let source = |element: &usize| match scene.places.elements.get(element) {
@@ -447,8 +446,7 @@ fn part_columns(scene: Scene, selection: VariableRequest, set: ElementSetId, col
 /// Adds columns of the selected contact pairs.
 fn pair_columns(input: OutputInput, selection: VariableRequest, which: &ContactPairFilter, columns: &mut Columns) {
     let OutputInput { scene, pairs, .. } = input;
-    let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
-    let parts = selected_parts(scene, selection, |v| v.place() == VariablePlace::Pair);
+    let parts = all_parts(scene, selection, VariablePlace::Pair);
     let meant = |name: &str| {
         pairs.by_step.iter().flat_map(|pairs| pairs.iter()).any(|c| pair_name(c) == name && which.matches(c))
     };
@@ -498,8 +496,7 @@ fn section_columns(
     name: &str,
     columns: &mut Columns,
 ) {
-    let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
-    let parts = selected_parts(input.scene, selection, |v| v.place() == VariablePlace::Section);
+    let parts = all_parts(input.scene, selection, VariablePlace::Section);
     let known = columns.sections.iter().position(|s| s.surface == surface);
     let index = known.unwrap_or_else(|| {
         columns.sections.push(integrated_section(input, surface));
@@ -538,6 +535,13 @@ fn selected_parts(scene: Scene, selection: VariableRequest, of: impl Fn(Variable
         _ => selection.variables(),
     };
     variables.into_iter().filter(|v| of(*v)).flat_map(|v| components_of(scene, v)).collect()
+}
+
+/// Returns the components that a name selects among the variables of a place; PRESELECT selects all.
+fn all_parts(scene: Scene, selection: VariableRequest, place: VariablePlace) -> Vec<VariableComponent> {
+    let is_preselection = matches!(selection, VariableRequest::Preselect);
+    let selection = if is_preselection { VariableRequest::All } else { selection };
+    selected_parts(scene, selection, |variable| variable.place() == place)
 }
 
 /// Returns the components of a variable; for state variables as many as the materials of the model have.
