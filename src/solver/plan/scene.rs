@@ -22,8 +22,7 @@ pub struct Scene<'a> {
 impl<'a> Scene<'a> {
     /// Returns the name of an element of a group; empty if it does not exist.
     pub fn element_name(self, place: (usize, usize)) -> &'a str {
-        let element = self.places.elements.iter().find(|entry| *entry.1 == place);
-        element.map_or("", |(e, _)| &self.model.mesh.elements[e].name)
+        self.places.element_at(place).map_or("", |e| &self.model.mesh.elements[e].name)
     }
 }
 

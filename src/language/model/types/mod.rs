@@ -126,6 +126,16 @@ impl Model {
         self.solves_for_temperatures() && section.elements.iter().any(is_thermal)
     }
 
+    /// Returns whether a step has mass scaling.
+    pub fn scales_masses(&self) -> bool {
+        self.steps.iter().any(|step| !step.mass_scalings.is_empty())
+    }
+
+    /// Returns whether a step has an adaptive mesh.
+    pub fn has_adaptive_mesh(&self) -> bool {
+        self.steps.iter().any(|step| !step.adaptive.is_empty())
+    }
+
     /// Returns whether a material has an equation of state.
     pub fn has_equation_of_state(&self) -> bool {
         self.materials.iter().any(|material| material.eos.is_some())

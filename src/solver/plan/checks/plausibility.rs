@@ -134,7 +134,7 @@ fn shortest_wave_transit(model: &Model) -> Option<(f64, &Element)> {
 
 /// Warns if a fixed time increment is longer than the shortest time in which a wave crosses an element.
 fn check_given_increments(model: &Model, time: f64, element: &Element, report: &mut Report) {
-    let scaled = model.steps.iter().any(|s| !s.mass_scalings.is_empty());
+    let scaled = model.scales_masses();
     let fixed_increments = model.steps.iter().filter_map(|s| match s.increment {
         IncrementControl::Fixed(dt) => Some((s.span, dt)),
         IncrementControl::Automatic { .. } => None,

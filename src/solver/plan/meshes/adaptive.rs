@@ -14,7 +14,6 @@ use crate::model::{
 };
 use crate::plan::contact::cohesion::cohesive_nodes;
 use crate::plan::loads::magnitude;
-use crate::plan::output::scales_masses;
 use crate::plan::solids::mass_scaling::constrained_nodes;
 use crate::plan::{Links, Pairs, Report, Scene, State};
 
@@ -134,7 +133,7 @@ fn adaptive_domain(
         let help = "use another material or other section controls, or no adaptive mesh";
         refuse_domain(mesh.span, message.into(), help, report);
     }
-    let domain = domain.map(|domain| if scales_masses(scene) { domain.with_mass_scaling() } else { domain });
+    let domain = domain.map(|domain| if scene.model.scales_masses() { domain.with_mass_scaling() } else { domain });
     domain.map(|domain| if state.conducts_heat(group) { domain.with_temperatures() } else { domain })
 }
 
@@ -160,7 +159,7 @@ fn unsupported_domain(
         let message = format!("elements of `{}` belong to two adaptive meshes", mesh.set);
         return Some((message, "give each element to one domain"));
     }
-    if scales_masses(scene) && state.conducts_heat(group) {
+    if scene.model.scales_masses() && state.conducts_heat(group) {
         let message = "adaptive meshes with heat conduction cannot be combined with mass scaling".into();
         return Some((message, "remove the mass scaling, or use ADIABATIC on *DYNAMIC, EXPLICIT"));
     }

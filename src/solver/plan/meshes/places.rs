@@ -144,6 +144,11 @@ impl SolidPlaces {
         self.free_node(node).is_some()
     }
 
+    /// Returns the mesh element of an element of a group, given the group and the index in it.
+    pub fn element_at(&self, place: (usize, usize)) -> Option<usize> {
+        self.elements.iter().find(|entry| *entry.1 == place).map(|entry| entry.0)
+    }
+
     /// Returns the solver node of a mesh node; `None` if it is tied to a rigid body or not deformable.
     pub fn free_node(&self, node: usize) -> Option<usize> {
         self.nodes.get(&node).copied().filter(|_| !self.tied.contains_key(&node))

@@ -158,7 +158,7 @@ fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Repor
     let loads = || model.steps.iter().flat_map(|step| &step.loads);
     let contacts = || pairs.by_step.iter().flat_map(|pairs| pairs.iter());
     let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
-    let scales = model.steps.iter().any(|step| !step.mass_scalings.is_empty());
+    let scales = model.scales_masses();
     let is_users =
         |kind: &LoadKind| matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. } | LoadKind::UserBody { .. });
     let exclusions = [

@@ -576,10 +576,6 @@ fn frame_fields(
     report.ledger_row(request.span, "field output", request.variables.len(), "variables", detail);
 }
 
-pub fn scales_masses(scene: Scene) -> bool {
-    !scene.places.elements.is_empty() && scene.model.steps.iter().any(|step| !step.mass_scalings.is_empty())
-}
-
 /// Returns the variables that this model has as a whole: energies, the time increment and the added mass.
 fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
     let deforms = !scene.places.elements.is_empty();
@@ -587,8 +583,7 @@ fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
     let damages = materials_present(scene).any(fails)
         || damaged_interfaces(scene.model).next().is_some()
         || cohesive_behaviors(scene.model, pairs).any(|cohesion| cohesion.evolution.is_some());
-    let scales = scales_masses(scene);
-    let smooths = scene.model.steps.iter().any(|step| !step.adaptive.is_empty());
+    let (scales, smooths) = (deforms && scene.model.scales_masses(), scene.model.has_adaptive_mesh());
     let eulerian = |step: &Step| step.adaptive_regions.iter().any(|region| region.kind == RegionType::Eulerian);
     let flows = smooths && scene.model.steps.iter().any(eulerian);
     let adapts = smooths || !scene.model.remeshings.is_empty();

@@ -227,18 +227,15 @@ fn distortion_control(section: &SolidSection, count: usize, report: &mut Report)
 pub fn estimate_frequency(scene: Scene, state: &mut State, report: &mut Report) {
     let asks = |s: &&Step| matches!(s.increment, IncrementControl::Automatic { element_by_element: false, .. });
     let Some(step) = scene.model.steps.iter().find(asks) else { return };
-    if scene.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
-        let why = "with mass scaling the estimate is element by element";
-        report.add_unused_card(step.span, "global estimate of the stable increment", why);
-        return;
-    }
-    if scene.model.steps.iter().any(|s| !s.adaptive.is_empty()) {
-        let why = "with adaptive meshes the estimate is element by element";
-        report.add_unused_card(step.span, "global estimate of the stable increment", why);
-        return;
-    }
-    let Some(mut frequency) = HighestFrequency::new(&state.elements.groups, &state.dofs.nodes) else {
-        let why = if !scene.model.cohesive_sections.is_empty() {
+    let model = scene.model;
+    let frequency = (!model.scales_masses() && !model.has_adaptive_mesh())
+        .then(|| HighestFrequency::new(&state.elements.groups, &state.dofs.nodes));
+    let Some(mut frequency) = frequency.flatten() else {
+        let why = if model.scales_masses() {
+            "with mass scaling the estimate is element by element"
+        } else if model.has_adaptive_mesh() {
+            "with adaptive meshes the estimate is element by element"
+        } else if !model.cohesive_sections.is_empty() {
             "with cohesive elements the estimate is element by element"
         } else if scene.places.rotations.is_empty() {
             "a material is not linear elastic at small strains; the estimate is element by element"
@@ -455,7 +452,7 @@ pub fn scale_and_estimate(scene: Scene, links: &Links, state: &mut State, report
     if state.elements.is_empty() {
         return;
     }
-    if scene.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
+    if scene.model.scales_masses() {
         let linked = marked_nodes(state.dofs.nodes.len(), nodes_of_links(links));
         state.elements.store_unscaled_masses(&state.dofs.nodes, linked);
     }

@@ -354,7 +354,7 @@ fn check_by_area(input: &GroupInput, report: &mut Report) -> Option<()> {
         Some("WEIGHTING=AREA together with shells is not supported")
     } else if !model.cohesive_sections.is_empty() {
         Some("WEIGHTING=AREA together with cohesive elements is not supported")
-    } else if !places.tied.is_empty() || model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
+    } else if !places.tied.is_empty() || model.scales_masses() {
         Some("WEIGHTING=AREA with tied rigid bodies or scaled masses is not supported")
     } else {
         None
