@@ -7,7 +7,8 @@ mod text;
 
 use serde::Serialize;
 
-use crate::model::{DeckUnits, InitialKind, MaterialDefinition, Model};
+use crate::kernel::moduli::ElasticModuli;
+use crate::model::{DeckUnits, MaterialDefinition, Model};
 use crate::plan::{Plan, State};
 pub use bodies::PartOverview;
 pub use effort::{RunEstimate, measure};
@@ -99,7 +100,8 @@ fn waves(material: &MaterialDefinition, temperature: Option<f64>) -> Option<Wave
 /// Returns the small-strain bulk and shear moduli; `None` if they are defined by a user subroutine.
 fn moduli(material: &MaterialDefinition, temperature: Option<f64>) -> Option<[f64; 2]> {
     if let Some([modulus, ratio]) = material.elastic.filter(|_| material.eos.is_none()) {
-        return Some([modulus / (3.0 * (1.0 - 2.0 * ratio)), modulus / (2.0 * (1.0 + ratio))]);
+        let ElasticModuli { bulk, shear } = ElasticModuli::from_young(modulus, ratio);
+        return Some([bulk, shear]);
     }
     if let Some(rubber) = &material.hyperelastic {
         let shear = rubber.shape.shear();
@@ -112,10 +114,7 @@ fn moduli(material: &MaterialDefinition, temperature: Option<f64>) -> Option<[f6
 }
 
 fn temperatures(model: &Model) -> Option<[f64; 2]> {
-    let temperatures = model.initial_conditions.iter().filter_map(|condition| match condition.kind {
-        InitialKind::Temperature(value) => Some(value),
-        _ => None,
-    });
+    let temperatures = model.initial_conditions.iter().filter_map(|condition| condition.kind.temperature());
     temperatures.fold(None, |range, value| {
         let [low, high] = range.unwrap_or([value; 2]);
         Some([low.min(value), high.max(value)])

@@ -21,6 +21,7 @@ use crate::element::group::ElementGroup;
 use crate::element::lengths::UserLengthElements;
 use crate::element::rings::RingFactors;
 use crate::element::solid_groups::Connectivity;
+use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::quad;
 use crate::kernel::topology::ElementTopology;
 use crate::mesh::gather::NodalAssembly;
@@ -185,10 +186,8 @@ fn rayleigh_factors(model: &Model, section: &SolidSection, count: usize, report:
         let message = "WEIGHTING=AREA with *DAMPING is not supported";
         report.push(Diagnostic::error("P050", message).at(section.span, "this section"));
     }
-    let moduli = match material.elastic {
-        Some([young, poisson]) => [young / (3.0 * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson))],
-        None => [0.0; 2],
-    };
+    let ElasticModuli { bulk, shear } =
+        material.elastic.map(|[young, ratio]| ElasticModuli::from_young(young, ratio)).unwrap_or_default();
     if beta > 0.0 && material.elastic.is_none() {
         let message = format!("BETA of *DAMPING requires *ELASTIC, and material {} has none", material.name);
         let help = "use ALPHA, or *BULK VISCOSITY";
@@ -200,7 +199,7 @@ fn rayleigh_factors(model: &Model, section: &SolidSection, count: usize, report:
     if beta > 0.0 {
         report.ledger_row(span, "stiffness proportional damping", count, "elements", format!("beta = {beta}"));
     }
-    RayleighFactors { mass: alpha, stiffness: beta, moduli }
+    RayleighFactors { mass: alpha, stiffness: beta, moduli: [bulk, shear] }
 }
 
 /// Returns the elements of built-in materials whose characteristic length is user-defined (VUCHARLENGTH).

@@ -192,9 +192,8 @@ pub fn elastic_moduli(material: &MaterialDefinition, span: Span, report: &mut Re
         MaterialDefinition { elastic: Some(_), elastic_table, .. } if !elastic_table.is_empty() => {
             return Some(stiffest(elastic_table));
         }
-        MaterialDefinition { elastic: Some([e, nu]), .. } => {
-            let bulk = e / (3.0 * (1.0 - 2.0 * nu));
-            return Some(ElasticModuli { bulk, shear: e / (2.0 * (1.0 + nu)) });
+        MaterialDefinition { elastic: Some([young, ratio]), .. } => {
+            return Some(ElasticModuli::from_young(*young, *ratio));
         }
         MaterialDefinition { shear_modulus: Some(_), .. } => {
             format!("material `{}` has only a shear modulus: *EOS is missing", material.name)
@@ -575,10 +574,11 @@ pub fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
 
 /// Returns the largest moduli of a table. The linear interpolation between its rows does not exceed them.
 fn stiffest(rows: &[Vec<f64>]) -> ElasticModuli {
-    let largest = |of: fn(f64, f64) -> f64| rows.iter().map(|r| of(r[0], r[1])).fold(0.0, f64::max);
-    let bulk = largest(|e, nu| e / (3.0 * (1.0 - 2.0 * nu)));
-    let shear = largest(|e, nu| e / (2.0 * (1.0 + nu)));
-    ElasticModuli { bulk, shear }
+    let moduli = rows.iter().map(|row| ElasticModuli::from_young(row[0], row[1]));
+    moduli.fold(ElasticModuli::default(), |largest, next| ElasticModuli {
+        bulk: largest.bulk.max(next.bulk),
+        shear: largest.shear.max(next.shear),
+    })
 }
 
 /// Creates kinematic hardening from rows of yield stress, hardening modulus and temperature.
