@@ -23,15 +23,11 @@ pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize,
     let axis = part.component;
     let dof = Dof::Node(node, axis);
     match part.variable {
-        Variable::Displacement => dofs.displacement(dof),
-        Variable::Velocity => dofs.velocity(dof),
-        Variable::Acceleration => dofs.acceleration(dof),
-        Variable::Reaction => reaction(constraints, dofs, dof),
         // Rotations are degrees of freedom of separate nodes.
-        Variable::Rotation => dofs.displacement(dof),
-        Variable::RotationalVelocity => dofs.velocity(dof),
-        Variable::RotationalAcceleration => dofs.acceleration(dof),
-        Variable::ReactionMoment => reaction(constraints, dofs, dof),
+        Variable::Displacement | Variable::Rotation => dofs.displacement(dof),
+        Variable::Velocity | Variable::RotationalVelocity => dofs.velocity(dof),
+        Variable::Acceleration | Variable::RotationalAcceleration => dofs.acceleration(dof),
+        Variable::Reaction | Variable::ReactionMoment => reaction(constraints, dofs, dof),
         Variable::Coordinate => dofs.nodes[node].place()[axis],
         _ => f64::NAN,
     }

@@ -729,44 +729,35 @@ fn why_absent(selection: VariableRequest, request: &OutputRequest) -> String {
         }
         _ => selection.variables().first().map(|v| v.place()),
     };
-    match (variable_place, &request.region) {
+    let reason = match (variable_place, &request.region) {
         (Some(VariablePlace::Node), OutputRegion::Whole | OutputRegion::Elements(_)) if history => {
-            format!("{name} is a nodal variable; request its history with *NODE OUTPUT, NSET=")
+            "is a nodal variable; request its history with *NODE OUTPUT, NSET="
         }
         (Some(VariablePlace::Point | VariablePlace::Element), OutputRegion::Whole | OutputRegion::Nodes(_))
             if history =>
         {
-            format!("{name} is an element variable; request its history with *ELEMENT OUTPUT, ELSET=")
+            "is an element variable; request its history with *ELEMENT OUTPUT, ELSET="
         }
         (Some(VariablePlace::Pair), OutputRegion::Pairs(_)) if history => {
-            format!("{name}: no contact pair is selected")
+            return format!("{name}: no contact pair is selected");
         }
         (Some(VariablePlace::Pair), _) if !history => {
-            format!("{name} is a history variable of contact pairs: use *OUTPUT, HISTORY with *CONTACT OUTPUT")
+            "is a history variable of contact pairs: use *OUTPUT, HISTORY with *CONTACT OUTPUT"
         }
-        (Some(VariablePlace::Pair), _) => {
-            format!("{name} is a variable of contact pairs: use *CONTACT OUTPUT without NSET")
-        }
-        (Some(VariablePlace::Section), _) => {
-            format!("{name} is a variable of deformable surfaces: use *INTEGRATED OUTPUT, SURFACE=")
-        }
+        (Some(VariablePlace::Pair), _) => "is a variable of contact pairs: use *CONTACT OUTPUT without NSET",
+        (Some(VariablePlace::Section), _) => "is a variable of deformable surfaces: use *INTEGRATED OUTPUT, SURFACE=",
         (Some(VariablePlace::Part), _) => {
-            format!("{name} is a history variable of parts: use *OUTPUT, HISTORY with *ENERGY OUTPUT, ELSET=")
+            "is a history variable of parts: use *OUTPUT, HISTORY with *ENERGY OUTPUT, ELSET="
         }
-        (Some(VariablePlace::Facet), _) if history => {
-            format!("{name} is a facet variable of frames and has no history")
-        }
-        (Some(VariablePlace::Energy), _) if !history => {
-            format!("{name} is an energy of the whole model: use *OUTPUT, HISTORY")
-        }
-        (Some(VariablePlace::Increment), _) if !history => {
-            format!("{name} is a variable of increments: use *OUTPUT, HISTORY")
-        }
+        (Some(VariablePlace::Facet), _) if history => "is a facet variable of frames and has no history",
+        (Some(VariablePlace::Energy), _) if !history => "is an energy of the whole model: use *OUTPUT, HISTORY",
+        (Some(VariablePlace::Increment), _) if !history => "is a variable of increments: use *OUTPUT, HISTORY",
         (Some(VariablePlace::Energy), OutputRegion::Nodes(_) | OutputRegion::Elements(_)) => {
-            format!("{name} is an energy of the whole model; sets have PARTKE and PARTIE")
+            "is an energy of the whole model; sets have PARTKE and PARTIE"
         }
-        _ => format!("output variable {name} has no value in this model"),
-    }
+        _ => return format!("output variable {name} has no value in this model"),
+    };
+    format!("{name} {reason}")
 }
 
 /// Returns whether every frame contains a variable: facet variables of loads, and coordinates.
