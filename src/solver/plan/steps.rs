@@ -75,8 +75,8 @@ impl ConstraintOrigin<'_> {
     }
 
     /// Returns whether a constraint takes over the history of a previous one: the same boundary condition, or contact.
-    fn continues(&self, before: &ConstraintOrigin<'_>) -> bool {
-        match (self, before) {
+    fn continues(&self, previous: &ConstraintOrigin<'_>) -> bool {
+        match (self, previous) {
             (ConstraintOrigin::Motion(a, _), ConstraintOrigin::Motion(b, _)) => {
                 a.span == b.span && prescribes_same(a, b)
             }
@@ -117,8 +117,8 @@ fn is_same_load(a: &model::Load, b: &model::Load) -> bool {
 
 /// Returns whether a load takes over the history of the load that it replaces: the tunnel in a target, or the data of a
 /// user subroutine.
-fn continues_load(load: &model::Load, before: &model::Load) -> bool {
-    match (&load.kind, &before.kind) {
+fn continues_load(load: &model::Load, previous: &model::Load) -> bool {
+    match (&load.kind, &previous.kind) {
         (LoadKind::Cavity { target: a, .. }, LoadKind::Cavity { target: b, .. }) => a == b,
         (LoadKind::User { load_type: a, .. }, LoadKind::User { load_type: b, .. }) => a == b,
         _ => false,
@@ -127,7 +127,7 @@ fn continues_load(load: &model::Load, before: &model::Load) -> bool {
 
 /// Builder of the constraints of a step: kept ones of the previous step, and new ones.
 pub struct ConstraintList<'a> {
-    before: Vec<ConstraintOrigin<'a>>,
+    previous: Vec<ConstraintOrigin<'a>>,
     origins: Vec<ConstraintOrigin<'a>>,
     entries: Vec<ListEntry<dyn Constraint>>,
     user_motions: Vec<ListEntry<UserMotion>>,
@@ -137,17 +137,17 @@ impl<'a> ConstraintList<'a> {
     /// Keeps the constraint of the previous step with the same origin. Returns the origin as an error if no constraint
     /// has it.
     pub fn keep(&mut self, origin: ConstraintOrigin<'a>) -> Result<(), ConstraintOrigin<'a>> {
-        let Some(place) = self.before.iter().position(|b| b.is_same(&origin)) else { return Err(origin) };
+        let Some(index) = self.previous.iter().position(|b| b.is_same(&origin)) else { return Err(origin) };
         if origin.is_users() {
-            self.user_motions.push(ListEntry::Kept(self.before[..place].iter().filter(|b| b.is_users()).count()));
+            self.user_motions.push(ListEntry::Kept(self.previous[..index].iter().filter(|b| b.is_users()).count()));
         }
-        self.entries.push(ListEntry::Kept(place));
+        self.entries.push(ListEntry::Kept(index));
         self.origins.push(origin);
         Ok(())
     }
 
     pub fn add(&mut self, origin: ConstraintOrigin<'a>, effect: Box<dyn Constraint>) {
-        let places = (0..self.before.len()).filter(|&i| origin.continues(&self.before[i]));
+        let places = (0..self.previous.len()).filter(|&i| origin.continues(&self.previous[i]));
         self.entries.push(ListEntry::Added { effect, continues: places.collect() });
         self.origins.push(origin);
     }
@@ -280,9 +280,9 @@ fn constraint_changes<'a>(
         return (None, None);
     }
     let step = &scene.model.steps[index];
-    let before = std::mem::take(&mut active.constraints);
+    let previous = std::mem::take(&mut active.constraints);
     let (entries, user_motions) = (Vec::new(), Vec::new());
-    let mut list = ConstraintList { before, origins: Vec::new(), entries, user_motions };
+    let mut list = ConstraintList { previous, origins: Vec::new(), entries, user_motions };
     add_motions(scene, step, &mut list, report);
     let prescribed = list.given();
     if let Err(origin) = list.keep(ConstraintOrigin::Equations(prescribed.clone()))
@@ -318,9 +318,9 @@ fn constraint_changes<'a>(
             list.add(origin, Box::new(tie.clone()));
         }
     }
-    let previous_motions = list.before.iter().filter(|b| b.is_users()).count();
+    let previous_motions = list.previous.iter().filter(|b| b.is_users()).count();
     active.constraints = list.origins;
-    let constraints = ListChange::between(list.before.len(), list.entries);
+    let constraints = ListChange::between(list.previous.len(), list.entries);
     (constraints, ListChange::between(previous_motions, list.user_motions))
 }
 

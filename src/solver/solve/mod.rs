@@ -72,8 +72,8 @@ use watch::RunReport;
 ///     }
 /// }
 ///
-/// let (deck, found) = deck::read("input/ogive.inp".as_ref(), &[]);
-/// assert!(!found.has_errors());
+/// let (deck, diagnostics) = deck::read("input/ogive.inp".as_ref(), &[]);
+/// assert!(!diagnostics.has_errors());
 /// let (model, _) = model::build(&deck);
 /// let (plan, start, _) = plan::compile(&model, &Routines::none());
 /// let (first, _) = solve::run(&plan, start.clone(), &mut Print);

@@ -25,7 +25,7 @@ const DEPTH: usize = 4;
 /// Prescribed motions, and equations by their dependent degrees of freedom.
 struct InertiaSearch {
     /// Mesh nodes whose motion along r and z is prescribed in all steps.
-    held: [HashSet<usize>; 2],
+    prescribed: [HashSet<usize>; 2],
     /// Index of the equation of each dependent degree of freedom (solver node, axis).
     dependent: HashMap<(usize, usize), usize>,
 }
@@ -33,7 +33,7 @@ struct InertiaSearch {
 impl InertiaSearch {
     /// Returns whether the motion of a mesh node along an axis is prescribed in all steps, or fixed on the axis.
     fn is_held(&self, node: usize, axis: usize, mesh: &Mesh) -> bool {
-        self.held[axis].contains(&node) || axis == 0 && mesh.points[node][0] == 0.0
+        self.prescribed[axis].contains(&node) || axis == 0 && mesh.points[node][0] == 0.0
     }
 }
 
@@ -237,13 +237,13 @@ fn inertia_search(model: &Model, links: &Links) -> InertiaSearch {
         let boundaries = step.boundaries.iter().filter(|b| usize::from(b.dof) == axis + 1);
         boundaries.flat_map(|b| b.nodes.iter().copied()).collect()
     };
-    let held = [0, 1].map(|axis| {
+    let prescribed = [0, 1].map(|axis| {
         let sets = model.steps.iter().map(|step| of_step(step, axis));
         sets.reduce(|all, next| all.intersection(&next).copied().collect()).unwrap_or_default()
     });
     let firsts = links.equations.iter().enumerate();
     let dependent = firsts.filter_map(|(i, e)| e.terms.first().map(|term| ((term.0, term.1), i))).collect();
-    InertiaSearch { held, dependent }
+    InertiaSearch { prescribed, dependent }
 }
 
 /// Returns the degrees of freedom whose inertia resists a node along an axis: the node, the rigid body or the set of
