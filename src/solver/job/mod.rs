@@ -568,7 +568,8 @@ pub fn run_in_memory(prepared: &PreparedJob) -> (Outcome, HistorySummary) {
 
 /// Runs a prepared deck with a given sink; no file is written.
 pub fn run_into(prepared: &PreparedJob, sink: &mut dyn Sink) -> (Outcome, State) {
-    run_until(prepared, sink, &AtomicUsize::new(0))
+    announce_to_user(prepared, &JobFiles { folder: PathBuf::from("."), name: "job".into() });
+    solve::run(&prepared.plan, prepared.state.clone(), sink)
 }
 
 /// Runs like [`run_into`]; a nonzero `interrupt` ends the run.
