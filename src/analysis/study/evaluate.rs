@@ -18,7 +18,7 @@ use crate::job::{self, ParameterOverrides};
 use crate::model::revise::{self, RevisableNumber};
 use crate::model::{self, Model};
 use crate::output::RunHistory;
-use crate::plan::revise::PlanReviser;
+use crate::plan::revise::{PlanReviser, RevisablePlan};
 use crate::plan::{self, Plan, State, WriteSchedule};
 use crate::solve::{self, Instant, Outcome, Progress, RunControl, Sink, SinkError};
 use crate::user::Routines;
@@ -477,7 +477,7 @@ impl ReusablePlan {
         let model = model::build(&deck).0;
         let places = template.words.iter().map(|word| revise::revisable(&model, &deck, word));
         let places = places.collect::<Option<Vec<_>>>()?;
-        let (mut plan, state, _, reviser) = plan::revise::compile(&model, &routines, &places);
+        let RevisablePlan { mut plan, state, reviser } = plan::revise::compile(&model, &routines, &places);
         evaluator.reduce_output(&mut plan);
         let history = evaluator.history(&plan);
         let (values, numbers) = (Vec::new(), Vec::new());

@@ -159,10 +159,10 @@ pub struct ValidatedDeck {
 impl ValidatedDeck {
     /// Validates a deck that has been read.
     pub fn new((mut deck, mut diagnostics): (Deck, Diagnostics)) -> ValidatedDeck {
-        let (model, found) = model::build(&deck);
+        let (model, model_diagnostics) = model::build(&deck);
         // The cards are not needed any more, and with a large mesh they take most of the memory.
         deck.cards = Vec::new();
-        diagnostics.append(found);
+        diagnostics.append(model_diagnostics);
         deck.name_fractions(&mut diagnostics);
         ValidatedDeck { deck, model, diagnostics }
     }
@@ -202,13 +202,14 @@ pub fn prepare_model(model: &Model, routines: &Routines) -> PreparedJob {
 }
 
 fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &Routines) -> PreparedJob {
-    let (plan, state, mut found) = plan::compile(model, routines);
+    let (plan, state, mut plan_diagnostics) = plan::compile(model, routines);
     // After an error in the deck, planning errors may be consequences of it and are dropped, except those on elements,
-    // // sections and materials if all bodies have been read.
+    // sections and materials if all bodies have been read.
     if diagnostics.has_errors() {
-        found.retain(|d| model.origin.bodies_read && d.severity == Severity::Error && OF_BODIES.contains(&d.code));
+        plan_diagnostics
+            .retain(|d| model.origin.bodies_read && d.severity == Severity::Error && OF_BODIES.contains(&d.code));
     }
-    diagnostics.append(found);
+    diagnostics.append(plan_diagnostics);
     diagnostics.merge_repeats();
     let (title, scene, has_routines) = (model.settings.title.clone(), SceneOutline::of(model), routines.any());
     let units = model.settings.units.clone();
@@ -548,11 +549,11 @@ impl Sink for FileSink<'_> {
 
     fn keep(&mut self, state: &[u8], now: &Instant) -> Result<(), SinkError> {
         self.write_history()?;
-        let mut shown = Vec::new();
+        let mut lines = Vec::new();
         let mut frames = self.frames.frames().to_vec();
-        persist_shown(&mut frames, &mut self.history, &mut StateArchive::writer(&mut shown));
+        persist_shown(&mut frames, &mut self.history, &mut StateArchive::writer(&mut lines));
         let (version, identity) = (env!("CARGO_PKG_VERSION").into(), self.identity.clone());
-        let mut checkpoint = Checkpoint { version, identity, now: *now, shown, state: Vec::new() };
+        let mut checkpoint = Checkpoint { version, identity, now: *now, shown: lines, state: Vec::new() };
         Ok(checkpoint.write(&self.job.path(CHECKPOINT), state)?)
     }
 }
@@ -640,19 +641,23 @@ pub fn run_with<'a>(
     let warn = options.warn.unwrap_or(&|_| {});
     let mut files =
         FileSink { job, frames, wanted: options.frames, status, history, identity, progress, warn, history_written };
-    let kept = options.from.as_ref().map(|c| &c.state[..]);
-    let control =
-        RunControl { every: options.every, interrupt: options.interrupt, state: kept, position: options.position };
+    let saved_state = options.from.as_ref().map(|c| &c.state[..]);
+    let control = RunControl {
+        every: options.every,
+        interrupt: options.interrupt,
+        state: saved_state,
+        position: options.position,
+    };
     let state = options.state.unwrap_or_else(|| prepared.state.clone());
     let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(checkpoint_mismatch)?;
-    let kept = outcome.checkpoint_seconds;
+    let checkpoint_seconds = outcome.checkpoint_seconds;
     let (sums, history_failed) = files.end();
     let FileSink { mut status, history, .. } = files;
     let mut summary = summarise(prepared, outcome, history);
     let forgotten = lost_state_notes(prepared, options.from.as_ref(), &summary.lost);
     summary.diagnostics.extend(forgotten.findings(&prepared.deck.sources));
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
-    summary.timing.checkpoint_seconds = (kept > 0.0).then_some(kept);
+    summary.timing.checkpoint_seconds = (checkpoint_seconds > 0.0).then_some(checkpoint_seconds);
     history_failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
     summary.reason.iter().for_each(|reason| status.note(&format!("***ERROR: {reason}")));
     status.note(&format!("THE ANALYSIS HAS {}", summary.status.to_uppercase()));

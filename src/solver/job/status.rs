@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn numbers_have_the_width_and_format_of_fortran() {
-        let all = [1.819_4e-6, -2.5e12, 0.0, f64::NAN, 1e-300].map(scientific);
-        assert_eq!(all, [" 1.82E-06", "-2.50E+12", " 0.00E+00", "      NaN", "1.00E-300"]);
+        let numbers = [1.819_4e-6, -2.5e12, 0.0, f64::NAN, 1e-300].map(scientific);
+        assert_eq!(numbers, [" 1.82E-06", "-2.50E+12", " 0.00E+00", "      NaN", "1.00E-300"]);
     }
 }

@@ -73,9 +73,9 @@ impl TrialRun<'_> {
 
 impl Sink for TrialRun<'_> {
     fn wants_frames(&self) -> bool {
-        let wanted = self.output_time < FRAME_TIME || FRAME_SHARE * self.output_time < self.begin.elapsed();
-        self.skipped.set(self.skipped.get() || !wanted);
-        self.frames && wanted
+        let is_worth_a_frame = self.output_time < FRAME_TIME || FRAME_SHARE * self.output_time < self.begin.elapsed();
+        self.skipped.set(self.skipped.get() || !is_worth_a_frame);
+        self.frames && is_worth_a_frame
     }
 
     fn wants_last_instant(&self) -> bool {
@@ -121,7 +121,7 @@ pub fn measure(plan: &Plan, state: State, length: Duration) -> Option<RunEstimat
         return None;
     }
     let stop = AtomicUsize::new(0);
-    let mut look = TrialRun {
+    let mut trial = TrialRun {
         frames: plan.steps.iter().any(|step| !step.outputs.field.is_empty()),
         begin: Stopwatch::now(),
         length,
@@ -136,23 +136,23 @@ pub fn measure(plan: &Plan, state: State, length: Duration) -> Option<RunEstimat
         output_time: Duration::ZERO,
     };
     let control = RunControl { interrupt: Some(&stop), ..RunControl::default() };
-    let (outcome, _) = solve::run_with(plan, state, &mut look, control).ok()?;
+    let (outcome, _) = solve::run_with(plan, state, &mut trial, control).ok()?;
     let ended = stop.load(Ordering::Relaxed) == 0;
-    let (mean_bytes, [[frames, _], [rows, _]]) = (look.mean_bytes(ended), look.written);
-    let counted = [(ended && !look.skipped.get()).then_some(frames), ended.then_some(rows)];
-    let TrialRun { increment, limiting, fraction, output_time, .. } = look;
+    let (mean_bytes, [[frames, _], [rows, _]]) = (trial.mean_bytes(ended), trial.written);
+    let counted = [(ended && !trial.skipped.get()).then_some(frames), ended.then_some(rows)];
+    let TrialRun { increment, limiting, fraction, output_time, .. } = trial;
     let run_time = (outcome.seconds - output_time.as_secs_f64()).max(0.0);
     let halt = outcome.halt.as_ref().filter(|_| ended).map(|halt| format!("{}: {}", halt.code, halt.reason));
-    let done = outcome.increments as f64;
+    let increments_made = outcome.increments as f64;
     let (increments, seconds, looked_at) = if ended && halt.is_none() {
-        (done, run_time, 1.0)
+        (increments_made, run_time, 1.0)
     } else if outcome.increments == 0 || increment <= 0.0 {
         return None;
     } else {
         let elapsed_time: f64 = outcome.steps.iter().map(|step| step.time).sum();
         let total: f64 = plan.steps.iter().map(|step| step.duration).sum();
-        let increments = done + (total - elapsed_time).max(0.0) / increment;
-        (increments, increments * run_time / done, fraction)
+        let increments = increments_made + (total - elapsed_time).max(0.0) / increment;
+        (increments, increments * run_time / increments_made, fraction)
     };
     Some(RunEstimate {
         increment,

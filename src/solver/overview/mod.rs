@@ -7,7 +7,8 @@ mod text;
 
 use serde::Serialize;
 
-use crate::model::{DeckUnits, InitialKind, MaterialDefinition, Model};
+use crate::kernel::moduli::ElasticModuli;
+use crate::model::{DeckUnits, MaterialDefinition, Model};
 use crate::plan::{Plan, State};
 pub use bodies::PartOverview;
 pub use effort::{RunEstimate, measure};
@@ -99,24 +100,22 @@ fn waves(material: &MaterialDefinition, temperature: Option<f64>) -> Option<Wave
 /// Returns the small-strain bulk and shear moduli; `None` if they are defined by a user subroutine.
 fn moduli(material: &MaterialDefinition, temperature: Option<f64>) -> Option<[f64; 2]> {
     if let Some([modulus, ratio]) = material.elastic.filter(|_| material.eos.is_none()) {
-        return Some([modulus / (3.0 * (1.0 - 2.0 * ratio)), modulus / (2.0 * (1.0 + ratio))]);
+        let ElasticModuli { bulk, shear } = ElasticModuli::from_young(modulus, ratio);
+        return Some([bulk, shear]);
     }
     if let Some(rubber) = &material.hyperelastic {
         let shear = rubber.shape.shear();
-        let given = rubber.compressibility.first().filter(|d| **d > 0.0);
+        let compressibility = rubber.compressibility.first().filter(|d| **d > 0.0);
         // Without D1 Poisson's ratio is 0.475 (ABAQUS Analysis User's Guide, "Hyperelastic behavior",
         // "Compressibility").
-        return Some([given.map_or(shear * 2.0 * 1.475 / (3.0 * 0.05), |d| 2.0 / d), shear]);
+        return Some([compressibility.map_or(shear * 2.0 * 1.475 / (3.0 * 0.05), |d| 2.0 / d), shear]);
     }
     Some([material.bulk_modulus(temperature)?, material.shear_modulus.unwrap_or(0.0)])
 }
 
 fn temperatures(model: &Model) -> Option<[f64; 2]> {
-    let given = model.initial_conditions.iter().filter_map(|condition| match condition.kind {
-        InitialKind::Temperature(value) => Some(value),
-        _ => None,
-    });
-    given.fold(None, |range, value| {
+    let temperatures = model.initial_conditions.iter().filter_map(|condition| condition.kind.temperature());
+    temperatures.fold(None, |range, value| {
         let [low, high] = range.unwrap_or([value; 2]);
         Some([low.min(value), high.max(value)])
     })

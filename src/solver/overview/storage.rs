@@ -73,13 +73,14 @@ impl StorageEstimate {
         let frames = if writes_frames { frames.or_else(|| count(plan, effort, |o| &o.field)) } else { Some(0.0) };
         let rows = rows.or_else(|| count(plan, effort, |outputs| &outputs.history));
         let frame = frame.filter(|_| writes_frames).map(|bytes| bytes + LISTED);
-        let kept = if writes_restart { rows.unwrap_or(0.0) * 8.0 * (plan.columns.len() + 2) as f64 } else { 0.0 };
+        let checkpoint_bytes =
+            if writes_restart { rows.unwrap_or(0.0) * 8.0 * (plan.columns.len() + 2) as f64 } else { 0.0 };
         StorageEstimate {
             frames,
             rows,
             frame_bytes: frame.unwrap_or(TYPICAL[0] * self.largest_frame_bytes),
             row_bytes: row.unwrap_or(TYPICAL[1] * self.largest_row_bytes),
-            restart_bytes: self.restart_bytes + kept,
+            restart_bytes: self.restart_bytes + checkpoint_bytes,
             ..self
         }
     }
@@ -118,10 +119,10 @@ impl StorageEstimate {
         if parts.is_empty() {
             return "output: no frames, no history\n".into();
         }
-        let (about, most) = (size(self.bytes()), size(self.largest_bytes()));
+        let (about, largest) = (size(self.bytes()), size(self.largest_bytes()));
         let scarce = free.map(|free| free as f64).filter(|free| self.bytes() > SCARCE * free);
         let free = scarce.map_or_else(String::new, |free| format!("; free disk space {}", size(free)));
-        format!("output: {}: about {about}, at most {most}{free}\n", parts.join(", "))
+        format!("output: {}: about {about}, at most {largest}{free}\n", parts.join(", "))
     }
 }
 

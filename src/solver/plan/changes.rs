@@ -63,14 +63,14 @@ where
             }
         };
         let begun: Vec<Option<Box<T>>> = self.0.iter().map(begun).collect();
-        let mut before: Vec<Option<Box<T>>> = list.drain(..).map(Some).collect();
+        let mut previous: Vec<Option<Box<T>>> = list.drain(..).map(Some).collect();
         for (entry, begun) in self.0.iter().zip(begun) {
             list.extend(match entry {
-                ListEntry::Kept(place) => before[*place].take(),
+                ListEntry::Kept(place) => previous[*place].take(),
                 ListEntry::Added { .. } => begun,
             });
         }
-        before.into_iter().flatten().collect()
+        previous.into_iter().flatten().collect()
     }
 
     /// Returns the heap size of the entries in bytes, without the effects.

@@ -76,7 +76,7 @@ impl MeshCards {
         MeshCards {
             erodes: model.erosions.iter().any(|e| e.increment.is_some() || e.distortion.is_some()),
             controls_distortion: model.sections.iter().any(|s| s.controls.distortion.is_some()),
-            scales_masses: model.steps.iter().any(|s| !s.mass_scalings.is_empty()),
+            scales_masses: model.scales_masses(),
         }
     }
 }
@@ -134,15 +134,11 @@ impl Plan {
 
     /// Returns the name of an element, given its group and its index in the group.
     pub fn element_name(&self, group: usize, element: usize) -> &str {
-        self.mesh_element(group, element).map_or("", |e| &self.mesh.elements[e].name)
+        self.places.element_at((group, element)).map_or("", |e| &self.mesh.elements[e].name)
     }
 
     /// Returns the name of the material of an element, given its group and its index in the group; empty without one.
     pub fn material_name(&self, group: usize, element: usize) -> &str {
-        self.mesh_element(group, element).map_or("", |e| self.labels.material_name(e))
-    }
-
-    fn mesh_element(&self, group: usize, element: usize) -> Option<usize> {
-        self.places.elements.iter().find(|e| *e.1 == (group, element)).map(|e| e.0)
+        self.places.element_at((group, element)).map_or("", |e| self.labels.material_name(e))
     }
 }

@@ -24,7 +24,7 @@ mod steps;
 
 use crate::deck::Diagnostics;
 use crate::kernel::amplitude::SampledAmplitude;
-use crate::model::{EosKind, MaterialDefinition, Model};
+use crate::model::{MaterialDefinition, Model, Step};
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
 pub(crate) use bodies::rigid_body::Bodies;
@@ -38,9 +38,11 @@ pub use meshes::places::{MeshIndexMap, SolidPlaces};
 pub use meshes::remesh::{RemeshPlan, RemeshedBody};
 pub(crate) use output::Columns;
 pub use output::expressions::RowExpression;
-pub use output::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule};
+pub use output::{
+    ColumnSource, ElementCorner, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule,
+};
 pub(crate) use report::{LedgerRows, Report};
-pub(crate) use scene::{Pairs, Scene, Shared, StepInput};
+pub(crate) use scene::{Pairs, Scene, SectionInput, Shared, StepInput};
 pub use state::State;
 
 /// A plan, its initial state, and the products that a revision of the plan needs.
@@ -80,36 +82,32 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let scene = Scene { model, bodies: &bodies, places: &places };
     let links = constraints::plan(scene, surface_ties, ties, &mut solid_state, &mut report);
     let velocities = bodies::start(scene, &mut report);
-    let mut shared = Shared::default();
-    let thermal = heat::plan(scene, &links, &solid_state, &mut shared, &mut report);
-    solid_state.elements.fields = heat::fields::plan(scene, &solid_state, &mut shared, &mut report);
+    let thermal = heat::plan(scene, &links, &solid_state, &mut report);
+    solid_state.elements.fields = heat::fields::plan(scene, &solid_state, &mut report);
     let body_states = bodies::rigid_bodies_3d::initial_states(scene, &velocities, &mut report);
-    let mut state = State::new(solid_state, body_states, thermal);
-    solids::erosion::apply_erosion(scene, &mut state, &mut report);
+    let eroding = solids::erosion::plan(scene, State::new(solid_state, body_states, thermal), &mut report);
     let pairs = contact::general::find_pairs(scene);
-    let columns = output::plan(scene, &pairs, &mut state, &mut report);
-    let steps = steps::plan(scene, &links, &pairs, &mut state, &mut shared, &mut report);
+    let (columns, recording) = output::plan(scene, &pairs, eroding, &mut report);
+    let (steps, mut state) = steps::plan(scene, &links, &pairs, recording, &mut report);
     solids::scale_and_estimate(scene, &links, &mut state, &mut report);
     bodies::rigid_bodies_3d::refuse_on_spatial_bodies(scene, &links, &mut report);
     let remesh = meshes::remesh::plan(scene, &pairs, &mut state, &mut report);
     checks::check_plan(scene, &links, &pairs, &state, &mut report);
     let rows = steps::integration_rows(scene, &state, columns.list.len() + columns.fields.len(), &mut report);
     let has_contact = pairs.by_step.iter().any(|pairs| !pairs.is_empty());
-    state.user_amplitudes = vec![SampledAmplitude::default(); shared.amplitude_count];
-    state.amplitude_routines = std::mem::take(&mut shared.amplitudes);
-    let read = columns.sections.iter().flat_map(|section| &section.corners);
-    state.elements.tile(read.map(|&(group, element, _)| (group, element)));
-    let Report { ledger, ledger_rows, diagnostics: found, .. } = report;
+    state.user_amplitudes = vec![SampledAmplitude::default(); report.shared.amplitude_count];
+    state.amplitude_routines = std::mem::take(&mut report.shared.amplitudes);
+    let corners = columns.sections.iter().flat_map(|section| &section.corners);
+    state.elements.tile(corners.map(|corner| (corner.group, corner.element)));
+    let Report { ledger, ledger_rows, diagnostics: plan_diagnostics, shared, .. } = report;
     let list = bodies.take_list(&velocities);
-    diagnostics.append(found);
+    diagnostics.append(plan_diagnostics);
     // If there are errors, warnings and notes would only hide them.
     if diagnostics.has_errors() {
         diagnostics.keep_errors();
     }
     let movable = state.elements.groups.iter_mut().map(|group| group.extensions().transfer().is_some());
     let movable_groups = movable.collect();
-    let mut general_contacts = model.steps.iter().filter_map(|s| s.general_contact.as_ref());
-    let is_gas = |eos: &EosKind| matches!(eos, EosKind::IdealGas(_) | EosKind::Jwl(_));
     let mut plan = Plan {
         ledger,
         mesh: model.mesh.clone(),
@@ -127,10 +125,10 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
         remesh,
         mesh_cards: MeshCards::of(model),
         movable_groups,
-        excludes_detached_nodes: general_contacts.any(|g| g.excludes_detached_nodes),
+        excludes_detached_nodes: model.steps.iter().any(Step::excludes_detached_nodes),
         stiffening: stiffening(model),
-        returns_heat: model.materials.iter().any(|m| m.eos.as_ref().is_some_and(|eos| is_gas(&eos.kind))),
-        has_equation_of_state: model.materials.iter().any(|m| m.eos.is_some()),
+        returns_heat: model.materials.iter().any(|m| m.is_ideal_gas() || m.is_explosive()),
+        has_equation_of_state: model.has_equation_of_state(),
         has_user_stress: model.materials.iter().any(|m| m.user.material.is_some()),
         expects_dissipation: expects_dissipation(model),
     };
@@ -154,6 +152,6 @@ fn stiffening(model: &Model) -> f64 {
 
 /// Returns whether viscous dissipation is part of the model: shocks in materials with an equation of state, or damping.
 fn expects_dissipation(model: &Model) -> bool {
-    let of_material = |m: &MaterialDefinition| m.eos.is_some() || m.damping.is_some();
-    model.materials.iter().any(of_material) || !model.discrete.connectors.is_empty()
+    let is_damped = |m: &MaterialDefinition| m.damping.is_some();
+    model.has_equation_of_state() || model.materials.iter().any(is_damped) || !model.discrete.connectors.is_empty()
 }

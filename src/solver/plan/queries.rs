@@ -2,34 +2,20 @@
 
 use crate::model::{
     BoundaryCondition, InitialCondition, InitialKind, MaterialDefinition, Model, MotionKind, PlasticityModel,
-    SolidSection,
 };
-
-/// Returns whether the analysis is adiabatic. All steps have the same setting as the first one.
-pub fn adiabatic(model: &Model) -> bool {
-    model.steps.first().is_some_and(|s| s.adiabatic)
-}
-
-/// Returns whether a section solves for nodal temperatures.
-pub fn conducts(model: &Model, section: &SolidSection) -> bool {
-    let thermal = |e: &usize| model.mesh.elements[*e].kind.is_thermal();
-    model.steps.first().is_some_and(|s| s.coupled) && section.elements.iter().any(thermal)
-}
 
 /// Returns the reference nodes of rigid bodies whose temperature the deck gives.
 pub fn heated_references(model: &Model) -> Vec<usize> {
-    if !model.steps.first().is_some_and(|step| step.coupled) {
+    if !model.solves_for_temperatures() {
         return Vec::new();
     }
-    let starts = |c: &InitialCondition, n: &usize| {
-        matches!(c.kind, InitialKind::Temperature(_)) && c.members.binary_search(n).is_ok()
-    };
+    let starts = |c: &InitialCondition, n: &usize| c.kind.temperature().is_some() && c.members.binary_search(n).is_ok();
     let holds = |b: &BoundaryCondition, n: &usize| b.kind == MotionKind::Temperature && b.nodes.contains(n);
-    let given = |n: &usize| {
+    let is_heated = |n: &usize| {
         model.initial_conditions.iter().any(|c| starts(c, n))
             || model.steps.iter().any(|step| step.boundaries.iter().any(|b| holds(b, n)))
     };
-    model.rigid_bodies.iter().map(|body| body.reference).filter(given).collect()
+    model.rigid_bodies.iter().map(|body| body.reference).filter(is_heated).collect()
 }
 
 pub fn given_fields(model: &Model) -> usize {
@@ -50,7 +36,8 @@ pub fn field_variables(model: &Model, material: &MaterialDefinition) -> usize {
 /// Returns the number of field variables on which the tables of a material depend.
 pub fn dependencies(material: &MaterialDefinition) -> usize {
     // The first three columns are two moduli, or yield stress and plastic strain, and the temperature.
-    let of = |rows: &[Vec<f64>]| rows.first().map_or(0, |row| row.len().saturating_sub(3));
-    let plastic = if let Some(PlasticityModel::OverFields(rows)) = &material.plastic { of(rows) } else { 0 };
-    plastic.max(of(&material.elastic_table))
+    let dependencies_of = |rows: &[Vec<f64>]| rows.first().map_or(0, |row| row.len().saturating_sub(3));
+    let plastic =
+        if let Some(PlasticityModel::OverFields(rows)) = &material.plastic { dependencies_of(rows) } else { 0 };
+    plastic.max(dependencies_of(&material.elastic_table))
 }

@@ -1,9 +1,10 @@
-//! The report of the passes: diagnostics, the ledger, and the user subroutines that are called.
+//! The report of the passes: diagnostics, the ledger, the user subroutines that are called, and what effects share.
 
 use indexmap::IndexMap;
 
 use crate::deck::{Diagnostic, Diagnostics, Sources, Span};
 use crate::model::{AnalyticalFront, Model};
+use crate::plan::Shared;
 use crate::plan::ledger::{Ledger, UnusedCard};
 use crate::state::EffectId;
 use crate::user::Routines;
@@ -11,7 +12,7 @@ use crate::user::Routines;
 /// Ledger row of each card and effect.
 pub type LedgerRows = IndexMap<(Span, &'static str), EffectId>;
 
-/// Diagnostics and ledger of a plan. Every pass adds to it.
+/// Diagnostics, ledger and shared objects of a plan. Every pass adds to it.
 pub struct Report<'a> {
     sources: &'a Sources,
     pub routines: &'a Routines,
@@ -22,6 +23,8 @@ pub struct Report<'a> {
     pub called_routines: Vec<&'static str>,
     /// Fronts of analytical surfaces in contact, which new meshes keep.
     pub fronts: Vec<AnalyticalFront>,
+    /// User amplitudes and surfaces that effects share.
+    pub shared: Shared,
 }
 
 impl<'a> Report<'a> {
@@ -34,6 +37,7 @@ impl<'a> Report<'a> {
             ledger_rows: IndexMap::new(),
             called_routines: Vec::new(),
             fronts: Vec::new(),
+            shared: Shared::default(),
         }
     }
 
@@ -89,36 +93,30 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Reports that a user subroutine that the deck needs is missing, or the reason why it cannot be called.
-    pub fn refuse_missing_routine(&mut self, span: Span, label: &str, asks: &str, name: &'static str) {
+    /// Marks a user subroutine as called, for which `asks` is the reason. `None` if it is missing or cannot be called, which
+    /// is an error.
+    pub fn require_routine(&mut self, span: Span, label: &str, asks: &str, name: &'static str) -> Option<()> {
         self.called_routines.push(name);
+        if known_routines(self.routines).iter().any(|known| known.name == name && known.is_given) {
+            return Some(());
+        }
+        let calls = format!("this {label} calls a user subroutine");
         if let Some(uncallable) = self.routines.uncallable.iter().find(|m| m.routine == name) {
             let code = if uncallable.code == "U004" { "U004" } else { "U005" };
-            let finding = Diagnostic::error(code, format!("{asks}: {}", uncallable.message));
-            return self.diagnostics.push(finding.at(span, format!("this {label} calls a user subroutine")));
+            return self.refuse(Diagnostic::error(code, format!("{asks}: {}", uncallable.message)).at(span, calls));
         }
-        let given =
+        let user_files =
             if self.routines.any() { "the given files do not define it" } else { "no user subroutine was given" };
-        let finding = Diagnostic::error("P004", format!("{asks}, but {given}"));
-        let finding = finding.at(span, format!("this {label} calls a user subroutine"));
-        self.diagnostics.push(finding.help(format!("give a file that defines {name} with --user FILE")));
+        let finding = Diagnostic::error("P004", format!("{asks}, but {user_files}")).at(span, calls);
+        self.refuse(finding.help(format!("give a file that defines {name} with --user FILE")))
     }
 
     /// Notes user subroutines that are never called.
     pub fn note_uncalled_routines(&mut self) {
-        let routines = self.routines;
-        let there = [
-            ("vdload", routines.load.is_some(), "there is no load PNU, BRNU or BZNU"),
-            ("vuamp", routines.amplitude.is_some(), "no *AMPLITUDE, DEFINITION=USER is used"),
-            ("vdisp", routines.motion.is_some(), "there is no *BOUNDARY, USER"),
-            ("vumat", routines.material.is_some(), "no element has a *USER MATERIAL"),
-            ("vuhard", routines.hardening.is_some(), "no element has *PLASTIC, HARDENING=USER"),
-            ("vusdfld", routines.fields.is_some(), "no element has a *USER DEFINED FIELD"),
-            ("vucharlength", routines.lengths.is_some(), "no element uses a length of *CHARACTERISTIC LENGTH"),
-        ];
-        let uncalled: Vec<(&str, &str)> =
-            there.into_iter().filter(|r| r.1 && !self.called_routines.contains(&r.0)).map(|r| (r.0, r.2)).collect();
-        let unsupported = routines.unsupported.iter().map(|name| (*name, "Revolve does not support it"));
+        let known = known_routines(self.routines).into_iter();
+        let uncalled = known.filter(|known| known.is_given && !self.called_routines.contains(&known.name));
+        let uncalled: Vec<(&str, &str)> = uncalled.map(|known| (known.name, known.never_called)).collect();
+        let unsupported = self.routines.unsupported.iter().map(|name| (*name, "Revolve does not support it"));
         for (name, why) in uncalled.into_iter().chain(unsupported) {
             self.add_unused_card(Span::default(), format!("routine {name}"), format!("it is never called: {why}"));
             self.diagnostics.push(Diagnostic::note("U009", format!("user subroutine `{name}` is never called: {why}")));
@@ -131,4 +129,25 @@ impl<'a> Report<'a> {
             self.ledger.add("user events", 1, "routine", "--user".into(), "vexternaldb".into());
         }
     }
+}
+
+/// A user subroutine that a deck may call.
+struct KnownRoutine {
+    name: &'static str,
+    is_given: bool,
+    /// Reason why a given one is not called.
+    never_called: &'static str,
+}
+
+fn known_routines(routines: &Routines) -> [KnownRoutine; 7] {
+    let known = |name, is_given, never_called| KnownRoutine { name, is_given, never_called };
+    [
+        known("vdload", routines.load.is_some(), "there is no load PNU, BRNU or BZNU"),
+        known("vuamp", routines.amplitude.is_some(), "no *AMPLITUDE, DEFINITION=USER is used"),
+        known("vdisp", routines.motion.is_some(), "there is no *BOUNDARY, USER"),
+        known("vumat", routines.material.is_some(), "no element has a *USER MATERIAL"),
+        known("vuhard", routines.hardening.is_some(), "no element has *PLASTIC, HARDENING=USER"),
+        known("vusdfld", routines.fields.is_some(), "no element has a *USER DEFINED FIELD"),
+        known("vucharlength", routines.lengths.is_some(), "no element uses a length of *CHARACTERISTIC LENGTH"),
+    ]
 }

@@ -2,7 +2,6 @@
 //! materials and loads are updated. Only for models of rigid bodies, where compilation takes longer than the run. See
 //! also `model/revise.rs`.
 
-use crate::deck::Diagnostics;
 use crate::model::Model;
 use crate::model::revise::RevisableNumber;
 use crate::plan::report::LedgerRows;
@@ -23,14 +22,19 @@ pub struct PlanReviser {
     loads: bool,
 }
 
-/// Compiles a model as [`super::compile`] does, and returns the data to revise the plan for other values of `numbers`;
-/// `None` if the plan must be compiled for each set of values, because the model has deformable bodies, temperatures,
-/// contact, constraints or user amplitudes.
-pub fn compile(
-    model: &Model,
-    routines: &Routines,
-    numbers: &[RevisableNumber],
-) -> (Plan, State, Diagnostics, Option<PlanReviser>) {
+/// A plan and its initial state, with the data to revise them.
+pub struct RevisablePlan {
+    /// The plan.
+    pub plan: Plan,
+    /// Its initial state.
+    pub state: State,
+    /// `None` if the plan must be compiled for each set of values, because the model has deformable bodies, temperatures,
+    /// contact, constraints or user amplitudes.
+    pub reviser: Option<PlanReviser>,
+}
+
+/// Compiles a model as [`super::compile`] does, for revisions of the plan with other values of `numbers`.
+pub fn compile(model: &Model, routines: &Routines, numbers: &[RevisableNumber]) -> RevisablePlan {
     let Compilation { plan, state, diagnostics, bodies, shared, ledger_rows, has_contact } =
         super::compile_with_products(model, routines);
     let is_revisable = !diagnostics.has_errors()
@@ -53,7 +57,7 @@ pub fn compile(
         masses: numbers.iter().any(RevisableNumber::changes_masses),
         loads: numbers.iter().any(RevisableNumber::changes_loads),
     });
-    (plan, state, diagnostics, reviser)
+    RevisablePlan { plan, state, reviser }
 }
 
 impl PlanReviser {
@@ -64,6 +68,7 @@ impl PlanReviser {
         let mut report = Report::new(model, routines);
         std::mem::swap(&mut report.ledger, &mut plan.ledger);
         std::mem::swap(&mut report.ledger_rows, ledger_rows);
+        std::mem::swap(&mut report.shared, shared);
         bodies.list = std::mem::take(&mut plan.bodies);
         if self.masses {
             bodies::update_masses(model, bodies, &mut report);
@@ -71,14 +76,14 @@ impl PlanReviser {
         let scene = Scene { model, bodies, places: &plan.places };
         let velocities = bodies::initial_velocities(scene, &mut report);
         if self.loads {
-            steps::replan_loads(scene, &mut plan.steps, state, shared, &mut report);
+            steps::replan_loads(scene, &mut plan.steps, state, &mut report);
         }
         let is_valid = !report.diagnostics.has_errors();
         state.dofs.bodies = bodies::rigid_bodies_3d::initial_states(scene, &velocities, &mut report);
         plan.bodies = bodies.take_list(&velocities);
         report.ledger.unused.truncate(self.unused);
         plan.ledger = report.ledger;
-        *ledger_rows = report.ledger_rows;
+        (*ledger_rows, *shared) = (report.ledger_rows, report.shared);
         is_valid
     }
 }

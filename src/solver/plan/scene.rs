@@ -9,6 +9,7 @@ use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::mesh::surface::SurfaceGeometry;
 use crate::model::{AmplitudeId, Model, SurfaceContact};
 use crate::plan::{Bodies, Links, SolidPlaces, State};
+use crate::state::nodes::Node;
 
 /// The model with its rigid bodies, and the solver indices of its deformable nodes and elements.
 #[derive(Clone, Copy)]
@@ -16,6 +17,13 @@ pub struct Scene<'a> {
     pub model: &'a Model,
     pub bodies: &'a Bodies,
     pub places: &'a SolidPlaces,
+}
+
+impl<'a> Scene<'a> {
+    /// Returns the name of an element of a group; empty if it does not exist.
+    pub fn element_name(self, place: (usize, usize)) -> &'a str {
+        self.places.element_at(place).map_or("", |e| &self.model.mesh.elements[e].name)
+    }
 }
 
 /// A step of the model, and the products on which its constraints depend.
@@ -27,6 +35,15 @@ pub struct StepInput<'a, 's> {
     pub state: &'s State,
     /// Index of the step.
     pub index: usize,
+}
+
+/// A section of shells or cohesive elements, and what its element group depends on.
+pub struct SectionInput<'a, S> {
+    pub model: &'a Model,
+    pub places: &'a SolidPlaces,
+    pub section: &'a S,
+    pub elements: &'a [usize],
+    pub nodes: &'a [Node],
 }
 
 /// Contact pairs of each step, and the names of all pairs for histories.

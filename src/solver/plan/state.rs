@@ -7,6 +7,7 @@ use crate::constraint::user_motion::UserMotion;
 use crate::element::elements::Elements;
 use crate::element::mass_scaling::StepMassScaling;
 use crate::heat::ThermalState;
+use crate::heat::field::TemperatureField;
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::load::{Load, PenetrationRecord};
@@ -61,6 +62,20 @@ impl State {
     pub(crate) fn new(solids: SolidState, bodies: Vec<BodyState>, thermal: Option<Box<ThermalState>>) -> State {
         let SolidState { dofs, elements } = solids;
         State { dofs: Dofs { bodies, ..dofs }, elements, thermal, ..State::default() }
+    }
+
+    /// Returns the nodal temperatures, if they are solved for.
+    pub(crate) fn heat(&self) -> Option<&TemperatureField> {
+        self.thermal.as_ref()?.heat.as_ref()
+    }
+
+    pub(crate) fn heat_mut(&mut self) -> Option<&mut TemperatureField> {
+        self.thermal.as_mut()?.heat.as_mut()
+    }
+
+    /// Returns whether the elements of a group conduct heat.
+    pub(crate) fn conducts_heat(&self, group: usize) -> bool {
+        self.heat().is_some_and(|heat| heat.conducts(group))
     }
 
     /// Activates the effects of the first step.

@@ -21,10 +21,10 @@ use crate::plan::contact::contact_constraint;
 use crate::plan::contact::walls::{spatial_side, wall_contacts};
 use crate::plan::loads::{LoadInput, create_load};
 use crate::plan::meshes::adaptive::adaptive_change;
-use crate::plan::output::output_schedules;
+use crate::plan::output::{RecordingState, output_schedules};
 use crate::plan::solids::mass_scaling::{check_scalable_step, mass_scaling};
 use crate::plan::{
-    GeneralLedgerRows, Links, Pairs, Report, Scene, Shared, SolidPlaces, State, StepChanges, StepInput, StepPlan,
+    GeneralLedgerRows, Links, Pairs, Report, Scene, SolidPlaces, State, StepChanges, StepInput, StepPlan,
 };
 use crate::state::dofs::Dof;
 
@@ -75,8 +75,8 @@ impl ConstraintOrigin<'_> {
     }
 
     /// Returns whether a constraint takes over the history of a previous one: the same boundary condition, or contact.
-    fn continues(&self, before: &ConstraintOrigin<'_>) -> bool {
-        match (self, before) {
+    fn continues(&self, previous: &ConstraintOrigin<'_>) -> bool {
+        match (self, previous) {
             (ConstraintOrigin::Motion(a, _), ConstraintOrigin::Motion(b, _)) => {
                 a.span == b.span && prescribes_same(a, b)
             }
@@ -117,8 +117,8 @@ fn is_same_load(a: &model::Load, b: &model::Load) -> bool {
 
 /// Returns whether a load takes over the history of the load that it replaces: the tunnel in a target, or the data of a
 /// user subroutine.
-fn continues_load(load: &model::Load, before: &model::Load) -> bool {
-    match (&load.kind, &before.kind) {
+fn continues_load(load: &model::Load, previous: &model::Load) -> bool {
+    match (&load.kind, &previous.kind) {
         (LoadKind::Cavity { target: a, .. }, LoadKind::Cavity { target: b, .. }) => a == b,
         (LoadKind::User { load_type: a, .. }, LoadKind::User { load_type: b, .. }) => a == b,
         _ => false,
@@ -127,7 +127,7 @@ fn continues_load(load: &model::Load, before: &model::Load) -> bool {
 
 /// Builder of the constraints of a step: kept ones of the previous step, and new ones.
 pub struct ConstraintList<'a> {
-    before: Vec<ConstraintOrigin<'a>>,
+    previous: Vec<ConstraintOrigin<'a>>,
     origins: Vec<ConstraintOrigin<'a>>,
     entries: Vec<ListEntry<dyn Constraint>>,
     user_motions: Vec<ListEntry<UserMotion>>,
@@ -137,17 +137,17 @@ impl<'a> ConstraintList<'a> {
     /// Keeps the constraint of the previous step with the same origin. Returns the origin as an error if no constraint
     /// has it.
     pub fn keep(&mut self, origin: ConstraintOrigin<'a>) -> Result<(), ConstraintOrigin<'a>> {
-        let Some(place) = self.before.iter().position(|b| b.is_same(&origin)) else { return Err(origin) };
+        let Some(index) = self.previous.iter().position(|b| b.is_same(&origin)) else { return Err(origin) };
         if origin.is_users() {
-            self.user_motions.push(ListEntry::Kept(self.before[..place].iter().filter(|b| b.is_users()).count()));
+            self.user_motions.push(ListEntry::Kept(self.previous[..index].iter().filter(|b| b.is_users()).count()));
         }
-        self.entries.push(ListEntry::Kept(place));
+        self.entries.push(ListEntry::Kept(index));
         self.origins.push(origin);
         Ok(())
     }
 
     pub fn add(&mut self, origin: ConstraintOrigin<'a>, effect: Box<dyn Constraint>) {
-        let places = (0..self.before.len()).filter(|&i| origin.continues(&self.before[i]));
+        let places = (0..self.previous.len()).filter(|&i| origin.continues(&self.previous[i]));
         self.entries.push(ListEntry::Added { effect, continues: places.collect() });
         self.origins.push(origin);
     }
@@ -159,37 +159,36 @@ impl<'a> ConstraintList<'a> {
 
     /// Returns the nodal degrees of freedom that are prescribed so far.
     fn given(&self) -> PrescribedDofs {
-        let mut given = PrescribedDofs::default();
+        let mut prescribed = PrescribedDofs::default();
         for (dofs, holds) in self.origins.iter().map(ConstraintOrigin::prescribes) {
             for &dof in dofs {
                 let Dof::Node(node, axis) = dof else { continue };
-                given.all.insert((node, axis));
+                prescribed.all.insert((node, axis));
                 if holds {
-                    given.held.insert((node, axis));
+                    prescribed.held.insert((node, axis));
                 }
             }
         }
-        given
+        prescribed
     }
 }
 
-/// Compiles all steps. The effects of the first step are added to the state.
+/// Compiles all steps. Returns them, and the state with the effects of the first step.
 pub fn plan(
     scene: Scene,
     links: &Links,
     pairs: &Pairs,
-    state: &mut State,
-    shared: &mut Shared,
+    state: RecordingState,
     report: &mut Report,
-) -> Vec<StepPlan> {
-    let mut active = ActiveEffects::default();
+) -> (Vec<StepPlan>, State) {
+    let (mut active, mut state) = (ActiveEffects::default(), state.into_state());
     let mut steps = Vec::with_capacity(scene.model.steps.len());
     for (index, step) in scene.model.steps.iter().enumerate() {
-        let input = StepInput { scene, links, pairs, state, index };
-        let loads = load_changes(input, &mut active, shared, report);
-        let (constraints, user_motions) = constraint_changes(input, &mut active, shared, report);
+        let input = StepInput { scene, links, pairs, state: &state, index };
+        let loads = load_changes(input, &mut active, report);
+        let (constraints, user_motions) = constraint_changes(input, &mut active, report);
         let scaling = scaling_change(input, loads.is_some(), report);
-        let adaptive = adaptive_change(scene, links, pairs, index, state, shared, report);
+        let adaptive = adaptive_change(scene, links, pairs, index, &mut state, report);
         let mut changes = StepChanges { loads, constraints, user_motions, scaling, adaptive };
         if index == 0 {
             state.begin_with(std::mem::take(&mut changes));
@@ -206,16 +205,16 @@ pub fn plan(
             outputs: output_schedules(scene.model, step, report),
         });
     }
-    steps
+    (steps, state)
 }
 
 /// Updates the loads of compiled steps from the current model, which has no links and no contact.
-pub fn replan_loads(scene: Scene, steps: &mut [StepPlan], state: &mut State, shared: &mut Shared, report: &mut Report) {
+pub fn replan_loads(scene: Scene, steps: &mut [StepPlan], state: &mut State, report: &mut Report) {
     let (links, pairs) = (&Links::default(), &Pairs::default());
     let mut active = ActiveEffects::default();
     for (index, plan) in steps.iter_mut().enumerate() {
         let input = StepInput { scene, links, pairs, state, index };
-        let loads = load_changes(input, &mut active, shared, report);
+        let loads = load_changes(input, &mut active, report);
         if index == 0 {
             state.loads = loads.map_or_else(Vec::new, ListChange::into_first);
         } else {
@@ -234,7 +233,6 @@ fn step_before(model: &Model, index: usize) -> Option<&Step> {
 fn load_changes<'a>(
     input: StepInput<'a, '_>,
     active: &mut ActiveEffects<'a>,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> Option<ListChange<dyn Load>> {
     let StepInput { scene, links, state, index, .. } = input;
@@ -244,22 +242,23 @@ fn load_changes<'a>(
     if same_pace && previous.is_some_and(|p| p.loads == step.loads) {
         return None;
     }
-    let before = std::mem::take(&mut active.loads);
+    let previous_loads = std::mem::take(&mut active.loads);
     let mut loads = Vec::with_capacity(step.loads.len());
     for load in &step.loads {
         let is_kept = |b: &(&model::Load, VelocityUse)| {
             (same_pace || !matches!(load.kind, LoadKind::Cavity { .. })) && is_same_load(b.0, load)
         };
-        let (velocity, entry) = match before.iter().position(is_kept) {
+        let (velocity, entry) = match previous_loads.iter().position(is_kept) {
             Some(place) => {
-                report.share_ledger_rows(before[place].0.span, load.span);
-                (before[place].1, ListEntry::Kept(place))
+                report.share_ledger_rows(previous_loads[place].0.span, load.span);
+                (previous_loads[place].1, ListEntry::Kept(place))
             }
             None => {
-                let Some(effect) = create_load(&LoadInput { scene, links, load, step, state }, shared, report) else {
+                let Some(effect) = create_load(&LoadInput { scene, links, load, step, state }, report) else {
                     continue;
                 };
-                let continues = (0..before.len()).filter(|&i| continues_load(load, before[i].0)).collect();
+                let continues =
+                    (0..previous_loads.len()).filter(|&i| continues_load(load, previous_loads[i].0)).collect();
                 (effect.velocity_use(), ListEntry::Added { effect, continues })
             }
         };
@@ -268,13 +267,12 @@ fn load_changes<'a>(
     loads.sort_by_key(|((_, velocity), _)| *velocity == VelocityUse::Resists);
     let (origins, entries): (Vec<_>, Vec<_>) = loads.into_iter().unzip();
     active.loads = origins;
-    ListChange::between(before.len(), entries)
+    ListChange::between(previous_loads.len(), entries)
 }
 
 fn constraint_changes<'a>(
     input: StepInput<'a, '_>,
     active: &mut ActiveEffects<'a>,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> (Option<ListChange<dyn Constraint>>, Option<ListChange<UserMotion>>) {
     let StepInput { scene, links, pairs, index, .. } = input;
@@ -282,31 +280,31 @@ fn constraint_changes<'a>(
         return (None, None);
     }
     let step = &scene.model.steps[index];
-    let before = std::mem::take(&mut active.constraints);
+    let previous = std::mem::take(&mut active.constraints);
     let (entries, user_motions) = (Vec::new(), Vec::new());
-    let mut list = ConstraintList { before, origins: Vec::new(), entries, user_motions };
-    add_motions(scene, step, &mut list, shared, report);
-    let given = list.given();
-    if let Err(origin) = list.keep(ConstraintOrigin::Equations(given.clone()))
-        && let Some(equations) = link_constraint(input, &given, report)
+    let mut list = ConstraintList { previous, origins: Vec::new(), entries, user_motions };
+    add_motions(scene, step, &mut list, report);
+    let prescribed = list.given();
+    if let Err(origin) = list.keep(ConstraintOrigin::Equations(prescribed.clone()))
+        && let Some(equations) = link_constraint(input, &prescribed, report)
     {
         list.add(origin, equations);
     }
     // Ties are added after contact, because tied nodes follow the motion of a rigid body after contact.
-    let drops_points = step.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes);
+    let drops_points = step.excludes_detached_nodes();
     if let Err(origin) =
-        list.keep(ConstraintOrigin::Contact(pairs.by_step[index].clone(), given.all.clone(), drops_points))
-        && let Some(contact) = contact_constraint(input, &given.all, report)
+        list.keep(ConstraintOrigin::Contact(pairs.by_step[index].clone(), prescribed.all.clone(), drops_points))
+        && let Some(contact) = contact_constraint(input, &prescribed.all, report)
     {
         list.add(origin, contact);
     }
     refuse_cohesive_walls(input, report);
-    let wall = |i: usize| ConstraintOrigin::Wall(pairs.by_step[index].clone(), given.all.clone(), i);
+    let wall = |i: usize| ConstraintOrigin::Wall(pairs.by_step[index].clone(), prescribed.all.clone(), i);
     let walls = pairs.by_step[index].iter().filter(|pair| spatial_side(scene.bodies, pair).is_some()).count();
-    let kept = (0..walls).take_while(|&i| list.keep(wall(i)).is_ok()).count();
-    if kept < walls {
+    let kept_walls = (0..walls).take_while(|&i| list.keep(wall(i)).is_ok()).count();
+    if kept_walls < walls {
         let origins: Vec<ConstraintOrigin<'a>> = (0..walls).map(wall).collect();
-        for (origin, contact) in origins.into_iter().zip(wall_contacts(input, report)).skip(kept) {
+        for (origin, contact) in origins.into_iter().zip(wall_contacts(input, report)).skip(kept_walls) {
             list.add(origin, contact);
         }
     }
@@ -320,22 +318,21 @@ fn constraint_changes<'a>(
             list.add(origin, Box::new(tie.clone()));
         }
     }
-    let asked = list.before.iter().filter(|b| b.is_users()).count();
+    let previous_motions = list.previous.iter().filter(|b| b.is_users()).count();
     active.constraints = list.origins;
-    let constraints = ListChange::between(list.before.len(), list.entries);
-    (constraints, ListChange::between(asked, list.user_motions))
+    let constraints = ListChange::between(list.previous.len(), list.entries);
+    (constraints, ListChange::between(previous_motions, list.user_motions))
 }
 
 /// Returns whether all constraints of a step have the same origins as those of the previous step.
 fn keeps_constraints(input: StepInput) -> bool {
     let StepInput { scene, pairs, index, .. } = input;
     let (step, Some(previous)) = (&scene.model.steps[index], step_before(scene.model, index)) else { return false };
-    let (own, others) = (&step.boundaries, &previous.boundaries);
-    let drops = |step: &Step| step.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes);
-    own.len() == others.len()
-        && own.iter().zip(others).all(|(a, b)| is_same_boundary(a, b))
+    let (boundaries, others) = (&step.boundaries, &previous.boundaries);
+    boundaries.len() == others.len()
+        && boundaries.iter().zip(others).all(|(a, b)| is_same_boundary(a, b))
         && Rc::ptr_eq(&pairs.by_step[index], &pairs.by_step[index - 1])
-        && drops(step) == drops(previous)
+        && step.excludes_detached_nodes() == previous.excludes_detached_nodes()
 }
 
 /// Returns the mass scaling of a step; `None` if the one of the previous step continues.

@@ -2,7 +2,8 @@
 //! move.
 
 use super::outcome::MeshChanges;
-use super::run::SolverRun;
+use super::run_state::RunState;
+use super::timing::EffectTiming;
 use crate::adaptive::AdaptiveDomain;
 use crate::adaptive::smoothing::{BoundaryContact, Surroundings};
 use crate::constraint::contact::curve::PointCarrier;
@@ -12,6 +13,7 @@ use crate::heat::ThermalState;
 use crate::kernel::chunks::ChunkLoops;
 use crate::load::SceneChange;
 use crate::plan::State;
+use crate::state::Instant;
 use crate::state::dofs::Dofs;
 use crate::state::magnitude::AmplitudeClock;
 use crate::variables::{Variable, VariableComponent};
@@ -86,113 +88,111 @@ impl MeshMotion for DomainMotion<'_> {
     }
 }
 
-impl SolverRun<'_> {
-    /// Replaces the domains in force. A domain of the same set keeps its history.
-    pub(super) fn change_domains(&mut self, domains: &[AdaptiveDomain]) {
-        let before = std::mem::replace(&mut self.state.adaptive, domains.to_vec());
-        let has_ended = |previous: &&AdaptiveDomain| domains.iter().all(|domain| domain.id != previous.id);
-        self.outcome.mesh_changes.extend(before.iter().filter(has_ended).map(changes_of));
-        for domain in &mut self.state.adaptive {
-            if let Some(previous) = before.iter().find(|previous| previous.id == domain.id) {
-                domain.continue_from(previous);
-            }
+/// Replaces the domains in force. A domain of the same set keeps its history. Returns the numbers of changes of the domains
+/// that have ended.
+pub(super) fn change_domains(state: &mut State, domains: &[AdaptiveDomain]) -> Vec<MeshChanges> {
+    let previous_domains = std::mem::replace(&mut state.adaptive, domains.to_vec());
+    for domain in &mut state.adaptive {
+        if let Some(previous) = previous_domains.iter().find(|previous| previous.id == domain.id) {
+            domain.continue_from(previous);
         }
     }
+    let has_ended = |previous: &&AdaptiveDomain| domains.iter().all(|domain| domain.id != previous.id);
+    previous_domains.iter().filter(has_ended).map(changes_of).collect()
+}
 
-    /// Passes the prescribed motions of the step to the domains.
-    pub(super) fn begin_domains(&mut self) {
-        if self.state.adaptive.is_empty() {
-            return;
-        }
-        let forces = self.state.constraints.iter().filter_map(|c| c.view().forces);
-        let prescribed: Vec<_> = forces.flat_map(|forces| forces.prescribed()).collect();
-        let State { adaptive, elements, thermal, dofs, .. } = &mut self.state;
-        adaptive.iter_mut().for_each(|domain| domain.begin(&prescribed, &dofs.nodes));
-        if let Some(heat) = thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
-            adaptive.iter().for_each(|domain| heat.begin_adaptive(domain.group(), elements));
-        }
-        self.state.constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.reserve_mesh_motion());
+/// Passes the prescribed motions of the step to the domains.
+pub(super) fn begin_domains(run: &mut RunState<'_>) {
+    if run.state.adaptive.is_empty() {
+        return;
     }
-
-    /// Takes the masses of adaptive meshes after a restart.
-    pub(super) fn restore_masses_of_domains(&mut self) {
-        let State { elements, thermal, .. } = &mut self.state;
-        if let Some(heat) = thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
-            heat.restore_masses(elements);
-        }
+    let prescribed: Vec<_> = run.prescribed_motions().collect();
+    let State { adaptive, elements, thermal, dofs, constraints, .. } = &mut run.state;
+    adaptive.iter_mut().for_each(|domain| domain.begin(&prescribed, &dofs.nodes));
+    if let Some(heat) = thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
+        adaptive.iter().for_each(|domain| heat.begin_adaptive(domain.group(), elements));
     }
+    constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.reserve_mesh_motion());
+}
 
-    /// Returns the smallest angle of the elements of all domains, degrees; NaN without a domain.
-    pub(super) fn smallest_angle(&self) -> f64 {
-        let angles = self.state.adaptive.iter().map(|domain| domain.smallest_angle(&self.state.dofs.nodes));
-        angles.fold(f64::NAN, f64::min).to_degrees()
+/// Takes the masses of adaptive meshes after a restart.
+pub(super) fn restore_masses(state: &mut State) {
+    if let Some(heat) = state.thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
+        heat.restore_masses(&state.elements);
     }
+}
 
-    /// Changes the meshes that are due, before an increment of length `dt`.
-    pub(super) fn adapt_meshes(&mut self, dt: f64) {
-        let (increment, mut any) = (self.now.increment, false);
-        for domain in &mut self.state.adaptive {
-            any |= domain.is_due(increment);
-        }
-        if any {
-            self.follow_by_constraints(|constraint, dofs, _| constraint.begin_mesh_motion(dofs));
-            self.find_new_places();
-            self.follow_by_constraints(|constraint, dofs, domains| constraint.follow_meshes(dofs, domains));
-            self.change_meshes(dt);
-        }
-        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
-        self.state.adaptive.iter_mut().for_each(|domain| domain.advance(&clock, dt));
+/// Returns the smallest angle of the elements of all domains, degrees; NaN without a domain.
+pub(super) fn smallest_angle(state: &State) -> f64 {
+    let angles = state.adaptive.iter().map(|domain| domain.smallest_angle(&state.dofs.nodes));
+    angles.fold(f64::NAN, f64::min).to_degrees()
+}
+
+/// Changes the meshes that are due, before an increment of length `dt`.
+pub(super) fn adapt_meshes(state: &mut State, now: Instant, dt: f64, timing: &mut EffectTiming<'_>) {
+    let mut is_any_due = false;
+    for domain in &mut state.adaptive {
+        is_any_due |= domain.is_due(now.increment);
     }
-
-    /// Calls constraints before and after new places have been found.
-    fn follow_by_constraints(
-        &mut self,
-        mut follow: impl FnMut(&mut dyn ConstraintUpkeep, &Dofs, &mut DomainMotion<'_>),
-    ) {
-        let State { adaptive, dofs, constraints, .. } = &mut self.state;
-        for constraint in constraints {
-            let effect = constraint.effect();
-            let clock = self.timing.start(effect);
-            if let Some(follower) = constraint.upkeep() {
-                follow(follower, dofs, &mut DomainMotion(adaptive));
-            }
-            self.timing.stop(clock, effect);
-        }
+    if is_any_due {
+        follow_by_constraints(state, timing, |constraint, dofs, _| constraint.begin_mesh_motion(dofs));
+        find_new_places(state, timing);
+        follow_by_constraints(state, timing, |constraint, dofs, domains| constraint.follow_meshes(dofs, domains));
+        change_meshes(state, dt, timing);
     }
+    let clock = AmplitudeClock { now, user_amplitudes: &state.user_amplitudes };
+    state.adaptive.iter_mut().for_each(|domain| domain.advance(&clock, dt));
+}
 
-    fn find_new_places(&mut self) {
-        let State { adaptive, elements, dofs, constraints, .. } = &mut self.state;
-        let loops = ChunkLoops::new(elements.arch());
-        for domain in adaptive {
-            let clock = self.timing.start(domain.id);
-            domain.find_new_places(loops, elements, &dofs.nodes, &ContactSurroundings { constraints, dofs });
-            self.timing.stop(clock, domain.id);
+/// Calls constraints before and after new places have been found.
+fn follow_by_constraints(
+    state: &mut State,
+    timing: &mut EffectTiming<'_>,
+    mut follow: impl FnMut(&mut dyn ConstraintUpkeep, &Dofs, &mut DomainMotion<'_>),
+) {
+    let State { adaptive, dofs, constraints, .. } = state;
+    for constraint in constraints {
+        let effect = constraint.effect();
+        let clock = timing.start(effect);
+        if let Some(follower) = constraint.upkeep() {
+            follow(follower, dofs, &mut DomainMotion(adaptive));
         }
+        timing.stop(clock, effect);
     }
+}
 
-    fn change_meshes(&mut self, dt: f64) {
-        let State { adaptive, elements, dofs, constraints, loads, thermal, .. } = &mut self.state;
-        let half = 0.5 * (dt + dofs.nodes.previous_dt);
-        let loops = ChunkLoops::new(elements.arch());
-        let mut has_changed = false;
-        for domain in adaptive {
-            let clock = self.timing.start(domain.id);
-            if domain.begin_change() {
-                let changed = &mut |n, gained: [f64; 2]| {
-                    constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
-                };
-                let mut thermal = thermal.as_deref_mut();
-                take_thermal_strains(-1.0, domain, thermal.as_deref_mut(), elements);
-                let heat = thermal.as_deref_mut().and_then(|thermal| thermal.heat.as_mut());
-                domain.change((half, loops), elements, (dofs, heat), changed);
-                take_thermal_strains(1.0, domain, thermal, elements);
-                has_changed = true;
-            }
-            self.timing.stop(clock, domain.id);
+fn find_new_places(state: &mut State, timing: &mut EffectTiming<'_>) {
+    let State { adaptive, elements, dofs, constraints, .. } = state;
+    let loops = ChunkLoops::new(elements.arch());
+    for domain in adaptive {
+        let clock = timing.start(domain.id);
+        domain.find_new_places(loops, elements, &dofs.nodes, &ContactSurroundings { constraints, dofs });
+        timing.stop(clock, domain.id);
+    }
+}
+
+fn change_meshes(state: &mut State, dt: f64, timing: &mut EffectTiming<'_>) {
+    let State { adaptive, elements, dofs, constraints, loads, thermal, .. } = state;
+    let half = 0.5 * (dt + dofs.nodes.previous_dt);
+    let loops = ChunkLoops::new(elements.arch());
+    let mut has_changed = false;
+    for domain in adaptive {
+        let clock = timing.start(domain.id);
+        if domain.begin_change() {
+            let changed = &mut |n, gained: [f64; 2]| {
+                constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
+            };
+            let mut thermal = thermal.as_deref_mut();
+            take_thermal_strains(-1.0, domain, thermal.as_deref_mut(), elements);
+            let heat = thermal.as_deref_mut().and_then(|thermal| thermal.heat.as_mut());
+            domain.change((half, loops), elements, (dofs, heat), changed);
+            take_thermal_strains(1.0, domain, thermal, elements);
+            has_changed = true;
         }
-        if has_changed {
-            let masses = SceneChange::Masses(dofs);
-            loads.iter_mut().for_each(|load| load.scene_changed(&masses));
-        }
+        timing.stop(clock, domain.id);
+    }
+    if has_changed {
+        let masses = SceneChange::Masses(dofs);
+        loads.iter_mut().for_each(|load| load.scene_changed(&masses));
     }
 }

@@ -78,9 +78,9 @@ impl BodyForces {
 
     /// Sets the direction in which the other forces would start a body at rest; a resistance acts against it.
     pub fn turn_resting_bodies(&self, bodies: &mut [BodyState]) {
-        let applied = &self.slots[..self.start_of(self.first_resistance)];
+        let other_forces = &self.slots[..self.start_of(self.first_resistance)];
         for (b, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.direction == 0.0) {
-            let on_body = applied.iter().zip(&self.values).filter(|(s, _)| s.body == b);
+            let on_body = other_forces.iter().zip(&self.values).filter(|(s, _)| s.body == b);
             body.probe(on_body.map(|(s, &force)| (s.coordinate, force)));
         }
     }

@@ -47,7 +47,7 @@ impl NodePass<'_> {
     fn accelerate(&self, first: usize, accelerations: &mut [[f64; 2]]) -> f64 {
         let mut parts = [0.0; 4];
         let (mut forces, mut energies) = ([[0.0; 2]; FEW], [0.0; FEW]);
-        let (behind, more) = (self.nodes.previous_dt, &self.nodes.forces[0]);
+        let (previous_dt, more) = (self.nodes.previous_dt, &self.nodes.forces[0]);
         for (i, accelerations) in accelerations.chunks_mut(FEW).enumerate() {
             let (first, count) = (first + i * FEW, accelerations.len());
             if !self.elements.has_work(first) {
@@ -63,11 +63,11 @@ impl NodePass<'_> {
             let masses =
                 self.nodes.mass[first..first + count].iter().zip(&self.nodes.inverse_mass[first..first + count]);
             let nodes = self.nodes.as_slice()[first..first + count].iter().zip(masses);
-            let all = accelerations.iter_mut().zip(&*forces).zip(nodes).zip(&mut energies);
-            for (((acceleration, force), (node, (mass, inverse))), energy) in all {
+            let nodes_of_chunk = accelerations.iter_mut().zip(&*forces).zip(nodes).zip(&mut energies);
+            for (((acceleration, force), (node, (mass, inverse))), energy) in nodes_of_chunk {
                 let [a_r, a_z] = force.inline_map(|f| f * inverse);
                 *acceleration = [a_r, a_z];
-                let twice = node.v_r * (node.v_r + behind * a_r) + node.v_z * (node.v_z + behind * a_z);
+                let twice = node.v_r * (node.v_r + previous_dt * a_r) + node.v_z * (node.v_z + previous_dt * a_z);
                 *energy = mass * twice;
             }
             energies[count..].fill(0.0);
@@ -260,8 +260,8 @@ mod tests {
         mesh.nodes[..width].iter_mut().for_each(|n| n.v_z = 1e-3);
         let reversed = |n: usize| if (2000..2400).contains(&n) { 4399 - n } else { n };
         mesh.elements.iter_mut().for_each(|e| *e = e.map(|n| reversed(n as usize) as u32));
-        let before = mesh.nodes.clone();
-        (0..mesh.nodes.len()).for_each(|n| mesh.nodes[reversed(n)] = before[n]);
+        let original_nodes = mesh.nodes.clone();
+        (0..mesh.nodes.len()).for_each(|n| mesh.nodes[reversed(n)] = original_nodes[n]);
         let run = |tasks: Option<usize>, threads: bool| {
             let mut free = mesh.free(BulkViscosity::default(), false);
             if let Some(tasks) = tasks {

@@ -1,7 +1,7 @@
 //! Mean contact forces over the output interval: the impulse of a pair since the last row, divided by the time since then.
 //! The integral of the written forces over time is the impulse for any interval.
 
-use super::run::SolverRun;
+use super::run_state::RunState;
 use crate::kernel::lanes::InlineMap;
 use crate::plan::Plan;
 use crate::state::Instant;
@@ -43,7 +43,7 @@ impl ContactMeans {
 
     /// Adds the impulses of the increment that leads to the current instant, once.
     #[inline(always)]
-    pub(super) fn add(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn add(&mut self, run: &RunState<'_>) {
         if !self.pairs.is_empty() && self.added < run.now.increment {
             self.added = run.now.increment;
             self.add_increment(run, 1.0);
@@ -51,7 +51,7 @@ impl ContactMeans {
     }
 
     /// Adds the impulses that complete the velocities at this instant, before a new mesh: those of half an increment.
-    pub(super) fn add_completion(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn add_completion(&mut self, run: &RunState<'_>) {
         let nodes = &run.state.dofs.nodes;
         if nodes.half > 0.0 {
             self.add_increment(run, 0.5 * nodes.previous_dt / nodes.half);
@@ -59,7 +59,7 @@ impl ContactMeans {
     }
 
     #[inline(never)]
-    fn add_increment(&mut self, run: &SolverRun<'_>, part: f64) {
+    fn add_increment(&mut self, run: &RunState<'_>, part: f64) {
         for pair in &mut self.pairs {
             let Some(found) = run.contacts().find_map(|contact| contact.forces_of_pair(pair.pair)) else { continue };
             for (impulse, force) in pair.impulse.iter_mut().flatten().zip(found.forces.iter().flatten()) {
@@ -69,7 +69,7 @@ impl ContactMeans {
     }
 
     /// Computes the means at a row. A second row at the same instant repeats the first one.
-    pub(super) fn begin_row(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn begin_row(&mut self, run: &RunState<'_>) {
         let Instant { total_time, .. } = run.now;
         let interval = total_time - std::mem::replace(&mut self.row_time, total_time);
         for pair in &mut self.pairs {

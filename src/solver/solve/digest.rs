@@ -2,7 +2,7 @@
 
 use hmac_sha256::Hash;
 
-use super::run::SolverRun;
+use super::run_state::RunState;
 use crate::element::group::ElementGroup;
 use crate::variables::{Variable, VariableComponent};
 
@@ -33,33 +33,31 @@ impl BitHasher {
     }
 }
 
-impl SolverRun<'_> {
-    /// Returns the SHA-256 digest, in hexadecimal, of time, increment, motion of bodies and nodes, element states and
-    /// energies.
-    pub(super) fn digest(&self) -> String {
-        let mut bits = BitHasher(Hash::new());
-        bits.0.update(self.now.increment.to_le_bytes());
-        bits.add(&[self.now.step_time, self.now.total_time]);
-        for body in &self.state.dofs.bodies {
-            bits.add(&[body.displacement, body.velocity, body.acceleration]);
-            body.numbers_in_space(&mut |numbers| bits.add(numbers));
-        }
-        self.state.dofs.nodes.as_slice().iter().for_each(|n| bits.add(&n.as_array()));
-        self.state.dofs.nodes.acceleration.iter().for_each(|a| bits.add(a));
-        for group in &self.state.elements.groups {
-            (0..group.len()).for_each(|e| bits.element(&**group, e));
-        }
-        if let Some(heat) = self.heat() {
-            bits.add(heat.temperatures());
-            let energies = heat.energies();
-            bits.add(&[energies.external, energies.internal, energies.inelastic]);
-        }
-        let e = self.balance.energy();
-        bits.add(&[e.kinetic, e.work, e.friction, e.cavity, e.internal, e.strain, e.plastic, e.viscous, e.contact]);
-        bits.add(&[e.artificial, e.total, e.initial, self.balance.drift_over_largest()]);
-        bits.add(e.penalty.as_slice());
-        bits.add(e.damage.as_slice());
-        let digit = |value: u8| char::from(b"0123456789abcdef"[usize::from(value)]);
-        bits.0.finalize().iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
+/// Returns the SHA-256 digest, in hexadecimal, of time, increment, motion of bodies and nodes, element states and
+/// energies.
+pub(super) fn digest(run: &RunState<'_>) -> String {
+    let mut bits = BitHasher(Hash::new());
+    bits.0.update(run.now.increment.to_le_bytes());
+    bits.add(&[run.now.step_time, run.now.total_time]);
+    for body in &run.state.dofs.bodies {
+        bits.add(&[body.displacement, body.velocity, body.acceleration]);
+        body.numbers_in_space(&mut |numbers| bits.add(numbers));
     }
+    run.state.dofs.nodes.as_slice().iter().for_each(|n| bits.add(&n.as_array()));
+    run.state.dofs.nodes.acceleration.iter().for_each(|a| bits.add(a));
+    for group in &run.state.elements.groups {
+        (0..group.len()).for_each(|e| bits.element(&**group, e));
+    }
+    if let Some(heat) = run.state.heat() {
+        bits.add(heat.temperatures());
+        let energies = heat.energies();
+        bits.add(&[energies.external, energies.internal, energies.inelastic]);
+    }
+    let e = run.balance.energy();
+    bits.add(&[e.kinetic, e.work, e.friction, e.cavity, e.internal, e.strain, e.plastic, e.viscous, e.contact]);
+    bits.add(&[e.artificial, e.total, e.initial, run.balance.drift_over_largest()]);
+    bits.add(e.penalty.as_slice());
+    bits.add(e.damage.as_slice());
+    let digit = |value: u8| char::from(b"0123456789abcdef"[usize::from(value)]);
+    bits.0.finalize().iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
 }

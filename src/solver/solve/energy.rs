@@ -149,8 +149,8 @@ pub struct EnergyBalance {
     tied: f64,
     /// Largest energy so far.
     largest: f64,
-    /// Energy put in.
-    supply: EnergySupply,
+    /// Energies that the model can release, and the energy put in.
+    pub(super) supply: EnergySupply,
     /// Largest drift of the total energy.
     departure: f64,
     /// Drift of the total energy at the last instant, as a positive energy.
@@ -223,11 +223,6 @@ impl EnergyBalance {
     /// Returns whether the sums are finite numbers.
     pub fn is_finite(&self) -> bool {
         self.departure.is_finite()
-    }
-
-    /// Returns the energies that the model can release, and the energy put in.
-    pub fn supply(&mut self) -> &mut EnergySupply {
-        &mut self.supply
     }
 
     /// Returns the energy put in, with which all others are compared. It is the largest energy so far if none was put in.
@@ -333,8 +328,8 @@ impl EnergyBalance {
     /// Begins a step with these forces and prescribed motions of bodies; sums continue if they are the same as before.
     pub fn begin(&mut self, forces: &[GeneralizedForce], bodies: &[BodyState]) {
         let prescribed = || (0..bodies.len()).filter(|&b| bodies[b].prescribed);
-        let own = self.entries.iter().map(|e| (e.body, e.coordinate, e.account));
-        let same = own.eq(forces.iter().map(|f| (f.body, f.coordinate, f.account)));
+        let known_forces = self.entries.iter().map(|e| (e.body, e.coordinate, e.account));
+        let same = known_forces.eq(forces.iter().map(|f| (f.body, f.coordinate, f.account)));
         if same && self.prescribed.iter().map(|p| p.body).eq(prescribed()) {
             return;
         }
@@ -368,14 +363,14 @@ impl EnergyBalance {
     #[inline]
     pub fn add_increment(&mut self, dofs: &Dofs, forces: &[f64], after_jump: bool, solid_at: Option<f64>) {
         let bodies = &dofs.bodies;
-        let (mut done, mut external, mut tied) = (self.done, self.external, self.tied);
+        let (mut work_of_forces, mut external, mut tied) = (self.done, self.external, self.tied);
         for (entry, &force) in self.entries.iter_mut().zip(forces) {
             let body = &bodies[entry.body];
             let work = body.work(entry.coordinate, [entry.force, force], after_jump);
             entry.force = force;
             entry.last = work;
             entry.work += work;
-            done += work;
+            work_of_forces += work;
             external += entry.external * work;
             tied += entry.tied * work;
         }
@@ -386,7 +381,7 @@ impl EnergyBalance {
             let reaction = gained - on_body.map(|e| e.last).sum::<f64>();
             prescribed.kinetic = now;
             self.previous_steps.work += reaction;
-            done += reaction;
+            work_of_forces += reaction;
             external += reaction;
         }
         let kinetic = kinetic(dofs);
@@ -395,8 +390,8 @@ impl EnergyBalance {
                 self.largest = energy;
             }
         }
-        (self.kinetic, self.done, self.external, self.tied) = (kinetic, done, external, tied);
-        let mut departure = kinetic - self.previous_steps.initial - done;
+        (self.kinetic, self.done, self.external, self.tied) = (kinetic, work_of_forces, external, tied);
+        let mut departure = kinetic - self.previous_steps.initial - work_of_forces;
         // Without deformable bodies, contact still dissipates energy of rigid bodies.
         if solid_at.is_some() || dofs.energies.contact != 0.0 || dofs.energies.friction != 0.0 {
             departure += self.add_nodes(&dofs.energies, solid_at);
@@ -416,8 +411,9 @@ impl EnergyBalance {
         let initial = *self.solid_initial.get_or_insert(if solid_at.is_some() { sum } else { 0.0 });
         let stored = energies.internal.max(energies.initial_overlap);
         self.largest = self.largest.max(energies.kinetic).max(stored).max(energies.external.abs());
-        let given = self.previous_steps.initial + initial + self.external + energies.external + energies.flow.kinetic;
-        self.supply.take_with_elements(given, energies, solid_at.unwrap_or(f64::NEG_INFINITY));
+        let external_energy =
+            self.previous_steps.initial + initial + self.external + energies.external + energies.flow.kinetic;
+        self.supply.take_with_elements(external_energy, energies, solid_at.unwrap_or(f64::NEG_INFINITY));
         sum - initial
     }
 
@@ -481,7 +477,7 @@ mod tests {
     fn terms(energies: EnergyTotals, available: f64) -> EnergyTerms {
         let mut dofs = Dofs::default();
         let mut balance = EnergyBalance::start(&dofs);
-        balance.supply().begin([(AvailableEnergy::initial(available), 1.0)], 0.0, false);
+        balance.supply.begin([(AvailableEnergy::initial(available), 1.0)], 0.0, false);
         dofs.energies.kinetic = 100.0;
         balance.add_increment(&dofs, &[], false, Some(0.0));
         dofs.energies = energies;
@@ -493,9 +489,12 @@ mod tests {
     #[test]
     fn energy_from_nothing_exceeds_what_was_put_in_although_the_sum_is_constant() {
         let energies = EnergyTotals { kinetic: 50.0, internal: -451.0, viscous: 501.0, ..EnergyTotals::default() };
-        let found = terms(energies, 0.0);
-        assert_eq!([found.put_in, found.excess(INTERNAL)[0], found.excess(5)[1]], [100.0, 451.0, 401.0]);
-        assert_eq!((TERMS[5], found.largest_excess()), ("ALLVD", 451.0));
+        let terms_of_metal = terms(energies, 0.0);
+        assert_eq!(
+            [terms_of_metal.put_in, terms_of_metal.excess(INTERNAL)[0], terms_of_metal.excess(5)[1]],
+            [100.0, 451.0, 401.0]
+        );
+        assert_eq!((TERMS[5], terms_of_metal.largest_excess()), ("ALLVD", 451.0));
     }
 
     /// A gas or an explosive of 400 J drives a body: its internal energy is negative, the kinetic energy above that at
@@ -513,8 +512,11 @@ mod tests {
     #[test]
     fn work_counts_and_transport_does_not() {
         let energies = EnergyTotals { kinetic: 140.0, external: 50.0, advection: 10.0, ..EnergyTotals::default() };
-        let found = terms(energies, 0.0);
-        assert_eq!([found.put_in, found.excess(KINETIC)[1], found.excess(ADVECTION)[1]], [150.0, -10.0, 10.0]);
+        let terms_of_work = terms(energies, 0.0);
+        assert_eq!(
+            [terms_of_work.put_in, terms_of_work.excess(KINETIC)[1], terms_of_work.excess(ADVECTION)[1]],
+            [150.0, -10.0, 10.0]
+        );
         let lost = EnergyTotals { kinetic: 100.0, advection: -12.0, ..EnergyTotals::default() };
         assert_eq!(terms(lost, 0.0).largest_excess(), 12.0);
     }

@@ -2,17 +2,18 @@
 
 use indexmap::IndexMap;
 
-use super::body_surfaces::{SpatialPoint, on_cells};
+use super::adaptive_meshes::smallest_angle;
+use super::body_surfaces::{SpatialPoint, SurfacePoint, on_cells, point_value, surfaces, value_in_space};
 use super::energy::Energy;
 use super::reaction_means::ReactionMeans;
-use super::run::SolverRun;
+use super::run_state::RunState;
 use crate::constraint::contact::curve::PointCarrier;
-use crate::constraint::{Constraint, ContactResults, reaction};
+use crate::constraint::{Constraint, reaction};
 use crate::element::parts::PartTotals;
 use crate::element::values;
 use crate::model::OutputPosition;
 use crate::output::{CellList, FieldArray, OutputFrame};
-use crate::plan::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, SolidPlaces};
+use crate::plan::{ColumnSource, ElementCorner, FrameField, HistoryColumn, IntegratedSection, SolidPlaces};
 use crate::state::dofs::{Dof, Dofs};
 use crate::variables::statistic::Statistic;
 use crate::variables::{Variable, VariableComponent, VariablePlace};
@@ -22,15 +23,11 @@ pub fn node_value(dofs: &Dofs, constraints: &[Box<dyn Constraint>], node: usize,
     let axis = part.component;
     let dof = Dof::Node(node, axis);
     match part.variable {
-        Variable::Displacement => dofs.displacement(dof),
-        Variable::Velocity => dofs.velocity(dof),
-        Variable::Acceleration => dofs.acceleration(dof),
-        Variable::Reaction => reaction(constraints, dofs, dof),
         // Rotations are degrees of freedom of separate nodes.
-        Variable::Rotation => dofs.displacement(dof),
-        Variable::RotationalVelocity => dofs.velocity(dof),
-        Variable::RotationalAcceleration => dofs.acceleration(dof),
-        Variable::ReactionMoment => reaction(constraints, dofs, dof),
+        Variable::Displacement | Variable::Rotation => dofs.displacement(dof),
+        Variable::Velocity | Variable::RotationalVelocity => dofs.velocity(dof),
+        Variable::Acceleration | Variable::RotationalAcceleration => dofs.acceleration(dof),
+        Variable::Reaction | Variable::ReactionMoment => reaction(constraints, dofs, dof),
         Variable::Coordinate => dofs.nodes[node].place()[axis],
         _ => f64::NAN,
     }
@@ -79,7 +76,7 @@ pub(super) struct RowSources<'a> {
     pub(super) reactions: &'a ReactionMeans,
 }
 
-impl SolverRun<'_> {
+impl RunState<'_> {
     /// Returns the value of a history column; `before` are the values of the previous columns of the row.
     pub(super) fn column_value(&self, column: &HistoryColumn, row: &RowSources<'_>, before: &[f64]) -> f64 {
         match (column.source, column.part) {
@@ -96,7 +93,7 @@ impl SolverRun<'_> {
         match source {
             ColumnSource::Model => match part.variable {
                 Variable::MeshChanges => self.state.adaptive.iter().map(|domain| domain.changes() as f64).sum(),
-                Variable::SmallestAngle => self.smallest_angle(),
+                Variable::SmallestAngle => smallest_angle(&self.state),
                 variable => model_value(row.energy, self.last_increment, variable),
             },
             ColumnSource::Body { body, node } => self.body_value(body, node, part),
@@ -167,8 +164,8 @@ impl SolverRun<'_> {
         let nodes = &self.state.dofs.nodes;
         match part.variable {
             Variable::SurfaceForce => {
-                let force = |&(group, e, corner): &(usize, usize, usize)| {
-                    self.state.elements.corner_force(group, e, corner)[part.component]
+                let force = |&ElementCorner { group, element, corner }: &ElementCorner| {
+                    self.state.elements.corner_force(group, element, corner)[part.component]
                 };
                 -section.corners.iter().map(force).sum::<f64>()
             }
@@ -184,16 +181,12 @@ impl SolverRun<'_> {
     }
 
     fn node_value(&self, node: usize, part: VariableComponent) -> f64 {
-        match (part.variable, self.heat()) {
+        match (part.variable, self.state.heat()) {
             (Variable::NodalTemperature, Some(heat)) => heat.temperature(node),
             (Variable::ReactionFlux, Some(heat)) => heat.reaction(node),
             (v, _) if v.is_of_contact_nodes() => self.contact_value(PointCarrier::Node(node), part),
             _ => node_value(&self.state.dofs, &self.state.constraints, node, part),
         }
-    }
-
-    pub(super) fn contacts(&self) -> impl Iterator<Item = &dyn ContactResults> {
-        self.state.constraints.iter().filter_map(|c| c.view().contact)
     }
 
     /// Returns a value at a point of a contact surface; without contact there is no gap, and pressure and slip are
@@ -206,7 +199,7 @@ impl SolverRun<'_> {
     /// Returns a value of an element; NaN if its group does not have the variable. The temperature of an element with
     /// heat conduction is that of its nodes.
     fn element_value(&self, (group, e): (usize, usize), part: VariableComponent) -> f64 {
-        let thermal = self.heat().and_then(|heat| match part.variable {
+        let thermal = self.state.heat().and_then(|heat| match part.variable {
             Variable::Temperature => heat.element_temperature(group, e),
             Variable::HeatFlux => Some(heat.flux(group, e, &self.state.dofs)?[part.component]),
             _ => None,
@@ -223,7 +216,7 @@ impl SolverRun<'_> {
 
     /// Returns a value at a node of the mesh that belongs to a rigid body. Axial symmetry keeps the node at its radius.
     fn body_value(&self, body: usize, node: usize, part: VariableComponent) -> f64 {
-        if let Some(value) = self.value_in_space(body, node, part) {
+        if let Some(value) = value_in_space(self, body, node, part) {
             return value;
         }
         let state = &self.state.dofs.bodies[body];
@@ -245,7 +238,7 @@ impl SolverRun<'_> {
 }
 
 /// Returns the current frame: deformable bodies, and the facets of all rigid bodies at their current positions.
-pub(super) fn frame(run: &SolverRun<'_>) -> OutputFrame {
+pub(super) fn frame(run: &RunState<'_>) -> OutputFrame {
     let mesh = &run.plan.mesh;
     let mut frame = OutputFrame { time: run.now.total_time, increment: run.now.increment, ..OutputFrame::default() };
     let places = &run.plan.places;
@@ -266,8 +259,8 @@ pub(super) fn frame(run: &SolverRun<'_>) -> OutputFrame {
             frame.points.push([r, z + run.state.dofs.bodies[b].displacement]);
             of_point.push(node, Some(b));
         }
-        let shown = body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete());
-        elements.extend(shown.map(|e| *e as u32));
+        let surface_elements = body.elements.iter().filter(|&&e| !mesh.elements[e].kind.is_discrete());
+        elements.extend(surface_elements.map(|e| *e as u32));
     }
     frame.cells = CellList::with_capacity(elements.len());
     for &e in &elements {
@@ -347,13 +340,13 @@ impl PointOwners {
 }
 
 /// Adds the surfaces of bodies with six degrees of freedom, after all points and cells in the plane of the mesh.
-fn add_surfaces(run: &SolverRun<'_>, frame: &mut OutputFrame, elements: &mut Vec<u32>, of_point: &mut PointOwners) {
-    let (in_plane, surfaces) = (frame.points.len(), run.surfaces());
+fn add_surfaces(run: &RunState<'_>, frame: &mut OutputFrame, elements: &mut Vec<u32>, of_point: &mut PointOwners) {
+    let (in_plane, surfaces) = (frame.points.len(), surfaces(run));
     if surfaces.points.is_empty() {
         return;
     }
     (frame.third, frame.third_at_start) = (vec![0.0; in_plane], vec![0.0; in_plane]);
-    for (point, [x, y, z], start) in surfaces.points {
+    for SurfacePoint { point, place: [x, y, z], start } in surfaces.points {
         frame.points.push([x, y]);
         frame.third.push(z);
         frame.start.push([start[0], start[1]]);
@@ -374,17 +367,17 @@ fn third(variable: Variable) -> Option<Variable> {
     }
 }
 
-fn in_space(run: &SolverRun<'_>, field: &FrameField) -> bool {
+fn in_space(run: &RunState<'_>, field: &FrameField) -> bool {
     run.state.dofs.bodies.iter().any(|body| body.stations().is_some())
         && field.parts.len() == 2
         && third(field.variable()).is_some()
 }
 
 /// Returns an array of vectors over points, with the component along direction 3 added.
-fn array_in_space(field: &FrameField, values: Vec<f64>, run: &SolverRun<'_>, of_point: &PointOwners) -> FieldArray {
+fn array_in_space(field: &FrameField, values: Vec<f64>, run: &RunState<'_>, of_point: &PointOwners) -> FieldArray {
     let flat = array(field, values);
     let more = |owner: PointOwner| match (owner, third(field.variable())) {
-        (PointOwner::Space(point), Some(variable)) => run.point_value(&point, variable.into()),
+        (PointOwner::Space(point), Some(variable)) => point_value(run, &point, variable.into()),
         _ => 0.0,
     };
     let pairs = flat.values.chunks_exact(2).zip(of_point.iter(&run.plan.places));
@@ -400,7 +393,7 @@ fn array(field: &FrameField, values: Vec<f64>) -> FieldArray {
 }
 
 /// Returns a nodal variable over points. The reaction force of a rigid body belongs to its reference node.
-fn of_nodes(run: &SolverRun<'_>, field: &FrameField, of_point: &PointOwners) -> Vec<f64> {
+fn of_nodes(run: &RunState<'_>, field: &FrameField, of_point: &PointOwners) -> Vec<f64> {
     let value = |owner: PointOwner, part: VariableComponent| match owner {
         PointOwner::Body(b, node) if part.variable == Variable::Reaction && node != run.plan.bodies[b].reference => 0.0,
         PointOwner::Body(b, node) => run.body_value(b, node, part),
@@ -408,7 +401,7 @@ fn of_nodes(run: &SolverRun<'_>, field: &FrameField, of_point: &PointOwners) -> 
             rotation.map_or(f64::NAN, |n| run.node_value(n, part))
         }
         PointOwner::Node(n, _) => run.node_value(n, part),
-        PointOwner::Space(point) => run.point_value(&point, part),
+        PointOwner::Space(point) => point_value(run, &point, part),
     };
     let mut values = Vec::with_capacity((of_point.in_plane.len() + of_point.on_surfaces.len()) * field.parts.len());
     for owner in of_point.iter(&run.plan.places) {
@@ -420,7 +413,7 @@ fn of_nodes(run: &SolverRun<'_>, field: &FrameField, of_point: &PointOwners) -> 
 /// Returns an element variable over cells; those of deformable elements come first. Cells without
 /// the variable, such as those of rigid bodies, are NaN. ParaView excludes NaN from ranges and draws it in a separate
 /// colour.
-fn of_elements(run: &SolverRun<'_>, field: &FrameField, cells: usize) -> Vec<f64> {
+fn of_elements(run: &RunState<'_>, field: &FrameField, cells: usize) -> Vec<f64> {
     let mut values = Vec::with_capacity(cells * field.parts.len());
     for place in run.plan.places.elements.values() {
         values.extend(field.parts.iter().map(|part| run.element_value(*place, *part)));
@@ -431,7 +424,7 @@ fn of_elements(run: &SolverRun<'_>, field: &FrameField, cells: usize) -> Vec<f64
 
 /// Returns a variable of integration points over points: the unweighted mean over the adjacent elements that have it
 /// and are not deleted. An element has one integration point, whose value is used at all its corners.
-fn averaged_at_nodes(run: &SolverRun<'_>, field: &FrameField, frame: &OutputFrame) -> Vec<f64> {
+fn averaged_at_nodes(run: &RunState<'_>, field: &FrameField, frame: &OutputFrame) -> Vec<f64> {
     let solid = &run.plan.places.elements;
     let of_elements = of_elements(run, field, solid.len());
     let width = field.parts.len();
@@ -453,9 +446,9 @@ fn averaged_at_nodes(run: &SolverRun<'_>, field: &FrameField, frame: &OutputFram
 
 /// Returns the output of loads on facets. Values of several loads on a facet are combined as the variable requires; for
 /// the faces of one deformable element the mean is used.
-fn facet_fields(run: &SolverRun<'_>, elements: &[u32]) -> Vec<FieldArray> {
-    let shown: Vec<_> = run.state.loads.iter().filter_map(|load| load.fields(&run.state.dofs)).collect();
-    if shown.is_empty() {
+fn facet_fields(run: &RunState<'_>, elements: &[u32]) -> Vec<FieldArray> {
+    let load_fields: Vec<_> = run.state.loads.iter().filter_map(|load| load.fields(&run.state.dofs)).collect();
+    if load_fields.is_empty() {
         return Vec::new();
     }
     // First cell of each element, and its number of cells: a body with six degrees of freedom has one for each station.
@@ -467,7 +460,7 @@ fn facet_fields(run: &SolverRun<'_>, elements: &[u32]) -> Vec<FieldArray> {
     let facet_variables = Variable::ALL.iter().filter(|v| v.place() == VariablePlace::Facet);
     let field = |&variable: &Variable| {
         let mut values = vec![0.0; elements.len()];
-        for fields in &shown {
+        for fields in &load_fields {
             let mut element_values: IndexMap<usize, Vec<[f64; 2]>> = IndexMap::new();
             for (facet, element) in fields.elements.iter().enumerate() {
                 let value = fields.value(facet, variable).unwrap_or_default();

@@ -1,15 +1,16 @@
 //! Checks that halt a run: energies that are not finite, energy limits of the deck (`*ENERGY LIMIT`) and of every run,
 //! and increments too small to complete the step. Warnings are in `watch.rs`.
 
+use super::collapse::name_folding_remedy;
 use super::increment::shortened;
-use super::run::SolverRun;
-use super::watch::SMALL;
+use super::run_state::RunState;
+use super::watch::{RunReport, SMALL, likely_cause, name_created_energy, name_folded};
 use crate::constraint::Constraint;
+use crate::element::elements::CollapsedElement;
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
 use crate::plan::StepPlan;
 use crate::state::halt::HaltReason;
-use crate::state::magnitude::AmplitudeClock;
 
 /// Smallest stable time increment over the length of the step. Below it the step would need more than 1e10 increments,
 /// which happens only if an element collapses.
@@ -33,89 +34,87 @@ fn first_exceeded(values: [f64; 2], limits: [Option<f64>; 2], reported: [bool; 2
     (0..2).filter(|&i| !reported[i]).find_map(|i| Some((i, values[i], limits[i].filter(|l| values[i] > *l)?)))
 }
 
-impl SolverRun<'_> {
+impl RunReport {
     /// Checks the energies after an increment.
     ///
     /// # Errors
     /// If they are not finite, or exceed a limit that halts.
     #[inline(always)]
-    pub(super) fn guard_energy(&mut self) -> Result<(), HaltReason> {
-        let watched = self.watch.needs_no_check(&self.balance, &self.now);
-        if watched && self.balance.is_finite() && self.step.energy_limit.is_none() {
+    pub(super) fn guard_energy(&mut self, run: &mut RunState<'_>) -> Result<(), HaltReason> {
+        let watched = self.watch.needs_no_check(&run.balance, &run.now);
+        if watched && run.balance.is_finite() && run.step.energy_limit.is_none() {
             Ok(())
         } else {
-            self.check_energy()
+            self.check_energy(run)
         }
     }
 
     /// Warns of stiff loads that end, if they reduced the increment or should have.
-    pub(super) fn warn_of_stiff_loads(&mut self, loads: &[Box<dyn Load>]) {
-        let alone = self.state.elements.stable_increment();
-        let fixed = self.step.is_fixed();
+    pub(super) fn warn_of_stiff_loads(&mut self, run: &RunState<'_>, loads: &[Box<dyn Load>]) {
+        let alone = run.state.elements.stable_increment();
+        let fixed = run.step.is_fixed();
         for load in loads {
-            let Some(found) = load.stiffness() else { continue };
-            let by = shortened(found.squared, alone);
-            let done = if fixed {
+            let Some(LoadStiffness { squared, rate, point, place: [r, z], time }) = load.stiffness() else { continue };
+            let ratio = shortened(*squared, alone);
+            let consequence = if fixed {
                 format!(
-                    "a stable increment is {by:.1} times smaller than that of the elements, and the increments of the deck are fixed"
+                    "a stable increment is {ratio:.1} times smaller than that of the elements, and the increments of the deck are fixed"
                 )
             } else {
-                format!("since then increments are {by:.1} times smaller than those of the elements")
+                format!("since then increments are {ratio:.1} times smaller than those of the elements")
             };
-            let row = &self.plan.ledger.effects[load.effect()];
-            let LoadStiffness { rate, point, place: [r, z], time, .. } = found;
+            let row = &run.plan.ledger.effects[load.effect()];
             self.outcome.warn("R312", format!(
                 "{} ({}): the pressure increases by {rate:.3e} per unit of outward displacement at point {} (r = {r:.4e}, z = {z:.4e}). \
                  This stiffness is not part of the stable time increment of the elements, and an instability began at time \
-                 {time:e}; {done}. SCALE FACTOR={:.2} on *DYNAMIC avoids the instability",
+                 {time:e}; {consequence}. SCALE FACTOR={:.2} on *DYNAMIC avoids the instability",
                 row.effect,
                 row.asked_by.join(", "),
                 point + 1,
-                (1.0 / by).min(1.0)
+                (1.0 / ratio).min(1.0)
             ));
         }
     }
 
     /// Adds the warnings of constraints that end.
-    pub(super) fn warn_of_constraints(&mut self, constraints: &mut [Box<dyn Constraint>]) {
-        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
+    pub(super) fn warn_of_constraints(&mut self, run: &RunState<'_>, constraints: &mut [Box<dyn Constraint>]) {
         for constraint in constraints {
             let upkeep = constraint.upkeep();
-            let overlaps = upkeep.map_or_else(Vec::new, |c| c.overlaps(&self.state.dofs, &clock));
+            let overlaps = upkeep.map_or_else(Vec::new, |c| c.overlaps(&run.state.dofs, &run.clock()));
             overlaps.into_iter().for_each(|text| self.outcome.warn("R311", text));
         }
     }
 
     /// Adds the warnings of the effects in force at the end of the run.
-    pub(super) fn warn_of_effects(&mut self) {
+    pub(super) fn warn_of_effects(&mut self, run: &mut RunState<'_>) {
         let (loads, mut constraints) =
-            (std::mem::take(&mut self.state.loads), std::mem::take(&mut self.state.constraints));
-        self.warn_of_stiff_loads(&loads);
-        self.warn_of_constraints(&mut constraints);
-        (self.state.loads, self.state.constraints) = (loads, constraints);
+            (std::mem::take(&mut run.state.loads), std::mem::take(&mut run.state.constraints));
+        self.warn_of_stiff_loads(run, &loads);
+        self.warn_of_constraints(run, &mut constraints);
+        (run.state.loads, run.state.constraints) = (loads, constraints);
     }
 
     #[inline(never)]
-    fn check_energy(&mut self) -> Result<(), HaltReason> {
-        if !self.balance.is_finite() {
+    fn check_energy(&mut self, run: &mut RunState<'_>) -> Result<(), HaltReason> {
+        if !run.balance.is_finite() {
             let reason = format!(
                 "the energy of the model is not a finite number at increment {}, time {:e}",
-                self.now.increment, self.now.total_time
+                run.now.increment, run.now.total_time
             );
             return Err(HaltReason { code: "R203", reason });
         }
-        self.check_energy_limits()?;
-        self.check_drift()?;
-        self.check_contact()?;
-        self.check_terms()?;
-        self.watch();
+        self.check_energy_limits(run)?;
+        self.check_drift(run)?;
+        self.check_contact(run)?;
+        self.check_terms(run)?;
+        self.watch(run);
         Ok(())
     }
 
     /// Checks the limits that the deck gives.
-    fn check_energy_limits(&mut self) -> Result<(), HaltReason> {
-        let Some(limit) = &self.step.energy_limit else { return Ok(()) };
-        let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
+    fn check_energy_limits(&mut self, run: &RunState<'_>) -> Result<(), HaltReason> {
+        let Some(limit) = &run.step.energy_limit else { return Ok(()) };
+        let values = [run.balance.drift(), run.balance.artificial_share(SMALL)];
         let Some((which, value, allowed)) =
             first_exceeded(values, [limit.error, limit.artificial], self.watch.limits_reported)
         else {
@@ -124,7 +123,7 @@ impl SolverRun<'_> {
         let what = ["energy drift", "artificial over internal energy"][which];
         let reason = format!(
             "{what} is {value:.2e}, above the limit {allowed:e}, at increment {}, time {:e}",
-            self.now.increment, self.now.total_time
+            run.now.increment, run.now.total_time
         );
         if limit.halts {
             return Err(HaltReason { code: "R208", reason });
@@ -137,38 +136,37 @@ impl SolverRun<'_> {
     /// Checks the drift limit of every run, unless the deck gives its own. The first increments are excluded, because
     /// energies are too small to be judged. A single increment above the limit does not halt, because energies of
     /// undamped vibration jump when the increment changes.
-    fn check_drift(&mut self) -> Result<(), HaltReason> {
-        let drift = self.balance.drift_now();
+    fn check_drift(&mut self, run: &RunState<'_>) -> Result<(), HaltReason> {
+        let drift = run.balance.drift_now();
         // While energy is supplied, the relative drift of the first increment under a sudden load decreases.
         let decreases = drift < std::mem::replace(&mut self.watch.drift, drift);
         let lasting = self.watch.lasting_drifts + u64::from(!decreases);
         self.watch.lasting_drifts = if drift > LARGEST_DRIFT { lasting } else { 0 };
         self.watch.drift_count += u64::from(drift > LARGEST_DRIFT);
-        let passes = self.watch.lasting_drifts < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
-        if passes || self.is_noise() { Ok(()) } else { Err(self.drift_halt(drift)) }
+        let passes = self.watch.lasting_drifts < LASTING || run.now.increment < EARLY || run.step.has_drift_limit();
+        if passes || run.is_noise() { Ok(()) } else { Err(self.drift_halt(run, drift)) }
     }
 
     /// Checks the energy of contact, which is a term of ETOTAL, so that its drift does not show it. The first increments
     /// are excluded as for the drift; the end of a short analysis is not.
-    fn check_contact(&mut self) -> Result<(), HaltReason> {
-        let is_met = self.balance.absorbed_by_contact() < -LARGEST_CREATED * self.balance.put_in();
+    fn check_contact(&mut self, run: &RunState<'_>) -> Result<(), HaltReason> {
+        let is_met = run.balance.absorbed_by_contact() < -LARGEST_CREATED * run.balance.put_in();
         let [_, count] = &mut self.watch.contact_below_zero;
         *count = if is_met { *count + 1 } else { 0 };
-        let passes = *count < LASTING || self.now.increment < EARLY || self.step.has_drift_limit();
-        if passes || self.is_noise() { Ok(()) } else { Err(self.contact_halt()) }
+        let passes = *count < LASTING || run.now.increment < EARLY || run.step.has_drift_limit();
+        if passes || run.is_noise() { Ok(()) } else { Err(contact_halt(run)) }
     }
 
     /// Checks each term of the energy. Terms with opposite errors close ETOTAL, but none exceeds the energy put in. A limit
     /// of the deck on the drift that is larger is the limit of the terms as well. The first increments are excluded as for
     /// the drift.
-    fn check_terms(&mut self) -> Result<(), HaltReason> {
-        let limit = self.step.energy_limit.and_then(|l| l.error).map_or(LARGEST_EXCESS, |e| e.max(LARGEST_EXCESS));
-        let terms = self.balance.terms();
-        let excess = terms.largest_excess();
-        let is_met = self.balance.has_solid() && excess > 0.0 && excess > limit * terms.put_in;
+    fn check_terms(&mut self, run: &RunState<'_>) -> Result<(), HaltReason> {
+        let limit = run.step.energy_limit.and_then(|l| l.error).map_or(LARGEST_EXCESS, |e| e.max(LARGEST_EXCESS));
+        let excess = self.watch.term_excess;
+        let is_met = run.balance.has_solid() && excess > 0.0 && excess > limit * run.balance.supply.put_in();
         self.watch.lasting_excess = if is_met { self.watch.lasting_excess + 1 } else { 0 };
-        let passes = self.watch.lasting_excess < LASTING || self.now.increment < EARLY;
-        if passes || self.is_noise() { Ok(()) } else { Err(self.excess_halt()) }
+        let passes = self.watch.lasting_excess < LASTING || run.now.increment < EARLY;
+        if passes || run.is_noise() { Ok(()) } else { Err(self.excess_halt(run)) }
     }
 
     /// Checks the drift, the energy of contact and the terms of the energy at the end of an analysis that was too short for
@@ -177,73 +175,114 @@ impl SolverRun<'_> {
     ///
     /// # Errors
     /// If energy is not conserved.
-    pub(super) fn check_final_drift(&self) -> Result<(), HaltReason> {
-        let is_early = self.now.increment < EARLY;
-        let drift = self.balance.drift();
-        let is_met = drift > LARGEST_DRIFT && self.watch.drift_count > u64::from(self.now.increment > LASTING);
-        let own = self.plan.steps.iter().any(StepPlan::has_drift_limit);
-        if is_early && self.watch.lasting_excess >= LASTING && !self.is_noise() {
-            return Err(self.excess_halt());
+    pub(super) fn check_final_drift(&self, run: &RunState<'_>) -> Result<(), HaltReason> {
+        let is_early = run.now.increment < EARLY;
+        let drift = run.balance.drift();
+        let is_met = drift > LARGEST_DRIFT && self.watch.drift_count > u64::from(run.now.increment > LASTING);
+        let is_limited_by_deck = run.plan.steps.iter().any(StepPlan::has_drift_limit);
+        if is_early && self.watch.lasting_excess >= LASTING && !run.is_noise() {
+            return Err(self.excess_halt(run));
         }
-        if !is_early || own || self.is_noise() {
+        if !is_early || is_limited_by_deck || run.is_noise() {
             Ok(())
         } else if self.watch.contact_below_zero[1] >= LASTING {
-            Err(self.contact_halt())
+            Err(contact_halt(run))
         } else if is_met {
-            Err(self.drift_halt(drift))
+            Err(self.drift_halt(run, drift))
         } else {
             Ok(())
         }
     }
 
-    fn contact_halt(&self) -> HaltReason {
-        HaltReason { code: "R208", reason: self.name_created_energy() }
+    /// Returns why an element has failed, and a remedy.
+    #[cold]
+    pub(super) fn collapsed(&self, run: &RunState<'_>, collapsed: CollapsedElement) -> HaltReason {
+        let CollapsedElement { group, element, volume } = collapsed;
+        if let Some(halt) = &run.state.elements.failure {
+            return halt.clone();
+        }
+        let why = if volume > 0.0 { "its state is not finite" } else { "it is inverted" };
+        let remedy = match run.beyond_stability() {
+            Some([length, ratio]) => format!(
+                "; the increment of DIRECT USER CONTROL, {length:e}, is {ratio:.2} times the stable time increment at the \
+                 previous instant, {:.3e}: use a smaller one or automatic increments",
+                run.previous_stable_increment
+            ),
+            None if volume <= 0.0 || self.watch.collapse.is_reported() => name_folding_remedy(run, group),
+            None => String::new(),
+        };
+        let reason = format!(
+            "element {} failed at increment {}, time {:e}: {why} (volume {volume:e}){remedy}",
+            run.plan.element_name(group, element),
+            run.now.increment,
+            run.now.total_time
+        );
+        HaltReason { code: "R206", reason }
     }
 
-    fn excess_halt(&self) -> HaltReason {
-        let reason = format!("{}. *ENERGY LIMIT, ERROR=limit in the step raises this limit", self.name_excess());
+    fn excess_halt(&self, run: &RunState<'_>) -> HaltReason {
+        let reason = format!("{}. *ENERGY LIMIT, ERROR=limit in the step raises this limit", self.name_excess(run));
         HaltReason { code: "R208", reason }
     }
 
-    fn drift_halt(&self, drift: f64) -> HaltReason {
+    fn drift_halt(&self, run: &RunState<'_>, drift: f64) -> HaltReason {
         let reason = format!(
             "ETOTAL has drifted by {:.1} % of the energy put in, more than {:.0} %, at increment {}, time {:e}{}: energy is \
              not conserved{}. {}. *ENERGY LIMIT, ERROR=limit in the step changes this limit",
             100.0 * drift,
             100.0 * LARGEST_DRIFT,
-            self.now.increment,
-            self.now.total_time,
-            self.drifts_since(),
-            self.name_folded(),
-            self.likely_cause()
+            run.now.increment,
+            run.now.total_time,
+            self.watch.drifts_since(),
+            name_folded(run),
+            likely_cause(run)
         );
         HaltReason { code: "R208", reason }
     }
+}
 
-    /// Checks that the step can be completed with the increments of the elements.
-    ///
-    /// # Errors
-    /// If an element has collapsed so far that it cannot.
-    #[inline(always)]
-    pub(super) fn guard_increment(&self) -> Result<(), HaltReason> {
-        if !self.state.elements.is_empty() && self.state.elements.stable_increment() < FLOOR * self.step.duration {
-            return Err(self.too_many_increments());
-        }
-        Ok(())
-    }
+fn contact_halt(run: &RunState<'_>) -> HaltReason {
+    HaltReason { code: "R208", reason: name_created_energy(run) }
+}
 
-    #[cold]
-    fn too_many_increments(&self) -> HaltReason {
-        let (stable, (group, element)) = (self.state.elements.stable_increment(), self.state.elements.limiting());
-        let reason = format!(
-            "element {} has collapsed: at increment {}, time {:e} its stable time increment is {stable:e}; the step \
-             would need more than 1e10 increments",
-            self.plan.element_name(group, element),
-            self.now.increment,
-            self.now.total_time
-        );
-        HaltReason { code: "R209", reason }
+/// Checks that the step can be completed with the increments of the elements.
+///
+/// # Errors
+/// If an element has collapsed so far that it cannot.
+#[inline(always)]
+pub(super) fn guard_increment(run: &RunState<'_>) -> Result<(), HaltReason> {
+    if !run.state.elements.is_empty() && run.state.elements.stable_increment() < FLOOR * run.step.duration {
+        return Err(too_many_increments(run));
     }
+    Ok(())
+}
+
+#[cold]
+fn too_many_increments(run: &RunState<'_>) -> HaltReason {
+    let (stable, (group, element)) = (run.state.elements.stable_increment(), run.state.elements.limiting());
+    let reason = format!(
+        "element {} has collapsed: at increment {}, time {:e} its stable time increment is {stable:e}; the step \
+         would need more than 1e10 increments",
+        run.plan.element_name(group, element),
+        run.now.increment,
+        run.now.total_time
+    );
+    HaltReason { code: "R209", reason }
+}
+
+#[cold]
+pub(super) fn not_finite(run: &RunState<'_>) -> HaltReason {
+    let bodies = &run.state.dofs.bodies;
+    let b = bodies.iter().position(|body| !body.acceleration.is_finite()).unwrap_or_default();
+    let (name, time, body) = (&run.plan.bodies[b].name, run.now.total_time, &bodies[b]);
+    let reason = format!(
+        "the acceleration of rigid body `{name}` is {} at increment {}, time {time:e} ({}, mass {})",
+        body.acceleration,
+        run.now.increment,
+        body.describe_force(),
+        body.mass
+    );
+    HaltReason { code: "R203", reason }
 }
 
 #[cfg(test)]

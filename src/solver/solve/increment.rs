@@ -1,15 +1,14 @@
 //! Choice of the time increment, and of the event at its end.
 
 use super::limits::IncrementLimiter;
+use super::run_state::RunState;
 use crate::element::connector::damped_rate;
-use crate::heat::field::TemperatureField;
 use crate::load::{SceneView, VelocityUse};
 use crate::model::IncrementControl;
 use crate::plan::{State, StepPlan};
 use crate::state::archive::Persist;
 use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
-use crate::state::magnitude::AmplitudeClock;
 use crate::state::{BodyState, Instant};
 
 /// Event that determines the end of an increment.
@@ -106,29 +105,7 @@ const SLOW: f64 = 0.1;
 /// Fraction by which the last increment of a step may exceed the chosen length.
 const SLIVER: f64 = 1e-3;
 
-/// Input for the choice of an increment.
-#[derive(Clone, Copy)]
-pub struct IncrementContext<'a> {
-    /// Degrees of freedom, elements, and the effects in force.
-    pub state: &'a State,
-    /// Current instant.
-    pub now: &'a Instant,
-    /// Fraction of the previous increment over which the velocity that loads receive is extrapolated.
-    pub velocity_extrapolation: f64,
-    /// Length of the previous increment; 0 if central differences of bodies start again.
-    pub previous_dt: f64,
-    /// Time until the end of the step.
-    pub remaining: f64,
-    /// Time until the next output that is due at a time.
-    pub until_output: f64,
-}
-
-impl IncrementContext<'_> {
-    #[inline]
-    fn clock(&self) -> AmplitudeClock<'_> {
-        AmplitudeClock { now: *self.now, user_amplitudes: &self.state.user_amplitudes }
-    }
-
+impl RunState<'_> {
     #[inline]
     fn view(&self) -> SceneView<'_> {
         SceneView {
@@ -143,16 +120,12 @@ impl IncrementContext<'_> {
     /// Returns whether rigid bodies at rest are alone with resistances, which vanish at rest.
     #[inline]
     fn stays_at_rest(&self) -> bool {
-        let State { dofs, elements, loads, constraints, user_motions, .. } = self.state;
+        let State { dofs, elements, loads, constraints, user_motions, .. } = &self.state;
         dofs.bodies.iter().all(BodyState::is_still)
             && elements.is_empty()
             && constraints.is_empty()
             && user_motions.is_empty()
             && loads.iter().all(|load| load.velocity_use() == VelocityUse::Resists)
-    }
-
-    fn heat(&self) -> Option<&TemperatureField> {
-        self.state.thermal.as_ref()?.heat.as_ref()
     }
 
     /// Returns the sum of the bounds of the squares of frequencies by springs between bodies.
@@ -205,7 +178,7 @@ pub struct IncrementController {
 impl IncrementController {
     /// Creates the controller at the start of a step.
     pub fn new(step: &StepPlan, bodies: &[BodyState]) -> Self {
-        let (fixed, accuracy, most) = match step.control {
+        let (fixed, accuracy, longest) = match step.control {
             IncrementControl::Fixed(length) => (Some(length), 1.0, f64::INFINITY),
             IncrementControl::Automatic { accuracy, largest, .. } => (None, accuracy, largest),
         };
@@ -213,7 +186,7 @@ impl IncrementController {
         IncrementController {
             fixed,
             factor: step.scale_factor,
-            most,
+            most: longest,
             resolution: RESOLUTION * accuracy.sqrt(),
             largest,
             free: FIRST * largest / GROWTH,
@@ -227,24 +200,30 @@ impl IncrementController {
         *self = IncrementController { free, speed, ..IncrementController::new(step, bodies) };
     }
 
-    /// Returns the next increment.
+    /// Returns the next increment. `next_output` is the step time at which output is due.
     #[inline]
-    pub fn choose(&mut self, scene: IncrementContext<'_>) -> Increment {
-        let (state, bodies) = (scene.state, &scene.state.dofs.bodies[..]);
+    pub(super) fn choose(&mut self, run: &RunState<'_>, next_output: f64) -> Increment {
+        let (state, bodies) = (&run.state, &run.state.dofs.bodies[..]);
+        let remaining = run.step.duration - run.now.step_time;
         let mut next = Increment { length: f64::INFINITY, end: IncrementEnd::Plain, by: IncrementLimiter::Given };
         match self.fixed {
             Some(length) => next.length = length,
             None => {
                 if bodies.iter().any(|b| !b.tied) {
-                    let resolved = self.automatic(bodies, scene.previous_dt);
-                    let length = if scene.stays_at_rest() { resolved.max(scene.until_output) } else { resolved };
+                    let resolved = self.automatic(bodies, run.previous_dt);
+                    let length = if run.stays_at_rest() {
+                        // With a margin for rounding, so that the instant is not before the output.
+                        resolved.max((next_output - run.now.step_time) * (1.0 + 1e-9))
+                    } else {
+                        resolved
+                    };
                     next.bound(length * self.factor, IncrementLimiter::Accuracy);
                 }
                 if !state.elements.is_empty() {
-                    next = self.bound_by_elements(next, &scene);
+                    next = self.bound_by_elements(next, run);
                 }
                 next.bound(self.most, IncrementLimiter::Longest);
-                let view = scene.view();
+                let view = run.view();
                 for load in &state.loads {
                     next.shorten(load.max_increment(&view), || IncrementLimiter::Effect(load.effect()));
                 }
@@ -254,18 +233,18 @@ impl IncrementController {
                 }
             }
         }
-        self.fit_step(&mut next, scene.remaining);
+        self.fit_step(&mut next, remaining);
         end_at_rest(&mut next, bodies, SLOW * self.resolution);
         next
     }
 
     /// Returns the increment with the limits of stability, and of heat if temperatures are solved for.
     #[inline(never)]
-    fn bound_by_elements(&self, mut next: Increment, scene: &IncrementContext<'_>) -> Increment {
-        next.bound(scene.stable_increment() * self.factor, scene.stability_limiter());
-        if let Some(heat) = scene.heat() {
+    fn bound_by_elements(&self, mut next: Increment, run: &RunState<'_>) -> Increment {
+        next.bound(run.stable_increment() * self.factor, run.stability_limiter());
+        if let Some(heat) = run.state.heat() {
             next.bound(heat.stable_increment() * self.factor, IncrementLimiter::Conduction);
-            next.shorten(heat.limit(&scene.clock()), || IncrementLimiter::Heat);
+            next.shorten(heat.limit(&run.clock()), || IncrementLimiter::Heat);
         }
         next
     }

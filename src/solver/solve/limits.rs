@@ -35,25 +35,21 @@ pub enum IncrementLimiter {
 }
 
 impl IncrementLimiter {
-    /// Returns two numbers for an archive.
-    fn code(self) -> [usize; 2] {
-        match self {
-            IncrementLimiter::Given => [0, 0],
-            IncrementLimiter::Accuracy => [1, 0],
-            IncrementLimiter::Elements => [2, 0],
-            IncrementLimiter::Conduction => [3, 0],
-            IncrementLimiter::Heat => [4, 0],
-            IncrementLimiter::Longest => [5, 0],
-            IncrementLimiter::Effect(id) => [6, id],
-            IncrementLimiter::Step => [7, 0],
-            IncrementLimiter::Rest => [8, 0],
-        }
+    /// Returns all limiters, in the order of their numbers in an archive.
+    fn all(effect: EffectId) -> [IncrementLimiter; 9] {
+        use IncrementLimiter::{Accuracy, Conduction, Effect, Elements, Given, Heat, Longest, Rest, Step};
+        [Given, Accuracy, Elements, Conduction, Heat, Longest, Effect(effect), Step, Rest]
     }
 
-    fn of_code([kind, id]: [usize; 2]) -> IncrementLimiter {
-        use IncrementLimiter::{Accuracy, Conduction, Effect, Elements, Given, Heat, Longest, Rest, Step};
-        let all = [Given, Accuracy, Elements, Conduction, Heat, Longest, Effect(id), Step, Rest];
-        all.get(kind).copied().unwrap_or_default()
+    /// Returns two numbers for an archive: of the limiter and of its effect.
+    fn code(self) -> [usize; 2] {
+        let effect = if let IncrementLimiter::Effect(effect) = self { effect } else { 0 };
+        let number = IncrementLimiter::all(effect).iter().position(|limiter| *limiter == self);
+        [number.unwrap_or_default(), effect]
+    }
+
+    fn of_code([number, effect]: [usize; 2]) -> IncrementLimiter {
+        IncrementLimiter::all(effect).get(number).copied().unwrap_or_default()
     }
 }
 
@@ -106,9 +102,8 @@ impl IncrementLimits {
     /// Adds an increment that starts at the total time `time`.
     #[inline]
     pub fn take(&mut self, time: f64, length: f64, by: IncrementLimiter, place: (usize, usize)) {
-        let place =
-            if matches!(by, IncrementLimiter::Elements | IncrementLimiter::Conduction) { place } else { (0, 0) };
-        let span = IncrementSpan { time, shortest: length, by, place };
+        let is_of_element = matches!(by, IncrementLimiter::Elements | IncrementLimiter::Conduction);
+        let span = IncrementSpan { time, shortest: length, by, place: if is_of_element { place } else { (0, 0) } };
         match self.spans.last_mut() {
             Some(last) if self.in_last < self.stride => last.take(&span),
             _ => self.open(span),
@@ -136,12 +131,12 @@ impl IncrementLimits {
         let mut known: Vec<(IncrementLimiter, (usize, usize))> = Vec::new();
         for span in &self.spans {
             let limit = (span.by, span.place);
-            let by = known.iter().position(|k| *k == limit).unwrap_or_else(|| {
+            let index = known.iter().position(|k| *k == limit).unwrap_or_else(|| {
                 known.push(limit);
                 record.names.push(name(span, plan));
                 known.len() - 1
             });
-            record.by.push(by);
+            record.by.push(index);
             record.time.push(span.time);
             record.increment.push(span.shortest);
         }
@@ -194,9 +189,9 @@ mod tests {
         let mut limits = IncrementLimits::begin();
         let capacity = limits.spans.capacity();
         for i in 0..10_000_u32 {
-            let (length, by) =
+            let (length, limiter) =
                 if i == 7777 { (0.5, IncrementLimiter::Rest) } else { (1.0, IncrementLimiter::Elements) };
-            limits.take(f64::from(i), length, by, (0, 0));
+            limits.take(f64::from(i), length, limiter, (0, 0));
         }
         limits.take(10_000.0, 1e-9, IncrementLimiter::Step, (0, 0));
         assert_eq!(limits.spans.capacity(), capacity, "no memory was allocated");
@@ -209,15 +204,6 @@ mod tests {
 
     #[test]
     fn codes_convert_back_to_limiters() {
-        let all = [
-            IncrementLimiter::Given,
-            IncrementLimiter::Accuracy,
-            IncrementLimiter::Elements,
-            IncrementLimiter::Conduction,
-            IncrementLimiter::Heat,
-        ];
-        let more =
-            [IncrementLimiter::Longest, IncrementLimiter::Effect(7), IncrementLimiter::Step, IncrementLimiter::Rest];
-        all.into_iter().chain(more).for_each(|l| assert_eq!(IncrementLimiter::of_code(l.code()), l));
+        IncrementLimiter::all(7).into_iter().for_each(|l| assert_eq!(IncrementLimiter::of_code(l.code()), l));
     }
 }

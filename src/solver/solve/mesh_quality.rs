@@ -1,28 +1,85 @@
 //! Quality of the meshes of bodies that are remeshed, and their new meshes so far.
 
 use super::outcome::MeshChanges;
+use super::run_state::RunState;
+use crate::element::elements::Elements;
 use crate::plan::{Plan, RemeshedBody};
-use crate::remesh::MeshRevision;
+use crate::remesh::mesher::sharpest;
+use crate::remesh::{BodyMesh, MeshRevision};
 use crate::state::archive::Persist;
+use crate::variables::Variable;
 
+/// An angle at which a new mesh begins, times this factor, is the limit if it is smaller than that of the deck.
+const WORSE: f64 = 0.5;
+/// Plastic strain from which an element that limits the increment counts as squashed by plastic flow.
+const SQUASHED: f64 = 1.0;
 /// Excess of increments from which the first new mesh of a body without a card is worth its cost.
 const PRICE: f64 = 100.0;
+/// Ratio of stable time increments from which a new mesh of a body without a card has been worth its cost.
+const BETTER: f64 = 1.3;
 
 /// Quality of the mesh of a body when it was made.
 #[derive(Clone, Debug, Default, Persist)]
 pub(super) struct MeshQuality {
     /// Angle below which the body is remeshed, radians.
-    pub(super) limit: f64,
+    limit: f64,
     /// Stable time increment; 0 if it is not known yet. Without a card, the largest one so far.
-    pub(super) increment: f64,
-    /// Increments that the body has cost since its last mesh, beyond those with the largest stable time increment.
-    pub(super) excess: f64,
-    /// Excess of increments from which a new mesh is worth its cost.
-    pub(super) price: f64,
+    increment: f64,
+    /// Increments since the last mesh beyond those that the largest stable time increment would have needed.
+    excess: f64,
+    /// Excess from which a new mesh is worth its cost. Without a card only.
+    price: f64,
     /// Increment before which the mesh is not checked.
     pub(super) next: u64,
     /// Number of new meshes.
-    pub(super) count: u64,
+    count: u64,
+}
+
+impl MeshQuality {
+    fn is_distorted(&mut self, body: &RemeshedBody, run: &RunState<'_>) -> bool {
+        if run.now.increment < self.next {
+            return false;
+        }
+        self.next = run.now.increment + body.frequency;
+        let (nodes, elements) = (&run.state.dofs.nodes, &run.state.elements);
+        let stable = elements.stable_increment();
+        if self.increment == 0.0 || body.automatic && self.increment < stable {
+            self.increment = stable;
+        }
+        let mut is_short = elements.limiting().0 == body.group && stable < body.increment * self.increment;
+        if body.automatic {
+            self.excess += body.frequency as f64 * (1.0 - stable / self.increment);
+            is_short &= self.excess > self.price && is_squashed(elements);
+            if self.count == 0 {
+                return is_short;
+            }
+        }
+        is_short || sharpest(&body.quads, |n| nodes[body.nodes[n as usize]].place()) < self.limit
+    }
+
+    /// Begins a new mesh. `stable` are the stable time increments on the old and the new mesh.
+    pub(super) fn begin_mesh(&mut self, body: &RemeshedBody, mesh: &BodyMesh, stable: [f64; 2]) {
+        let angle = sharpest(&mesh.quads, |n| mesh.points[n as usize]);
+        self.limit = body.angle.min(WORSE * angle);
+        self.count += 1;
+        if body.automatic {
+            self.excess = 0.0;
+            self.price = if stable[1] > BETTER * stable[0] { PRICE } else { 2.0 * self.price };
+        } else {
+            self.increment = 0.0;
+        }
+    }
+
+    /// Returns whether this is the first new mesh of its body.
+    pub(super) fn is_first(&self) -> bool {
+        self.count == 1
+    }
+}
+
+/// Returns whether plastic flow has squashed the element that limits the increment.
+fn is_squashed(elements: &Elements) -> bool {
+    let (group, element) = elements.limiting();
+    elements.groups[group].value(element, Variable::PlasticStrain.into()).is_some_and(|strain| strain > SQUASHED)
 }
 
 /// New meshes of a run.
@@ -41,6 +98,13 @@ impl RemeshMonitor {
         let bodies = plan.remesh.iter().flat_map(|remesh| &remesh.bodies);
         let quality = |body: &RemeshedBody| MeshQuality { limit: body.angle, price: PRICE, ..MeshQuality::default() };
         RemeshMonitor { bodies: bodies.map(quality).collect(), ..RemeshMonitor::default() }
+    }
+
+    /// Returns a body whose mesh is to be replaced at this instant.
+    #[inline]
+    pub(super) fn body_to_mesh(&mut self, run: &RunState<'_>) -> Option<usize> {
+        let bodies = &run.plan.remesh.as_ref()?.bodies;
+        bodies.iter().zip(&mut self.bodies).position(|(body, quality)| quality.is_distorted(body, run))
     }
 
     /// Returns the number of new meshes of each ledger row.

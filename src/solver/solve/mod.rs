@@ -9,6 +9,7 @@ mod contact_means;
 mod digest;
 mod energy;
 mod energy_supply;
+mod forces;
 mod frames;
 mod guard;
 mod increment;
@@ -27,11 +28,10 @@ mod remesh;
 mod restart;
 mod routines;
 mod run;
+mod run_state;
 mod timing;
+mod volumes;
 mod watch;
-mod watch_collapse;
-mod watch_masses;
-mod watch_volumes;
 
 use std::time::Instant as Stopwatch;
 
@@ -49,10 +49,12 @@ use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
 pub use outcome::{AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, Outcome, PenetrationSummary, StepSummary};
 pub use position::RunPosition;
-use remesh::{DetachedRun, NextMesh, plan_of_revisions};
+use remesh::{DetachedRun, NextMesh, next_mesh, plan_of_revisions};
 pub use restart::{CheckpointInterval, LOST, RunControl, lost};
 use restart::{Checkpointer, RunCursor, begin_step, restore, saved_revisions};
 use run::SolverRun;
+use run_state::RunState;
+use watch::RunReport;
 
 /// Runs a plan from its initial state to the end; rows and frames are passed to `sink`.
 ///
@@ -70,8 +72,8 @@ use run::SolverRun;
 ///     }
 /// }
 ///
-/// let (deck, found) = deck::read("input/ogive.inp".as_ref(), &[]);
-/// assert!(!found.has_errors());
+/// let (deck, diagnostics) = deck::read("input/ogive.inp".as_ref(), &[]);
+/// assert!(!diagnostics.has_errors());
 /// let (model, _) = model::build(&deck);
 /// let (plan, start, _) = plan::compile(&model, &Routines::none());
 /// let (first, _) = solve::run(&plan, start.clone(), &mut Print);
@@ -93,14 +95,14 @@ pub fn run_with(
     plan: &Plan,
     state: State,
     sink: &mut dyn Sink,
-    asked: RunControl<'_>,
+    control: RunControl<'_>,
 ) -> Result<(Outcome, State), UnfitState> {
     let begin = Stopwatch::now();
     if plan.steps.is_empty() {
         return Ok((Outcome::default(), state));
     }
     // A saved state with new meshes belongs to the plan of the last one.
-    let revisions = asked.state.map(saved_revisions).unwrap_or_default();
+    let revisions = control.state.map(saved_revisions).unwrap_or_default();
     let mut replaced = match &revisions[..] {
         [] => (None, state),
         meshes => plan_of_revisions(plan, meshes).map(|(plan, state)| (Some(plan), state)).ok_or_else(unfit_meshes)?,
@@ -111,19 +113,19 @@ pub fn run_with(
     loop {
         let plan = replaced.0.as_deref().unwrap_or(plan);
         let mut run = match detached.take() {
-            Some(before) => DetachedRun::attach(before, plan, asked.position),
-            None => SolverRun::new(plan, std::mem::take(&mut replaced.1), asked.position).with_routines(),
+            Some(detached) => DetachedRun::attach(detached, plan, control.position),
+            None => SolverRun::new(plan, std::mem::take(&mut replaced.1), control.position).with_routines(),
         };
         let session = match &mut session {
             Some(session) => session,
             None => {
                 plan.routines.memory.iter().for_each(|memory| memory.begin());
-                session.insert(RunSession::begin(&mut run, asked)?)
+                session.insert(RunSession::begin(&mut run, control)?)
             }
         };
         let keeping = keeping.get_or_insert_with(|| {
-            let holds = !run.state.elements.is_empty() && sink.wants_last_instant() && !plan.routines.any();
-            Checkpointer::new(asked, holds)
+            let holds = !run.current.state.elements.is_empty() && sink.wants_last_instant() && !plan.routines.any();
+            Checkpointer::new(control, holds)
         });
         match session.run_steps(&mut run, keeping, sink) {
             None => return Ok(finished(run, begin.elapsed().as_secs_f64(), sink)),
@@ -148,12 +150,12 @@ struct RunSession {
 }
 
 impl RunSession {
-    fn begin(run: &mut SolverRun<'_>, asked: RunControl<'_>) -> Result<RunSession, UnfitState> {
-        let mut observing = RunOutput::new(run.plan);
-        let Some(kept) = asked.state else {
+    fn begin(run: &mut SolverRun<'_>, control: RunControl<'_>) -> Result<RunSession, UnfitState> {
+        let mut observing = RunOutput::new(run.current.plan);
+        let Some(saved_state) = control.state else {
             return Ok(RunSession { begins: StepStart::Step(0), control: None, observing });
         };
-        let (index, control) = restore(run, &mut observing, kept)?;
+        let (index, control) = restore(run, &mut observing, saved_state)?;
         Ok(RunSession { begins: StepStart::Within(index), control: Some(control), observing })
     }
 
@@ -165,55 +167,87 @@ impl RunSession {
         sink: &mut dyn Sink,
     ) -> Option<NextMesh> {
         while let StepStart::Step(index) | StepStart::Within(index) | StepStart::NewMesh(index) = self.begins
-            && index < run.plan.steps.len()
+            && index < run.current.plan.steps.len()
         {
-            match step(run, self.begins, &mut self.control, &mut self.observing, keeping, sink) {
+            match self.run_step(run, keeping, sink) {
                 Ok(None) => self.begins = StepStart::Step(index + 1),
                 Ok(Some(next)) => {
                     self.begins = StepStart::NewMesh(index);
                     return Some(next);
                 }
                 Err(halt) => {
-                    run.step_back();
-                    let written = self.observing.last(run, sink);
-                    run.outcome.halt = Some(written.err().unwrap_or(halt));
+                    run.current.step_back();
+                    let written = self.observing.last(&run.current, sink);
+                    run.report.outcome.halt = Some(written.err().unwrap_or(halt));
                     break;
                 }
             }
             if run.user.requested_action == RunAction::EndAnalysis {
-                run.outcome.ended_by_user = true;
+                run.report.outcome.ended_by_user = true;
                 break;
             }
         }
         None
     }
+
+    /// Runs one step; the increment control continues from step to step. Each increment is [`SolverRun::evaluate`] followed
+    /// by [`SolverRun::advance`], as in ABAQUS Theory Guide 2.4.5 with a half step at the start.
+    fn run_step(
+        &mut self,
+        run: &mut SolverRun<'_>,
+        keeping: &mut Checkpointer<'_>,
+        sink: &mut dyn Sink,
+    ) -> Result<Option<NextMesh>, HaltReason> {
+        let RunSession { begins, control, observing } = self;
+        let changes = match *begins {
+            StepStart::Step(index) => begin_step(run, index, observing, control),
+            StepStart::Within(_) | StepStart::NewMesh(_) => false,
+        };
+        let Some(control) = control else { return Ok(None) };
+        keeping.begin(run.current.step, &run.current.now);
+        let begun = match begins {
+            StepStart::Within(_) => {
+                run.user.resume(&run.current).and_then(|()| run.advance(control, observing.next_time))
+            }
+            StepStart::NewMesh(_) => run.advance(control, observing.next_time),
+            StepStart::Step(_) => run.user.begin(&mut run.current).and_then(|()| run.begin_nodes(changes)),
+        };
+        let end = begun.and_then(|()| increments(run, control, observing, keeping, sink));
+        if end.is_err() {
+            keeping.rewind(&mut RunCursor { run, observing, control });
+        }
+        run.name_limiting_element();
+        end
+    }
 }
 
 /// Completes the outcome of a run.
-fn finished(mut run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, State) {
-    let plan = run.plan;
-    run.timing.position.iter().for_each(|position| position.end());
-    if run.outcome.halt.is_none() {
-        run.outcome.halt = run.check_final_drift().err();
+fn finished(run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, State) {
+    let SolverRun { mut current, mut report, remesh, timing, .. } = run;
+    let plan = current.plan;
+    timing.position.iter().for_each(|position| position.end());
+    if report.outcome.halt.is_none() {
+        report.outcome.halt = report.check_final_drift(&current).err();
     }
     plan.routines.memory.iter().for_each(|memory| memory.end());
-    run.warn_of_effects();
-    run.warn_of_energy();
-    run.warn_of_collapse();
-    run.report_penetrations();
-    show_warnings(&mut run, sink);
-    if sink.wants_digest() {
-        run.outcome.digest = run.digest();
+    report.warn_of_effects(&mut current);
+    report.warn_of_energy(&mut current);
+    if let Some(warning) = report.watch.collapse.final_warning(&current) {
+        report.outcome.warn("R307", warning);
     }
-    run.outcome.deleted = run.state.elements.deleted();
-    run.outcome.new_meshes = run.remesh.counts(plan);
-    let energy = run.energy();
-    let SolverRun { mut outcome, state: end, timing, .. } = run;
-    outcome.energy = energy;
-    outcome.mesh_changes.extend(end.adaptive.iter().map(adaptive_meshes::changes_of));
+    report.outcome.report_penetrations(&current);
+    show_warnings(&mut report, sink);
+    let mut outcome = report.outcome;
+    if sink.wants_digest() {
+        outcome.digest = digest::digest(&current);
+    }
+    outcome.deleted = current.state.elements.deleted();
+    outcome.new_meshes = remesh.counts(plan);
+    outcome.energy = current.energy();
+    outcome.mesh_changes.extend(current.state.adaptive.iter().map(adaptive_meshes::changes_of));
     outcome.seconds = seconds;
     outcome.effect_seconds = timing.seconds(plan, outcome.seconds - outcome.checkpoint_seconds);
-    (outcome, end)
+    (outcome, current.state)
 }
 
 /// Returns the frame of the initial state, and the state unchanged.
@@ -221,18 +255,16 @@ pub fn initial_frame(plan: &Plan, state: State) -> (OutputFrame, State) {
     if plan.steps.is_empty() {
         return (OutputFrame::default(), state);
     }
-    let run = SolverRun::new(plan, state, None);
-    let frame = frames::frame(&run);
-    let SolverRun { state, .. } = run;
-    (frame, state)
+    let run = RunState::new(plan, state);
+    (frames::frame(&run), run.state)
 }
 
 /// Passes new warnings to the sink.
 #[inline(always)]
-fn show_warnings(run: &mut SolverRun<'_>, sink: &mut dyn Sink) {
-    if run.watch.shown < run.outcome.warnings.len() {
-        run.outcome.warnings[run.watch.shown..].iter().for_each(|warning| sink.warning(warning));
-        run.watch.shown = run.outcome.warnings.len();
+fn show_warnings(RunReport { watch, outcome }: &mut RunReport, sink: &mut dyn Sink) {
+    if watch.shown < outcome.warnings.len() {
+        outcome.warnings[watch.shown..].iter().for_each(|warning| sink.warning(warning));
+        watch.shown = outcome.warnings.len();
     }
 }
 
@@ -247,35 +279,6 @@ enum StepStart {
     NewMesh(usize),
 }
 
-/// Runs one step; `control` continues from step to step. Each increment is [`SolverRun::evaluate`] followed by
-/// [`SolverRun::advance`], as in ABAQUS Theory Guide 2.4.5 with a half step at the start.
-fn step(
-    run: &mut SolverRun<'_>,
-    begins: StepStart,
-    control: &mut Option<IncrementController>,
-    observing: &mut RunOutput,
-    keeping: &mut Checkpointer<'_>,
-    sink: &mut dyn Sink,
-) -> Result<Option<NextMesh>, HaltReason> {
-    let mut changes = false;
-    if let StepStart::Step(index) = begins {
-        changes = begin_step(run, index, observing, control);
-    }
-    let Some(control) = control else { return Ok(None) };
-    keeping.begin(run.step, &run.now);
-    let begun = match begins {
-        StepStart::Within(_) => run.resume_routines().and_then(|()| run.advance(control, observing.next_time)),
-        StepStart::NewMesh(_) => run.advance(control, observing.next_time),
-        StepStart::Step(_) => run.begin_routines().and_then(|()| run.begin_nodes(changes)),
-    };
-    let end = begun.and_then(|()| increments(run, control, observing, keeping, sink));
-    if end.is_err() {
-        keeping.rewind(&mut RunCursor { run, observing, control });
-    }
-    run.name_limiting_element();
-    end
-}
-
 fn increments(
     run: &mut SolverRun<'_>,
     control: &mut IncrementController,
@@ -285,18 +288,18 @@ fn increments(
 ) -> Result<Option<NextMesh>, HaltReason> {
     run.evaluate_step_start()?;
     loop {
-        if !run.complete {
-            observing.add_motion(run);
+        if !run.current.complete {
+            observing.add_motion(&run.current);
             run.evaluate()?;
         }
-        show_warnings(run, sink);
+        show_warnings(&mut run.report, sink);
         observing.show(run, sink)?;
         if run.is_over() {
-            return run.end_routines().map(|()| None);
+            return run.user.end(&run.current).map(|()| None);
         }
         // Before a checkpoint, so that a resumed run does not check the same mesh again.
-        if let Some(body) = run.body_to_mesh()
-            && let Some(next) = run.next_mesh(body, observing)?
+        if let Some(body) = run.remesh.body_to_mesh(&run.current)
+            && let Some(next) = next_mesh(run, body, observing)?
         {
             return Ok(Some(next));
         }

@@ -3,7 +3,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::run::SolverRun;
+use super::run_state::RunState;
 use crate::constraint::PreviousPlace;
 use crate::element::group::ArrivedElements;
 use crate::element::mass_scaling::ArrivedScaling;
@@ -12,106 +12,115 @@ use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::quad;
 use crate::kernel::shape::share_between;
 use crate::load::SceneChange;
+use crate::model::Model;
 use crate::model::remesh::ModelBody;
-use crate::plan::{RemeshedBody, State};
+use crate::plan::{Plan, RemeshedBody, State};
 use crate::remesh::balanced_parts::balanced_parts;
-use crate::remesh::mesher::sharpest;
 use crate::remesh::overlap::common_parts;
 use crate::remesh::transfer::{BodyMotion, MeshTransfer};
 use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
 use crate::state::archive::{Persist, StateArchive};
 use crate::state::nodes::Node;
 
-/// An angle at which a new mesh begins, times this factor, is the limit if it is smaller than that of the deck.
-const WORSE: f64 = 0.5;
-
 /// A body with its old mesh, of the elements that are not deleted, and its new one.
 #[derive(Clone, Copy)]
-struct ReplacedMesh<'a> {
-    body: usize,
-    before: &'a BodyMesh,
-    revision: &'a MeshRevision,
+pub(super) struct ReplacedMesh<'a> {
+    pub(super) body: usize,
+    pub(super) old: &'a BodyMesh,
+    pub(super) revision: &'a MeshRevision,
 }
 
-impl SolverRun<'_> {
-    /// Takes the state of the run with the old mesh.
-    pub(super) fn take_over(&mut self, old: &mut SolverRun<'_>, mesh: &BodyMesh, body: usize) {
-        let now = old.now;
-        (self.now, self.previous_instant, self.last_increment) = (now, old.previous_instant, old.last_increment);
-        self.balance = old.balance.clone();
-        self.user = std::mem::take(&mut old.user);
-        self.watch = std::mem::take(&mut old.watch);
-        self.outcome = std::mem::take(&mut old.outcome);
-        self.remesh = std::mem::take(&mut old.remesh);
-        self.timing.add(&old.timing.sums());
-        self.body_forces.values.clone_from(&old.body_forces.values);
-        self.take_over_bodies(old);
-        self.take_over_amplitudes(old);
-        let places = self.take_over_nodes(old, body);
-        self.take_over_groups(old, body);
-        self.state.dofs.energies = old.state.dofs.energies;
-        let Some(revision) = self.remesh.revisions.pop() else { return };
-        self.move_body(old, ReplacedMesh { body, before: mesh, revision: &revision }, places);
-        self.state.elements.wake();
-        let limit = self.plan.remesh.as_ref().map_or(0.0, |remesh| remesh.bodies[body].angle);
-        let angle = sharpest(&revision.mesh.quads, |n| revision.mesh.points[n as usize]);
-        let quality = &mut self.remesh.bodies[body];
-        quality.limit = limit.min(WORSE * angle);
-        if !self.plan.remesh.as_ref().is_some_and(|remesh| remesh.bodies[body].automatic) {
-            quality.increment = 0.0;
-        }
-        quality.excess = 0.0;
-        quality.count += 1;
-        self.remesh.revisions.push(revision);
-    }
+/// Takes the state of the run with the old mesh.
+pub(super) fn take_over(run: &mut RunState<'_>, old: &mut RunState<'_>, mesh: ReplacedMesh<'_>) {
+    run.body_forces.values.clone_from(&old.body_forces.values);
+    let (Some(remesh), Some(old_remesh)) = (&run.plan.remesh, &old.plan.remesh) else { return };
+    let mut change = MeshChange {
+        plan: run.plan,
+        state: &mut run.state,
+        body: &remesh.bodies[mesh.body],
+        old_plan: old.plan,
+        old: &mut old.state,
+        old_body: &old_remesh.bodies[mesh.body],
+        mesh,
+    };
+    change.take_over_bodies();
+    change.take_over_amplitudes();
+    let places = change.take_over_nodes(&old_remesh.model);
+    change.take_over_groups();
+    change.state.dofs.energies = change.old.dofs.energies;
+    change.move_body(places);
+    change.state.elements.wake();
+}
 
+/// The state on a new mesh of a body, and the state on the old mesh from which it is taken.
+struct MeshChange<'a> {
+    plan: &'a Plan,
+    state: &'a mut State,
+    body: &'a RemeshedBody,
+    old_plan: &'a Plan,
+    old: &'a mut State,
+    old_body: &'a RemeshedBody,
+    mesh: ReplacedMesh<'a>,
+}
+
+/// Transfer between the meshes of a body, without mass scaling.
+struct BodyTransfer<'a> {
+    living: LivingElements,
+    transfer: MeshTransfer<'a>,
+    /// Corner masses of the old and of the new elements.
+    old_masses: Vec<[f64; 4]>,
+    masses: Vec<[f64; 4]>,
+    /// Volumes of the material in the old elements.
+    volumes: Vec<f64>,
+}
+
+impl MeshChange<'_> {
     /// Takes the motion of rigid bodies.
-    fn take_over_bodies(&mut self, old: &SolverRun<'_>) {
-        for (own, previous) in self.state.dofs.bodies.iter_mut().zip(&old.state.dofs.bodies) {
-            own.clone_from(previous);
-            own.contact = 0.0;
+    fn take_over_bodies(&mut self) {
+        for (body, previous) in self.state.dofs.bodies.iter_mut().zip(&self.old.dofs.bodies) {
+            body.clone_from(previous);
+            body.contact = 0.0;
         }
     }
 
-    fn take_over_amplitudes(&mut self, old: &mut SolverRun<'_>) {
-        self.state.user_amplitudes.clone_from(&old.state.user_amplitudes);
-        let pairs = self.state.amplitude_routines.iter_mut().zip(&mut old.state.amplitude_routines);
-        pairs.for_each(|(own, previous)| copy_state(previous, own));
+    fn take_over_amplitudes(&mut self) {
+        self.state.user_amplitudes.clone_from(&self.old.user_amplitudes);
+        let pairs = self.state.amplitude_routines.iter_mut().zip(&mut self.old.amplitude_routines);
+        pairs.for_each(|(amplitude, previous)| copy_state(previous, amplitude));
     }
 
     /// Takes the state of other element groups, and of adaptive domains.
-    fn take_over_groups(&mut self, old: &mut SolverRun<'_>, body: usize) {
-        let group = self.plan.remesh.as_ref().map_or(usize::MAX, |remesh| remesh.bodies[body].group);
-        let State { elements, adaptive, .. } = &mut self.state;
-        for (index, (own, previous)) in elements.groups.iter_mut().zip(&mut old.state.elements.groups).enumerate() {
-            if index != group {
-                copy_state(&mut **previous, &mut **own);
-            } else if let (Some(own), Some(previous)) = (own.extensions().user(), previous.extensions().user()) {
-                own.set_moduli(previous.moduli());
+    fn take_over_groups(&mut self) {
+        let replaced = self.body.group;
+        let State { elements, adaptive, .. } = &mut *self.state;
+        for (index, (group, previous)) in elements.groups.iter_mut().zip(&mut self.old.elements.groups).enumerate() {
+            if index != replaced {
+                copy_state(&mut **previous, &mut **group);
+            } else if let (Some(user), Some(previous)) = (group.extensions().user(), previous.extensions().user()) {
+                user.set_moduli(previous.moduli());
             }
         }
-        for (own, previous) in adaptive.iter_mut().zip(&mut old.state.adaptive) {
-            if group == own.group() { own.follow(previous) } else { copy_state(previous, own) }
+        for (domain, previous) in adaptive.iter_mut().zip(&mut self.old.adaptive) {
+            if replaced == domain.group() { domain.follow(previous) } else { copy_state(previous, domain) }
         }
     }
 
-    /// Takes places, velocities at this instant and masses of the nodes of other bodies. Returns the old place of each
-    /// node that has one.
-    fn take_over_nodes(&mut self, old: &SolverRun<'_>, body: usize) -> Vec<Option<PreviousPlace>> {
-        let mut known = vec![None; self.state.dofs.nodes.len()];
-        let Some(remesh) = &old.plan.remesh else { return known };
-        let removed = ModelBody::new(&remesh.model, body).nodes;
-        let kept = (0..remesh.model.mesh.points.len()).filter(|node| removed.binary_search(node).is_err());
-        for (new, before) in kept.enumerate() {
-            let (own, previous) = (&self.plan.places, &old.plan.places);
+    /// Takes places, velocities at this instant and masses of the nodes of other bodies. Returns the old place of each node
+    /// that has one.
+    fn take_over_nodes(&mut self, old_model: &Model) -> Vec<Option<PreviousPlace>> {
+        let mut places = vec![None; self.state.dofs.nodes.len()];
+        let removed = ModelBody::new(old_model, self.mesh.body).nodes;
+        let remaining = (0..old_model.mesh.points.len()).filter(|node| removed.binary_search(node).is_err());
+        for (node, old_node) in remaining.enumerate() {
+            let (current, previous) = (&self.plan.places, &self.old_plan.places);
             let pairs = [
-                (own.nodes.get(&new), previous.nodes.get(&before)),
-                (own.rotations.get(&new), previous.rotations.get(&before)),
+                (current.nodes.get(&node), previous.nodes.get(&old_node)),
+                (current.rotations.get(&node), previous.rotations.get(&old_node)),
             ];
-            for (own, previous) in pairs {
-                if let (Some(&n), Some(&from)) = (own, previous) {
-                    known[n] = Some(PreviousPlace::at(from));
-                    let (nodes, previous) = (&mut self.state.dofs.nodes, &old.state.dofs.nodes);
+            for pair in pairs {
+                if let (Some(&n), Some(&from)) = pair {
+                    places[n] = Some(PreviousPlace::at(from));
+                    let (nodes, previous) = (&mut self.state.dofs.nodes, &self.old.dofs.nodes);
                     let [v_r, v_z] = previous.velocity_now(from);
                     nodes[n] = previous[from];
                     (nodes[n].v_r, nodes[n].v_z) = (v_r, v_z);
@@ -119,157 +128,139 @@ impl SolverRun<'_> {
                 }
             }
         }
-        known
+        places
     }
 
-    /// Moves a body to its new mesh. `places` are the old places of the nodes of other bodies.
-    fn move_body(&mut self, old: &mut SolverRun<'_>, mesh: ReplacedMesh<'_>, mut places: Vec<Option<PreviousPlace>>) {
-        let (Some(own), Some(previous)) = (&self.plan.remesh, &old.plan.remesh) else { return };
-        let (own, previous) = (&own.bodies[mesh.body], &previous.bodies[mesh.body]);
-        if let Some(from) = old.state.elements.groups[previous.group].extensions().transfer() {
-            from.prepare();
+    /// Moves the body to its new mesh. `places` are the old places of the nodes of other bodies.
+    fn move_body(&mut self, mut places: Vec<Option<PreviousPlace>>) {
+        let ReplacedMesh { old: old_mesh, revision, .. } = self.mesh;
+        if let Some(transfer) = self.old.elements.groups[self.old_body.group].extensions().transfer() {
+            transfer.prepare();
         }
-        let living = LivingElements::new(previous, &old.state);
-        let (scaled, factors) = (living.masses(&old.state), living.factors(&old.state));
-        old.state.elements.remove_scaling(previous.group);
-        let plain = living.masses(&old.state);
-        let meshes = [mesh.before, &mesh.revision.mesh];
-        let volumes = living.material_volumes(&mut old.state, mesh.before);
-        let parts = balanced_parts(common_parts(meshes[0], meshes[1]), &volumes, meshes[1]);
-        let transfer = MeshTransfer::new(meshes, parts, &plain);
+        let living = LivingElements::new(self.old_body, self.old);
+        let (scaled, factors) = (living.masses(self.old), living.factors(self.old));
+        self.old.elements.remove_scaling(self.old_body.group);
+        let old_masses = living.masses(self.old);
+        let volumes = living.material_volumes(self.old, old_mesh);
+        let parts = balanced_parts(common_parts(old_mesh, &revision.mesh), &volumes, &revision.mesh);
+        let transfer = MeshTransfer::new([old_mesh, &revision.mesh], parts, &old_masses);
         let masses = transfer.masses();
-        self.move_element_variables(&mut old.state, (own, &living), (&transfer, &masses, &volumes));
-        self.move_temperatures(&mut old.state, (own, previous, &living), (&transfer, &plain, &masses), &places);
+        let moved = BodyTransfer { living, transfer, old_masses, masses, volumes };
+        self.move_element_variables(&moved);
+        self.move_temperatures(&moved, &places);
         let (transfer, masses) = if factors.is_empty() {
-            (transfer, masses)
+            (moved.transfer, moved.masses)
         } else {
-            let masses = self.move_scaling(&old.state, own, (&transfer, &masses), &factors);
-            (transfer.with_masses(&scaled), masses)
+            let masses = self.move_scaling(&moved, &factors);
+            (moved.transfer.with_masses(&scaled), masses)
         };
-        self.move_velocities(&old.state, (own, previous), (&transfer, scaled, masses));
-        self.follow_deletions(old, own, &places);
-        for (i, n) in own.nodes.iter().enumerate().filter(|(i, _)| mesh.revision.parents[*i][0] != INSIDE) {
-            let parents = mesh.revision.parents[i];
-            let ends = parents.inline_map(|parent| mesh.before.points[parent as usize]);
-            let share = share_between(ends, mesh.revision.mesh.points[i]);
-            places[*n] =
-                Some(PreviousPlace { nodes: parents.inline_map(|parent| previous.nodes[parent as usize]), share });
+        self.move_velocities(&transfer, scaled, masses);
+        self.follow_deletions(&places);
+        for (i, n) in self.body.nodes.iter().enumerate().filter(|(i, _)| revision.parents[*i][0] != INSIDE) {
+            let parents = revision.parents[i];
+            let ends = parents.inline_map(|parent| old_mesh.points[parent as usize]);
+            let share = share_between(ends, revision.mesh.points[i]);
+            let nodes = parents.inline_map(|parent| self.old_body.nodes[parent as usize]);
+            places[*n] = Some(PreviousPlace { nodes, share });
         }
-        self.continue_constraints(old, &places);
+        self.continue_constraints(&places);
     }
 
-    /// Moves the variables of the elements of a body, with their masses without scaling.
-    fn move_element_variables(
-        &mut self,
-        old: &mut State,
-        (own, living): (&RemeshedBody, &LivingElements),
-        (transfer, masses, volumes): (&MeshTransfer<'_>, &[[f64; 4]], &[f64]),
-    ) {
-        let moved: Vec<Vec<Pack>> = living.variables(old).iter().map(|list| transfer.values(list)).collect();
+    /// Moves the variables of the elements of the body, with their masses without scaling.
+    fn move_element_variables(&mut self, moved: &BodyTransfer<'_>) {
+        let BodyTransfer { living, transfer, masses, volumes, .. } = moved;
+        let variables: Vec<Vec<Pack>> = living.variables(self.old).iter().map(|list| transfer.values(list)).collect();
         // In the order of the group.
-        let (count, after) = (own.elements.len(), transfer.new_mesh());
-        let mut sorted = vec![vec![Pack::default(); count]; moved.len()];
+        let (count, after) = (self.body.elements.len(), transfer.new_mesh());
+        let mut sorted = vec![vec![Pack::default(); count]; variables.len()];
         let (mut of_group, mut corners) = (vec![[0.0; 4]; count], vec![[0; 4]; count]);
-        for (i, e) in own.elements.iter().enumerate() {
+        for (i, e) in self.body.elements.iter().enumerate() {
             let e = *e as usize;
-            sorted.iter_mut().zip(&moved).for_each(|(list, moved)| list[e] = moved[i]);
+            sorted.iter_mut().zip(&variables).for_each(|(list, variables)| list[e] = variables[i]);
             (of_group[e], corners[e]) = (masses[i], after.quads[i]);
         }
-        if let Some(into) = self.state.elements.groups[own.group].extensions().transfer() {
+        if let Some(into) = self.state.elements.groups[self.body.group].extensions().transfer() {
             let arrived = ArrivedElements { masses: &of_group, corners: &corners, places: &after.points };
             let in_order: Vec<u32> = (0..count as u32).collect();
             into.write((&in_order, &vec![true; count]), &sorted, arrived);
             for (i, volume) in transfer.content(volumes).iter().enumerate() {
-                into.set_volume_ratio(own.elements[i], volume / quad::volume(after.corners(&after.quads[i])));
+                into.set_volume_ratio(self.body.elements[i], volume / quad::volume(after.corners(&after.quads[i])));
             }
         }
     }
 
     /// Moves temperatures and thermal strains. The heat that the nodes contain is conserved.
-    fn move_temperatures(
-        &mut self,
-        old: &mut State,
-        (own, previous, living): (&RemeshedBody, &RemeshedBody, &LivingElements),
-        (transfer, plain, masses): (&MeshTransfer<'_>, &[[f64; 4]], &[[f64; 4]]),
-        places: &[Option<PreviousPlace>],
-    ) {
-        let (Some(thermal), Some(before)) = (&mut self.state.thermal, &mut old.thermal) else { return };
-        let ThermalState { heat: heat_before, expansion: expansion_before } = &mut **before;
-        if let (Some(heat), Some(before)) = (&mut thermal.heat, &*heat_before) {
-            heat.follow_new_mesh(before, |n| places[n].and_then(|place| place.node()));
-            heat.take_masses(own.group, &*self.state.elements.groups[own.group]);
-            if heat.conducts(own.group) {
-                let of_nodes = BodyMotion { masses: plain.to_vec(), velocities: Vec::new() };
+    fn move_temperatures(&mut self, moved: &BodyTransfer<'_>, places: &[Option<PreviousPlace>]) {
+        let BodyTransfer { living, transfer, old_masses, masses, .. } = moved;
+        let (group, nodes, old_body) = (self.body.group, &self.body.nodes, self.old_body);
+        let (Some(thermal), Some(old_thermal)) = (&mut self.state.thermal, &mut self.old.thermal) else { return };
+        let ThermalState { heat: old_heat, expansion: old_expansion } = &mut **old_thermal;
+        if let (Some(heat), Some(old_heat)) = (&mut thermal.heat, &*old_heat) {
+            heat.follow_new_mesh(old_heat, |n| places[n].and_then(|place| place.node()));
+            heat.take_masses(group, &*self.state.elements.groups[group]);
+            if heat.conducts(group) {
+                let of_nodes = BodyMotion { masses: old_masses.clone(), velocities: Vec::new() };
                 let node_masses = of_nodes.node_masses(transfer.old_mesh());
                 let content = |(n, mass): (&usize, f64)| {
-                    let heat = before.content_at(*n, before.temperatures()[*n]);
+                    let heat = old_heat.content_at(*n, old_heat.temperatures()[*n]);
                     [if mass > 0.0 { heat / mass } else { 0.0 }, 0.0]
                 };
-                let velocities = previous.nodes.iter().zip(node_masses).map(content).collect();
+                let velocities = old_body.nodes.iter().zip(node_masses).map(content).collect();
                 let motion = BodyMotion { velocities, ..of_nodes };
-                let per_mass = transfer.velocities(&motion, masses, &vec![[false; 2]; own.nodes.len()]);
-                let arrived = BodyMotion { masses: masses.to_vec(), velocities: Vec::new() };
+                let per_mass = transfer.velocities(&motion, masses, &vec![[false; 2]; nodes.len()]);
+                let arrived = BodyMotion { masses: masses.clone(), velocities: Vec::new() };
                 let node_masses = arrived.node_masses(transfer.new_mesh());
-                for ((n, mass), [content, _]) in own.nodes.iter().zip(node_masses).zip(per_mass) {
+                for ((n, mass), [content, _]) in nodes.iter().zip(node_masses).zip(per_mass) {
                     heat.set_content(*n, mass * content);
                 }
             }
         }
-        let (Some(expansion), Some(before)) = (&mut thermal.expansion, expansion_before) else { return };
-        expansion.follow_new_mesh(before, own.group);
+        let (Some(expansion), Some(old_expansion)) = (&mut thermal.expansion, old_expansion) else { return };
+        expansion.follow_new_mesh(old_expansion, group);
         // Strains that are still to be applied.
-        before.add_current(-1.0, previous.group, heat_before.as_ref(), &mut old.elements);
-        let (Some(strains), Some(before)) = (expansion.of_group(own.group), before.of_group(previous.group)) else {
+        old_expansion.add_current(-1.0, old_body.group, old_heat.as_ref(), &mut self.old.elements);
+        let (Some(strains), Some(old_strains)) = (expansion.of_group(group), old_expansion.of_group(old_body.group))
+        else {
             return;
         };
-        let single = |e: &u32| Pack([before[*e as usize]; PACK]);
-        let moved = transfer.values(&living.elements.iter().map(single).collect::<Vec<Pack>>());
-        own.elements.iter().zip(moved).for_each(|(e, strain)| strains[*e as usize] = strain.0[0]);
-        expansion.add_current(1.0, own.group, thermal.heat.as_ref(), &mut self.state.elements);
+        let single = |e: &u32| Pack([old_strains[*e as usize]; PACK]);
+        let moved_strains = transfer.values(&living.elements.iter().map(single).collect::<Vec<Pack>>());
+        let elements = self.body.elements.iter().zip(moved_strains);
+        elements.for_each(|(e, strain)| strains[*e as usize] = strain.0[0]);
+        expansion.add_current(1.0, group, thermal.heat.as_ref(), &mut self.state.elements);
     }
 
     /// Moves the factors of mass scaling as means over the common parts, so that the scaled mass is conserved. Returns the
     /// scaled masses of the elements.
-    fn move_scaling(
-        &mut self,
-        old: &State,
-        own: &RemeshedBody,
-        (transfer, masses): (&MeshTransfer<'_>, &[[f64; 4]]),
-        factors: &[[f64; 2]],
-    ) -> Vec<[f64; 4]> {
-        let moved = transfer.means(factors);
-        let mut arrived = ArrivedScaling { masses: vec![[0.0; 4]; moved.len()], factors: vec![[1.0; 2]; moved.len()] };
-        for (i, e) in own.elements.iter().enumerate() {
-            (arrived.masses[*e as usize], arrived.factors[*e as usize]) = (masses[i], moved[i]);
+    fn move_scaling(&mut self, moved: &BodyTransfer<'_>, old_factors: &[[f64; 2]]) -> Vec<[f64; 4]> {
+        let factors = moved.transfer.means(old_factors);
+        let mut arrived =
+            ArrivedScaling { masses: vec![[0.0; 4]; factors.len()], factors: vec![[1.0; 2]; factors.len()] };
+        for (i, e) in self.body.elements.iter().enumerate() {
+            (arrived.masses[*e as usize], arrived.factors[*e as usize]) = (moved.masses[i], factors[i]);
         }
-        let State { elements, scaling, .. } = &mut self.state;
-        elements.follow_scaling(&old.elements, own.group, &arrived);
-        if let (Some(own), Some(before)) = (scaling, &old.scaling) {
-            copy_state(&mut before.clone(), own);
+        let State { elements, scaling, .. } = &mut *self.state;
+        elements.follow_scaling(&self.old.elements, self.body.group, &arrived);
+        if let (Some(scaling), Some(previous)) = (scaling, &self.old.scaling) {
+            copy_state(&mut previous.clone(), scaling);
         }
-        masses.iter().zip(&moved).map(|(masses, [_, all])| masses.inline_map(|mass| all * mass)).collect()
+        let pairs = moved.masses.iter().zip(&factors);
+        pairs.map(|(masses, [_, all])| masses.inline_map(|mass| all * mass)).collect()
     }
 
-    /// Moves the velocities, and sets the masses of the nodes.
-    fn move_velocities(
-        &mut self,
-        old: &State,
-        (own, previous): (&RemeshedBody, &RemeshedBody),
-        (transfer, before, masses): (&MeshTransfer<'_>, Vec<[f64; 4]>, Vec<[f64; 4]>),
-    ) {
-        let velocities = previous.nodes.iter().map(|n| old.dofs.nodes.velocity_now(*n)).collect();
-        let motion = BodyMotion { masses: before, velocities };
-        let mut held = vec![[false; 2]; own.nodes.len()];
+    /// Moves the velocities, and sets the masses of the nodes. The masses are those of the old and of the new elements.
+    fn move_velocities(&mut self, transfer: &MeshTransfer<'_>, old_masses: Vec<[f64; 4]>, masses: Vec<[f64; 4]>) {
+        let velocities = self.old_body.nodes.iter().map(|n| self.old.dofs.nodes.velocity_now(*n)).collect();
+        let motion = BodyMotion { masses: old_masses, velocities };
         let forces = self.state.constraints.iter().filter_map(|constraint| constraint.view().forces);
         let prescribed: HashSet<(usize, usize)> = forces.flat_map(|f| f.prescribed()).collect();
-        for (held, n) in held.iter_mut().zip(&own.nodes) {
-            *held = [0, 1].inline_map(|axis| prescribed.contains(&(*n, axis)));
-        }
-        let velocities = transfer.velocities(&motion, &masses, &held);
+        let is_prescribed = |n: &usize| [0, 1].inline_map(|axis| prescribed.contains(&(*n, axis)));
+        let fixed: Vec<[bool; 2]> = self.body.nodes.iter().map(is_prescribed).collect();
+        let velocities = transfer.velocities(&motion, &masses, &fixed);
         let arrived = BodyMotion { masses, velocities };
         let (after, mass) = (transfer.new_mesh(), arrived.node_masses(transfer.new_mesh()));
         let nodes = &mut self.state.dofs.nodes;
-        for (i, n) in own.nodes.iter().enumerate() {
+        for (i, n) in self.body.nodes.iter().enumerate() {
             let ([r, z], [v_r, v_z]) = (after.points[i], arrived.velocities[i]);
             nodes[*n] = Node { r, z, v_r, v_z };
             (nodes.mass[*n], nodes.inverse_mass[*n]) = (mass[i], 1.0 / mass[i]);
@@ -277,14 +268,14 @@ impl SolverRun<'_> {
     }
 
     /// Takes which elements of other bodies are deleted, and informs loads and contact about the deleted elements again.
-    fn follow_deletions(&mut self, old: &SolverRun<'_>, own: &RemeshedBody, places: &[Option<PreviousPlace>]) {
-        if old.state.elements.deleted() == 0 {
+    fn follow_deletions(&mut self, places: &[Option<PreviousPlace>]) {
+        if self.old.elements.deleted() == 0 {
             return;
         }
         let moved = places.iter().enumerate().filter_map(|(n, place)| Some((place.as_ref()?.node()? as u32, n as u32)));
-        let known: HashMap<u32, u32> = moved.collect();
-        let State { elements, loads, constraints, .. } = &mut self.state;
-        elements.follow_deletions(&old.state.elements, own.group, |n| known.get(&n).copied());
+        let new_nodes: HashMap<u32, u32> = moved.collect();
+        let State { elements, loads, constraints, .. } = &mut *self.state;
+        elements.follow_deletions(&self.old.elements, self.body.group, |n| new_nodes.get(&n).copied());
         let deleted = elements.deleted_boundaries();
         loads.iter_mut().for_each(|load| load.scene_changed(&SceneChange::DeletedElements(deleted)));
         constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.remove_elements(deleted));
@@ -292,10 +283,10 @@ impl SolverRun<'_> {
 
     /// Continues the constraints from all previous ones of the same kind and degrees of freedom. Their order says nothing: a
     /// condition whose nodes have all been deleted is not in the new plan.
-    fn continue_constraints(&mut self, old: &SolverRun<'_>, places: &[Option<PreviousPlace>]) {
-        let State { constraints, loads, dofs, .. } = &mut self.state;
+    fn continue_constraints(&mut self, places: &[Option<PreviousPlace>]) {
+        let State { constraints, loads, dofs, .. } = &mut *self.state;
         for follower in constraints.iter_mut().filter_map(|constraint| constraint.upkeep()) {
-            for previous in &old.state.constraints {
+            for previous in &self.old.constraints {
                 follower.follow_new_mesh(&**previous, &|node| places[node], dofs);
             }
         }

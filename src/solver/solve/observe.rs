@@ -10,6 +10,7 @@ use super::energy::Energy;
 use super::frames::{RowSources, frame};
 use super::reaction_means::ReactionMeans;
 use super::run::SolverRun;
+use super::run_state::RunState;
 use crate::output::OutputFrame;
 use crate::plan::{ColumnSource, Plan, WriteSchedule};
 use crate::state::Instant;
@@ -148,34 +149,37 @@ impl OutputSchedule {
     }
 }
 
-/// Approximate time between two readings of the clock, which makes their cost negligible.
+/// Approximate time between two readings of the clock for progress, which makes their cost negligible.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// First number of increments between two readings of the clock in models without deformable elements.
 const RIGID_STRIDE: u64 = 256;
 
-/// Schedule of progress reports: every `stride` increments, adapted to the clock.
-struct ProgressTimer {
+/// Schedule of readings of the clock: every `stride` increments, adapted to the time between them.
+pub(super) struct ClockReadings {
+    look: Duration,
     looked: Stopwatch,
     stride: u64,
-    next: u64,
+    /// Increment of the next reading.
+    pub(super) next: u64,
 }
 
-impl ProgressTimer {
-    fn new(stride: u64) -> ProgressTimer {
-        ProgressTimer { looked: Stopwatch::now(), stride, next: 0 }
+impl ClockReadings {
+    /// Creates a schedule with about the time `look` between readings. `stride` is the first number of increments.
+    pub(super) fn new(look: Duration, stride: u64) -> ClockReadings {
+        ClockReadings { look, looked: Stopwatch::now(), stride, next: 0 }
     }
 
-    /// Returns whether a report is due, and schedules the next one.
-    fn due(&mut self, increment: u64) -> bool {
+    /// Returns whether a reading is due, and schedules the next one.
+    pub(super) fn due(&mut self, increment: u64) -> bool {
         if increment < self.next {
             return false;
         }
         let passed = self.looked.elapsed();
         self.looked = Stopwatch::now();
-        if passed < LOOK / 2 {
+        if passed < self.look / 2 {
             self.stride = self.stride.saturating_mul(2);
-        } else if passed > LOOK {
+        } else if passed > self.look {
             self.stride = (self.stride / 2).max(1);
         }
         self.next = increment.saturating_add(self.stride);
@@ -192,7 +196,7 @@ pub(super) struct RunOutput {
     row: Vec<f64>,
     contact: ContactMeans,
     reactions: ReactionMeans,
-    pace: ProgressTimer,
+    pace: ClockReadings,
     /// Step time before which no output is due, unless `next_increment` is reached.
     pub(super) next_time: f64,
     next_increment: u64,
@@ -209,7 +213,7 @@ impl RunOutput {
             row: vec![0.0; plan.columns.len()],
             contact: ContactMeans::new(plan),
             reactions: ReactionMeans::new(plan),
-            pace: ProgressTimer::new(if plan.places.elements.is_empty() { RIGID_STRIDE } else { 1 }),
+            pace: ClockReadings::new(LOOK, if plan.places.elements.is_empty() { RIGID_STRIDE } else { 1 }),
             next_time: 0.0,
             next_increment: 0,
             first: true,
@@ -218,7 +222,7 @@ impl RunOutput {
     }
 
     /// Begins a step; its constraints are in force.
-    pub(super) fn begin(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn begin(&mut self, run: &RunState<'_>) {
         let (outputs, increment) = (&run.step.outputs, run.now.increment);
         self.field.begin(&outputs.field, increment);
         self.history.begin(&outputs.history, increment);
@@ -238,14 +242,14 @@ impl RunOutput {
     }
 
     /// Adds the impulses with which constraints complete the velocities before a new mesh.
-    pub(super) fn add_completion(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn add_completion(&mut self, run: &RunState<'_>) {
         self.contact.add_completion(run);
         self.reactions.add_completion(run);
     }
 
     /// Adds the impulses of the motion that has led to a new instant, before that instant is evaluated.
     #[inline(always)]
-    pub(super) fn add_motion(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn add_motion(&mut self, run: &RunState<'_>) {
         self.reactions.add_motion(run);
     }
 
@@ -253,10 +257,11 @@ impl RunOutput {
     /// each step.
     #[inline(always)]
     pub(super) fn show(&mut self, run: &mut SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
-        self.contact.add(run);
-        self.reactions.add_instant(run);
-        if run.now.step_time < self.next_time
-            && run.now.increment < self.next_increment
+        let current = &run.current;
+        self.contact.add(current);
+        self.reactions.add_instant(current);
+        if current.now.step_time < self.next_time
+            && current.now.increment < self.next_increment
             && run.user.requested_action == RunAction::Continue
         {
             return Ok(());
@@ -267,17 +272,18 @@ impl RunOutput {
     #[inline(never)]
     fn show_timed(&mut self, run: &mut SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let began = Stopwatch::now();
-        let shown = self.show_due(run, sink);
+        let is_over = run.is_over();
+        let result = self.show_due(&run.current, is_over, sink);
         run.timing.add_output(began.elapsed().as_secs_f64());
-        shown
+        result
     }
 
-    fn show_due(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
+    fn show_due(&mut self, run: &RunState<'_>, is_over: bool, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let (step, time, increment) = (run.step, run.now.step_time, run.now.increment);
-        let edge = std::mem::take(&mut self.first) || run.is_over();
+        let edge = std::mem::take(&mut self.first) || is_over;
         let frame = self.field.due(time, increment) || edge && !step.outputs.field.is_empty();
         if self.pace.due(increment) || frame || edge {
-            report_progress(run, frame, sink);
+            report_progress(run, frame, is_over, sink);
         }
         if self.history.due(time, increment) || edge && !step.outputs.history.is_empty() {
             self.history.advance(time, increment);
@@ -294,7 +300,7 @@ impl RunOutput {
 
     /// Writes the last complete instant before a halt, unless it has been written. With deformable bodies an incomplete
     /// instant is not written.
-    pub(super) fn last(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
+    pub(super) fn last(&mut self, run: &RunState<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         if !run.state.elements.is_empty() && !run.complete {
             return Ok(());
         }
@@ -308,7 +314,7 @@ impl RunOutput {
         Ok(())
     }
 
-    fn show_frame(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
+    fn show_frame(&mut self, run: &RunState<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         if !sink.wants_frames() {
             return Ok(());
         }
@@ -316,7 +322,7 @@ impl RunOutput {
         sink.frame(&frame(run)).map_err(output_failure)
     }
 
-    fn show_row(&mut self, run: &SolverRun<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
+    fn show_row(&mut self, run: &RunState<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let energy = run.energy();
         self.contact.begin_row(run);
         self.reactions.begin_row(run.now.total_time);
@@ -333,7 +339,7 @@ impl RunOutput {
 }
 
 /// Passes step, time, energies and the limiting element to the sink.
-fn report_progress(run: &SolverRun<'_>, frame: bool, sink: &mut dyn Sink) {
+fn report_progress(run: &RunState<'_>, frame: bool, is_over: bool, sink: &mut dyn Sink) {
     let total: f64 = run.plan.steps.iter().map(|s| s.duration).sum();
     let limiting = if run.state.elements.is_empty() { (0, 0) } else { run.limits() };
     sink.progress(&Progress {
@@ -344,7 +350,7 @@ fn report_progress(run: &SolverRun<'_>, frame: bool, sink: &mut dyn Sink) {
         limiting: run.plan.element_name(limiting.0, limiting.1),
         energy: &run.energy(),
         frame,
-        ends: run.is_over(),
+        ends: is_over,
     });
 }
 

@@ -4,7 +4,7 @@
 //! In an increment the forces at its start act until the middle, and the forces at its end act from there, as in the
 //! output velocity. So the impulse of a row belongs to the change of momentum by the velocities of the rows.
 
-use super::run::SolverRun;
+use super::run_state::RunState;
 use crate::plan::{ColumnSource, Plan};
 use crate::state::archive::Persist;
 use crate::state::dofs::Dof;
@@ -55,7 +55,7 @@ impl ReactionMeans {
     }
 
     /// Finds the constraints of the step that act on each degree of freedom.
-    pub(super) fn begin_step(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn begin_step(&mut self, run: &RunState<'_>) {
         for reaction in &mut self.reactions {
             let forces = || run.state.constraints.iter().enumerate().filter_map(|(i, c)| Some((i, c.view().forces?)));
             let dof = reaction.dof;
@@ -69,14 +69,14 @@ impl ReactionMeans {
 
     /// Computes the impulses of the motion that has led to a new instant, before that instant is evaluated.
     #[inline(always)]
-    pub(super) fn add_motion(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn add_motion(&mut self, run: &RunState<'_>) {
         if !self.reactions.is_empty() {
             self.open(run);
         }
     }
 
     #[inline(never)]
-    fn open(&mut self, run: &SolverRun<'_>) {
+    fn open(&mut self, run: &RunState<'_>) {
         for reaction in &mut self.reactions {
             reaction.opening = reaction.impulse_of_motion(run);
         }
@@ -84,7 +84,7 @@ impl ReactionMeans {
 
     /// Adds the impulses of the increment that leads to the current instant, once.
     #[inline(always)]
-    pub(super) fn add_instant(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn add_instant(&mut self, run: &RunState<'_>) {
         if !self.reactions.is_empty() && self.added != run.now.increment {
             self.added = run.now.increment;
             self.close(run);
@@ -92,7 +92,7 @@ impl ReactionMeans {
     }
 
     #[inline(never)]
-    fn close(&mut self, run: &SolverRun<'_>) {
+    fn close(&mut self, run: &RunState<'_>) {
         for reaction in &mut self.reactions {
             reaction.closing = reaction.closing_impulse(run);
             reaction.impulse += reaction.opening + reaction.closing;
@@ -111,7 +111,7 @@ impl ReactionMeans {
 
     /// Adds the impulses with which constraints complete the velocities of bodies before a new mesh: those of half an
     /// increment.
-    pub(super) fn add_completion(&mut self, run: &SolverRun<'_>) {
+    pub(super) fn add_completion(&mut self, run: &RunState<'_>) {
         let nodes = &run.state.dofs.nodes;
         let is_body = |reaction: &&mut ReactionMean| reaction.prescribed && matches!(reaction.dof, Dof::Body(_));
         for reaction in self.reactions.iter_mut().filter(is_body).filter(|_| nodes.half > 0.0) {
@@ -124,16 +124,18 @@ impl ReactionMeans {
         self.added = previous.added;
         for reaction in &mut self.reactions {
             let same = |known: &&ReactionMean| known.dof == reaction.dof && matches!(known.dof, Dof::Body(_));
-            let before = previous.reactions.iter().find(same).map(|known| (known.impulse, known.mean, known.since));
-            (reaction.impulse, reaction.mean, reaction.since) = before.unwrap_or((0.0, 0.0, total_time));
+            (reaction.impulse, reaction.mean, reaction.since) = match previous.reactions.iter().find(same) {
+                Some(previous) => (previous.impulse, previous.mean, previous.since),
+                None => (0.0, 0.0, total_time),
+            };
         }
     }
 
     /// Returns the mean reaction of a column; `None` for another variable.
     pub(super) fn value(&self, source: ColumnSource, part: VariableComponent) -> Option<f64> {
         let dof = reaction_dof(source, part)?;
-        let at = self.reactions.binary_search_by_key(&dof, |reaction| reaction.dof).ok()?;
-        Some(self.reactions[at].mean)
+        let index = self.reactions.binary_search_by_key(&dof, |reaction| reaction.dof).ok()?;
+        Some(self.reactions[index].mean)
     }
 }
 
@@ -144,7 +146,7 @@ impl ReactionMean {
     }
 
     /// Returns the impulse of the last motion until the middle of its increment.
-    fn impulse_of_motion(&self, run: &SolverRun<'_>) -> f64 {
+    fn impulse_of_motion(&self, run: &RunState<'_>) -> f64 {
         let dofs = &run.state.dofs;
         match self.dof {
             _ if !self.prescribed => -self.closing_of_node(),
@@ -166,28 +168,28 @@ impl ReactionMean {
         if let Dof::Node(..) = self.dof { self.closing } else { 0.0 }
     }
 
-    fn of_constraints(&self, run: &SolverRun<'_>, half: f64) -> f64 {
-        let of = |&(i, index): &(usize, usize)| {
+    fn of_constraints(&self, run: &RunState<'_>, half: f64) -> f64 {
+        let impulse = |&(i, index): &(usize, usize)| {
             run.state.constraints[i].view().forces.map_or(0.0, |c| c.impulse(self.dof, index, half))
         };
-        self.constraints.iter().map(of).sum()
+        self.constraints.iter().map(impulse).sum()
     }
 
     /// Returns the impulse from the middle of the last increment to the current instant.
-    fn closing_impulse(&self, run: &SolverRun<'_>) -> f64 {
-        let (dofs, rest) = (&run.state.dofs, 0.5 * run.last_increment);
+    fn closing_impulse(&self, run: &RunState<'_>) -> f64 {
+        let (dofs, half) = (&run.state.dofs, 0.5 * run.last_increment);
         match self.dof {
             _ if !self.prescribed => 0.0,
             Dof::Body(b) => {
                 let body = &dofs.bodies[b];
-                body.mass * (body.velocity - body.velocity_half) - rest * body.force
+                body.mass * (body.velocity - body.velocity_half) - half * body.force
             }
             Dof::Node(node, axis) => {
                 let force = |&(i, index): &(usize, usize)| {
                     run.state.constraints[i].view().forces.map_or(0.0, |c| c.current_force(self.dof, index))
                 };
                 let forces: f64 = self.constraints.iter().map(force).sum();
-                rest * (dofs.nodes.mass[node] * dofs.nodes.acceleration[node][axis] - forces)
+                half * (dofs.nodes.mass[node] * dofs.nodes.acceleration[node][axis] - forces)
             }
         }
     }

@@ -4,7 +4,8 @@
 //! it acts, v(n+1/2) = v(n-1/2) + κ a. The kinetic energy with the velocities before and after an instant follows the work
 //! by the trapezoidal rule if m (v(n+1/2)² - v(n-1/2)²) = f v(n+1/2) Δt, therefore κ = Δt v(n+1/2)/(v(n-1/2) + v(n+1/2)).
 
-use super::run::SolverRun;
+use crate::state::archive::Persist;
+use crate::state::nodes::Nodes;
 
 /// Returns the change κ a of the velocity that conserves energy, for the velocity before the release.
 fn velocity_change(velocity: f64, acceleration: f64, dt: f64) -> f64 {
@@ -15,28 +16,31 @@ fn velocity_change(velocity: f64, acceleration: f64, dt: f64) -> f64 {
     0.5 * doubled * acceleration.signum()
 }
 
-impl SolverRun<'_> {
-    /// Returns node and axis of all prescribed motions, in ascending order.
-    pub(super) fn prescribed_motions(&self) -> Vec<(usize, usize)> {
-        let forces = self.state.constraints.iter().filter_map(|c| c.view().forces);
-        let mut list: Vec<(usize, usize)> = forces.flat_map(|forces| forces.prescribed()).collect();
-        list.sort_unstable();
-        list
-    }
+/// Node and axis of prescribed motions that have ended at this instant.
+#[derive(Default, Persist)]
+pub(super) struct ReleasedNodes {
+    motions: Vec<(usize, usize)>,
+}
 
-    /// Finds the nodes that are released at the start of a step: their motion was prescribed before.
-    pub(super) fn find_released(&mut self, before: Vec<(usize, usize)>) {
-        let now = self.prescribed_motions();
-        self.released = before.into_iter().filter(|motion| now.binary_search(motion).is_err()).collect();
+impl ReleasedNodes {
+    /// Finds the nodes that are released at the start of a step: their motion was prescribed in the previous one.
+    pub(super) fn find(&mut self, previous: Vec<(usize, usize)>, current: &[(usize, usize)]) {
+        self.motions = previous.into_iter().filter(|motion| current.binary_search(motion).is_err()).collect();
     }
 
     /// Accelerates released nodes over the time that conserves energy, in place of half of the previous and half of the
     /// next increment.
+    #[inline(always)]
+    pub(super) fn accelerate(&mut self, nodes: &mut Nodes, dt: f64) {
+        if !self.motions.is_empty() {
+            self.accelerate_each(nodes, dt);
+        }
+    }
+
     #[cold]
-    pub(super) fn release(&mut self, dt: f64) {
-        let nodes = &mut self.state.dofs.nodes;
+    fn accelerate_each(&mut self, nodes: &mut Nodes, dt: f64) {
         let half = 0.5 * (dt + nodes.previous_dt);
-        for (node, axis) in self.released.drain(..) {
+        for (node, axis) in self.motions.drain(..) {
             let acceleration = nodes.acceleration[node][axis];
             let velocity = nodes[node].velocity(axis);
             *velocity += velocity_change(*velocity, acceleration, dt) - half * acceleration;
@@ -55,10 +59,10 @@ mod tests {
         let (a, next, dt) = (-3.0, -2.5, 0.2);
         for velocity in [0.0, 1e-9, -1e-9, 0.7, -0.7, 50.0, -50.0] {
             let after = velocity + velocity_change(velocity, a, dt);
-            let before = 0.5 * velocity * velocity;
+            let kinetic_before = 0.5 * velocity * velocity;
             let kinetic = 0.5 * after * (after + dt * next);
             let work = 0.5 * (a + next) * after * dt;
-            assert!((kinetic - before - work).abs() < 1e-12 * (1.0 + before), "{velocity}");
+            assert!((kinetic - kinetic_before - work).abs() < 1e-12 * (1.0 + kinetic_before), "{velocity}");
         }
         assert_eq!(velocity_change(0.0, a, dt), a * dt);
         assert!((velocity_change(-50.0, a, dt) / (0.5 * a * dt) - 1.0).abs() < 0.01);

@@ -4,24 +4,26 @@
 use super::body_forces::BodyForces;
 use super::energy::EnergyBalance;
 use super::increment::IncrementController;
+use super::masses::MassMonitor;
 use super::mesh_quality::RemeshMonitor;
+use super::new_mesh_state::{ReplacedMesh, take_over};
 use super::observe::RunOutput;
-use super::outcome::Outcome;
 use super::position::RunPosition;
 use super::restart::begin_step;
 use super::routines::UserSession;
 use super::run::SolverRun;
+use super::run_state::RunState;
 use super::timing::TimeSums;
-use super::watch::RunMonitor;
-use crate::element::elements::Elements;
+use super::watch::RunReport;
 use crate::kernel::lanes::InlineMap;
 use crate::model::Model;
 use crate::model::remesh::{ModelBody, nodes_of_histories, revised};
-use crate::plan::{self, Plan, RemeshedBody, State};
-use crate::remesh::mesher::{OutlineRules, new_mesh, sharpest};
+use crate::plan::{self, Plan, State};
+use crate::remesh::mesher::{OutlineRules, new_mesh};
 use crate::remesh::transfer::interpolated;
 use crate::remesh::{BodyMesh, MeshRevision};
 use crate::state::Instant;
+use crate::state::dofs::Dofs;
 use crate::state::halt::HaltReason;
 use crate::user::Routines;
 use crate::variables::Variable;
@@ -29,50 +31,66 @@ use crate::variables::Variable;
 /// Checks without a new mesh after one could not be made, in units of the interval of checks.
 const PAUSE: u64 = 5;
 
-/// Plastic strain from which an element that limits the increment counts as squashed by plastic flow.
-const SQUASHED: f64 = 1.0;
+/// The part of a run that does not depend on its mesh.
+struct RunHistory {
+    now: Instant,
+    previous_instant: Instant,
+    last_increment: f64,
+    balance: EnergyBalance,
+    masses: MassMonitor,
+    user: UserSession,
+    report: RunReport,
+    remesh: RemeshMonitor,
+    seconds: TimeSums,
+}
 
-/// Returns whether plastic flow has squashed an element.
-fn is_squashed(elements: &Elements, (group, element): (usize, usize)) -> bool {
-    elements.groups[group].value(element, Variable::PlasticStrain.into()).is_some_and(|strain| strain > SQUASHED)
+impl RunHistory {
+    fn take(run: &mut SolverRun<'_>) -> RunHistory {
+        let SolverRun { current, user, report, remesh, timing, .. } = run;
+        RunHistory {
+            now: current.now,
+            previous_instant: current.previous_instant,
+            last_increment: current.last_increment,
+            balance: current.balance.clone(),
+            masses: std::mem::take(&mut current.masses),
+            user: std::mem::take(user),
+            report: std::mem::take(report),
+            remesh: std::mem::take(remesh),
+            seconds: timing.take_sums(&current.plan.ledger),
+        }
+    }
+
+    fn give_to(self, run: &mut SolverRun<'_>) {
+        let current = &mut run.current;
+        (current.now, current.previous_instant) = (self.now, self.previous_instant);
+        current.last_increment = self.last_increment;
+        (current.balance, current.masses) = (self.balance, self.masses);
+        (run.user, run.report, run.remesh) = (self.user, self.report, self.remesh);
+        run.timing.add(&self.seconds, &current.plan.ledger);
+    }
 }
 
 /// A run between two plans.
 pub(super) struct DetachedRun {
     state: State,
-    now: Instant,
-    previous_instant: Instant,
-    last_increment: f64,
-    velocity_extrapolation: f64,
-    user: UserSession,
     body_forces: BodyForces,
-    balance: EnergyBalance,
-    watch: RunMonitor,
-    remesh: RemeshMonitor,
-    seconds: TimeSums,
-    outcome: Outcome,
+    history: RunHistory,
 }
 
 impl DetachedRun {
+    fn detach(mut run: SolverRun<'_>) -> DetachedRun {
+        let history = RunHistory::take(&mut run);
+        DetachedRun { state: run.current.state, body_forces: run.current.body_forces, history }
+    }
+
     /// Continues the run with its plan.
     pub(super) fn attach<'a>(self, plan: &'a Plan, position: Option<&'a RunPosition>) -> SolverRun<'a> {
         let mut run = SolverRun::new(plan, self.state, position);
-        run.timing.add(&self.seconds);
-        SolverRun {
-            step: &plan.steps[self.now.step as usize - 1],
-            now: self.now,
-            previous_instant: self.previous_instant,
-            last_increment: self.last_increment,
-            velocity_extrapolation: self.velocity_extrapolation,
-            user: self.user,
-            body_forces: self.body_forces,
-            balance: self.balance,
-            watch: self.watch,
-            remesh: self.remesh,
-            outcome: self.outcome,
-            complete: true,
-            ..run
-        }
+        run.current.use_step(&plan.steps[self.history.now.step as usize - 1]);
+        run.current.body_forces = self.body_forces;
+        run.current.complete = true;
+        self.history.give_to(&mut run);
+        run
     }
 }
 
@@ -87,9 +105,8 @@ pub(super) struct NextMesh {
 pub(super) fn plan_of_revisions(plan: &Plan, revisions: &[MeshRevision]) -> Option<(Box<Plan>, State)> {
     let mut model: Model = plan.remesh.as_ref()?.model.clone();
     for revision in revisions {
-        let known = revision.body < model.remeshings.len();
-        let elements = model.remeshings.get(revision.body).map_or(0, |card| card.elements.len());
-        if !known || revision.origins.iter().any(|origin| *origin as usize >= elements) {
+        let elements = model.remeshings.get(revision.body)?.elements.len();
+        if revision.origins.iter().any(|origin| *origin as usize >= elements) {
             return None;
         }
         model = revised(&model, revision);
@@ -123,174 +140,152 @@ fn place_starts(plan: &mut Plan, state: &mut State, revisions: &[MeshRevision]) 
     }
 }
 
-impl SolverRun<'_> {
-    /// Returns a body whose mesh is to be replaced at this instant.
-    #[inline]
-    pub(super) fn body_to_mesh(&mut self) -> Option<usize> {
-        let plan = self.plan.remesh.as_ref()?;
-        (0..plan.bodies.len()).find(|body| self.is_distorted(&plan.bodies[*body], *body))
-    }
-
-    fn is_distorted(&mut self, body: &RemeshedBody, index: usize) -> bool {
-        let quality = &mut self.remesh.bodies[index];
-        if self.now.increment < quality.next {
-            return false;
-        }
-        quality.next = self.now.increment + body.frequency;
-        let (nodes, elements) = (&self.state.dofs.nodes, &self.state.elements);
-        let (stable, limiting) = (elements.stable_increment(), elements.limiting());
-        if quality.increment == 0.0 || body.automatic && quality.increment < stable {
-            quality.increment = stable;
-        }
-        let mut is_short = limiting.0 == body.group && stable < body.increment * quality.increment;
-        if body.automatic {
-            quality.excess += body.frequency as f64 * (1.0 - stable / quality.increment);
-            is_short &= quality.excess > quality.price && is_squashed(elements, limiting);
-            if quality.count == 0 {
-                return is_short;
-            }
-        }
-        is_short || sharpest(&body.quads, |n| nodes[body.nodes[n as usize]].place()) < quality.limit
-    }
-
-    /// Remeshes a body and continues with the plan of the new mesh; `None` if no valid mesh is found.
-    ///
-    /// # Errors
-    /// If the model with the new mesh cannot be planned or evaluated.
-    pub(super) fn next_mesh(&mut self, body: usize, observing: &mut RunOutput) -> Result<Option<NextMesh>, HaltReason> {
-        let Some(remesh) = &self.plan.remesh else { return Ok(None) };
-        let Some((old, revision)) = self.revision(body, &remesh.model) else {
-            let quality = &mut self.remesh.bodies[body];
-            quality.next = self.now.increment + PAUSE * remesh.bodies[body].frequency;
-            if !std::mem::replace(&mut self.remesh.reported, true) {
-                let (set, time) = (&remesh.model.remeshings[body].set, self.now.total_time);
-                let text = format!("no valid mesh was found for `{set}` at time {time:.4e}; it keeps its mesh for now");
-                self.outcome.warn("R317", text);
-            }
+/// Remeshes a body and continues with the plan of the new mesh; `None` if no valid mesh is found.
+///
+/// # Errors
+/// If the model with the new mesh cannot be planned or evaluated.
+pub(super) fn next_mesh(
+    run: &mut SolverRun<'_>,
+    body: usize,
+    observing: &mut RunOutput,
+) -> Result<Option<NextMesh>, HaltReason> {
+    let Some(remesh) = &run.current.plan.remesh else { return Ok(None) };
+    let (planned, old_increment) = (&remesh.bodies[body], run.current.state.elements.stable_increment());
+    let Some((old_mesh, revision)) = revision(&run.current, &run.remesh.revisions, body, &remesh.model) else {
+        pause(run, body);
+        return Ok(None);
+    };
+    let failed = |reason: String| HaltReason { code: "R210", reason };
+    let model = revised(&remesh.model, &revision);
+    run.remesh.revisions.push(revision.clone());
+    let (plan, state) = match compiled(&model, &run.remesh.revisions, &run.current.plan.routines) {
+        Ok(compiled) => compiled,
+        Err(_) if planned.automatic => {
+            run.remesh.revisions.pop();
+            pause(run, body);
             return Ok(None);
-        };
-        let failed = |reason: String| HaltReason { code: "R210", reason };
-        let model = revised(&remesh.model, &revision);
-        self.remesh.revisions.push(revision);
-        let (plan, state) = compiled(&model, &self.remesh.revisions, &self.plan.routines)
-            .map_err(|error| failed(format!("the model with a new mesh cannot be planned: {error}")))?;
-        if plan.column_names() != self.plan.column_names() {
-            return Err(failed("the new mesh does not have all nodes and elements of the histories".into()));
         }
-        self.name_limiting_element();
-        let mut next = SolverRun::new(&plan, state, None);
-        next.state.elements.use_arch(self.state.elements.arch());
-        let mut output = RunOutput::new(&plan);
-        let mut begun: Option<IncrementController> = None;
-        for index in 0..self.now.step as usize {
-            begin_step(&mut next, index, &mut output, &mut begun);
-        }
-        observing.add_completion(self);
-        let kinetic = self.complete_velocities();
-        next.take_over(self, &old, body);
-        next.begin_nodes(true)?;
-        next.evaluate_new_mesh(kinetic)?;
-        if std::env::var_os("DBG").is_some() {
-            let q = &next.remesh.bodies[body];
-            eprintln!(
-                "DBG t {:.3e} inc {} dt before {:.3e} after {:.3e} ref {:.3e} elements {} -> {} angle limit {:.1} sharp {:.1} by {:?}",
-                next.now.total_time,
-                next.now.increment,
-                self.state.elements.stable_increment(),
-                next.state.elements.stable_increment(),
-                q.increment,
-                self.plan.remesh.as_ref().map_or(0, |r| r.bodies[body].quads.len()),
-                plan.remesh.as_ref().map_or(0, |r| r.bodies[body].quads.len()),
-                q.limit.to_degrees(),
-                0.0,
-                next.state.elements.limiting()
-            );
-        }
-        output.follow(std::mem::replace(observing, RunOutput::new(&plan)), &next.now);
-        *observing = output;
-        let run = next.detach();
-        Ok(Some(NextMesh { plan, run }))
+        Err(error) => return Err(failed(format!("the model with a new mesh cannot be planned: {error}"))),
+    };
+    if plan.column_names() != run.current.plan.column_names() {
+        return Err(failed("the new mesh does not have all nodes and elements of the histories".into()));
     }
+    run.name_limiting_element();
+    let mut next = SolverRun::new(&plan, state, None);
+    next.current.state.elements.use_arch(run.current.state.elements.arch());
+    let mut output = RunOutput::new(&plan);
+    let mut begun: Option<IncrementController> = None;
+    for index in 0..run.current.now.step as usize {
+        begin_step(&mut next, index, &mut output, &mut begun);
+    }
+    observing.add_completion(&run.current);
+    let kinetic = complete_velocities(&mut run.current.state);
+    RunHistory::take(run).give_to(&mut next);
+    let mesh = ReplacedMesh { body, old: &old_mesh, revision: &revision };
+    take_over(&mut next.current, &mut run.current, mesh);
+    if let Err(halt) = evaluate_new_mesh(&mut next, kinetic) {
+        RunHistory::take(&mut next).give_to(run);
+        return Err(halt);
+    }
+    let increments = [old_increment, next.current.state.elements.stable_increment()];
+    next.remesh.bodies[body].begin_mesh(planned, &revision.mesh, increments);
+    if planned.automatic && next.remesh.bodies[body].is_first() {
+        warn_of_first_mesh(&mut next, &remesh.model.remeshings[body].set, increments);
+    }
+    output.follow(std::mem::replace(observing, RunOutput::new(&plan)), &next.current.now);
+    *observing = output;
+    let run = DetachedRun::detach(next);
+    Ok(Some(NextMesh { plan, run }))
+}
 
-    /// Returns the mesh of a body at this instant, and the one that replaces it.
-    fn revision(&self, body: usize, model: &Model) -> Option<(BodyMesh, MeshRevision)> {
-        let planned = &self.plan.remesh.as_ref()?.bodies[body];
-        let of_model = ModelBody::new(model, body);
-        let last = self.remesh.revisions.iter().rev().find(|revision| revision.body == body);
-        let sizes = match (model.remeshings[body].size, last) {
-            (Some(size), _) => vec![size; planned.quads.len()],
-            (None, Some(last)) => last.mesh.sizes.clone(),
-            (None, None) => of_model.sizes(&model.mesh),
-        };
-        let points = planned.nodes.iter().map(|n| self.state.dofs.nodes[*n].place()).collect();
-        let group = &self.state.elements.groups[planned.group];
-        let is_there = |i: &usize| !group.is_deleted(planned.elements[*i] as usize);
-        let living: Vec<usize> = (0..planned.quads.len()).filter(is_there).collect();
-        let mut used = vec![false; planned.nodes.len()];
-        living.iter().flat_map(|i| planned.quads[*i]).for_each(|n| used[n as usize] = true);
-        let is_lost = |node: usize| of_model.nodes.binary_search(&node).is_ok_and(|at| !used[at]);
-        if nodes_of_histories(model).any(is_lost) {
-            return None;
-        }
-        let (quads, sizes) = living.iter().map(|i| (planned.quads[*i], sizes[*i])).unzip();
-        let old = BodyMesh { points, quads, sizes };
-        let strain = |i: usize| {
-            let element = planned.elements[living[i]] as usize;
-            group.value(element, Variable::PlasticStrain.into()).unwrap_or(0.0)
-        };
-        let limited = model.remeshings[body].limits.apply(&old, strain);
-        let place = |ends: [u32; 2], share| {
-            let nodes = ends.inline_map(|n| planned.nodes[n as usize]);
-            self.contacts().find_map(|contact| contact.place_between(nodes, share, &self.state.dofs))
-        };
-        let rules = OutlineRules { kept: &of_model.kept(model), place: &place };
-        let mut new = new_mesh(&old, &rules, limited)?;
-        new.body = body;
-        new.origins.iter_mut().for_each(|origin| *origin = living[*origin as usize] as u32);
-        new.sides.iter_mut().for_each(|side| side.old.0 = living[side.old.0 as usize] as u32);
-        let moved: Vec<[f64; 2]> = planned.nodes.iter().map(|n| self.state.dofs.nodes.displacement(*n)).collect();
-        new.displacements = interpolated(&old, &moved, &new.mesh.points);
-        Some((old, new))
+/// Keeps the mesh of a body for some time after no new one could be made. The first time is reported.
+fn pause(run: &mut SolverRun<'_>, body: usize) {
+    let Some(remesh) = &run.current.plan.remesh else { return };
+    run.remesh.bodies[body].next = run.current.now.increment + PAUSE * remesh.bodies[body].frequency;
+    if !std::mem::replace(&mut run.remesh.reported, true) {
+        let (set, time) = (&remesh.model.remeshings[body].set, run.current.now.total_time);
+        let text = format!("no valid mesh was found for `{set}` at time {time:.4e}; it keeps its mesh for now");
+        run.report.outcome.warn("R317", text);
     }
+}
 
-    fn kinetic(&self) -> f64 {
-        let dofs = &self.state.dofs;
-        dofs.energies.kinetic + dofs.bodies.iter().map(|body| body.kinetic()).sum::<f64>()
-    }
+/// Reports that a body that no card names has a new mesh.
+fn warn_of_first_mesh(run: &mut SolverRun<'_>, material: &str, [old, new]: [f64; 2]) {
+    let text = format!(
+        "plastic flow has squashed elements of the body of material {material} until the stable time increment fell to \
+         {old:.3e}: at time {:.4e} the body has a new mesh, with {new:.3e}. It is remeshed from now on, as with *REMESH, which \
+         has options for it; *REMESH, AUTOMATIC=NO keeps the mesh",
+        run.current.now.total_time
+    );
+    run.report.outcome.warn("R319", text);
+}
 
-    /// Completes the velocities at this instant with the impulses of constraints. Returns the kinetic energy.
-    fn complete_velocities(&mut self) -> f64 {
-        let before = self.kinetic();
-        let State { constraints, dofs, .. } = &mut self.state;
-        let followers = constraints.iter_mut().filter_map(|constraint| constraint.upkeep());
-        followers.fold(before, |kinetic, follower| kinetic + follower.complete_velocities(dofs))
+/// Returns the mesh of a body at this instant, and the one that replaces it. `revisions` are the previous new meshes.
+fn revision(
+    run: &RunState<'_>,
+    revisions: &[MeshRevision],
+    body: usize,
+    model: &Model,
+) -> Option<(BodyMesh, MeshRevision)> {
+    let (planned, nodes) = (&run.plan.remesh.as_ref()?.bodies[body], &run.state.dofs.nodes);
+    let of_model = ModelBody::new(model, body);
+    let last = revisions.iter().rev().find(|revision| revision.body == body);
+    let sizes = match (model.remeshings[body].size, last) {
+        (Some(size), _) => vec![size; planned.quads.len()],
+        (None, Some(last)) => last.mesh.sizes.clone(),
+        (None, None) => of_model.sizes(&model.mesh),
+    };
+    let points = planned.nodes.iter().map(|n| nodes[*n].place()).collect();
+    let group = &run.state.elements.groups[planned.group];
+    let is_living = |i: &usize| !group.is_deleted(planned.elements[*i] as usize);
+    let living: Vec<usize> = (0..planned.quads.len()).filter(is_living).collect();
+    let mut used = vec![false; planned.nodes.len()];
+    living.iter().flat_map(|i| planned.quads[*i]).for_each(|n| used[n as usize] = true);
+    let is_lost = |node: usize| of_model.nodes.binary_search(&node).is_ok_and(|index| !used[index]);
+    if nodes_of_histories(model).any(is_lost) {
+        return None;
     }
+    let (quads, sizes) = living.iter().map(|i| (planned.quads[*i], sizes[*i])).unzip();
+    let old = BodyMesh { points, quads, sizes };
+    let strain = |i: usize| {
+        let element = planned.elements[living[i]] as usize;
+        group.value(element, Variable::PlasticStrain.into()).unwrap_or(0.0)
+    };
+    let limited = model.remeshings[body].limits.apply(&old, strain);
+    let place_between = |ends: [u32; 2], share| {
+        let ends = ends.inline_map(|n| planned.nodes[n as usize]);
+        run.contacts().find_map(|contact| contact.place_between(ends, share, &run.state.dofs))
+    };
+    let rules = OutlineRules { kept: &of_model.kept(model), place: &place_between };
+    let mut new = new_mesh(&old, &rules, limited)?;
+    new.body = body;
+    new.origins.iter_mut().for_each(|origin| *origin = living[*origin as usize] as u32);
+    new.sides.iter_mut().for_each(|side| side.old.0 = living[side.old.0 as usize] as u32);
+    let moved: Vec<[f64; 2]> = planned.nodes.iter().map(|n| nodes.displacement(*n)).collect();
+    new.displacements = interpolated(&old, &moved, &new.mesh.points);
+    Some((old, new))
+}
 
-    /// Evaluates the forces of the new mesh at the instant at which the old one was left. `before` is the kinetic energy on
-    /// the old mesh; its loss is that of the transfer.
-    fn evaluate_new_mesh(&mut self, before: f64) -> Result<(), HaltReason> {
-        self.show_own_velocity();
-        self.evaluate_accelerations()?;
-        self.balance.take_forces(&self.body_forces.values);
-        self.complete = true;
-        self.state.dofs.energies.advection += before - self.kinetic();
-        Ok(())
-    }
+fn kinetic_energy(dofs: &Dofs) -> f64 {
+    dofs.energies.kinetic + dofs.bodies.iter().map(|body| body.kinetic()).sum::<f64>()
+}
 
-    fn detach(self) -> DetachedRun {
-        DetachedRun {
-            state: self.state,
-            now: self.now,
-            previous_instant: self.previous_instant,
-            last_increment: self.last_increment,
-            velocity_extrapolation: self.velocity_extrapolation,
-            user: self.user,
-            body_forces: self.body_forces,
-            balance: self.balance,
-            watch: self.watch,
-            remesh: self.remesh,
-            seconds: self.timing.sums(),
-            outcome: self.outcome,
-        }
-    }
+/// Completes the velocities at this instant with the impulses of constraints. Returns the kinetic energy.
+fn complete_velocities(state: &mut State) -> f64 {
+    let State { constraints, dofs, .. } = state;
+    let followers = constraints.iter_mut().filter_map(|constraint| constraint.upkeep());
+    followers.fold(kinetic_energy(dofs), |kinetic, follower| kinetic + follower.complete_velocities(dofs))
+}
+
+/// Evaluates the forces of the new mesh at the instant at which the old one was left. `old_kinetic` is the kinetic energy
+/// on the old mesh; its loss is that of the transfer.
+fn evaluate_new_mesh(run: &mut SolverRun<'_>, old_kinetic: f64) -> Result<(), HaltReason> {
+    run.begin_nodes(true)?;
+    run.current.show_own_velocity();
+    run.evaluate_accelerations()?;
+    let RunState { balance, body_forces, state: State { dofs, .. }, complete, .. } = &mut run.current;
+    balance.take_forces(&body_forces.values);
+    *complete = true;
+    dofs.energies.advection += old_kinetic - kinetic_energy(dofs);
+    Ok(())
 }

@@ -6,8 +6,9 @@ use std::io::{BufWriter, Read as _, Seek as _};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant as Stopwatch};
 
+use super::adaptive_meshes::restore_masses;
 use super::increment::IncrementController;
-use super::observe::{OutputSchedule, RunOutput, output_failure};
+use super::observe::{ClockReadings, OutputSchedule, RunOutput, output_failure};
 use super::position::RunPosition;
 use super::{Sink, SinkError, SolverRun};
 use crate::plan::StepPlan;
@@ -15,7 +16,7 @@ use crate::remesh::MeshRevision;
 use crate::state::Instant;
 use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields};
 use crate::state::halt::HaltReason;
-use crate::user::{AnalysisMoment, SavedMemory};
+use crate::user::SavedMemory;
 
 /// Interval of checkpoints, in addition to the deck's `*RESTART, WRITE`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,15 +51,12 @@ const LOOK: Duration = Duration::from_millis(5);
 pub(super) struct Checkpointer<'a> {
     control: RunControl<'a>,
     /// Schedule of `*RESTART, WRITE`.
-    asked: OutputSchedule,
+    schedule: OutputSchedule,
     /// Whether the previous step requested a checkpoint at its end, where this step begins.
     due_at_start: bool,
-    /// Times of the last checkpoint and of the last reading of the clock.
-    kept: Stopwatch,
-    looked: Stopwatch,
-    /// Increments between readings of the clock, and the increment of the next one.
-    stride: u64,
-    next_look: u64,
+    /// Time of the last checkpoint.
+    written: Stopwatch,
+    clock: ClockReadings,
     /// Whether states are stored for the return to the last complete instant, and the increment of the next one.
     holds: bool,
     next_held: u64,
@@ -77,15 +75,12 @@ impl<'a> Checkpointer<'a> {
     /// Creates the checkpointer of a run. `holds` states whether states are stored for a return to an earlier instant,
     /// which requires frames and deformable bodies, and excludes user subroutines, which would be called twice.
     pub(super) fn new(control: RunControl<'a>, holds: bool) -> Self {
-        let now = Stopwatch::now();
         Checkpointer {
             control,
-            asked: OutputSchedule::default(),
+            schedule: OutputSchedule::default(),
             due_at_start: false,
-            kept: now,
-            looked: now,
-            stride: 1,
-            next_look: 0,
+            written: Stopwatch::now(),
+            clock: ClockReadings::new(LOOK, 1),
             holds,
             next_held: 0,
             next_time: 0.0,
@@ -98,29 +93,30 @@ impl<'a> Checkpointer<'a> {
 
     /// Begins a step, or continues one, at this instant.
     pub(super) fn begin(&mut self, step: &StepPlan, now: &Instant) {
-        self.due_at_start = !self.asked.is_empty();
-        self.asked.begin(&step.outputs.restart, now.increment);
-        self.asked.advance(now.step_time, now.increment);
+        self.due_at_start = !self.schedule.is_empty();
+        self.schedule.begin(&step.outputs.restart, now.increment);
+        self.schedule.advance(now.step_time, now.increment);
         self.has_state = false;
         self.next_held = 0;
         self.plan_ahead(now);
     }
 
     fn plan_ahead(&mut self, now: &Instant) {
-        self.next_time = self.asked.next_time;
+        self.next_time = self.schedule.next_time;
         let every = match self.control.every {
             None => u64::MAX,
             Some(CheckpointInterval::Increments(n)) => (now.increment / n + 1) * n,
-            Some(CheckpointInterval::Elapsed(_)) => self.next_look,
+            Some(CheckpointInterval::Elapsed(_)) => self.clock.next,
         };
-        let held = if self.holds { self.next_held } else { u64::MAX };
-        self.next_increment = if self.due_at_start { 0 } else { self.asked.next_increment.min(every).min(held) };
+        let next_stored = if self.holds { self.next_held } else { u64::MAX };
+        self.next_increment =
+            if self.due_at_start { 0 } else { self.schedule.next_increment.min(every).min(next_stored) };
     }
 
     /// Writes a checkpoint between two increments if one is due, and ends the run after a signal.
     #[inline]
     pub(super) fn write_if_due(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
-        let now = &at.run.now;
+        let now = &at.run.current.now;
         let signal = self.control.interrupt.map_or(0, |signal| signal.load(Ordering::Relaxed));
         if signal == 0 && now.increment < self.next_increment && now.step_time < self.next_time {
             return Ok(());
@@ -130,14 +126,14 @@ impl<'a> Checkpointer<'a> {
 
     #[cold]
     fn write_now(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink, signal: usize) -> Result<(), HaltReason> {
-        let now = at.run.now;
+        let now = at.run.current.now;
         if signal != 0 {
             self.control.position.iter().for_each(|position| position.end());
         }
         let due = (self.is_due(&now) || signal != 0) && sink.keeps();
         let begin = Stopwatch::now();
         if due {
-            at.run.announce_checkpoint()?;
+            at.run.user.announce_checkpoint(&at.run.current)?;
         }
         let stores = self.holds && (due || now.increment >= self.next_held);
         if stores {
@@ -152,9 +148,9 @@ impl<'a> Checkpointer<'a> {
             if self.file.is_some() {
                 self.state = Vec::new();
             }
-            at.run.warn_of_lost_memory(sink);
-            self.kept = Stopwatch::now();
-            at.run.outcome.checkpoint_seconds += begin.elapsed().as_secs_f64();
+            at.warn_of_lost_memory(sink);
+            self.written = Stopwatch::now();
+            at.run.report.outcome.checkpoint_seconds += begin.elapsed().as_secs_f64();
         }
         self.plan_ahead(&now);
         if signal == 0 { Ok(()) } else { Err(interrupted(signal, &now)) }
@@ -186,46 +182,35 @@ impl<'a> Checkpointer<'a> {
     }
 
     fn is_due(&mut self, now: &Instant) -> bool {
-        let asked = self.asked.due(now.step_time, now.increment) | std::mem::take(&mut self.due_at_start);
-        if asked {
-            self.asked.advance(now.step_time, now.increment);
+        let is_requested = self.schedule.due(now.step_time, now.increment) | std::mem::take(&mut self.due_at_start);
+        if is_requested {
+            self.schedule.advance(now.step_time, now.increment);
         }
-        asked
+        is_requested
             || match self.control.every {
                 None => false,
                 Some(CheckpointInterval::Increments(n)) => now.increment > 0 && now.increment.is_multiple_of(n),
-                Some(CheckpointInterval::Elapsed(time)) => self.clock_is_due(now, time),
+                Some(CheckpointInterval::Elapsed(time)) => {
+                    self.clock.due(now.increment) && self.written.elapsed() >= time
+                }
             }
-    }
-
-    /// Reads the clock only every `stride` increments, so that its cost is negligible.
-    fn clock_is_due(&mut self, now: &Instant, time: Duration) -> bool {
-        if now.increment < self.next_look {
-            return false;
-        }
-        let passed = self.looked.elapsed();
-        self.looked = Stopwatch::now();
-        self.stride = if passed < LOOK { 2 * self.stride } else { (self.stride / 2).max(1) };
-        self.next_look = now.increment + self.stride;
-        self.kept.elapsed() >= time
     }
 
     /// Returns to the last complete instant after a halt within an increment: restores the stored state and repeats the
     /// increments since then.
     pub(super) fn rewind(&mut self, at: &mut RunCursor<'_, '_>) {
-        if at.run.complete || !self.has_state || !self.holds {
+        if at.run.current.complete || !self.has_state || !self.holds {
             return;
         }
-        let last = at.run.now.increment - 1;
-        let mut archive = StateArchive::reader(self.stored());
-        CheckpointHead::default().persist(&mut archive);
+        let last = at.run.current.now.increment - 1;
+        let (_, mut archive) = CheckpointHead::read(self.stored());
         at.visit(&mut archive);
         // The state was written by this run, so it fits unless its file cannot be read.
         let mut fits = archive.finish().is_ok();
-        while fits && at.run.now.increment < last {
+        while fits && at.run.current.now.increment < last {
             fits = at.repeat().is_ok();
         }
-        at.run.complete = fits;
+        at.run.current.complete = fits;
     }
 }
 
@@ -269,31 +254,37 @@ struct CheckpointHead {
     revisions: Vec<MeshRevision>,
 }
 
+impl CheckpointHead {
+    /// Reads the header of a saved state. Returns also the archive of the rest.
+    fn read(state: &[u8]) -> (CheckpointHead, StateArchive<'_>) {
+        let (mut head, mut archive) = (CheckpointHead::default(), StateArchive::reader(state));
+        head.persist(&mut archive);
+        (head, archive)
+    }
+}
+
 /// Returns descriptions of the user memory that a saved state does not contain; empty if it is complete.
 pub fn lost(state: &[u8]) -> Vec<String> {
-    let mut head = CheckpointHead::default();
-    head.persist(&mut StateArchive::reader(state));
-    head.routines.lost
+    CheckpointHead::read(state).0.routines.lost
 }
 
 /// Returns the new meshes that bodies had when a state was saved.
 pub(super) fn saved_revisions(state: &[u8]) -> Vec<MeshRevision> {
-    let mut head = CheckpointHead::default();
-    head.persist(&mut StateArchive::reader(state));
-    head.revisions
+    CheckpointHead::read(state).0.revisions
 }
 
 impl RunCursor<'_, '_> {
     /// Replaces bytes by header and state. The memory is reserved first, so that a buffer that grows does not take twice
     /// as much.
     fn write(&mut self, bytes: &mut Vec<u8>) {
-        let mut routines = self.run.plan.routines.memory.as_ref().map(|memory| memory.save()).unwrap_or_default();
+        let mut routines =
+            self.run.current.plan.routines.memory.as_ref().map(|memory| memory.save()).unwrap_or_default();
         let mut length = 0;
         self.visit_with_head(&mut routines, &mut StateArchive::counter(&mut length));
         bytes.clear();
         bytes.reserve_exact(length);
         self.visit_with_head(&mut routines, &mut StateArchive::writer(bytes));
-        self.run.outcome.lost = routines.lost;
+        self.run.report.outcome.lost = routines.lost;
     }
 
     /// Writes header and state to a file. There is no memory of user subroutines.
@@ -311,7 +302,8 @@ impl RunCursor<'_, '_> {
     }
 
     fn visit_with_head(&mut self, routines: &mut SavedMemory, archive: &mut StateArchive<'_>) {
-        let (step, revisions) = (self.run.now.step as usize - 1, std::mem::take(&mut self.run.remesh.revisions));
+        let (step, revisions) =
+            (self.run.current.now.step as usize - 1, std::mem::take(&mut self.run.remesh.revisions));
         let mut head = CheckpointHead { step, routines: std::mem::take(routines), revisions };
         head.persist(archive);
         (*routines, self.run.remesh.revisions) = (head.routines, head.revisions);
@@ -331,29 +323,17 @@ impl RunCursor<'_, '_> {
     fn repeat(&mut self) -> Result<(), HaltReason> {
         let RunCursor { run, observing, control } = self;
         run.advance(control, observing.next_time)?;
-        observing.add_motion(run);
+        observing.add_motion(&run.current);
         run.evaluate()?;
         observing.show(run, &mut DiscardingSink)
     }
-}
 
-impl SolverRun<'_> {
     /// Warns once of memory that the checkpoint does not contain.
     fn warn_of_lost_memory(&mut self, sink: &mut dyn Sink) {
-        if !self.outcome.lost.is_empty() && !std::mem::replace(&mut self.user.loss_reported, true) {
-            sink.warning(&format!("K102: {LOST}: {}", self.outcome.lost.join("; ")));
+        let lost = &self.run.report.outcome.lost;
+        if !lost.is_empty() && !std::mem::replace(&mut self.run.user.loss_reported, true) {
+            sink.warning(&format!("K102: {LOST}: {}", lost.join("; ")));
         }
-    }
-
-    /// Informs the user subroutine that the increment is complete and that a checkpoint follows.
-    fn announce_checkpoint(&mut self) -> Result<(), HaltReason> {
-        let due = self.now.step_time > 0.0 && !self.user.increment_reported;
-        if let Some(events) = self.user.routines.events.as_deref_mut().filter(|_| due) {
-            events.restart_follows();
-            self.report_moment(AnalysisMoment::EndIncrement, self.last_increment)?;
-            self.user.increment_reported = true;
-        }
-        Ok(())
     }
 }
 
@@ -364,12 +344,12 @@ pub(super) fn begin_step(
     observing: &mut RunOutput,
     control: &mut Option<IncrementController>,
 ) -> bool {
-    let control_before = run.step.control;
-    let changes = run.begin(index) || run.step.control != control_before;
-    observing.begin(run);
+    let control_before = run.current.step.control;
+    let changes = run.begin(index) || run.current.step.control != control_before;
+    observing.begin(&run.current);
     match control {
-        Some(control) if !changes => control.continue_in(run.step, &run.state.dofs.bodies),
-        _ => *control = Some(IncrementController::new(run.step, &run.state.dofs.bodies)),
+        Some(control) if !changes => control.continue_in(run.current.step, &run.current.state.dofs.bodies),
+        _ => *control = Some(IncrementController::new(run.current.step, &run.current.state.dofs.bodies)),
     }
     changes
 }
@@ -383,12 +363,9 @@ pub(super) fn restore(
     observing: &mut RunOutput,
     state: &[u8],
 ) -> Result<(usize, IncrementController), UnfitState> {
-    let mut archive = StateArchive::reader(state);
-    let mut head = CheckpointHead::default();
-    head.persist(&mut archive);
-    let CheckpointHead { step: index, routines, revisions } = head;
+    let (CheckpointHead { step: index, routines, revisions }, mut archive) = CheckpointHead::read(state);
     run.remesh.revisions = revisions;
-    if index >= run.plan.steps.len() {
+    if index >= run.current.plan.steps.len() {
         return Err(UnfitState { reason: "it is incomplete".into() });
     }
     // The effects in force follow from the changes of all steps up to this one.
@@ -396,11 +373,12 @@ pub(super) fn restore(
     (0..=index).for_each(|i| {
         begin_step(run, i, observing, &mut begun);
     });
-    let mut control = begun.unwrap_or_else(|| IncrementController::new(run.step, &run.state.dofs.bodies));
+    let mut control =
+        begun.unwrap_or_else(|| IncrementController::new(run.current.step, &run.current.state.dofs.bodies));
     RunCursor { run, observing, control: &mut control }.visit(&mut archive);
     archive.finish()?;
-    run.restore_masses_of_domains();
-    if let Some(memory) = &run.plan.routines.memory {
+    restore_masses(&mut run.current.state);
+    if let Some(memory) = &run.current.plan.routines.memory {
         memory.restore(&routines)?;
     }
     run.user.restored_memory = routines;

@@ -1,7 +1,7 @@
 //! Calls of user subroutines outside loads: amplitudes and motions once per increment, and events of the analysis.
 
 use super::increment::Increment;
-use super::run::SolverRun;
+use super::run_state::RunState;
 use crate::constraint;
 use crate::state::Instant;
 use crate::state::archive::Persist;
@@ -26,70 +26,68 @@ impl UserSession {
     pub fn new(routines: &Routines) -> Self {
         UserSession { routines: routines.lock(), ..UserSession::default() }
     }
-}
 
-impl SolverRun<'_> {
     /// Calls the subroutines at the start of a step.
-    pub(super) fn begin_routines(&mut self) -> Result<(), HaltReason> {
-        self.user.requested_action = RunAction::Continue;
-        if self.now.step == 1 {
-            self.report_moment(AnalysisMoment::StartAnalysis, 0.0)?;
+    pub(super) fn begin(&mut self, run: &mut RunState<'_>) -> Result<(), HaltReason> {
+        self.requested_action = RunAction::Continue;
+        if run.now.step == 1 {
+            self.report_moment(run, AnalysisMoment::StartAnalysis, 0.0)?;
         }
-        self.report_moment(AnalysisMoment::StartStep, 0.0)?;
-        let now = self.now;
-        self.call(&now, 0.0)
+        self.report_moment(run, AnalysisMoment::StartStep, 0.0)?;
+        let now = run.now;
+        self.call(run, &now, 0.0)
     }
 
     /// Calls the subroutines before the motion over an increment.
     #[inline]
-    pub(super) fn call_routines(&mut self, next: Increment) -> Result<(), HaltReason> {
-        if self.user.routines.events.is_some() {
-            if self.now.step_time > 0.0 && !std::mem::take(&mut self.user.increment_reported) {
-                self.report_moment(AnalysisMoment::EndIncrement, self.last_increment)?;
+    pub(super) fn call_before(&mut self, run: &mut RunState<'_>, next: Increment) -> Result<(), HaltReason> {
+        if self.routines.events.is_some() {
+            if run.now.step_time > 0.0 && !std::mem::take(&mut self.increment_reported) {
+                self.report_moment(run, AnalysisMoment::EndIncrement, run.last_increment)?;
             }
-            self.report_moment(AnalysisMoment::SetupIncrement, next.length)?;
-            self.report_moment(AnalysisMoment::StartIncrement, next.length)?;
+            self.report_moment(run, AnalysisMoment::SetupIncrement, next.length)?;
+            self.report_moment(run, AnalysisMoment::StartIncrement, next.length)?;
         }
-        if self.state.amplitude_routines.is_empty() && self.state.user_motions.is_empty() {
+        if run.state.amplitude_routines.is_empty() && run.state.user_motions.is_empty() {
             return Ok(());
         }
-        let arrival = next.arrival(&self.now, self.step.duration);
-        self.call(&arrival, next.length)
+        let arrival = next.arrival(&run.now, run.step.duration);
+        self.call(run, &arrival, next.length)
     }
 
     /// Calls the subroutines at the end of a step, and at the end of the analysis.
-    pub(super) fn end_routines(&mut self) -> Result<(), HaltReason> {
-        if self.now.step_time > 0.0 {
-            self.report_moment(AnalysisMoment::EndIncrement, self.last_increment)?;
+    pub(super) fn end(&mut self, run: &RunState<'_>) -> Result<(), HaltReason> {
+        if run.now.step_time > 0.0 {
+            self.report_moment(run, AnalysisMoment::EndIncrement, run.last_increment)?;
         }
-        self.report_moment(AnalysisMoment::EndStep, 0.0)?;
-        if self.user.requested_action == RunAction::EndAnalysis || self.now.step as usize == self.plan.steps.len() {
-            self.report_moment(AnalysisMoment::EndAnalysis, 0.0)?;
+        self.report_moment(run, AnalysisMoment::EndStep, 0.0)?;
+        if self.requested_action == RunAction::EndAnalysis || run.now.step as usize == run.plan.steps.len() {
+            self.report_moment(run, AnalysisMoment::EndAnalysis, 0.0)?;
         }
         Ok(())
     }
 
     /// Calls the subroutines for amplitudes and motions at `arrival`, which is `increment` after the current instant.
-    fn call(&mut self, arrival: &Instant, increment: f64) -> Result<(), HaltReason> {
-        for amplitude in &mut self.state.amplitude_routines {
+    fn call(&mut self, run: &mut RunState<'_>, arrival: &Instant, increment: f64) -> Result<(), HaltReason> {
+        for amplitude in &mut run.state.amplitude_routines {
             let action = amplitude.call(
                 arrival,
                 increment,
-                &self.state.dofs,
-                &mut self.state.user_amplitudes,
-                &mut self.user.routines,
+                &run.state.dofs,
+                &mut run.state.user_amplitudes,
+                &mut self.routines,
             )?;
-            self.user.requested_action = self.user.requested_action.max(action);
+            self.requested_action = self.requested_action.max(action);
         }
-        let reaction = |dof| constraint::reaction(&self.state.constraints, &self.state.dofs, dof);
-        for motion in &mut self.state.user_motions {
+        let reaction = |dof| constraint::reaction(&run.state.constraints, &run.state.dofs, dof);
+        for motion in &mut run.state.user_motions {
             motion.call(
                 arrival,
                 increment,
-                &self.state.dofs,
+                &run.state.dofs,
                 &reaction,
-                &mut self.state.user_amplitudes,
-                &mut self.user.routines,
+                &mut run.state.user_amplitudes,
+                &mut self.routines,
             )?;
         }
         Ok(())
@@ -97,21 +95,32 @@ impl SolverRun<'_> {
 
     /// Informs the subroutine that the analysis starts, when a run continues from a saved state. Its memory is then
     /// restored, because the call may have changed it.
-    pub(super) fn resume_routines(&mut self) -> Result<(), HaltReason> {
-        let (action, kept) = (self.user.requested_action, std::mem::take(&mut self.user.restored_memory));
-        self.report_moment(AnalysisMoment::StartAnalysis, 0.0)?;
-        if let Some(memory) = self.plan.routines.memory.as_ref().filter(|_| self.user.routines.events.is_some()) {
-            memory.restore(&kept).map_err(|why| HaltReason { code: "R201", reason: why.reason })?;
+    pub(super) fn resume(&mut self, run: &RunState<'_>) -> Result<(), HaltReason> {
+        let (action, memory_of_checkpoint) = (self.requested_action, std::mem::take(&mut self.restored_memory));
+        self.report_moment(run, AnalysisMoment::StartAnalysis, 0.0)?;
+        if let Some(memory) = run.plan.routines.memory.as_ref().filter(|_| self.routines.events.is_some()) {
+            memory.restore(&memory_of_checkpoint).map_err(|why| HaltReason { code: "R201", reason: why.reason })?;
         }
-        self.user.requested_action = action;
+        self.requested_action = action;
         Ok(())
     }
 
-    pub(super) fn report_moment(&mut self, moment: AnalysisMoment, increment: f64) -> Result<(), HaltReason> {
-        let Some(events) = self.user.routines.events.as_deref_mut() else { return Ok(()) };
-        let action = events.moment(moment, &self.now, increment);
-        let failed = |f: crate::user::LoadFailure| f.halt("the user subroutine for analysis events", &self.now);
-        self.user.requested_action = self.user.requested_action.max(action.map_err(failed)?);
+    /// Informs the subroutine that the increment is complete and that a checkpoint follows.
+    pub(super) fn announce_checkpoint(&mut self, run: &RunState<'_>) -> Result<(), HaltReason> {
+        let due = run.now.step_time > 0.0 && !self.increment_reported;
+        if let Some(events) = self.routines.events.as_deref_mut().filter(|_| due) {
+            events.restart_follows();
+            self.report_moment(run, AnalysisMoment::EndIncrement, run.last_increment)?;
+            self.increment_reported = true;
+        }
+        Ok(())
+    }
+
+    fn report_moment(&mut self, run: &RunState<'_>, moment: AnalysisMoment, increment: f64) -> Result<(), HaltReason> {
+        let Some(events) = self.routines.events.as_deref_mut() else { return Ok(()) };
+        let action = events.moment(moment, &run.now, increment);
+        let failed = |f: crate::user::LoadFailure| f.halt("the user subroutine for analysis events", &run.now);
+        self.requested_action = self.requested_action.max(action.map_err(failed)?);
         Ok(())
     }
 }

@@ -8,6 +8,7 @@ use std::time::Instant as Stopwatch;
 use super::position::RunPosition;
 use crate::element::elements::GroupTiming;
 use crate::plan::Plan;
+use crate::plan::ledger::{Ledger, LedgerRow};
 use crate::state::EffectId;
 
 /// Increments per timed increment.
@@ -36,25 +37,51 @@ pub(super) struct EffectTiming<'a> {
     pub position: Option<&'a RunPosition>,
 }
 
-/// Measured times of a run, s: of each row and of all timed increments, and of output.
-#[derive(Clone, Debug, Default)]
+/// Measured times of a run, s: of each effect and of all timed increments, and of output.
+#[derive(Debug)]
 pub(super) struct TimeSums {
-    rows: Vec<f64>,
+    effects: Vec<EffectSeconds>,
     sampled: f64,
     output: f64,
 }
 
+/// Time of an effect. Another mesh may have other rows in its ledger, so the effect is known by its name and cards.
+#[derive(Debug)]
+struct EffectSeconds {
+    effect: String,
+    asked_by: Vec<String>,
+    seconds: f64,
+}
+
 impl<'a> EffectTiming<'a> {
-    /// Returns the times so far.
-    pub fn sums(&self) -> TimeSums {
-        TimeSums { rows: self.rows.clone(), sampled: self.sampled, output: self.output }
+    /// Takes the times so far.
+    pub fn take_sums(&mut self, ledger: &Ledger) -> TimeSums {
+        let rows = ledger.effects.iter().zip(&mut self.rows);
+        let effects = rows.map(|(LedgerRow { effect, asked_by, .. }, seconds)| EffectSeconds {
+            effect: effect.clone(),
+            asked_by: asked_by.clone(),
+            seconds: std::mem::take(seconds),
+        });
+        TimeSums {
+            effects: effects.collect(),
+            sampled: std::mem::take(&mut self.sampled),
+            output: std::mem::take(&mut self.output),
+        }
     }
 
-    /// Adds the times of the same run with another mesh.
-    pub fn add(&mut self, before: &TimeSums) {
-        self.rows.iter_mut().zip(&before.rows).for_each(|(row, seconds)| *row += seconds);
-        self.sampled += before.sampled;
-        self.output += before.output;
+    /// Adds the times of the same run with another mesh. The integration gets the times of effects that have ended.
+    pub fn add(&mut self, previous: &TimeSums, ledger: &Ledger) {
+        let mut is_taken = vec![false; self.rows.len()];
+        for EffectSeconds { effect, asked_by, seconds } in &previous.effects {
+            let mut rows = ledger.effects.iter().zip(&is_taken);
+            let same = rows.position(|(row, taken)| !taken && row.effect == *effect && row.asked_by == *asked_by);
+            if let Some(row) = same {
+                is_taken[row] = true;
+                self.rows[row] += seconds;
+            }
+        }
+        self.sampled += previous.sampled;
+        self.output += previous.output;
     }
 
     /// Timers for this number of rows.
@@ -94,11 +121,6 @@ impl<'a> EffectTiming<'a> {
         self.began.map(|_| Stopwatch::now())
     }
 
-    /// Starts timing the force assembly at nodes.
-    pub fn start_gather(&self, plan: &Plan) -> Option<Stopwatch> {
-        self.start(plan.rows.gather?)
-    }
-
     /// Adds the time since `since` to a row.
     #[inline(always)]
     pub fn stop(&mut self, since: Option<Stopwatch>, row: EffectId) {
@@ -107,13 +129,6 @@ impl<'a> EffectTiming<'a> {
             self.rows[row] += (passed - self.look).max(0.0);
             // The two readings of the clock belong to no row.
             self.sampled -= 2.0 * self.look;
-        }
-    }
-
-    /// Adds the time since `since` to the row of the force assembly at nodes.
-    pub fn stop_gather(&mut self, since: Option<Stopwatch>, plan: &Plan) {
-        if let Some(row) = plan.rows.gather {
-            self.stop(since, row);
         }
     }
 
@@ -145,5 +160,31 @@ impl<'a> EffectTiming<'a> {
             seconds[row] += self.output;
         }
         seconds
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::EffectTiming;
+    use crate::plan::ledger::Ledger;
+
+    /// The ledger of a new mesh has no row for a condition whose nodes have been deleted, and rows with the same effect
+    /// and card.
+    #[test]
+    fn times_follow_their_effects_to_another_ledger() {
+        let ledger = |effects: &[&str]| {
+            let mut ledger = Ledger::default();
+            for effect in effects {
+                ledger.add(effect, 1, "nodes", "a.inp:7".into(), String::new());
+            }
+            ledger
+        };
+        let (old, new) = (ledger(&["plate", "load", "contact", "contact"]), ledger(&["load", "contact", "contact"]));
+        let mut timing = EffectTiming::new(4, None);
+        (timing.rows, timing.sampled) = (vec![1.0, 2.0, 3.0, 4.0], 10.0);
+        let mut next = EffectTiming::new(3, None);
+        next.add(&timing.take_sums(&old), &new);
+        assert_eq!((next.rows, next.sampled), (vec![2.0, 3.0, 4.0], 10.0));
+        assert_eq!((timing.rows, timing.sampled), (vec![0.0; 4], 0.0));
     }
 }

@@ -1,15 +1,18 @@
 //! Monitors that issue warnings: energies out of bounds or negative, growing hourglass patterns, very small increments.
 //! Warnings state when it began, where it is, and a remedy. Checks that halt a run are in `guard.rs`.
 
-use super::collapse::CollapseMonitor;
+use super::collapse::{CollapseMonitor, name_remedies};
 use super::energy::{ADVECTION, ARTIFICIAL, Energy, EnergyBalance, INTERNAL, KINETIC, STRAIN, TERMS};
-use super::masses::MassMonitor;
-use super::run::SolverRun;
+use super::masses::warning_of_added_mass;
+use super::outcome::Outcome;
+use super::run_state::RunState;
+use super::volumes::warn_of_volumes;
 use crate::constraint::ContactResults;
 use crate::kernel::lanes::InlineMap;
 use crate::model::IncrementControl;
+use crate::plan::Plan;
+use crate::state::Instant;
 use crate::state::archive::Persist;
-use crate::state::{BodyState, Instant};
 
 /// Fraction of the energy put in below which internal energy is too small to be compared with artificial energy.
 pub(super) const SMALL: f64 = 0.01;
@@ -68,7 +71,7 @@ const WORTH: f64 = 0.01;
 
 /// History of the monitored values.
 #[derive(Clone, Debug, Default, Persist)]
-#[persist(derived: shown, drift_bound)]
+#[persist(derived: shown, drift_bound, term_excess)]
 pub(super) struct RunMonitor {
     /// Bound for the warning of the drift of ETOTAL in this step, relative to the energy put in.
     pub(super) drift_bound: f64,
@@ -83,6 +86,8 @@ pub(super) struct RunMonitor {
     pub(super) drift_count: u64,
     /// Amounts of the terms of the energy below zero, and above the energy put in.
     excess: [[ExcessRecord; 2]; TERMS.len()],
+    /// Largest excess of all terms in this increment.
+    pub(super) term_excess: f64,
     /// Number of increments, up to the current one, with an excess that halts.
     pub(super) lasting_excess: u64,
     /// Largest values so far of the energies dissipated in deformable bodies, and their largest decreases.
@@ -102,8 +107,6 @@ pub(super) struct RunMonitor {
     next_look: u64,
     /// Stable time increments of the elements.
     pub(super) collapse: CollapseMonitor,
-    /// Masses before and after mass scaling.
-    pub(super) masses: MassMonitor,
     /// Limits of the deck on energies that have been reported in this step.
     pub(super) limits_reported: [bool; 2],
     /// Number of warnings that the sink has received.
@@ -139,6 +142,22 @@ impl RunMonitor {
         (self.slow_reported, self.slow, self.expected) = (false, false, 0.0);
     }
 
+    /// Sets the bound for the warning of drift: error control keeps the drift below `accuracy`.
+    pub(super) fn begin_drift_bound(&mut self, run: &RunState<'_>) {
+        self.drift_bound = match run.step.control {
+            IncrementControl::Automatic { accuracy, .. } if run.state.elements.is_empty() => {
+                SOUND[0].min(DRIFT_OVER_ACCURACY * accuracy)
+            }
+            _ => SOUND[0],
+        };
+    }
+
+    /// Returns since when the drift has been out of bounds.
+    pub(super) fn drifts_since(&self) -> String {
+        self.unsound[0]
+            .map_or_else(String::new, |since| format!(", above {} % since time {since:e}", 100.0 * self.drift_bound))
+    }
+
     /// Returns whether no further check is needed.
     #[inline(always)]
     pub(super) fn needs_no_check(&mut self, balance: &EnergyBalance, now: &Instant) -> bool {
@@ -158,7 +177,8 @@ impl RunMonitor {
             *highest = highest.max(now);
             *decrease = decrease.max(*highest - now);
         }
-        let excess = balance.terms().largest_excess().max(-balance.absorbed_by_contact());
+        self.term_excess = balance.terms().largest_excess();
+        let excess = self.term_excess.max(-balance.absorbed_by_contact());
         let exceeds = excess > BELOW_ZERO * balance.put_in();
         if !exceeds {
             self.lasting_excess = 0;
@@ -175,41 +195,37 @@ fn note_since(since: &mut Option<f64>, is_out: bool, now: &Instant) {
     }
 }
 
-impl SolverRun<'_> {
-    /// Makes the checks that are due.
-    pub(super) fn watch(&mut self) {
-        self.watch_terms();
-        self.watch_contact();
-        if self.now.increment >= self.watch.next_look {
-            self.watch.next_look = self.now.increment + self.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
-            self.watch_pattern();
-            self.watch_masses();
-            self.watch_pace();
-            self.watch_collapse();
-        }
-    }
+/// Warnings and results of a run, and the monitors that find them.
+#[derive(Default, Persist)]
+pub(super) struct RunReport {
+    pub(super) watch: RunMonitor,
+    pub(super) outcome: Outcome,
+}
 
-    /// Returns the fractions of the energy put in by which a term may be below zero, and above it.
-    fn bounds(&self, term: usize) -> [f64; 2] {
-        let releases_heat = self.plan.has_equation_of_state || self.plan.has_user_stress;
-        let is_strict = term == KINETIC || (term == INTERNAL || term == STRAIN) && !releases_heat;
-        // A material with an equation of state pays for its hourglass control, and may release energy by it.
-        let lowest = match term {
-            ARTIFICIAL if self.plan.has_equation_of_state => f64::INFINITY,
-            _ if is_strict => BELOW_ZERO,
-            _ => EXCESS,
-        };
-        [lowest, EXCESS]
+impl RunReport {
+    /// Makes the checks that are due.
+    pub(super) fn watch(&mut self, run: &mut RunState<'_>) {
+        self.watch_terms(run);
+        self.watch_contact(run);
+        if run.now.increment >= self.watch.next_look {
+            self.watch.next_look = run.now.increment + run.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
+            self.watch_pattern(run);
+            run.masses.record_kinetic(run.balance.kinetic_of_solid(), &run.state);
+            self.watch_pace(run);
+            if let Some(warning) = self.watch.collapse.check(run) {
+                self.outcome.warn("R307", warning);
+            }
+        }
     }
 
     /// Records negative energies, which central differences give for ALLKE if velocities change sign between half steps,
     /// and terms above the energy put in.
-    fn watch_terms(&mut self) {
-        let terms = self.balance.terms();
+    fn watch_terms(&mut self, run: &RunState<'_>) {
+        let terms = run.balance.terms();
         for (term, value) in terms.values.into_iter().enumerate() {
-            for ((which, bound), excess) in self.bounds(term).into_iter().enumerate().zip(terms.excess(term)) {
-                if excess > bound * terms.put_in && excess > 0.0 && !self.is_noise() {
-                    self.watch.excess[term][which].record(excess, value, &self.now);
+            for ((which, bound), excess) in bounds(run.plan, term).into_iter().enumerate().zip(terms.excess(term)) {
+                if excess > bound * terms.put_in && excess > 0.0 && !run.is_noise() {
+                    self.watch.excess[term][which].record(excess, value, &run.now);
                 }
             }
         }
@@ -217,12 +233,12 @@ impl SolverRun<'_> {
 
     /// Warns of terms below zero or above the energy put in, by amounts that are not small in comparison with the energy
     /// put in over the whole run: at the first touch of bodies all energies are small.
-    fn warn_of_excess(&mut self) {
-        let (put_in, released) = (self.balance.put_in(), self.balance.terms().released);
+    fn warn_of_excess(&mut self, run: &RunState<'_>) {
+        let (put_in, released) = (run.balance.put_in(), run.balance.terms().released);
         for (term, name) in TERMS.into_iter().enumerate() {
-            for (which, bound) in self.bounds(term).into_iter().enumerate() {
-                let found = self.watch.excess[term][which];
-                if found.count < SEEN || found.largest <= bound * put_in {
+            for (which, bound) in bounds(run.plan, term).into_iter().enumerate() {
+                let record = self.watch.excess[term][which];
+                if record.count < SEEN || record.largest <= bound * put_in {
                     continue;
                 }
                 let below = which == 0;
@@ -235,17 +251,17 @@ impl SolverRun<'_> {
                 let why = match (term, below) {
                     (KINETIC, true) => REVERSES.to_owned(),
                     (INTERNAL, true) if bound < EXCESS => RELEASES.to_owned(),
-                    _ => self.cause_of_excess(),
+                    _ => cause_of_excess(run),
                 };
                 self.outcome.warn(
                     "R303",
                     format!(
                         "{name} is {:.3e}, {:.1} % of the energy put in ({put_in:.3e}){bounded}, at increment {}, time {:e}: {why}{}",
-                        found.value,
-                        100.0 * found.largest / put_in,
-                        found.increment,
-                        found.total_time,
-                        self.name_folded()
+                        record.value,
+                        100.0 * record.largest / put_in,
+                        record.increment,
+                        record.total_time,
+                        name_folded(run)
                     ),
                 );
             }
@@ -253,8 +269,8 @@ impl SolverRun<'_> {
     }
 
     /// Returns the term with the largest excess at this instant, for a halt.
-    pub(super) fn name_excess(&self) -> String {
-        let terms = self.balance.terms();
+    pub(super) fn name_excess(&self, run: &RunState<'_>) -> String {
+        let terms = run.balance.terms();
         let largest = |term: &usize| terms.excess(*term).into_iter().fold(0.0, f64::max);
         let term = (0..TERMS.len()).max_by(|a, b| largest(a).total_cmp(&largest(b))).unwrap_or_default();
         let ratio = terms.values[term].abs() / terms.put_in;
@@ -267,35 +283,19 @@ impl SolverRun<'_> {
             "{} is {:.3e}, {amount}, at increment {}, time {:e}: energy was created (drift of ETOTAL {:.1} %); {}{}",
             TERMS[term],
             terms.values[term],
-            self.now.increment,
-            self.now.total_time,
-            100.0 * self.balance.drift_now(),
-            self.cause_of_excess(),
-            self.name_folded()
+            run.now.increment,
+            run.now.total_time,
+            100.0 * run.balance.drift_now(),
+            cause_of_excess(run),
+            name_folded(run)
         )
-    }
-
-    /// Returns the most likely cause of energy that was not put in, and a remedy.
-    fn cause_of_excess(&self) -> String {
-        if let Some(ratio) = self.beyond_stability() {
-            format!(
-                "the increments of DIRECT USER CONTROL are {ratio:.2} times the stable time increment: use smaller or automatic \
-                 increments"
-            )
-        } else if self.plan.has_user_stress {
-            "check the user material: the stress of a closed strain path does no work, and enerInelasNew is the plastic work".into()
-        } else if !self.state.adaptive.is_empty() || self.plan.remesh.is_some() {
-            "compare with a run without *ADAPTIVE MESH and *REMESH".into()
-        } else {
-            COMPARE.into()
-        }
     }
 
     /// Warns of dissipated energies that have decreased, and of energies that are negative at the end. ALLPD may decrease
     /// with kinematic hardening.
-    fn warn_of_terms(&mut self) {
-        let (energy, put_in) = (self.balance.energy(), self.balance.put_in());
-        if self.is_noise() {
+    fn warn_of_terms(&mut self, run: &RunState<'_>) {
+        let (energy, put_in) = (run.balance.energy(), run.balance.put_in());
+        if run.is_noise() {
             return;
         }
         for (name, decrease) in ["ALLVD", "ALLFD", "ALLCAV"].into_iter().zip(self.watch.decreases) {
@@ -311,7 +311,7 @@ impl SolverRun<'_> {
             }
         }
         // A material with an equation of state pays for its hourglass control, and may release energy by it.
-        let artificial = if self.plan.has_equation_of_state { 0.0 } else { energy.artificial };
+        let artificial = if run.plan.has_equation_of_state { 0.0 } else { energy.artificial };
         let lost = energy.damage.unwrap_or(0.0);
         for (name, now) in
             [("ALLPD", energy.plastic), ("ALLDMD", lost), ("ALLAE", artificial), ("ALLDC", energy.distortion)]
@@ -329,47 +329,29 @@ impl SolverRun<'_> {
     }
 
     /// Checks for energy that contact has created.
-    fn watch_contact(&mut self) {
+    fn watch_contact(&mut self, run: &RunState<'_>) {
         let [count, _] = &mut self.watch.contact_below_zero;
-        if *count > SEEN || self.balance.absorbed_by_contact() >= -BELOW_ZERO * self.balance.put_in() {
+        if *count > SEEN || run.balance.absorbed_by_contact() >= -BELOW_ZERO * run.balance.put_in() {
             return;
         }
         *count += 1;
-        if *count < SEEN || self.is_noise() {
+        if *count < SEEN || run.is_noise() {
             return;
         }
         self.watch.contact_below_zero[0] = SEEN + 1;
-        let warning = self.name_created_energy();
+        let warning = name_created_energy(run);
         self.outcome.warn("R304", warning);
     }
 
-    /// Returns how much energy contact has created, the pair, and the place of the largest release.
-    pub(super) fn name_created_energy(&self) -> String {
-        let energy = self.balance.absorbed_by_contact();
-        let contacts = self.state.constraints.iter().filter_map(|c| c.view().contact);
-        let lowest = contacts.filter_map(ContactResults::lowest_energy).min_by(|a, b| a.1.total_cmp(&b.1));
-        let place = lowest.map_or_else(String::new, |(pair, _, [r, z])| {
-            format!(", most in pair {pair}, with the largest release near (r = {r:.4e}, z = {z:.4e})")
-        });
-        format!(
-            "contact has created energy: ALLCW + ALLPW is {energy:.3e}, {:.1} % of the energy put in below zero, at increment {}, \
-             time {:e}{place}. Use smaller facets there, SCALE FACTOR=0.5 on *DYNAMIC, or hard contact instead of a \
-             pressure-overclosure relationship",
-            -100.0 * energy / self.balance.put_in(),
-            self.now.increment,
-            self.now.total_time
-        )
-    }
-
     /// Checks for growing hourglass patterns.
-    fn watch_pattern(&mut self) {
-        if self.watch.pattern_reported || self.state.elements.is_empty() {
+    fn watch_pattern(&mut self, run: &RunState<'_>) {
+        if self.watch.pattern_reported || run.state.elements.is_empty() {
             return;
         }
-        let now = self.state.elements.hourglass_motion(&self.state.dofs.nodes);
-        let before = std::mem::replace(&mut self.watch.pattern, now.kinetic);
-        let counts = now.kinetic > WORTH * self.balance.put_in() && !self.is_noise();
-        let grows = before > 0.0 && now.kinetic >= GROWTH * before;
+        let now = run.state.elements.hourglass_motion(&run.state.dofs.nodes);
+        let previous_kinetic = std::mem::replace(&mut self.watch.pattern, now.kinetic);
+        let counts = now.kinetic > WORTH * run.balance.put_in() && !run.is_noise();
+        let grows = previous_kinetic > 0.0 && now.kinetic >= GROWTH * previous_kinetic;
         if !counts || !grows || now.kinetic < PATTERN * now.relative {
             return;
         }
@@ -378,86 +360,66 @@ impl SolverRun<'_> {
         self.outcome.warn("R305", format!(
             "an hourglass pattern grows at increment {}, time {:e}: it has {:.0} % of the kinetic energy within elements, most in \
              element {}; use HOURGLASS=ENHANCED or a larger factor on *SECTION CONTROLS",
-            self.now.increment,
-            self.now.total_time,
+            run.now.increment,
+            run.now.total_time,
             100.0 * (now.kinetic / now.relative).min(1.0),
-            self.plan.element_name(group, element)
+            run.plan.element_name(group, element)
         ));
     }
 
     /// Checks for very small increments; warns at the second successive check that finds them.
-    fn watch_pace(&mut self) {
-        let remaining = self.step.duration - self.now.step_time;
-        if self.last_increment <= 0.0 {
+    fn watch_pace(&mut self, run: &RunState<'_>) {
+        let remaining = run.step.duration - run.now.step_time;
+        if run.last_increment <= 0.0 {
             return;
         }
-        let left = remaining / self.last_increment;
+        let increments_left = remaining / run.last_increment;
         if self.watch.expected == 0.0 {
-            self.watch.expected = self.step.duration / self.last_increment;
+            self.watch.expected = run.step.duration / run.last_increment;
         }
         let expected = self.watch.expected;
-        let slow = left > CRAWL || left > WORTH_A_WARNING && left > SLOWER * expected;
+        let slow = increments_left > CRAWL || increments_left > WORTH_A_WARNING && increments_left > SLOWER * expected;
         let must_warn = std::mem::replace(&mut self.watch.slow, slow) && slow && !self.watch.slow_reported;
         if !must_warn {
             return;
         }
         self.watch.slow_reported = true;
-        let by = match self.step.control {
+        let limiter = match run.step.control {
             IncrementControl::Fixed(_) => "; it is fixed by DIRECT USER CONTROL".into(),
-            IncrementControl::Automatic { .. } if self.state.elements.is_empty() => String::new(),
-            IncrementControl::Automatic { .. } => self.name_slowest(),
+            IncrementControl::Automatic { .. } if run.state.elements.is_empty() => String::new(),
+            IncrementControl::Automatic { .. } => name_slowest(run),
         };
         self.outcome.warn("R306", format!(
-            "the run advances slowly: at increment {}, time {:e} the increment is {:.3e}, and {left:.1e} increments remain in the \
-             step; at its start {expected:.1e} were expected{by}",
-            self.now.increment,
-            self.now.total_time,
-            self.last_increment
+            "the run advances slowly: at increment {}, time {:e} the increment is {:.3e}, and {increments_left:.1e} increments remain in the \
+             step; at its start {expected:.1e} were expected{limiter}",
+            run.now.increment,
+            run.now.total_time,
+            run.last_increment
         ));
     }
 
-    fn name_slowest(&self) -> String {
-        let (group, element) = self.state.elements.limiting();
-        format!(
-            "; it is limited by element {}. {}",
-            self.plan.element_name(group, element),
-            self.name_remedies((group, element), None)
-        )
-    }
-
-    /// Returns whether all energies so far are negligible: less than the kinetic energy of the model at 100 rounding
-    /// errors of coordinates per increment, or than the energy that contact takes from bodies at rest.
-    pub(super) fn is_noise(&self) -> bool {
-        const ROUNDINGS: f64 = 100.0;
-        let nodes = &self.state.dofs.nodes;
-        let extent = nodes.start.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let speed = ROUNDINGS * f64::EPSILON * extent / self.last_increment;
-        let rounding = 0.5 * nodes.mass.iter().sum::<f64>() * speed * speed;
-        // Below this value products of energies underflow.
-        let stopped: f64 = self.state.dofs.bodies.iter().map(BodyState::energy_stopped).sum();
-        self.balance.largest() <= rounding.max(stopped).max(f64::MIN_POSITIVE / f64::EPSILON)
-    }
-
     /// Warns of energies out of bounds at the end of the run: since when, and where the mesh is distorted most.
-    pub(super) fn warn_of_energy(&mut self) {
-        self.warn_of_excess();
-        self.warn_of_terms();
-        self.warn_of_added_mass();
-        self.warn_of_volumes();
-        let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
-        let of_deck = self.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);
+    pub(super) fn warn_of_energy(&mut self, run: &mut RunState<'_>) {
+        self.warn_of_excess(run);
+        self.warn_of_terms(run);
+        if let Some(warning) = warning_of_added_mass(run) {
+            self.outcome.warn("R316", warning);
+        }
+        warn_of_volumes(run.plan, &mut run.state, &mut self.outcome);
+        let values = [run.balance.drift(), run.balance.artificial_share(SMALL)];
+        let of_deck = run.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);
         // A halt for one of these reasons has reported it.
         let halted = self.outcome.halt.as_ref().is_some_and(|h| h.code == "R208");
         let reported = |i: usize| of_deck[i] || self.watch.limits_reported[i] || halted;
         let [drift, artificial] = [0, 1].inline_map(|i| self.watch.unsound[i].filter(|_| !reported(i)));
-        if drift.is_some() && !self.is_noise() {
+        if drift.is_some() && !run.is_noise() {
             self.outcome.warn("R301", format!(
                 "ETOTAL has drifted by {:.2} % of the energy put in, more than {} %{}: energy is not conserved{}. {}",
                 100.0 * values[0],
                 100.0 * self.watch.drift_bound,
-                self.drifts_since(),
-                self.name_folded(),
-                self.likely_cause()
+                self.watch.drifts_since(),
+                name_folded(run),
+                likely_cause(run)
             ));
         }
         if let Some(since) = artificial {
@@ -468,22 +430,22 @@ impl SolverRun<'_> {
                  results; compare with a finer mesh or another HOURGLASS option of *SECTION CONTROLS{}",
                     100.0 * values[1],
                     100.0 * SOUND[1],
-                    self.name_folded()
+                    name_folded(run)
                 ),
             );
         }
-        self.warn_of_dissipation();
+        self.warn_of_dissipation(run);
     }
 
     /// Warns of bulk viscosity that changes the results, and of friction that flutters.
-    fn warn_of_dissipation(&mut self) {
-        let (energy, put_in) = (self.balance.energy(), self.balance.put_in());
+    fn warn_of_dissipation(&mut self, run: &RunState<'_>) {
+        let (energy, put_in) = (run.balance.energy(), run.balance.put_in());
         let [viscous, friction, contact] =
             [energy.viscous, energy.friction, energy.contact].inline_map(|part| part / put_in);
-        if self.is_noise() {
+        if run.is_noise() {
             return;
         }
-        if viscous > DISSIPATED && !self.plan.expects_dissipation {
+        if viscous > DISSIPATED && !run.plan.expects_dissipation {
             self.outcome.warn("R308", format!(
                 "bulk viscosity has dissipated {:.1} % of the energy put in (ALLVD), more than {} %: the mesh may not resolve \
                  the waves. Compare with a finer mesh, or with smaller coefficients on *BULK VISCOSITY",
@@ -500,88 +462,111 @@ impl SolverRun<'_> {
                 100.0 * contact,
                 100.0 * friction
             ));
-        } else if contact > ABSORBED[usize::from(self.state.elements.deleted() > 0)] {
-            self.outcome.warn("R309", self.name_absorbed_energy(contact));
+        } else if contact > ABSORBED[usize::from(run.state.elements.deleted() > 0)] {
+            self.outcome.warn("R309", name_absorbed_energy(run, contact));
         }
     }
+}
 
-    /// Returns why contact absorbs energy, and what reduces it; `share` is the fraction of the energy put in.
-    fn name_absorbed_energy(&self, share: f64) -> String {
-        let (why, cure) = match self.state.elements.deleted() {
-            0 => ("", "smaller elements at the surfaces that hit reduce it in proportion to their size".to_owned()),
-            deleted => (
-                "; newly exposed faces and nodes without elements do so again and again",
-                format!(
-                    "smaller elements do not reduce this part of the loss ({deleted} elements were deleted){}{}",
-                    if self.plan.excludes_detached_nodes {
-                        ""
-                    } else {
-                        "; NODAL EROSION=YES on *CONTACT CONTROLS ASSIGNMENT takes nodes without elements out of contact, and \
-                         reduces it"
-                    },
-                    if self.plan.remesh.is_some() {
-                        ""
-                    } else {
-                        ". Failed material that is kept (ELEMENT DELETION=NO on *SECTION CONTROLS, with *DAMAGE EVOLUTION) in a \
-                         body with *REMESH has a loss that falls with the size of the elements"
-                    }
-                ),
-            ),
-        };
+/// Returns the fractions of the energy put in by which a term may be below zero, and above it.
+fn bounds(plan: &Plan, term: usize) -> [f64; 2] {
+    let releases_heat = plan.has_equation_of_state || plan.has_user_stress;
+    let is_strict = term == KINETIC || (term == INTERNAL || term == STRAIN) && !releases_heat;
+    // A material with an equation of state pays for its hourglass control, and may release energy by it.
+    let lowest = match term {
+        ARTIFICIAL if plan.has_equation_of_state => f64::INFINITY,
+        _ if is_strict => BELOW_ZERO,
+        _ => EXCESS,
+    };
+    [lowest, EXCESS]
+}
+
+/// Returns the most likely cause of energy that was not put in, and a remedy.
+fn cause_of_excess(run: &RunState<'_>) -> String {
+    if let Some([_, ratio]) = run.beyond_stability() {
         format!(
-            "contact has absorbed {:.1} % of the energy put in (ALLCW): masses are lumped at nodes, and a node that touches a \
-             surface loses its relative velocity at once{why}. The energy is missing in the bodies: {cure}",
-            100.0 * share
+            "the increments of DIRECT USER CONTROL are {ratio:.2} times the stable time increment: use smaller or automatic \
+             increments"
         )
+    } else if run.plan.has_user_stress {
+        "check the user material: the stress of a closed strain path does no work, and enerInelasNew is the plastic work".into()
+    } else if !run.state.adaptive.is_empty() || run.plan.remesh.is_some() {
+        "compare with a run without *ADAPTIVE MESH and *REMESH".into()
+    } else {
+        COMPARE.into()
     }
+}
 
-    /// Returns since when the drift has been out of bounds.
-    pub(super) fn drifts_since(&self) -> String {
-        self.watch.unsound[0].map_or_else(String::new, |since| {
-            format!(", above {} % since time {since:e}", 100.0 * self.watch.drift_bound)
-        })
-    }
+/// Returns how much energy contact has created, the pair, and the place of the largest release.
+pub(super) fn name_created_energy(run: &RunState<'_>) -> String {
+    let energy = run.balance.absorbed_by_contact();
+    let contacts = run.state.constraints.iter().filter_map(|c| c.view().contact);
+    let lowest = contacts.filter_map(ContactResults::lowest_energy).min_by(|a, b| a.1.total_cmp(&b.1));
+    let position = lowest.map_or_else(String::new, |(pair, _, [r, z])| {
+        format!(", most in pair {pair}, with the largest release near (r = {r:.4e}, z = {z:.4e})")
+    });
+    format!(
+        "contact has created energy: ALLCW + ALLPW is {energy:.3e}, {:.1} % of the energy put in below zero, at increment {}, \
+         time {:e}{position}. Use smaller facets there, SCALE FACTOR=0.5 on *DYNAMIC, or hard contact instead of a \
+         pressure-overclosure relationship",
+        -100.0 * energy / run.balance.put_in(),
+        run.now.increment,
+        run.now.total_time
+    )
+}
 
-    pub(super) fn name_folded(&self) -> String {
-        let Some(most) = self.state.elements.most_folded(&self.state.dofs.nodes) else { return String::new() };
-        let name = self.plan.element_name(most.group, most.element);
-        format!(". The largest hourglass distortion is in element {name}: {:.0} % of its size", 100.0 * most.fold)
-    }
+fn name_slowest(run: &RunState<'_>) -> String {
+    let (group, element) = run.state.elements.limiting();
+    format!("; it is limited by element {}. {}", run.plan.element_name(group, element), name_remedies(run, group, None))
+}
 
-    /// Returns the ratio of fixed increments to the stable time increment, if they are larger.
-    fn beyond_stability(&self) -> Option<f64> {
-        match self.step.control {
-            IncrementControl::Fixed(given) if given > self.previous_stable_increment => {
-                Some(given / self.previous_stable_increment)
-            }
-            _ => None,
-        }
-    }
+/// Returns why contact absorbs energy, and what reduces it; `share` is the fraction of the energy put in.
+fn name_absorbed_energy(run: &RunState<'_>, share: f64) -> String {
+    let (why, cure) = match run.state.elements.deleted() {
+        0 => ("", "smaller elements at the surfaces that hit reduce it in proportion to their size".to_owned()),
+        deleted => (
+            "; newly exposed faces and nodes without elements do so again and again",
+            format!(
+                "smaller elements do not reduce this part of the loss ({deleted} elements were deleted){}{}",
+                if run.plan.excludes_detached_nodes {
+                    ""
+                } else {
+                    "; NODAL EROSION=YES on *CONTACT CONTROLS ASSIGNMENT takes nodes without elements out of contact, and \
+                     reduces it"
+                },
+                if run.plan.remesh.is_some() {
+                    ""
+                } else {
+                    ". Failed material that is kept (ELEMENT DELETION=NO on *SECTION CONTROLS, with *DAMAGE EVOLUTION) in a \
+                     body with *REMESH has a loss that falls with the size of the elements"
+                }
+            ),
+        ),
+    };
+    format!(
+        "contact has absorbed {:.1} % of the energy put in (ALLCW): masses are lumped at nodes, and a node that touches a \
+         surface loses its relative velocity at once{why}. The energy is missing in the bodies: {cure}",
+        100.0 * share
+    )
+}
 
-    /// Returns the most likely cause of a drift, and a remedy.
-    pub(super) fn likely_cause(&self) -> String {
-        if let (true, IncrementControl::Automatic { accuracy, .. }) =
-            (self.state.elements.is_empty(), self.step.control)
-        {
-            return format!(
-                "Compare with ACCURACY={:e} on *DYNAMIC: a load that changes within an increment is resolved by smaller \
-                 increments",
-                0.1 * accuracy
-            );
-        }
-        let departure = self.balance.drift() * self.balance.put_in();
-        cause(&self.balance.energy(), departure, self.beyond_stability())
-    }
+pub(super) fn name_folded(run: &RunState<'_>) -> String {
+    let Some(most) = run.state.elements.most_folded(&run.state.dofs.nodes) else { return String::new() };
+    let name = run.plan.element_name(most.group, most.element);
+    format!(". The largest hourglass distortion is in element {name}: {:.0} % of its size", 100.0 * most.fold)
+}
 
-    /// Sets the bound for the warning of drift: error control keeps the drift below `accuracy`.
-    pub(super) fn begin_drift_bound(&mut self) {
-        self.watch.drift_bound = match self.step.control {
-            IncrementControl::Automatic { accuracy, .. } if self.state.elements.is_empty() => {
-                SOUND[0].min(DRIFT_OVER_ACCURACY * accuracy)
-            }
-            _ => SOUND[0],
-        };
+/// Returns the most likely cause of a drift, and a remedy.
+pub(super) fn likely_cause(run: &RunState<'_>) -> String {
+    if let (true, IncrementControl::Automatic { accuracy, .. }) = (run.state.elements.is_empty(), run.step.control) {
+        return format!(
+            "Compare with ACCURACY={:e} on *DYNAMIC: a load that changes within an increment is resolved by smaller \
+             increments",
+            0.1 * accuracy
+        );
     }
+    let departure = run.balance.drift() * run.balance.put_in();
+    cause(&run.balance.energy(), departure, run.beyond_stability().map(|[_, ratio]| ratio))
 }
 
 /// Returns the likely cause of a drift of ETOTAL; `beyond` is the ratio of fixed increments to the stable time

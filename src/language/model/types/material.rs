@@ -181,6 +181,18 @@ pub enum EosKind {
     Jwl([f64; 8]),
 }
 
+impl MaterialDefinition {
+    /// Returns whether the material is an ideal gas.
+    pub fn is_ideal_gas(&self) -> bool {
+        matches!(self.eos, Some(EquationOfState { kind: EosKind::IdealGas(_), .. }))
+    }
+
+    /// Returns whether the material is an explosive (JWL).
+    pub fn is_explosive(&self) -> bool {
+        matches!(self.eos, Some(EquationOfState { kind: EosKind::Jwl(_), .. }))
+    }
+}
+
 /// A failure criterion: `*SHEAR FAILURE`, or `*DAMAGE INITIATION` with `*DAMAGE EVOLUTION`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailureCriterion {

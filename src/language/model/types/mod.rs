@@ -111,6 +111,39 @@ pub struct Model {
     pub output: OutputDefinitions,
 }
 
+impl Model {
+    /// Returns whether the analysis is adiabatic. All steps have the same setting as the first one.
+    pub fn is_adiabatic(&self) -> bool {
+        self.steps.first().is_some_and(|step| step.adiabatic)
+    }
+
+    /// Returns whether the steps solve for nodal temperatures. All steps have the same setting as the first one.
+    pub fn solves_for_temperatures(&self) -> bool {
+        self.steps.first().is_some_and(|step| step.coupled)
+    }
+
+    /// Returns whether the elements of a section conduct heat.
+    pub fn conducts_heat(&self, section: &SolidSection) -> bool {
+        let is_thermal = |e: &usize| self.mesh.elements[*e].kind.is_thermal();
+        self.solves_for_temperatures() && section.elements.iter().any(is_thermal)
+    }
+
+    /// Returns whether a step has mass scaling.
+    pub fn scales_masses(&self) -> bool {
+        self.steps.iter().any(|step| !step.mass_scalings.is_empty())
+    }
+
+    /// Returns whether a step has an adaptive mesh.
+    pub fn has_adaptive_mesh(&self) -> bool {
+        self.steps.iter().any(|step| !step.adaptive.is_empty())
+    }
+
+    /// Returns whether a material has an equation of state.
+    pub fn has_equation_of_state(&self) -> bool {
+        self.materials.iter().any(|material| material.eos.is_some())
+    }
+}
+
 /// Files and cards from which a model was built.
 #[derive(Clone, Debug, Default)]
 pub struct ModelOrigin {

@@ -63,6 +63,11 @@ impl Step {
         !self.surface_contacts.is_empty() || self.general_contact.is_some()
     }
 
+    /// Returns whether nodes without elements are taken out of contact.
+    pub fn excludes_detached_nodes(&self) -> bool {
+        self.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes)
+    }
+
     /// Iterates over the friction laws of all contact definitions.
     pub fn frictions(&self) -> impl Iterator<Item = &CoulombFriction> {
         let assigned = self.general_contact.iter().flat_map(|g| &g.assigned).map(|a| &a.law);

@@ -115,13 +115,13 @@ fn add_body(
 
 /// Returns the lowest and the highest initial z of a rigid body.
 fn extent_along_z(model: &Model, rigid: &RigidBody, nodes: &[usize]) -> [f64; 2] {
-    let own = |surface: &&RigidSurface| surface.reference == Some(rigid.reference);
-    let profiles = model.surfaces.analytical.values().filter(own).flat_map(|s| s.profile.bounds());
+    let is_of_body = |surface: &&RigidSurface| surface.reference == Some(rigid.reference);
+    let profiles = model.surfaces.analytical.values().filter(is_of_body).flat_map(|s| s.profile.bounds());
     let others = nodes.iter().filter(|node| **node != rigid.reference).map(|node| model.mesh.points[*node]);
-    let all = || profiles.clone().chain(others.clone()).map(|place| place[1]);
-    match all().next() {
+    let heights = || profiles.clone().chain(others.clone()).map(|place| place[1]);
+    match heights().next() {
         None => [model.mesh.points[rigid.reference][1]; 2],
-        Some(_) => [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)],
+        Some(_) => [heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max)],
     }
 }
 
@@ -266,8 +266,8 @@ fn refuse_free_masses(scene: Scene, report: &mut Report) {
 /// Reports free bodies without mass. A body with prescribed axial motion in every step needs no mass.
 fn check_masses(model: &Model, bodies: &Bodies, report: &mut Report) {
     for body in &bodies.list {
-        let held = |b: &crate::model::BoundaryCondition| b.dof == 2 && b.nodes.contains(&body.reference);
-        let is_free = || model.steps.iter().any(|s| !s.boundaries.iter().any(held));
+        let prescribes_body = |b: &crate::model::BoundaryCondition| b.dof == 2 && b.nodes.contains(&body.reference);
+        let is_free = || model.steps.iter().any(|s| !s.boundaries.iter().any(prescribes_body));
         let mass = body.mass();
         if !(mass > 0.0 && mass.is_finite()) && is_free() {
             let message = format!("rigid body `{}` has no mass", body.name);

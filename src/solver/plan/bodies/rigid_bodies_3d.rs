@@ -132,8 +132,8 @@ fn oblique_body(scene: Scene, index: usize, report: &mut Report) -> RigidBody3d 
     let rigid = &scene.model.rigid_bodies[index];
     let body = &scene.bodies.list[index];
     let (mass, mesh) = (body.mass(), &scene.model.mesh);
-    let given = attitude(scene.model, rigid);
-    let uniform = given.is_some_and(|a| a.uniform);
+    let initial_attitude = attitude(scene.model, rigid);
+    let uniform = initial_attitude.is_some_and(|a| a.uniform);
     let moments =
         if uniform { moments_of_volume(scene.model, rigid, mass) } else { moments_of_nodes(scene.model, rigid, body) };
     let mut inertia = moments.inertia();
@@ -142,12 +142,12 @@ fn oblique_body(scene: Scene, index: usize, report: &mut Report) -> RigidBody3d 
         inertia = PrincipalInertia { axial: inertia.axial + axial, transverse: inertia.transverse + transverse };
     }
     let height = if moments.mass > 0.0 { moments.height() } else { mesh.points[rigid.reference][1] };
-    let angles = given.map_or([0.0; 2], |a| a.angles).map(f64::to_radians);
+    let angles = initial_attitude.map_or([0.0; 2], |a| a.angles).map(f64::to_radians);
     let attitude = Attitude::turned([angles[1], 0.0, 0.0]).after(Attitude::turned([0.0, 0.0, angles[0]]));
     let [r, z] = mesh.points[rigid.reference];
     let arm = attitude.to_world([-r, height - z, 0.0]);
     let starts = initial_velocities_of(scene.model, rigid.reference);
-    let (own, turning): (SpatialVector, SpatialVector) =
+    let (translation, turning): (SpatialVector, SpatialVector) =
         ([starts[0], starts[1], starts[2]], [starts[3], starts[4], starts[5]]);
     let far = |n: &usize| mesh.points[*n][0].portable_hypot(mesh.points[*n][1] - height);
     let mut spatial = RigidBody3d {
@@ -158,7 +158,7 @@ fn oblique_body(scene: Scene, index: usize, report: &mut Report) -> RigidBody3d 
         size: body.nodes.iter().map(far).fold(0.0, f64::max),
         centre: plus([r, z, 0.0], 1.0, arm),
         attitude,
-        velocity: plus(own, 1.0, cross(turning, arm)),
+        velocity: plus(translation, 1.0, cross(turning, arm)),
         momentum: inertia.momentum(attitude.axis(), turning),
         ..RigidBody3d::default()
     };
@@ -170,7 +170,7 @@ fn oblique_body(scene: Scene, index: usize, report: &mut Report) -> RigidBody3d 
         "{}: centre of mass at z = {height:.6}, axial inertia {:.6e}, transverse inertia {:.6e}",
         mesh.node_names[rigid.reference], inertia.axial, inertia.transverse
     );
-    let span = given.map_or(rigid.span, |a| a.span);
+    let span = initial_attitude.map_or(rigid.span, |a| a.span);
     if !(inertia.axial > 0.0 && inertia.transverse > 0.0 && inertia.axial <= 2.0 * inertia.transverse * (1.0 + 1e-12)) {
         no_inertia(scene.bodies, span, index, inertia, report);
     }
@@ -223,22 +223,27 @@ fn moments_of_nodes(model: &Model, rigid: &RigidBody, body: &PlannedRigidBody) -
 /// body; plane end faces may be missing. By the divergence theorem each moment is an integral over the meridian;
 /// the volume is ∫ π r² dz.
 fn moments_of_volume(model: &Model, rigid: &RigidBody, mass: f64) -> MassMoments {
-    let (mesh, mut all) = (&model.mesh, MassMoments::default());
+    let (mesh, mut moments) = (&model.mesh, MassMoments::default());
     for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind == ElementKind::Rax2) {
         let [a, b] = [0, 1].map(|i| mesh.points[mesh.elements[e].nodes[i]]);
         along(a, b, |[r, z], share| {
             let volume = std::f64::consts::PI * r * r * (b[1] - a[1]) * share;
-            all.mass += volume;
-            all.first += volume * z;
-            all.axial += 0.5 * volume * r * r;
-            all.transverse += volume * (0.25 * r * r + z * z);
+            moments.mass += volume;
+            moments.first += volume * z;
+            moments.axial += 0.5 * volume * r * r;
+            moments.transverse += volume * (0.25 * r * r + z * z);
         });
     }
     for &e in rigid.elements.iter().filter(|&&e| mesh.elements[e].kind.is_solid()) {
-        mesh.initial_cells(e).for_each(|cell| in_solid(cell, |place, volume| all.add(volume, place)));
+        mesh.initial_cells(e).for_each(|cell| in_solid(cell, |place, volume| moments.add(volume, place)));
     }
-    let factor = mass / all.mass;
-    MassMoments { mass, first: factor * all.first, axial: factor * all.axial, transverse: factor * all.transverse }
+    let factor = mass / moments.mass;
+    MassMoments {
+        mass,
+        first: factor * moments.first,
+        axial: factor * moments.axial,
+        transverse: factor * moments.transverse,
+    }
 }
 
 pub fn stations(model: &Model, body: usize) -> usize {
@@ -258,8 +263,8 @@ pub fn refuse_on_spatial_bodies(scene: Scene, links: &Links, report: &mut Report
     let spring = spring.map(|c| (c.span, "a spring or a dashpot"));
     let equation = model.constraints.equations.iter().find(|e| e.terms.iter().any(|t| in_space(&t.0)));
     let equation = equation.map(|e| (e.span, "an *EQUATION"));
-    let found = [tied, spring, equation];
-    let findings: Vec<_> = found.into_iter().flatten().collect();
+    let unsupported = [tied, spring, equation];
+    let findings: Vec<_> = unsupported.into_iter().flatten().collect();
     for (span, what) in findings {
         refuse_on_spatial_body(span, &name, what, report);
     }
@@ -291,9 +296,9 @@ fn in_solid(corners: [[f64; 2]; 4], mut each: impl FnMut([f64; 2], f64)) {
             let by_y = [-(1.0 - x), -(1.0 + x), 1.0 + x, 1.0 - x];
             let sum =
                 |weights: [f64; 4], axis: usize| 0.25 * (0..4).map(|i| weights[i] * corners[i][axis]).sum::<f64>();
-            let place = [sum(shape, 0), sum(shape, 1)];
+            let point = [sum(shape, 0), sum(shape, 1)];
             let area = sum(by_x, 0) * sum(by_y, 1) - sum(by_x, 1) * sum(by_y, 0);
-            each(place, 2.0 * std::f64::consts::PI * place[0] * area * wx * wy);
+            each(point, 2.0 * std::f64::consts::PI * point[0] * area * wx * wy);
         }
     }
 }

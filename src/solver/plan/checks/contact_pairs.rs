@@ -80,12 +80,13 @@ impl ContactingCurves<'_> {
     fn closest_lengths(&self) -> [f64; 2] {
         let shapes = self.curves.map(|curve| curve.exposed.iter().map(|&k| self.shape(curve, k)).collect::<Vec<_>>());
         let mean = |lengths: &[f64]| lengths.iter().sum::<f64>() / lengths.len() as f64;
-        let all = shapes.each_ref().map(|shapes| mean(&shapes.iter().map(|shape| shape.length).collect::<Vec<_>>()));
+        let mean_lengths =
+            shapes.each_ref().map(|shapes| mean(&shapes.iter().map(|shape| shape.length).collect::<Vec<_>>()));
         let mut boxes = SortedBoxes::default();
         boxes.sort(shapes[1].iter().map(FacetShape::bounds).zip(0..));
         let mut near: Vec<([usize; 2], f64)> = Vec::new();
         for (k, a) in shapes[0].iter().enumerate() {
-            boxes.near(a.bounds(), all[0].min(all[1]), |j| {
+            boxes.near(a.bounds(), mean_lengths[0].min(mean_lengths[1]), |j| {
                 let b = &shapes[1][j as usize];
                 if a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1] < FACING {
                     near.push(([k, j as usize], gap_between(a, b)));
@@ -100,7 +101,7 @@ impl ContactingCurves<'_> {
             let facets = sorted_unique(close.iter().map(|pair| pair[side]));
             facets.into_iter().map(|facet| shapes[side][facet].length).collect::<Vec<_>>()
         };
-        if close.is_empty() { all } else { [0, 1].map(|side| mean(&lengths(side))) }
+        if close.is_empty() { mean_lengths } else { [0, 1].map(|side| mean(&lengths(side))) }
     }
 
     /// Returns the rigid body of the second curve; `None` if its points do not all belong to one rigid body.
@@ -113,11 +114,11 @@ impl ContactingCurves<'_> {
     }
 
     fn area(&self, curve: &FacetCurve) -> f64 {
-        let of = |&k: &u32| {
+        let facet_area = |&k: &u32| {
             let shape = self.shape(curve, k);
             std::f64::consts::PI * (2.0 * shape.from[0] + shape.along[0]) * shape.length
         };
-        curve.exposed.iter().map(of).sum()
+        curve.exposed.iter().map(facet_area).sum()
     }
 
     /// Returns a point at which the second curve changes its direction, within the length of a facet of the first
@@ -129,19 +130,19 @@ impl ContactingCurves<'_> {
             libm::atan2((a[0] * b[1] - a[1] * b[0]).abs(), a[0] * b[0] + a[1] * b[1])
         };
         let around = |from: u32| {
-            let (mut at, mut way, mut sum, mut most) = (from, 0.0, 0.0, 0.0_f64);
-            while let FacetNeighbor::Facet(next) = other.neighbors[at as usize][1] {
-                let angle = turn(at, next);
-                (sum, most, way) = (sum + angle, most.max(angle), way + self.shape(other, next).length);
+            let (mut current, mut way, mut sum, mut largest) = (from, 0.0, 0.0, 0.0_f64);
+            while let FacetNeighbor::Facet(next) = other.neighbors[current as usize][1] {
+                let angle = turn(current, next);
+                (sum, largest, way) = (sum + angle, largest.max(angle), way + self.shape(other, next).length);
                 if way > self.length || next == from {
                     break;
                 }
-                at = next;
+                current = next;
             }
-            sum - most
+            sum - largest
         };
-        let found = other.exposed.iter().copied().find(|&k| around(k) > TURN)?;
-        Some(self.places[other.facets[found as usize][1] as usize])
+        let facet = other.exposed.iter().copied().find(|&k| around(k) > TURN)?;
+        Some(self.places[other.facets[facet as usize][1] as usize])
     }
 }
 
@@ -246,8 +247,8 @@ pub fn order_curves(
 /// pressures.
 fn size_and_stiffness(model: &Model, [own, other]: [usize; 2], geometry: &ContactGeometry) -> Option<[f64; 2]> {
     let mean = |curve: usize| {
-        let all = geometry.facet_elements[curve].iter().map(|&(element, _)| modulus_of(model, element));
-        let (sum, count) = all.flatten().fold((0.0, 0), |(sum, count), m| (sum + m, count + 1));
+        let moduli = geometry.facet_elements[curve].iter().map(|&(element, _)| modulus_of(model, element));
+        let (sum, count) = moduli.flatten().fold((0.0, 0), |(sum, count), m| (sum + m, count + 1));
         sum / f64::from(count.max(1))
     };
     let finer = geometry.lengths[other][1] / geometry.lengths[own][1];

@@ -51,9 +51,9 @@ pub fn report_overlaps(scene: Scene, links: &Links, pairs: &Pairs, report: &mut 
     }
     let faces = exterior_faces_of(&scene.model.mesh, elements_of(&pieces));
     for [a, b] in close_parts {
-        let found = [[a, b], [b, a]].map(|[a, b]| nodes_inside(scene.model, &pieces[a], &pieces[b], &faces[b]));
-        let count = found.iter().map(|f| f.0).sum::<usize>();
-        let depth = found.iter().map(|f| f.1).fold(0.0, f64::max);
+        let inside = [[a, b], [b, a]].map(|[a, b]| nodes_inside(scene.model, &pieces[a], &pieces[b], &faces[b]));
+        let count = inside.iter().map(|f| f.0).sum::<usize>();
+        let depth = inside.iter().map(|f| f.1).fold(0.0, f64::max);
         if count > 0 {
             report_overlap(scene.model, [&pieces[a], &pieces[b]], count, depth, report);
         }
@@ -93,25 +93,25 @@ pub fn overlapping_bodies(input: StepInput, report: &mut Report) -> Option<Box<d
     let lines = connected_parts(scene, |kind| kind == ElementKind::Rax2);
     let solids = solid_parts(scene);
     let count = solids.len();
-    let all: Vec<ConnectedPart> = solids.into_iter().chain(lines).collect();
+    let parts: Vec<ConnectedPart> = solids.into_iter().chain(lines).collect();
     let deforms = |piece: &ConnectedPart| scene.places.elements.contains_key(&piece.elements[0]);
-    let step = scene.model.steps.first().filter(|_| all.len() > 1 && all.iter().any(deforms))?;
-    let faces = exterior_faces_of(&scene.model.mesh, elements_of(&all));
-    let sets = SetsOfParts::new(scene.model, elements_of(&all));
+    let step = scene.model.steps.first().filter(|_| parts.len() > 1 && parts.iter().any(deforms))?;
+    let faces = exterior_faces_of(&scene.model.mesh, elements_of(&parts));
+    let sets = SetsOfParts::new(scene.model, elements_of(&parts));
     let outline = |(index, piece): (usize, &ConnectedPart)| BodyOutline {
         name: name_of_piece(scene.model, &piece.elements, &sets, |_| false),
         deforms: deforms(piece),
         is_solid: index < count,
         ..body_outline(scene, piece, &faces[index], state)
     };
-    let outlines: Vec<BodyOutline> = all.iter().enumerate().map(outline).collect();
+    let outlines: Vec<BodyOutline> = parts.iter().enumerate().map(outline).collect();
     let count_of_pairs = OverlapMonitor::count_pairs(&outlines);
     if count_of_pairs == 0 {
         return None;
     }
     let detail = "check for overlap of bodies";
     let id = report.ledger_row(step.span, "look at bodies", count_of_pairs, "pairs", detail.into());
-    Some(Box::new(OverlapMonitor::new(id, outlines, contacts_of(scene.model, links, pairs, &all))))
+    Some(Box::new(OverlapMonitor::new(id, outlines, contacts_of(scene.model, links, pairs, &parts))))
 }
 
 /// Returns the contact pairs of all steps, by the parts on their sides, and the tied parts.
@@ -186,8 +186,8 @@ fn connected_parts(scene: Scene, is: impl Fn(ElementKind) -> bool) -> Vec<Connec
         (0..mesh.elements.len()).filter(|&e| is(mesh.elements[e].kind) && !is_spatial(scene.bodies, e)).collect();
     let piece = |elements: Vec<usize>| {
         let places = || elements.iter().flat_map(|&e| &mesh.elements[e].nodes).map(|&n| mesh.points[n]);
-        let most = |f: fn(f64, f64) -> f64| [0, 1].map(|i| places().map(|p| p[i]).reduce(f).unwrap_or(0.0));
-        ConnectedPart { low: most(f64::min), high: most(f64::max), elements }
+        let extreme = |f: fn(f64, f64) -> f64| [0, 1].map(|i| places().map(|p| p[i]).reduce(f).unwrap_or(0.0));
+        ConnectedPart { low: extreme(f64::min), high: extreme(f64::max), elements }
     };
     pieces(mesh, &solids).into_iter().map(piece).collect()
 }

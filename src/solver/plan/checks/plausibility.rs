@@ -20,14 +20,15 @@ const TOO_MANY: f64 = 1e12;
 /// Returns a warning (P119) if density and Young's modulus of a material are not plausible for a solid in any usual unit
 /// system, or in that of `*UNITS`.
 pub fn unit_warning(material: &MaterialDefinition, units: Option<&DeckUnits>) -> Option<Diagnostic> {
-    let own = units.and_then(DeckUnits::system);
+    let unit_system = units.and_then(DeckUnits::system);
     let ([modulus, _], density) = (material.elastic?, material.density?);
     let fits = |system: &UnitSystem| system.fits(density, modulus);
-    if own.is_none() && is_without_units(density) || own.map_or_else(|| SYSTEMS.iter().any(fits), fits) {
+    if unit_system.is_none() && is_without_units(density) || unit_system.map_or_else(|| SYSTEMS.iter().any(fits), fits)
+    {
         return None;
     }
     let speed = (modulus / density).sqrt();
-    let whose = own.map_or_else(|| "any usual unit system".into(), |s| format!("the units {}", s.words()));
+    let whose = unit_system.map_or_else(|| "any usual unit system".into(), |s| format!("the units {}", s.words()));
     let message = format!(
         "density {density:e} and Young's modulus {modulus:e} of `{}` (wave speed {speed:.3e}) are \
          not plausible for a solid in {whose}",
@@ -67,19 +68,26 @@ fn check_units(model: &Model, report: &mut Report) {
     materials.filter_map(|material| unit_warning(material, units)).for_each(|finding| report.push(finding));
 }
 
-fn initial_velocities(model: &Model) -> impl Iterator<Item = (&InitialCondition, u8, f64)> {
-    model.initial_conditions.iter().filter_map(|c| match c.kind {
-        InitialKind::Velocity(dof, value) => Some((c, dof, value)),
+/// An initial velocity along a degree of freedom.
+struct InitialVelocity<'m> {
+    condition: &'m InitialCondition,
+    dof: u8,
+    value: f64,
+}
+
+/// Iterates over the initial velocities along the axes.
+fn initial_velocities(model: &Model) -> impl Iterator<Item = InitialVelocity<'_>> {
+    model.initial_conditions.iter().filter_map(|condition| match condition.kind {
+        InitialKind::Velocity(dof, value) if dof <= 2 => Some(InitialVelocity { condition, dof, value }),
         _ => None,
     })
 }
 
 fn check_initial_speed(model: &Model, report: &mut Report) {
-    let mut found = None;
+    let mut too_fast = None;
     for section in &model.sections {
         let Some(sound) = wave_speed(model, section) else { continue };
-        let mut fast =
-            initial_velocities(model).filter(|(_, dof, v)| *dof <= 2 && v.abs() > TOO_FAST * sound).peekable();
+        let mut fast = initial_velocities(model).filter(|v| v.value.abs() > TOO_FAST * sound).peekable();
         if fast.peek().is_none() {
             continue;
         }
@@ -87,12 +95,12 @@ fn check_initial_speed(model: &Model, report: &mut Report) {
         nodes.sort_unstable();
         nodes.dedup();
         let meets = |c: &InitialCondition| c.members.iter().any(|n| nodes.binary_search(n).is_ok());
-        if let Some((condition, _, velocity)) = fast.find(|(condition, ..)| meets(condition)) {
-            found = Some((condition.span, velocity, sound, &model.materials[section.material]));
+        if let Some(InitialVelocity { condition, value, .. }) = fast.find(|velocity| meets(velocity.condition)) {
+            too_fast = Some((condition.span, value, sound, &model.materials[section.material]));
             break;
         }
     }
-    let Some((span, velocity, sound, material)) = found else { return };
+    let Some((span, velocity, sound, material)) = too_fast else { return };
     let message = format!(
         "the initial velocity {velocity:e} is {:.0} times the speed of sound in `{}`, {sound:.3e}: check the units of density, \
          moduli, lengths and time",
@@ -126,12 +134,12 @@ fn shortest_wave_transit(model: &Model) -> Option<(f64, &Element)> {
 
 /// Warns if a fixed time increment is longer than the shortest time in which a wave crosses an element.
 fn check_given_increments(model: &Model, time: f64, element: &Element, report: &mut Report) {
-    let scaled = model.steps.iter().any(|s| !s.mass_scalings.is_empty());
-    let given = model.steps.iter().filter_map(|s| match s.increment {
+    let scaled = model.scales_masses();
+    let fixed_increments = model.steps.iter().filter_map(|s| match s.increment {
         IncrementControl::Fixed(dt) => Some((s.span, dt)),
         IncrementControl::Automatic { .. } => None,
     });
-    let Some((span, dt)) = given.into_iter().find(|(_, dt)| *dt > time && !scaled) else { return };
+    let Some((span, dt)) = fixed_increments.into_iter().find(|(_, dt)| *dt > time && !scaled) else { return };
     let message =
         format!("the fixed time increment {dt:e} is not stable: a wave crosses element {} in {time:.2e}", element.name);
     let finding = Diagnostic::warning("P106", message).at(span, "DIRECT USER CONTROL");
@@ -165,19 +173,19 @@ fn check_free_motion(scene: Scene, report: &mut Report) {
     let free = model.rigid_bodies.is_empty()
         && model.targets.is_empty()
         && model.constraints.equations.is_empty()
-        && model.materials.iter().all(|m| m.eos.is_none())
+        && !model.has_equation_of_state()
         && model.mesh.elements.iter().all(|e| e.kind.is_solid() && !e.kind.is_thermal())
         && model.steps.iter().all(|s| s.boundaries.is_empty() && s.loads.is_empty() && !s.has_contact());
-    let plain = |c: &InitialCondition| matches!(c.kind, InitialKind::Velocity(..) | InitialKind::Temperature(_));
+    let is_simple = |c: &InitialCondition| matches!(c.kind, InitialKind::Velocity(..) | InitialKind::Temperature(_));
     let everywhere = |c: &InitialCondition| {
         let members: HashSet<usize> = c.members.iter().copied().collect();
         scene.places.nodes.keys().all(|n| members.contains(&n))
     };
-    if !free || !model.initial_conditions.iter().all(plain) {
+    if !free || !model.initial_conditions.iter().all(is_simple) {
         return;
     }
     let (mut moving, mut whole) = (None, true);
-    for (condition, dof, _) in initial_velocities(scene.model).filter(|v| v.1 <= 2 && v.2 != 0.0) {
+    for InitialVelocity { condition, dof, .. } in initial_velocities(scene.model).filter(|v| v.value != 0.0) {
         whole &= dof == 2 && condition.members.len() >= scene.places.nodes.len() && everywhere(condition);
         moving = Some(condition.span);
     }

@@ -8,7 +8,6 @@ use crate::model::{
 };
 use crate::plan::Report;
 use crate::plan::checks::plausibility::side_lengths;
-use crate::plan::queries::adiabatic;
 
 /// Largest usual hardening exponent of the Johnson-Cook law; published fits of metals are between 0.05 and 1.
 const LARGEST_EXPONENT: f64 = 1.0;
@@ -21,8 +20,12 @@ const LARGEST_MASS_FACTOR: f64 = 1e4;
 /// Ratio of the longest edge of an element to its shortest, or to the median of all elements, above which a wrong coordinate is assumed.
 const LARGEST_ELONGATION: f64 = 300.0;
 
-/// An implausible value: code, message and help.
-type Finding = (&'static str, String, &'static str);
+/// An implausible value.
+struct Finding {
+    code: &'static str,
+    message: String,
+    help: &'static str,
+}
 
 /// Warns of implausible materials, controls and elements of deformable bodies.
 pub fn check_values(model: &Model, report: &mut Report) {
@@ -38,7 +41,7 @@ pub fn check_values(model: &Model, report: &mut Report) {
         failure(material, &mut findings);
         stiffness(material, &mut findings);
         check_temperatures(model, material, &mut findings);
-        for (code, message, help) in findings {
+        for Finding { code, message, help } in findings {
             warn_about(code, message, (material.span, "this material"), help, report);
         }
     }
@@ -79,13 +82,8 @@ fn warn_about(code: &'static str, message: String, (span, label): (Span, &str), 
 /// Checks initial temperatures against the temperature dependence, and heating by plastic work.
 fn check_temperatures(model: &Model, material: &MaterialDefinition, findings: &mut Vec<Finding>) {
     let name = &material.name;
-    let initial = || {
-        model.initial_conditions.iter().filter_map(|c| match c.kind {
-            InitialKind::Temperature(value) => Some(value),
-            _ => None,
-        })
-    };
-    let heated = adiabatic(model) || model.steps.first().is_some_and(|s| s.coupled);
+    let initial = || model.initial_conditions.iter().filter_map(|condition| condition.kind.temperature());
+    let heated = model.is_adiabatic() || model.solves_for_temperatures();
     if let Some(PlasticityModel::JohnsonCook([.., melting, transition])) = material.plastic
         && melting > transition
     {
@@ -95,16 +93,20 @@ fn check_temperatures(model: &Model, material: &MaterialDefinition, findings: &m
                 "the initial temperature {hottest} is not below the melting temperature {melting} of `{name}`, which \
                  has no strength there"
             );
-            findings.push(("P141", message, "check the unit of temperatures (K or deg C) in the deck"));
+            findings.push(Finding {
+                code: "P141",
+                message,
+                help: "check the unit of temperatures (K or deg C) in the deck",
+            });
         } else if heated && transition > 0.0 && initial().next().is_none() {
             let message = format!(
                 "there is no initial temperature: `{name}` starts at 0, below its transition temperature {transition}, and \
                  does not soften until it has reached it"
             );
-            findings.push(("P141", message, "add *INITIAL CONDITIONS, TYPE=TEMPERATURE"));
+            findings.push(Finding { code: "P141", message, help: "add *INITIAL CONDITIONS, TYPE=TEMPERATURE" });
         }
     }
-    if adiabatic(model) && material.plastic.is_some() && material.user.material.is_none() {
+    if model.is_adiabatic() && material.plastic.is_some() && material.user.material.is_none() {
         let thermal = &material.thermal;
         let missing = [
             ("*SPECIFIC HEAT", thermal.specific_heat.is_none()),
@@ -114,7 +116,7 @@ fn check_temperatures(model: &Model, material: &MaterialDefinition, findings: &m
         if !missing.is_empty() {
             let message =
                 format!("the step is ADIABATIC, but `{name}` has no {}: it is not heated", missing.join(", no "));
-            findings.push(("P142", message, "add the cards, or remove ADIABATIC from *DYNAMIC"));
+            findings.push(Finding { code: "P142", message, help: "add the cards, or remove ADIABATIC from *DYNAMIC" });
         }
     }
 }
@@ -123,12 +125,12 @@ fn check_controls(model: &Model, report: &mut Report) {
     let mut warn = |message, place, help| warn_about("P143", message, place, help, report);
     for step in &model.steps {
         let viscosity = step.bulk_viscosity;
-        let given = [viscosity.linear, viscosity.quadratic];
+        let values = [viscosity.linear, viscosity.quadratic];
         for (i, term) in ["linear", "quadratic"].into_iter().enumerate() {
-            if given[i] > LARGEST_VISCOSITY[i] {
+            if values[i] > LARGEST_VISCOSITY[i] {
                 let message = format!(
                     "the {term} bulk viscosity {} of step `{}` is implausibly large (default {})",
-                    given[i],
+                    values[i],
                     step.name,
                     [0.06, 1.2][i]
                 );
@@ -196,7 +198,7 @@ fn check_edges(model: &Model, report: &mut Report) {
 /// Checks the constants of the yield stress and of its rate dependence.
 fn plasticity(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
     let name = &material.name;
-    let mut implausible = |message: String, help| findings.push(("P140", message, help));
+    let mut implausible = |message: String, help| findings.push(Finding { code: "P140", message, help });
     match &material.plastic {
         Some(PlasticityModel::JohnsonCook([a, b, n, m, melting, transition])) => {
             let order = "the order of the constants is A, B, n, m, melting temperature, transition temperature";
@@ -248,7 +250,7 @@ fn failure(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
     let name = &material.name;
     for criterion in &material.failures {
         let StrainAtFailure::JohnsonCook([d1, d2, d3, ..], _) = criterion.strain else { continue };
-        let mut implausible = |message: String, help| findings.push(("P140", message, help));
+        let mut implausible = |message: String, help| findings.push(Finding { code: "P140", message, help });
         if d2 > 0.0 && d3 == 0.0 {
             let message = format!("d3 of the failure of `{name}` is 0: the stress triaxiality has no effect");
             implausible(
@@ -281,7 +283,7 @@ fn stiffness(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
             "the shear modulus {shear:e} of `{name}` is above 1.5 times the bulk modulus of *EOS, {bulk:e}: Poisson's ratio \
              is negative"
         );
-        findings.push(("P140", message, "check the units of the shear modulus and of *EOS"));
+        findings.push(Finding { code: "P140", message, help: "check the units of the shear modulus and of *EOS" });
     }
     if let (Some([modulus, _]), Some(heat), true) =
         (material.elastic, &material.thermal.specific_heat, material.plastic.is_some())
@@ -297,7 +299,7 @@ fn stiffness(material: &MaterialDefinition, findings: &mut Vec<Finding>) {
                 1e-5 / ratio
             );
             let help = "specific heat is energy per mass and kelvin in the units of the deck: steel has 460 in m, kg, s and 4.6e8 in mm, t, s";
-            findings.push(("P140", message, help));
+            findings.push(Finding { code: "P140", message, help });
         }
     }
 }

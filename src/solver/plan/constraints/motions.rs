@@ -11,7 +11,7 @@ use crate::model::{self, BoundaryCondition, Model, Step};
 use crate::plan::bodies::rigid_bodies_3d::refuse_on_spatial_body;
 use crate::plan::loads::magnitude;
 use crate::plan::steps::{ConstraintList, ConstraintOrigin};
-use crate::plan::{Report, Scene, Shared, SolidPlaces};
+use crate::plan::{Report, Scene, SolidPlaces};
 use crate::state::dofs::Dof;
 use crate::state::magnitude::Magnitude;
 
@@ -22,13 +22,7 @@ type BodyMotions = HashMap<usize, (PrescribedQuantity, f64)>;
 type LineDirections<'a> = HashMap<(Span, &'a str, model::MotionKind), Vec<&'static str>>;
 
 /// Adds the prescribed motions of a step and the condition r = 0 on the axis.
-pub fn add_motions<'a>(
-    scene: Scene,
-    step: &'a Step,
-    list: &mut ConstraintList<'a>,
-    shared: &mut Shared,
-    report: &mut Report,
-) {
+pub fn add_motions<'a>(scene: Scene, step: &'a Step, list: &mut ConstraintList<'a>, report: &mut Report) {
     let (mut taken, mut nodes) = (BodyMotions::new(), HashSet::new());
     let directions = directions_of_lines(scene.places, step);
     for boundary in step.boundaries.iter().filter(|b| b.kind != model::MotionKind::Temperature) {
@@ -39,7 +33,7 @@ pub fn add_motions<'a>(
         let origin = ConstraintOrigin::Motion(boundary, dofs.iter().map(|d| d.0).collect());
         let Err(origin) = list.keep(origin) else { continue };
         let ways = directions.get(&line_of(boundary)).map_or_else(String::new, |ways| ways.join(" and "));
-        if let Some(motion) = add_motion(scene, boundary, &ways, dofs, list, shared, report) {
+        if let Some(motion) = add_motion(scene, boundary, &ways, dofs, list, report) {
             list.add(origin, motion);
         }
     }
@@ -116,11 +110,10 @@ fn add_motion(
     ways: &str,
     dofs: Vec<(Dof, usize)>,
     list: &mut ConstraintList,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> Option<Box<dyn Constraint>> {
     if boundary.user {
-        return add_user_motion(scene, boundary, dofs, list, shared, report);
+        return add_user_motion(scene, boundary, dofs, list, report);
     }
     let (kind, value) = prescribed(boundary);
     let detail = match (kind, value) {
@@ -128,7 +121,7 @@ fn add_motion(
         _ => format!("{}: {} {value} along {ways}", boundary.set, format!("{kind:?}").to_lowercase()),
     };
     let id = report.ledger_row(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
-    let magnitude = magnitude(scene, value, boundary.amplitude, shared, report);
+    let magnitude = magnitude(scene, value, boundary.amplitude, report);
     let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
     Some(Box::new(PrescribedMotion::new(id, kind, magnitude, &dofs)))
 }
@@ -139,19 +132,14 @@ fn add_user_motion(
     boundary: &BoundaryCondition,
     dofs: Vec<(Dof, usize)>,
     list: &mut ConstraintList,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> Option<Box<dyn Constraint>> {
     if boundary.dof == 6 {
         let message = "rotations of shells cannot be prescribed by a user subroutine";
         return report.refuse(Diagnostic::error("P015", message).at(boundary.span, "here"));
     }
-    if report.routines.motion.is_none() {
-        let asks = format!("the motion of `{}` is user-defined (*BOUNDARY, USER)", boundary.set);
-        report.refuse_missing_routine(boundary.span, "motion", &asks, "vdisp");
-        return None;
-    }
-    report.called_routines.push("vdisp");
+    let asks = format!("the motion of `{}` is user-defined (*BOUNDARY, USER)", boundary.set);
+    report.require_routine(boundary.span, "motion", &asks, "vdisp")?;
     let (kind, _) = prescribed(boundary);
     let detail = format!("{}: {kind:?} along {} by vdisp", boundary.set, along(boundary)).to_lowercase();
     let id = report.ledger_row(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
@@ -162,10 +150,10 @@ fn add_user_motion(
         reference: mesh.points[node],
         offset: 0.0,
     };
-    let first = shared.amplitude_count;
-    shared.amplitude_count += dofs.len();
+    let first = report.shared.amplitude_count;
+    report.shared.amplitude_count += dofs.len();
     let (set, asked) = (boundary.set.to_uppercase(), dofs.iter().map(asked).collect());
-    let amplitude = magnitude(scene, 1.0, boundary.amplitude, shared, report);
+    let amplitude = magnitude(scene, 1.0, boundary.amplitude, report);
     list.add_user_motion(UserMotion { set, kind, amplitude, asked, first, increment_before: 0.0, has_begun: false });
     let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
     Some(Box::new(PrescribedMotion::from_user_amplitudes(id, kind, first, &dofs)))

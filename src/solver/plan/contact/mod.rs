@@ -95,7 +95,7 @@ pub fn contact_constraint(
     if any {
         contact = contact.with_springs(first);
     }
-    if let Some(heat) = state.thermal.as_ref().and_then(|t| t.heat.as_ref()) {
+    if let Some(heat) = state.heat() {
         if contact.has_equal_motions() {
             let message = "heat conduction through contact of nodes with equal motion is not supported";
             let finding = Diagnostic::error("P021", message).at(all[0].span, "these nodes follow a reference node");

@@ -8,7 +8,7 @@ use crate::plan::loads::magnitude;
 use crate::plan::queries::{dependencies, given_fields};
 use crate::plan::solids::user_material::materials_present;
 use crate::plan::state::SolidState;
-use crate::plan::{Report, Scene, Shared, SolidPlaces};
+use crate::plan::{Report, Scene, SolidPlaces};
 
 /// Returns the number of field variables that a material reads: all with user subroutines, else those of its tables.
 fn fields_read(material: &MaterialDefinition) -> usize {
@@ -46,12 +46,7 @@ pub fn start_fields(model: &Model, places: &SolidPlaces, state: &mut SolidState)
 }
 
 /// Creates the values of `*FIELD`; `None` if no material depends on field variables.
-pub fn plan(
-    scene: Scene,
-    state: &SolidState,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> Option<Box<PredefinedFields>> {
+pub fn plan(scene: Scene, state: &SolidState, report: &mut Report) -> Option<Box<PredefinedFields>> {
     let model = scene.model;
     let cards = || model.steps.iter().flat_map(|s| &s.fields);
     let groups = &state.elements.groups;
@@ -81,7 +76,7 @@ pub fn plan(
             let detail = format!("variable {} on {}: {}", field.variable + 1, field.set, field.value);
             let row = report.ledger_row(field.span, "predefined fields", nodes.len(), "nodes", detail);
             id = id.or(Some(row));
-            let magnitude = magnitude(scene, field.value, field.amplitude, shared, report);
+            let magnitude = magnitude(scene, field.value, field.amplitude, report);
             list.push(NodalFieldValue { variable: field.variable, nodes, magnitude });
         }
         steps.push(list.into());

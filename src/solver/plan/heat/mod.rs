@@ -21,10 +21,10 @@ use crate::model::{
 use crate::plan::heat::ties::tie_temperatures;
 use crate::plan::loads::{amplitude_name, has_effect, kind_name, magnitude};
 use crate::plan::meshes::surfaces::load_surface;
-use crate::plan::queries::{adiabatic, conducts, heated_references};
+use crate::plan::queries::heated_references;
 use crate::plan::solids::solid_material::heating;
 use crate::plan::state::SolidState;
-use crate::plan::{Links, Report, Scene, Shared};
+use crate::plan::{Links, Report, Scene};
 use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
@@ -42,15 +42,9 @@ pub struct HeatInput<'a> {
 }
 
 /// Creates the thermal part of the state; `None` if temperatures have no effect.
-pub fn plan(
-    scene: Scene,
-    links: &Links,
-    state: &SolidState,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> Option<Box<ThermalState>> {
+pub fn plan(scene: Scene, links: &Links, state: &SolidState, report: &mut Report) -> Option<Box<ThermalState>> {
     let model = scene.model;
-    let coupled = model.steps.first().is_some_and(|s| s.coupled);
+    let coupled = model.solves_for_temperatures();
     if !coupled {
         note_unused_thermal_input(scene.model, report);
     }
@@ -60,18 +54,20 @@ pub fn plan(
     };
     let with_groups = |s| groups(s).into_iter().map(move |group| (s, group));
     let sections: Vec<SectionGroup> = model.sections.iter().flat_map(with_groups).collect();
-    let heat = if coupled { temperature_field(scene, links, &sections, state, shared, report) } else { None };
+    let heat = if coupled { temperature_field(scene, links, &sections, state, report) } else { None };
     let start = initial_temperatures(scene, state);
     let mut expanding = Vec::new();
     for &(section, group) in &sections {
         let material = &model.materials[section.material];
         if let Some(own) = group_expansion(scene.model, section, group, material, state, report) {
             let elements = &state.elements.groups[group];
-            let held = |e: usize| {
-                let own = elements.value(e, Variable::Temperature.into());
-                own.filter(|_| heat.is_none()).unwrap_or_else(|| mean(&**elements, e, &start, &state.dofs.nodes))
+            let strain_temperature = |e: usize| {
+                let element_temperature = elements.value(e, Variable::Temperature.into());
+                element_temperature
+                    .filter(|_| heat.is_none())
+                    .unwrap_or_else(|| mean(&**elements, e, &start, &state.dofs.nodes))
             };
-            expanding.push((own, (0..elements.len()).map(held).collect()));
+            expanding.push((own, (0..elements.len()).map(strain_temperature).collect()));
         }
     }
     let expansion = (!expanding.is_empty()).then(|| ThermalStrains::new(expanding));
@@ -108,7 +104,7 @@ fn note_unused_thermal_input(model: &Model, report: &mut Report) {
             report.add_unused_card(*span, "*CONDUCTIVITY", why);
         }
         let heats = material.thermal.inelastic_heat_fraction.is_some() && material.user.material.is_none();
-        if heats && !adiabatic(model) && material.eos.is_none() {
+        if heats && !model.is_adiabatic() && material.eos.is_none() {
             let why = "no step is ADIABATIC or solves for temperatures";
             report.add_unused_card(material.span, format!("*INELASTIC HEAT FRACTION of {}", material.name), why);
         }
@@ -135,14 +131,13 @@ fn temperature_field(
     links: &Links,
     sections: &[SectionGroup],
     state: &SolidState,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> Option<TemperatureField> {
     let model = scene.model;
     let step = model.steps.first()?;
     let (mut parts, mut list, mut id) = (Vec::new(), Vec::new(), None);
     for &(section, group) in sections {
-        if !conducts(scene.model, section) {
+        if !model.conducts_heat(section) {
             continue;
         }
         let material = &model.materials[section.material];
@@ -174,7 +169,7 @@ fn temperature_field(
     }
     let Some(id) = id else {
         // A section that could not be planned has been reported.
-        if report.diagnostics.has_errors() && model.sections.iter().any(|section| conducts(scene.model, section)) {
+        if report.diagnostics.has_errors() && model.sections.iter().any(|section| model.conducts_heat(section)) {
             return None;
         }
         let message = "the step solves for temperatures, but no element has temperatures";
@@ -192,7 +187,7 @@ fn temperature_field(
     for (index, step) in model.steps.iter().enumerate() {
         let continues = index > 0 && has_same_heat(&model.steps[index - 1], step);
         steps.push((!continues).then(|| {
-            let mut conditions = thermal_conditions(input, step, shared, report);
+            let mut conditions = thermal_conditions(input, step, report);
             hold_sinks(step, &sinks, &start, &mut conditions, report);
             conditions
         }));
@@ -204,8 +199,8 @@ fn temperature_field(
 
 /// Holds the temperatures of rigid bodies that the step does not prescribe: they have no heat capacity.
 fn hold_sinks(step: &Step, sinks: &[usize], start: &[f64], conditions: &mut ThermalConditions, report: &mut Report) {
-    let held: HashSet<usize> = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| n.node).collect();
-    for &node in sinks.iter().filter(|node| !held.contains(node)) {
+    let prescribed: HashSet<usize> = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| n.node).collect();
+    for &node in sinks.iter().filter(|node| !prescribed.contains(node)) {
         let detail = format!("initial temperature {}: rigid bodies have no heat capacity", start[node]);
         let id = report.ledger_row(step.span, "constant temperature", 1, "rigid body", detail);
         let magnitude = Magnitude::constant(start[node]);
@@ -223,9 +218,7 @@ fn conduction_properties(
     let mixed = section.elements.iter().find(|e| !model.mesh.elements[**e].kind.is_thermal());
     let missing = match (&material.thermal.conductivity, &material.thermal.specific_heat) {
         _ if mixed.is_some() => "has elements with and without nodal temperatures",
-        _ if matches!(&material.eos, Some(eos) if matches!(eos.kind, crate::model::EosKind::IdealGas(_))) => {
-            "has an ideal gas, for which heat conduction is unsupported"
-        }
+        _ if material.is_ideal_gas() => "has an ideal gas, for which heat conduction is unsupported",
         (None, _) => "solves for temperatures, but its material has no *CONDUCTIVITY",
         (_, None) => "solves for temperatures, but its material has no *SPECIFIC HEAT",
         (Some((conductivity, _)), Some(capacity)) => {
@@ -250,7 +243,7 @@ fn initial_temperatures(scene: Scene, state: &SolidState) -> Vec<f64> {
     temperatures
 }
 
-fn thermal_conditions(input: HeatInput, step: &Step, shared: &mut Shared, report: &mut Report) -> ThermalConditions {
+fn thermal_conditions(input: HeatInput, step: &Step, report: &mut Report) -> ThermalConditions {
     let HeatInput { scene, conducting, .. } = input;
     let mut conditions = ThermalConditions::default();
     let mut taken = HashSet::new();
@@ -265,18 +258,18 @@ fn thermal_conditions(input: HeatInput, step: &Step, shared: &mut Shared, report
         }
         let detail = format!("{}: {}", boundary.set, boundary.value);
         let id = report.ledger_row(boundary.span, "prescribed temperature", nodes.len(), "nodes", detail);
-        let magnitude = magnitude(scene, boundary.value, boundary.amplitude, shared, report);
+        let magnitude = magnitude(scene, boundary.value, boundary.amplitude, report);
         let nodes = nodes.into_iter().map(TemperatureNode::new).collect();
         conditions.held.push(PrescribedTemperature { id, magnitude, nodes });
     }
     let loads: Vec<&Load> = step.loads.iter().filter(|l| is_heat(&l.kind)).collect();
     for load in loads {
-        conditions.sources.extend(heat_source(input, load, shared, report));
+        conditions.sources.extend(heat_source(input, load, report));
     }
     conditions
 }
 
-fn heat_source(input: HeatInput, load: &Load, shared: &mut Shared, report: &mut Report) -> Option<HeatSource> {
+fn heat_source(input: HeatInput, load: &Load, report: &mut Report) -> Option<HeatSource> {
     let HeatInput { scene, conductors, conducting } = input;
     if !has_effect(load, report) {
         return None;
@@ -298,14 +291,14 @@ fn heat_source(input: HeatInput, load: &Load, shared: &mut Shared, report: &mut 
             (HeatSourceKind::Volumes(list), "heat into volumes", count, "elements", set)
         }
         LoadKind::SurfaceHeat(sides) => {
-            let surface = load_surface(scene, sides, load.span, shared, report);
+            let surface = load_surface(scene, sides, load.span, report);
             let count = surface.skin.faces.len();
             (HeatSourceKind::Faces(surface.skin), "heat flux", count, "faces", &sides.name)
         }
         LoadKind::Film { sides, coefficient, amplitude } => {
-            let skin = load_surface(scene, sides, load.span, shared, report).skin;
+            let skin = load_surface(scene, sides, load.span, report).skin;
             let count = skin.faces.len();
-            let coefficient = magnitude(scene, *coefficient, *amplitude, shared, report);
+            let coefficient = magnitude(scene, *coefficient, *amplitude, report);
             (HeatSourceKind::Film(skin, coefficient), "film", count, "faces", &sides.name)
         }
         _ => return None,
@@ -321,7 +314,7 @@ fn heat_source(input: HeatInput, load: &Load, shared: &mut Shared, report: &mut 
     };
     let detail = format!("on {set}, {film}{}{}", load.magnitude, amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, effect, count, unit, detail);
-    let magnitude = magnitude(scene, load.magnitude, load.amplitude, shared, report);
+    let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
     Some(HeatSource { id, kind, magnitude })
 }
 
@@ -348,8 +341,8 @@ fn group_expansion(
     report: &mut Report,
 ) -> Option<GroupExpansion> {
     let expansion = material.thermal.expansion.as_ref()?;
-    let (conducts, elements) = (conducts(model, section), &state.elements.groups[group]);
-    let warms = adiabatic(model) && !heating(material, 1.0).is_none() && material.plastic.is_some();
+    let (conducts, elements) = (model.conducts_heat(section), &state.elements.groups[group]);
+    let warms = model.is_adiabatic() && !heating(material, 1.0).is_none() && material.plastic.is_some();
     let idle = |coefficient: f64| coefficient == 0.0;
     let why = if elements.is_empty() || expansion.rows.iter().all(|r| idle(r[0])) {
         Some("its coefficient is zero")
@@ -390,9 +383,9 @@ fn mean(group: &dyn ElementGroup, element: usize, nodal: &[f64], nodes: &Nodes) 
 
 /// Returns whether two steps have the same heat loads and prescribed temperatures.
 fn has_same_heat(a: &Step, b: &Step) -> bool {
-    let held = |b: &&BoundaryCondition| b.kind == MotionKind::Temperature;
+    let is_temperature = |b: &&BoundaryCondition| b.kind == MotionKind::Temperature;
     let gives = |l: &&Load| is_heat(&l.kind);
-    a.boundaries.iter().filter(held).eq(b.boundaries.iter().filter(held))
+    a.boundaries.iter().filter(is_temperature).eq(b.boundaries.iter().filter(is_temperature))
         && a.loads.iter().filter(gives).eq(b.loads.iter().filter(gives))
 }
 

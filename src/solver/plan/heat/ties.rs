@@ -31,9 +31,9 @@ pub fn tie_temperatures(
     let capacities = capacities_at(input.conductors, start);
     for (index, conditions) in steps.iter_mut().enumerate() {
         let Some(conditions) = conditions else { continue };
-        let held = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| (n.node, 0)).collect();
-        let given = PrescribedDofs { all: held, ..PrescribedDofs::default() };
-        match LinkSystem::new(&tied.equations, &[], &capacities, &given) {
+        let prescribed_nodes = conditions.held.iter().flat_map(|h| &h.nodes).map(|n| (n.node, 0)).collect();
+        let prescribed = PrescribedDofs { all: prescribed_nodes, ..PrescribedDofs::default() };
+        match LinkSystem::new(&tied.equations, &[], &capacities, &prescribed) {
             Ok(bonds) => conditions.bonds = bonds,
             Err(LinkConflict::Dependent(found)) => {
                 let step = &input.scene.model.steps[index];
@@ -50,17 +50,18 @@ pub fn tie_temperatures(
 fn tied_surfaces(input: HeatInput, links: &Links, tied: &mut TemperatureEquations, report: &mut Report) {
     let HeatInput { scene, conducting, .. } = input;
     for (tie, of_tie) in scene.model.constraints.ties.iter().zip(&links.surface_ties) {
-        let before = tied.equations.len();
+        let previous_count = tied.equations.len();
         for own in &of_tie.nodes {
-            let place = |n: usize| scene.places.nodes.get(&n).copied().filter(|p| conducting.contains(p));
-            let shares: Option<Vec<_>> = own.shares.iter().map(|&(n, share)| Some((place(n)?, 0, -share))).collect();
+            let conducting_node = |n: usize| scene.places.nodes.get(&n).copied().filter(|p| conducting.contains(p));
+            let shares: Option<Vec<_>> =
+                own.shares.iter().map(|&(n, share)| Some((conducting_node(n)?, 0, -share))).collect();
             // Nodes without temperature are skipped; their motion is tied.
-            let (Some(node), Some(shares)) = (place(own.node), shares) else { continue };
+            let (Some(node), Some(shares)) = (conducting_node(own.node), shares) else { continue };
             let terms = std::iter::once((node, 0, 1.0)).chain(shares).collect();
             tied.equations.push(NodalEquation { terms, is_redundant: true });
             tied.spans.push(tie.span);
         }
-        let count = tied.equations.len() - before;
+        let count = tied.equations.len() - previous_count;
         if count > 0 {
             let detail = format!("{}: equal temperatures on both surfaces", tie.name);
             report.ledger_row(tie.span, "tied temperatures", count, "nodes", detail);
@@ -72,7 +73,7 @@ fn tied_by_equations(input: HeatInput, tied: &mut TemperatureEquations, report: 
     let HeatInput { scene, conducting, .. } = input;
     let model = scene.model;
     let mut first = None;
-    let before = tied.equations.len();
+    let previous_count = tied.equations.len();
     for equation in model.constraints.equations.iter().filter(|e| e.is_thermal()) {
         let mut terms = Vec::with_capacity(equation.terms.len());
         for &(node, _, c) in &equation.terms {
@@ -88,7 +89,7 @@ fn tied_by_equations(input: HeatInput, tied: &mut TemperatureEquations, report: 
         first = first.or(Some(equation.span));
     }
     if let Some(span) = first {
-        let count = tied.equations.len() - before;
+        let count = tied.equations.len() - previous_count;
         report.ledger_row(span, "equations between temperatures", count, "equations", "exact".into());
     }
 }

@@ -3,31 +3,29 @@
 use crate::deck::Diagnostic;
 use crate::load::user_amplitude::{SensorQuantity, SubroutineAmplitude};
 use crate::model::{AmplitudeDefinition, AmplitudeId, OutputRegion, OutputRequest};
-use crate::plan::{Report, Scene, Shared};
+use crate::plan::{Report, Scene};
 use crate::state::dofs::Dof;
 use crate::variables::request::VariableRequest;
 use crate::variables::{Variable, VariableComponent};
 
 /// Returns the index of a user amplitude. Its subroutine is called once per increment, for any number of loads.
-pub fn user_amplitude(scene: Scene, id: AmplitudeId, shared: &mut Shared, report: &mut Report) -> usize {
-    if let Some(&index) = shared.amplitude_index.get(&id) {
+pub fn user_amplitude(scene: Scene, id: AmplitudeId, report: &mut Report) -> usize {
+    if let Some(&index) = report.shared.amplitude_index.get(&id) {
         return index;
     }
-    let index = shared.amplitude_count;
-    shared.amplitude_count += 1;
-    shared.amplitude_index.insert(id, index);
+    let index = report.shared.amplitude_count;
+    report.shared.amplitude_count += 1;
+    report.shared.amplitude_index.insert(id, index);
     let amplitude = &scene.model.amplitudes[id];
     let AmplitudeDefinition::User { properties, variables } = &amplitude.definition else { return index };
-    if report.routines.amplitude.is_none() {
-        let asks = format!("amplitude `{}` is user-defined", amplitude.name);
-        report.refuse_missing_routine(amplitude.span, "amplitude", &asks, "vuamp");
+    let asks = format!("amplitude `{}` is user-defined", amplitude.name);
+    if report.require_routine(amplitude.span, "amplitude", &asks, "vuamp").is_none() {
         return index;
     }
-    report.called_routines.push("vuamp");
     let (sensor_names, sensors): (Vec<_>, Vec<_>) = sensors(scene, report).into_iter().unzip();
     let detail = format!("{} ({} sensors)", amplitude.name, sensors.len());
     let id = report.ledger_row(amplitude.span, "user amplitude", 1, "amplitude", detail);
-    shared.amplitudes.push(SubroutineAmplitude {
+    report.shared.amplitudes.push(SubroutineAmplitude {
         id,
         name: amplitude.name.clone(),
         properties: properties.clone(),

@@ -31,7 +31,7 @@ use crate::plan::loads::targets::cavity_load;
 use crate::plan::meshes::surfaces::load_surface;
 use crate::plan::solids::cohesive::add_masses_of_cohesive_elements;
 use crate::plan::solids::shells::add_masses_of_shells;
-use crate::plan::{Links, PlannedRigidBody, Report, Scene, Shared, State};
+use crate::plan::{Links, PlannedRigidBody, Report, Scene, State};
 use crate::state::magnitude::{Magnitude, TimeFunction};
 
 /// Names of the components of forces and moments on oblique bodies.
@@ -63,27 +63,23 @@ pub fn has_effect(load: &Load, report: &mut Report) -> bool {
 }
 
 /// Creates the effect of a load; `None` if it has no effect or is unsupported, which is reported.
-pub fn create_load(input: &LoadInput, shared: &mut Shared, report: &mut Report) -> LoadEffect {
+pub fn create_load(input: &LoadInput, report: &mut Report) -> LoadEffect {
     let load = input.load;
     if !has_effect(load, report) {
         return None;
     }
     match &load.kind {
-        LoadKind::Concentrated { nodes, dof, set } => concentrated_load(input, nodes, *dof, set, shared, report),
-        LoadKind::Gravity { elements, direction } => {
-            gravity_load(input, elements.as_deref(), *direction, shared, report)
-        }
-        LoadKind::Pressure(sides) => pressure_load(input, sides, shared, report),
-        LoadKind::Traction { sides, law } => traction_load(input, sides, law, shared, report),
+        LoadKind::Concentrated { nodes, dof, set } => concentrated_load(input, nodes, *dof, set, report),
+        LoadKind::Gravity { elements, direction } => gravity_load(input, elements.as_deref(), *direction, report),
+        LoadKind::Pressure(sides) => pressure_load(input, sides, report),
+        LoadKind::Traction { sides, law } => traction_load(input, sides, law, report),
         LoadKind::Blast { sides, charge, height, detonation } => {
-            blast_load(input, sides, charge, [*height, *detonation], shared, report)
+            blast_load(input, sides, charge, [*height, *detonation], report)
         }
-        LoadKind::Body { elements, set, law } => body_force_load(input, elements, set, *law, shared, report),
-        LoadKind::User { sides, load_type } => user_load(input, sides, *load_type, shared, report),
-        LoadKind::UserBody { elements, set, load_type } => {
-            user_body_force(input, elements, set, *load_type, shared, report)
-        }
-        LoadKind::Cavity { sides, target, friction } => cavity_load(input, sides, *target, *friction, shared, report),
+        LoadKind::Body { elements, set, law } => body_force_load(input, elements, set, *law, report),
+        LoadKind::User { sides, load_type } => user_load(input, sides, *load_type, report),
+        LoadKind::UserBody { elements, set, load_type } => user_body_force(input, elements, set, *load_type, report),
+        LoadKind::Cavity { sides, target, friction } => cavity_load(input, sides, *target, *friction, report),
         // Heat loads are created in `heat/mod.rs`.
         LoadKind::NodalHeat { .. } | LoadKind::SurfaceHeat(_) | LoadKind::BodyHeat { .. } | LoadKind::Film { .. } => {
             None
@@ -91,37 +87,24 @@ pub fn create_load(input: &LoadInput, shared: &mut Shared, report: &mut Report) 
     }
 }
 
-pub fn magnitude(
-    scene: Scene,
-    value: f64,
-    amplitude: Option<AmplitudeId>,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> Magnitude {
+pub fn magnitude(scene: Scene, value: f64, amplitude: Option<AmplitudeId>, report: &mut Report) -> Magnitude {
     let Some(id) = amplitude else { return Magnitude::constant(value) };
     let shape = match &scene.model.amplitudes[id].definition {
         AmplitudeDefinition::Curve { points, smooth, total_time } => {
             TimeFunction::Curve(AmplitudeCurve::new(points.clone(), *smooth, *total_time))
         }
-        AmplitudeDefinition::User { .. } => TimeFunction::Sampled(user_amplitude(scene, id, shared, report)),
+        AmplitudeDefinition::User { .. } => TimeFunction::Sampled(user_amplitude(scene, id, report)),
     };
     Magnitude { value, shape }
 }
 
-fn concentrated_load(
-    input: &LoadInput,
-    nodes: &[usize],
-    dof: u8,
-    set: &str,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> LoadEffect {
+fn concentrated_load(input: &LoadInput, nodes: &[usize], dof: u8, set: &str, report: &mut Report) -> LoadEffect {
     let LoadInput { scene, links, load, .. } = *input;
     let turning: Vec<usize> = nodes.iter().filter_map(|n| scene.places.rotations.get(n).copied()).collect();
     if dof == 6 && !turning.is_empty() {
         let detail = format!("M = {}{}", load.magnitude, amplitude_name(scene.model, load));
         let id = report.ledger_row(load.span, "concentrated moment", turning.len(), "nodes", detail);
-        let magnitude = magnitude(scene, load.magnitude, load.amplitude, shared, report);
+        let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
         let (bodies, spatial) = (Vec::new(), Vec::new());
         return Some(Box::new(ConcentratedLoad { id, bodies, spatial, nodes: turning, dof: 0, magnitude }));
     }
@@ -166,17 +149,11 @@ fn concentrated_load(
     }
     let detail = format!("{along} = {}{}", load.magnitude, amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, "concentrated force", count, "nodes", detail);
-    let magnitude = magnitude(scene, load.magnitude, load.amplitude, shared, report);
+    let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
     Some(Box::new(ConcentratedLoad { id, bodies, spatial, nodes: deforming, dof: axis, magnitude }))
 }
 
-fn gravity_load(
-    input: &LoadInput,
-    elements: Option<&[usize]>,
-    direction: [f64; 3],
-    shared: &mut Shared,
-    report: &mut Report,
-) -> LoadEffect {
+fn gravity_load(input: &LoadInput, elements: Option<&[usize]>, direction: [f64; 3], report: &mut Report) -> LoadEffect {
     let LoadInput { scene, load, state, .. } = *input;
     let axial = load.magnitude * direction[1];
     let in_space = scene.bodies.list.iter().any(|b| b.spatial);
@@ -206,7 +183,7 @@ fn gravity_load(
     };
     let (count, unit) = if nodes.is_empty() { (count, "bodies") } else { (count + nodes.len(), "nodes") };
     let id = report.ledger_row(load.span, "gravity", count, unit, detail);
-    let acceleration = magnitude(scene, load.magnitude, load.amplitude, shared, report);
+    let acceleration = magnitude(scene, load.magnitude, load.amplitude, report);
     Some(Box::new(GravityLoad { id, bodies, nodes, whole: elements.is_none(), acceleration, along_z: direction[1] }))
 }
 
@@ -256,8 +233,8 @@ fn masses_of(scene: Scene, elements: &[usize]) -> Vec<(usize, f64)> {
     let mut masses: IndexMap<usize, f64> = IndexMap::new();
     for section in &scene.model.sections {
         let density = scene.model.materials[section.material].density.unwrap_or(0.0);
-        let own: HashSet<usize> = section.elements.iter().copied().collect();
-        for &e in elements.iter().filter(|e| own.contains(*e) && scene.places.elements.contains_key(e)) {
+        let section_elements: HashSet<usize> = section.elements.iter().copied().collect();
+        for &e in elements.iter().filter(|e| section_elements.contains(*e) && scene.places.elements.contains_key(e)) {
             for cell in mesh.cells(e) {
                 for (n, mass) in cell.iter().zip(corner_masses(cell.map(|n| mesh.points[n]), density)) {
                     *masses.entry(scene.places.nodes[n]).or_default() += mass;
@@ -270,24 +247,18 @@ fn masses_of(scene: Scene, elements: &[usize]) -> Vec<(usize, f64)> {
     masses.into_iter().collect()
 }
 
-fn pressure_load(input: &LoadInput, sides: &SideSelection, shared: &mut Shared, report: &mut Report) -> LoadEffect {
+fn pressure_load(input: &LoadInput, sides: &SideSelection, report: &mut Report) -> LoadEffect {
     let LoadInput { scene, load, state, .. } = *input;
-    let surface = load_surface(scene, sides, load.span, shared, report);
+    let surface = load_surface(scene, sides, load.span, report);
     let detail = format!("on {}, p = {}{}", sides.name, load.magnitude, amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, "pressure", surface.count(), "facets", detail);
-    let magnitude = magnitude(scene, load.magnitude, load.amplitude, shared, report);
+    let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
     Some(Box::new(PressureLoad::new(id, surface, magnitude, &state.dofs)))
 }
 
-fn traction_load(
-    input: &LoadInput,
-    sides: &SideSelection,
-    law: &SurfaceTraction,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> LoadEffect {
+fn traction_load(input: &LoadInput, sides: &SideSelection, law: &SurfaceTraction, report: &mut Report) -> LoadEffect {
     let LoadInput { scene, load, .. } = *input;
-    let surface = load_surface(scene, sides, load.span, shared, report);
+    let surface = load_surface(scene, sides, load.span, report);
     let oblique = surface.patches.iter().find(|patch| scene.bodies.list[patch.body].spatial);
     if let Some(patch) = oblique {
         let what = "a surface traction or viscous pressure";
@@ -309,7 +280,7 @@ fn traction_load(
     };
     let detail = format!("on {}, {} {how}{}", sides.name, load.magnitude, amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, "surface traction", surface.count(), "facets", detail);
-    let magnitude = magnitude(scene, load.magnitude, load.amplitude, shared, report);
+    let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
     Some(Box::new(TractionLoad::new(id, surface, law, magnitude)))
 }
 
@@ -318,11 +289,10 @@ fn blast_load(
     sides: &SideSelection,
     charge: &BlastCharge,
     [height, detonation]: [f64; 2],
-    shared: &mut Shared,
     report: &mut Report,
 ) -> LoadEffect {
     let LoadInput { scene, load, state, .. } = *input;
-    let surface = load_surface(scene, sides, load.span, shared, report);
+    let surface = load_surface(scene, sides, load.span, report);
     let oblique = surface.patches.iter().find(|patch| scene.bodies.list[patch.body].spatial);
     if let Some(patch) = oblique {
         refuse_on_spatial_body(load.span, &scene.bodies.list[patch.body].name, "a blast", report);
@@ -361,12 +331,12 @@ fn reference_motion(input: &LoadInput, node: Option<usize>, report: &mut Report)
     if let Some(&body) = scene.bodies.of_node.get(&node) {
         return Some(ReferenceMotion::Body(body));
     }
-    let place = scene.places.free_node(node).map(ReferenceMotion::Node);
-    if place.is_none() {
+    let motion = scene.places.free_node(node).map(ReferenceMotion::Node);
+    if motion.is_none() {
         let message = format!("REF NODE {} belongs to no body", scene.model.mesh.node_names[node]);
         report.push(Diagnostic::error("P003", message).at(load.span, "this load"));
     }
-    place
+    motion
 }
 
 /// Creates `BR`, `BZ` and `CENTRIF` loads.
@@ -375,11 +345,10 @@ fn body_force_load(
     elements: &[usize],
     set: &str,
     law: BodyForce,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> LoadEffect {
     let LoadInput { scene, load, .. } = *input;
-    let magnitude = magnitude(scene, load.magnitude, load.amplitude, shared, report);
+    let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
     if law == BodyForce::Centrifugal {
         let nodes = masses_of(scene, elements);
         if nodes.is_empty() {
@@ -402,20 +371,13 @@ fn body_force_load(
 }
 
 /// Creates `PNU` and `P1NU` to `P4NU` loads.
-fn user_load(
-    input: &LoadInput,
-    sides: &SideSelection,
-    load_type: i32,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> LoadEffect {
+fn user_load(input: &LoadInput, sides: &SideSelection, load_type: i32, report: &mut Report) -> LoadEffect {
     let LoadInput { scene, load, state, .. } = *input;
-    let surface = load_surface(scene, sides, load.span, shared, report);
+    let surface = load_surface(scene, sides, load.span, report);
     // ABAQUS manual: normals point outwards on the loaded side of a surface element, and into a solid.
     let solid = |e: usize| !matches!(scene.model.mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
     let inward = sides.faces.first().is_some_and(|f| solid(f.0));
-    let load =
-        user_load_description(input, ("user load", surface.count()), &sides.name, load_type, inward, shared, report)?;
+    let load = user_load_description(input, ("user load", surface.count()), &sides.name, load_type, inward, report)?;
     Some(Box::new(SubroutineLoad::on_surface(load, &surface, &state.dofs)))
 }
 
@@ -425,12 +387,11 @@ fn user_body_force(
     elements: &[usize],
     set: &str,
     load_type: i32,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> LoadEffect {
     let volume = loaded_volume(input, elements, set, if load_type == 1 { 0 } else { 1 }, report)?;
     let count = volume.rigid.len() + volume.cells.len();
-    let load = user_load_description(input, ("user body force", count), set, load_type, false, shared, report)?;
+    let load = user_load_description(input, ("user body force", count), set, load_type, false, report)?;
     Some(Box::new(SubroutineLoad::on_volume(load, &volume, &input.state.dofs.nodes)))
 }
 
@@ -483,27 +444,19 @@ fn user_load_description(
     name: &str,
     load_type: i32,
     inward: bool,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> Option<UserLoadData> {
     let LoadInput { scene, load, .. } = *input;
-    let Some(routine) = report.routines.load.clone() else {
-        report.refuse_missing_routine(
-            load.span,
-            "load",
-            &format!("the load on `{name}` is user-defined (PNU)"),
-            "vdload",
-        );
-        return None;
-    };
-    report.called_routines.push("vdload");
+    let asks = format!("the load on `{name}` is user-defined (PNU)");
+    report.require_routine(load.span, "load", &asks, "vdload")?;
+    let routine = report.routines.load.clone()?;
     if load.magnitude != 1.0 && routine.lock().as_deref_mut().is_some_and(|load| !load.reads_magnitude()) {
         let what = format!("magnitude {} of {}", load.magnitude, kind_name(&load.kind));
         report.add_unused_card(load.span, what, "VDLOAD defines the load; it is not multiplied by the magnitude");
     }
     let detail = format!("on {name}{}", amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, effect, count, "points", detail);
-    let magnitude = magnitude(scene, load.magnitude, load.amplitude, shared, report);
+    let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
     let reads_motion = routine.lock().as_deref_mut().is_some_and(|load| load.reads_motion());
     Some(UserLoadData { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion })
 }

@@ -11,18 +11,17 @@ use crate::model::{
 };
 use crate::plan::loads::{LoadEffect, LoadInput};
 use crate::plan::meshes::surfaces::load_surface;
-use crate::plan::{Bodies, Report, Shared};
+use crate::plan::{Bodies, Report};
 
 pub fn cavity_load(
     input: &LoadInput,
     sides: &SideSelection,
     target: TargetId,
     friction: f64,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> LoadEffect {
     let LoadInput { scene, load, step, state, .. } = *input;
-    let mut surface = load_surface(scene, sides, load.span, shared, report);
+    let mut surface = load_surface(scene, sides, load.span, report);
     let target = &scene.model.targets[target];
     if !surface.skin.shells.is_empty() {
         return refuse_resistance(load, "CAVITY loads on shells are not supported", report);

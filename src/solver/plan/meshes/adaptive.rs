@@ -14,9 +14,8 @@ use crate::model::{
 };
 use crate::plan::contact::cohesion::cohesive_nodes;
 use crate::plan::loads::magnitude;
-use crate::plan::output::scales_masses;
 use crate::plan::solids::mass_scaling::constrained_nodes;
-use crate::plan::{Links, Pairs, Report, Scene, Shared, State};
+use crate::plan::{Links, Pairs, Report, Scene, State};
 
 /// Default of FREQUENCY, and that with Eulerian boundaries or spatial constraints (ABAQUS Keywords Reference Guide,
 /// `*ADAPTIVE MESH`).
@@ -30,28 +29,27 @@ pub fn adaptive_change<'a>(
     pairs: &Pairs,
     index: usize,
     state: &mut State,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> Option<Vec<AdaptiveDomain>> {
     let step = &scene.model.steps[index];
-    let before = index.checked_sub(1).map(|i| &scene.model.steps[i]);
+    let previous = index.checked_sub(1).map(|i| &scene.model.steps[i]);
     // Loaded and bonded nodes follow the material.
     let causes = |step: &'a Step| {
         let regions = (&step.adaptive_regions, &step.mesh_motions);
         (&step.adaptive, &step.adaptive_fixed, regions, &step.loads, heated_nodes(step).collect::<Vec<usize>>())
     };
     report_unused_regions(scene.model, step, report);
-    let is_absent = step.adaptive.is_empty() && before.is_none_or(|before| before.adaptive.is_empty());
-    let is_unchanged = |before: &'a Step| {
-        causes(before) == causes(step)
+    let is_absent = step.adaptive.is_empty() && previous.is_none_or(|previous| previous.adaptive.is_empty());
+    let is_unchanged = |previous: &'a Step| {
+        causes(previous) == causes(step)
             && cohesive_nodes(scene.model, pairs, index - 1).eq(cohesive_nodes(scene.model, pairs, index))
     };
-    if is_absent || before.is_some_and(is_unchanged) {
+    if is_absent || previous.is_some_and(is_unchanged) {
         return None;
     }
     // A domain of the same set continues that of the previous step.
     for mesh in &step.adaptive {
-        let continued = before.and_then(|before| before.adaptive.iter().find(|domain| domain.set == mesh.set));
+        let continued = previous.and_then(|previous| previous.adaptive.iter().find(|domain| domain.set == mesh.set));
         if let Some(domain) = continued {
             report.share_ledger_rows(domain.span, mesh.span);
         }
@@ -60,7 +58,7 @@ pub fn adaptive_change<'a>(
     let input = DomainInput { scene, step, constrained, loaded: nodes_with_loads(scene.model, pairs, index) };
     let mut taken = HashSet::new();
     let domains = step.adaptive.iter();
-    Some(domains.filter_map(|mesh| adaptive_domain(&input, mesh, state, &mut taken, shared, report)).collect())
+    Some(domains.filter_map(|mesh| adaptive_domain(&input, mesh, state, &mut taken, report)).collect())
 }
 
 /// The step of a domain, and the nodes of all its domains that must move with the material.
@@ -93,7 +91,6 @@ fn adaptive_domain(
     mesh: &AdaptiveMesh,
     state: &mut State,
     taken: &mut HashSet<usize>,
-    shared: &mut Shared,
     report: &mut Report,
 ) -> Option<AdaptiveDomain> {
     let DomainInput { scene, step, ref constrained, ref loaded } = *input;
@@ -111,7 +108,7 @@ fn adaptive_domain(
     elements.sort_unstable();
     elements.dedup();
     let nodes: BTreeSet<u32> = elements.iter().flat_map(|e| state.elements.groups[group].nodes(*e as usize)).collect();
-    let (motions, open) = (mesh_motions(scene, step, &nodes, shared, report), eulerian_edges(scene, step, &nodes));
+    let (motions, open) = (mesh_motions(scene, step, &nodes, report), eulerian_edges(scene, step, &nodes));
     let mut fixed = nodes_of_others(constrained, group, &elements, state);
     if let Some((message, help)) = unsupported_boundary(scene, step, &fixed, (&motions, &open)) {
         refuse_domain(mesh.span, message, help, report);
@@ -122,9 +119,9 @@ fn adaptive_domain(
         fixed[*place] |= !sliding[*place];
     }
     nodes_with_material(scene, step, &mut fixed);
-    let held: BTreeSet<usize> = motions.iter().flat_map(|motion| &motion.dofs).map(|dof| dof.0).collect();
-    let settings = settings(mesh, [!open.is_empty(), !held.is_empty()]);
-    let detail = adaptive_detail(mesh, &settings, [open.len(), held.len()]);
+    let prescribed: BTreeSet<usize> = motions.iter().flat_map(|motion| &motion.dofs).map(|dof| dof.0).collect();
+    let settings = settings(mesh, [!open.is_empty(), !prescribed.is_empty()]);
+    let detail = adaptive_detail(mesh, &settings, [open.len(), prescribed.len()]);
     let id = report.ledger_row(mesh.span, "adaptive mesh", elements.len(), "elements", detail);
     let of_group = &mut *state.elements.groups[group];
     let is_open = |ends| open.contains(&sorted_pair(ends));
@@ -136,8 +133,8 @@ fn adaptive_domain(
         let help = "use another material or other section controls, or no adaptive mesh";
         refuse_domain(mesh.span, message.into(), help, report);
     }
-    let domain = domain.map(|domain| if scales_masses(scene) { domain.with_mass_scaling() } else { domain });
-    domain.map(|domain| if conducts(group, state) { domain.with_temperatures() } else { domain })
+    let domain = domain.map(|domain| if scene.model.scales_masses() { domain.with_mass_scaling() } else { domain });
+    domain.map(|domain| if state.conducts_heat(group) { domain.with_temperatures() } else { domain })
 }
 
 /// Returns why a domain is not supported, and what would be.
@@ -162,7 +159,7 @@ fn unsupported_domain(
         let message = format!("elements of `{}` belong to two adaptive meshes", mesh.set);
         return Some((message, "give each element to one domain"));
     }
-    if scales_masses(scene) && conducts(group, state) {
+    if scene.model.scales_masses() && state.conducts_heat(group) {
         let message = "adaptive meshes with heat conduction cannot be combined with mass scaling".into();
         return Some((message, "remove the mass scaling, or use ADIABATIC on *DYNAMIC, EXPLICIT"));
     }
@@ -185,10 +182,10 @@ fn refuse_domain(span: Span, message: String, help: &str, report: &mut Report) {
 /// not change.
 fn nodes_of_others(linked: &[bool], group: usize, elements: &[u32], state: &State) -> Vec<bool> {
     let mut fixed = vec![false; state.dofs.nodes.len()];
-    let own: HashSet<u32> = elements.iter().copied().collect();
+    let domain_elements: HashSet<u32> = elements.iter().copied().collect();
     let groups = &state.elements.groups;
     for (g, other) in groups.iter().enumerate() {
-        for e in (0..other.len()).filter(|e| g != group || !own.contains(&(*e as u32))) {
+        for e in (0..other.len()).filter(|e| g != group || !domain_elements.contains(&(*e as u32))) {
             other.nodes(e).into_iter().for_each(|n| fixed[n as usize] = true);
         }
     }
@@ -243,8 +240,8 @@ fn sliding_nodes(scene: Scene, step: &Step, motions: &[MeshMotion], count: usize
     let mut sliding = vec![false; count];
     let regions = step.adaptive_regions.iter().filter(|region| region.kind != RegionType::Lagrangian);
     let nodes = regions.flat_map(|region| nodes_of_region(scene.model, region));
-    let held = motions.iter().flat_map(|motion| &motion.dofs).map(|dof| dof.0);
-    nodes.filter_map(|node| scene.places.nodes.get(&node).copied()).chain(held).for_each(|n| sliding[n] = true);
+    let prescribed = motions.iter().flat_map(|motion| &motion.dofs).map(|dof| dof.0);
+    nodes.filter_map(|node| scene.places.nodes.get(&node).copied()).chain(prescribed).for_each(|n| sliding[n] = true);
     sliding
 }
 
@@ -255,7 +252,7 @@ fn nodes_of_region<'r>(model: &'r Model, region: &'r AdaptiveRegion) -> impl Ite
 
 /// Returns the pairs of nodes of a domain between which material flows through its boundary; pairs inside have no effect.
 fn eulerian_edges(scene: Scene, step: &Step, nodes: &BTreeSet<u32>) -> HashSet<[u32; 2]> {
-    let place = |node: &usize| scene.places.nodes.get(node).map(|n| *n as u32).filter(|n| nodes.contains(n));
+    let domain_node = |node: &usize| scene.places.nodes.get(node).map(|n| *n as u32).filter(|n| nodes.contains(n));
     let mut edges = HashSet::new();
     for region in step.adaptive_regions.iter().filter(|region| region.kind == RegionType::Eulerian) {
         let of_nodes: HashSet<&usize> = region.nodes.iter().collect();
@@ -264,7 +261,7 @@ fn eulerian_edges(scene: Scene, step: &Step, nodes: &BTreeSet<u32>) -> HashSet<[
         let between = between.filter(|ends| ends.iter().all(|node| of_nodes.contains(node)));
         let of_faces = region.faces.iter().filter_map(|(e, side)| scene.model.mesh.side_nodes(*e, *side));
         for [a, b] in of_faces.chain(between) {
-            if let (Some(a), Some(b)) = (place(&a), place(&b)) {
+            if let (Some(a), Some(b)) = (domain_node(&a), domain_node(&b)) {
                 edges.insert(sorted_pair([a, b]));
             }
         }
@@ -273,20 +270,14 @@ fn eulerian_edges(scene: Scene, step: &Step, nodes: &BTreeSet<u32>) -> HashSet<[
 }
 
 /// Returns the motions of the nodes of a domain that are prescribed in space.
-fn mesh_motions(
-    scene: Scene,
-    step: &Step,
-    nodes: &BTreeSet<u32>,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> Vec<MeshMotion> {
+fn mesh_motions(scene: Scene, step: &Step, nodes: &BTreeSet<u32>, report: &mut Report) -> Vec<MeshMotion> {
     let mut motions = Vec::new();
     for motion in &step.mesh_motions {
         let places = motion.nodes.iter().filter_map(|node| scene.places.nodes.get(node).copied());
         let axis = usize::from(motion.dof) - 1;
         let dofs: Vec<_> = places.filter(|n| nodes.contains(&(*n as u32))).map(|n| (n, axis)).collect();
         if !dofs.is_empty() {
-            let magnitude = magnitude(scene, motion.value, motion.amplitude, shared, report);
+            let magnitude = magnitude(scene, motion.value, motion.amplitude, report);
             motions.push(MeshMotion { dofs, is_velocity: motion.kind == MotionKind::Velocity, magnitude });
         }
     }
@@ -301,8 +292,8 @@ fn unsupported_boundary(
     (motions, open): (&[MeshMotion], &HashSet<[u32; 2]>),
 ) -> Option<(String, &'static str)> {
     let name = |n: usize| {
-        let found = scene.places.nodes.iter().find(|(_, place)| **place == n).map(|(node, _)| node);
-        found.map_or_else(String::new, |node| scene.model.mesh.node_names[node].to_string())
+        let mesh_node = scene.places.nodes.iter().find(|(_, place)| **place == n).map(|(node, _)| node);
+        mesh_node.map_or_else(String::new, |node| scene.model.mesh.node_names[node].to_string())
     };
     if let Some(n) = motions.iter().flat_map(|m| &m.dofs).map(|dof| dof.0).filter(|n| others[*n]).min() {
         let message =
@@ -315,11 +306,12 @@ fn unsupported_boundary(
         let message = format!("node {} of an Eulerian boundary must move with the material", name(n));
         return Some((message, "an Eulerian boundary has no nodes of other elements, links or rigid bodies"));
     }
-    let place = |node: usize| scene.places.nodes.get(&node).map_or(u32::MAX, |n| *n as u32);
+    let solver_node = |node: usize| scene.places.nodes.get(&node).map_or(u32::MAX, |n| *n as u32);
     let moved = |b: &&BoundaryCondition| b.user || b.kind == MotionKind::Displacement && b.amplitude.is_some();
-    let held: HashSet<(u32, usize)> =
+    let held_dofs: HashSet<(u32, usize)> =
         motions.iter().flat_map(|m| &m.dofs).map(|(node, axis)| (*node as u32, axis + 1)).collect();
-    let is_held = |b: &&BoundaryCondition| b.nodes.iter().any(|n| held.contains(&(place(*n), usize::from(b.dof))));
+    let is_held =
+        |b: &&BoundaryCondition| b.nodes.iter().any(|n| held_dofs.contains(&(solver_node(*n), usize::from(b.dof))));
     if let Some(boundary) = step.boundaries.iter().filter(moved).find(is_held) {
         let message = format!(
             "a displacement of `{}` is prescribed along the same axis as the place of the mesh: the displacement of a \
@@ -330,7 +322,7 @@ fn unsupported_boundary(
     }
     let is_open = |(e, side): &(usize, ElementSide)| {
         let ends = scene.model.mesh.side_nodes(*e, *side);
-        ends.is_some_and(|ends| open.contains(&sorted_pair(ends.map(place))))
+        ends.is_some_and(|ends| open.contains(&sorted_pair(ends.map(solver_node))))
     };
     let contact = step.surface_contacts.iter().find(|c| c.sides.iter().any(|sides| sides.faces.iter().any(is_open)));
     if contact.is_some() {
@@ -367,12 +359,12 @@ fn adaptive_detail(mesh: &AdaptiveMesh, settings: &AdaptiveSettings, [open, held
 
 /// Iterates over the nodes with prescribed temperatures and nodal heat sources.
 fn heated_nodes(step: &Step) -> impl Iterator<Item = usize> {
-    let held = step.boundaries.iter().filter(|boundary| boundary.kind == MotionKind::Temperature);
+    let boundaries = step.boundaries.iter().filter(|boundary| boundary.kind == MotionKind::Temperature);
     let sources = step.loads.iter().filter_map(|load| match &load.kind {
         LoadKind::NodalHeat { nodes, .. } => Some(nodes),
         _ => None,
     });
-    held.flat_map(|boundary| &boundary.nodes).chain(sources.flatten()).copied()
+    boundaries.flat_map(|boundary| &boundary.nodes).chain(sources.flatten()).copied()
 }
 
 /// Returns the settings of a domain, which may have Eulerian boundaries and nodes whose places are prescribed.
@@ -389,10 +381,4 @@ fn settings(mesh: &AdaptiveMesh, [is_eulerian, is_held]: [bool; 2]) -> AdaptiveS
         order: if mesh.controls.second_order { TransportOrder::Second } else { TransportOrder::First },
         returns: mesh.controls.previous.unwrap_or(is_eulerian),
     }
-}
-
-/// Returns whether the elements of a group conduct heat.
-fn conducts(group: usize, state: &State) -> bool {
-    let heat = state.thermal.as_ref().and_then(|thermal| thermal.heat.as_ref());
-    heat.is_some_and(|heat| heat.conducts(group))
 }

@@ -48,23 +48,23 @@ impl FrameLabels {
         let label = |name: &str, values: Vec<i32>| EntityLabels { name: name.into(), values };
         let of_node = |n: usize| number(&mesh.node_names[n], n);
         let mut points = vec![label("NODE", nodes.iter().map(|&n| of_node(n as usize)).collect())];
-        let of = |kind: &str, (name, members): &(String, Vec<u32>), count: usize, items: &[u32]| {
+        let set_labels = |kind: &str, (name, members): &(String, Vec<u32>), count: usize, items: &[u32]| {
             label(&format!("{kind} {name}"), marks(members, count, items))
         };
-        points.extend(self.node_sets.iter().map(|set| of("NSET", set, mesh.points.len(), nodes)));
+        points.extend(self.node_sets.iter().map(|set| set_labels("NSET", set, mesh.points.len(), nodes)));
         let of_element = |e: usize| number(&mesh.elements[e].name, e);
         let numbers = elements.iter().map(|&e| of_element(e as usize)).collect();
         let materials = elements.iter().map(|&e| self.materials[e as usize]).collect();
         let mut cells = vec![label("ELEMENT", numbers), label("MATERIAL", materials)];
-        cells.extend(self.element_sets.iter().map(|set| of("ELSET", set, mesh.elements.len(), elements)));
+        cells.extend(self.element_sets.iter().map(|set| set_labels("ELSET", set, mesh.elements.len(), elements)));
         (points, cells)
     }
 }
 
 /// Returns the sets by name, without the internal sets of ABAQUS/CAE.
 fn named(sets: &indexmap::IndexMap<String, MemberSet>) -> Vec<(String, Vec<u32>)> {
-    let own = |name: &str| name.rsplit('.').next().is_some_and(|last| last.starts_with('_'));
-    let named = sets.iter().filter(|(name, _)| !own(name)).take(SETS);
+    let is_internal = |name: &str| name.rsplit('.').next().is_some_and(|last| last.starts_with('_'));
+    let named = sets.iter().filter(|(name, _)| !is_internal(name)).take(SETS);
     named.map(|(name, set)| (name.clone(), set.members.iter().map(|&m| m as u32).collect())).collect()
 }
 

@@ -25,9 +25,9 @@ fn mean_distance(elements: &[usize], mesh: &Mesh) -> f64 {
     let (mut sum, mut count) = (0, 0_usize);
     for (at, &element) in elements.iter().enumerate() {
         for &node in &mesh.elements[element].nodes {
-            let before = std::mem::replace(&mut last[node], at as u32);
-            if before != u32::MAX {
-                (sum, count) = (sum + at - before as usize, count + 1);
+            let previous = std::mem::replace(&mut last[node], at as u32);
+            if previous != u32::MAX {
+                (sum, count) = (sum + at - previous as usize, count + 1);
             }
         }
     }
@@ -36,13 +36,13 @@ fn mean_distance(elements: &[usize], mesh: &Mesh) -> f64 {
 
 /// Sorts elements along a Z-order curve by their first corners, on a square grid of 2^16 x 2^16 cells.
 fn along_curve(mut elements: Vec<usize>, mesh: &Mesh) -> Vec<usize> {
-    let place = |element: usize| mesh.points[mesh.elements[element].nodes[0]];
-    let bound = |axis: usize, pick: fn(f64, f64) -> f64| elements.iter().map(|&e| place(e)[axis]).reduce(pick);
+    let first_corner = |element: usize| mesh.points[mesh.elements[element].nodes[0]];
+    let bound = |axis: usize, pick: fn(f64, f64) -> f64| elements.iter().map(|&e| first_corner(e)[axis]).reduce(pick);
     let [from, to] = [f64::min, f64::max].map(|pick| [0, 1].map(|axis| bound(axis, pick).unwrap_or_default()));
     let extent = (to[0] - from[0]).max(to[1] - from[1]);
     let per = if extent > 0.0 { f64::from(u16::MAX) / extent } else { 0.0 };
     elements.sort_by_cached_key(|&e| {
-        let [r, z] = [0, 1].map(|axis| ((place(e)[axis] - from[axis]) * per) as u16);
+        let [r, z] = [0, 1].map(|axis| ((first_corner(e)[axis] - from[axis]) * per) as u16);
         spread(r) | spread(z) << 1
     });
     elements
@@ -72,8 +72,8 @@ pub fn nodes(elements: impl Iterator<Item = usize>, bare: Vec<usize>, mesh: &Mes
     }
     // Stable sort: nodes with the same last element keep the order of their first one.
     touched.sort_by_key(|&node| last[node]);
-    let rest: Vec<usize> = sorted_unique(bare.into_iter().filter(|&node| last[node] == 0));
-    touched.extend(rest);
+    let nodes_without_elements: Vec<usize> = sorted_unique(bare.into_iter().filter(|&node| last[node] == 0));
+    touched.extend(nodes_without_elements);
     let mut places: Vec<(usize, usize)> = touched.into_iter().enumerate().map(|(i, node)| (node, i)).collect();
     places.sort_unstable();
     places.into_iter().collect()

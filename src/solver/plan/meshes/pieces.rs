@@ -16,11 +16,11 @@ pub fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
     let mut pieces: Vec<Vec<usize>> = Vec::new();
     for &e in elements {
         let key = sets.representative(mesh.elements[e].nodes[0]);
-        let at = *by_root.entry(key).or_insert_with(|| {
+        let piece = *by_root.entry(key).or_insert_with(|| {
             pieces.push(Vec::new());
             pieces.len() - 1
         });
-        pieces[at].push(e);
+        pieces[piece].push(e);
     }
     pieces
 }

@@ -73,10 +73,10 @@ impl<V> MeshIndexMap<V> {
     /// Fills the lists of indices if each index is its own position.
     fn list_indices(&mut self) {
         if self.keys.is_empty() {
-            let own = 0..self.values.len() as u32;
+            let positions = 0..self.values.len() as u32;
             for list in [&mut self.at, &mut self.keys] {
                 list.reserve_exact(self.values.capacity());
-                list.extend(own.clone());
+                list.extend(positions.clone());
             }
         }
     }
@@ -111,8 +111,8 @@ impl<V> Index<&usize> for MeshIndexMap<V> {
     type Output = V;
 
     fn index(&self, number: &usize) -> &V {
-        let at = if self.keys.is_empty() { *number } else { self.at[*number] as usize };
-        &self.values[at]
+        let position = if self.keys.is_empty() { *number } else { self.at[*number] as usize };
+        &self.values[position]
     }
 }
 
@@ -142,6 +142,11 @@ impl SolidPlaces {
     /// Returns whether a mesh node belongs to a deformable body and is not tied to a rigid body.
     pub fn has_node(&self, node: usize) -> bool {
         self.free_node(node).is_some()
+    }
+
+    /// Returns the mesh element of an element of a group, given the group and the index in it.
+    pub fn element_at(&self, place: (usize, usize)) -> Option<usize> {
+        self.elements.iter().find(|entry| *entry.1 == place).map(|entry| entry.0)
     }
 
     /// Returns the solver node of a mesh node; `None` if it is tied to a rigid body or not deformable.

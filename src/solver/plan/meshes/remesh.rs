@@ -213,18 +213,19 @@ fn unsupported_remeshing(
         return Some((message, "separate the bodies, with contact between them"));
     }
     let mesh = BodyMesh { quads: body.quads.clone(), ..BodyMesh::default() };
-    let all = loops(&mesh);
-    let Some(all) = all else {
+    let boundaries = loops(&mesh);
+    let Some(boundaries) = boundaries else {
         return Some((format!("the boundary of `{name}` touches itself in a node"), "separate the parts of the body"));
     };
     let used = |node: usize| body.nodes.binary_search(&node).ok();
-    let on_boundary: HashSet<u32> = all.iter().flatten().map(|edge| edge.ends[0]).collect();
+    let on_boundary: HashSet<u32> = boundaries.iter().flatten().map(|edge| edge.ends[0]).collect();
     if nodes_of_histories(scene.model).filter_map(used).any(|at| !on_boundary.contains(&(at as u32))) {
         let message = format!("a history shows the values of a node inside `{name}`, which a new mesh does not keep");
         return Some((message, "request a statistic of a set, or a node on the boundary"));
     }
-    let found = excluded_by_model(scene.model, pairs, state, report).or_else(|| excluded_by_nodes(scene.model, &used));
-    found.map(|what| (format!("*REMESH cannot be combined with {what}"), "remove one of the two"))
+    let exclusion =
+        excluded_by_model(scene.model, pairs, state, report).or_else(|| excluded_by_nodes(scene.model, &used));
+    exclusion.map(|what| (format!("*REMESH cannot be combined with {what}"), "remove one of the two"))
 }
 
 /// Returns what in the model excludes new meshes of any body.
@@ -233,10 +234,10 @@ fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Repor
     let loads = || model.steps.iter().flat_map(|step| &step.loads);
     let contacts = || pairs.by_step.iter().flat_map(|pairs| pairs.iter());
     let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
-    let scales = model.steps.iter().any(|step| !step.mass_scalings.is_empty());
+    let scales = model.scales_masses();
     let is_users =
         |kind: &LoadKind| matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. } | LoadKind::UserBody { .. });
-    let found = [
+    let exclusions = [
         (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDLOAD, VDISP and VUCHARLENGTH"),
         (heats && scales, "mass scaling together with nodal temperatures"),
         (elements.distortion.is_some(), "DISTORTION CONTROL"),
@@ -252,7 +253,7 @@ fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Repor
         (state.dofs.bodies.iter().any(BodyState::is_spatial), "oblique rigid bodies"),
         (contacts().any(|pair| pair.clearance.is_some()), "initial clearances of contact"),
     ];
-    found.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
+    exclusions.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
 }
 
 /// Returns what excludes new meshes at the nodes or elements of a body.
@@ -262,15 +263,15 @@ fn excluded_by_nodes(model: &Model, used: &dyn Fn(usize) -> Option<usize>) -> Op
         let of_elements = request.kind == OutputKind::History && request.card == OutputCard::Element;
         of_elements && request.statistics.is_empty()
     };
-    let shown = requests.filter(is_single).filter_map(|request| match request.region {
+    let sets_of_histories = requests.filter(is_single).filter_map(|request| match request.region {
         OutputRegion::Elements(id) => Some(&model.element_sets[id].members),
         _ => None,
     });
-    let mut shown = shown.flatten().flat_map(|e| model.mesh.elements[*e].nodes.iter());
+    let mut nodes_of_histories = sets_of_histories.flatten().flat_map(|e| model.mesh.elements[*e].nodes.iter());
     let moves = |boundary: &&BoundaryCondition| {
         boundary.kind == MotionKind::Displacement && (boundary.value != 0.0 || boundary.user)
     };
-    let held = model.steps.iter().flat_map(|step| &step.boundaries).filter(moves);
+    let motions = model.steps.iter().flat_map(|step| &step.boundaries).filter(moves);
     let pushed = model.steps.iter().flat_map(|step| &step.loads).filter_map(|load| match &load.kind {
         LoadKind::Concentrated { nodes, .. } => Some(nodes),
         _ => None,
@@ -280,17 +281,17 @@ fn excluded_by_nodes(model: &Model, used: &dyn Fn(usize) -> Option<usize>) -> Op
     let masses = model.discrete.masses.iter().map(|mass| mass.node);
     let rigid = model.rigid_bodies.iter().flat_map(|body| body.nodes.iter().chain([&body.reference]).copied());
     let is_used = |node: usize| used(node).is_some();
-    let found = [
-        (shown.any(|node| is_used(*node)), "histories of single elements of the body"),
+    let exclusions = [
+        (nodes_of_histories.any(|node| is_used(*node)), "histories of single elements of the body"),
         (
             terms.chain(links).chain(masses).chain(rigid).any(is_used),
             "equations, couplings, masses and rigid bodies at nodes of the body",
         ),
         (pushed.flatten().any(|node| is_used(*node)), "*CLOAD on nodes of the body"),
         (
-            held.flat_map(|boundary| &boundary.nodes).any(|node| is_used(*node)),
+            motions.flat_map(|boundary| &boundary.nodes).any(|node| is_used(*node)),
             "prescribed displacements of nodes of the body other than zero",
         ),
     ];
-    found.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
+    exclusions.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
 }

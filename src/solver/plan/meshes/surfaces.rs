@@ -8,22 +8,16 @@ use crate::mesh::hidden::InteriorFaces;
 use crate::mesh::surface::{DeformableFaces, RigidFacets, SurfaceGeometry};
 use crate::model::{ElementKind, ElementSide, Model, SideSelection};
 use crate::plan::solids::user_material::deletes;
-use crate::plan::{Report, Scene, Shared};
+use crate::plan::{Report, Scene};
 
 /// Returns the surface of element sides for the load at `span`. Elements that belong to no body are an error.
-pub fn load_surface(
-    scene: Scene,
-    sides: &SideSelection,
-    span: Span,
-    shared: &mut Shared,
-    report: &mut Report,
-) -> SurfaceGeometry {
-    if let Some(known) = shared.surfaces.get(&span) {
+pub fn load_surface(scene: Scene, sides: &SideSelection, span: Span, report: &mut Report) -> SurfaceGeometry {
+    if let Some(known) = report.shared.surfaces.get(&span) {
         return known.clone();
     }
     let surface = make_surface(scene, sides, span, report);
     if scene.places.elements.is_empty() {
-        shared.surfaces.insert(span, surface.clone());
+        report.shared.surfaces.insert(span, surface.clone());
     }
     surface
 }
@@ -77,8 +71,8 @@ fn hidden_faces(scene: Scene, sides: &SideSelection) -> InteriorFaces {
         let sides = (1..=count).filter(move |_| deforms).map(ElementSide::Face);
         sides.filter_map(move |s| Some(mesh.side_nodes(element, s)?.map(|n| scene.places.nodes[&n])))
     };
-    let all: HashSet<[usize; 2]> = scene.places.elements.keys().flat_map(|e| faces_of(e)).collect();
-    let own = sides.free_face_elements.iter().flat_map(|&e| faces_of(e).map(move |face| (face, e)));
+    let deformable_faces: HashSet<[usize; 2]> = scene.places.elements.keys().flat_map(|e| faces_of(e)).collect();
+    let free_faces = sides.free_face_elements.iter().flat_map(|&e| faces_of(e).map(move |face| (face, e)));
     // A face that is also given by its side is loaded from the start.
     let named: HashSet<(usize, ElementSide)> = sides.faces.iter().copied().collect();
     let is_named = |element: usize, [a, b]: [usize; 2]| {
@@ -89,7 +83,9 @@ fn hidden_faces(scene: Scene, sides: &SideSelection) -> InteriorFaces {
             .filter(ends)
             .any(|s| named.contains(&(element, s)))
     };
-    InteriorFaces::new(own.filter(|&([a, b], e)| all.contains(&[b, a]) && !is_named(e, [a, b])).collect())
+    InteriorFaces::new(
+        free_faces.filter(|&([a, b], e)| deformable_faces.contains(&[b, a]) && !is_named(e, [a, b])).collect(),
+    )
 }
 
 /// Returns the rigid facet of a side. Faces of solids run counter-clockwise, so that the outward normal is the

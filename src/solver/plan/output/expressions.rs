@@ -69,12 +69,12 @@ fn wrong_expression(card: &OutputExpression, error: &ExpressionError, columns: &
     let OutputExpression { name, text, place, .. } = card;
     let whole = place.end.checked_sub(place.start) != Some(text.len() as u32);
     let inside = |at: usize| place.start + at as u32;
-    let at = if whole { *place } else { Span { start: inside(error.start), end: inside(error.end), ..*place } };
+    let error_span = if whole { *place } else { Span { start: inside(error.start), end: inside(error.end), ..*place } };
     let (what, label) = match &error.unknown {
         Some(unknown) => (format!("history column `{unknown}` does not exist"), "not a column"),
         None => (format!("the expression of history column `{name}` is invalid"), error.message.as_str()),
     };
-    let finding = Diagnostic::error("P075", what).at(at, label);
+    let finding = Diagnostic::error("P075", what).at(error_span, label);
     report.push(match &error.unknown {
         Some(unknown) => finding.help(near(unknown, columns)),
         None => finding,
@@ -96,10 +96,10 @@ fn near(unknown: &str, columns: &[HistoryColumn]) -> String {
     if let Some(near) = nearest(unknown, names()) {
         return format!("did you mean {near}?");
     }
-    let shown: Vec<&str> = names().take(12).collect();
+    let first_names: Vec<&str> = names().take(12).collect();
     let more = if columns.len() > 12 { ", …" } else { "" };
-    match shown[..] {
+    match first_names[..] {
         [] => "the deck requests no history output; add *OUTPUT, HISTORY for the columns of the expression".into(),
-        _ => format!("the history columns are {}{more}", shown.join(", ")),
+        _ => format!("the history columns are {}{more}", first_names.join(", ")),
     }
 }

@@ -18,6 +18,7 @@ use crate::plan::contact::general::pair_name;
 use crate::plan::contact::walls::spatial_side;
 use crate::plan::output::expressions::expression_columns;
 use crate::plan::solids::cohesive::damaged_interfaces;
+use crate::plan::solids::erosion::ErodingState;
 use crate::plan::solids::user_material::{deletes, fails, materials_present, state_name, state_variables};
 use crate::plan::{Pairs, Report, RowExpression, Scene, State};
 use crate::variables::request::VariableRequest;
@@ -59,12 +60,23 @@ impl ColumnSource {
     }
 }
 
+/// A corner of an element of a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ElementCorner {
+    /// Index of the group.
+    pub group: usize,
+    /// Index in the group.
+    pub element: usize,
+    /// Index of the corner.
+    pub corner: usize,
+}
+
 /// Deformable faces of a surface over which forces are integrated.
 #[derive(Clone, Debug)]
 pub struct IntegratedSection {
     surface: SurfaceId,
-    /// Group, element and corner of each element corner on the surface.
-    pub corners: Vec<(usize, usize, usize)>,
+    /// Element corners on the surface.
+    pub corners: Vec<ElementCorner>,
     /// Solver nodes at the ends of the faces.
     pub faces: Vec<[usize; 2]>,
 }
@@ -182,12 +194,21 @@ struct OutputInput<'a> {
     model_variables: &'a [Variable],
 }
 
+/// The state before its effects are known, whose elements record what the output shows. Effects depend on it.
+pub struct RecordingState(State);
+
+impl RecordingState {
+    pub fn into_state(self) -> State {
+        self.0
+    }
+}
+
 /// Returns history columns and frame fields of all steps: the columns of a file do not change between steps.
-pub fn plan(scene: Scene, pairs: &Pairs, state: &mut State, report: &mut Report) -> Columns {
-    let (mut columns, mut fields) = (Columns::default(), Vec::new());
+pub fn plan(scene: Scene, pairs: &Pairs, state: ErodingState, report: &mut Report) -> (Columns, RecordingState) {
+    let (mut columns, mut fields, mut state) = (Columns::default(), Vec::new(), state.into_state());
     let model = scene.model;
     let model_variables = &find_model_variables(scene, pairs)[..];
-    let input = OutputInput { scene, pairs, state, model_variables };
+    let input = OutputInput { scene, pairs, state: &state, model_variables };
     let available = available_fields(input);
     for step in &model.steps {
         for request in step.outputs.iter().filter(|r| r.interval != OutputInterval::Never) {
@@ -212,9 +233,9 @@ pub fn plan(scene: Scene, pairs: &Pairs, state: &mut State, report: &mut Report)
         state.elements.groups.iter_mut().for_each(|g| g.extensions().settings().follow());
         followed_row(scene.model, state.elements.count(), report);
     }
-    track_deletion(scene.model, &columns.list, state, report);
+    track_deletion(scene.model, &columns.list, &mut state, report);
     columns.fields = fields;
-    columns
+    (columns, RecordingState(state))
 }
 
 /// Enables the sums of deleted mass and energy if `*EROSION` or an output request needs them.
@@ -274,7 +295,7 @@ pub fn output_schedules(model: &Model, step: &Step, report: &mut Report) -> Step
 fn history_columns(input: OutputInput, request: &OutputRequest, columns: &mut Columns, report: &mut Report) {
     let first = columns.list.len();
     for &selection in &request.variables {
-        let before = columns.list.len();
+        let previous_count = columns.list.len();
         match &request.region {
             OutputRegion::Elements(set) if request.card == OutputCard::Energy => {
                 part_columns(input.scene, selection, *set, columns);
@@ -290,7 +311,7 @@ fn history_columns(input: OutputInput, request: &OutputRequest, columns: &mut Co
                 columns.list.extend(select_model_variables(input, selection, request.card).map(model_column));
             }
         }
-        if columns.list.len() == before {
+        if columns.list.len() == previous_count {
             report.add_unused_card(request.span, selection.name(), why_absent(selection, request));
         }
     }
@@ -345,11 +366,13 @@ fn node_columns(
     for node in by_number(members, name) {
         if let Some(&rotation) = places.rotations.get(&node) {
             let turning = parts.iter().filter(|p| p.variable.is_of_rotations());
-            sources_of_members.extend(turning.map(|&part| (part, name(node), ColumnSource::Node(rotation))));
+            let source = ColumnSource::Node(rotation);
+            sources_of_members.extend(turning.map(|&part| MemberSource { part, name: name(node), source }));
         }
         if let Some(&body) = bodies.of_node.get(&node).filter(|&&b| bodies.list[b].spatial) {
             let source = ColumnSource::Body { body, node };
-            sources_of_members.extend(in_space(selection, &parts).map(|part| (part, name(node), source)));
+            let parts = in_space(selection, &parts);
+            sources_of_members.extend(parts.map(|part| MemberSource { part, name: name(node), source }));
             continue;
         }
         let source = match (places.free_node(node), bodies.of_node.get(&node)) {
@@ -358,44 +381,51 @@ fn node_columns(
             _ => continue,
         };
         let moving = parts.iter().filter(|p| !p.variable.is_of_rotations() && !is_spatial(p.variable));
-        sources_of_members.extend(moving.map(|&part| (part, name(node), source)));
+        sources_of_members.extend(moving.map(|&part| MemberSource { part, name: name(node), source }));
     }
     columns_of_set(set, members.len(), &sources_of_members, &request.statistics, columns);
+}
+
+/// Source of a variable of a member of a set, which has a name.
+struct MemberSource<'a> {
+    part: VariableComponent,
+    name: &'a str,
+    source: ColumnSource,
 }
 
 /// Adds a column for each member of a set, or for each statistic of the set. `members` is the size of the set.
 fn columns_of_set(
     set: &str,
     members: usize,
-    sources_of_members: &[(VariableComponent, &str, ColumnSource)],
+    sources_of_members: &[MemberSource<'_>],
     statistics: &[Statistic],
     columns: &mut Columns,
 ) {
     if statistics.is_empty() {
-        let place = |name| if members == 1 { set } else { name };
-        columns.list.extend(sources_of_members.iter().map(|&(part, name, source)| column(part, place(name), source)));
+        let place_name = |name| if members == 1 { set } else { name };
+        columns.list.extend(sources_of_members.iter().map(|m| column(m.part, place_name(m.name), m.source)));
         return;
     }
-    let mut parts: Vec<VariableComponent> = sources_of_members.iter().map(|f| f.0).collect();
+    let mut parts: Vec<VariableComponent> = sources_of_members.iter().map(|m| m.part).collect();
     dedup(&mut parts);
     for part in parts {
-        let mut sources: Vec<ColumnSource> = sources_of_members.iter().filter(|f| f.0 == part).map(|f| f.2).collect();
+        let mut sources: Vec<ColumnSource> =
+            sources_of_members.iter().filter(|m| m.part == part).map(|m| m.source).collect();
         if part.variable == Variable::Reaction {
             once_a_body(&mut sources);
         }
-        let at = columns.sets.insert_full(sources).0;
+        let index = columns.sets.insert_full(sources).0;
         columns.list.extend(statistics.iter().map(|statistic| HistoryColumn {
             name: format!("{}_{}@{set}", part.label(), statistic.name()),
             part: Some(part),
-            source: ColumnSource::Set(*statistic, at),
+            source: ColumnSource::Set(*statistic, index),
         }));
     }
 }
 
 /// Adds columns of a part. A rigid body belongs to it with all its mass if one of its elements does.
 fn part_columns(scene: Scene, selection: VariableRequest, set: ElementSetId, columns: &mut Columns) {
-    let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
-    let parts = selected_parts(scene, selection, |v| v.place() == VariablePlace::Part);
+    let parts = all_parts(scene, selection, VariablePlace::Part);
     let model = scene.model;
     let (name, members) = named(&model.element_sets, set.index());
     let source = |element: &usize| match scene.places.elements.get(element) {
@@ -408,16 +438,15 @@ fn part_columns(scene: Scene, selection: VariableRequest, set: ElementSetId, col
     let mut sources: Vec<ColumnSource> = members.iter().filter_map(source).collect();
     once_a_body(&mut sources);
     if !sources.is_empty() && !parts.is_empty() {
-        let at = columns.sets.insert_full(sources).0;
-        columns.list.extend(parts.into_iter().map(|part| column(part, name, ColumnSource::Part(at))));
+        let index = columns.sets.insert_full(sources).0;
+        columns.list.extend(parts.into_iter().map(|part| column(part, name, ColumnSource::Part(index))));
     }
 }
 
 /// Adds columns of the selected contact pairs.
 fn pair_columns(input: OutputInput, selection: VariableRequest, which: &ContactPairFilter, columns: &mut Columns) {
     let OutputInput { scene, pairs, .. } = input;
-    let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
-    let parts = selected_parts(scene, selection, |v| v.place() == VariablePlace::Pair);
+    let parts = all_parts(scene, selection, VariablePlace::Pair);
     let meant = |name: &str| {
         pairs.by_step.iter().flat_map(|pairs| pairs.iter()).any(|c| pair_name(c) == name && which.matches(c))
     };
@@ -430,7 +459,7 @@ fn pair_columns(input: OutputInput, selection: VariableRequest, which: &ContactP
 fn nodes_have(input: OutputInput, variable: Variable) -> bool {
     let OutputInput { scene, pairs, .. } = input;
     match variable.row().preselected {
-        PreselectRule::HeatConduction => solves_for_temperatures(scene.model),
+        PreselectRule::HeatConduction => scene.model.solves_for_temperatures(),
         PreselectRule::SurfaceContact => !pairs.names.is_empty(),
         PreselectRule::CohesiveContact => has_cohesive_variable(scene.model, pairs, variable),
         PreselectRule::SixDofBody => scene.bodies.list.iter().any(|b| b.spatial),
@@ -454,7 +483,8 @@ fn element_columns(
         let Some(&(group, index)) = places.elements.get(&element) else { continue };
         let has = |part: &&VariableComponent| element_has(input, (group, index), **part);
         let source = ColumnSource::Element(group, index);
-        sources_of_members.extend(parts.iter().filter(has).map(|&part| (part, name(element), source)));
+        let parts = parts.iter().filter(has);
+        sources_of_members.extend(parts.map(|&part| MemberSource { part, name: name(element), source }));
     }
     columns_of_set(set, members.len(), &sources_of_members, &request.statistics, columns);
 }
@@ -466,15 +496,14 @@ fn section_columns(
     name: &str,
     columns: &mut Columns,
 ) {
-    let selection = if matches!(selection, VariableRequest::Preselect) { VariableRequest::All } else { selection };
-    let parts = selected_parts(input.scene, selection, |v| v.place() == VariablePlace::Section);
+    let parts = all_parts(input.scene, selection, VariablePlace::Section);
     let known = columns.sections.iter().position(|s| s.surface == surface);
-    let at = known.unwrap_or_else(|| {
+    let index = known.unwrap_or_else(|| {
         columns.sections.push(integrated_section(input, surface));
         columns.sections.len() - 1
     });
-    if !columns.sections[at].faces.is_empty() {
-        columns.list.extend(parts.iter().map(|&part| column(part, name, ColumnSource::Section(at))));
+    if !columns.sections[index].faces.is_empty() {
+        columns.list.extend(parts.iter().map(|&part| column(part, name, ColumnSource::Section(index))));
     }
 }
 
@@ -491,7 +520,7 @@ fn integrated_section(input: OutputInput, surface: SurfaceId) -> IntegratedSecti
         section.faces.push(ends);
         let corners = input.state.elements.groups[group].boundary(element);
         let on = (0..corners.len()).filter(|&c| ends.contains(&(corners[c] as usize)));
-        section.corners.extend(on.map(|c| (group, element, c)));
+        section.corners.extend(on.map(|corner| ElementCorner { group, element, corner }));
     }
     section.corners.sort_unstable();
     section.corners.dedup();
@@ -506,6 +535,13 @@ fn selected_parts(scene: Scene, selection: VariableRequest, of: impl Fn(Variable
         _ => selection.variables(),
     };
     variables.into_iter().filter(|v| of(*v)).flat_map(|v| components_of(scene, v)).collect()
+}
+
+/// Returns the components that a name selects among the variables of a place; PRESELECT selects all.
+fn all_parts(scene: Scene, selection: VariableRequest, place: VariablePlace) -> Vec<VariableComponent> {
+    let is_preselection = matches!(selection, VariableRequest::Preselect);
+    let selection = if is_preselection { VariableRequest::All } else { selection };
+    selected_parts(scene, selection, |variable| variable.place() == place)
 }
 
 /// Returns the components of a variable; for state variables as many as the materials of the model have.
@@ -540,23 +576,14 @@ fn frame_fields(
     report.ledger_row(request.span, "field output", request.variables.len(), "variables", detail);
 }
 
-fn solves_for_temperatures(model: &Model) -> bool {
-    model.steps.first().is_some_and(|s| s.coupled)
-}
-
-pub fn scales_masses(scene: Scene) -> bool {
-    !scene.places.elements.is_empty() && scene.model.steps.iter().any(|step| !step.mass_scalings.is_empty())
-}
-
 /// Returns the variables that this model has as a whole: energies, the time increment and the added mass.
 fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
     let deforms = !scene.places.elements.is_empty();
-    let (conducts, deletes) = (solves_for_temperatures(scene.model), deletes(scene));
+    let (conducts, deletes) = (scene.model.solves_for_temperatures(), deletes(scene));
     let damages = materials_present(scene).any(fails)
         || damaged_interfaces(scene.model).next().is_some()
         || cohesive_behaviors(scene.model, pairs).any(|cohesion| cohesion.evolution.is_some());
-    let scales = scales_masses(scene);
-    let smooths = scene.model.steps.iter().any(|step| !step.adaptive.is_empty());
+    let (scales, smooths) = (deforms && scene.model.scales_masses(), scene.model.has_adaptive_mesh());
     let eulerian = |step: &Step| step.adaptive_regions.iter().any(|region| region.kind == RegionType::Eulerian);
     let flows = smooths && scene.model.steps.iter().any(eulerian);
     let adapts = smooths || scene.model.remeshings.iter().any(|card| !card.automatic);
@@ -641,7 +668,7 @@ fn is_preselected(scene: Scene, field: &FrameField) -> bool {
 /// Returns whether an element has a variable, also if the variable is integrated only on request.
 fn element_has(input: OutputInput, (group, element): (usize, usize), part: VariableComponent) -> bool {
     let OutputInput { state, model_variables, .. } = input;
-    let heat = state.thermal.as_ref().and_then(|t| t.heat.as_ref());
+    let heat = state.heat();
     match part.variable {
         Variable::MassScalingFactor => model_variables.contains(&Variable::AddedMass),
         Variable::Temperature | Variable::HeatFlux
@@ -671,12 +698,12 @@ fn in_space(selection: VariableRequest, parts: &[VariableComponent]) -> impl Ite
         _ => None,
     };
     let named = if let VariableRequest::Whole(variable) = selection { more(variable) } else { None };
-    let mut all: Vec<VariableComponent> = parts.to_vec();
+    let mut components: Vec<VariableComponent> = parts.to_vec();
     if let Some(variable) = named {
-        let at = if variable.row().labels.is_empty() { all.len() } else { 0 };
-        all.splice(at..at, variable.parts());
+        let position = if variable.row().labels.is_empty() { components.len() } else { 0 };
+        components.splice(position..position, variable.parts());
     }
-    all.into_iter()
+    components.into_iter()
 }
 
 /// Returns whether a variable is a sum of deleted mass or energy.
@@ -689,7 +716,7 @@ fn is_deletion_total(variable: Variable) -> bool {
 fn why_absent(selection: VariableRequest, request: &OutputRequest) -> String {
     let history = request.kind == OutputKind::History;
     let name = selection.name();
-    let place = match selection {
+    let variable_place = match selection {
         VariableRequest::NotSimulated(known) => return format!("{name} ({}) is not simulated", known.words),
         VariableRequest::Preselect if history => {
             return "the preselected history output consists of energies only".into();
@@ -702,44 +729,35 @@ fn why_absent(selection: VariableRequest, request: &OutputRequest) -> String {
         }
         _ => selection.variables().first().map(|v| v.place()),
     };
-    match (place, &request.region) {
+    let reason = match (variable_place, &request.region) {
         (Some(VariablePlace::Node), OutputRegion::Whole | OutputRegion::Elements(_)) if history => {
-            format!("{name} is a nodal variable; request its history with *NODE OUTPUT, NSET=")
+            "is a nodal variable; request its history with *NODE OUTPUT, NSET="
         }
         (Some(VariablePlace::Point | VariablePlace::Element), OutputRegion::Whole | OutputRegion::Nodes(_))
             if history =>
         {
-            format!("{name} is an element variable; request its history with *ELEMENT OUTPUT, ELSET=")
+            "is an element variable; request its history with *ELEMENT OUTPUT, ELSET="
         }
         (Some(VariablePlace::Pair), OutputRegion::Pairs(_)) if history => {
-            format!("{name}: no contact pair is selected")
+            return format!("{name}: no contact pair is selected");
         }
         (Some(VariablePlace::Pair), _) if !history => {
-            format!("{name} is a history variable of contact pairs: use *OUTPUT, HISTORY with *CONTACT OUTPUT")
+            "is a history variable of contact pairs: use *OUTPUT, HISTORY with *CONTACT OUTPUT"
         }
-        (Some(VariablePlace::Pair), _) => {
-            format!("{name} is a variable of contact pairs: use *CONTACT OUTPUT without NSET")
-        }
-        (Some(VariablePlace::Section), _) => {
-            format!("{name} is a variable of deformable surfaces: use *INTEGRATED OUTPUT, SURFACE=")
-        }
+        (Some(VariablePlace::Pair), _) => "is a variable of contact pairs: use *CONTACT OUTPUT without NSET",
+        (Some(VariablePlace::Section), _) => "is a variable of deformable surfaces: use *INTEGRATED OUTPUT, SURFACE=",
         (Some(VariablePlace::Part), _) => {
-            format!("{name} is a history variable of parts: use *OUTPUT, HISTORY with *ENERGY OUTPUT, ELSET=")
+            "is a history variable of parts: use *OUTPUT, HISTORY with *ENERGY OUTPUT, ELSET="
         }
-        (Some(VariablePlace::Facet), _) if history => {
-            format!("{name} is a facet variable of frames and has no history")
-        }
-        (Some(VariablePlace::Energy), _) if !history => {
-            format!("{name} is an energy of the whole model: use *OUTPUT, HISTORY")
-        }
-        (Some(VariablePlace::Increment), _) if !history => {
-            format!("{name} is a variable of increments: use *OUTPUT, HISTORY")
-        }
+        (Some(VariablePlace::Facet), _) if history => "is a facet variable of frames and has no history",
+        (Some(VariablePlace::Energy), _) if !history => "is an energy of the whole model: use *OUTPUT, HISTORY",
+        (Some(VariablePlace::Increment), _) if !history => "is a variable of increments: use *OUTPUT, HISTORY",
         (Some(VariablePlace::Energy), OutputRegion::Nodes(_) | OutputRegion::Elements(_)) => {
-            format!("{name} is an energy of the whole model; sets have PARTKE and PARTIE")
+            "is an energy of the whole model; sets have PARTKE and PARTIE"
         }
-        _ => format!("output variable {name} has no value in this model"),
-    }
+        _ => return format!("output variable {name} has no value in this model"),
+    };
+    format!("{name} {reason}")
 }
 
 /// Returns whether every frame contains a variable: facet variables of loads, and coordinates.
@@ -784,6 +802,6 @@ fn once_a_body(sources: &mut Vec<ColumnSource>) {
 
 /// Removes duplicates; the first item remains.
 fn dedup<T: Eq + std::hash::Hash>(items: &mut Vec<T>) {
-    let kept: IndexSet<T> = items.drain(..).collect();
-    *items = kept.into_iter().collect();
+    let unique: IndexSet<T> = items.drain(..).collect();
+    *items = unique.into_iter().collect();
 }

@@ -16,8 +16,7 @@ use crate::model::{
 };
 use crate::plan::constraints::connectors::inverse;
 use crate::plan::state::SolidState;
-use crate::plan::{Bodies, Links, Report, Scene, SolidPlaces};
-use crate::state::nodes::Node;
+use crate::plan::{Bodies, Links, Report, Scene, SectionInput};
 use crate::variables::Variable;
 
 /// Depth to which equations of linked nodes are followed.
@@ -26,7 +25,7 @@ const DEPTH: usize = 4;
 /// Prescribed motions, and equations by their dependent degrees of freedom.
 struct InertiaSearch {
     /// Mesh nodes whose motion along r and z is prescribed in all steps.
-    held: [HashSet<usize>; 2],
+    prescribed: [HashSet<usize>; 2],
     /// Index of the equation of each dependent degree of freedom (solver node, axis).
     dependent: HashMap<(usize, usize), usize>,
 }
@@ -34,7 +33,7 @@ struct InertiaSearch {
 impl InertiaSearch {
     /// Returns whether the motion of a mesh node along an axis is prescribed in all steps, or fixed on the axis.
     fn is_held(&self, node: usize, axis: usize, mesh: &Mesh) -> bool {
-        self.held[axis].contains(&node) || axis == 0 && mesh.points[node][0] == 0.0
+        self.prescribed[axis].contains(&node) || axis == 0 && mesh.points[node][0] == 0.0
     }
 }
 
@@ -50,16 +49,9 @@ pub fn damaged_interfaces(model: &Model) -> impl Iterator<Item = &CohesiveSectio
     model.cohesive_sections.iter().filter(grows)
 }
 
-/// Creates the element group of a section and adds its masses.
-pub fn cohesive_group(
-    model: &Model,
-    places: &SolidPlaces,
-    section: &CohesiveSection,
-    elements: &[usize],
-    nodes: &[Node],
-    mass: &mut [f64],
-    report: &mut Report,
-) -> Option<Box<dyn ElementGroup>> {
+/// Creates the element group of a section.
+pub fn cohesive_group(input: &SectionInput<CohesiveSection>, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
+    let SectionInput { model, places, section, elements, nodes } = *input;
     let material = &model.materials[section.material];
     check_section(section, material, report)?;
     let (mut thicknesses, mut list): (Vec<f64>, Vec<CohesiveElement>) = Default::default();
@@ -90,14 +82,8 @@ pub fn cohesive_group(
     laws.iter().try_for_each(|law| check_energies(origin, law, what, report))?;
     cohesive_row(section, material, &thicknesses, list.len(), report);
     let deletes = material.interface.evolution.is_some() && section.controls.keep_failed_elements.is_none();
-    let shown = (deletes, material.interface.initiation.as_ref().map(variable));
-    let group = CohesiveGroup::new(laws, list, material.density.unwrap_or(0.0), shown, nodes);
-    for element in 0..group.len() {
-        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
-            mass[n as usize] += m;
-        }
-    }
-    Some(Box::new(group))
+    let variables = (deletes, material.interface.initiation.as_ref().map(variable));
+    Some(Box::new(CohesiveGroup::new(laws, list, material.density.unwrap_or(0.0), variables, nodes)))
 }
 
 /// Returns the viscosity of the damage, which the material or the section controls give.
@@ -127,13 +113,13 @@ fn check_section(section: &CohesiveSection, material: &MaterialDefinition, repor
         let message = "WEIGHTING=AREA together with cohesive elements is not supported";
         return report.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
     }
-    let (interface, most) = (&material.interface, section.controls.max_degradation);
+    let (interface, max_degradation) = (&material.interface, section.controls.max_degradation);
     if let (Some(initiation), None) = (interface.initiation, &interface.evolution) {
         let message = format!("cohesive elements of material `{}` are never damaged", material.name);
         let finding = Diagnostic::warning("P147", message).at(initiation.span, "no *DAMAGE EVOLUTION after it");
         report.push(finding.help("add *DAMAGE EVOLUTION; without it the criterion is output only"));
     }
-    let unused = [("MAX DEGRADATION", most < 1.0), ("VISCOSITY", section.controls.viscosity != 0.0)];
+    let unused = [("MAX DEGRADATION", max_degradation < 1.0), ("VISCOSITY", section.controls.viscosity != 0.0)];
     for (name, _) in unused.into_iter().filter(|entry| entry.1 && interface.evolution.is_none()) {
         report.add_unused_card(section.span, name, format!("material {} has no damage evolution", material.name));
     }
@@ -185,9 +171,9 @@ fn cohesive_row(
     parts.extend(interface.initiation.as_ref().map(|i| format!("damage by {}", criterion(i))));
     parts.extend(interface.evolution.as_ref().map(|e| softening(&e.softening)));
     if interface.evolution.is_some() {
-        let most = section.controls.max_degradation;
-        let kept = section.controls.keep_failed_elements.is_some();
-        parts.push(format!("{} at damage {most}", if kept { "kept" } else { "deleted" }));
+        let max_degradation = section.controls.max_degradation;
+        let keeps_elements = section.controls.keep_failed_elements.is_some();
+        parts.push(format!("{} at damage {max_degradation}", if keeps_elements { "kept" } else { "deleted" }));
         let viscosity = damage_viscosity(section, material);
         parts.extend((viscosity > 0.0).then(|| format!("viscosity {viscosity:e}")));
     }
@@ -208,11 +194,11 @@ pub fn bound_cohesive_elements(scene: Scene, links: &Links, state: &mut SolidSta
             let ends = pair.map(|i| mesh.elements[e].nodes[i]);
             for axis in 0..2 {
                 let moving = || ends.iter().filter(|n| !search.is_held(**n, axis, mesh));
-                let place = |n: &usize| scene.places.nodes[n];
+                let solver_node = |n: &usize| scene.places.nodes[n];
                 let shares = moving()
-                    .flat_map(|n| inertia_of_dof(scene.bodies, links, (place(n), axis), (&search, mass), DEPTH))
+                    .flat_map(|n| inertia_of_dof(scene.bodies, links, (solver_node(n), axis), (&search, mass), DEPTH))
                     .collect();
-                bare.extend(ends.iter().filter(|n| mass[place(n)] == 0.0 && !scene.places.tied.contains_key(n)));
+                bare.extend(ends.iter().filter(|n| mass[solver_node(n)] == 0.0 && !scene.places.tied.contains_key(n)));
                 springs.push(InterfaceSpring { element: (group, element), axis, stiffness, shares });
             }
         }
@@ -231,8 +217,8 @@ pub fn add_masses_of_cohesive_elements(scene: Scene, elements: &[usize], masses:
     let mesh = &scene.model.mesh;
     for section in &scene.model.cohesive_sections {
         let density = scene.model.materials[section.material].density.unwrap_or(0.0);
-        let own: HashSet<usize> = section.elements.iter().copied().collect();
-        for &e in elements.iter().filter(|e| own.contains(*e) && scene.places.elements.contains_key(e)) {
+        let section_elements: HashSet<usize> = section.elements.iter().copied().collect();
+        for &e in elements.iter().filter(|e| section_elements.contains(*e) && scene.places.elements.contains_key(e)) {
             let nodes = [0, 1, 2, 3].map(|i| mesh.elements[e].nodes[i]);
             let corners = nodes.map(|n| mesh.points[n]);
             let thickness = section.thickness.unwrap_or_else(|| geometric_thickness(corners));
@@ -251,13 +237,13 @@ fn inertia_search(model: &Model, links: &Links) -> InertiaSearch {
         let boundaries = step.boundaries.iter().filter(|b| usize::from(b.dof) == axis + 1);
         boundaries.flat_map(|b| b.nodes.iter().copied()).collect()
     };
-    let held = [0, 1].map(|axis| {
+    let prescribed = [0, 1].map(|axis| {
         let sets = model.steps.iter().map(|step| of_step(step, axis));
         sets.reduce(|all, next| all.intersection(&next).copied().collect()).unwrap_or_default()
     });
     let firsts = links.equations.iter().enumerate();
     let dependent = firsts.filter_map(|(i, e)| e.terms.first().map(|term| ((term.0, term.1), i))).collect();
-    InertiaSearch { held, dependent }
+    InertiaSearch { prescribed, dependent }
 }
 
 /// Returns the degrees of freedom whose inertia resists a node along an axis: the node, the rigid body or the set of
@@ -292,8 +278,9 @@ fn inertia_of_dof(
 fn refuse_bare_node(model: &Model, node: usize, report: &mut Report) {
     let mesh = &model.mesh;
     let message = format!("node {} of a cohesive element has no mass", mesh.node_names[node]);
-    let at = mesh.elements.iter().find(|e| e.kind == ElementKind::Cohax4 && e.nodes.contains(&node));
-    let finding = Diagnostic::error("P026", message).at(at.map(|e| e.span).unwrap_or_default(), "this element");
+    let cohesive_element = mesh.elements.iter().find(|e| e.kind == ElementKind::Cohax4 && e.nodes.contains(&node));
+    let finding =
+        Diagnostic::error("P026", message).at(cohesive_element.map(|e| e.span).unwrap_or_default(), "this element");
     let help = "give the material of the cohesive elements a *DENSITY, or share the node with a solid element";
     report.push(finding.help(help));
 }

@@ -7,20 +7,30 @@ use crate::plan::{Report, Scene, SolidPlaces, State};
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
 
+/// The state before its effects are known, with the criteria of `*EROSION`. The output depends on them.
+pub struct ErodingState(State);
+
+impl ErodingState {
+    pub fn into_state(self) -> State {
+        self.0
+    }
+}
+
 /// Applies the criteria of `*EROSION` to the elements of the state.
-pub fn apply_erosion(scene: Scene, state: &mut State, report: &mut Report) {
+pub fn plan(scene: Scene, mut state: State, report: &mut Report) -> ErodingState {
     let mut erosion = ErosionControl::default();
     for card in &scene.model.erosions {
-        let Some(elements) = eroding_elements(scene.places, card, state, report) else { continue };
+        let Some(elements) = eroding_elements(scene.places, card, &state, report) else { continue };
         let Card { distortion, plastic, strain, increment, .. } = *card;
         let criteria = DeletionCriteria { distortion, plastic, strain, increment };
-        check_start(scene, card, &criteria, &elements, state, report);
+        check_start(scene, card, &criteria, &elements, &state, report);
         report.ledger_row(card.span, "erosion", elements.len(), "elements", detail(card));
         erosion.watch(criteria, elements);
     }
     if !erosion.groups().is_empty() {
         state.elements.watch(erosion, &state.dofs.nodes);
     }
+    ErodingState(state)
 }
 
 fn eroding_elements(
@@ -68,9 +78,7 @@ fn check_start(
     let nodes: &Nodes = &state.dofs.nodes;
     let at_start = |&&(g, e): &&(usize, usize)| criteria.are_met(&*state.elements.groups[g], e, nodes);
     let Some(&place) = elements.iter().find(at_start) else { return };
-    let found = scene.places.elements.iter().find(|e| *e.1 == place);
-    let name = found.map_or("", |(e, _)| &scene.model.mesh.elements[e].name);
-    let message = format!("element {name} meets an erosion criterion at the start");
+    let message = format!("element {} meets an erosion criterion at the start", scene.element_name(place));
     let finding = Diagnostic::error("P070", message).at(card.span, "this card");
     report.push(finding.help("give another limit, or an ELSET without this element"));
 }

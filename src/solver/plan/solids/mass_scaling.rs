@@ -3,7 +3,7 @@
 use crate::deck::{Diagnostic, Span};
 use crate::element::mass_scaling::{ScalingInterval, ScalingRequest, ScalingTarget, StepMassScaling, VariableScaling};
 use crate::model::{LoadKind, MassScaling, ScalingSchedule, ScalingType, Step};
-use crate::plan::{Links, Report, Scene, StepInput};
+use crate::plan::{Links, Report, StepInput};
 
 /// Creates the mass scaling of a step. Fixed mass scaling that continues from the previous step is not applied
 /// again.
@@ -25,8 +25,8 @@ pub fn mass_scaling(input: StepInput, report: &mut Report) -> Option<StepMassSca
             Some(rhythm) => variable.push(VariableScaling::new(request, in_step(rhythm, step))),
         }
     }
-    let before = index.checked_sub(1).and_then(|i| model.steps[i].mass_scalings.first());
-    let continues = before.is_some_and(|b| b.span == first.span);
+    let previous = index.checked_sub(1).and_then(|i| model.steps[i].mass_scalings.first());
+    let continues = previous.is_some_and(|b| b.span == first.span);
     Some(StepMassScaling::new((!continues).then_some(fixed), variable))
 }
 
@@ -47,7 +47,7 @@ fn scaling_request(input: StepInput, scaling: &MassScaling, report: &mut Report)
     let mut refusal = None;
     for &(g, e) in &elements {
         let group = &state.elements.groups[g];
-        let name = || element_name(scene, g, e);
+        let name = || scene.element_name((g, e));
         if group.stable_rate(e, Some(&group.masses(e)), state.dofs.nodes.as_slice()).is_none() {
             refusal =
                 Some(format!("the mass of element {} is part of its material state and cannot be scaled", name()));
@@ -71,11 +71,6 @@ fn scaling_request(input: StepInput, scaling: &MassScaling, report: &mut Report)
     report.ledger_row(scaling.span, "mass scaling", elements.len(), "elements", detail(scaling) + &at_links);
     let aim = scaling.target.map(|(kind, dt)| (aim(kind), dt));
     Some(ScalingRequest { elements, factor: scaling.factor, aim })
-}
-
-fn element_name(scene: Scene<'_>, group: usize, element: usize) -> &str {
-    let found = scene.places.elements.iter().find(|e| *e.1 == (group, element));
-    found.map_or("", |(e, _)| &scene.model.mesh.elements[e].name)
 }
 
 /// Returns whether each node belongs to a rigid body, an equation or a link. Empty if there are none.

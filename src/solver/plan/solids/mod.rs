@@ -21,12 +21,13 @@ use crate::element::group::ElementGroup;
 use crate::element::lengths::UserLengthElements;
 use crate::element::rings::RingFactors;
 use crate::element::solid_groups::Connectivity;
+use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::quad;
 use crate::kernel::topology::ElementTopology;
 use crate::mesh::gather::NodalAssembly;
 use crate::model::{
-    EosKind, FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model,
-    RayleighCoefficients, SolidSection, Step,
+    FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, RayleighCoefficients,
+    SolidSection, Step,
 };
 use crate::plan::constraints::links::linked_nodes;
 use crate::plan::constraints::tie_equations::TieEquations;
@@ -39,7 +40,7 @@ use crate::plan::solids::shells::{free_shells, place_rotations, shell_group};
 use crate::plan::solids::solid_material::{GroupInput, solid_group};
 use crate::plan::solids::user_material::calls_routines_at_points;
 use crate::plan::state::SolidState;
-use crate::plan::{Bodies, Links, MeshIndexMap, Report, Scene, SolidPlaces, State};
+use crate::plan::{Bodies, Links, MeshIndexMap, Report, Scene, SectionInput, SolidPlaces, State};
 use crate::state::EffectId;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
@@ -93,7 +94,8 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
         let Some(list) = connectivity_of(model, places, elements, &nodes, report) else { continue };
         let material = &model.materials[section.material];
         let input = GroupInput { model, places, section, material, elements, connectivity: &list, nodes: &nodes };
-        let Some(group) = solid_group(&input, &mut mass, report) else { continue };
+        list.add_masses(&nodes, material.density.unwrap_or(0.0), &mut mass);
+        let Some(group) = solid_group(&input, report) else { continue };
         ids.push(place_elements(places, elements, groups.len(), (section.span, "deformable elements"), report));
         controlled.extend(distortion_control(section, elements.len(), report).map(|ratio| (groups.len(), ratio)));
         damped.push(rayleigh_factors(model, section, elements.len(), report));
@@ -102,12 +104,16 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
         groups.push(group);
     }
     for (section, elements) in &shells {
-        let Some(group) = shell_group(model, places, section, elements, &nodes, &mut mass, report) else { continue };
+        let input = SectionInput { model, places, section: *section, elements, nodes: &nodes };
+        let Some(group) = shell_group(&input, report) else { continue };
+        add_masses(&*group, &mut mass);
         ids.push(place_elements(places, elements, groups.len(), (section.span, "shells"), report));
         groups.push(group);
     }
     for (section, elements) in &interfaces {
-        let Some(group) = cohesive_group(model, places, section, elements, &nodes, &mut mass, report) else { continue };
+        let input = SectionInput { model, places, section: *section, elements, nodes: &nodes };
+        let Some(group) = cohesive_group(&input, report) else { continue };
+        add_masses(&*group, &mut mass);
         ids.push(place_elements(places, elements, groups.len(), (section.span, "cohesive elements"), report));
         groups.push(group);
     }
@@ -180,10 +186,8 @@ fn rayleigh_factors(model: &Model, section: &SolidSection, count: usize, report:
         let message = "WEIGHTING=AREA with *DAMPING is not supported";
         report.push(Diagnostic::error("P050", message).at(section.span, "this section"));
     }
-    let moduli = match material.elastic {
-        Some([young, poisson]) => [young / (3.0 * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson))],
-        None => [0.0; 2],
-    };
+    let ElasticModuli { bulk, shear } =
+        material.elastic.map(|[young, ratio]| ElasticModuli::from_young(young, ratio)).unwrap_or_default();
     if beta > 0.0 && material.elastic.is_none() {
         let message = format!("BETA of *DAMPING requires *ELASTIC, and material {} has none", material.name);
         let help = "use ALPHA, or *BULK VISCOSITY";
@@ -195,7 +199,7 @@ fn rayleigh_factors(model: &Model, section: &SolidSection, count: usize, report:
     if beta > 0.0 {
         report.ledger_row(span, "stiffness proportional damping", count, "elements", format!("beta = {beta}"));
     }
-    RayleighFactors { mass: alpha, stiffness: beta, moduli }
+    RayleighFactors { mass: alpha, stiffness: beta, moduli: [bulk, shear] }
 }
 
 /// Returns the elements of built-in materials whose characteristic length is user-defined (VUCHARLENGTH).
@@ -222,18 +226,15 @@ fn distortion_control(section: &SolidSection, count: usize, report: &mut Report)
 pub fn estimate_frequency(scene: Scene, state: &mut State, report: &mut Report) {
     let asks = |s: &&Step| matches!(s.increment, IncrementControl::Automatic { element_by_element: false, .. });
     let Some(step) = scene.model.steps.iter().find(asks) else { return };
-    if scene.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
-        let why = "with mass scaling the estimate is element by element";
-        report.add_unused_card(step.span, "global estimate of the stable increment", why);
-        return;
-    }
-    if scene.model.steps.iter().any(|s| !s.adaptive.is_empty()) {
-        let why = "with adaptive meshes the estimate is element by element";
-        report.add_unused_card(step.span, "global estimate of the stable increment", why);
-        return;
-    }
-    let Some(mut frequency) = HighestFrequency::new(&state.elements.groups, &state.dofs.nodes) else {
-        let why = if !scene.model.cohesive_sections.is_empty() {
+    let model = scene.model;
+    let frequency = (!model.scales_masses() && !model.has_adaptive_mesh())
+        .then(|| HighestFrequency::new(&state.elements.groups, &state.dofs.nodes));
+    let Some(mut frequency) = frequency.flatten() else {
+        let why = if model.scales_masses() {
+            "with mass scaling the estimate is element by element"
+        } else if model.has_adaptive_mesh() {
+            "with adaptive meshes the estimate is element by element"
+        } else if !model.cohesive_sections.is_empty() {
             "with cohesive elements the estimate is element by element"
         } else if scene.places.rotations.is_empty() {
             "a material is not linear elastic at small strains; the estimate is element by element"
@@ -266,8 +267,8 @@ fn check_steps_alike(model: &Model, report: &mut Report) {
 /// deck.
 fn elements_in_order(model: &Model, bodies: &Bodies, section: &SolidSection) -> Vec<usize> {
     let elements = section.elements.iter().copied().filter(|e| !bodies.of_element.contains_key(e)).collect();
-    let shown = calls_routines_at_points(&model.materials[section.material]);
-    if shown { elements } else { numbering::in_order(elements, &model.mesh) }
+    let keeps_order = calls_routines_at_points(&model.materials[section.material]);
+    if keeps_order { elements } else { numbering::in_order(elements, &model.mesh) }
 }
 
 /// Splits elements into lists of one topology.
@@ -309,6 +310,15 @@ fn connectivity_of(
     })
 }
 
+/// Adds the masses and rotary inertias of a group to its nodes.
+fn add_masses(group: &dyn ElementGroup, mass: &mut [f64]) {
+    for element in 0..group.len() {
+        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
+            mass[n as usize] += m;
+        }
+    }
+}
+
 fn point_masses(model: &Model, places: &SolidPlaces, mass: &mut [f64]) {
     for point in &model.discrete.masses {
         if let Some(n) = places.free_node(point.node) {
@@ -320,7 +330,7 @@ fn point_masses(model: &Model, places: &SolidPlaces, mass: &mut [f64]) {
 /// Warns of elements of an ideal gas with an initial energy and an initial temperature.
 fn check_gas_states(model: &Model, report: &mut Report) {
     let conditions = || model.initial_conditions.iter();
-    let is_gas = |section: &SolidSection| matches!(&model.materials[section.material].eos, Some(eos) if matches!(eos.kind, EosKind::IdealGas(_)));
+    let is_gas = |section: &SolidSection| model.materials[section.material].is_ideal_gas();
     let gas: Vec<usize> = model.sections.iter().filter(|s| is_gas(s)).flat_map(|s| s.elements.clone()).collect();
     for energy in conditions().filter(|c| matches!(c.kind, InitialKind::Energy(_)) && !gas.is_empty()) {
         let both = |heat: &&InitialCondition| {
@@ -406,8 +416,8 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut SolidState, repo
             InitialKind::State(values) => {
                 for (group, i) in condition.members.iter().filter_map(|e| places.elements.get(e)) {
                     let state = groups[*group].extensions().initial_state();
-                    let mut kept = values.iter().enumerate().map(|(v, x)| state.set_state(*i, v, *x) || *x == 0.0);
-                    if !kept.all(|kept| kept) {
+                    let mut results = values.iter().enumerate().map(|(v, x)| state.set_state(*i, v, *x) || *x == 0.0);
+                    if !results.all(|results| results) {
                         let message = format!(
                             "{} state variables are given, but the material of some elements has fewer \
                              (*DEPVAR)",
@@ -441,7 +451,7 @@ pub fn scale_and_estimate(scene: Scene, links: &Links, state: &mut State, report
     if state.elements.is_empty() {
         return;
     }
-    if scene.model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
+    if scene.model.scales_masses() {
         let linked = marked_nodes(state.dofs.nodes.len(), nodes_of_links(links));
         state.elements.store_unscaled_masses(&state.dofs.nodes, linked);
     }

@@ -10,16 +10,15 @@ use crate::kernel::lists::sorted_unique;
 use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{ShellFrame, simpson};
 use crate::model::{MaterialDefinition, Model, PlasticityModel, ShellSection, ShellThinning};
-use crate::plan::queries::adiabatic;
 use crate::plan::solids::solid_material::{bulk_viscosity, heating, yield_stress};
-use crate::plan::{Bodies, Report, Scene, SolidPlaces};
+use crate::plan::{Bodies, Report, Scene, SectionInput, SolidPlaces};
 use crate::state::nodes::Node;
 
 /// Returns the shell sections with their elements that do not belong to a rigid body.
 pub fn free_shells<'a>(model: &'a Model, bodies: &'a Bodies) -> Vec<(&'a ShellSection, Vec<usize>)> {
     let free = |e: &usize| !bodies.of_element.contains_key(e);
-    let of = |s: &ShellSection| s.elements.iter().copied().filter(free).collect();
-    let sections = model.shell_sections.iter().map(|s| (s, of(s)));
+    let free_elements = |s: &ShellSection| s.elements.iter().copied().filter(free).collect();
+    let sections = model.shell_sections.iter().map(|s| (s, free_elements(s)));
     sections.filter(|(_, elements): &(_, Vec<usize>)| !elements.is_empty()).collect()
 }
 
@@ -42,16 +41,9 @@ pub fn place_rotations(
     }
 }
 
-/// Creates the element group of a section and adds its masses and rotary inertias.
-pub fn shell_group(
-    model: &Model,
-    places: &SolidPlaces,
-    section: &ShellSection,
-    elements: &[usize],
-    nodes: &[Node],
-    mass: &mut [f64],
-    report: &mut Report,
-) -> Option<Box<dyn ElementGroup>> {
+/// Creates the element group of a section.
+pub fn shell_group(input: &SectionInput<ShellSection>, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
+    let SectionInput { model, places, section, elements, nodes } = *input;
     let material = &model.materials[section.material];
     let section_of_group = shell_properties(model, section, material, elements.len(), report)?;
     let corners = |&e: &usize| {
@@ -66,13 +58,7 @@ pub fn shell_group(
         let message = format!("element {} is on the axis or has no length", element.name);
         return report.refuse(Diagnostic::error("P012", message).at(element.span, "this element"));
     }
-    let group = ShellGroup::new(section_of_group, list, nodes);
-    for element in 0..group.len() {
-        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
-            mass[n as usize] += m;
-        }
-    }
-    Some(Box::new(group))
+    Some(Box::new(ShellGroup::new(section_of_group, list, nodes)))
 }
 
 /// Lists cards of a material without effect on shells as unused, unless solid elements have the material too.
@@ -100,7 +86,7 @@ fn shell_properties(
     count: usize,
     report: &mut Report,
 ) -> Option<ShellProperties> {
-    if let Some(message) = refusal(material, adiabatic(model)) {
+    if let Some(message) = refusal(material, model.is_adiabatic()) {
         let message = format!("material `{}`: {message}", material.name);
         let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
         report.push(finding.help("shells support *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
@@ -112,7 +98,7 @@ fn shell_properties(
         None => None,
         Some(plastic) => {
             let law = yield_stress(plastic, material, section.span, report)?;
-            let heats = adiabatic(model);
+            let heats = model.is_adiabatic();
             let heating = if heats { heating(material, density) } else { crate::kernel::heating::PlasticHeating::None };
             let heat = if heating.is_none() { "" } else { ", heated by plastic work" };
             let kind =
@@ -155,8 +141,8 @@ pub fn add_masses_of_shells(scene: Scene, elements: &[usize], masses: &mut Index
         let material = &scene.model.materials[section.material];
         let (Some([young, ratio]), Some(density)) = (material.elastic, material.density) else { continue };
         let per_area = density * section.thickness + section.per_area;
-        let own = |e: &&usize| section.elements.contains(e) && scene.places.elements.contains_key(e);
-        for &e in elements.iter().filter(own) {
+        let is_deformable = |e: &&usize| section.elements.contains(e) && scene.places.elements.contains_key(e);
+        for &e in elements.iter().filter(is_deformable) {
             let ends = [0, 1].map(|i| mesh.elements[e].nodes[i]);
             let places = ends.map(|n| mesh.points[n]);
             let elastic = PlaneElastic { young, ratio };

@@ -19,21 +19,21 @@ const BULK_OVER_SHEAR: f64 = 20.0;
 pub fn rubber_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
     let HyperelasticLaw { shape, compressibility, span } = solid.material.hyperelastic.as_ref()?;
     let shear = shape.shear();
-    let given = compressibility.first().is_some_and(|d1| *d1 > 0.0);
+    let is_compressible = compressibility.first().is_some_and(|d1| *d1 > 0.0);
     let standard = vec![0.5 * BULK_OVER_SHEAR * shear];
     let inverse: Vec<f64> = compressibility.iter().map(|d| if *d > 0.0 { 1.0 / d } else { 0.0 }).collect();
-    let volume = VolumetricEnergy { inverse: if given { inverse } else { standard } };
+    let volume = VolumetricEnergy { inverse: if is_compressible { inverse } else { standard } };
     let name = match shape {
         DeviatoricEnergy::NeoHooke(_) => "neo-Hooke".into(),
         DeviatoricEnergy::Polynomial(terms) => format!("polynomial of {} constants", terms.len()),
         DeviatoricEnergy::Ogden(terms) => format!("Ogden of order {}", terms.len()),
     };
-    let how = if given { "" } else { ", by default 20 times the shear modulus" };
+    let how = if is_compressible { "" } else { ", by default 20 times the shear modulus" };
     let detail = format!("{name}, shear modulus {shear}, bulk modulus {}{how}", volume.initial());
     report.ledger_row(*span, "rubber elasticity", 1, "material", detail);
     Some(match shape {
         DeviatoricEnergy::NeoHooke(c10) => {
-            let d1 = if given { compressibility[0] } else { 2.0 / (BULK_OVER_SHEAR * shear) };
+            let d1 = if is_compressible { compressibility[0] } else { 2.0 / (BULK_OVER_SHEAR * shear) };
             SolidMaterial::NeoHooke(NeoHooke { c10: *c10, d1 })
         }
         DeviatoricEnergy::Polynomial(terms) => {

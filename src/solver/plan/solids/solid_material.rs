@@ -23,7 +23,6 @@ use crate::model::{
     DamageEvolution, EosKind, FailureCriterion, HourglassMethod, MaterialDefinition, Model, PlasticityModel,
     RateDependence, SectionControls, SolidSection, StrainAtFailure,
 };
-use crate::plan::queries::{adiabatic, conducts};
 use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
 use crate::plan::solids::user_material::{calls_routines_at_points, law_group, require_length_routine, user_group};
 use crate::plan::{Report, SolidPlaces};
@@ -82,33 +81,32 @@ pub struct SolidProperties<'a> {
     absolute_zero: f64,
 }
 
-pub fn solid_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> Option<Box<dyn ElementGroup>> {
+pub fn solid_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
     let GroupInput { model, section, material, connectivity, nodes, .. } = *input;
     let shear_viscosity = shear_viscosity(input, report)?;
     if let Some(constants) = &material.user.material
         && let Some(law) = report.routines.law(&material.name)
     {
         let law = Arc::clone(law);
-        return law_group(input, constants, law, mass, report);
+        return law_group(input, constants, law, report);
     }
     if calls_routines_at_points(material) {
         if section.controls.by_area {
             let message = "WEIGHTING=AREA with user subroutines is not supported";
             return report.refuse(Diagnostic::error("P050", message).at(section.span, "this section"));
         }
-        return user_group(input, mass, report);
+        return user_group(input, report);
     }
     let evolves = material.failures.iter().any(FailureCriterion::takes_length);
     require_length_routine(input, evolves, report)?;
     let moduli = elastic_moduli(material, section.span, report)?;
     let density = material.density.unwrap_or(0.0);
-    connectivity.add_masses(nodes, density, mass);
     let hourglass = hourglass_control(input, moduli, report)?;
     let by_area = section.controls.by_area;
     let bulk_viscosity = bulk_viscosity(model, material.eos.is_some() || by_area);
     let ElasticModuli { bulk, shear } = moduli;
     let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity, by_area };
-    let heats = adiabatic(model) || conducts(model, section);
+    let heats = model.is_adiabatic() || model.conducts_heat(section);
     solid_rows(input, &constants, heats, report);
     let (deletion_margin, keep_elements) = damage_limits(section, material, report);
     let subzonal = subzonal(input, report)?;
@@ -128,8 +126,7 @@ pub fn solid_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) ->
 /// Selects the law of a material.
 fn solid_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
     let material = solid.material;
-    let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
-    if !burns && !material.detonation.is_empty() {
+    if !material.is_explosive() && !material.detonation.is_empty() {
         report.add_unused_card(material.span, "*DETONATION POINT", "it applies only to *EOS, TYPE=JWL");
     }
     let row = MATERIALS.iter().find(|row| (row.applies)(material))?;
@@ -195,9 +192,8 @@ pub fn elastic_moduli(material: &MaterialDefinition, span: Span, report: &mut Re
         MaterialDefinition { elastic: Some(_), elastic_table, .. } if !elastic_table.is_empty() => {
             return Some(stiffest(elastic_table));
         }
-        MaterialDefinition { elastic: Some([e, nu]), .. } => {
-            let bulk = e / (3.0 * (1.0 - 2.0 * nu));
-            return Some(ElasticModuli { bulk, shear: e / (2.0 * (1.0 + nu)) });
+        MaterialDefinition { elastic: Some([young, ratio]), .. } => {
+            return Some(ElasticModuli::from_young(*young, *ratio));
         }
         MaterialDefinition { shear_modulus: Some(_), .. } => {
             format!("material `{}` has only a shear modulus: *EOS is missing", material.name)
@@ -306,11 +302,11 @@ fn hardening_law(solid: &SolidProperties, report: &mut Report) -> Option<Hardeni
 
 /// Returns 1 - MAX DEGRADATION, and whether elements that reach this damage are kept.
 fn damage_limits(section: &SolidSection, material: &MaterialDefinition, report: &mut Report) -> (f64, bool) {
-    let most = section.controls.max_degradation;
-    let (deletion_margin, keep_elements) = (1.0 - most, section.controls.keep_failed_elements.is_some());
+    let max_degradation = section.controls.max_degradation;
+    let (deletion_margin, keep_elements) = (1.0 - max_degradation, section.controls.keep_failed_elements.is_some());
     let grows = material.failures.iter().any(|f| f.evolution != DamageEvolution::Absent);
     if grows && keep_elements {
-        let detail = format!("MAX DEGRADATION {most}: the remaining stiffness is kept");
+        let detail = format!("MAX DEGRADATION {max_degradation}: the remaining stiffness is kept");
         report.ledger_row(section.span, "failed elements stay", section.elements.len(), "elements", detail);
     }
     if deletion_margin > 0.0 && !keep_elements && !grows {
@@ -357,7 +353,7 @@ fn check_by_area(input: &GroupInput, report: &mut Report) -> Option<()> {
         Some("WEIGHTING=AREA together with shells is not supported")
     } else if !model.cohesive_sections.is_empty() {
         Some("WEIGHTING=AREA together with cohesive elements is not supported")
-    } else if !places.tied.is_empty() || model.steps.iter().any(|s| !s.mass_scalings.is_empty()) {
+    } else if !places.tied.is_empty() || model.scales_masses() {
         Some("WEIGHTING=AREA with tied rigid bodies or scaled masses is not supported")
     } else {
         None
@@ -402,8 +398,8 @@ fn quad_hourglass(input: &GroupInput, moduli: ElasticModuli, report: &mut Report
 
 /// Returns the bulk viscosity, which all steps share; `whole_rate` if the linear term needs the whole rate.
 pub fn bulk_viscosity(model: &Model, whole_rate: bool) -> BulkViscosity {
-    let given = model.steps.first().map(|s| s.bulk_viscosity).unwrap_or_default();
-    if whole_rate { given.unfiltered() } else { given }
+    let viscosity = model.steps.first().map(|s| s.bulk_viscosity).unwrap_or_default();
+    if whole_rate { viscosity.unfiltered() } else { viscosity }
 }
 
 fn solid_rows(input: &GroupInput, constants: &ElementConstants, heats: bool, report: &mut Report) {
@@ -578,10 +574,11 @@ pub fn rate_factor(rate: Option<&RateDependence>) -> Option<RateFactor> {
 
 /// Returns the largest moduli of a table. The linear interpolation between its rows does not exceed them.
 fn stiffest(rows: &[Vec<f64>]) -> ElasticModuli {
-    let largest = |of: fn(f64, f64) -> f64| rows.iter().map(|r| of(r[0], r[1])).fold(0.0, f64::max);
-    let bulk = largest(|e, nu| e / (3.0 * (1.0 - 2.0 * nu)));
-    let shear = largest(|e, nu| e / (2.0 * (1.0 + nu)));
-    ElasticModuli { bulk, shear }
+    let moduli = rows.iter().map(|row| ElasticModuli::from_young(row[0], row[1]));
+    moduli.fold(ElasticModuli::default(), |largest, next| ElasticModuli {
+        bulk: largest.bulk.max(next.bulk),
+        shear: largest.shear.max(next.shear),
+    })
 }
 
 /// Creates kinematic hardening from rows of yield stress, hardening modulus and temperature.

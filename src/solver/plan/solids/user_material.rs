@@ -16,7 +16,7 @@ use crate::material::user::description::{
     BuiltInPlasticity, FieldElasticity, MOST_DEPENDENCIES, UserMaterialData, YieldOverFields, YieldSource,
 };
 use crate::model::{MaterialDefinition, PlasticityModel, SolidSection, StateVariables};
-use crate::plan::queries::{adiabatic, conducts, field_variables};
+use crate::plan::queries::field_variables;
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::solid_material::{
     GroupInput, bulk_viscosity, control_rows, elastic_moduli, heating, hourglass_control, rate_factor, yield_stress,
@@ -44,7 +44,7 @@ enum UserLaw<'m> {
 }
 
 /// Creates the element group of a material that is evaluated point by point.
-pub fn user_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> Option<Box<dyn ElementGroup>> {
+pub fn user_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
     let GroupInput { model, section, material, elements, connectivity, nodes, .. } = *input;
     let (law, moduli) = match &material.user.material {
         Some(properties) => (UserLaw::Stress(properties, "vumat"), user_moduli(input, report)?),
@@ -54,15 +54,17 @@ pub fn user_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) -> 
     require_field_routine(input, report)?;
     let takes_lengths = material.user.material.is_some() || material.user.fields.is_some();
     require_length_routine(input, takes_lengths, report)?;
-    connectivity.add_masses(nodes, density, mass);
     let hourglass = hourglass_control(input, moduli, report)?;
     let bulk_viscosity = bulk_viscosity(model, false);
     // The moduli of a user material are computed from its first call.
     let user_stress = matches!(law, UserLaw::Stress(..));
     let [bulk, shear] = if user_stress { [0.0; 2] } else { [moduli.bulk, moduli.shear] };
     let constants = ElementConstants { bulk, shear, hourglass, bulk_viscosity, shear_viscosity: 0.0, by_area: false };
-    let heating =
-        if adiabatic(model) || conducts(model, section) { heating(material, density) } else { PlasticHeating::None };
+    let heating = if model.is_adiabatic() || model.conducts_heat(section) {
+        heating(material, density)
+    } else {
+        PlasticHeating::None
+    };
     user_rows(input, &law, connectivity.element_type(), &constants, &heating, report);
     let StateVariables { count, delete } = material.user.state;
     let (properties, flow) = match law {
@@ -109,7 +111,6 @@ pub fn law_group(
     input: &GroupInput,
     constants: &[f64],
     law: Arc<dyn MaterialLaw>,
-    mass: &mut [f64],
     report: &mut Report,
 ) -> Option<Box<dyn ElementGroup>> {
     let GroupInput { model, section, material, connectivity, nodes, .. } = *input;
@@ -126,7 +127,6 @@ pub fn law_group(
             format!("the law of material `{name}` needs {least} state variables, but *DEPVAR gives {variables}")
         }
         (Some(density), Ok(moduli)) => {
-            connectivity.add_masses(nodes, density, mass);
             let hourglass = hourglass_control(input, moduli, report)?;
             let bulk_viscosity = bulk_viscosity(model, false);
             let group = ElementConstants {
@@ -154,12 +154,9 @@ fn user_moduli(input: &GroupInput, report: &mut Report) -> Option<ElasticModuli>
         ("P013", format!("material `{}` has no *DENSITY", material.name))
     } else if let Some(other) = law_beside_user_material(material) {
         ("P041", format!("material `{}` has {other} in addition to *USER MATERIAL", material.name))
-    } else if report.routines.material.is_none() {
-        let asks = format!("material `{}` is user-defined (*USER MATERIAL)", material.name);
-        report.refuse_missing_routine(section.span, "section", &asks, "vumat");
-        return None;
     } else {
-        report.called_routines.push("vumat");
+        let asks = format!("material `{}` is user-defined (*USER MATERIAL)", material.name);
+        report.require_routine(section.span, "section", &asks, "vumat")?;
         // Unit values: hourglass factors are multiplied by the moduli of the first call.
         return Some(ElasticModuli { bulk: 1.0, shear: 1.0 });
     };
@@ -171,7 +168,7 @@ fn user_moduli(input: &GroupInput, report: &mut Report) -> Option<ElasticModuli>
 fn user_flow<'m>(input: &GroupInput<'m>, report: &mut Report) -> Option<(UserLaw<'m>, ElasticModuli)> {
     let GroupInput { section, material, .. } = *input;
     let moduli = elastic_moduli(material, section.span, report)?;
-    let cause = if material.user.fields.is_some() {
+    let reason = if material.user.fields.is_some() {
         "*USER DEFINED FIELD"
     } else if flows_at_points(material) {
         "*PLASTIC, HARDENING=USER or DEPENDENCIES="
@@ -188,18 +185,15 @@ fn user_flow<'m>(input: &GroupInput<'m>, report: &mut Report) -> Option<(UserLaw
         (material.rate.is_some() && matches!(material.plastic, Some(PlasticityModel::User(_))), "*RATE DEPENDENT"),
     ];
     if let Some((_, other)) = beside.iter().find(|(there, _)| *there) {
-        let message = format!("material `{}` has {cause} together with {other}, which is not supported", material.name);
+        let message =
+            format!("material `{}` has {reason} together with {other}, which is not supported", material.name);
         return report.refuse(Diagnostic::error("P041", message).at(material.span, "this material"));
     }
     let yields = match &material.plastic {
         None => YieldSource::Never,
         Some(PlasticityModel::User(properties)) => {
-            if report.routines.hardening.is_none() {
-                let asks = format!("the hardening of `{}` is user-defined (*PLASTIC, HARDENING=USER)", material.name);
-                report.refuse_missing_routine(section.span, "section", &asks, "vuhard");
-                return None;
-            }
-            report.called_routines.push("vuhard");
+            let asks = format!("the hardening of `{}` is user-defined (*PLASTIC, HARDENING=USER)", material.name);
+            report.require_routine(section.span, "section", &asks, "vuhard")?;
             YieldSource::User(properties.clone())
         }
         Some(PlasticityModel::OverFields(rows)) => yield_over_fields(input, rows, report)?,
@@ -212,12 +206,8 @@ fn user_flow<'m>(input: &GroupInput<'m>, report: &mut Report) -> Option<(UserLaw
 fn require_field_routine(input: &GroupInput, report: &mut Report) -> Option<()> {
     let GroupInput { section, material, .. } = *input;
     let Some((properties, span)) = &material.user.fields else { return Some(()) };
-    if report.routines.fields.is_none() {
-        let asks = format!("the fields of `{}` are user-defined (*USER DEFINED FIELD)", material.name);
-        report.refuse_missing_routine(section.span, "section", &asks, "vusdfld");
-        return None;
-    }
-    report.called_routines.push("vusdfld");
+    let asks = format!("the fields of `{}` are user-defined (*USER DEFINED FIELD)", material.name);
+    report.require_routine(section.span, "section", &asks, "vusdfld")?;
     let detail = format!("vusdfld: {} constants, {} state variables", properties.len(), material.user.state.count);
     report.ledger_row(*span, "user-defined fields", 1, "material", detail);
     Some(())
@@ -232,12 +222,8 @@ pub fn require_length_routine(input: &GroupInput, takes: bool, report: &mut Repo
         report.add_unused_card(*span, "*CHARACTERISTIC LENGTH", why);
         return Some(());
     }
-    if report.routines.lengths.is_none() {
-        let asks = format!("the characteristic length of `{}` is user-defined (*CHARACTERISTIC LENGTH)", material.name);
-        report.refuse_missing_routine(section.span, "section", &asks, "vucharlength");
-        return None;
-    }
-    report.called_routines.push("vucharlength");
+    let asks = format!("the characteristic length of `{}` is user-defined (*CHARACTERISTIC LENGTH)", material.name);
+    report.require_routine(section.span, "section", &asks, "vucharlength")?;
     let detail = format!("vucharlength: {} constants", properties.len());
     report.ledger_row(*span, "characteristic length", 1, "material", detail);
     Some(())
@@ -255,8 +241,8 @@ fn user_rows(
     let name = &material.name;
     let heated = if heating.is_none() { "" } else { ", heated by inelastic work" };
     let variables = material.user.state.count;
-    let by = if matches!(law, UserLaw::Stress(..)) { "user-defined" } else { "elastic" };
-    let detail = format!("material {name}, {by}, Jaumann rate");
+    let elasticity = if matches!(law, UserLaw::Stress(..)) { "user-defined" } else { "elastic" };
+    let detail = format!("material {name}, {elasticity}, Jaumann rate");
     report.ledger_row(section.span, "deformable elements", count, element_type, detail);
     match law {
         UserLaw::Stress(properties, who) => {
@@ -334,11 +320,11 @@ pub fn fails(material: &MaterialDefinition) -> bool {
 /// Returns tables of moduli over temperature and field variables; `None` if the moduli are constant.
 fn elasticity(input: &GroupInput, report: &mut Report) -> Option<Arc<FieldElasticity>> {
     let rows = &input.material.elastic_table;
-    let of = |value: usize| {
+    let table_of = |value: usize| {
         let rows: Vec<Vec<f64>> = rows.iter().map(|r| [&r[value..=value], &r[2..]].concat()).collect();
         NestedTable::new(&rows)
     };
-    let (young, ratio) = (of(0)?, of(1)?);
+    let (young, ratio) = (table_of(0)?, table_of(1)?);
     let fields = rows.first()?.len() - 3;
     let detail = format!("{} rows over temperature and {fields} field variables", rows.len());
     report.ledger_row(input.section.span, "moduli", input.elements.len(), "elements", detail);
