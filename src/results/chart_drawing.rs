@@ -83,9 +83,9 @@ impl<'a> ChartDrawing<'a> {
             AxisScale::LogLog => libm::log(value / low) / libm::log(high / low),
         };
         let [right, bottom] = self.corner();
-        let place =
+        let position =
             [MARGIN[0] + along(x, self.x) * (right - MARGIN[0]), bottom - along(y, self.y) * (bottom - MARGIN[2])];
-        place.iter().all(|p| p.is_finite()).then_some(place)
+        position.iter().all(|p| p.is_finite()).then_some(position)
     }
 
     fn complete(mut self) -> Drawing {
@@ -111,23 +111,23 @@ impl<'a> ChartDrawing<'a> {
         let (ticks, labels, exponent) = ticks(low, high, self.chart.scale);
         let [right, bottom] = self.corner();
         for (tick, label) in ticks.into_iter().zip(labels) {
-            let at = if axis == 0 { (tick, self.y[0]) } else { (self.x[0], tick) };
-            let Some([x, y]) = self.place(at) else { continue };
-            let (line, place, anchor) = match axis {
+            let point = if axis == 0 { (tick, self.y[0]) } else { (self.x[0], tick) };
+            let Some([x, y]) = self.place(point) else { continue };
+            let (line, label_position, anchor) = match axis {
                 0 => ([[x, bottom], [x, MARGIN[2]]], [x, bottom + 22.0], TextAnchor::Middle),
                 _ => ([[MARGIN[0], y], [right, y]], [MARGIN[0] - 8.0, y + 5.0], TextAnchor::End),
             };
             self.drawing.path(line, false, ShapePaint::stroke(0xe2_e2_e2, 1.0));
-            self.drawing.label(TextLabel::new(place, anchor, label));
+            self.drawing.label(TextLabel::new(label_position, anchor, label));
         }
         let name = [&self.chart.x_label, &self.chart.y_label][axis];
         let name = axis::title(name, &self.chart.units[axis], exponent);
         let (across, up) = (0.5 * (MARGIN[0] + right), 0.5 * (MARGIN[2] + bottom));
-        let place = if axis == 0 { [across, bottom + 48.0] } else { [24.0, up] };
+        let title_position = if axis == 0 { [across, bottom + 48.0] } else { [24.0, up] };
         self.drawing.label(TextLabel {
             size: 17.0,
             upright: axis == 1,
-            ..TextLabel::new(place, TextAnchor::Middle, name)
+            ..TextLabel::new(title_position, TextAnchor::Middle, name)
         });
     }
 

@@ -104,9 +104,9 @@ pub fn between(times: &[f64], value: impl Fn(usize) -> f64, time: f64) -> Option
     if *times.get(after)? == time {
         return Some(value(after));
     }
-    let before = after.checked_sub(1)?;
-    let (u, v) = (value(before), value(after));
-    Some(u + (v - u) * (time - times[before]) / (times[after] - times[before]))
+    let previous = after.checked_sub(1)?;
+    let (u, v) = (value(previous), value(after));
+    Some(u + (v - u) * (time - times[previous]) / (times[after] - times[previous]))
 }
 
 /// Summary of a column over all rows.

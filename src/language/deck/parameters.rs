@@ -125,15 +125,15 @@ impl Parameters {
     /// Returns the value of a definition or of its override; `None` after an error. An unknown value of another parameter
     /// is not reported again.
     fn value_of(&self, name: &str, text: &str, span: Span, diagnostics: &mut Diagnostics) -> Option<ParameterValue> {
-        let own = self.evaluate(text);
-        let (found, replacement) = match (self.overrides.get(name), own) {
-            (None, own) => (own, None),
-            (Some(replacement), own) => match (self.evaluate(replacement), own) {
+        let defined = self.evaluate(text);
+        let (evaluated, replacement) = match (self.overrides.get(name), defined) {
+            (None, defined) => (defined, None),
+            (Some(replacement), defined) => match (self.evaluate(replacement), defined) {
                 (Err(_), Ok(ParameterValue::Text(_))) => (Ok(ParameterValue::Text(replacement.clone())), None),
                 (found, _) => (found, Some(replacement)),
             },
         };
-        let error = match found {
+        let error = match evaluated {
             Ok(value) => return Some(value),
             Err(error) => error,
         };
@@ -195,8 +195,8 @@ impl Parameters {
         if !word.text.contains('<') {
             return word;
         }
-        let (mut result, mut rest) = (String::new(), word.text.as_str());
-        while let Some((before, name, after)) = next_reference(rest) {
+        let (mut result, mut remaining) = (String::new(), word.text.as_str());
+        while let Some((before, name, after)) = next_reference(remaining) {
             result.push_str(before);
             match self.values.get(name) {
                 Some(value) => result.push_str(&value.written()),
@@ -207,9 +207,9 @@ impl Parameters {
                     result.push_str(&format!("<{name}>"));
                 }
             }
-            rest = after;
+            remaining = after;
         }
-        result.push_str(rest);
+        result.push_str(remaining);
         word.text = result;
         word
     }
@@ -308,13 +308,13 @@ fn without_comment(line: &str) -> &str {
 /// Splits a line at each `;` outside quotes.
 fn statements(line: &str) -> Vec<&str> {
     let mut from = 0;
-    let mut all: Vec<&str> = Vec::new();
+    let mut parts: Vec<&str> = Vec::new();
     for at in outside_quotes(line, ';') {
-        all.push(&line[from..at]);
+        parts.push(&line[from..at]);
         from = at + 1;
     }
-    all.push(&line[from..]);
-    all.into_iter().map(str::trim).filter(|s| !s.is_empty()).collect()
+    parts.push(&line[from..]);
+    parts.into_iter().map(str::trim).filter(|s| !s.is_empty()).collect()
 }
 
 /// Iterates over the positions of a character outside quotes.

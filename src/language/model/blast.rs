@@ -64,16 +64,16 @@ pub fn read_incident_wave(
             continue;
         };
         let Some(source) = context.single_node(word, "the source") else { continue };
-        let place = context.model.mesh.points[source];
-        if place[0] != 0.0 {
-            let message = format!("the source must be on the axis of symmetry, found r = {}", place[0]);
+        let position = context.model.mesh.points[source];
+        if position[0] != 0.0 {
+            let message = format!("the source must be on the axis of symmetry, found r = {}", position[0]);
             context.out_of_range(word.span, message);
         }
         let (Some(detonation), Some(magnitude)) = (context.number_or(line, 2, 0.0), context.number_or(line, 3, 1.0))
         else {
             continue;
         };
-        let kind = LoadKind::Blast { sides, charge, height: place[1], detonation };
+        let kind = LoadKind::Blast { sides, charge, height: position[1], detonation };
         steps.state().loads.push(Load { kind, magnitude, amplitude: None, span: line.span });
     }
 }

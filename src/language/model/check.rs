@@ -36,7 +36,7 @@ pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<IgnoredC
         if last_step.is_some_and(|last| at > last) {
             checker.after_last_step(card);
         }
-        let before = checker.diagnostics.error_count();
+        let errors_before = checker.diagnostics.error_count();
         let mut is_stray = false;
         if card.keyword.tier == KeywordTier::Used {
             is_stray = checker.place(card);
@@ -56,7 +56,7 @@ pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<IgnoredC
             KeywordTier::UnsupportedInert => checker.inert(card.keyword.name.into(), card.span, NO_EFFECT),
             KeywordTier::Used | KeywordTier::UnsupportedPhysics => {}
         }
-        if is_stray || checker.diagnostics.error_count() > before {
+        if is_stray || checker.diagnostics.error_count() > errors_before {
             faulty.insert(card.span);
         }
     }
@@ -194,11 +194,11 @@ impl CardChecker<'_> {
     }
 
     fn parameters(&mut self, card: &Card) {
-        let before = self.diagnostics.error_count();
+        let errors_before = self.diagnostics.error_count();
         let rules = card.parameters.iter().filter_map(|p| Some((p, card.keyword.rule(p.name)?)));
         let (read, others): (Vec<_>, Vec<_>) = rules.partition(|(_, rule)| rule.usage == InputUsage::Read);
         read.iter().for_each(|(parameter, rule)| check_parameter(card, rule, parameter, self.diagnostics));
-        let has_error = self.diagnostics.error_count() > before;
+        let has_error = self.diagnostics.error_count() > errors_before;
         for (parameter, rule) in others {
             let (name, keyword) = (parameter.name, card.keyword.name);
             match rule.usage {
@@ -245,18 +245,18 @@ impl CardChecker<'_> {
         }
         let error_count = self.diagnostics.error_count();
         let mut faults = DataFaults::default();
-        let mut before = 0;
+        let mut values_before = 0;
         for (i, line) in card.lines.iter().enumerate() {
-            self.line(card, shape, (i, line, before), &mut faults);
-            before = shape.values_after(before, line.fields.len());
+            self.line(card, shape, (i, line, values_before), &mut faults);
+            values_before = shape.values_after(values_before, line.fields.len());
         }
         for (i, row) in card.rows.iter().enumerate() {
             let count = row.field_count(self.sources);
-            let read = |k| shape.field(i, k, before).is_some_and(|rule| rule.usage == InputUsage::Read);
+            let read = |k| shape.field(i, k, values_before).is_some_and(|rule| rule.usage == InputUsage::Read);
             if !(0..count).all(read) {
-                self.line(card, shape, (i, &row.line(self.sources), before), &mut faults);
+                self.line(card, shape, (i, &row.line(self.sources), values_before), &mut faults);
             }
-            before = shape.values_after(before, count);
+            values_before = shape.values_after(values_before, count);
         }
         faults.report(card, self.diagnostics);
         let of_values = std::mem::take(&mut self.of_values);
@@ -400,13 +400,13 @@ fn is_one_of(word: &Word, values: &[&str]) -> bool {
 /// Returns the number that two fields would form with a decimal point in place of the comma, if both are digits next to
 /// it.
 fn decimal_comma(line: &DataLine, index: usize) -> Option<String> {
-    let (before, word) = (line.fields.get(index.checked_sub(1)?)?, &line.fields[index]);
+    let (previous, word) = (line.fields.get(index.checked_sub(1)?)?, &line.fields[index]);
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
-    let close = before.span.file == word.span.file && before.span.end + 1 == word.span.start;
-    let whole = before.text.strip_prefix(['-', '+']).unwrap_or(&before.text);
+    let close = previous.span.file == word.span.file && previous.span.end + 1 == word.span.start;
+    let whole = previous.text.strip_prefix(['-', '+']).unwrap_or(&previous.text);
     let decimals = word.text.split(['e', 'E', 'd', 'D']).next().unwrap_or("");
     let fits = close && digits(whole) && digits(decimals) && parse_number(&word.text).is_ok();
-    fits.then(|| format!("{}.{}", before.text, word.text))
+    fits.then(|| format!("{}.{}", previous.text, word.text))
 }
 
 #[cfg(test)]
@@ -421,9 +421,9 @@ mod tests {
 
     #[test]
     fn a_decimal_comma_is_suspected() {
-        let found = codes("*Material, name=A\n*Density\n7850,5\n*Elastic\n210,5, 0,3\n");
-        assert!(found[0].starts_with("M163") && found[0].ends_with("write 7850.5"), "{found:?}");
-        assert!(found[1].starts_with("M161") && found[1].ends_with("write 0.3"), "{found:?}");
+        let reported = codes("*Material, name=A\n*Density\n7850,5\n*Elastic\n210,5, 0,3\n");
+        assert!(reported[0].starts_with("M163") && reported[0].ends_with("write 7850.5"), "{reported:?}");
+        assert!(reported[1].starts_with("M161") && reported[1].ends_with("write 0.3"), "{reported:?}");
         assert!(codes("*Material, name=A\n*Density\n7850., 20.\n").is_empty());
     }
 

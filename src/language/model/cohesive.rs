@@ -38,8 +38,8 @@ pub fn read_cohesive_section(context: &mut Context<'_>, sections: &mut SectionRe
     };
     let cards::CohesiveSection { geometric, values: [thickness] } = card.values();
     let named = card.value("CONTROLS").cloned();
-    let at = SectionIndex::Cohesive(context.model.cohesive_sections.len());
-    sections.controls_used.extend(named.map(|word| (at, word)));
+    let section = SectionIndex::Cohesive(context.model.cohesive_sections.len());
+    sections.controls_used.extend(named.map(|word| (section, word)));
     context.model.cohesive_sections.push(CohesiveSection {
         elements,
         material,

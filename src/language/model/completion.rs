@@ -42,11 +42,11 @@ fn report_missing_dofs(context: &mut Context<'_>, conditions: &mut ConditionRead
         }
         _ => None,
     });
-    let mut all: Vec<RotationalCondition> = velocities.chain(forces).collect();
-    all.append(&mut conditions.rotational);
+    let mut rotational: Vec<RotationalCondition> = velocities.chain(forces).collect();
+    rotational.append(&mut conditions.rotational);
     let mut reported = Vec::new();
     let turning = nodes_of_shells(context);
-    for condition in all {
+    for condition in rotational {
         let links = &context.model.constraints.links;
         let references = |n: &usize| {
             context.model.rigid_bodies.iter().any(|b| b.reference == *n) || links.iter().any(|l| l.reference == *n)

@@ -337,8 +337,8 @@ impl ConsistencyCheck<'_> {
             let nodes: Vec<usize> = equation.terms.iter().map(|t| t.0).collect();
             self.nodes(equation.span, &nodes);
             if equation.is_thermal() {
-                let all = equation.terms.iter().all(|t| t.1 == 11);
-                self.value(all, equation.span, "an equation cannot combine temperatures (11) and displacements");
+                let are_thermal = equation.terms.iter().all(|t| t.1 == 11);
+                self.value(are_thermal, equation.span, "an equation cannot combine temperatures (11) and displacements");
             } else {
                 equation.terms.iter().for_each(|t| self.degree(equation.span, t.1, 2));
             }

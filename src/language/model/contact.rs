@@ -105,24 +105,24 @@ fn segment(context: &mut Context<'_>, line: &DataLine, from: [f64; 2]) -> Option
         let help = "use LINE or CIRCL";
         return context.refuse_unsupported(line.span, "this segment of an analytical surface is not supported", help);
     }
-    let to = [context.number(line, 1, "r")?, context.number(line, 2, "z")?];
-    if from == to {
+    let end = [context.number(line, 1, "r")?, context.number(line, 2, "z")?];
+    if from == end {
         return context.refuse_value(line.span, "this segment has zero length");
     }
     if is("LINE") {
         if let Some(surplus) = line.field(3).or(line.field(4)) {
             context.report_surplus(surplus, "LINE has two coordinates; CIRCL has a centre");
         }
-        return Some(ProfileSegment::Line([from, to]));
+        return Some(ProfileSegment::Line([from, end]));
     }
     let centre = [context.number(line, 3, "r of the centre")?, context.number(line, 4, "z of the centre")?];
-    let centre = equidistant_centre(from, to, arc_centre(context, from, to, centre, line.span)?);
-    let (u, v) = ([from[0] - centre[0], from[1] - centre[1]], [to[0] - centre[0], to[1] - centre[1]]);
+    let centre = equidistant_centre(from, end, arc_centre(context, from, end, centre, line.span)?);
+    let (u, v) = ([from[0] - centre[0], from[1] - centre[1]], [end[0] - centre[0], end[1] - centre[1]]);
     let sine = (u[0] * v[1] - u[1] * v[0]) / (u[0].portable_hypot(u[1]) * v[0].portable_hypot(v[1]));
     if sine.abs() < 1e-6 {
         return context.refuse_value(line.span, "an arc must be shorter than half a circle; split it into two arcs");
     }
-    Some(ProfileSegment::arc(from, to, centre))
+    Some(ProfileSegment::arc(from, end, centre))
 }
 
 /// Returns the centre of an arc. If the distances to the ends differ by more than rounding, the centre is corrected

@@ -238,13 +238,13 @@ impl<'a> Context<'a> {
     /// Returns the material with a name, or reports that it is unknown.
     pub fn material(&mut self, word: &Word) -> Option<MaterialId> {
         let name = upper(&word.text);
-        let place = self.names.materials.get(&name).copied();
-        let found =
-            place.filter(|&place| self.model.materials.get(place).is_some_and(|m: &MaterialDefinition| m.name == name));
-        if found.is_none() {
+        let index = self.names.materials.get(&name).copied();
+        let material =
+            index.filter(|&index| self.model.materials.get(index).is_some_and(|m: &MaterialDefinition| m.name == name));
+        if material.is_none() {
             self.unknown("M111", "material", word, |b| b.model.materials.iter().map(|m| m.name.clone()).collect());
         }
-        found.map(MaterialId::new)
+        material.map(MaterialId::new)
     }
 
     /// Returns the nodes of an element set given in place of a node set, with a warning, and adds that node set.
@@ -351,6 +351,6 @@ fn is_label(word: &Word) -> bool {
 }
 
 fn first_of(names: &[String]) -> String {
-    let shown: Vec<_> = names.iter().take(12).map(String::as_str).collect();
-    format!("{}{}", shown.join(", "), if names.len() > 12 { ", …" } else { "" })
+    let first_names: Vec<_> = names.iter().take(12).map(String::as_str).collect();
+    format!("{}{}", first_names.join(", "), if names.len() > 12 { ", …" } else { "" })
 }

@@ -98,7 +98,7 @@ fn reflection(context: &mut Context<'_>, card: &Card, kind: usize) -> Option<Pla
     let [a, b] = [space_point(context, line, 0)?, space_point(context, line, 3)?];
     let way = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
     let (flat, leaves) = ([a[0], a[1]], "this reflection maps points out of the r-z plane");
-    let found = if kind == 0 {
+    let mapping = if kind == 0 {
         (a[2] == 0.0).then(|| PlaneMapping::point_reflection(flat))
     } else if kind == 1 {
         match (way[2] == 0.0, way[0] == 0.0 && way[1] == 0.0) {
@@ -119,10 +119,10 @@ fn reflection(context: &mut Context<'_>, card: &Card, kind: usize) -> Option<Pla
         let upright = normal[2].abs() <= 1e-9 * normal[0].abs().max(normal[1].abs());
         if upright { PlaneMapping::mirror(flat, [-normal[1], normal[0]]) } else { None }
     };
-    if found.is_none() {
+    if mapping.is_none() {
         context.error("M126", leaves, line.span, "these points");
     }
-    found
+    mapping
 }
 
 /// Reads three coordinates, starting at a field; empty fields are zero.
@@ -198,8 +198,8 @@ pub fn read_nmap(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) 
         [scale[0] * p[0], scale[1] * p[1]]
     };
     let global = |local: [f64; 2]| {
-        let place = [0, 1].map(|i| a[i] + local[0] * e1[i] + local[1] * e2[i]);
-        placement.map_or(place, |placement| placement.apply(place))
+        let position = [0, 1].map(|i| a[i] + local[0] * e1[i] + local[1] * e2[i]);
+        placement.map_or(position, |placement| placement.apply(position))
     };
     let points = &mut context.model.mesh.points;
     let mut is_straightened = false;
@@ -320,12 +320,12 @@ pub fn check_transforms(context: &mut Context<'_>, mesh: &mut MeshReader) {
         let whole = |b: &&super::types::BoundaryCondition| {
             b.value == 0.0 && conditions().any(|o| o.dof + b.dof == 3 && o.nodes == b.nodes && o.value == 0.0)
         };
-        let held = conditions().find(|b| b.dof < 3 && meant(&b.nodes) && !whole(b)).map(|b| b.span);
+        let fixed = conditions().find(|b| b.dof < 3 && meant(&b.nodes) && !whole(b)).map(|b| b.span);
         let pushed = steps.iter().flat_map(|s| &s.loads).find_map(|l| match &l.kind {
             super::types::LoadKind::Concentrated { nodes, .. } if meant(nodes) => Some(l.span),
             _ => None,
         });
-        let Some(given) = held.or(pushed) else { continue };
+        let Some(given) = fixed.or(pushed) else { continue };
         let message = "conditions in transformed directions are not supported";
         let diagnostic =
             Diagnostic::error("M104", message).at(given, "on nodes of a *TRANSFORM").at(span, "transformed here");

@@ -163,8 +163,8 @@ fn replacement(name: &str) -> Option<String> {
     if ["T2D", "T3D"].iter().any(|head| name.starts_with(head)) {
         return Some(format!("{READ}, which makes node sets of its edges, or delete these lines"));
     }
-    let rest = ["CPS", "CPE"].iter().find_map(|head| name.strip_prefix(head))?;
-    let counterpart = [("3", "CAX3"), ("4", "CAX4R"), ("6", "CAX6M")].iter().find(|c| rest.starts_with(c.0))?.1;
+    let digits = ["CPS", "CPE"].iter().find_map(|head| name.strip_prefix(head))?;
+    let counterpart = [("3", "CAX3"), ("4", "CAX4R"), ("6", "CAX6M")].iter().find(|c| digits.starts_with(c.0))?.1;
     Some(format!("{READ}, or write TYPE={counterpart}"))
 }
 
@@ -176,14 +176,14 @@ pub fn read_elements(context: &mut Context<'_>, card: &Card) {
     let listed = card.has("ELSET");
     let mut made = Vec::with_capacity(if listed { card.rows.len() } else { 0 });
     context.model.mesh.reserve_elements(card.rows.len());
-    let mut at = 0;
-    while at < card.rows.len() {
-        let (element, next) = match plain_element(context, kind, &card.rows[at]) {
-            Some(element) => (Some(element), at + 1),
-            None => element_of_rows(context, kind, &card.rows, at),
+    let mut index = 0;
+    while index < card.rows.len() {
+        let (element, next) = match plain_element(context, kind, &card.rows[index]) {
+            Some(element) => (Some(element), index + 1),
+            None => element_of_rows(context, kind, &card.rows, index),
         };
         made.extend(element.filter(|_| listed));
-        at = next;
+        index = next;
     }
     sets::collect_elements(context, card, "ELSET", made);
 }
@@ -230,13 +230,13 @@ fn element_of_rows(
     at: usize,
 ) -> (Option<usize>, usize) {
     let sources = &context.deck.sources;
-    let mut all: Vec<Word> = Vec::new();
+    let mut words: Vec<Word> = Vec::new();
     let mut next = at;
-    while next < rows.len() && all.len() <= kind.node_count() {
-        all.extend(rows[next].line(sources).into_owned().fields.into_iter().filter(|w| !w.text.is_empty()));
+    while next < rows.len() && words.len() <= kind.node_count() {
+        words.extend(rows[next].line(sources).into_owned().fields.into_iter().filter(|w| !w.text.is_empty()));
         next += 1;
     }
-    (element_line(context, kind, &all, rows[at].span()), next)
+    (element_line(context, kind, &words, rows[at].span()), next)
 }
 
 fn element_line(context: &mut Context<'_>, kind: ElementKind, words: &[Word], span: Span) -> Option<usize> {

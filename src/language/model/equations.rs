@@ -13,19 +13,19 @@ pub fn read_equation(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Ca
     if context.first_line(card).is_none() {
         return;
     }
-    let mut at = 0;
-    while at < card.lines.len() {
-        let line = &card.lines[at];
+    let mut index = 0;
+    while index < card.lines.len() {
+        let line = &card.lines[index];
         let Some(count) = context.integer(line, 0, "the number of terms") else { return };
-        for word in (1..line.fields.len()).filter_map(|at| line.field(at)) {
+        for word in (1..line.fields.len()).filter_map(|index| line.field(index)) {
             context.report_surplus(word, "the first line of an equation has the number of terms only");
         }
         if !(2..=MAX_GENERATED as i64).contains(&count) {
             return context.out_of_range(line.span, format!("an equation requires at least two terms, found {count}"));
         }
-        let (words, next) = match at + 1 < card.lines.len() {
-            true => super::elements::joined(card, at + 1, 3 * count as usize),
-            false => (Vec::new(), at + 1),
+        let (words, next) = match index + 1 < card.lines.len() {
+            true => super::elements::joined(card, index + 1, 3 * count as usize),
+            false => (Vec::new(), index + 1),
         };
         if words.len() != 3 * count as usize {
             let message = format!("{count} terms require {} values, found {}", 3 * count, words.len());
@@ -35,7 +35,7 @@ pub fn read_equation(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Ca
         if let Some(terms) = terms {
             add_equations(context, &terms, line.span);
         }
-        at = next;
+        index = next;
     }
 }
 

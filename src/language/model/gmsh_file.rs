@@ -66,19 +66,19 @@ pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
 
 /// Returns the text between `$Name` and `$EndName` of each section.
 fn sections(text: &str) -> Result<BTreeMap<&str, &str>, String> {
-    let mut found = BTreeMap::new();
-    let mut rest = text;
-    while let Some(at) = rest.find('$') {
-        let name = rest[at + 1..].split(|c: char| c.is_ascii_whitespace()).next().unwrap_or("");
+    let mut sections = BTreeMap::new();
+    let mut remaining = text;
+    while let Some(at) = remaining.find('$') {
+        let name = remaining[at + 1..].split(|c: char| c.is_ascii_whitespace()).next().unwrap_or("");
         if name.is_empty() {
             return Err("a section has no name after $".into());
         }
-        let body = &rest[at + 1 + name.len()..];
+        let body = &remaining[at + 1 + name.len()..];
         let end = body.find(&format!("$End{name}")).ok_or(format!("the section ${name} is not closed"))?;
-        found.insert(name, &body[..end]);
-        rest = &body[end + 4 + name.len()..];
+        sections.insert(name, &body[..end]);
+        remaining = &body[end + 4 + name.len()..];
     }
-    Ok(found)
+    Ok(sections)
 }
 
 struct WordReader<'a>(SplitAsciiWhitespace<'a>);
@@ -124,8 +124,8 @@ fn name_of(names: &HashMap<(usize, i64), String>, dimension: usize, tag: i64) ->
 }
 
 fn kind(number: usize) -> Result<(usize, usize), String> {
-    let found = number.checked_sub(1).and_then(|i| TYPES.get(i)).copied();
-    found.ok_or(format!("Gmsh element type {number} is not supported"))
+    let shape = number.checked_sub(1).and_then(|i| TYPES.get(i)).copied();
+    shape.ok_or(format!("Gmsh element type {number} is not supported"))
 }
 
 fn elements_of_2(
@@ -171,8 +171,8 @@ fn entities(mut words: WordReader<'_>) -> Result<HashMap<(usize, i64), Vec<i64>>
         for _ in 0..count {
             let tag = words.whole()?;
             words.skip(if dimension == 0 { 3 } else { 6 })?;
-            let own = (0..words.count()?).map(|_| words.whole()).collect::<Result<Vec<_>, _>>()?;
-            groups.insert((dimension, tag), own);
+            let tags = (0..words.count()?).map(|_| words.whole()).collect::<Result<Vec<_>, _>>()?;
+            groups.insert((dimension, tag), tags);
             if dimension > 0 {
                 let bounding = words.count()?;
                 words.skip(bounding)?;
@@ -193,8 +193,8 @@ fn elements_of_4(
     for _ in 0..blocks {
         let entity = (words.count()?, words.whole()?);
         let (count, dimension) = kind(words.count()?)?;
-        let own = groups.get(&entity).map_or(&[][..], Vec::as_slice);
-        let sets: Vec<String> = own.iter().map(|tag| name_of(names, entity.0, tag.abs())).collect();
+        let tags = groups.get(&entity).map_or(&[][..], Vec::as_slice);
+        let sets: Vec<String> = tags.iter().map(|tag| name_of(names, entity.0, tag.abs())).collect();
         for _ in 0..words.count()? {
             let label = words.whole()?;
             let nodes = (0..count).map(|_| words.whole()).collect::<Result<_, _>>()?;

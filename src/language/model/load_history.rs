@@ -18,14 +18,14 @@ impl StepHistory {
         diagnostics: &mut Diagnostics,
     ) -> Vec<Load> {
         let mut inherited = std::mem::take(&mut self.loads);
-        let before = if step.ramp { self.magnitudes(&inherited, model) } else { HashMap::new() };
+        let magnitudes_before = if step.ramp { self.magnitudes(&inherited, model) } else { HashMap::new() };
         replace_loads(&mut inherited, &given);
         added_loads(&given).into_iter().for_each(|d| diagnostics.push(d));
-        let given: Vec<Load> = match step.ramp {
-            true => given.into_iter().flat_map(|l| ramped_load(l, &before, step, model)).collect(),
+        let added: Vec<Load> = match step.ramp {
+            true => given.into_iter().flat_map(|l| ramped_load(l, &magnitudes_before, step, model)).collect(),
             false => given,
         };
-        inherited.extend(given);
+        inherited.extend(added);
         self.loads = inherited.iter().map(|l| self.carried_load(l, step, model)).collect();
         inherited
     }
@@ -50,14 +50,14 @@ impl StepHistory {
 
     /// Returns the magnitudes of loads at the start of the step, by place.
     fn magnitudes(&self, loads: &[Load], model: &Model) -> HashMap<LoadPlace, f64> {
-        let mut before = HashMap::new();
+        let mut magnitudes = HashMap::new();
         for load in loads {
             let value = self.amplitude(load.amplitude, 0.0, model).unwrap_or(0.0) * load.magnitude;
             for place in places(&load.kind) {
-                *before.entry(place).or_default() += value;
+                *magnitudes.entry(place).or_default() += value;
             }
         }
-        before
+        magnitudes
     }
 }
 
@@ -126,7 +126,7 @@ fn places(kind: &LoadKind) -> Vec<LoadPlace> {
 /// Removes loads of earlier steps at the places for which the step defines loads of the same type.
 fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
     let taken: HashSet<LoadPlace> = given.iter().flat_map(|l| places(&l.kind)).collect();
-    let kept = |load: &mut Load| {
+    let keeps_load = |load: &mut Load| {
         let mut keep =
             places(&load.kind).into_iter().map(|place| !taken.contains(&place)).collect::<Vec<_>>().into_iter();
         let mut next = || keep.next().unwrap_or(true);
@@ -154,7 +154,7 @@ fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
             _ => next(),
         }
     };
-    inherited.retain_mut(kept);
+    inherited.retain_mut(keeps_load);
 }
 
 /// Reports loads of the same type at the same place in one step, which add up.
@@ -199,8 +199,8 @@ fn ramped_load(load: Load, before: &HashMap<LoadPlace, f64>, step: &StepTiming, 
     values.dedup();
     let part = |&bits: &u64| {
         let mut part = load.clone();
-        let mut own = from.iter().map(|&b| b == bits);
-        let mut next = || own.next().unwrap_or(true);
+        let mut is_in_part = from.iter().map(|&b| b == bits);
+        let mut next = || is_in_part.next().unwrap_or(true);
         match &mut part.kind {
             LoadKind::Concentrated { nodes: list, .. }
             | LoadKind::NodalHeat { nodes: list, .. }

@@ -288,8 +288,8 @@ fn body_force(label: &str) -> Option<BodyForce> {
 /// Returns the name of a traction label and the number of the element face after it, which may be empty.
 fn traction(label: &str) -> Option<(&'static str, &str)> {
     let known = |name: &'static str| Some((name, label.strip_prefix(name)?));
-    let found = ["TRVEC", "TRSHR", "VP"].into_iter().find_map(known);
-    found.filter(|(_, face)| matches!(*face, "" | "1" | "2" | "3" | "4"))
+    let named = ["TRVEC", "TRSHR", "VP"].into_iter().find_map(known);
+    named.filter(|(_, face)| matches!(*face, "" | "1" | "2" | "3" | "4"))
 }
 
 pub fn load_family(kind: &LoadKind) -> &'static str {

@@ -169,12 +169,12 @@ impl PlasticityModel {
 /// Checks that plastic strains start at zero and ascend at each temperature.
 fn check_plastic_strains(rows: &[[f64; 3]]) -> ValueCheck {
     for (line, row) in rows.iter().enumerate() {
-        let before =
+        let previous =
             line.checked_sub(1).map(|k| rows[k]).filter(|b| b[2] == row[2] || b[2].is_nan() && row[2].is_nan());
-        let message = match before {
+        let message = match previous {
             None if row[1] != 0.0 => format!("plastic strains must start at 0, found {}", row[1]),
-            Some(before) if row[1] <= before[1] => {
-                format!("plastic strains must ascend, found {} after {}", row[1], before[1])
+            Some(previous) if row[1] <= previous[1] => {
+                format!("plastic strains must ascend, found {} after {}", row[1], previous[1])
             }
             _ if !(row[0].is_finite() && row[1].is_finite()) => {
                 format!("yield stress and plastic strain must be finite, found {} and {}", row[0], row[1])
@@ -191,17 +191,17 @@ fn check_plastic_strains(rows: &[[f64; 3]]) -> ValueCheck {
 fn kinematic(context: &mut Context<'_>, card: &Card) {
     let rows: Vec<[f64; 3]> = card.read_lines();
     let cold = rows.iter().all(|r| r[2].is_nan());
-    let (pairs, rest) = rows.as_chunks::<2>();
+    let (pairs, unpaired) = rows.as_chunks::<2>();
     let matched = pairs.iter().all(|[a, b]| cold || a[2] == b[2]) && (pairs.len() == 1 || !cold);
-    if pairs.is_empty() || !rest.is_empty() || !matched {
+    if pairs.is_empty() || !unpaired.is_empty() || !matched {
         let help = "give two rows per temperature: the yield stress at plastic strain 0, and another point of the line";
         let message = format!("HARDENING=KINEMATIC with {} rows is not supported", rows.len());
         return context.unsupported(card.span, message, help);
     }
     let line = |[first, second]: &[[f64; 3]; 2]| {
         let slope = (second[0] - first[0]) / (second[1] - first[1]);
-        let good = first[0] > 0.0 && first[1] == 0.0 && slope.is_finite() && slope >= 0.0 && second[1] > 0.0;
-        good.then_some([first[0], slope, first[2]])
+        let is_valid = first[0] > 0.0 && first[1] == 0.0 && slope.is_finite() && slope >= 0.0 && second[1] > 0.0;
+        is_valid.then_some([first[0], slope, first[2]])
     };
     let lines: Option<Vec<[f64; 3]>> = pairs.iter().map(line).collect();
     match lines.filter(|l| cold || l.windows(2).all(|w| w[0][2] < w[1][2])) {

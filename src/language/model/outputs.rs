@@ -128,11 +128,11 @@ pub fn read_time_points(context: &mut Context<'_>, card: &Card) {
 fn interval(context: &mut Context<'_>, card: &Card) -> Option<OutputInterval> {
     if let Some(word) = card.value("TIME POINTS") {
         let names: Vec<String> = context.model.output.time_points.iter().map(|p| p.name.clone()).collect();
-        let found = names.iter().position(|n| *n == upper(&word.text));
-        if found.is_none() {
+        let index = names.iter().position(|n| *n == upper(&word.text));
+        if index.is_none() {
             context.unknown("M117", "time points", word, |_| names.clone());
         }
-        return found.map(|index| OutputInterval::Points(TimePointsId::new(index)));
+        return index.map(|index| OutputInterval::Points(TimePointsId::new(index)));
     }
     let count = |name| card.read::<Option<usize>>(name).map(|count| u32::try_from(count).unwrap_or(u32::MAX));
     Some(match (card.read("TIME INTERVAL"), count("NUMBER INTERVAL"), count("FREQUENCY")) {
@@ -154,7 +154,7 @@ pub fn read_output_variables(
         return context.misplaced(card, format!("*{} must follow an *OUTPUT", card.keyword.name), "OUTPUT");
     };
     let Some(region) = output_region(context, output, card) else { return };
-    let of = match card.keyword.name {
+    let output_card = match card.keyword.name {
         "NODE OUTPUT" => OutputCard::Node,
         "ELEMENT OUTPUT" => OutputCard::Element,
         "ENERGY OUTPUT" => OutputCard::Energy,
@@ -182,9 +182,9 @@ pub fn read_output_variables(
             None => unknown.push(word),
         }
     }
-    unknown_variables(context, &unknown, of);
+    unknown_variables(context, &unknown, output_card);
     if !variables.is_empty() {
-        let request = OutputRequest { card: of, variables, position, region, statistics, span: card.span, ..request };
+        let request = OutputRequest { card: output_card, variables, position, region, statistics, span: card.span, ..request };
         steps.state().outputs.push(request);
     }
 }
@@ -255,14 +255,14 @@ fn statistics(context: &mut Context<'_>, card: &Card, kind: OutputKind, region: 
         return Vec::new();
     }
     let words: Vec<&str> = word.text.split([',', ' ']).filter(|w| !w.is_empty()).collect();
-    let found: Option<Vec<Statistic>> = words.iter().map(|w| Statistic::parse(w)).collect();
-    let Some(mut found) = found.filter(|found| !found.is_empty()) else {
+    let parsed: Option<Vec<Statistic>> = words.iter().map(|w| Statistic::parse(w)).collect();
+    let Some(mut parsed) = parsed.filter(|parsed| !parsed.is_empty()) else {
         context.out_of_range(word.span, "STATISTICS must be MIN, MAX, MEAN or SUM, or several, as in \"MIN, MAX\"");
         return Vec::new();
     };
-    found.sort_by_key(|statistic| *statistic as usize);
-    found.dedup();
-    found
+    parsed.sort_by_key(|statistic| *statistic as usize);
+    parsed.dedup();
+    parsed
 }
 
 /// Returns the request of `VARIABLE=PRESELECT` or `VARIABLE=ALL`.

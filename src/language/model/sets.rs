@@ -54,14 +54,14 @@ fn members(context: &mut Context<'_>, card: &Card, nodes: bool) -> Vec<usize> {
             generated(context, &row.line(sources), nodes, &mut members);
             continue;
         }
-        let before = members.len();
+        let count_before = members.len();
         if row.text(sources).is_some_and(|text| labels(context, text, nodes, &mut name, &mut members)) {
             continue;
         }
-        members.truncate(before);
+        members.truncate(count_before);
         for word in row.line(sources).fields.iter().filter(|w| !w.text.is_empty()) {
-            let found = if nodes { context.node_members(word) } else { context.element_members(word) };
-            members.extend(found.unwrap_or_default());
+            let listed = if nodes { context.node_members(word) } else { context.element_members(word) };
+            members.extend(listed.unwrap_or_default());
         }
     }
     members
@@ -80,9 +80,9 @@ fn labels(context: &Context<'_>, text: &str, nodes: bool, name: &mut String, mem
         sets.contains_key(word) || !context.scope.is_empty() && sets.contains_key(name)
     };
     words(text).all(|word| {
-        let found = word.parse().ok().and_then(|label| scope.find(label)).filter(|_| !is_set(word, name));
-        members.extend(found);
-        found.is_some()
+        let member = word.parse().ok().and_then(|label| scope.find(label)).filter(|_| !is_set(word, name));
+        members.extend(member);
+        member.is_some()
     })
 }
 
@@ -101,14 +101,14 @@ fn generated(context: &mut Context<'_>, line: &DataLine, nodes: bool, members: &
         return;
     }
     let labels = if nodes { &context.nodes } else { &context.elements };
-    let before = members.len();
+    let count_before = members.len();
     let lost = context.missing.everything || if nodes { context.missing.nodes } else { context.missing.elements };
     members.extend((0..count.max(0)).filter_map(|i| labels.find(&context.scope, first + step * i as i64)));
     if lost {
         return;
     }
-    let missing = count.max(0) - (members.len() - before) as i128;
-    if members.len() == before {
+    let missing = count.max(0) - (members.len() - count_before) as i128;
+    if members.len() == count_before {
         let message = format!("no label from {first} to {last} in increments of {step} is defined");
         context.error("M110", message, line.span, "empty range");
     } else if missing > 0 || (last - first) % step != 0 {

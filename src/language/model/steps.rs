@@ -68,14 +68,14 @@ pub fn close_step(context: &mut Context<'_>, steps: &mut StepReader) {
     ended_outputs(context, steps, &state);
     let time = StepTiming { duration: procedure.duration, ramp: state.ramp };
     let Context { model, diagnostics, .. } = context;
-    let given = std::mem::take(&mut state.boundaries);
-    let boundaries = state.history.boundaries(given, &time, model, diagnostics);
-    let given = std::mem::take(&mut state.loads);
-    let loads = state.history.loads(given, &time, model, diagnostics);
+    let added = std::mem::take(&mut state.boundaries);
+    let boundaries = state.history.boundaries(added, &time, model, diagnostics);
+    let added = std::mem::take(&mut state.loads);
+    let loads = state.history.loads(added, &time, model, diagnostics);
     let fields = state.history.fields(std::mem::take(&mut state.fields), &time, model);
     state.history.end(&time);
-    let (given, of_mesh) = (std::mem::take(&mut state.mesh_motions), StepTiming { ramp: false, ..time });
-    let mesh_motions = state.mesh_history.boundaries(given, &of_mesh, model, diagnostics);
+    let (added, of_mesh) = (std::mem::take(&mut state.mesh_motions), StepTiming { ramp: false, ..time });
+    let mesh_motions = state.mesh_history.boundaries(added, &of_mesh, model, diagnostics);
     state.mesh_history.end(&of_mesh);
     state.outputs.splice(0..0, state.earlier_outputs.drain(..));
     steps.carried = state.clone();
@@ -162,15 +162,15 @@ fn increment_control(context: &mut Context<'_>, card: &Card, values: &cards::Dyn
 impl IncrementControl {
     /// Checks given and largest increments in a step of this duration.
     pub fn check(&self, duration: f64) -> ValueCheck {
-        let (IncrementControl::Fixed(given) | IncrementControl::Automatic { largest: given, .. }) = *self;
-        let count = duration / given;
+        let (IncrementControl::Fixed(increment) | IncrementControl::Automatic { largest: increment, .. }) = *self;
+        let count = duration / increment;
         let message =
             format_args!("the step would take {count:.1e} increments, more than the allowed {MOST_INCREMENTS:.0e}");
-        require_line(0, given <= 0.0 || count <= MOST_INCREMENTS, message)?;
-        let is_short = given <= duration || !matches!(self, IncrementControl::Fixed(_));
-        let message = format_args!("the increment must be at most the step duration {duration}, found {given}");
+        require_line(0, increment <= 0.0 || count <= MOST_INCREMENTS, message)?;
+        let is_short = increment <= duration || !matches!(self, IncrementControl::Fixed(_));
+        let message = format_args!("the increment must be at most the step duration {duration}, found {increment}");
         require_line(0, is_short, message)?;
-        require_line(0, given > 0.0, format_args!("the increment must be positive, found {given}"))
+        require_line(0, increment > 0.0, format_args!("the increment must be positive, found {increment}"))
     }
 }
 

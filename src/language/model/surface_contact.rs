@@ -51,11 +51,11 @@ pub fn add_pair(
     };
     warn_of_pair_given_twice(context, steps, line, same);
     let pairs = &mut steps.state().surface_contacts;
-    let before = pairs.len();
+    let count_before = pairs.len();
     // A redefined pair replaces the earlier one.
     pairs.retain(|c| !same(c));
     if !card.read::<bool>("OP") {
-        if pairs.len() == before {
+        if pairs.len() == count_before {
             context.error("M114", "the contact pair to delete does not exist", line.span, "not in force here");
         }
         return;

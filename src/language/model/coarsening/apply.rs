@@ -120,8 +120,8 @@ pub fn regions(model: &Model) -> Regions {
     let mut regions = Regions::new();
     let sections = model.sections.iter().map(|s| &s.elements).chain(model.shell_sections.iter().map(|s| &s.elements));
     let sections = sections.chain(model.cohesive_sections.iter().map(|s| &s.elements));
-    let all = sections.chain(model.rigid_bodies.iter().map(|body| &body.elements));
-    for (at, elements) in all.enumerate() {
+    let element_lists = sections.chain(model.rigid_bodies.iter().map(|body| &body.elements));
+    for (at, elements) in element_lists.enumerate() {
         elements.iter().for_each(|&element| regions.entry(element).or_default().push(at));
     }
     regions

@@ -95,8 +95,8 @@ impl EdgeTable {
 
     /// Returns the edge of a new node, and the number of parts between its first node and the new node.
     pub fn place(&self, node: usize) -> Option<([usize; 2], usize)> {
-        let at = node.checked_sub(self.first).filter(|_| node < self.end())?;
-        let (ends, _) = self.edges.get_index(at / self.inner)?;
-        Some((*ends, at % self.inner + 1))
+        let offset = node.checked_sub(self.first).filter(|_| node < self.end())?;
+        let (ends, _) = self.edges.get_index(offset / self.inner)?;
+        Some((*ends, offset % self.inner + 1))
     }
 }

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::edits::{DeckEdits, EditCondition, NewSetKind, Replacement};
+use super::edits::{DeckEdits, EditCondition, EditPlace, NewSetKind, Replacement};
+use super::listing::quoted;
 use crate::deck::{Span, Word};
 use crate::model::context::Context;
 use crate::model::names::{qualified, upper};
@@ -25,6 +26,10 @@ impl Context<'_> {
         self.scaling.edits = is_written.then(|| Box::new(DeckEdits::of(&self.model)));
     }
 
+    fn edit_place(&self, file: u32, start: u32) -> EditPlace {
+        EditPlace { scope: self.scope.clone(), file, start }
+    }
+
     /// Replaces a word by the name of a new set with given members.
     fn replace_by_set(&mut self, word: &Word, (kind, name): (NewSetKind, &str), members: &[usize], on: EditCondition) {
         let Some(edits) = &mut self.scaling.edits else { return };
@@ -33,10 +38,9 @@ impl Context<'_> {
     }
 
     fn replace_word(&mut self, word: &Word, text: String, condition: EditCondition) {
+        let place = self.edit_place(word.span.file, word.span.start);
         let Some(edits) = &mut self.scaling.edits else { return };
-        let place = (self.scope.clone(), word.span.file, word.span.start);
-        let text = if text.contains([' ', ',', '=']) { format!("\"{text}\"") } else { text };
-        edits.replaced.insert(place, Replacement { end: word.span.end, text, condition });
+        edits.replaced.insert(place, Replacement { end: word.span.end, text: quoted(&text), condition });
     }
 
     /// Records a number that depends on the size of elements.
@@ -77,8 +81,8 @@ impl Context<'_> {
 
     /// Records a reference to elements by an output request, for which history output may reduce the set `key`.
     pub(in crate::model) fn edit_output_elements(&mut self, word: &Word, key: &str) {
+        let place = self.edit_place(word.span.file, word.span.start);
         let Some(edits) = &mut self.scaling.edits else { return };
-        let place = (self.scope.clone(), word.span.file, word.span.start);
         let Some(known) = edits.replaced.get_mut(&place) else { return };
         match known.condition {
             EditCondition::IfReduced(_) => drop(edits.replaced.remove(&place)),
@@ -108,21 +112,23 @@ impl Context<'_> {
 
     /// Records a data line after the line at `after`, with new nodes in its first field.
     pub(in crate::model) fn add_node_line(&mut self, after: Span, nodes: &[usize], rest: &str) {
+        let place = self.edit_place(after.file, after.end);
         let Some(edits) = &mut self.scaling.edits else { return };
         let name = edits.set(&self.scope, NewSetKind::Nodes, &format!("NEW-NODES-{}", edits.sets.len() + 1), nodes);
-        let text = edits.added.entry((self.scope.clone(), after.file, after.end)).or_default();
+        let text = edits.added.entry(place).or_default();
         let _ = write!(text, "\n {name},{rest}");
     }
 
     /// Records a parameter of the current keyword line.
     pub(in crate::model) fn add_parameter(&mut self, keyword: Span, text: &str) {
+        let place = self.edit_place(keyword.file, keyword.end);
         let Some(edits) = &mut self.scaling.edits else { return };
-        edits.added.insert((self.scope.clone(), keyword.file, keyword.end), format!(", {text}"));
+        edits.added.insert(place, format!(", {text}"));
     }
 
     /// Records that the line of a word refers to removed nodes only.
     pub(in crate::model) fn remove_line(&mut self, word: &Word) {
-        let place = (self.scope.clone(), word.span.file, word.span.start);
+        let place = self.edit_place(word.span.file, word.span.start);
         self.scaling.edits.iter_mut().for_each(|edits| edits.removed.push(place.clone()));
     }
 

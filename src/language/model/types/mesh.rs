@@ -57,11 +57,11 @@ impl Mesh {
     /// Returns the two nodes of an element side in counter-clockwise order; `None` if the element has no such side.
     pub fn side_nodes(&self, element: usize, side: ElementSide) -> Option<[usize; 2]> {
         let nodes = &self.elements[element].nodes;
-        let (from, to) = match side {
+        let (first, second) = match side {
             ElementSide::Positive | ElementSide::Negative => (0, 1),
             ElementSide::Face(n) => (usize::from(n).checked_sub(1)?, usize::from(n) % nodes.len()),
         };
-        Some([*nodes.get(from)?, *nodes.get(to)?])
+        Some([*nodes.get(first)?, *nodes.get(second)?])
     }
 
     /// Returns the exterior faces of solid elements, that is, the faces that belong to one element only.
@@ -71,12 +71,12 @@ impl Mesh {
             let count = if kind.is_solid() { nodes.len() } else { 0 };
             (0..count).map(move |i| (i, [nodes[i], nodes[(i + 1) % count]])).filter(|(_, [a, b])| a != b)
         };
-        let all = || (0..self.elements.len()).flat_map(move |e| faces(e).map(move |(i, edge)| (e, i, edge)));
+        let element_faces = || (0..self.elements.len()).flat_map(move |e| faces(e).map(move |(i, edge)| (e, i, edge)));
         let mut shared: HashMap<[usize; 2], usize> = HashMap::new();
-        for (.., edge) in all() {
+        for (.., edge) in element_faces() {
             *shared.entry(sorted_pair(edge)).or_default() += 1;
         }
-        let exterior = all().filter(|&(.., edge)| shared[&sorted_pair(edge)] == 1);
+        let exterior = element_faces().filter(|&(.., edge)| shared[&sorted_pair(edge)] == 1);
         exterior.map(|(e, i, _)| (e, ElementSide::Face(i as u8 + 1))).collect()
     }
 }
