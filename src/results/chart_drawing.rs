@@ -108,7 +108,7 @@ impl<'a> ChartDrawing<'a> {
     /// Draws grid lines, ticks and label of the horizontal (0) or the vertical (1) axis.
     fn draw_axis(&mut self, axis: usize) {
         let [low, high] = [self.x, self.y][axis];
-        let (ticks, labels, exponent) = ticks(low, high, self.chart.scale);
+        let AxisTicks { ticks, labels, exponent } = AxisTicks::of(low, high, self.chart.scale);
         let [right, bottom] = self.corner();
         for (tick, label) in ticks.into_iter().zip(labels) {
             let point = if axis == 0 { (tick, self.y[0]) } else { (self.x[0], tick) };
@@ -195,19 +195,25 @@ fn colour(chart: &Chart, index: usize) -> Colour {
     if on_areas && chart.series[index].form == SeriesForm::Guide { 0x11_11_11 } else { PALETTE[index % PALETTE.len()] }
 }
 
-/// Returns the ticks, their labels, and the common power of ten of the labels.
-fn ticks(low: f64, high: f64, scale: AxisScale) -> (Vec<f64>, Vec<String>, i32) {
-    match scale {
-        AxisScale::Linear => {
-            let ticks = axis::ticks(low, high, 7.0);
-            let exponent = axis::exponent(&ticks);
-            let labels = ticks.iter().map(|t| axis::label(*t, exponent)).collect();
-            (ticks, labels, exponent)
-        }
-        AxisScale::LogLog => {
-            let ticks = axis::decades(low, high);
-            let labels = axis::logarithmic(&ticks);
-            (ticks, labels, 0)
+/// Ticks of an axis, their labels, and the common power of ten of the labels.
+struct AxisTicks {
+    ticks: Vec<f64>,
+    labels: Vec<String>,
+    exponent: i32,
+}
+
+impl AxisTicks {
+    fn of(low: f64, high: f64, scale: AxisScale) -> AxisTicks {
+        match scale {
+            AxisScale::Linear => {
+                let ticks = axis::ticks(low, high, 7.0);
+                let exponent = axis::exponent(&ticks);
+                AxisTicks { labels: ticks.iter().map(|t| axis::label(*t, exponent)).collect(), ticks, exponent }
+            }
+            AxisScale::LogLog => {
+                let ticks = axis::decades(low, high);
+                AxisTicks { labels: axis::logarithmic(&ticks), ticks, exponent: 0 }
+            }
         }
     }
 }

@@ -150,6 +150,16 @@ impl HistorySummary {
             }
         }
     }
+
+    /// Saves or reads the summaries; after the first row the columns are those of the plan.
+    fn persist(&mut self, columns: &[String], archive: &mut StateArchive<'_>) {
+        let mut seen = !self.0.is_empty();
+        seen.persist(archive);
+        if seen && self.0.is_empty() {
+            self.0 = columns.iter().map(|name| (name.clone(), ColumnSummary::default())).collect();
+        }
+        self.0.values_mut().for_each(|column| column.persist(archive));
+    }
 }
 
 impl Persist for RunHistory {
@@ -161,17 +171,5 @@ impl Persist for RunHistory {
             archive.reject(|| "its history columns differ".into());
         }
         summary.persist(columns, archive);
-    }
-}
-
-impl HistorySummary {
-    /// Saves or reads the summaries; after the first row the columns are those of the plan.
-    fn persist(&mut self, columns: &[String], archive: &mut StateArchive<'_>) {
-        let mut seen = !self.0.is_empty();
-        seen.persist(archive);
-        if seen && self.0.is_empty() {
-            self.0 = columns.iter().map(|name| (name.clone(), ColumnSummary::default())).collect();
-        }
-        self.0.values_mut().for_each(|column| column.persist(archive));
     }
 }

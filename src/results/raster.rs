@@ -175,7 +175,8 @@ mod tests {
     /// Returns first and last column and row with a pixel that is not white.
     fn extent(pixels: &Pixmap) -> [u32; 4] {
         let positions = (0..pixels.width()).flat_map(|x| (0..pixels.height()).map(move |y| [x, y]));
-        positions.filter(|[x, y]| colour(pixels, *x, *y) != 0xff_ffff)
+        positions
+            .filter(|[x, y]| colour(pixels, *x, *y) != 0xff_ffff)
             .fold([u32::MAX, 0, u32::MAX, 0], |e, [x, y]| [e[0].min(x), e[1].max(x), e[2].min(y), e[3].max(y)])
     }
 

@@ -196,7 +196,7 @@ impl Parameters {
             return word;
         }
         let (mut result, mut remaining) = (String::new(), word.text.as_str());
-        while let Some((before, name, after)) = next_reference(remaining) {
+        while let Some(ParameterReference { before, name, after }) = next_reference(remaining) {
             result.push_str(before);
             match self.values.get(name) {
                 Some(value) => result.push_str(&value.written()),
@@ -216,7 +216,7 @@ impl Parameters {
 
     /// Returns whether a text refers to a parameter whose value is unknown after an error.
     pub fn lacks_value(&self, text: &str) -> bool {
-        next_reference(text).is_some_and(|(_, name, _)| self.without_value.contains(name))
+        next_reference(text).is_some_and(|reference| self.without_value.contains(reference.name))
     }
 
     fn undefined(&self, name: &str, word: &Word) -> Diagnostic {
@@ -224,9 +224,9 @@ impl Parameters {
         what.at(word.span, "not defined").help(self.suggestion(name))
     }
 
-    /// Returns the setting that refines or coarsens the mesh, if there is one, and its value. A parameter of the deck
-    /// with the name `mesh` takes precedence.
-    pub fn mesh_scaling(&self, diagnostics: &mut Diagnostics) -> Option<(&'static str, f64, MeshScaling)> {
+    /// Returns name and value of the setting that refines or coarsens the mesh, if there is one, and its effect. A parameter
+    /// of the deck with the name `mesh` takes precedence.
+    pub fn mesh_scaling(&self, diagnostics: &mut Diagnostics) -> Option<((&'static str, f64), MeshScaling)> {
         let is_free = |name: &str| !self.values.contains_key(name);
         let (name, text) = MESH_SETTINGS.into_iter().find_map(|name| Some((name, self.overrides.get(name)?)))?;
         let name = if is_free(MESH_SETTINGS[1]) { MESH_SETTINGS[1] } else { name };
@@ -245,7 +245,7 @@ impl Parameters {
                 MeshScaling::FINEST
             )));
         }
-        Some((name, value, scaling?))
+        Some(((name, value), scaling?))
     }
 
     /// Returns the largest turning angle of smooth boundaries of a refined mesh, degrees.
@@ -280,14 +280,25 @@ pub fn is_unresolved(text: &str) -> bool {
     next_reference(text).is_some()
 }
 
-/// Returns the text before the next `<name>`, the name, and the text after it.
-pub fn next_reference(text: &str) -> Option<(&str, &str, &str)> {
+/// A `<name>` in a text.
+#[derive(Clone, Copy, Debug)]
+pub struct ParameterReference<'a> {
+    /// Text before the reference.
+    pub before: &'a str,
+    /// Name of the parameter.
+    pub name: &'a str,
+    /// Text after the reference.
+    pub after: &'a str,
+}
+
+/// Returns the first `<name>` of a text.
+pub fn next_reference(text: &str) -> Option<ParameterReference<'_>> {
     let mut from = 0;
     while let Some(open) = text[from..].find('<').map(|i| i + from) {
         let close = text[open..].find('>')? + open;
         let name = text[open + 1..close].trim();
         if is_name(name) {
-            return Some((&text[..open], name, &text[close + 1..]));
+            return Some(ParameterReference { before: &text[..open], name, after: &text[close + 1..] });
         }
         from = open + 1;
     }

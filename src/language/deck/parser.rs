@@ -77,7 +77,7 @@ impl<'a> Parser<'a> {
         self.parameters.check_overrides(&mut self.diagnostics);
         self.deck.parameters = self.parameters.numbers();
         self.deck.mesh_curves = self.parameters.mesh_curves(&mut self.diagnostics);
-        if let Some((name, value, scaling)) = self.parameters.mesh_scaling(&mut self.diagnostics) {
+        if let Some(((name, value), scaling)) = self.parameters.mesh_scaling(&mut self.diagnostics) {
             self.deck.mesh_scaling = Some(scaling);
             self.deck.parameters.push((name.into(), value));
         }

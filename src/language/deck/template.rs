@@ -3,7 +3,7 @@
 
 use super::expression::Expression;
 use super::number::{format_number, parse_number};
-use super::parameters::next_reference;
+use super::parameters::{ParameterReference, next_reference};
 use super::syntax::{Card, Deck, ListingRow};
 
 /// Words of a deck that depend on parameters.
@@ -105,7 +105,7 @@ impl DeckTemplate {
     /// Returns whether a text contains a parameter that depends on the varied ones.
     fn refers(&self, text: &str, follows: &[bool]) -> bool {
         let mut remaining = text;
-        while let Some((_, name, after)) = next_reference(remaining) {
+        while let Some(ParameterReference { name, after, .. }) = next_reference(remaining) {
             if self.names.iter().position(|n| n == name).is_some_and(|at| follows[at]) {
                 return true;
             }
@@ -117,7 +117,7 @@ impl DeckTemplate {
     /// Splits a text into plain text and parameters; `None` if it contains a text parameter.
     fn pieces(&self, text: &str) -> Option<WordPieces> {
         let (mut mixed, mut remaining) = (Vec::new(), text);
-        while let Some((before, name, after)) = next_reference(remaining) {
+        while let Some(ParameterReference { before, name, after }) = next_reference(remaining) {
             let index = self.names.iter().position(|n| n == name)?;
             mixed.push((before.to_owned(), index));
             remaining = after;

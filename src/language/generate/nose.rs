@@ -150,7 +150,8 @@ impl NoseBlocks<'_> {
             while step > 2e-4 && trials > 0 {
                 trials -= 1;
                 let tried = TRIALS.map(|trial| places.shifted(trial, step, length));
-                let best_trial = tried.into_iter().map(|p| (self.quality(points, p), p)).max_by(|a, b| a.0.total_cmp(&b.0));
+                let best_trial =
+                    tried.into_iter().map(|p| (self.quality(points, p), p)).max_by(|a, b| a.0.total_cmp(&b.0));
                 match best_trial {
                     Some((worth, p)) if worth > best => (best, places) = (worth, p),
                     _ => step *= 0.5,

@@ -73,7 +73,10 @@ impl QuadBlock {
                     * (along([point(0, 0), point(rows, 0)], point(i, 0))
                         + along([point(0, columns), point(rows, columns)], point(i, columns)));
                 let position = [0, 1].map(|k| {
-                    (1.0 - v) * coordinate(0, j, k) + v * coordinate(rows, j, k) + (1.0 - u) * coordinate(i, 0, k) + u * coordinate(i, columns, k)
+                    (1.0 - v) * coordinate(0, j, k)
+                        + v * coordinate(rows, j, k)
+                        + (1.0 - u) * coordinate(i, 0, k)
+                        + u * coordinate(i, columns, k)
                         - (1.0 - u) * (1.0 - v) * coordinate(0, 0, k)
                         - u * (1.0 - v) * coordinate(0, columns, k)
                         - (1.0 - u) * v * coordinate(rows, 0, k)

@@ -24,13 +24,9 @@ pub fn read_blast_charge(context: &mut Context<'_>, conditions: &mut ConditionRe
     else {
         return;
     };
-    let mut units = [1.0; 3];
-    if let Some(line) = card.lines.get(1) {
-        for (i, unit) in units.iter_mut().enumerate() {
-            let Some(value) = context.number_or(line, i, 1.0) else { return };
-            *unit = value;
-        }
-    }
+    let Some(units) = card.lines.get(1).map_or(Some([1.0; 3]), |line| context.numbers_or(line, 0, 1.0)) else {
+        return;
+    };
     if let Some(property) = conditions.blasts.last_mut() {
         property.charge = BlastCharge { mass: mass * factor, units, ..property.charge };
         property.has_charge = true;

@@ -3,7 +3,7 @@
 
 use super::context::Context;
 use super::families::{ConditionReader, SectionReader};
-use super::names::upper;
+use super::names::{SetKind, upper};
 use super::refinement::listed;
 use super::types::{ElementKind, InitialAttitude, InitialCondition, InitialKind, PointMass, RigidBody, RotaryInertia};
 use super::{contact, user_material};
@@ -133,8 +133,8 @@ pub fn read_initial_conditions(context: &mut Context<'_>, conditions: &mut Condi
             4 => InitialKind::Hardening(value(1)),
             _ => InitialKind::Field(card.read::<usize>("VARIABLE") - 1, value(1)),
         };
-        let members = if kind.applies_to_elements() { context.element_members(set) } else { context.node_members(set) };
-        if let Some(members) = members {
+        let of_members = if kind.applies_to_elements() { SetKind::Elements } else { SetKind::Nodes };
+        if let Some(members) = context.members(of_members, set) {
             let condition = InitialCondition { kind, members, span: line.span };
             warn_of_repeated_condition(context, conditions, &condition);
             context.model.initial_conditions.push(condition);

@@ -42,8 +42,11 @@ impl SizeBudget {
     pub fn spend(&mut self, item: BudgetedItem, count: u128, mesh: [usize; 2]) -> Result<(), String> {
         let mut counts = [mesh[0] as u128, mesh[1] as u128, u128::from(self.members)];
         let largest = if is_restricted() { untrusted::MAX_COUNT } else { MAX_COUNT };
-        let limit =
-            if item == BudgetedItem::Members { MAX_ENTRIES[0] + MAX_ENTRIES[1] * (counts[0] + counts[1]) } else { largest };
+        let limit = if item == BudgetedItem::Members {
+            MAX_ENTRIES[0] + MAX_ENTRIES[1] * (counts[0] + counts[1])
+        } else {
+            largest
+        };
         let (name, total) = (ITEMS[item as usize].0, counts[item as usize].saturating_add(count));
         if total > limit {
             return Err(format!("{total} {name} in all cards up to this one; at most {limit} are allowed"));

@@ -60,17 +60,13 @@ pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<IgnoredC
             faulty.insert(card.span);
         }
     }
-    let inert = checker.inert.into_iter().map(|(inert, count)| inert.counted(count));
-    (inert.collect(), faulty)
-}
-
-impl IgnoredCard {
-    fn counted(mut self, count: usize) -> IgnoredCard {
+    let inert = checker.inert.into_iter().map(|(mut inert, count)| {
         if count > 1 {
-            self.why += &format!(" ({count} cards)");
+            inert.why += &format!(" ({count} cards)");
         }
-        self
-    }
+        inert
+    });
+    (inert.collect(), faulty)
 }
 
 /// Open blocks, which define the place of a card.
@@ -247,14 +243,15 @@ impl CardChecker<'_> {
         let mut faults = DataFaults::default();
         let mut values_before = 0;
         for (i, line) in card.lines.iter().enumerate() {
-            self.line(card, shape, (i, line, values_before), &mut faults);
+            self.line(card, shape, LinePlace { index: i, values_before }, line, &mut faults);
             values_before = shape.values_after(values_before, line.fields.len());
         }
         for (i, row) in card.rows.iter().enumerate() {
             let count = row.field_count(self.sources);
             let read = |k| shape.field(i, k, values_before).is_some_and(|rule| rule.usage == InputUsage::Read);
             if !(0..count).all(read) {
-                self.line(card, shape, (i, &row.line(self.sources), values_before), &mut faults);
+                let line = row.line(self.sources);
+                self.line(card, shape, LinePlace { index: i, values_before }, &line, &mut faults);
             }
             values_before = shape.values_after(values_before, count);
         }
@@ -273,12 +270,13 @@ impl CardChecker<'_> {
         &mut self,
         card: &Card,
         shape: &'static DataShape,
-        (i, line, before): (usize, &DataLine, usize),
+        LinePlace { index, values_before }: LinePlace,
+        line: &DataLine,
         faults: &mut DataFaults,
     ) {
         for (k, word) in line.fields.iter().enumerate().filter(|(_, w)| !w.text.is_empty()) {
-            let Some(rule) = shape.field(i, k, before) else {
-                let surplus_line = shape.field(i, 0, before).is_none();
+            let Some(rule) = shape.field(index, k, values_before) else {
+                let surplus_line = shape.field(index, 0, values_before).is_none();
                 let comma = decimal_comma(line, k);
                 faults.note(if surplus_line { DataFault::Line } else { DataFault::Value(comma) }, word, line);
                 return;
@@ -309,6 +307,13 @@ impl CardChecker<'_> {
     }
 }
 
+/// Place of a data line in its card: index, and number of values on the lines before it ([`DataShape::field`]).
+#[derive(Clone, Copy)]
+struct LinePlace {
+    index: usize,
+    values_before: usize,
+}
+
 /// Fault of a value on a data line.
 enum DataFault {
     /// The card allows no such line.
@@ -330,59 +335,67 @@ impl DataFault {
     }
 }
 
-/// Faults of one card: the first of each kind, and the number of lines with it.
-#[derive(Default)]
-struct DataFaults {
-    list: Vec<(DataFault, Span, String, Span, usize)>,
+/// First fault of a kind on a card.
+struct FirstFault {
+    fault: DataFault,
+    word: Word,
+    /// Source position of the data line.
+    line: Span,
+    /// Number of lines with this kind of fault.
+    count: usize,
 }
+
+/// Faults of one card, one of each kind.
+#[derive(Default)]
+struct DataFaults(Vec<FirstFault>);
 
 impl DataFaults {
     fn note(&mut self, fault: DataFault, word: &Word, line: &DataLine) {
-        match self.list.iter_mut().find(|f| f.0.same_kind(&fault)) {
-            Some(known) => known.4 += 1,
-            None => self.list.push((fault, word.span, word.text.clone(), line.span, 1)),
+        match self.0.iter_mut().find(|first| first.fault.same_kind(&fault)) {
+            Some(first) => first.count += 1,
+            None => self.0.push(FirstFault { fault, word: word.clone(), line: line.span, count: 1 }),
         }
     }
 
     fn report(self, card: &Card, diagnostics: &mut Diagnostics) {
-        for (fault, span, text, line, count) in self.list {
-            let mut diagnostic = diagnostic(card, &fault, span, &text, line);
-            if count > 1 {
-                diagnostic.message += &format!(" (on {count} lines)");
+        for first in self.0 {
+            let mut diagnostic = diagnostic(card, &first);
+            if first.count > 1 {
+                diagnostic.message += &format!(" (on {} lines)", first.count);
             }
             diagnostics.push(diagnostic);
         }
     }
 }
 
-fn diagnostic(card: &Card, fault: &DataFault, span: Span, text: &str, line: Span) -> Diagnostic {
+fn diagnostic(card: &Card, FirstFault { fault, word: Word { text, span, .. }, line, .. }: &FirstFault) -> Diagnostic {
     let keyword = card.keyword.name;
     let table = matches!(card.shape(), DataShape::Lines(_, true)) && card.line_count() == 1;
     let rows = if table { "a table has one row per line; " } else { "" };
     let explain = format!("{rows}`revolve explain {keyword}` lists the values of a data line");
     match fault {
         DataFault::Line if card.keyword.data.is_empty() => {
-            Diagnostic::error("M162", format!("*{keyword} has no data lines")).at(line, "unexpected data line")
+            Diagnostic::error("M162", format!("*{keyword} has no data lines")).at(*line, "unexpected data line")
         }
         DataFault::Line => {
             let diagnostic = Diagnostic::error("M162", format!("*{keyword} has no further data line"));
-            diagnostic.at(line, "unexpected data line").help(explain)
+            diagnostic.at(*line, "unexpected data line").help(explain)
         }
         DataFault::Value(meant) => {
             let diagnostic =
                 Diagnostic::error("M161", format!("too many values on a data line of *{keyword}: `{text}`"));
-            diagnostic.at(span, "unexpected value").help(match meant {
+            diagnostic.at(*span, "unexpected value").help(match meant {
                 Some(meant) => format!("if this is a decimal comma, write {meant}"),
                 None => explain,
             })
         }
         DataFault::Refused(rule, why) => {
             let message = format!("{} ({text}) on a line of *{keyword} is not supported", rule.name);
-            Diagnostic::error("M104", message).at(span, "not supported").help(*why)
+            Diagnostic::error("M104", message).at(*span, "not supported").help(*why)
         }
         DataFault::Comma(rule, meant) => {
             let message = format!("`{text}` is read as the {} of *{keyword}, which has no effect", rule.name);
-            let diagnostic = Diagnostic::warning("M163", message).at(span, "directly after a comma");
+            let diagnostic = Diagnostic::warning("M163", message).at(*span, "directly after a comma");
             diagnostic.help(format!("if this is a decimal comma, write {meant}"))
         }
     }

@@ -63,7 +63,8 @@ pub fn apply_to_sets(context: &mut Context<'_>, steps: &mut StepReader) {
 /// Lists penalty scale factors of sets without a penalty pair as unused.
 fn note_unused_penalties(context: &mut Context<'_>, factors: &[(Word, f64)], pairs: &[SurfaceContact]) {
     for (word, _) in factors.iter().filter(|factor| factor.1 != 1.0) {
-        let mut pairs_of_set = pairs.iter().filter(|pair| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text)));
+        let mut pairs_of_set =
+            pairs.iter().filter(|pair| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text)));
         if pairs_of_set.clone().next().is_some() && pairs_of_set.all(|pair| pair.penalty.is_none()) {
             let why = "kinematic contact pairs have no penalty stiffness";
             context.ignore("CONTACT CONTROLS, SCALE PENALTY", word.span, why);

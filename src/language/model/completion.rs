@@ -96,7 +96,7 @@ fn initial_densities(context: &mut Context<'_>) {
 fn initial_temperature(context: &Context<'_>, material: usize) -> Result<f64, &'static str> {
     let mut nodes = vec![0.0; context.model.mesh.node_names.len()];
     for condition in &context.model.initial_conditions {
-        if let InitialKind::Temperature(value) = condition.kind {
+        if let Some(value) = condition.kind.temperature() {
             condition.members.iter().for_each(|&n| nodes[n] = value);
         }
     }

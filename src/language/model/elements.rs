@@ -9,7 +9,7 @@ use super::context::Context;
 use super::element_nodes::NodeIndices;
 use super::families::MeshReader;
 use super::name::EntityName;
-use super::names::DuplicateLabel;
+use super::names::{DuplicateLabel, SetKind};
 use super::types::{Element, ElementKind};
 use super::{cohesive, sets};
 use crate::deck::names::nearest;
@@ -135,6 +135,11 @@ impl ElementKind {
         if (1..=count).contains(&number) { parts * (number - 1) + 1..parts * number + 1 } else { 0..0 }
     }
 
+    /// Returns whether the type is a line with two sides: a shell, or a rigid surface element.
+    pub fn is_line(self) -> bool {
+        matches!(self, ElementKind::Rax2 | ElementKind::Sax1)
+    }
+
     /// Returns whether the nodes have temperatures.
     pub fn is_thermal(self) -> bool {
         matches!(self, ElementKind::Cax3t | ElementKind::Cax4rt)
@@ -185,7 +190,7 @@ pub fn read_elements(context: &mut Context<'_>, card: &Card) {
         made.extend(element.filter(|_| listed));
         index = next;
     }
-    sets::collect_elements(context, card, "ELSET", made);
+    sets::collect(context, SetKind::Elements, card, "ELSET", made);
 }
 
 /// Returns the element type with a name, or reports that it is unknown or unsupported.
@@ -301,7 +306,7 @@ fn shape_fault(context: &Context<'_>, kind: ElementKind, nodes: &[usize]) -> Opt
         .map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1]))
         .sum();
     match kind {
-        ElementKind::Rax2 | ElementKind::Sax1 if points[0] == points[1] => Some(ShapeFault::NoLength),
+        kind if kind.is_line() && points[0] == points[1] => Some(ShapeFault::NoLength),
         ElementKind::Cohax4 => cohesive_fault(points),
         kind if kind.is_solid() && area < 0.0 => Some(ShapeFault::Clockwise),
         kind if kind.is_solid() && area == 0.0 => Some(ShapeFault::NoArea),
@@ -404,7 +409,7 @@ fn node_lines<'c>(context: &'c Context<'_>) -> HashMap<&'c str, Span> {
 pub fn read_elgen(context: &mut Context<'_>, card: &Card) {
     let rows = card.lines.iter().zip(card.read_lines::<Vec<[f64; 10]>>());
     let made = rows.filter_map(|(line, row)| elgen_line(context, line, row)).flatten().collect();
-    sets::collect_elements(context, card, "ELSET", made);
+    sets::collect(context, SetKind::Elements, card, "ELSET", made);
 }
 
 fn elgen_line(context: &mut Context<'_>, line: &DataLine, row: [f64; 10]) -> Option<Vec<usize>> {

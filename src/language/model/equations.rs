@@ -6,8 +6,13 @@ use super::nodes;
 use super::types::LinearEquation;
 use crate::deck::{Card, Span, Word};
 
-/// A term: nodes (in order of labels, or in the order of an UNSORTED set), degree of freedom, coefficient.
-type EquationTerm = (Vec<usize>, u8, f64);
+/// A term of equations between sets.
+struct SetTerm {
+    /// Nodes in order of labels, or in the order of an UNSORTED set.
+    nodes: Vec<usize>,
+    dof: u8,
+    coefficient: f64,
+}
 
 pub fn read_equation(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     if context.first_line(card).is_none() {
@@ -31,7 +36,7 @@ pub fn read_equation(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Ca
             let message = format!("{count} terms require {} values, found {}", 3 * count, words.len());
             return context.error("M102", message, line.span, "this equation");
         }
-        let terms: Option<Vec<EquationTerm>> = words.chunks(3).map(|w| equation_term(context, mesh, w)).collect();
+        let terms: Option<Vec<SetTerm>> = words.chunks(3).map(|w| equation_term(context, mesh, w)).collect();
         if let Some(terms) = terms {
             add_equations(context, &terms, line.span);
         }
@@ -39,7 +44,7 @@ pub fn read_equation(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Ca
     }
 }
 
-fn equation_term(context: &mut Context<'_>, mesh: &mut MeshReader, words: &[&Word]) -> Option<EquationTerm> {
+fn equation_term(context: &mut Context<'_>, mesh: &mut MeshReader, words: &[&Word]) -> Option<SetTerm> {
     let nodes = nodes::nodes_in_order(context, mesh, words[0])?;
     let dof = words[1].integer(&mut context.diagnostics)?;
     let coefficient = words[2].number(&mut context.diagnostics)?;
@@ -48,25 +53,25 @@ fn equation_term(context: &mut Context<'_>, mesh: &mut MeshReader, words: &[&Wor
         return context.refuse_value(words[1].span, message);
     }
     if coefficient == 0.0 || !coefficient.is_finite() {
-        return context
-            .refuse_value(words[2].span, format!("a coefficient must be finite and nonzero, found {coefficient}"));
+        let message = format!("a coefficient must be finite and nonzero, found {coefficient}");
+        return context.refuse_value(words[2].span, message);
     }
-    Some((nodes, dof as u8, coefficient))
+    Some(SetTerm { nodes, dof: dof as u8, coefficient })
 }
 
 /// Adds one equation per node of the sets; single nodes appear in all equations.
-fn add_equations(context: &mut Context<'_>, terms: &[EquationTerm], span: Span) {
-    let count = terms[0].0.len();
-    if let Some(other) = terms.iter().find(|t| t.0.len() != count && t.0.len() != 1) {
+fn add_equations(context: &mut Context<'_>, terms: &[SetTerm], span: Span) {
+    let count = terms[0].nodes.len();
+    if let Some(other) = terms.iter().find(|t| t.nodes.len() != count && t.nodes.len() != 1) {
         let message =
-            format!("the sets of an equation must have equal sizes, found {count} and {} nodes", other.0.len());
+            format!("the sets of an equation must have equal sizes, found {count} and {} nodes", other.nodes.len());
         return context.out_of_range(span, message);
     }
-    if terms.iter().any(|t| t.1 == 11) && terms.iter().any(|t| t.1 != 11) {
+    if terms.iter().any(|t| t.dof == 11) && terms.iter().any(|t| t.dof != 11) {
         return context.out_of_range(span, "an equation cannot combine temperatures (11) and displacements");
     }
     for i in 0..count {
-        let term = |(nodes, dof, c): &EquationTerm| (nodes[i.min(nodes.len() - 1)], *dof, *c);
+        let term = |t: &SetTerm| (t.nodes[i.min(t.nodes.len() - 1)], t.dof, t.coefficient);
         context.model.constraints.equations.push(LinearEquation { terms: terms.iter().map(term).collect(), span });
     }
 }

@@ -59,7 +59,12 @@ pub fn rows_over_fields(context: &mut Context<'_>, card: &Card, values: usize, f
 impl StepHistory {
     /// Returns the field variables in force in a step that prescribes `given`, and stores those that continue in the
     /// next step. A field that is no longer prescribed returns to its initial value.
-    pub fn fields(&mut self, given: Vec<PrescribedField>, step: &StepTiming, model: &Model) -> Vec<PrescribedField> {
+    pub fn fields(
+        &mut self,
+        given: Vec<PrescribedField>,
+        step: &StepTiming,
+        model: &mut Model,
+    ) -> Vec<PrescribedField> {
         let mut in_force = std::mem::take(&mut self.fields);
         for later in given {
             for earlier in in_force.iter_mut().filter(|e| e.variable == later.variable) {
@@ -68,14 +73,11 @@ impl StepHistory {
             in_force.push(later);
         }
         in_force.retain(|field| !field.nodes.is_empty());
-        let settled = |field: &PrescribedField| {
-            let mut settled = field.clone();
-            if let Some(factor) = self.factor_after_step(field.amplitude, step, model) {
-                (settled.value, settled.amplitude) = (field.value * factor, None);
-            }
-            settled
-        };
-        self.fields = in_force.iter().map(settled).collect();
+        let mut carried = in_force.clone();
+        for field in &mut carried {
+            self.settle((&mut field.value, &mut field.amplitude), false, step, model);
+        }
+        self.fields = carried;
         in_force
     }
 }

@@ -60,7 +60,11 @@ impl StepHistory {
         let added = if step.ramp { self.ramped_boundaries(given, step, model) } else { given };
         let spans: HashSet<Span> = added.iter().map(|b| b.span).collect();
         let merged = merge_boundaries(std::mem::take(&mut self.boundaries), added, diagnostics);
-        self.boundaries = merged.iter().map(|b| self.carried_boundary(b, step, model)).collect();
+        let mut carried = merged.clone();
+        for b in &mut carried {
+            self.settle((&mut b.value, &mut b.amplitude), b.user, step, model);
+        }
+        self.boundaries = carried;
         let places = self.displacements_after(&merged, step, model);
         self.first_values.retain(|(span, _), _| !spans.contains(span));
         let mut in_force = Vec::with_capacity(merged.len());
@@ -95,32 +99,25 @@ impl StepHistory {
 
     /// Returns the constant factor of an amplitude after its step; `None` if the amplitude continues. Amplitudes in
     /// total time and user amplitudes continue; amplitudes in step time keep their last value.
-    pub(super) fn factor_after_step(
-        &self,
-        amplitude: Option<AmplitudeId>,
-        step: &StepTiming,
-        model: &Model,
-    ) -> Option<f64> {
+    fn factor_after_step(&self, amplitude: Option<AmplitudeId>, step: &StepTiming, model: &Model) -> Option<f64> {
         let in_total_time = |a: &Amplitude| matches!(a.definition, AmplitudeDefinition::Curve { total_time: true, .. });
         let id = amplitude.filter(|&id| !in_total_time(&model.amplitudes[id]))?;
         self.amplitude(Some(id), step.duration, model)
     }
 
-    fn carried_boundary(
+    /// Sets a magnitude and its amplitude to those in the next step. A user subroutine receives the amplitude and applies it.
+    pub(super) fn settle(
         &self,
-        boundary: &BoundaryCondition,
+        (magnitude, amplitude): (&mut f64, &mut Option<AmplitudeId>),
+        is_user: bool,
         step: &StepTiming,
         model: &mut Model,
-    ) -> BoundaryCondition {
-        let mut settled = boundary.clone();
-        if let Some(factor) = self.factor_after_step(boundary.amplitude, step, model) {
-            if boundary.user {
-                settled.amplitude = Some(constant(factor, boundary.amplitude, model));
-            } else {
-                (settled.value, settled.amplitude) = (boundary.value * factor, None);
-            }
+    ) {
+        match self.factor_after_step(*amplitude, step, model) {
+            Some(factor) if is_user => *amplitude = Some(constant(factor, *amplitude, model)),
+            Some(factor) => (*magnitude, *amplitude) = (*magnitude * factor, None),
+            None => {}
         }
-        settled
     }
 
     /// Returns the displacements at the end of a step that are known in advance.
@@ -265,7 +262,7 @@ fn add_amplitude(amplitude: Amplitude, model: &mut Model) -> AmplitudeId {
 }
 
 /// Returns a constant amplitude with the given factor and the name of another.
-pub(super) fn constant(factor: f64, other: Option<AmplitudeId>, model: &mut Model) -> AmplitudeId {
+fn constant(factor: f64, other: Option<AmplitudeId>, model: &mut Model) -> AmplitudeId {
     let (name, span) = other.map_or_else(Default::default, |i| {
         let other = &model.amplitudes[i];
         (other.name.clone(), other.span)
@@ -311,7 +308,10 @@ fn merge_boundaries(
         for &node in &b.nodes {
             let holder = last.entry((node, b.dof)).or_insert(i);
             let earlier = &conditions[*holder];
-            if *holder == i || same_condition(earlier, b) && (*holder >= inherited_count || i < inherited_count || earlier.nodes != b.nodes) {
+            if *holder == i
+                || same_condition(earlier, b)
+                    && (*holder >= inherited_count || i < inherited_count || earlier.nodes != b.nodes)
+            {
                 continue;
             }
             if *holder >= inherited_count && !reported && !same_condition(earlier, b) {

@@ -14,11 +14,14 @@ pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
         } else if let Some(card) = line.strip_prefix('*') {
             reader.begin(card)
         } else {
-            reader.data(line)
+            let reading = std::mem::take(&mut reader.reading);
+            let result = reader.data(&reading, line);
+            reader.reading = reading;
+            result
         };
         result.map_err(|why| format!("line {}: {why}", number + 1))?;
     }
-    reader.finish()
+    reader.mesh.finish(false)
 }
 
 /// Largest number of set members in a file: a constant, plus a number per byte of the file. GENERATE and sets of sets
@@ -101,14 +104,7 @@ impl InpReader {
         Ok(())
     }
 
-    fn data(&mut self, line: &str) -> Result<(), String> {
-        let reading = std::mem::take(&mut self.reading);
-        let result = self.data_of(&reading, line);
-        self.reading = reading;
-        result
-    }
-
-    fn data_of(&mut self, reading: &InpSection, line: &str) -> Result<(), String> {
+    fn data(&mut self, reading: &InpSection, line: &str) -> Result<(), String> {
         let fields = || line.split(',').map(str::trim).filter(|f| !f.is_empty());
         let whole = |f: &str| f.parse::<i64>().map_err(|_| format!("`{f}` is not a whole number"));
         match reading {
@@ -177,9 +173,5 @@ impl InpReader {
             }
         }
         Ok(())
-    }
-
-    fn finish(self) -> Result<MeshFile, String> {
-        self.mesh.finish(false)
     }
 }

@@ -3,9 +3,11 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::history::{StepHistory, StepTiming, constant, ramp};
+use super::history::{StepHistory, StepTiming, ramp};
 use super::names::upper;
-use super::types::{BodyForce, ElementSide, Load, LoadKind, Model, SideSelection, SurfaceTraction, TargetId};
+use super::types::{
+    BodyForce, ElementSide, Load, LoadKind, LoadRegionMut, Model, SideSelection, SurfaceTraction, TargetId,
+};
 use crate::deck::{Diagnostic, Diagnostics, Span};
 
 impl StepHistory {
@@ -26,26 +28,15 @@ impl StepHistory {
             false => given,
         };
         inherited.extend(added);
-        self.loads = inherited.iter().map(|l| self.carried_load(l, step, model)).collect();
-        inherited
-    }
-
-    fn carried_load(&self, load: &Load, step: &StepTiming, model: &mut Model) -> Load {
-        let mut settled = load.clone();
-        if let Some(factor) = self.factor_after_step(load.amplitude, step, model) {
-            // The user subroutine receives the amplitude and applies it.
-            if matches!(load.kind, LoadKind::User { .. } | LoadKind::UserBody { .. }) {
-                settled.amplitude = Some(constant(factor, load.amplitude, model));
-            } else {
-                (settled.magnitude, settled.amplitude) = (load.magnitude * factor, None);
+        let mut carried = inherited.clone();
+        for Load { kind, magnitude, amplitude, .. } in &mut carried {
+            self.settle((magnitude, amplitude), kind.is_user(), step, model);
+            if let LoadKind::Film { coefficient, amplitude, .. } = kind {
+                self.settle((coefficient, amplitude), false, step, model);
             }
         }
-        if let LoadKind::Film { coefficient, amplitude, .. } = &mut settled.kind
-            && let Some(factor) = self.factor_after_step(*amplitude, step, model)
-        {
-            (*coefficient, *amplitude) = (*coefficient * factor, None);
-        }
-        settled
+        self.loads = carried;
+        inherited
     }
 
     /// Returns the magnitudes of loads at the start of the step, by place.
@@ -129,32 +120,25 @@ fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
     let keeps_load = |load: &mut Load| {
         let mut keep =
             places(&load.kind).into_iter().map(|place| !taken.contains(&place)).collect::<Vec<_>>().into_iter();
-        let mut next = || keep.next().unwrap_or(true);
-        match &mut load.kind {
-            LoadKind::Concentrated { nodes: list, .. }
-            | LoadKind::UserBody { elements: list, .. }
-            | LoadKind::Body { elements: list, .. }
-            | LoadKind::NodalHeat { nodes: list, .. }
-            | LoadKind::BodyHeat { elements: list, .. } => {
-                list.retain(|_| next());
-                !list.is_empty()
-            }
-            LoadKind::Pressure(s)
-            | LoadKind::SurfaceHeat(s)
-            | LoadKind::User { sides: s, .. }
-            | LoadKind::Traction { sides: s, .. }
-            | LoadKind::Blast { sides: s, .. }
-            | LoadKind::Film { sides: s, .. }
-            | LoadKind::Cavity { sides: s, .. }
-                if !s.surface =>
-            {
-                s.faces.retain(|_| next());
-                !s.faces.is_empty()
-            }
-            _ => next(),
-        }
+        retain_places(&mut load.kind, || keep.next().unwrap_or(true))
     };
     inherited.retain_mut(keeps_load);
+}
+
+/// Keeps the places of a load, in the order of [`places`], for which `keeps` returns true. Returns whether one is left.
+fn retain_places(kind: &mut LoadKind, mut keeps: impl FnMut() -> bool) -> bool {
+    let is_gravity = matches!(kind, LoadKind::Gravity { .. });
+    match kind.region_mut() {
+        LoadRegionMut::Nodes(list) | LoadRegionMut::Elements(list) if !is_gravity => {
+            list.retain(|_| keeps());
+            !list.is_empty()
+        }
+        LoadRegionMut::Sides(sides) if !sides.surface => {
+            sides.faces.retain(|_| keeps());
+            !sides.faces.is_empty()
+        }
+        _ => keeps(),
+    }
 }
 
 /// Reports loads of the same type at the same place in one step, which add up.
@@ -200,19 +184,7 @@ fn ramped_load(load: Load, before: &HashMap<LoadPlace, f64>, step: &StepTiming, 
     let part = |&bits: &u64| {
         let mut part = load.clone();
         let mut is_in_part = from.iter().map(|&b| b == bits);
-        let mut next = || is_in_part.next().unwrap_or(true);
-        match &mut part.kind {
-            LoadKind::Concentrated { nodes: list, .. }
-            | LoadKind::NodalHeat { nodes: list, .. }
-            | LoadKind::Body { elements: list, .. }
-            | LoadKind::BodyHeat { elements: list, .. } => list.retain(|_| next()),
-            LoadKind::Pressure(sides) | LoadKind::Traction { sides, .. } | LoadKind::SurfaceHeat(sides)
-                if !sides.surface =>
-            {
-                sides.faces.retain(|_| next())
-            }
-            _ => {}
-        }
+        retain_places(&mut part.kind, || is_in_part.next().unwrap_or(true));
         (part.magnitude, part.amplitude) = ramp(f64::from_bits(bits), load.magnitude, load.span, step, model);
         part
     };

@@ -204,7 +204,7 @@ fn traction_load(
             SurfaceTraction::Viscous { reference }
         }
         _ => {
-            let [r, z, third] = direction(context, line)?;
+            let [r, z, third] = context.numbers_or(line, DIRECTION, 0.0)?;
             let length = r.portable_hypot(z);
             if length == 0.0 || third != 0.0 {
                 let message = format!("{label} requires a direction: magnitude, r, z; the third component must be 0");
@@ -220,14 +220,8 @@ fn traction_load(
     Some((LoadKind::Traction { sides, law }, magnitude))
 }
 
-/// Returns the three components of the direction after the magnitude.
-fn direction(context: &mut Context<'_>, line: &DataLine) -> Option<[f64; 3]> {
-    let mut direction = [0.0; 3];
-    for (i, component) in direction.iter_mut().enumerate() {
-        *component = context.number_or(line, 3 + i, 0.0)?;
-    }
-    Some(direction)
-}
+/// First field of the three components of the direction, after the magnitude.
+const DIRECTION: usize = 3;
 
 /// Reports a centrifugal load about another axis than that of symmetry: its point must have r = 0, and its
 /// direction must be z.
@@ -256,13 +250,9 @@ fn cavity_load(context: &mut Context<'_>, card: &Card, line: &DataLine, sides: S
 }
 
 fn gravity(context: &mut Context<'_>, line: &DataLine) -> Option<ReadLoad> {
-    let elements = match line.field(0) {
-        Some(word) => Some(context.element_members(word)?),
-        None => None,
-    };
+    let elements = context.optional(line.field(0), Context::element_members)?;
     let magnitude = context.number(line, 2, "the acceleration")?;
-    let direction = direction(context, line)?;
-    let [r, z, third] = direction;
+    let direction @ [r, z, third] = context.numbers_or(line, DIRECTION, 0.0)?;
     let length = r.portable_hypot(z).portable_hypot(third);
     if length == 0.0 {
         return context
@@ -270,8 +260,8 @@ fn gravity(context: &mut Context<'_>, line: &DataLine) -> Option<ReadLoad> {
     }
     if (r != 0.0 || third != 0.0) && magnitude != 0.0 && !completion::has_oblique_impact(context) {
         let message = "gravity along r has no resultant on a body of revolution; only its z component acts";
-        let diagnostic = Diagnostic::warning("M152", message).at(line.span, "direction with an r component");
-        context.diagnostics.push(diagnostic.help("give the direction as 0., 1. or 0., -1."));
+        let help = "give the direction as 0., 1. or 0., -1.";
+        context.warning("M152", message, line.span, "direction with an r component", help);
     }
     Some((LoadKind::Gravity { elements, direction: direction.map(|d| d / length) }, magnitude))
 }
@@ -292,36 +282,18 @@ fn traction(label: &str) -> Option<(&'static str, &str)> {
     named.filter(|(_, face)| matches!(*face, "" | "1" | "2" | "3" | "4"))
 }
 
-pub fn load_family(kind: &LoadKind) -> &'static str {
+/// Returns the keyword of the cards that define a load of this kind.
+fn load_family(kind: &LoadKind) -> &'static str {
+    let is_on_surface = kind.sides().is_some_and(|sides| sides.surface);
     match kind {
         LoadKind::Concentrated { .. } => "CLOAD",
-        LoadKind::Gravity { .. } | LoadKind::UserBody { .. } | LoadKind::Body { .. } => "DLOAD",
         LoadKind::Blast { .. } => "INCIDENT WAVE INTERACTION",
         LoadKind::NodalHeat { .. } => "CFLUX",
-        LoadKind::BodyHeat { .. } => "DFLUX",
-        LoadKind::SurfaceHeat(s) => {
-            if s.surface {
-                "DSFLUX"
-            } else {
-                "DFLUX"
-            }
-        }
-        LoadKind::Film { sides: s, .. } => {
-            if s.surface {
-                "SFILM"
-            } else {
-                "FILM"
-            }
-        }
-        LoadKind::Pressure(s)
-        | LoadKind::Traction { sides: s, .. }
-        | LoadKind::User { sides: s, .. }
-        | LoadKind::Cavity { sides: s, .. } => {
-            if s.surface {
-                "DSLOAD"
-            } else {
-                "DLOAD"
-            }
-        }
+        LoadKind::SurfaceHeat(_) if is_on_surface => "DSFLUX",
+        LoadKind::SurfaceHeat(_) | LoadKind::BodyHeat { .. } => "DFLUX",
+        LoadKind::Film { .. } if is_on_surface => "SFILM",
+        LoadKind::Film { .. } => "FILM",
+        _ if is_on_surface => "DSLOAD",
+        _ => "DLOAD",
     }
 }

@@ -111,6 +111,13 @@ impl LabelTable {
     }
 }
 
+/// Kind of the members of a set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SetKind {
+    Nodes,
+    Elements,
+}
+
 /// Converts a name to upper case, in which names are compared.
 pub fn upper(text: &str) -> String {
     text.trim().to_uppercase()

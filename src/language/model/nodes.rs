@@ -4,7 +4,7 @@ use super::budget::BudgetedItem;
 use super::context::Context;
 use super::families::MeshReader;
 use super::name::EntityName;
-use super::names::{qualified, upper};
+use super::names::SetKind;
 use super::refinement::curves::{on_arc, polar_point};
 use super::{contact, sets};
 use crate::deck::rows::label_and_coordinates;
@@ -29,7 +29,7 @@ pub fn read_nodes(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card)
         }
     }
     again.report(&mut context.diagnostics);
-    sets::collect_nodes(context, card, "NSET", made);
+    sets::collect(context, SetKind::Nodes, card, "NSET", made);
 }
 
 fn node_line(context: &mut Context<'_>, line: &DataLine) -> Option<(i64, [f64; 2])> {
@@ -82,7 +82,7 @@ pub fn read_ngen(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) 
         context.unsupported(line.span, format!("LINE={} is not supported", line.text), "use a straight line or LINE=C");
     }
     let made = card.lines.iter().filter_map(|line| ngen_line(context, mesh, line, arc)).flatten().collect();
-    sets::collect_nodes(context, card, "NSET", made);
+    sets::collect(context, SetKind::Nodes, card, "NSET", made);
 }
 
 fn ngen_line(context: &mut Context<'_>, mesh: &mut MeshReader, line: &DataLine, arc: bool) -> Option<Vec<usize>> {
@@ -143,8 +143,7 @@ pub fn place_generated(
 fn centre(context: &mut Context<'_>, line: &DataLine) -> Option<[f64; 2]> {
     if line.field(3).is_some() {
         let is_zero = |word: &&Word| word.text.parse().is_ok_and(|value: f64| value == 0.0);
-        let coordinates = [4, 5].into_iter().filter_map(|k| line.field(k));
-        if let Some(word) = coordinates.into_iter().find(|word| !is_zero(word)) {
+        if let Some(word) = [4, 5].into_iter().filter_map(|k| line.field(k)).find(|word| !is_zero(word)) {
             context.report_surplus(word, "the centre is given by a node or by its coordinates");
         }
         let (_, index) = label_of(context, line.field(3), line, "the centre node")?;
@@ -163,7 +162,7 @@ pub fn read_nfill(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card)
     let singular = card.read::<Option<usize>>("SINGULAR").unwrap_or(0);
     let spacing = FillSpacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
     let made = card.lines.iter().filter_map(|line| nfill_line(context, mesh, line, &spacing)).flatten().collect();
-    sets::collect_nodes(context, card, "NSET", made);
+    sets::collect(context, SetKind::Nodes, card, "NSET", made);
 }
 
 fn nfill_line(
@@ -173,9 +172,8 @@ fn nfill_line(
     spacing: &FillSpacing,
 ) -> Option<Vec<usize>> {
     let (Some(first), Some(second)) = (line.field(0), line.field(1)) else {
-        return context
-            .diagnostics
-            .refuse(Diagnostic::error("M102", "two node sets are required").at(line.span, "here"));
+        let diagnostic = Diagnostic::error("M102", "two node sets are required").at(line.span, "here");
+        return context.diagnostics.refuse(diagnostic);
     };
     let (starts, ends) = (nodes_in_order(context, mesh, first)?, nodes_in_order(context, mesh, second)?);
     let intervals = context.integer(line, 2, "the number of intervals")?;
@@ -213,12 +211,9 @@ fn nfill_line(
 /// Returns the nodes of a set: in the given order for an UNSORTED set, otherwise in order of labels. The new nodes
 /// of a refined mesh have no order and are left out.
 pub fn nodes_in_order(context: &mut Context<'_>, mesh: &mut MeshReader, word: &Word) -> Option<Vec<usize>> {
-    for name in [qualified(&context.scope, &word.text), upper(&word.text)] {
-        if let Some(nodes) = mesh.unsorted.get(&name) {
-            let nodes = nodes.clone();
-            context.edit_nodes(word, &nodes, true);
-            return Some(nodes);
-        }
+    if let Some(nodes) = context.names_of(word).iter().find_map(|name| mesh.unsorted.get(name)).cloned() {
+        context.edit_nodes(word, &nodes, true);
+        return Some(nodes);
     }
     let mut nodes = context.original_nodes(word)?;
     nodes.sort_by_key(|&n| (label_of_index(context, n), n));

@@ -49,7 +49,8 @@ pub(super) fn ordered<'a>(cards: &[&'a Card], sources: &Sources) -> Vec<&'a Card
 /// Appends the cards of a region, sorted by rank.
 fn flush<'a>(region: &mut Vec<Vec<&'a Card>>, all: &mut Vec<&'a Card>, sources: &Sources) {
     let first = |kinds: &[&str]| region.iter().position(|u| kinds.contains(&u[0].keyword.name)).unwrap_or(0);
-    let first_definitions = [first(&["NODE", "NGEN", "MESH", "INSTANCE"]), first(&["ELEMENT", "ELGEN", "MESH", "INSTANCE"])];
+    let first_definitions =
+        [first(&["NODE", "NGEN", "MESH", "INSTANCE"]), first(&["ELEMENT", "ELGEN", "MESH", "INSTANCE"])];
     let mut units: Vec<(u8, Vec<&Card>)> = Vec::new();
     for (at, unit) in region.drain(..).enumerate() {
         // A set of labels before any node or element refers to later ones.

@@ -3,10 +3,10 @@
 use super::contact;
 use super::context::{Context, MAX_GENERATED};
 use super::families::{OutputReader, StepReader};
-use super::names::{qualified, upper};
+use super::names::{SetKind, upper};
 use super::types::{
-    ContactPairFilter, ElementSetId, NodeSetId, OutputCard, OutputInterval, OutputKind, OutputPosition, OutputRegion,
-    OutputRequest, RestartRequest, TimePoints, TimePointsId,
+    ContactPairFilter, ElementSetId, MemberSet, NodeSetId, OutputCard, OutputInterval, OutputKind, OutputPosition,
+    OutputRegion, OutputRequest, RestartRequest, TimePoints, TimePointsId,
 };
 use crate::deck::{Card, Diagnostic, Word};
 use crate::variables::request::{self, SectionPoint, VariableRequest};
@@ -85,9 +85,8 @@ pub fn read_restart(context: &mut Context<'_>, steps: &mut StepReader, card: &Ca
 fn note_time_marks(context: &mut Context<'_>, card: &Card) {
     if card.has("TIME MARKS") {
         let message = "with TIME MARKS=YES output is written at the first increment at or after the requested time";
-        context
-            .diagnostics
-            .push(Diagnostic::note("M142", message).at(card.span, "output does not change the increments"));
+        let note = Diagnostic::note("M142", message).at(card.span, "output does not change the increments");
+        context.diagnostics.push(note);
     }
 }
 
@@ -184,7 +183,8 @@ pub fn read_output_variables(
     }
     unknown_variables(context, &unknown, output_card);
     if !variables.is_empty() {
-        let request = OutputRequest { card: output_card, variables, position, region, statistics, span: card.span, ..request };
+        let request =
+            OutputRequest { card: output_card, variables, position, region, statistics, span: card.span, ..request };
         steps.state().outputs.push(request);
     }
 }
@@ -267,10 +267,8 @@ fn statistics(context: &mut Context<'_>, card: &Card, kind: OutputKind, region: 
 
 /// Returns the request of `VARIABLE=PRESELECT` or `VARIABLE=ALL`.
 fn default_variables(card: &Card) -> Vec<VariableRequest> {
-    card.read::<Option<usize>>("VARIABLE")
-        .map(|place| [VariableRequest::Preselect, VariableRequest::All][place])
-        .into_iter()
-        .collect()
+    let choice = card.read::<Option<usize>>("VARIABLE");
+    choice.map(|index| [VariableRequest::Preselect, VariableRequest::All][index]).into_iter().collect()
 }
 
 /// Names a surface for integrated output (ABAQUS Keywords Reference Guide, *INTEGRATED OUTPUT SECTION).
@@ -288,28 +286,31 @@ fn output_region(context: &mut Context<'_>, output: &mut OutputReader, card: &Ca
     }
     if let Some(word) = card.value("NSET") {
         note_unused_filters(context, card);
-        let members = context.node_members(word)?;
-        let (inner, outer) = (qualified(&context.scope, &word.text), upper(&word.text));
-        let known = [&inner, &outer].into_iter().find_map(|name| context.model.node_sets.get_index_of(name));
-        // A single node becomes a set of one.
-        let set = super::types::MemberSet { members, span: word.span };
-        let index = known.unwrap_or_else(|| context.model.node_sets.insert_full(outer, set).0);
+        let index = output_set(context, SetKind::Nodes, word)?;
         return Some(OutputRegion::Nodes(NodeSetId::new(index)));
     }
     if let Some(word) = card.value("ELSET") {
-        let members = context.element_members(word)?;
-        let (inner, outer) = (qualified(&context.scope, &word.text), upper(&word.text));
-        let known = [&inner, &outer].into_iter().find_map(|name| context.model.element_sets.get_index_of(name));
-        context
-            .edit_output_elements(word, if context.model.element_sets.contains_key(&inner) { &inner } else { &outer });
-        let set = super::types::MemberSet { members, span: word.span };
-        let index = known.unwrap_or_else(|| context.model.element_sets.insert_full(outer, set).0);
+        let index = output_set(context, SetKind::Elements, word)?;
         return Some(OutputRegion::Elements(ElementSetId::new(index)));
     }
     if card.keyword.name == "CONTACT OUTPUT" {
         return pairs_of(context, card);
     }
     Some(OutputRegion::Whole)
+}
+
+/// Returns the index of the set that a word names. A single node or element becomes a set of one.
+fn output_set(context: &mut Context<'_>, kind: SetKind, word: &Word) -> Option<usize> {
+    let members = context.members(kind, word)?;
+    let [inner, outer] = context.names_of(word);
+    let sets = context.model.sets(kind);
+    let known = sets.get_index_of(&inner).or_else(|| sets.get_index_of(&outer));
+    if kind == SetKind::Elements {
+        let key = if sets.contains_key(&inner) { &inner } else { &outer };
+        context.edit_output_elements(word, key);
+    }
+    let set = MemberSet { members, span: word.span };
+    Some(known.unwrap_or_else(|| context.model.sets_mut(kind).insert_full(outer, set).0))
 }
 
 /// Lists the filters of pairs of a `*CONTACT OUTPUT` card with NSET as unused.
@@ -338,10 +339,7 @@ fn pairs_of(context: &mut Context<'_>, card: &Card) -> Option<OutputRegion> {
     }
     let name = |parameter: &str| card.value(parameter).map(|w| upper(&w.text));
     let cpset = name("CPSET");
-    let interaction = match card.value("CONTACT PAIR") {
-        Some(word) => Some(contact::interaction(context, word)?),
-        None => None,
-    };
+    let interaction = context.optional(card.value("CONTACT PAIR"), contact::interaction)?;
     let pairs = ContactPairFilter { cpset, interaction, general: card.has("GENERAL CONTACT"), surfaces };
     Some(if pairs == ContactPairFilter::default() { OutputRegion::Whole } else { OutputRegion::Pairs(pairs) })
 }

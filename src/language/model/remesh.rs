@@ -4,8 +4,8 @@ use std::collections::HashSet;
 
 use super::name::NewLabels;
 use super::types::{
-    ContactDomain, Element, ElementKind, ElementSide, GeneralContact, LoadKind, MemberSet, Mesh, Model, NodeSetId,
-    OutputKind, OutputRegion, SideSelection, Step, SurfaceContact, SurfaceTraction,
+    ContactDomain, Element, ElementKind, ElementSide, GeneralContact, LoadKind, LoadRegionMut, MemberSet, Mesh, Model,
+    NodeSetId, OutputKind, OutputRegion, SideSelection, Step, SurfaceContact, SurfaceTraction,
 };
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
@@ -358,26 +358,14 @@ fn visit_general(general: &mut GeneralContact, visit: &mut dyn FnMut(MemberList<
 }
 
 fn visit_load(kind: &mut LoadKind, visit: &mut dyn FnMut(MemberList<'_>)) {
-    match kind {
-        LoadKind::Concentrated { nodes, .. } | LoadKind::NodalHeat { nodes, .. } => visit(MemberList::Nodes(nodes)),
-        LoadKind::Gravity { elements, .. } => {
-            elements.iter_mut().for_each(|list| visit(MemberList::Elements(list)));
-        }
-        LoadKind::Body { elements, .. } | LoadKind::UserBody { elements, .. } | LoadKind::BodyHeat { elements, .. } => {
-            visit(MemberList::Elements(elements));
-        }
-        LoadKind::Traction { sides, law } => {
-            visit_sides(sides, visit);
-            if let SurfaceTraction::Viscous { reference: Some(node) } = law {
-                visit(MemberList::Node(node));
-            }
-        }
-        LoadKind::Pressure(sides)
-        | LoadKind::SurfaceHeat(sides)
-        | LoadKind::Blast { sides, .. }
-        | LoadKind::User { sides, .. }
-        | LoadKind::Cavity { sides, .. }
-        | LoadKind::Film { sides, .. } => visit_sides(sides, visit),
+    match kind.region_mut() {
+        LoadRegionMut::Nodes(nodes) => visit(MemberList::Nodes(nodes)),
+        LoadRegionMut::Elements(elements) => visit(MemberList::Elements(elements)),
+        LoadRegionMut::Sides(sides) => visit_sides(sides, visit),
+        LoadRegionMut::Whole => {}
+    }
+    if let LoadKind::Traction { law: SurfaceTraction::Viscous { reference: Some(node) }, .. } = kind {
+        visit(MemberList::Node(node));
     }
 }
 

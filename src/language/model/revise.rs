@@ -66,7 +66,8 @@ fn place_of(model: &Model, deck: &Deck, word: &ParametricWord) -> Option<NumberP
         ("INITIAL CONDITIONS", WordPosition::Field(line, 2)) => {
             let span = card.lines[line].span;
             let index = model.initial_conditions.iter().position(|c| c.span == span)?;
-            matches!(model.initial_conditions[index].kind, InitialKind::Velocity(..)).then_some(NumberPlace::Velocity(index))
+            matches!(model.initial_conditions[index].kind, InitialKind::Velocity(..))
+                .then_some(NumberPlace::Velocity(index))
         }
         ("MASS", WordPosition::Field(0, 0)) => Some(NumberPlace::Mass(card.span)),
         ("DENSITY", WordPosition::Field(0, 0)) if card.lines.len() == 1 && card.lines[0].fields.len() == 1 => {
@@ -77,7 +78,9 @@ fn place_of(model: &Model, deck: &Deck, word: &ParametricWord) -> Option<NumberP
             (!derives).then_some(NumberPlace::Density(index))
         }
         ("CAVITY EXPANSION", WordPosition::Parameter("YIELD")) => Some(NumberPlace::Resistance(constants_of(card)?, 0)),
-        ("CAVITY EXPANSION", WordPosition::Field(0, i @ 0..3)) => Some(NumberPlace::Resistance(constants_of(card)?, i + 1)),
+        ("CAVITY EXPANSION", WordPosition::Field(0, i @ 0..3)) => {
+            Some(NumberPlace::Resistance(constants_of(card)?, i + 1))
+        }
         ("TARGET", WordPosition::Parameter("FRONT")) => target(model, card).map(NumberPlace::Front),
         ("TARGET", WordPosition::Field(line, 1)) => {
             let (target, span) = (target(model, card)?, card.lines[line].span);

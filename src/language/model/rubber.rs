@@ -28,11 +28,7 @@ type EnergyConstructor = fn(&[f64], usize) -> DeviatoricEnergy;
 
 /// Reads `*HYPERELASTIC`; the default form is the polynomial. A data line has eight constants.
 pub fn read_hyperelastic(context: &mut Context<'_>, card: &Card) {
-    let forms: Vec<&str> = FORMS.into_iter().filter(|form| card.has(form)).collect();
-    if forms.len() > 1 {
-        return context.out_of_range(card.span, format!("{} and {} cannot be combined", forms[0], forms[1]));
-    }
-    let form = forms.first().copied().unwrap_or("POLYNOMIAL");
+    let form = FORMS.into_iter().find(|form| card.has(form)).unwrap_or("POLYNOMIAL");
     let Some(order) = order(context, card, form) else { return };
     let (constant_count, shape): (usize, EnergyConstructor) = match form {
         "NEO HOOKE" => (1, |c, _| DeviatoricEnergy::NeoHooke(c[0])),

@@ -114,8 +114,7 @@ fn ended_outputs(context: &mut Context<'_>, steps: &mut StepReader, state: &Step
                 "no {name} output is written from this step on, because *OUTPUT with OP=NEW, the default, \
                  ends all requests of earlier steps"
             );
-            let diagnostic = Diagnostic::warning("M148", message).at(state.span, "this step");
-            context.diagnostics.push(diagnostic.help("use OP=ADD, or repeat the requests"));
+            context.warning("M148", message, state.span, "this step", "use OP=ADD, or repeat the requests");
         }
     }
 }
@@ -131,7 +130,7 @@ pub fn read_dynamic(context: &mut Context<'_>, steps: &mut StepReader, card: &Ca
     let coupled = card.keyword.name != "DYNAMIC";
     let mut values: cards::Dynamic = card.values();
     if coupled {
-        values = cards::Dynamic { accuracy: DEFAULT_ACCURACY, global: false, ..values };
+        values.accuracy = DEFAULT_ACCURACY;
     }
     let Some(increment) = increment_control(context, card, &values) else { return };
     let load_velocity = if values.lagged { LoadVelocity::Lagged } else { LoadVelocity::Predicted };
@@ -150,13 +149,7 @@ fn increment_control(context: &mut Context<'_>, card: &Card, values: &cards::Dyn
         true => IncrementControl::Fixed(increment),
         false => IncrementControl::Automatic { accuracy, element_by_element, largest },
     };
-    if !context.accepts(card, control.check(duration)) {
-        return None;
-    }
-    if !values.direct && element_by_element && values.global {
-        return context.refuse_value(card.span, "GLOBAL and ELEMENT BY ELEMENT cannot be combined");
-    }
-    Some(control)
+    context.accepts(card, control.check(duration)).then_some(control)
 }
 
 impl IncrementControl {

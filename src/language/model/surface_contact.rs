@@ -3,7 +3,7 @@
 use super::contact;
 use super::context::Context;
 use super::families::StepReader;
-use super::names::{qualified, upper};
+use super::names::upper;
 use super::types::{AnalyticalSide, InteractionLaw, PrescribedClearance, SideSelection, SurfaceContact};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
@@ -94,8 +94,7 @@ fn warn_of_pair_given_twice(
 
 /// Returns the faces of an element-based surface.
 pub fn contact_sides(context: &mut Context<'_>, word: &Word) -> Option<SideSelection> {
-    let names = [qualified(&context.scope, &word.text), upper(&word.text)];
-    if names.iter().any(|n| context.model.surfaces.nodes.contains_key(n)) {
+    if context.names_of(word).iter().any(|n| context.model.surfaces.nodes.contains_key(n)) {
         let message = format!("`{}` is a node-based surface, which can only contact analytical surfaces", word.text);
         return context.refuse_unsupported(word.span, message, "use an element-based surface");
     }

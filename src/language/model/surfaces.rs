@@ -131,7 +131,7 @@ fn free_sides(context: &Context<'_>, elements: &[usize]) -> Vec<(usize, ElementS
     let faces_of = |&e: &usize| {
         let first = outside.partition_point(|f| f.0 < e);
         let faces = outside[first..].iter().take_while(move |f| f.0 == e).copied();
-        let is_shell = matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
+        let is_shell = mesh.elements[e].kind.is_line();
         let both = [ElementSide::Positive, ElementSide::Negative].into_iter().filter(move |_| is_shell);
         faces.chain(both.map(move |side| (e, side)))
     };
@@ -197,10 +197,9 @@ impl SideSelection {
 
 /// Returns the sides that a label denotes for an element type; none if the type has no such side.
 pub fn sides_of(name: &str, kind: ElementKind) -> impl Iterator<Item = ElementSide> {
-    let shell = matches!(kind, ElementKind::Rax2 | ElementKind::Sax1);
     let of_shell = match name {
-        "SPOS" if shell => Some(ElementSide::Positive),
-        "SNEG" if shell => Some(ElementSide::Negative),
+        "SPOS" if kind.is_line() => Some(ElementSide::Positive),
+        "SNEG" if kind.is_line() => Some(ElementSide::Negative),
         _ => None,
     };
     let number = name.strip_prefix('S').filter(|_| kind.is_solid() || kind == ElementKind::Cohax4);

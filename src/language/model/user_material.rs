@@ -108,7 +108,8 @@ pub fn initial_state(context: &mut Context<'_>, card: &Card) {
             }
             Some(values.len())
         };
-        let Some(mut count) = read(context, line, 1, if largest_count > ROW - 1 { ROW } else { line.fields.len() }) else {
+        let Some(mut count) = read(context, line, 1, if largest_count > ROW - 1 { ROW } else { line.fields.len() })
+        else {
             continue;
         };
         while let Some(next) = lines.next_if(|next| count < largest_count && is_continuation(next)) {

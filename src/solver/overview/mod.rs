@@ -7,7 +7,7 @@ mod text;
 
 use serde::Serialize;
 
-use crate::model::{DeckUnits, InitialKind, MaterialDefinition, Model};
+use crate::model::{DeckUnits, MaterialDefinition, Model};
 use crate::plan::{Plan, State};
 pub use bodies::PartOverview;
 pub use effort::{RunEstimate, measure};
@@ -112,11 +112,8 @@ fn moduli(material: &MaterialDefinition, temperature: Option<f64>) -> Option<[f6
 }
 
 fn temperatures(model: &Model) -> Option<[f64; 2]> {
-    let given = model.initial_conditions.iter().filter_map(|condition| match condition.kind {
-        InitialKind::Temperature(value) => Some(value),
-        _ => None,
-    });
-    given.fold(None, |range, value| {
+    let temperatures = model.initial_conditions.iter().filter_map(|condition| condition.kind.temperature());
+    temperatures.fold(None, |range, value| {
         let [low, high] = range.unwrap_or([value; 2]);
         Some([low.min(value), high.max(value)])
     })

@@ -24,7 +24,7 @@ mod steps;
 
 use crate::deck::Diagnostics;
 use crate::kernel::amplitude::SampledAmplitude;
-use crate::model::{EosKind, MaterialDefinition, Model};
+use crate::model::{MaterialDefinition, Model};
 pub use crate::state::dofs::{Dof, Dofs};
 use crate::user::Routines;
 pub(crate) use bodies::rigid_body::Bodies;
@@ -109,7 +109,6 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let movable = state.elements.groups.iter_mut().map(|group| group.extensions().transfer().is_some());
     let movable_groups = movable.collect();
     let mut general_contacts = model.steps.iter().filter_map(|s| s.general_contact.as_ref());
-    let is_gas = |eos: &EosKind| matches!(eos, EosKind::IdealGas(_) | EosKind::Jwl(_));
     let mut plan = Plan {
         ledger,
         mesh: model.mesh.clone(),
@@ -129,7 +128,7 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
         movable_groups,
         excludes_detached_nodes: general_contacts.any(|g| g.excludes_detached_nodes),
         stiffening: stiffening(model),
-        returns_heat: model.materials.iter().any(|m| m.eos.as_ref().is_some_and(|eos| is_gas(&eos.kind))),
+        returns_heat: model.materials.iter().any(|m| m.is_ideal_gas() || m.is_explosive()),
         has_equation_of_state: model.materials.iter().any(|m| m.eos.is_some()),
         has_user_stress: model.materials.iter().any(|m| m.user.material.is_some()),
         expects_dissipation: expects_dissipation(model),

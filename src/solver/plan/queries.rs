@@ -21,9 +21,7 @@ pub fn heated_references(model: &Model) -> Vec<usize> {
     if !model.steps.first().is_some_and(|step| step.coupled) {
         return Vec::new();
     }
-    let starts = |c: &InitialCondition, n: &usize| {
-        matches!(c.kind, InitialKind::Temperature(_)) && c.members.binary_search(n).is_ok()
-    };
+    let starts = |c: &InitialCondition, n: &usize| c.kind.temperature().is_some() && c.members.binary_search(n).is_ok();
     let holds = |b: &BoundaryCondition, n: &usize| b.kind == MotionKind::Temperature && b.nodes.contains(n);
     let given = |n: &usize| {
         model.initial_conditions.iter().any(|c| starts(c, n))

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use super::mesh::{CoarsenedMesh, CoarseningFault};
 use super::quadrilaterals::{Regions, turns};
 use crate::model::element_nodes::NodeIndices;
-use crate::model::types::{Element, ElementKind, Mesh};
+use crate::model::types::{Element, Mesh};
 
 /// Nodes at which chains end.
 pub struct ChainEnds<'a> {
@@ -52,7 +52,7 @@ pub fn merge_chains(
 
 impl<'a> Lines<'a> {
     fn new(mesh: &'a Mesh, ends: &'a ChainEnds<'a>) -> Lines<'a> {
-        let is_line = |&e: &usize| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
+        let is_line = |&e: &usize| mesh.elements[e].kind.is_line();
         let lines: Vec<usize> = (0..mesh.elements.len()).filter(is_line).collect();
         let mut at_node = [HashMap::new(), HashMap::new()];
         for &line in &lines {

@@ -102,7 +102,7 @@ impl RefinedMesh {
             let share = part as f64 / factor;
             return [(a, 1.0 - share), (b, share), (a, 0.0), (a, 0.0)];
         }
-        let (parent, i, j) = self.lattice_place(node);
+        let (parent, [i, j]) = self.lattice_place(node);
         let nodes = &self.parents[parent].nodes;
         if let &[a, b, c, d] = &nodes[..] {
             let (s, t) = (i as f64 / factor, j as f64 / factor);
@@ -129,27 +129,27 @@ impl RefinedMesh {
         (corners, [i as f64 / n as f64, j as f64 / n as f64])
     }
 
-    /// Returns the parent of a node inside an element, and the place of the node in its lattice.
-    fn lattice_place(&self, node: usize) -> (usize, usize, usize) {
+    /// Returns the parent of a node inside an element, and column and row of the node in its lattice.
+    fn lattice_place(&self, node: usize) -> (usize, [usize; 2]) {
         let parent = self.first_inside.partition_point(|&first| first <= node) - 1;
         let mut offset = node - self.first_inside[parent];
         let kind = self.parents[parent].kind;
         if kind.node_count() == 4 {
             let row = self.factor - 1;
-            return (parent, offset % row + 1, offset / row + 1);
+            return (parent, [offset % row + 1, offset / row + 1]);
         }
         // The rows of a triangle become shorter by one node.
         let (mut row, mut j) = (kind.node_count() / 3 * self.factor - 2, 1);
         while offset >= row {
             (offset, row, j) = (offset - row, row - 1, j + 1);
         }
-        (parent, offset + 1, j)
+        (parent, [offset + 1, j])
     }
 
     /// Returns the offset of a node inside an element, blended from the offsets of its curved edges (transfinite
     /// interpolation).
     fn offset_inside(&self, node: usize, points: &[[f64; 2]], curves: &EdgeCurves) -> [f64; 2] {
-        let (parent, i, j) = self.lattice_place(node);
+        let (parent, [i, j]) = self.lattice_place(node);
         let nodes = &self.parents[parent].nodes;
         let offset = |edge: [usize; 2], share: f64| curves.offset(points, edge, share);
         let parts = if let &[a, b, c, d] = &nodes[..] {

@@ -32,16 +32,23 @@ fn between(context: &Context<'_>, listed: &NodeValues) -> Vec<(f64, Vec<usize>)>
     nodes_by_value.into_iter().map(|(bits, nodes)| (f64::from_bits(bits), sorted_unique(nodes))).collect()
 }
 
-/// Returns conditions for new nodes from conditions at single nodes. Conditions with the same key belong together.
+/// A condition at a single node. Conditions with the same key belong together.
+struct ListedValue<K> {
+    key: K,
+    node: usize,
+    value: f64,
+}
+
+/// Returns conditions for new nodes from conditions at single nodes.
 fn completed<C: Clone, K: Hash + Eq>(
     context: &Context<'_>,
     conditions: &[C],
-    of: impl Fn(&C) -> Option<(K, usize, f64)>,
+    of: impl Fn(&C) -> Option<ListedValue<K>>,
     with: impl Fn(&mut C, Vec<usize>, f64),
 ) -> Vec<C> {
     let mut groups: IndexMap<K, (&C, NodeValues)> = IndexMap::new();
     for condition in conditions {
-        let Some((key, node, value)) = of(condition) else { continue };
+        let Some(ListedValue { key, node, value }) = of(condition) else { continue };
         groups.entry(key).or_insert((condition, NodeValues::new())).1.insert(node, value);
     }
     let mut made = Vec::new();
@@ -62,13 +69,17 @@ pub fn complete_boundaries(context: &mut Context<'_>, steps: &mut StepReader, fr
     }
     let listed_value = |b: &BoundaryCondition| {
         let node = is_label(&b.set).then(|| b.nodes[0])?;
-        Some(((b.dof, b.kind, b.user, b.amplitude), node, b.value))
+        Some(ListedValue { key: (b.dof, b.kind, b.user, b.amplitude), node, value: b.value })
     };
     let with = |b: &mut BoundaryCondition, nodes, value| (b.nodes, b.value) = (nodes, value);
     let listed = steps.state().boundaries[from..].to_vec();
     let made = completed(context, &listed, listed_value, with);
     for b in &made {
-        context.add_node_line(listed[listed.len() - 1].span, &b.nodes, &format!(" {}, {}, {:?}", b.dof, b.dof, b.value));
+        context.add_node_line(
+            listed[listed.len() - 1].span,
+            &b.nodes,
+            &format!(" {}, {}, {:?}", b.dof, b.dof, b.value),
+        );
     }
     steps.state().boundaries.extend(made);
 }
@@ -80,7 +91,7 @@ pub fn complete_fields(context: &mut Context<'_>, steps: &mut StepReader, from: 
     }
     let listed_value = |f: &PrescribedField| {
         let node = is_label(&f.set).then(|| f.nodes[0])?;
-        Some(((f.variable, f.amplitude), node, f.value))
+        Some(ListedValue { key: (f.variable, f.amplitude), node, value: f.value })
     };
     let with = |f: &mut PrescribedField, nodes, value| (f.nodes, f.value) = (nodes, value);
     let listed = steps.state().fields[from..].to_vec();
@@ -98,14 +109,14 @@ pub fn complete_initial_conditions(context: &mut Context<'_>, from: usize) {
     }
     let sources = context.deck.sources.clone();
     let listed_value = |c: &InitialCondition| {
-        let (kind, value) = match c.kind {
+        let (key, value) = match c.kind {
             InitialKind::Velocity(dof, value) => ((0, usize::from(dof)), value),
             InitialKind::Temperature(value) => ((1, 0), value),
             InitialKind::Field(variable, value) => ((2, variable), value),
             _ => return None,
         };
         let region = sources.text(c.span).split(',').next().unwrap_or_default();
-        is_label(region).then(|| (kind, c.members[0], value))
+        is_label(region).then(|| ListedValue { key, node: c.members[0], value })
     };
     let with = |c: &mut InitialCondition, nodes, value: f64| {
         c.members = nodes;

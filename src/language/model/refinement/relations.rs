@@ -5,8 +5,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use indexmap::IndexMap;
 
-use super::mesh::RefinedMesh;
-use super::pair::NodePair;
+use super::mesh::{NodePair, RefinedMesh};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::lists::sorted_pair;
 use crate::model::types::{LinearEquation, LinkKind, NodeLink};

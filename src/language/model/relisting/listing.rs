@@ -74,7 +74,8 @@ impl ListedMesh {
 
     /// Returns whether a new set occurs in the text.
     fn is_used(&self, scope: &str, name: &str) -> bool {
-        let mut uses = self.edits.replaced.iter().filter(|(place, edit)| place.scope == scope && edit.text == quoted(name));
+        let mut uses =
+            self.edits.replaced.iter().filter(|(place, edit)| place.scope == scope && edit.text == quoted(name));
         let is_unused = |edit: &super::edits::Replacement| !self.applies(&edit.condition);
         let mut are_unused = uses.by_ref().map(|(_, edit)| is_unused(edit)).peekable();
         are_unused.peek().is_none() || are_unused.any(|is_unused| !is_unused)

@@ -6,7 +6,7 @@ use super::edits::{DeckEdits, EditCondition, EditPlace, NewSetKind, Replacement}
 use super::listing::quoted;
 use crate::deck::{Span, Word};
 use crate::model::context::Context;
-use crate::model::names::{qualified, upper};
+use crate::model::names::upper;
 use crate::model::types::ElementSide;
 
 /// Returns a set name made from a word of the deck and an ending.
@@ -55,7 +55,7 @@ impl Context<'_> {
         if is_label {
             let name = self.model.mesh.elements[*first].name.to_string();
             match members {
-                [_] if name == qualified(&self.scope, &word.text) || name == upper(&word.text) => {}
+                [_] if self.names_of(word).contains(&name) => {}
                 [_] if !self.scope.is_empty() => {
                     let label = name.rsplit('.').next().unwrap_or_default().to_owned();
                     self.replace_word(word, label, EditCondition::Always);
@@ -72,8 +72,8 @@ impl Context<'_> {
             .as_ref()
             .is_some_and(|refined| members.len() > 1 && refined.has_one_parent(members))
         {
-            let names = [qualified(&self.scope, &word.text), upper(&word.text)];
-            let Some(key) = names.into_iter().find(|name| self.model.element_sets.contains_key(name)) else { return };
+            let mut names = self.names_of(word).into_iter();
+            let Some(key) = names.find(|name| self.model.element_sets.contains_key(name)) else { return };
             let name = derived_name(word, elements, "PARTS");
             self.replace_by_set(word, (elements, &name), members, EditCondition::IfReduced(key));
         }

@@ -137,7 +137,11 @@ impl<'a> DeckWriter<'a> {
     /// Returns whether a line refers only to nodes that a coarsened mesh does not have.
     fn is_removed(&self, line: Span, scope: &str) -> bool {
         let is_here = |start: u32| (line.start..line.end).contains(&start);
-        self.mesh.edits.removed.iter().any(|place| place.scope == scope && place.file == line.file && is_here(place.start))
+        self.mesh
+            .edits
+            .removed
+            .iter()
+            .any(|place| place.scope == scope && place.file == line.file && is_here(place.start))
     }
 
     /// Returns whether all data lines of a card are removed.
@@ -152,18 +156,24 @@ impl<'a> DeckWriter<'a> {
         let [first, last] = [start, end].map(|start| EditPlace { scope: scope.to_owned(), file, start });
         let replaced = self.mesh.edits.replaced.range(&first..&last);
         let replaced = replaced.filter(|(_, edit)| self.mesh.applies(&edit.condition));
-        changes.extend(replaced.map(|(place, edit)| {
-            TextChange { start: place.start, end: edit.end, text: edit.text.clone() }
+        changes.extend(replaced.map(|(place, edit)| TextChange {
+            start: place.start,
+            end: edit.end,
+            text: edit.text.clone(),
         }));
         let added = self.mesh.edits.added.range(first..=last);
-        changes.extend(added.map(|(place, text)| {
-            TextChange { start: place.start, end: place.start, text: text.clone() }
+        changes.extend(added.map(|(place, text)| TextChange {
+            start: place.start,
+            end: place.start,
+            text: text.clone(),
         }));
         let inside = |span: Span| span.file == file && (start..=end).contains(&span.start);
         let definitions = self.deck.definitions.iter().filter(|d| line.role == LineRole::Other && inside(d.span));
-        changes.extend(definitions.filter_map(|d| {
-            Some(TextChange { start: d.span.start, end: d.span.end, text: d.replacement.clone()? })
-        }));
+        changes.extend(
+            definitions.filter_map(|d| {
+                Some(TextChange { start: d.span.start, end: d.span.end, text: d.replacement.clone()? })
+            }),
+        );
         changes.sort_by_key(|change| (change.start, change.end));
         let (mut text, mut position) = (String::new(), start);
         for change in changes {

@@ -74,6 +74,11 @@ impl InitialKind {
     pub fn applies_to_elements(&self) -> bool {
         matches!(self, Self::Stress(_) | Self::Energy(_) | Self::Hardening(_) | Self::State(_))
     }
+
+    /// Returns the value if it is a temperature.
+    pub fn temperature(&self) -> Option<f64> {
+        if let Self::Temperature(value) = self { Some(*value) } else { None }
+    }
 }
 
 /// A boundary condition (`*BOUNDARY`): a prescribed motion or temperature.

@@ -54,6 +54,23 @@ pub struct MaterialDefinition {
     pub user: UserDefinitions,
 }
 
+impl MaterialDefinition {
+    /// Returns whether the equation of state is that of an ideal gas.
+    pub fn is_ideal_gas(&self) -> bool {
+        matches!(self.eos, Some(EquationOfState { kind: EosKind::IdealGas(_), .. }))
+    }
+
+    /// Returns whether the equation of state is that of an explosive.
+    pub fn is_explosive(&self) -> bool {
+        matches!(self.eos, Some(EquationOfState { kind: EosKind::Jwl(_), .. }))
+    }
+
+    /// Returns whether a user subroutine gives the yield stress.
+    pub fn has_user_hardening(&self) -> bool {
+        matches!(self.plastic, Some(PlasticityModel::User(_)))
+    }
+}
+
 /// Properties of a material for heat generation, heat conduction and thermal expansion.
 #[derive(Clone, Debug, Default)]
 pub struct ThermalProperties {

@@ -211,11 +211,7 @@ fn referenced_bodies(bodies: &Bodies, condition: &InitialCondition) -> impl Iter
 }
 
 fn is_of_solid(places: &SolidPlaces, condition: &InitialCondition) -> bool {
-    let kinds = |kind: &InitialKind| match kind {
-        InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::Hardening(_) | InitialKind::State(_) => true,
-        InitialKind::Velocity(..) | InitialKind::Temperature(_) | InitialKind::Field(..) => false,
-    };
-    kinds(&condition.kind) && condition.members.iter().any(|e| places.elements.contains_key(e))
+    condition.kind.applies_to_elements() && condition.members.iter().any(|e| places.elements.contains_key(e))
 }
 
 fn radial_velocity(span: Span, value: f64, report: &mut Report) {

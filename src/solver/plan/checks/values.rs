@@ -79,12 +79,7 @@ fn warn_about(code: &'static str, message: String, (span, label): (Span, &str), 
 /// Checks initial temperatures against the temperature dependence, and heating by plastic work.
 fn check_temperatures(model: &Model, material: &MaterialDefinition, findings: &mut Vec<Finding>) {
     let name = &material.name;
-    let initial = || {
-        model.initial_conditions.iter().filter_map(|c| match c.kind {
-            InitialKind::Temperature(value) => Some(value),
-            _ => None,
-        })
-    };
+    let initial = || model.initial_conditions.iter().filter_map(|c| c.kind.temperature());
     let heated = adiabatic(model) || model.steps.first().is_some_and(|s| s.coupled);
     if let Some(PlasticityModel::JohnsonCook([.., melting, transition])) = material.plastic
         && melting > transition

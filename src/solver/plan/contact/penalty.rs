@@ -5,7 +5,7 @@ use crate::deck::Diagnostic;
 use crate::element::group::ElementStiffness;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::topology::MOST_NODES;
-use crate::model::{Element, ElementKind, InitialKind, MaterialId, Model, SurfaceContact};
+use crate::model::{Element, ElementKind, MaterialId, Model, SurfaceContact};
 use crate::plan::contact::curves::ContactGeometry;
 use crate::plan::{Report, Scene, StepInput};
 
@@ -65,10 +65,8 @@ fn initial_temperature(model: &Model, element: usize) -> Option<f64> {
     let nodes = &model.mesh.elements[element].nodes;
     let of_node = |node: &usize| {
         let conditions = model.initial_conditions.iter().rev();
-        conditions.filter(|condition| condition.members.binary_search(node).is_ok()).find_map(|c| match c.kind {
-            InitialKind::Temperature(value) => Some(value),
-            _ => None,
-        })
+        let mut conditions = conditions.filter(|condition| condition.members.binary_search(node).is_ok());
+        conditions.find_map(|condition| condition.kind.temperature())
     };
     let temperatures: Vec<f64> = nodes.iter().map(of_node).collect::<Option<_>>()?;
     Some(temperatures.iter().sum::<f64>() / nodes.len() as f64)

@@ -25,8 +25,8 @@ use crate::kernel::quad;
 use crate::kernel::topology::ElementTopology;
 use crate::mesh::gather::NodalAssembly;
 use crate::model::{
-    EosKind, FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model,
-    RayleighCoefficients, SolidSection, Step,
+    FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, RayleighCoefficients,
+    SolidSection, Step,
 };
 use crate::plan::constraints::links::linked_nodes;
 use crate::plan::constraints::tie_equations::TieEquations;
@@ -320,13 +320,12 @@ fn point_masses(model: &Model, places: &SolidPlaces, mass: &mut [f64]) {
 /// Warns of elements of an ideal gas with an initial energy and an initial temperature.
 fn check_gas_states(model: &Model, report: &mut Report) {
     let conditions = || model.initial_conditions.iter();
-    let is_gas = |section: &SolidSection| matches!(&model.materials[section.material].eos, Some(eos) if matches!(eos.kind, EosKind::IdealGas(_)));
-    let gas: Vec<usize> = model.sections.iter().filter(|s| is_gas(s)).flat_map(|s| s.elements.clone()).collect();
+    let gases = model.sections.iter().filter(|section| model.materials[section.material].is_ideal_gas());
+    let gas: Vec<usize> = gases.flat_map(|section| section.elements.clone()).collect();
     for energy in conditions().filter(|c| matches!(c.kind, InitialKind::Energy(_)) && !gas.is_empty()) {
         let both = |heat: &&InitialCondition| {
             let warm = |e: &usize| model.mesh.elements[*e].nodes.iter().all(|n| heat.members.binary_search(n).is_ok());
-            matches!(heat.kind, InitialKind::Temperature(_))
-                && gas.iter().any(|e| energy.members.binary_search(e).is_ok() && warm(e))
+            heat.kind.temperature().is_some() && gas.iter().any(|e| energy.members.binary_search(e).is_ok() && warm(e))
         };
         if let Some(heat) = conditions().find(both) {
             let message = "an ideal gas has an initial specific energy and an initial temperature, of which one \
@@ -343,7 +342,7 @@ fn check_gas_states(model: &Model, report: &mut Report) {
 fn start_temperatures(model: &Model, places: &SolidPlaces, groups: &mut [Box<dyn ElementGroup>]) {
     let mut nodal: HashMap<usize, f64> = HashMap::new();
     for condition in &model.initial_conditions {
-        if let InitialKind::Temperature(value) = condition.kind {
+        if let Some(value) = condition.kind.temperature() {
             nodal.extend(condition.members.iter().map(|n| (*n, value)));
         }
     }

@@ -128,7 +128,7 @@ pub fn solid_group(input: &GroupInput, mass: &mut [f64], report: &mut Report) ->
 /// Selects the law of a material.
 fn solid_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMaterial> {
     let material = solid.material;
-    let burns = matches!(&material.eos, Some(eos) if matches!(eos.kind, EosKind::Jwl(_)));
+    let burns = material.is_explosive();
     if !burns && !material.detonation.is_empty() {
         report.add_unused_card(material.span, "*DETONATION POINT", "it applies only to *EOS, TYPE=JWL");
     }
