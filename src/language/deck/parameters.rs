@@ -140,13 +140,14 @@ impl Parameters {
         if error.unknown.as_ref().is_some_and(|unknown| self.without_value.contains(unknown)) {
             return None;
         }
-        diagnostics.refuse(match replacement {
-            None => self.expression_finding(&error, offset(span, &error)),
-            Some(replacement) => {
-                let what = Diagnostic::error("D407", format!("`--set {name}={replacement}`: {}", error.message));
-                self.helped(what.at(span, "the definition that it replaces"), &error)
+        let what = match replacement {
+            None => {
+                Diagnostic::error("D402", "the parameter has no value").at(offset(span, &error), error.message.clone())
             }
-        })
+            Some(replacement) => Diagnostic::error("D407", format!("`--set {name}={replacement}`: {}", error.message))
+                .at(span, "the definition that it replaces"),
+        };
+        diagnostics.refuse(self.helped(what, &error))
     }
 
     fn evaluate(&self, text: &str) -> Result<ParameterValue, ExpressionError> {
@@ -165,11 +166,6 @@ impl Parameters {
             return Ok(ParameterValue::Number(value));
         }
         Err(ExpressionError { start: 0, end: text.len(), message: format!("the value is {value}"), unknown: None })
-    }
-
-    fn expression_finding(&self, e: &ExpressionError, span: Span) -> Diagnostic {
-        let what = Diagnostic::error("D402", "the parameter has no value").at(span, e.message.clone());
-        self.helped(what, e)
     }
 
     fn helped(&self, what: Diagnostic, e: &ExpressionError) -> Diagnostic {

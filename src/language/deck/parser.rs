@@ -183,7 +183,8 @@ impl<'a> Parser<'a> {
     fn card_line(&mut self, file: u32, text: &str, line: LineRange, span: Span) {
         let Some(card) = self.deck.cards.last_mut() else { return };
         let (keyword, listing) = (card.keyword, is_listing(card.keyword.name));
-        if listing && ListingRow::is_plain(&text[span.start as usize..span.end as usize]) {
+        let is_plain = !text[span.start as usize..span.end as usize].contains(['<', '"']);
+        if listing && is_plain {
             return card.rows.push(ListingRow::Text(span));
         }
         let count_before = self.diagnostics.len();

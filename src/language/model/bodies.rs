@@ -106,11 +106,6 @@ pub fn read_attitude(context: &mut Context<'_>, card: &Card) {
     context.model.attitudes.push(InitialAttitude { reference, angles, stations, uniform, span: card.span });
 }
 
-/// Removes masses of zero. Several masses on one node add up.
-pub fn apply_masses(context: &mut Context<'_>) {
-    context.model.discrete.masses.retain(|p| p.mass > 0.0);
-}
-
 pub fn read_initial_conditions(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let kind: usize = card.read("TYPE");
     if kind == SOLUTION {

@@ -6,8 +6,9 @@ use super::families::{
 };
 use super::readers::find_reader;
 use super::refinement::pass::ReadPass;
+use super::relisting::edits::DeckEdits;
 use super::types::Model;
-use super::{bodies, completion, contact, copies, elements, links, materials, order, steps};
+use super::{completion, contact, copies, elements, links, materials, order, steps};
 use crate::deck::keywords::KeywordTier;
 use crate::deck::{Card, Deck, Diagnostic, Diagnostics};
 
@@ -55,7 +56,7 @@ impl<'a> ModelBuilder<'a> {
         builder.context.scaling.pass = ReadPass::Mesh;
         builder.read_cards();
         change_mesh(&mut builder.context);
-        builder.context.record_edits(is_written);
+        builder.context.scaling.edits = is_written.then(|| Box::new(DeckEdits::of(&builder.context.model)));
         builder.context.scaling.pass = ReadPass::Rest;
         builder.read_cards();
         builder
@@ -96,7 +97,7 @@ impl<'a> ModelBuilder<'a> {
         }
         steps::close_step(context, &mut self.steps);
         links::end_coupling(context, &mut self.conditions);
-        bodies::apply_masses(context);
+        context.model.discrete.masses.retain(|p| p.mass > 0.0);
         elements::report_duplicate_labels(context);
         elements::report_shape_faults(context, &mut self.mesh);
         copies::report_regenerated_nodes(context, &mut self.mesh);

@@ -45,7 +45,8 @@ fn report_missing_dofs(context: &mut Context<'_>, conditions: &mut ConditionRead
     let mut rotational: Vec<RotationalCondition> = velocities.chain(forces).collect();
     rotational.append(&mut conditions.rotational);
     let mut reported = Vec::new();
-    let turning = nodes_of_shells(context);
+    let shells = context.model.mesh.elements.iter().filter(|e| e.kind == ElementKind::Sax1);
+    let turning = sorted_unique(shells.flat_map(|e| e.nodes.iter().copied()));
     for condition in rotational {
         let links = &context.model.constraints.links;
         let references = |n: &usize| {
@@ -65,12 +66,6 @@ fn report_missing_dofs(context: &mut Context<'_>, conditions: &mut ConditionRead
 /// Returns whether rigid bodies may have six degrees of freedom.
 pub fn has_oblique_impact(context: &Context<'_>) -> bool {
     !context.model.attitudes.is_empty() || context.model.targets.iter().any(|target| target.obliquity != 0.0)
-}
-
-/// Returns the nodes of shells, which have a rotation, in ascending order.
-fn nodes_of_shells(context: &Context<'_>) -> Vec<usize> {
-    let shells = context.model.mesh.elements.iter().filter(|e| e.kind == ElementKind::Sax1);
-    sorted_unique(shells.flat_map(|e| e.nodes.iter().copied()))
 }
 
 /// Sets a temperature-dependent density to its value at the initial temperature, because mass is constant (ABAQUS

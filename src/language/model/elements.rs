@@ -180,7 +180,7 @@ pub fn read_elements(context: &mut Context<'_>, card: &Card) {
     };
     let listed = card.has("ELSET");
     let mut made = Vec::with_capacity(if listed { card.rows.len() } else { 0 });
-    context.model.mesh.reserve_elements(card.rows.len());
+    context.model.mesh.elements.reserve(card.rows.len());
     let mut index = 0;
     while index < card.rows.len() {
         let (element, next) = match plain_element(context, kind, &card.rows[index]) {

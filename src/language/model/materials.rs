@@ -6,7 +6,7 @@ use super::faults::{ValueCheck, ValueFault, is_non_negative, is_positive, requir
 use super::names::upper;
 use super::types::{
     CavityExpansion, Element, ElementKind, MaterialDefinition, MaterialId, PlasticityModel, RateDependence,
-    SectionControls, SolidSection, ThermalExpansion,
+    SectionControls, SolidSection,
 };
 use super::{cohesive, derive, fields, user_material};
 use crate::deck::table::materials as cards;
@@ -34,31 +34,6 @@ pub fn read_density(context: &mut Context<'_>, card: &Card) {
     let material = context.last_material();
     material.density = rows.first().map(|r| r[0]);
     material.densities = if rows.iter().any(|r| r[1].is_nan()) { Vec::new() } else { rows };
-}
-
-pub fn read_viscosity(context: &mut Context<'_>, card: &Card) {
-    let cards::Viscosity { viscosity: [viscosity] } = card.values();
-    context.last_material().viscosity = Some((viscosity, card.span));
-}
-
-pub fn read_inelastic_heat_fraction(context: &mut Context<'_>, card: &Card) {
-    let cards::InelasticHeatFraction { fraction: [fraction] } = card.values();
-    context.last_material().thermal.inelastic_heat_fraction = Some(fraction);
-}
-
-pub fn read_specific_heat(context: &mut Context<'_>, card: &Card) {
-    let cards::SpecificHeat { rows } = card.values();
-    context.last_material().thermal.specific_heat = Some(rows);
-}
-
-pub fn read_conductivity(context: &mut Context<'_>, card: &Card) {
-    let cards::Conductivity { rows } = card.values();
-    context.last_material().thermal.conductivity = Some((rows, card.span));
-}
-
-pub fn read_expansion(context: &mut Context<'_>, card: &Card) {
-    let cards::Expansion { zero, rows } = card.values();
-    context.last_material().thermal.expansion = Some(ThermalExpansion { rows, zero, span: card.span });
 }
 
 pub fn read_elastic(context: &mut Context<'_>, card: &Card) {

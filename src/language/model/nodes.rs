@@ -15,7 +15,8 @@ pub fn read_nodes(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card)
     let mut made = Vec::with_capacity(if card.has("NSET") { card.rows.len() } else { 0 });
     let mut again = RedefinedNodes::default();
     let polar = card.value("SYSTEM").is_some_and(|w| w.is("C"));
-    context.model.mesh.reserve_nodes(card.rows.len());
+    context.model.mesh.points.reserve(card.rows.len());
+    context.model.mesh.node_names.reserve(card.rows.len());
     for row in &card.rows {
         let short_form = row.text(sources).and_then(label_and_coordinates);
         let Some((label, [r, z])) = short_form.or_else(|| node_line(context, &row.line(sources))) else { continue };

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::name::NewLabels;
 use super::types::{
     ContactDomain, Element, ElementKind, ElementSide, GeneralContact, LoadKind, LoadRegionMut, MemberSet, Mesh, Model,
-    NodeSetId, OutputKind, OutputRegion, SideSelection, Step, SurfaceContact, SurfaceTraction,
+    NodeSetId, OutputKind, OutputRegion, SideSelection, Step, SurfaceTraction,
 };
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
@@ -322,7 +322,10 @@ fn visit_step(step: &mut Step, visit: &mut dyn FnMut(MemberList<'_>)) {
     step.boundaries.iter_mut().for_each(|boundary| visit(MemberList::Nodes(&mut boundary.nodes)));
     step.loads.iter_mut().for_each(|load| visit_load(&mut load.kind, visit));
     step.fields.iter_mut().for_each(|field| visit(MemberList::Nodes(&mut field.nodes)));
-    step.surface_contacts.iter_mut().for_each(|contact| visit_contact(contact, visit));
+    for contact in &mut step.surface_contacts {
+        contact.sides.iter_mut().for_each(|sides| visit_sides(sides, visit));
+        contact.analytical.iter_mut().for_each(|side| visit(MemberList::Nodes(&mut side.nodes)));
+    }
     step.general_contact.iter_mut().for_each(|general| visit_general(general, visit));
     let scaled = step.mass_scalings.iter_mut().filter_map(|scaling| scaling.elements.as_mut());
     scaled.for_each(|list| visit(MemberList::Elements(list)));
@@ -338,11 +341,6 @@ fn visit_step(step: &mut Step, visit: &mut dyn FnMut(MemberList<'_>)) {
 fn visit_sides(sides: &mut SideSelection, visit: &mut dyn FnMut(MemberList<'_>)) {
     visit(MemberList::Faces(&mut sides.faces));
     visit(MemberList::Elements(&mut sides.free_face_elements));
-}
-
-fn visit_contact(contact: &mut SurfaceContact, visit: &mut dyn FnMut(MemberList<'_>)) {
-    contact.sides.iter_mut().for_each(|sides| visit_sides(sides, visit));
-    contact.analytical.iter_mut().for_each(|side| visit(MemberList::Nodes(&mut side.nodes)));
 }
 
 fn visit_general(general: &mut GeneralContact, visit: &mut dyn FnMut(MemberList<'_>)) {

@@ -62,16 +62,11 @@ impl UnitSystem {
         value * self.factors[0] / self.factors[2]
     }
 
-    /// Returns whether a density is in the range of solids.
-    pub fn has_density(&self, density: f64) -> bool {
-        within(self.density(density), DENSITIES)
-    }
-
     /// Returns whether density and modulus are plausible for a solid, based on the speed of sound.
     pub fn fits(&self, density: f64, modulus: f64) -> bool {
         let speed = self.speed((modulus / density).sqrt());
-        let dense = self.density(density) > DENSE;
-        self.has_density(density) && within(speed, SPEEDS) && (!dense || speed > DENSE_SPEED)
+        let density = self.density(density);
+        within(density, DENSITIES) && within(speed, SPEEDS) && (density <= DENSE || speed > DENSE_SPEED)
     }
 
     /// Returns the names in the form of `*UNITS`.

@@ -97,7 +97,8 @@ impl<'a> DeckWriter<'a> {
             }
             (LineRole::Data, Some(card)) if card.keyword.name == "INSTANCE" => {}
             (LineRole::Other, Some(card)) if defines_mesh(card) && self.source(line.span).trim().is_empty() => {}
-            (LineRole::Keyword, Some(card)) if self.is_emptied(card, scope) => {}
+            (LineRole::Keyword, Some(Card { lines, .. }))
+                if !lines.is_empty() && lines.iter().all(|line| self.is_removed(line.span, scope)) => {}
             (LineRole::Data, _) if self.is_removed(line.span, scope) => {}
             _ => {
                 let changed = self.changed(line, scope);
@@ -142,11 +143,6 @@ impl<'a> DeckWriter<'a> {
             .removed
             .iter()
             .any(|place| place.scope == scope && place.file == line.file && is_here(place.start))
-    }
-
-    /// Returns whether all data lines of a card are removed.
-    fn is_emptied(&self, card: &Card, scope: &str) -> bool {
-        !card.lines.is_empty() && card.lines.iter().all(|line| self.is_removed(line.span, scope))
     }
 
     /// Returns the text of a line with its changes.

@@ -31,15 +31,6 @@ impl Mesh {
             + self.elements.iter().map(element).sum::<usize>()
     }
 
-    pub(in crate::model) fn reserve_nodes(&mut self, more: usize) {
-        self.points.reserve(more);
-        self.node_names.reserve(more);
-    }
-
-    pub(in crate::model) fn reserve_elements(&mut self, more: usize) {
-        self.elements.reserve(more);
-    }
-
     /// Returns the quadrilateral cells of a solid element, each as four node indices counter-clockwise. A triangle is a
     /// quadrilateral whose last two corners coincide: the polygon formulas remain valid, and hourglass forces vanish
     /// because the motion of three nodes is linear.
