@@ -18,24 +18,6 @@ use crate::deck::syntax::ListingRow;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 use crate::kernel::topology::ElementTopology;
 
-/// Names and kinds of the supported element types.
-const SUPPORTED: &[(&str, ElementKind)] = &[
-    ("RAX2", ElementKind::Rax2),
-    ("SAX1", ElementKind::Sax1),
-    ("CAX3", ElementKind::Cax3),
-    ("CAX4R", ElementKind::Cax4r),
-    ("CAX3T", ElementKind::Cax3t),
-    ("CAX4RT", ElementKind::Cax4rt),
-    ("CAX6M", ElementKind::Cax6m),
-    ("COHAX4", ElementKind::Cohax4),
-    ("MASS", ElementKind::Mass),
-    ("ROTARYI", ElementKind::RotaryInertia),
-    ("SPRINGA", ElementKind::SpringA),
-    ("SPRING1", ElementKind::Spring1),
-    ("DASHPOTA", ElementKind::DashpotA),
-    ("DASHPOT1", ElementKind::Dashpot1),
-];
-
 /// Axisymmetric element types of ABAQUS that are not supported, with the alternative or the reason.
 const AXISYMMETRIC: &[(&str, &str)] = &[
     ("CAX4", "use CAX4R, which has one integration point"),
@@ -86,31 +68,6 @@ const OTHER_GEOMETRY: &[(&str, &str)] = &[
 ];
 
 impl ElementKind {
-    /// Returns the number of nodes.
-    pub fn node_count(self) -> usize {
-        match self {
-            ElementKind::Mass | ElementKind::RotaryInertia | ElementKind::Spring1 | ElementKind::Dashpot1 => 1,
-            ElementKind::Rax2 | ElementKind::Sax1 | ElementKind::SpringA | ElementKind::DashpotA => 2,
-            ElementKind::Cax3 | ElementKind::Cax3t => 3,
-            ElementKind::Cax4r | ElementKind::Cax4rt | ElementKind::Cohax4 => 4,
-            ElementKind::Cax6m => 6,
-        }
-    }
-
-    /// Returns the topology of a deformable type; `None` for other types. A three-node triangle is a degenerate
-    /// quadrilateral.
-    pub fn topology(self) -> Option<ElementTopology> {
-        match self {
-            ElementKind::Sax1 => Some(ElementTopology::Shell),
-            ElementKind::Cax3 | ElementKind::Cax3t | ElementKind::Cax4r | ElementKind::Cax4rt => {
-                Some(ElementTopology::Quadrilateral)
-            }
-            ElementKind::Cax6m => Some(ElementTopology::SixNodeTriangle),
-            ElementKind::Cohax4 => Some(ElementTopology::Cohesive),
-            _ => None,
-        }
-    }
-
     /// Returns whether the type is a deformable solid.
     pub fn is_solid(self) -> bool {
         self.topology().is_some_and(ElementTopology::is_solid)
@@ -155,11 +112,6 @@ impl ElementKind {
     pub fn is_discrete(self) -> bool {
         matches!(self, ElementKind::Mass | ElementKind::RotaryInertia) || self.is_connector()
     }
-
-    /// Returns the name of the type in ABAQUS.
-    pub fn name(self) -> &'static str {
-        SUPPORTED.iter().find(|s| s.1 == self).map_or("?", |s| s.0)
-    }
 }
 
 /// Returns the advice for an element type that mesh generators write for a mesh in the r-z plane.
@@ -196,11 +148,11 @@ pub fn read_elements(context: &mut Context<'_>, card: &Card) {
 /// Returns the element type with a name, or reports that it is unknown or unsupported.
 pub fn element_kind(context: &mut Context<'_>, word: &Word) -> Option<ElementKind> {
     let name = word.text.to_uppercase();
-    if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
-        return Some(found.1);
+    let supported_names: Vec<&str> = ElementKind::ALL.iter().map(|kind| kind.name()).collect();
+    if let Some(index) = supported_names.iter().position(|supported| *supported == name) {
+        return Some(ElementKind::ALL[index]);
     }
-    let supported = "supported: RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, COHAX4, MASS, \
-                     ROTARYI, SPRINGA, SPRING1, DASHPOTA, DASHPOT1";
+    let supported = format!("supported: {}", supported_names.join(", "));
     let diagnostic = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
         Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
     } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
@@ -208,8 +160,9 @@ pub fn element_kind(context: &mut Context<'_>, word: &Word) -> Option<ElementKin
         Diagnostic::error("M121", format!("element type {name} is {what}; this code is axisymmetric"))
             .help(format!("{instead}{supported}"))
     } else {
-        let names = SUPPORTED.iter().map(|s| s.0).chain(AXISYMMETRIC.iter().map(|a| a.0));
-        let help = nearest(&name, names).map_or(supported.into(), |n| format!("did you mean {n}? {supported}"));
+        let names = supported_names.iter().copied().chain(AXISYMMETRIC.iter().map(|a| a.0));
+        let nearest_name = nearest(&name, names).map(|n| format!("did you mean {n}? ")).unwrap_or_default();
+        let help = format!("{nearest_name}{supported}");
         Diagnostic::error("M120", format!("unknown element type {name}")).help(help)
     };
     context.diagnostics.refuse(diagnostic.at(word.span, "this type"))

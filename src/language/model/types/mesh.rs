@@ -72,37 +72,59 @@ impl Mesh {
     }
 }
 
-/// Type of an element, with its number of nodes and integration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ElementKind {
-    /// Two-node axisymmetric rigid surface element.
-    Rax2,
-    /// Two-node axisymmetric shell.
-    Sax1,
-    /// Three-node axisymmetric triangle.
-    Cax3,
-    /// Four-node axisymmetric quadrilateral, one integration point.
-    Cax4r,
-    /// The triangle with temperatures at its nodes.
-    Cax3t,
-    /// The quadrilateral with temperatures at its nodes.
-    Cax4rt,
-    /// Six-node axisymmetric triangle, modified, three integration points.
-    Cax6m,
-    /// Four-node axisymmetric cohesive element: nodes 1 and 2 are the bottom face, 3 and 4 the top face.
-    Cohax4,
-    /// One-node point mass.
-    Mass,
-    /// One-node rotary inertia.
-    RotaryInertia,
-    /// Spring along the line between two nodes.
-    SpringA,
-    /// Spring between a node and the ground.
-    Spring1,
-    /// Dashpot along the line between two nodes.
-    DashpotA,
-    /// Dashpot between a node and the ground.
-    Dashpot1,
+/// Defines the types of elements, each with its name in ABAQUS, number of nodes, topology and description.
+macro_rules! element_kinds {
+    ($($name:literal $kind:ident $nodes:literal $topology:expr, $words:literal;)+) => {
+        /// Type of an element, with its number of nodes and integration.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum ElementKind {
+            $(#[doc = $words] $kind),+
+        }
+
+        impl ElementKind {
+            /// All types.
+            pub const ALL: &[ElementKind] = &[$(ElementKind::$kind),+];
+
+            /// Returns the name of the type in ABAQUS.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(ElementKind::$kind => $name,)+
+                }
+            }
+
+            /// Returns the number of nodes.
+            pub fn node_count(self) -> usize {
+                match self {
+                    $(ElementKind::$kind => $nodes,)+
+                }
+            }
+
+            /// Returns the topology of a deformable type; `None` for other types. A three-node triangle is a degenerate
+            /// quadrilateral.
+            pub fn topology(self) -> Option<ElementTopology> {
+                match self {
+                    $(ElementKind::$kind => $topology,)+
+                }
+            }
+        }
+    };
+}
+
+element_kinds! {
+    "RAX2" Rax2 2 None, "Two-node axisymmetric rigid surface element.";
+    "SAX1" Sax1 2 Some(ElementTopology::Shell), "Two-node axisymmetric shell.";
+    "CAX3" Cax3 3 Some(ElementTopology::Quadrilateral), "Three-node axisymmetric triangle.";
+    "CAX4R" Cax4r 4 Some(ElementTopology::Quadrilateral), "Four-node axisymmetric quadrilateral, one integration point.";
+    "CAX6M" Cax6m 6 Some(ElementTopology::SixNodeTriangle), "Six-node axisymmetric triangle, modified, three integration points.";
+    "CAX3T" Cax3t 3 Some(ElementTopology::Quadrilateral), "The triangle with temperatures at its nodes.";
+    "CAX4RT" Cax4rt 4 Some(ElementTopology::Quadrilateral), "The quadrilateral with temperatures at its nodes.";
+    "COHAX4" Cohax4 4 Some(ElementTopology::Cohesive), "Cohesive element: nodes 1 and 2 are the bottom face, 3 and 4 the top face.";
+    "MASS" Mass 1 None, "One-node point mass.";
+    "ROTARYI" RotaryInertia 1 None, "One-node rotary inertia.";
+    "SPRINGA" SpringA 2 None, "Spring along the line between two nodes.";
+    "SPRING1" Spring1 1 None, "Spring between a node and the ground.";
+    "DASHPOTA" DashpotA 2 None, "Dashpot along the line between two nodes.";
+    "DASHPOT1" Dashpot1 1 None, "Dashpot between a node and the ground.";
 }
 
 /// An element of the mesh: type, label and nodes.
