@@ -22,13 +22,10 @@ pub fn tier_findings(deck: &Deck, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Returns the keyword of the deck to which a keyword is subordinate: `*CONTACT` for `*CONTACT INCLUSIONS`; the keyword
-/// itself if there is none.
+/// Returns the keyword of the deck to which a keyword is subordinate: `*CAP PLASTICITY` for `*CAP HARDENING`; the
+/// keyword itself if there is none.
 fn head<'n>(name: &'n str, there: &[&'n str]) -> &'n str {
     let parent = match name {
-        "KINEMATIC" | "DISTRIBUTING" => Some("COUPLING"),
-        "SURFACE PROPERTY ASSIGNMENT" => Some("CONTACT"),
-        "UNDEX CHARGE PROPERTY" => Some("INCIDENT WAVE INTERACTION PROPERTY"),
         "CAP HARDENING" => Some("CAP PLASTICITY"),
         "CLAY HARDENING" => Some("CLAY PLASTICITY"),
         _ if name.starts_with("CONCRETE ") => Some("CONCRETE DAMAGED PLASTICITY"),

@@ -3,7 +3,7 @@
 
 use super::context::Context;
 use super::families::{ConditionReader, MaterialReader, RotationalCondition};
-use super::types::{DamageEvolution, ElementKind, InitialKind, LoadKind};
+use super::types::{DamageEvolution, InitialKind, LoadKind};
 use super::{derive, targets};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::hardening::LinearTable;
@@ -45,7 +45,7 @@ fn report_missing_dofs(context: &mut Context<'_>, conditions: &mut ConditionRead
     let mut rotational: Vec<RotationalCondition> = velocities.chain(forces).collect();
     rotational.append(&mut conditions.rotational);
     let mut reported = Vec::new();
-    let shells = context.model.mesh.elements.iter().filter(|e| e.kind == ElementKind::Sax1);
+    let shells = context.model.mesh.elements.iter().filter(|e| e.kind.is_shell());
     let turning = sorted_unique(shells.flat_map(|e| e.nodes.iter().copied()));
     for condition in rotational {
         let links = &context.model.constraints.links;

@@ -11,8 +11,8 @@ use super::targets::no_resistance;
 use super::types::{
     AdaptiveControls, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorProperty, CoulombFriction, ElementKind,
     ElementSide, ErosionCriteria, IncrementControl, InitialKind, InteractionId, LinkKind, Load, LoadKind, LoadRegion,
-    MaterialId, Model, MotionKind, OutputInterval, OutputRegion, OutputRequest, PrescribedClearance, Remeshing,
-    ShellSection, SideSelection, Step, SurfaceContact, SurfaceTraction, TargetLayer, TargetStack,
+    MaterialId, Model, OutputInterval, OutputRegion, OutputRequest, PrescribedClearance, Remeshing, ShellSection,
+    SideSelection, Step, SurfaceContact, SurfaceTraction, TargetLayer, TargetStack,
 };
 use crate::deck::keywords::InputRule;
 use crate::deck::table::{adaptive, constraints, materials, steps};
@@ -201,8 +201,7 @@ impl ConsistencyCheck<'_> {
     /// Reports loads and contact on faces of cohesive elements, which are inside of bodies.
     fn refuse_cohesive_faces(&mut self, span: Span, sides: &SideSelection) {
         let elements = &self.model.mesh.elements;
-        let is_cohesive =
-            |face: &&(usize, ElementSide)| elements.get(face.0).is_some_and(|e| e.kind == ElementKind::Cohax4);
+        let is_cohesive = |face: &&(usize, ElementSide)| elements.get(face.0).is_some_and(|e| e.kind.is_cohesive());
         if let Some((element, _)) = sides.faces.iter().find(is_cohesive) {
             let name = &elements[*element].name;
             let message = format!("surface `{}` has a face of the cohesive element {name}", sides.name);
@@ -215,7 +214,7 @@ impl ConsistencyCheck<'_> {
     fn loaded_elements(&mut self, span: Span, list: &[usize]) {
         self.elements(span, list);
         let elements = &self.model.mesh.elements;
-        let is_cohesive = |e: &&usize| elements.get(**e).is_some_and(|e| e.kind == ElementKind::Cohax4);
+        let is_cohesive = |e: &&usize| elements.get(**e).is_some_and(|e| e.kind.is_cohesive());
         if let Some(element) = list.iter().find(is_cohesive) {
             let message = format!("element {} is cohesive: loads per volume do not act on it", elements[*element].name);
             let help = "give an ELSET without cohesive elements";
@@ -232,7 +231,7 @@ impl ConsistencyCheck<'_> {
             };
             let has = match side {
                 ElementSide::Positive | ElementSide::Negative => element.kind.is_line(),
-                ElementSide::Face(n) if element.kind == ElementKind::Cohax4 => n == 1 || n == 3,
+                ElementSide::Face(n) if element.kind.is_cohesive() => n == 1 || n == 3,
                 ElementSide::Face(n) => element.kind.is_solid() && (1..=element.nodes.len()).contains(&usize::from(n)),
             };
             if !has {
@@ -470,7 +469,7 @@ impl ConsistencyCheck<'_> {
 
     fn boundary(&mut self, boundary: &BoundaryCondition) {
         self.nodes(boundary.span, &boundary.nodes);
-        if boundary.kind == MotionKind::Temperature {
+        if boundary.is_thermal() {
             self.value(boundary.dof == 11, boundary.span, "a temperature must be prescribed at degree of freedom 11");
         } else {
             self.degree(boundary.span, boundary.dof, 6);

@@ -40,31 +40,22 @@ const AXISYMMETRIC: &[(&str, &str)] = &[
     ("CONN2D2", "connectors are not simulated"),
 ];
 
-/// Name prefixes of element types for other geometries.
-const OTHER_GEOMETRY: &[(&str, &str)] = &[
-    ("C3D", "three-dimensional"),
-    ("SC6", "three-dimensional"),
-    ("SC8", "three-dimensional"),
-    ("R3D", "three-dimensional"),
-    ("S3", "a three-dimensional shell"),
-    ("S4", "a three-dimensional shell"),
-    ("S8", "a three-dimensional shell"),
-    ("STRI", "a three-dimensional shell"),
-    ("M3D", "a three-dimensional membrane"),
-    ("SFM3D", "three-dimensional"),
-    ("COH3D", "three-dimensional"),
-    ("T3D", "a three-dimensional truss"),
-    ("B3", "a three-dimensional beam"),
-    ("CPE", "plane strain"),
-    ("CPS", "plane stress"),
-    ("COH2D", "plane"),
-    ("R2D2", "plane"),
-    ("T2D", "a plane truss"),
-    ("B2", "a plane beam"),
-    ("EC3D", "three-dimensional Eulerian"),
-    ("PC3D", "a particle"),
-    ("AC", "acoustic"),
-    ("DC", "for heat transfer"),
+/// Other geometries, with the prefixes of the names of their element types.
+const OTHER_GEOMETRY: &[(&str, &[&str])] = &[
+    ("three-dimensional", &["C3D", "SC6", "SC8", "R3D", "SFM3D", "COH3D"]),
+    ("a three-dimensional shell", &["S3", "S4", "S8", "STRI"]),
+    ("a three-dimensional membrane", &["M3D"]),
+    ("a three-dimensional truss", &["T3D"]),
+    ("a three-dimensional beam", &["B3"]),
+    ("plane strain", &["CPE"]),
+    ("plane stress", &["CPS"]),
+    ("plane", &["COH2D", "R2D2"]),
+    ("a plane truss", &["T2D"]),
+    ("a plane beam", &["B2"]),
+    ("three-dimensional Eulerian", &["EC3D"]),
+    ("a particle", &["PC3D"]),
+    ("acoustic", &["AC"]),
+    ("for heat transfer", &["DC"]),
 ];
 
 impl ElementKind {
@@ -85,7 +76,7 @@ impl ElementKind {
     /// has the faces 1 (bottom) and 3 (top).
     pub fn face(self, number: u8) -> std::ops::Range<u8> {
         let parts = if self == ElementKind::Cax6m { 2 } else { 1 };
-        if self == ElementKind::Cohax4 && number.is_multiple_of(2) {
+        if self.is_cohesive() && number.is_multiple_of(2) {
             return 0..0;
         }
         let count = self.node_count() as u8 / parts;
@@ -95,6 +86,16 @@ impl ElementKind {
     /// Returns whether the type is a line with two sides: a shell, or a rigid surface element.
     pub fn is_line(self) -> bool {
         matches!(self, ElementKind::Rax2 | ElementKind::Sax1)
+    }
+
+    /// Returns whether the type is cohesive.
+    pub fn is_cohesive(self) -> bool {
+        self == ElementKind::Cohax4
+    }
+
+    /// Returns whether the type is a deformable shell.
+    pub fn is_shell(self) -> bool {
+        self == ElementKind::Sax1
     }
 
     /// Returns whether the nodes have temperatures.
@@ -155,7 +156,9 @@ pub fn element_kind(context: &mut Context<'_>, word: &Word) -> Option<ElementKin
     let supported = format!("supported: {}", supported_names.join(", "));
     let diagnostic = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
         Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
-    } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
+    } else if let Some((what, _)) =
+        OTHER_GEOMETRY.iter().find(|(_, heads)| heads.iter().any(|head| name.starts_with(head)))
+    {
         let instead = replacement(&name).map_or_else(String::new, |help| format!("{help}; "));
         Diagnostic::error("M121", format!("element type {name} is {what}; this code is axisymmetric"))
             .help(format!("{instead}{supported}"))

@@ -6,30 +6,9 @@ use std::str::SplitAsciiWhitespace;
 
 use super::mesh_data::{MeshFile, MeshGroups};
 
-/// Number of nodes and dimension of the Gmsh element types 1 to 21.
-const TYPES: [(usize, usize); 21] = [
-    (2, 1),
-    (3, 2),
-    (4, 2),
-    (4, 3),
-    (8, 3),
-    (6, 3),
-    (5, 3),
-    (3, 1),
-    (6, 2),
-    (9, 2),
-    (10, 3),
-    (27, 3),
-    (18, 3),
-    (14, 3),
-    (1, 0),
-    (8, 2),
-    (20, 3),
-    (15, 3),
-    (13, 3),
-    (9, 2),
-    (10, 2),
-];
+/// Numbers of nodes and dimensions of the Gmsh element types 1 to 21.
+const NODE_COUNTS: [usize; 21] = [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10];
+const DIMENSIONS: [usize; 21] = [1, 2, 2, 3, 3, 3, 3, 1, 2, 2, 3, 3, 3, 3, 0, 2, 3, 3, 3, 2, 2];
 
 pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
     let sections = sections(text)?;
@@ -124,7 +103,7 @@ fn name_of(names: &HashMap<(usize, i64), String>, dimension: usize, tag: i64) ->
 }
 
 fn kind(number: usize) -> Result<(usize, usize), String> {
-    let shape = number.checked_sub(1).and_then(|i| TYPES.get(i)).copied();
+    let shape = number.checked_sub(1).and_then(|i| Some((*NODE_COUNTS.get(i)?, *DIMENSIONS.get(i)?)));
     shape.ok_or(format!("Gmsh element type {number} is not supported"))
 }
 

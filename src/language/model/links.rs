@@ -73,12 +73,8 @@ pub fn read_coupling(context: &mut Context<'_>, conditions: &mut ConditionReader
     let name = card.value("CONSTRAINT NAME").map_or_else(String::new, |w| upper(&w.text));
     let (reference, surface) = (context.required(card, "REF NODE"), context.required(card, "SURFACE"));
     let (Some(reference), Some(surface)) = (reference, surface) else { return };
-    let (nodes, members) = (context.node_members(reference), contact::nodes_and_faces(context, surface));
-    let (Some(nodes), Some((mut members, _))) = (nodes, members) else { return };
-    let [node] = nodes[..] else {
-        let message = format!("REF NODE must be one node, found a set of {}", nodes.len());
-        return context.out_of_range(reference.span, message);
-    };
+    let (node, members) = (context.single_node(reference, "REF NODE"), contact::nodes_and_faces(context, surface));
+    let (Some(node), Some((mut members, _))) = (node, members) else { return };
     let points = &context.model.mesh.points;
     let distance = |n: usize| (points[n][0] - points[node][0]).portable_hypot(points[n][1] - points[node][1]);
     if let Some(radius) = card.read::<Option<f64>>("INFLUENCE RADIUS") {
@@ -89,8 +85,7 @@ pub fn read_coupling(context: &mut Context<'_>, conditions: &mut ConditionReader
         return context.error("M103", message, surface.span, "no node within the influence radius");
     }
     let areas = areas(context, surface, &members);
-    let coupling = PendingCoupling { name, reference: node, nodes: members, areas, span: card.span };
-    conditions.coupling = Some(coupling);
+    conditions.coupling = Some(PendingCoupling { name, reference: node, nodes: members, areas, span: card.span });
 }
 
 /// Returns the tributary area of each node: the integral of its shape function over the rings of the faces. Nodes

@@ -3,9 +3,7 @@
 use super::context::Context;
 use super::families::StepReader;
 use super::names::upper;
-use super::types::{
-    AmplitudeId, BodyForce, ElementKind, ElementSide, Load, LoadKind, SideSelection, SurfaceTraction, TargetId,
-};
+use super::types::{AmplitudeId, BodyForce, ElementSide, Load, LoadKind, SideSelection, SurfaceTraction, TargetId};
 use super::{adaptive, amplitudes, completion, surfaces};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 use crate::platform::PortableMath as _;
@@ -62,10 +60,7 @@ fn check_load_options(context: &mut Context<'_>, card: &Card) {
     let directed = |line: &DataLine| ["GRAV", "TRVEC", "TRSHR", "CENTRIF"].iter().any(|label| begins(line, label));
     for line in card.lines.iter().filter(|l| card.keyword.name != "CLOAD" && !directed(l)) {
         if let Some(word) = (3..9).find_map(|k| line.field(k)) {
-            let diagnostic = Diagnostic::error("M161", format!("too many values: `{}`", word.text));
-            context
-                .diagnostics
-                .push(diagnostic.at(word.span, "only GRAV, TRVEC, TRSHR and CENTRIF have direction components"));
+            context.report_surplus(word, "only GRAV, TRVEC, TRSHR and CENTRIF have direction components");
         }
     }
     let uses = |label: &str| card.lines.iter().any(|line| begins(line, label));
@@ -157,7 +152,7 @@ fn element_load(context: &mut Context<'_>, card: &Card, line: &DataLine) -> Opti
 /// (ABAQUS Analysis User's Guide 29.6.1, "Shell elements: overview").
 fn orient_shell_sides(context: &Context<'_>, sides: &mut [(usize, ElementSide)]) {
     for (element, side) in sides {
-        if context.model.mesh.elements[*element].kind == ElementKind::Sax1 {
+        if context.model.mesh.elements[*element].kind.is_shell() {
             *side = ElementSide::Negative;
         }
     }
@@ -195,27 +190,21 @@ fn traction_load(
     label: &str,
 ) -> Option<ReadLoad> {
     let magnitude = context.number(line, 2, "the traction")?;
+    if label == "VP" {
+        let first_node = |context: &mut Context<'_>, word: &Word| context.node_members(word)?.first().copied();
+        let reference = context.optional(card.value("REF NODE"), first_node)?;
+        return Some((LoadKind::Traction { sides, law: SurfaceTraction::Viscous { reference } }, magnitude));
+    }
+    let [r, z, third] = context.numbers_or(line, DIRECTION, 0.0)?;
+    let length = r.portable_hypot(z);
+    if length == 0.0 || third != 0.0 {
+        let message = format!("{label} requires a direction: magnitude, r, z; the third component must be 0");
+        return context.refuse_value(line.span, message);
+    }
+    let direction = [r / length, z / length];
     let law = match label {
-        "VP" => {
-            let reference = match card.value("REF NODE") {
-                Some(word) => Some(context.node_members(word)?.first().copied()?),
-                None => None,
-            };
-            SurfaceTraction::Viscous { reference }
-        }
-        _ => {
-            let [r, z, third] = context.numbers_or(line, DIRECTION, 0.0)?;
-            let length = r.portable_hypot(z);
-            if length == 0.0 || third != 0.0 {
-                let message = format!("{label} requires a direction: magnitude, r, z; the third component must be 0");
-                return context.refuse_value(line.span, message);
-            }
-            let direction = [r / length, z / length];
-            match label {
-                "TRSHR" => SurfaceTraction::Shear { direction },
-                _ => SurfaceTraction::Vector { direction, follows: card.read("FOLLOWER") },
-            }
-        }
+        "TRSHR" => SurfaceTraction::Shear { direction },
+        _ => SurfaceTraction::Vector { direction, follows: card.read("FOLLOWER") },
     };
     Some((LoadKind::Traction { sides, law }, magnitude))
 }

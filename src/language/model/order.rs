@@ -104,11 +104,7 @@ fn put_members_first(region: &mut Vec<Vec<&Card>>, sources: &Sources) {
 /// if an earlier one exists.
 fn last_member(region: &[Vec<&Card>], at: usize, sources: &Sources) -> Option<usize> {
     let card = region[at][0];
-    let parameter = match card.keyword.name {
-        "NSET" => "NSET",
-        "ELSET" => "ELSET",
-        _ => return None,
-    };
+    let parameter = Some(card.keyword.name).filter(|name| matches!(*name, "NSET" | "ELSET"))?;
     // Most rows have labels only.
     let labels = |text: &str| words(text).all(|word| word.parse::<i64>().is_ok());
     let named = card.rows.iter().filter(|row| !row.text(sources).is_some_and(labels));

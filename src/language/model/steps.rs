@@ -174,7 +174,7 @@ pub fn read_bulk_viscosity(context: &mut Context<'_>, steps: &mut StepReader, ca
     }
     let cards::BulkViscosity { whole_rate, factors: [linear, quadratic] } = card.values();
     steps.state().bulk_viscosity = Some(BulkViscosity { linear, quadratic, filtered: !whole_rate });
-    if !context.model.mesh.elements.iter().any(|e| e.kind.is_solid() || e.kind == super::ElementKind::Sax1) {
+    if !context.model.mesh.elements.iter().any(|e| e.kind.is_solid() || e.kind.is_shell()) {
         context.inert(card, "the model has no deformable elements");
     }
 }

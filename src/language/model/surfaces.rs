@@ -202,7 +202,7 @@ pub fn sides_of(name: &str, kind: ElementKind) -> impl Iterator<Item = ElementSi
         "SNEG" if kind.is_line() => Some(ElementSide::Negative),
         _ => None,
     };
-    let number = name.strip_prefix('S').filter(|_| kind.is_solid() || kind == ElementKind::Cohax4);
+    let number = name.strip_prefix('S').filter(|_| kind.is_solid() || kind.is_cohesive());
     let number = number.and_then(|n| n.parse().ok());
     of_shell.into_iter().chain(number.map_or(0..0, |n| kind.face(n)).map(ElementSide::Face))
 }

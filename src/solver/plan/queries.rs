@@ -1,8 +1,7 @@
 //! Questions about the model that several passes ask.
 
 use crate::model::{
-    BoundaryCondition, InitialCondition, InitialKind, MaterialDefinition, Model, MotionKind, PlasticityModel,
-    SolidSection,
+    BoundaryCondition, InitialCondition, InitialKind, MaterialDefinition, Model, PlasticityModel, SolidSection,
 };
 
 /// Returns whether the analysis is adiabatic. All steps have the same setting as the first one.
@@ -22,7 +21,7 @@ pub fn heated_references(model: &Model) -> Vec<usize> {
         return Vec::new();
     }
     let starts = |c: &InitialCondition, n: &usize| c.kind.temperature().is_some() && c.members.binary_search(n).is_ok();
-    let holds = |b: &BoundaryCondition, n: &usize| b.kind == MotionKind::Temperature && b.nodes.contains(n);
+    let holds = |b: &BoundaryCondition, n: &usize| b.is_thermal() && b.nodes.contains(n);
     let given = |n: &usize| {
         model.initial_conditions.iter().any(|c| starts(c, n))
             || model.steps.iter().any(|step| step.boundaries.iter().any(|b| holds(b, n)))

@@ -11,7 +11,7 @@ use super::quadrilaterals::{Quadrilaterals, Regions};
 use super::verify::verify;
 use crate::deck::{Deck, Diagnostic, Diagnostics};
 use crate::kernel::lists::sorted_unique;
-use crate::model::types::{ElementKind, LoadRegion, Mesh, Model, OutputKind, OutputRegion};
+use crate::model::types::{LoadRegion, Mesh, Model, OutputKind, OutputRegion};
 
 /// Largest number of faults that are reported.
 const REPORTED: usize = 10;
@@ -70,9 +70,8 @@ fn merge(
     let is_other = |e: &&crate::model::types::Element| {
         e.kind.is_solid() && (e.nodes.len() != 4 || sorted_unique::<usize>(e.nodes.iter().copied()).len() != 4)
     };
-    let is_cohesive = |e: &&crate::model::types::Element| e.kind == ElementKind::Cohax4;
     let triangle = fine.elements.iter().find(is_other).map(|element| ("triangles", element));
-    let cohesive = || fine.elements.iter().find(is_cohesive).map(|element| ("cohesive elements", element));
+    let cohesive = || fine.elements.iter().find(|e| e.kind.is_cohesive()).map(|element| ("cohesive elements", element));
     if let Some((what, element)) = triangle.or_else(cohesive) {
         let message = format!("{what} cannot be merged: element {} is {}", element.name, element.kind.name());
         return vec![CoarseningFault::new(message, "this element", element.span)];

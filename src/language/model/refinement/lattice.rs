@@ -175,7 +175,7 @@ impl RefinedMesh {
                 let node = |i| self.edges.node([nodes[0], nodes[1]], i);
                 children.extend((0..n).map(|i| (NodeIndices::from(&[node(i), node(i + 1)][..]), 0)));
             }
-            _ if kind == ElementKind::Cohax4 => {
+            _ if kind.is_cohesive() => {
                 let bottom = |i| self.edges.node([nodes[0], nodes[1]], i);
                 let top = |i| self.edges.node([nodes[3], nodes[2]], i);
                 let between = |i| [bottom(i), bottom(i + 1), top(i + 1), top(i)];

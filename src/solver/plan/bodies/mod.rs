@@ -236,9 +236,9 @@ fn refuse_stray_elements(scene: Scene, report: &mut Report) {
     let element = &mesh.elements[first];
     let (message, help) = if element.kind == ElementKind::Rax2 {
         ("RAX2 elements belong to no rigid body", "give their element set on *RIGID BODY, ELSET=")
-    } else if element.kind == ElementKind::Sax1 {
+    } else if element.kind.is_shell() {
         ("shells have no section", "give their element set on *SHELL SECTION or *RIGID BODY")
-    } else if element.kind == ElementKind::Cohax4 {
+    } else if element.kind.is_cohesive() {
         ("cohesive elements have no section", "give their element set on *COHESIVE SECTION")
     } else {
         ("solid elements have no section", "give their element set on *SOLID SECTION or *RIGID BODY")

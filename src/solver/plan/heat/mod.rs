@@ -15,7 +15,7 @@ use crate::heat::sources::{HeatSource, HeatSourceKind, PrescribedTemperature, Te
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::quad::corner_masses;
 use crate::mesh::hidden::InteriorFaces;
-use crate::model::{BoundaryCondition, Load, LoadKind, MaterialDefinition, Model, MotionKind, SolidSection, Step};
+use crate::model::{BoundaryCondition, Load, LoadKind, MaterialDefinition, Model, SolidSection, Step};
 use crate::plan::heat::ties::tie_temperatures;
 use crate::plan::loads::{amplitude_name, has_effect, kind_name, magnitude};
 use crate::plan::meshes::surfaces::load_surface;
@@ -116,7 +116,7 @@ fn note_unused_thermal_input(model: &Model, report: &mut Report) {
         report.add_unused_card(*span, format!("*{keyword}"), why);
     }
     for step in &model.steps {
-        for boundary in step.boundaries.iter().filter(|b| b.kind == MotionKind::Temperature) {
+        for boundary in step.boundaries.iter().filter(|b| b.is_thermal()) {
             report.add_unused_card(boundary.span, format!("*BOUNDARY {}, 11", boundary.set), why);
         }
         for load in step.loads.iter().filter(|l| l.kind.is_thermal()) {
@@ -250,7 +250,7 @@ fn thermal_conditions(input: HeatInput, step: &Step, shared: &mut Shared, report
     let HeatInput { scene, conducting, .. } = input;
     let mut conditions = ThermalConditions::default();
     let mut taken = HashSet::new();
-    for boundary in step.boundaries.iter().filter(|b| b.kind == MotionKind::Temperature) {
+    for boundary in step.boundaries.iter().filter(|b| b.is_thermal()) {
         let places = boundary.nodes.iter().filter_map(|n| scene.places.nodes.get(n).copied());
         let nodes: Vec<usize> = places.filter(|n| conducting.contains(n) && taken.insert(*n)).collect();
         if nodes.is_empty() {
@@ -386,7 +386,7 @@ fn mean(group: &dyn ElementGroup, element: usize, nodal: &[f64], nodes: &Nodes) 
 
 /// Returns whether two steps have the same heat loads and prescribed temperatures.
 fn has_same_heat(a: &Step, b: &Step) -> bool {
-    let held = |b: &&BoundaryCondition| b.kind == MotionKind::Temperature;
+    let held = |b: &&BoundaryCondition| b.is_thermal();
     let gives = |l: &&Load| l.kind.is_thermal();
     a.boundaries.iter().filter(held).eq(b.boundaries.iter().filter(held))
         && a.loads.iter().filter(gives).eq(b.loads.iter().filter(gives))
