@@ -17,8 +17,8 @@ pub fn ticks(low: f64, high: f64, parts: f64) -> Vec<f64> {
 pub fn decades(low: f64, high: f64) -> Vec<f64> {
     let (first, last) = (libm::log10(low).floor() as i32, libm::log10(high).ceil() as i32);
     let between: &[f64] = if high < 1e3 * low { &[1.0, 2.0, 5.0] } else { &[1.0] };
-    let all = (first..=last).flat_map(|p| between.iter().map(move |f| f * libm::pow(10.0, f64::from(p))));
-    all.filter(|v| *v >= low * (1.0 - 1e-9) && *v <= high * (1.0 + 1e-9)).collect()
+    let values = (first..=last).flat_map(|p| between.iter().map(move |f| f * libm::pow(10.0, f64::from(p))));
+    values.filter(|v| *v >= low * (1.0 - 1e-9) && *v <= high * (1.0 + 1e-9)).collect()
 }
 
 /// Returns the common power of ten of the labels of an axis, a multiple of three; 0 if plain numbers are short.

@@ -83,9 +83,9 @@ impl<'a> ChartDrawing<'a> {
             AxisScale::LogLog => libm::log(value / low) / libm::log(high / low),
         };
         let [right, bottom] = self.corner();
-        let place =
+        let position =
             [MARGIN[0] + along(x, self.x) * (right - MARGIN[0]), bottom - along(y, self.y) * (bottom - MARGIN[2])];
-        place.iter().all(|p| p.is_finite()).then_some(place)
+        position.iter().all(|p| p.is_finite()).then_some(position)
     }
 
     fn complete(mut self) -> Drawing {
@@ -108,26 +108,26 @@ impl<'a> ChartDrawing<'a> {
     /// Draws grid lines, ticks and label of the horizontal (0) or the vertical (1) axis.
     fn draw_axis(&mut self, axis: usize) {
         let [low, high] = [self.x, self.y][axis];
-        let (ticks, labels, exponent) = ticks(low, high, self.chart.scale);
+        let AxisTicks { ticks, labels, exponent } = AxisTicks::of(low, high, self.chart.scale);
         let [right, bottom] = self.corner();
         for (tick, label) in ticks.into_iter().zip(labels) {
-            let at = if axis == 0 { (tick, self.y[0]) } else { (self.x[0], tick) };
-            let Some([x, y]) = self.place(at) else { continue };
-            let (line, place, anchor) = match axis {
+            let point = if axis == 0 { (tick, self.y[0]) } else { (self.x[0], tick) };
+            let Some([x, y]) = self.place(point) else { continue };
+            let (line, label_position, anchor) = match axis {
                 0 => ([[x, bottom], [x, MARGIN[2]]], [x, bottom + 22.0], TextAnchor::Middle),
                 _ => ([[MARGIN[0], y], [right, y]], [MARGIN[0] - 8.0, y + 5.0], TextAnchor::End),
             };
             self.drawing.path(line, false, ShapePaint::stroke(0xe2_e2_e2, 1.0));
-            self.drawing.label(TextLabel::new(place, anchor, label));
+            self.drawing.label(TextLabel::new(label_position, anchor, label));
         }
         let name = [&self.chart.x_label, &self.chart.y_label][axis];
         let name = axis::title(name, &self.chart.units[axis], exponent);
         let (across, up) = (0.5 * (MARGIN[0] + right), 0.5 * (MARGIN[2] + bottom));
-        let place = if axis == 0 { [across, bottom + 48.0] } else { [24.0, up] };
+        let title_position = if axis == 0 { [across, bottom + 48.0] } else { [24.0, up] };
         self.drawing.label(TextLabel {
             size: 17.0,
             upright: axis == 1,
-            ..TextLabel::new(place, TextAnchor::Middle, name)
+            ..TextLabel::new(title_position, TextAnchor::Middle, name)
         });
     }
 
@@ -195,19 +195,25 @@ fn colour(chart: &Chart, index: usize) -> Colour {
     if on_areas && chart.series[index].form == SeriesForm::Guide { 0x11_11_11 } else { PALETTE[index % PALETTE.len()] }
 }
 
-/// Returns the ticks, their labels, and the common power of ten of the labels.
-fn ticks(low: f64, high: f64, scale: AxisScale) -> (Vec<f64>, Vec<String>, i32) {
-    match scale {
-        AxisScale::Linear => {
-            let ticks = axis::ticks(low, high, 7.0);
-            let exponent = axis::exponent(&ticks);
-            let labels = ticks.iter().map(|t| axis::label(*t, exponent)).collect();
-            (ticks, labels, exponent)
-        }
-        AxisScale::LogLog => {
-            let ticks = axis::decades(low, high);
-            let labels = axis::logarithmic(&ticks);
-            (ticks, labels, 0)
+/// Ticks of an axis, their labels, and the common power of ten of the labels.
+struct AxisTicks {
+    ticks: Vec<f64>,
+    labels: Vec<String>,
+    exponent: i32,
+}
+
+impl AxisTicks {
+    fn of(low: f64, high: f64, scale: AxisScale) -> AxisTicks {
+        match scale {
+            AxisScale::Linear => {
+                let ticks = axis::ticks(low, high, 7.0);
+                let exponent = axis::exponent(&ticks);
+                AxisTicks { labels: ticks.iter().map(|t| axis::label(*t, exponent)).collect(), ticks, exponent }
+            }
+            AxisScale::LogLog => {
+                let ticks = axis::decades(low, high);
+                AxisTicks { labels: axis::logarithmic(&ticks), ticks, exponent: 0 }
+            }
         }
     }
 }

@@ -20,17 +20,17 @@ pub fn aligned_table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>], align_ri
 /// possible.
 pub fn wrapped(header: &[&str], rows: &[Vec<String>], width: usize) -> String {
     const LEAST: usize = 24;
-    let before = header.len().saturating_sub(1);
+    let leading = header.len().saturating_sub(1);
     let letters = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column)).map(|c| c.chars().count());
         cells.chain([header[column].chars().count()]).max().unwrap_or(0) + 2
     };
-    let text_width = width.saturating_sub((0..before).map(letters).sum::<usize>() + 1).max(LEAST);
+    let text_width = width.saturating_sub((0..leading).map(letters).sum::<usize>() + 1).max(LEAST);
     let lines = rows.iter().flat_map(|row| {
         let parts = broken(row.last().map_or("", String::as_str), text_width);
         parts.into_iter().enumerate().map(|(i, part)| {
             let blank = |cell: &String| if i == 0 { cell.clone() } else { String::new() };
-            row.iter().take(before).map(blank).chain([part]).collect()
+            row.iter().take(leading).map(blank).chain([part]).collect()
         })
     });
     aligned_table(header, &lines.collect::<Vec<_>>(), false)

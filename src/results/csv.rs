@@ -29,12 +29,12 @@ pub fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 /// Returns the fields of a line without quotes.
 pub fn fields(line: &str) -> Vec<String> {
     let mut fields = vec![String::new()];
-    let (mut quoted, mut rest) = (false, line.trim_end_matches(['\r', '\n']).chars().peekable());
-    while let Some(c) = rest.next() {
+    let (mut quoted, mut remaining) = (false, line.trim_end_matches(['\r', '\n']).chars().peekable());
+    while let Some(c) = remaining.next() {
         let last = fields.len() - 1;
         match c {
-            '"' if quoted && rest.peek() == Some(&'"') => {
-                rest.next();
+            '"' if quoted && remaining.peek() == Some(&'"') => {
+                remaining.next();
                 fields[last].push('"');
             }
             '"' if quoted || fields[last].trim().is_empty() => quoted = !quoted,

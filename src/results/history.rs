@@ -104,9 +104,9 @@ pub fn between(times: &[f64], value: impl Fn(usize) -> f64, time: f64) -> Option
     if *times.get(after)? == time {
         return Some(value(after));
     }
-    let before = after.checked_sub(1)?;
-    let (u, v) = (value(before), value(after));
-    Some(u + (v - u) * (time - times[before]) / (times[after] - times[before]))
+    let previous = after.checked_sub(1)?;
+    let (u, v) = (value(previous), value(after));
+    Some(u + (v - u) * (time - times[previous]) / (times[after] - times[previous]))
 }
 
 /// Summary of a column over all rows.
@@ -150,6 +150,16 @@ impl HistorySummary {
             }
         }
     }
+
+    /// Saves or reads the summaries; after the first row the columns are those of the plan.
+    fn persist(&mut self, columns: &[String], archive: &mut StateArchive<'_>) {
+        let mut seen = !self.0.is_empty();
+        seen.persist(archive);
+        if seen && self.0.is_empty() {
+            self.0 = columns.iter().map(|name| (name.clone(), ColumnSummary::default())).collect();
+        }
+        self.0.values_mut().for_each(|column| column.persist(archive));
+    }
 }
 
 impl Persist for RunHistory {
@@ -161,17 +171,5 @@ impl Persist for RunHistory {
             archive.reject(|| "its history columns differ".into());
         }
         summary.persist(columns, archive);
-    }
-}
-
-impl HistorySummary {
-    /// Saves or reads the summaries; after the first row the columns are those of the plan.
-    fn persist(&mut self, columns: &[String], archive: &mut StateArchive<'_>) {
-        let mut seen = !self.0.is_empty();
-        seen.persist(archive);
-        if seen && self.0.is_empty() {
-            self.0 = columns.iter().map(|name| (name.clone(), ColumnSummary::default())).collect();
-        }
-        self.0.values_mut().for_each(|column| column.persist(archive));
     }
 }

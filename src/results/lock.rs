@@ -64,8 +64,8 @@ impl FolderLock {
 impl Drop for FolderLock {
     fn drop(&mut self) {
         // Removed before unlocking: a process that opens it later creates a new file and lock.
-        let own = self.file.as_ref().is_none_or(|file| is_still(file, &self.path));
-        if own {
+        let is_own = self.file.as_ref().is_none_or(|file| is_still(file, &self.path));
+        if is_own {
             let _ = std::fs::remove_file(&self.path);
         }
     }

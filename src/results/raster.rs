@@ -57,12 +57,12 @@ impl PixelCanvas<'_> {
 
     fn paint(&mut self, path: Option<Path>, ShapePaint { fill, stroke }: ShapePaint) {
         let Some(path) = path else { return };
-        let (clip, place) = (self.clip.as_ref(), Transform::identity());
+        let (clip, transform) = (self.clip.as_ref(), Transform::identity());
         if let Some((colour, opacity)) = fill {
-            self.pixels.fill_path(&path, &ink(colour, opacity), FillRule::Winding, place, clip);
+            self.pixels.fill_path(&path, &ink(colour, opacity), FillRule::Winding, transform, clip);
         }
         if let Some(stroke) = stroke {
-            self.pixels.stroke_path(&path, &ink(stroke.colour, 1.0), &pen(stroke), place, clip);
+            self.pixels.stroke_path(&path, &ink(stroke.colour, 1.0), &pen(stroke), transform, clip);
         }
     }
 
@@ -174,8 +174,9 @@ mod tests {
 
     /// Returns first and last column and row with a pixel that is not white.
     fn extent(pixels: &Pixmap) -> [u32; 4] {
-        let all = (0..pixels.width()).flat_map(|x| (0..pixels.height()).map(move |y| [x, y]));
-        all.filter(|[x, y]| colour(pixels, *x, *y) != 0xff_ffff)
+        let positions = (0..pixels.width()).flat_map(|x| (0..pixels.height()).map(move |y| [x, y]));
+        positions
+            .filter(|[x, y]| colour(pixels, *x, *y) != 0xff_ffff)
             .fold([u32::MAX, 0, u32::MAX, 0], |e, [x, y]| [e[0].min(x), e[1].max(x), e[2].min(y), e[3].max(y)])
     }
 
@@ -219,15 +220,15 @@ mod tests {
             drawing.label(TextLabel { upright, size: 20.0, ..TextLabel::new([100.0, 100.0], anchor, "HHHHH") });
             extent(&pixels(&drawing))
         };
-        let ([left, right, top, bottom], middle) =
+        let ([left_edge, right, top, bottom], middle) =
             (extent(TextAnchor::Start, false), extent(TextAnchor::Middle, false));
         // Five letters of 0.752 em width and 0.729 em height (DejaVu Sans).
-        assert!((100..104).contains(&left) && (171..176).contains(&right), "{left} {right}");
+        assert!((100..104).contains(&left_edge) && (171..176).contains(&right), "{left_edge} {right}");
         assert!((84..87).contains(&top) && bottom == 99, "{top} {bottom}");
-        assert!((middle[0] + middle[1]).abs_diff(199) <= 1 && middle[1] - middle[0] == right - left, "{middle:?}");
+        assert!((middle[0] + middle[1]).abs_diff(199) <= 1 && middle[1] - middle[0] == right - left_edge, "{middle:?}");
         let end = extent(TextAnchor::End, false);
-        assert!(end[0] + right == left + end[1] && (96..100).contains(&end[1]), "{end:?}");
+        assert!(end[0] + right == left_edge + end[1] && (96..100).contains(&end[1]), "{end:?}");
         // Turned about its position: the text runs upwards, its letters are to the left.
-        assert_eq!(extent(TextAnchor::Start, true), [top, bottom, 199 - right, 199 - left]);
+        assert_eq!(extent(TextAnchor::Start, true), [top, bottom, 199 - right, 199 - left_edge]);
     }
 }

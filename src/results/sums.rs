@@ -106,9 +106,9 @@ impl Checksums {
     fn take(&mut self, text: &str) -> Result<(), String> {
         // An incomplete list has fewer files than its first line states.
         let written = text.strip_prefix(HEAD).and_then(|rest| rest.split(' ').next()?.parse::<usize>().ok());
-        let found = text.lines().filter(|line| !line.is_empty() && !line.starts_with(';')).count();
-        if written.is_some_and(|written| written != found) || !text.ends_with('\n') {
-            return Err(format!("the list of checksums is incomplete: it has {found} files"));
+        let count = text.lines().filter(|line| !line.is_empty() && !line.starts_with(';')).count();
+        if written.is_some_and(|written| written != count) || !text.ends_with('\n') {
+            return Err(format!("the list of checksums is incomplete: it has {count} files"));
         }
         for (i, line) in text.lines().enumerate().filter(|(_, line)| !line.is_empty() && !line.starts_with(';')) {
             let pair = line.rsplit_once(' ');

@@ -13,7 +13,7 @@ use super::chart::{Chart, ChartSeries, SeriesForm};
 use super::table::{TextTable, digits};
 use crate::deck::{self, Severity};
 use crate::job::{self, PreparedJob};
-use crate::model::{self, DamageEvolution, DeckUnits, EosKind, InitialKind, MaterialDefinition, MaterialId, Model};
+use crate::model::{self, DamageEvolution, DeckUnits, MaterialDefinition, MaterialId, Model};
 use crate::output::RunHistory;
 use crate::solve::{Instant, Sink, SinkError};
 use crate::user::Routines;
@@ -131,7 +131,7 @@ impl TensionCurve {
 /// Returns the reason why a material cannot be stretched in one direction; `None` if it can.
 pub fn obstacle(material: &MaterialDefinition) -> Option<&'static str> {
     match (&material.eos, material.shear_modulus) {
-        (Some(eos), _) if matches!(eos.kind, EosKind::Jwl(_)) => Some("an explosive (*EOS, TYPE=JWL) has no strength"),
+        _ if material.is_explosive() => Some("an explosive (*EOS, TYPE=JWL) has no strength"),
         (Some(_), None) => Some("a fluid (*EOS without *ELASTIC, TYPE=SHEAR) has no strength"),
         (Some(_), Some(_)) => None,
         _ if material.elastic.is_some() || material.hyperelastic.is_some() || material.user.material.is_some() => None,
@@ -148,13 +148,8 @@ pub fn initial_temperatures(model: &Model, material: MaterialId) -> Vec<Option<f
         is_node[node] = true;
     }
     let meets = |members: &[usize]| members.iter().any(|&n| is_node.get(n) == Some(&true));
-    let mut found: Vec<f64> = Vec::new();
-    for condition in &model.initial_conditions {
-        match condition.kind {
-            InitialKind::Temperature(value) if meets(&condition.members) => found.push(value),
-            _ => {}
-        }
-    }
+    let conditions = model.initial_conditions.iter().filter(|condition| meets(&condition.members));
+    let mut found: Vec<f64> = conditions.filter_map(|condition| condition.kind.temperature()).collect();
     found.sort_by(f64::total_cmp);
     found.dedup();
     if found.is_empty() { vec![None] } else { found.into_iter().map(Some).collect() }

@@ -219,8 +219,7 @@ fn scale_increment(step: &mut Step, factor: f64, deforms: bool) -> Result<(), St
 
 /// Returns whether a load depends on velocity: resistance of a target or a user load.
 fn reads_velocity(model: &Model) -> bool {
-    let reads =
-        |l: &Load| matches!(l.kind, LoadKind::Cavity { .. } | LoadKind::User { .. } | LoadKind::UserBody { .. });
+    let reads = |l: &Load| l.kind.is_user() || matches!(l.kind, LoadKind::Cavity { .. });
     model.steps.iter().any(|s| s.loads.iter().any(reads))
 }
 
@@ -289,7 +288,7 @@ fn stable_estimate(value: &str) -> Result<ModelEdit, String> {
         if !deforms(model) {
             return refuse("--refine estimate: the model has no deformable elements");
         }
-        if model.steps.iter().all(|s| matches!(s.increment, IncrementControl::Fixed(_))) {
+        if model.steps.iter().all(|s| s.increment.is_fixed()) {
             return refuse("--refine estimate: the increment is fixed by DIRECT USER CONTROL");
         }
         for step in &mut model.steps {

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use crate::deck::lexer::{LineIterator, LineKind, kind};
 use crate::deck::name_kinds::{NameKind, field_name_kind, parameter_name_usage};
-use crate::deck::{Card, Deck, Span, Word, next_reference};
+use crate::deck::{Card, Deck, ParameterReference, Span, Word, next_reference};
 
 /// A place at which a deck defines or uses a name.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,7 +135,7 @@ impl NameFinder<'_> {
             let lines = LineIterator::new(&file.text).filter(|line| file.text[line.clone()].contains('<'));
             for line in lines.filter(|line| kind(&file.text[line.clone()]) != LineKind::Comment) {
                 let mut rest = &file.text[line];
-                while let Some((_, name, after)) = next_reference(rest) {
+                while let Some(ParameterReference { name, after, .. }) = next_reference(rest) {
                     self.parameter(name, index as u32, name.as_ptr() as usize - file.text.as_ptr() as usize, false);
                     rest = after;
                 }

@@ -58,14 +58,14 @@ mod tests {
     #[test]
     fn every_code_is_explained_and_used() {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("deck");
-        let mut given = std::collections::BTreeSet::new();
+        let mut known_codes = std::collections::BTreeSet::new();
         for entry in std::fs::read_dir(folder).expect("source folder") {
             let path = entry.expect("entry").path();
             if path.is_file() && path.file_name().is_some_and(|n| n != "codes.rs") {
                 let text = std::fs::read_to_string(path).expect("source");
-                given.extend(codes_in(&text).into_iter().map(str::to_owned));
+                known_codes.extend(codes_in(&text).into_iter().map(str::to_owned));
             }
         }
-        assert_eq!(given, CODES.iter().map(|c| c.code.to_owned()).collect());
+        assert_eq!(known_codes, CODES.iter().map(|c| c.code.to_owned()).collect());
     }
 }

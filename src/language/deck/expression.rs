@@ -72,6 +72,24 @@ enum BinaryOperator {
     Power,
 }
 
+/// Symbol of an operator, with the precedence to its left and to its right.
+struct OperatorSymbol {
+    text: &'static str,
+    operator: BinaryOperator,
+    strength: [u8; 2],
+}
+
+/// Operators; longer symbols precede those with which they begin.
+const OPERATORS: [OperatorSymbol; 7] = [
+    OperatorSymbol { text: "**", operator: BinaryOperator::Power, strength: [41, 40] },
+    OperatorSymbol { text: "//", operator: BinaryOperator::Floor, strength: [20, 21] },
+    OperatorSymbol { text: "+", operator: BinaryOperator::Add, strength: [10, 11] },
+    OperatorSymbol { text: "-", operator: BinaryOperator::Subtract, strength: [10, 11] },
+    OperatorSymbol { text: "*", operator: BinaryOperator::Multiply, strength: [20, 21] },
+    OperatorSymbol { text: "/", operator: BinaryOperator::Divide, strength: [20, 21] },
+    OperatorSymbol { text: "%", operator: BinaryOperator::Remainder, strength: [20, 21] },
+];
+
 impl Expression {
     /// Parses an expression: `+ - * / // % **` as in Python (`/` is true division, `**` is right-associative),
     /// parentheses, names, `f(x, y)`, numbers such as `340e6`, `.5`, `1.d0`.
@@ -160,8 +178,8 @@ fn step(
             .ok_or_else(|| ExpressionError { unknown: Some(name.clone()), ..fail(format!("`{name}` is not defined")) }),
         StackOperation::Negate => Ok(-pop(stack)),
         StackOperation::Binary(binary) => {
-            let (right, left) = (pop(stack), pop(stack));
-            apply(*binary, left, right).map_err(fail)
+            let (second, first) = (pop(stack), pop(stack));
+            apply(*binary, first, second).map_err(fail)
         }
         StackOperation::Call(name, count) => {
             let values = stack.split_off(stack.len().saturating_sub(*count));
@@ -287,39 +305,26 @@ impl ExpressionParser<'_> {
             return Err(error(self.at..self.text.len(), format!("nested deeper than {DEEPEST} levels")));
         }
         self.operand()?;
-        while let Some((binary, length, left, right)) = self.operator() {
-            if left < strength {
-                break;
-            }
+        while let Some(symbol) = self.operator().filter(|symbol| symbol.strength[0] >= strength) {
             let start = self.at;
-            self.at += length;
-            self.expression(right)?;
-            self.emit(StackOperation::Binary(binary), start);
+            self.at += symbol.text.len();
+            self.expression(symbol.strength[1])?;
+            self.emit(StackOperation::Binary(symbol.operator), start);
         }
         self.depth -= 1;
         Ok(())
     }
 
-    /// Returns the operator at the current position: length in bytes, left and right precedence.
-    fn operator(&mut self) -> Option<(BinaryOperator, usize, u8, u8)> {
+    /// Returns the operator at the current position.
+    fn operator(&mut self) -> Option<&'static OperatorSymbol> {
         self.peek()?;
-        let found = match self.rest().as_bytes() {
-            [b'*', b'*', ..] => (BinaryOperator::Power, 2, 41, 40),
-            [b'/', b'/', ..] => (BinaryOperator::Floor, 2, 20, 21),
-            [b'+', ..] => (BinaryOperator::Add, 1, 10, 11),
-            [b'-', ..] => (BinaryOperator::Subtract, 1, 10, 11),
-            [b'*', ..] => (BinaryOperator::Multiply, 1, 20, 21),
-            [b'/', ..] => (BinaryOperator::Divide, 1, 20, 21),
-            [b'%', ..] => (BinaryOperator::Remainder, 1, 20, 21),
-            _ => return None,
-        };
-        Some(found)
+        OPERATORS.iter().find(|symbol| self.rest().starts_with(symbol.text))
     }
 
     fn operand(&mut self) -> Result<(), ExpressionError> {
-        let found = self.peek();
+        let next = self.peek();
         let start = self.at;
-        match found {
+        match next {
             Some('-') => {
                 self.at += 1;
                 self.expression(SIGN)?;
@@ -352,8 +357,8 @@ impl ExpressionParser<'_> {
         }
         match self.peek() {
             Some(c) => {
-                let at = self.at..self.at + c.len_utf8();
-                Err(error(at, format!("`{c}` is not expected here; expected an operator or `)`")))
+                let range = self.at..self.at + c.len_utf8();
+                Err(error(range, format!("`{c}` is not expected here; expected an operator or `)`")))
             }
             None => Err(error(opened..self.at, "missing closing parenthesis")),
         }
@@ -383,10 +388,10 @@ impl ExpressionParser<'_> {
         }
         // An unknown history column such as `U2@BAT.1` is read as one name, so that the error message shows the full
         // name.
-        let mut place = false;
+        let mut has_at_sign = false;
         let is_of_name = |c: &char| {
-            place |= *c == '@';
-            c.is_alphanumeric() || *c == '_' || place && "@.".contains(*c)
+            has_at_sign |= *c == '@';
+            c.is_alphanumeric() || *c == '_' || has_at_sign && "@.".contains(*c)
         };
         self.at += self.rest().chars().take_while(is_of_name).map(char::len_utf8).sum::<usize>();
         let name = self.text[start..self.at].to_owned();

@@ -9,6 +9,8 @@ use super::ways::alternative_or_removal;
 
 /// Reports unsupported cards, with one error for each group of related keywords.
 pub fn tier_findings(deck: &Deck, diagnostics: &mut Diagnostics) {
+    // `*RESTART, READ` continues from the state of another job.
+    let reads_restart = |c: &Card| c.keyword.name == "RESTART" && c.has("READ");
     let cards = || deck.cards.iter().filter(|c| c.keyword.tier == KeywordTier::UnsupportedPhysics || reads_restart(c));
     let heads: Vec<&str> = cards().map(|c| c.keyword.name).collect();
     let mut unsupported: IndexMap<&str, Vec<&Card>> = IndexMap::new();
@@ -20,18 +22,10 @@ pub fn tier_findings(deck: &Deck, diagnostics: &mut Diagnostics) {
     }
 }
 
-/// Returns whether a card is `*RESTART, READ`, which continues from the state of another job.
-fn reads_restart(card: &Card) -> bool {
-    card.keyword.name == "RESTART" && card.has("READ")
-}
-
-/// Returns the keyword of the deck to which a keyword is subordinate: `*CONTACT` for `*CONTACT INCLUSIONS`; the keyword
-/// itself if there is none.
+/// Returns the keyword of the deck to which a keyword is subordinate: `*CAP PLASTICITY` for `*CAP HARDENING`; the
+/// keyword itself if there is none.
 fn head<'n>(name: &'n str, there: &[&'n str]) -> &'n str {
     let parent = match name {
-        "KINEMATIC" | "DISTRIBUTING" => Some("COUPLING"),
-        "SURFACE PROPERTY ASSIGNMENT" => Some("CONTACT"),
-        "UNDEX CHARGE PROPERTY" => Some("INCIDENT WAVE INTERACTION PROPERTY"),
         "CAP HARDENING" => Some("CAP PLASTICITY"),
         "CLAY HARDENING" => Some("CLAY PLASTICITY"),
         _ if name.starts_with("CONCRETE ") => Some("CONCRETE DAMAGED PLASTICITY"),

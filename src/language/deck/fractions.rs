@@ -10,8 +10,8 @@ impl Deck {
     pub fn name_fractions(&self, diagnostics: &mut Diagnostics) {
         for finding in diagnostics.iter_mut().filter(|finding| finding.code == "D304") {
             let Some(place) = finding.labels.first() else { continue };
-            let Some((_, name, _)) = next_reference(self.sources.text(place.span)) else { continue };
-            if let Some((origin, value)) = self.origin_of_fraction(name) {
+            let Some(reference) = next_reference(self.sources.text(place.span)) else { continue };
+            if let Some((origin, value)) = self.origin_of_fraction(reference.name) {
                 finding.message =
                     format!("parameter `{origin}` is {value}, which gives fields that are not whole numbers");
                 finding.help = Some(format!(

@@ -38,19 +38,19 @@ pub fn find_parameter(keyword: &Keyword, text: &str) -> NameLookup<InputRule> {
 
 /// Returns whether the text is the full name of a parameter, ignoring case and blanks.
 pub fn is_parameter(keyword: &Keyword, text: &str) -> bool {
-    let wanted = names::fold(text);
-    keyword.parameters.iter().any(|p| same(&wanted, p.name))
+    let folded = names::fold(text);
+    keyword.parameters.iter().any(|p| same(&folded, p.name))
 }
 
 fn find<T>(text: &str, table: impl Iterator<Item = &'static T> + Clone, name: fn(&T) -> &'static str) -> NameLookup<T> {
-    let wanted = names::fold(text);
-    if let Some(row) = table.clone().find(|row| same(&wanted, name(row))) {
+    let folded = names::fold(text);
+    if let Some(row) = table.clone().find(|row| same(&folded, name(row))) {
         return NameLookup::Found(row);
     }
-    let begun: Vec<&T> = table.clone().filter(|row| !wanted.is_empty() && begins(&wanted, name(row))).collect();
+    let begun: Vec<&T> = table.clone().filter(|row| !folded.is_empty() && begins(&folded, name(row))).collect();
     match begun.as_slice() {
         [] => {
-            let nearest = names::nearest(&wanted, table.clone().map(name));
+            let nearest = names::nearest(&folded, table.clone().map(name));
             NameLookup::Unknown { nearest: nearest.and_then(|n| table.clone().find(|row| name(row) == n)) }
         }
         [row] => NameLookup::Found(row),

@@ -86,21 +86,21 @@ pub struct LineFields {
 pub fn split(text: &str, line: LineRange) -> LineFields {
     let (mut fields, mut start, mut quote) = (LineFields::default(), line.start, None);
     for (i, byte) in text.as_bytes()[line.clone()].iter().enumerate() {
-        let at = line.start + i;
+        let position = line.start + i;
         match (byte, quote) {
-            (b'"', None) => quote = Some(at),
+            (b'"', None) => quote = Some(position),
             (b'"', Some(_)) => quote = None,
             (b',', None) => {
-                fields.ranges.push(trim(text, start..at));
-                start = at + 1;
+                fields.ranges.push(trim(text, start..position));
+                start = position + 1;
             }
             _ => {}
         }
     }
-    let rest = trim(text, start..line.end);
-    fields.trailing_comma = rest.is_empty() && !fields.ranges.is_empty();
-    if !rest.is_empty() {
-        fields.ranges.push(rest);
+    let last = trim(text, start..line.end);
+    fields.trailing_comma = last.is_empty() && !fields.ranges.is_empty();
+    if !last.is_empty() {
+        fields.ranges.push(last);
     }
     fields.unclosed = quote;
     fields

@@ -31,11 +31,11 @@ pub struct DeckLine {
 
 /// Returns the lines of a deck without errors.
 pub fn in_reading_order(deck: &Deck) -> Vec<DeckLine> {
-    let at = |(index, card): (usize, &Card)| ((card.span.file, card.span.start), index);
+    let by_position = |(index, card): (usize, &Card)| ((card.span.file, card.span.start), index);
     let included = deck.sources.files().iter().zip(0..).filter_map(|(file, index)| Some((file.included_at?, index)));
     let mut reader = LineReader {
         deck,
-        cards: deck.cards.iter().enumerate().map(at).collect(),
+        cards: deck.cards.iter().enumerate().map(by_position).collect(),
         included: included.collect(),
         lines: Vec::new(),
         card: None,
@@ -82,8 +82,8 @@ impl LineReader<'_> {
             if trimmed.start >= include_end || role == LineRole::Other && kind == LineKind::Comment {
                 self.lines.push(DeckLine { span, card: self.card, role });
             }
-            let here = |i: &&(Span, u32)| (span.start..span.end).contains(&i.0.start);
-            inside.iter().filter(here).for_each(|i| self.file(i.1));
+            let is_on_line = |i: &&(Span, u32)| (span.start..span.end).contains(&i.0.start);
+            inside.iter().filter(is_on_line).for_each(|i| self.file(i.1));
         }
     }
 }

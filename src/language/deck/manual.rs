@@ -69,17 +69,17 @@ fn parameters_and_data(keyword: &'static Keyword) -> String {
 
 /// Describes how often the card may be given, and where.
 fn standing_place(keyword: &Keyword) -> String {
-    let place = match keyword.place {
+    let position = match keyword.place {
         CardPlace::Anywhere => String::new(),
         CardPlace::Step => " within a step".into(),
         CardPlace::EachStep => " within a step, or before the first step".into(),
         CardPlace::Below(parents) => format!(" after its {}", parent_names(parents)),
     };
-    match (keyword.times, place.as_str()) {
+    match (keyword.times, position.as_str()) {
         (CardMultiplicity::Any, "") => String::new(),
-        (CardMultiplicity::Any, place) => format!(" Allowed{place}."),
-        (CardMultiplicity::Once, place) => format!(" Allowed once{place}."),
-        (CardMultiplicity::Unique(name), place) => format!(" Allowed once for each {name}{place}."),
+        (CardMultiplicity::Any, position) => format!(" Allowed{position}."),
+        (CardMultiplicity::Once, position) => format!(" Allowed once{position}."),
+        (CardMultiplicity::Unique(name), position) => format!(" Allowed once for each {name}{position}."),
     }
 }
 
@@ -164,7 +164,7 @@ const ABAQUS_HEAD: &str = "# Keywords of ABAQUS\n\nGenerated from the keyword ta
 Keywords that are not in this list are unknown to Revolve. [keywords.md](keywords.md) describes the parameters and data lines.\n";
 
 fn abaqus_row(keyword: &Keyword) -> [String; 3] {
-    let (done, why) = match keyword.tier {
+    let (support, why) = match keyword.tier {
         KeywordTier::Used => match refusals(keyword) {
             refused if refused.is_empty() => ("supported", String::new()),
             refused => ("partial", format!("without {}", refused.join(", "))),
@@ -177,7 +177,7 @@ fn abaqus_row(keyword: &Keyword) -> [String; 3] {
             way => ("unsupported", format!("{}; {way}", keyword.summary)),
         },
     };
-    [keyword.name.into(), done.into(), why]
+    [keyword.name.into(), support.into(), why]
 }
 
 /// Returns the unsupported parameters and fields of a keyword. Those of other kinds of analyses, whose reason begins
@@ -237,8 +237,8 @@ pub fn keyword_names() -> impl Iterator<Item = &'static str> {
 
 /// Returns whether a word, with or without its star, is the full name of a keyword.
 pub fn is_keyword(name: &str) -> bool {
-    let wanted = fold(name.trim().trim_start_matches('*'));
-    keywords().any(|k| fold(k.name) == wanted)
+    let folded = fold(name.trim().trim_start_matches('*'));
+    keywords().any(|k| fold(k.name) == folded)
 }
 
 fn explain(keyword: &'static Keyword) -> String {

@@ -26,7 +26,8 @@ use std::path::Path;
 pub use codes::{CODES, find_code};
 pub use findings::tier_findings;
 pub use parameters::{
-    CURVE_SETTING, MESH_SETTINGS, ParameterDefinition, is_name as is_parameter_name, is_unresolved, next_reference,
+    CURVE_SETTING, MESH_SETTINGS, ParameterDefinition, ParameterReference, is_name as is_parameter_name, is_unresolved,
+    next_reference,
 };
 pub use revolve_diagnostics::{
     Correction, Diagnostic, DiagnosticCode, Diagnostics, Finding, OpenTexts, Severity, Sources, Span, printable,

@@ -5,47 +5,46 @@
 use super::keywords::{InputRule, InputUsage, Keyword};
 use super::value::ValueKind;
 
-/// Kind of object that a name identifies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum NameKind {
-    /// Node set.
-    NodeSet,
-    /// Element set.
-    ElementSet,
-    /// Surface.
-    Surface,
-    /// Material.
-    Material,
-    /// Amplitude.
-    Amplitude,
-    /// Surface interaction.
-    Interaction,
-    /// Section controls.
-    SectionControls,
-    /// Controls of adaptive meshes.
-    AdaptiveControls,
-    /// Part.
-    Part,
-    /// Instance of a part.
-    Instance,
-    /// Step.
-    Step,
-    /// Target without a mesh.
-    Target,
-    /// Set of contact pairs.
-    ContactPairSet,
-    /// Times of output.
-    TimePoints,
-    /// Section of integrated output.
-    OutputSection,
-    /// Clearance of contact.
-    Clearance,
-    /// Initial gaps of contact.
-    ContactInitialization,
-    /// Property of an incident wave.
-    WaveProperty,
-    /// Parameter of `*PARAMETER`, used as `<name>`.
-    Parameter,
+/// Defines the kinds of names, each with its words.
+macro_rules! name_kinds {
+    ($($kind:ident $words:literal)*) => {
+        /// Kind of object that a name identifies.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum NameKind {
+            $(#[doc = concat!("A name of ", $words, ".")] $kind,)*
+        }
+
+        impl NameKind {
+            /// Returns the kind in words, for example `node set`.
+            pub fn words(self) -> &'static str {
+                match self {
+                    $(NameKind::$kind => $words,)*
+                }
+            }
+        }
+    };
+}
+
+name_kinds! {
+    NodeSet "node set"
+    ElementSet "element set"
+    Surface "surface"
+    Material "material"
+    Amplitude "amplitude"
+    Interaction "surface interaction"
+    SectionControls "section controls"
+    AdaptiveControls "adaptive mesh controls"
+    Part "part"
+    Instance "instance"
+    Step "step"
+    Target "target"
+    ContactPairSet "set of contact pairs"
+    TimePoints "time points"
+    OutputSection "section of integrated output"
+    Clearance "contact clearance"
+    ContactInitialization "contact initialization data"
+    WaveProperty "incident wave property"
+    Parameter "parameter"
 }
 
 /// How a parameter or field refers to a name.
@@ -58,31 +57,6 @@ pub struct NameUsage {
 }
 
 impl NameKind {
-    /// Returns the kind in words, for example `node set`.
-    pub fn words(self) -> &'static str {
-        match self {
-            NameKind::NodeSet => "node set",
-            NameKind::ElementSet => "element set",
-            NameKind::Surface => "surface",
-            NameKind::Material => "material",
-            NameKind::Amplitude => "amplitude",
-            NameKind::Interaction => "surface interaction",
-            NameKind::SectionControls => "section controls",
-            NameKind::AdaptiveControls => "adaptive mesh controls",
-            NameKind::Part => "part",
-            NameKind::Instance => "instance",
-            NameKind::Step => "step",
-            NameKind::Target => "target",
-            NameKind::ContactPairSet => "set of contact pairs",
-            NameKind::TimePoints => "time points",
-            NameKind::OutputSection => "section of integrated output",
-            NameKind::Clearance => "contact clearance",
-            NameKind::ContactInitialization => "contact initialization data",
-            NameKind::WaveProperty => "incident wave property",
-            NameKind::Parameter => "parameter",
-        }
-    }
-
     /// Returns whether each part has names of this kind that do not collide with those of other parts.
     pub fn is_scoped(self) -> bool {
         matches!(self, NameKind::NodeSet | NameKind::ElementSet | NameKind::Surface)

@@ -125,28 +125,29 @@ impl Parameters {
     /// Returns the value of a definition or of its override; `None` after an error. An unknown value of another parameter
     /// is not reported again.
     fn value_of(&self, name: &str, text: &str, span: Span, diagnostics: &mut Diagnostics) -> Option<ParameterValue> {
-        let own = self.evaluate(text);
-        let (found, replacement) = match (self.overrides.get(name), own) {
-            (None, own) => (own, None),
-            (Some(replacement), own) => match (self.evaluate(replacement), own) {
+        let defined = self.evaluate(text);
+        let (evaluated, replacement) = match (self.overrides.get(name), defined) {
+            (None, defined) => (defined, None),
+            (Some(replacement), defined) => match (self.evaluate(replacement), defined) {
                 (Err(_), Ok(ParameterValue::Text(_))) => (Ok(ParameterValue::Text(replacement.clone())), None),
                 (found, _) => (found, Some(replacement)),
             },
         };
-        let error = match found {
+        let error = match evaluated {
             Ok(value) => return Some(value),
             Err(error) => error,
         };
         if error.unknown.as_ref().is_some_and(|unknown| self.without_value.contains(unknown)) {
             return None;
         }
-        diagnostics.refuse(match replacement {
-            None => self.expression_finding(&error, offset(span, &error)),
-            Some(replacement) => {
-                let what = Diagnostic::error("D407", format!("`--set {name}={replacement}`: {}", error.message));
-                self.helped(what.at(span, "the definition that it replaces"), &error)
+        let what = match replacement {
+            None => {
+                Diagnostic::error("D402", "the parameter has no value").at(offset(span, &error), error.message.clone())
             }
-        })
+            Some(replacement) => Diagnostic::error("D407", format!("`--set {name}={replacement}`: {}", error.message))
+                .at(span, "the definition that it replaces"),
+        };
+        diagnostics.refuse(self.helped(what, &error))
     }
 
     fn evaluate(&self, text: &str) -> Result<ParameterValue, ExpressionError> {
@@ -165,11 +166,6 @@ impl Parameters {
             return Ok(ParameterValue::Number(value));
         }
         Err(ExpressionError { start: 0, end: text.len(), message: format!("the value is {value}"), unknown: None })
-    }
-
-    fn expression_finding(&self, e: &ExpressionError, span: Span) -> Diagnostic {
-        let what = Diagnostic::error("D402", "the parameter has no value").at(span, e.message.clone());
-        self.helped(what, e)
     }
 
     fn helped(&self, what: Diagnostic, e: &ExpressionError) -> Diagnostic {
@@ -195,8 +191,8 @@ impl Parameters {
         if !word.text.contains('<') {
             return word;
         }
-        let (mut result, mut rest) = (String::new(), word.text.as_str());
-        while let Some((before, name, after)) = next_reference(rest) {
+        let (mut result, mut remaining) = (String::new(), word.text.as_str());
+        while let Some(ParameterReference { before, name, after }) = next_reference(remaining) {
             result.push_str(before);
             match self.values.get(name) {
                 Some(value) => result.push_str(&value.written()),
@@ -207,16 +203,16 @@ impl Parameters {
                     result.push_str(&format!("<{name}>"));
                 }
             }
-            rest = after;
+            remaining = after;
         }
-        result.push_str(rest);
+        result.push_str(remaining);
         word.text = result;
         word
     }
 
     /// Returns whether a text refers to a parameter whose value is unknown after an error.
     pub fn lacks_value(&self, text: &str) -> bool {
-        next_reference(text).is_some_and(|(_, name, _)| self.without_value.contains(name))
+        next_reference(text).is_some_and(|reference| self.without_value.contains(reference.name))
     }
 
     fn undefined(&self, name: &str, word: &Word) -> Diagnostic {
@@ -224,9 +220,9 @@ impl Parameters {
         what.at(word.span, "not defined").help(self.suggestion(name))
     }
 
-    /// Returns the setting that refines or coarsens the mesh, if there is one, and its value. A parameter of the deck
-    /// with the name `mesh` takes precedence.
-    pub fn mesh_scaling(&self, diagnostics: &mut Diagnostics) -> Option<(&'static str, f64, MeshScaling)> {
+    /// Returns name and value of the setting that refines or coarsens the mesh, if there is one, and its effect. A parameter
+    /// of the deck with the name `mesh` takes precedence.
+    pub fn mesh_scaling(&self, diagnostics: &mut Diagnostics) -> Option<((&'static str, f64), MeshScaling)> {
         let is_free = |name: &str| !self.values.contains_key(name);
         let (name, text) = MESH_SETTINGS.into_iter().find_map(|name| Some((name, self.overrides.get(name)?)))?;
         let name = if is_free(MESH_SETTINGS[1]) { MESH_SETTINGS[1] } else { name };
@@ -245,7 +241,7 @@ impl Parameters {
                 MeshScaling::FINEST
             )));
         }
-        Some((name, value, scaling?))
+        Some(((name, value), scaling?))
     }
 
     /// Returns the largest turning angle of smooth boundaries of a refined mesh, degrees.
@@ -280,14 +276,25 @@ pub fn is_unresolved(text: &str) -> bool {
     next_reference(text).is_some()
 }
 
-/// Returns the text before the next `<name>`, the name, and the text after it.
-pub fn next_reference(text: &str) -> Option<(&str, &str, &str)> {
+/// A `<name>` in a text.
+#[derive(Clone, Copy, Debug)]
+pub struct ParameterReference<'a> {
+    /// Text before the reference.
+    pub before: &'a str,
+    /// Name of the parameter.
+    pub name: &'a str,
+    /// Text after the reference.
+    pub after: &'a str,
+}
+
+/// Returns the first `<name>` of a text.
+pub fn next_reference(text: &str) -> Option<ParameterReference<'_>> {
     let mut from = 0;
     while let Some(open) = text[from..].find('<').map(|i| i + from) {
         let close = text[open..].find('>')? + open;
         let name = text[open + 1..close].trim();
         if is_name(name) {
-            return Some((&text[..open], name, &text[close + 1..]));
+            return Some(ParameterReference { before: &text[..open], name, after: &text[close + 1..] });
         }
         from = open + 1;
     }
@@ -308,13 +315,13 @@ fn without_comment(line: &str) -> &str {
 /// Splits a line at each `;` outside quotes.
 fn statements(line: &str) -> Vec<&str> {
     let mut from = 0;
-    let mut all: Vec<&str> = Vec::new();
+    let mut parts: Vec<&str> = Vec::new();
     for at in outside_quotes(line, ';') {
-        all.push(&line[from..at]);
+        parts.push(&line[from..at]);
         from = at + 1;
     }
-    all.push(&line[from..]);
-    all.into_iter().map(str::trim).filter(|s| !s.is_empty()).collect()
+    parts.push(&line[from..]);
+    parts.into_iter().map(str::trim).filter(|s| !s.is_empty()).collect()
 }
 
 /// Iterates over the positions of a character outside quotes.

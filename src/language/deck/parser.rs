@@ -77,7 +77,7 @@ impl<'a> Parser<'a> {
         self.parameters.check_overrides(&mut self.diagnostics);
         self.deck.parameters = self.parameters.numbers();
         self.deck.mesh_curves = self.parameters.mesh_curves(&mut self.diagnostics);
-        if let Some((name, value, scaling)) = self.parameters.mesh_scaling(&mut self.diagnostics) {
+        if let Some(((name, value), scaling)) = self.parameters.mesh_scaling(&mut self.diagnostics) {
             self.deck.mesh_scaling = Some(scaling);
             self.deck.parameters.push((name.into(), value));
         }
@@ -183,7 +183,8 @@ impl<'a> Parser<'a> {
     fn card_line(&mut self, file: u32, text: &str, line: LineRange, span: Span) {
         let Some(card) = self.deck.cards.last_mut() else { return };
         let (keyword, listing) = (card.keyword, is_listing(card.keyword.name));
-        if listing && ListingRow::is_plain(&text[span.start as usize..span.end as usize]) {
+        let is_plain = !text[span.start as usize..span.end as usize].contains(['<', '"']);
+        if listing && is_plain {
             return card.rows.push(ListingRow::Text(span));
         }
         let count_before = self.diagnostics.len();
@@ -283,21 +284,21 @@ impl<'a> Parser<'a> {
     }
 
     fn keyword(&mut self, text: &str, span: Span) -> Option<&'static Keyword> {
-        let shown = text.trim();
+        let name = text.trim();
         let finding = match keywords::find_keyword(text) {
             NameLookup::Found(keyword) => return Some(keyword),
             NameLookup::Ambiguous(all) => {
                 let names: Vec<String> = all.iter().take(8).map(|k| format!("*{}", k.name)).collect();
-                let what = Diagnostic::error("D102", format!("*{shown} is an abbreviation of several keywords"));
+                let what = Diagnostic::error("D102", format!("*{name} is an abbreviation of several keywords"));
                 what.at(span, "ambiguous").help(format!("write one of {}", names.join(", ")))
             }
-            NameLookup::Unknown { .. } if shown.is_empty() => {
+            NameLookup::Unknown { .. } if name.is_empty() => {
                 Diagnostic::error("D101", "the keyword line has no keyword")
                     .at(span, "nothing after the star")
                     .help("comments begin with `**`")
             }
             NameLookup::Unknown { nearest } => {
-                let what = Diagnostic::error("D101", format!("unknown keyword *{shown}"));
+                let what = Diagnostic::error("D101", format!("unknown keyword *{name}"));
                 what.at(span, "not in the keyword table").help(match nearest {
                     _ if text.starts_with(char::is_whitespace) => "if this is a comment, begin it with `**`".into(),
                     Some(like) => format!("did you mean *{}?", like.name),
@@ -425,15 +426,15 @@ impl<'a> Parser<'a> {
     /// Returns the reason why a file must not be opened.
     fn refusal(&self, path: &Path, file: &Word) -> Option<Diagnostic> {
         let what = |code, message: String, label: &str| Some(Diagnostic::error(code, message).at(file.span, label));
-        let shown = path.display();
+        let path_text = path.display();
         let deck = Span { file: 0, ..Span::default() };
         if untrusted::forbids(self.deck.sources.folder(deck), path) {
             let message = format!("{} is not in the folder of the deck", file.text);
-            let found = what("D011", message, "not read with --untrusted")?;
-            return Some(found.help("copy the file into the folder of the deck or a folder below it"));
+            let diagnostic = what("D011", message, "not read with --untrusted")?;
+            return Some(diagnostic.help("copy the file into the folder of the deck or a folder below it"));
         }
         if path.canonicalize().is_ok_and(|p| self.chain.contains(&p)) {
-            return what("D003", format!("{shown} includes itself"), "this file is already being read");
+            return what("D003", format!("{path_text} includes itself"), "this file is already being read");
         }
         if self.chain.len() > DEEPEST {
             return what("D004", format!("includes are nested deeper than {DEEPEST}"), "exceeds the limit");
@@ -443,7 +444,7 @@ impl<'a> Parser<'a> {
         }
         let metadata = std::fs::metadata(path).ok()?;
         if !metadata.is_file() {
-            return what("D002", format!("{shown} is not a file"), "not a file");
+            return what("D002", format!("{path_text} is not a file"), "not a file");
         }
         let size = metadata.len();
         if self.bytes.saturating_add(size) > MOST_BYTES {

@@ -65,12 +65,12 @@ impl FromValue for String {
 impl<T: FromValue> FromValue for Option<T> {
     fn from_value(given: GivenValue<'_>) -> Option<T> {
         let value = given.rule.map_or(TEXT, |rule| rule.value);
-        let good = match given.word? {
+        let is_valid = match given.word? {
             _ if value.kind == ValueKind::Text => true,
             Some(word) => value.number(&word.text).is_some(),
             None => value.bare.or(value.default).is_some(),
         };
-        good.then(|| T::from_value(given))
+        is_valid.then(|| T::from_value(given))
     }
 }
 

@@ -17,11 +17,6 @@ pub(super) fn is_listing(keyword: &str) -> bool {
 }
 
 impl ListingRow {
-    /// Returns whether a line has neither quotes nor parameters.
-    pub(super) fn is_plain(text: &str) -> bool {
-        !text.bytes().any(|b| b == b'<' || b == b'"')
-    }
-
     /// Returns the span of the line.
     pub fn span(&self) -> Span {
         match self {

@@ -136,11 +136,11 @@ impl Keyword {
     /// # Panics
     /// If the card has no such parameter or field.
     pub const fn field(&self, name: &str) -> &'static InputRule {
-        let found = match find(self.parameters, name) {
+        let rule = match find(self.parameters, name) {
             None => find_in_data(self.data, name),
             found => found,
         };
-        found.expect("the card has no such parameter or field")
+        rule.expect("the card has no such parameter or field")
     }
 
     /// Returns the rule of a parameter by its canonical name.
@@ -177,13 +177,13 @@ const fn find_in_lines(lines: &'static [&'static [InputRule]], name: &str) -> Op
 
 const fn find_in_data(shapes: &'static [ConditionalShape], name: &str) -> Option<&'static InputRule> {
     let [first, rest @ ..] = shapes else { return None };
-    let found = match &first.shape {
+    let rule_of_shape = match &first.shape {
         DataShape::Nothing => None,
         DataShape::Text(rule) | DataShape::List(rule) => find(std::slice::from_ref(rule), name),
         DataShape::Stream(rules) | DataShape::Wrapped(_, rules) => find(rules, name),
         DataShape::Lines(lines, _) => find_in_lines(lines, name),
     };
-    if let Some(rule) = found { Some(rule) } else { find_in_data(rest, name) }
+    if let Some(rule) = rule_of_shape { Some(rule) } else { find_in_data(rest, name) }
 }
 
 const fn is_same(name: &[u8], other: &[u8]) -> bool {
@@ -203,8 +203,8 @@ impl DataShape {
             DataShape::Text(rule) | DataShape::List(rule) => Some(rule),
             DataShape::Stream(rules) => rules.get((before + index) % rules.len()),
             DataShape::Wrapped(count, rules) => {
-                let at = before % count + index;
-                (at < *count).then(|| &rules[at.min(rules.len() - 1)])
+                let position = before % count + index;
+                (position < *count).then(|| &rules[position.min(rules.len() - 1)])
             }
             DataShape::Lines(lines, repeats) => {
                 let row = if *repeats { line.min(lines.len() - 1) } else { line };

@@ -140,8 +140,8 @@ impl Card {
 
     /// Returns the layout of the data lines, which may depend on the parameters.
     pub fn shape(&self) -> &'static DataShape {
-        let given = |name: &str| self.parameter(name).filter(|_| self.has(name));
-        self.keyword.shape(|name| given(name).map(|p| p.value.as_ref().map(|w| w.text.as_str())))
+        let given_parameter = |name: &str| self.parameter(name).filter(|_| self.has(name));
+        self.keyword.shape(|name| given_parameter(name).map(|p| p.value.as_ref().map(|w| w.text.as_str())))
     }
 
     /// Returns whether a parameter is given, with or without a value; a flag with NO is not.

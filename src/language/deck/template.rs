@@ -3,7 +3,7 @@
 
 use super::expression::Expression;
 use super::number::{format_number, parse_number};
-use super::parameters::next_reference;
+use super::parameters::{ParameterReference, next_reference};
 use super::syntax::{Card, Deck, ListingRow};
 
 /// Words of a deck that depend on parameters.
@@ -12,7 +12,7 @@ pub struct DeckTemplate {
     /// Values of all parameters in the deck.
     values: Vec<f64>,
     /// Indices of the varied parameters.
-    given: Vec<usize>,
+    varied: Vec<usize>,
     /// Parameters that depend on the varied ones, in the order of evaluation: index and expression.
     derived: Vec<(usize, Expression)>,
     names: Vec<String>,
@@ -54,24 +54,24 @@ impl DeckTemplate {
     /// one.
     pub fn of(deck: &Deck, given: &[String]) -> Option<DeckTemplate> {
         let (names, values): (Vec<String>, Vec<f64>) = deck.parameters.iter().cloned().unzip();
-        let place = |name: &str| names.iter().position(|n| n == name);
-        let given: Vec<usize> = given.iter().map(|name| place(name)).collect::<Option<_>>()?;
+        let index_of = |name: &str| names.iter().position(|n| n == name);
+        let varied: Vec<usize> = given.iter().map(|name| index_of(name)).collect::<Option<_>>()?;
         let mut follows = vec![false; names.len()];
-        given.iter().for_each(|&at| follows[at] = true);
+        varied.iter().for_each(|&at| follows[at] = true);
         let mut derived = Vec::new();
         for (i, definition) in deck.definitions.iter().enumerate() {
             if deck.definitions[..i].iter().any(|d| d.name == definition.name) {
                 return None;
             }
             // Text parameters do not depend on numbers.
-            let Some(at) = place(&definition.name).filter(|at| !given.contains(at)) else { continue };
+            let Some(at) = index_of(&definition.name).filter(|at| !varied.contains(at)) else { continue };
             let expression = Expression::parse(&definition.text).ok()?;
-            if expression.names().any(|name| place(name).is_some_and(|p| follows[p])) {
+            if expression.names().any(|name| index_of(name).is_some_and(|p| follows[p])) {
                 follows[at] = true;
                 derived.push((at, expression));
             }
         }
-        let mut template = DeckTemplate { values, given, derived, names, words: Vec::new() };
+        let mut template = DeckTemplate { values, varied, derived, names, words: Vec::new() };
         // The heading does not affect the model.
         let read = deck.cards.iter().enumerate().filter(|(_, card)| card.keyword.name != "HEADING");
         for (index, card) in read {
@@ -104,27 +104,27 @@ impl DeckTemplate {
 
     /// Returns whether a text contains a parameter that depends on the varied ones.
     fn refers(&self, text: &str, follows: &[bool]) -> bool {
-        let mut rest = text;
-        while let Some((_, name, after)) = next_reference(rest) {
+        let mut remaining = text;
+        while let Some(ParameterReference { name, after, .. }) = next_reference(remaining) {
             if self.names.iter().position(|n| n == name).is_some_and(|at| follows[at]) {
                 return true;
             }
-            rest = after;
+            remaining = after;
         }
         false
     }
 
     /// Splits a text into plain text and parameters; `None` if it contains a text parameter.
     fn pieces(&self, text: &str) -> Option<WordPieces> {
-        let (mut mixed, mut rest) = (Vec::new(), text);
-        while let Some((before, name, after)) = next_reference(rest) {
-            let at = self.names.iter().position(|n| n == name)?;
-            mixed.push((before.to_owned(), at));
-            rest = after;
+        let (mut mixed, mut remaining) = (Vec::new(), text);
+        while let Some(ParameterReference { before, name, after }) = next_reference(remaining) {
+            let index = self.names.iter().position(|n| n == name)?;
+            mixed.push((before.to_owned(), index));
+            remaining = after;
         }
         match &mixed[..] {
-            [(before, at)] if before.trim().is_empty() && rest.trim().is_empty() => Some(WordPieces::Whole(*at)),
-            _ => Some(WordPieces::Mixed(mixed, rest.to_owned())),
+            [(before, at)] if before.trim().is_empty() && remaining.trim().is_empty() => Some(WordPieces::Whole(*at)),
+            _ => Some(WordPieces::Mixed(mixed, remaining.to_owned())),
         }
     }
 
@@ -133,7 +133,7 @@ impl DeckTemplate {
     /// parameters.
     pub fn numbers(&self, given: &[f64], values: &mut Vec<f64>, numbers: &mut Vec<f64>) -> bool {
         values.clone_from(&self.values);
-        self.given.iter().zip(given).for_each(|(&at, &value)| values[at] = value);
+        self.varied.iter().zip(given).for_each(|(&at, &value)| values[at] = value);
         for (at, expression) in &self.derived {
             let known = |name: &str| self.names.iter().position(|n| n == name).map(|at| values[at]);
             match expression.evaluate(&known, &|_, _| None) {

@@ -183,7 +183,7 @@ const ABBREVIATION: usize = 3;
 /// Returns the index of a word in a list. Case and blanks are ignored; words may be abbreviated to three letters or
 /// more.
 pub fn find_word(words: &[&str], text: &str) -> Option<usize> {
-    let wanted = fold(text);
-    let begins = |word: &&str| wanted.len() >= ABBREVIATION && fold(word).starts_with(&wanted);
-    words.iter().position(|word| fold(word) == wanted).or_else(|| words.iter().position(begins))
+    let folded = fold(text);
+    let begins = |word: &&str| folded.len() >= ABBREVIATION && fold(word).starts_with(&folded);
+    words.iter().position(|word| fold(word) == folded).or_else(|| words.iter().position(begins))
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::mesh::{DeckLabels, MeshPart, ProjectileMesh, SurfacePart};
+use super::mesh::{DeckLabels, FreeSide, MeshPart, ProjectileMesh, SurfacePart};
 
 impl ProjectileMesh {
     /// Returns the deck: `*NODE`, `*ELEMENT, TYPE=CAX4R`, sets, surfaces and `*SOLID SECTION`, after lines of
@@ -80,12 +80,12 @@ impl ProjectileMesh {
             ("FILL", &[SurfacePart::Fill]),
         ];
         for (surface, walls) in surfaces {
-            let sides: Vec<_> = self.walls.iter().filter(|side| walls.contains(&side.2)).collect();
+            let sides: Vec<_> = self.walls.iter().filter(|side| walls.contains(&side.part)).collect();
             if sides.is_empty() {
                 continue;
             }
             let _ = writeln!(text, "*Surface, name={}{surface}", labels.prefix);
-            for (element, side, _) in sides {
+            for FreeSide { element, side, .. } in sides {
                 let _ = writeln!(text, " {}, S{side}", element + labels.first);
             }
         }

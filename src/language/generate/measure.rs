@@ -1,6 +1,6 @@
 //! Measures of a mesh: element quality with positions, and volumes compared with the exact profile.
 
-use super::mesh::{MeshPart, ProjectileMesh, SurfacePart};
+use super::mesh::{FreeSide, MeshPart, ProjectileMesh, SurfacePart};
 use super::profile::{MeridianPoint, ProfilePiece};
 use super::quality::{aspect, height, least_scaled_jacobian, volume};
 
@@ -45,7 +45,7 @@ impl ProjectileMesh {
             ((f64::INFINITY, [0.0; 2]), (0.0, [0.0; 2]), (f64::INFINITY, [0.0; 2]));
         let mut volumes = [0.0; 2];
         for (element, part) in self.parts.iter().enumerate() {
-            let corners = self.corners_of(element);
+            let corners = self.sheet.corners(element);
             let middle = [0, 1].map(|k| 0.25 * corners.iter().map(|p| p[k]).sum::<f64>());
             let [j, a, h] = [least_scaled_jacobian(corners), aspect(corners), height(corners)];
             jacobian = if j < jacobian.0 { (j, middle) } else { jacobian };
@@ -57,9 +57,7 @@ impl ProjectileMesh {
         let counts = [self.sheet.points.len(), self.sheet.elements.len()];
         MeshMeasure { counts, jacobian, aspect: stretched, height: low, case, fill }
     }
-}
 
-impl ProjectileMesh {
     /// Returns the order of convergence of the volume when all element sides on the profile are halved; `None` for
     /// exact profiles.
     pub fn order(&self) -> Option<f64> {
@@ -69,10 +67,10 @@ impl ProjectileMesh {
             .nose
             .first()
             .filter(|piece| matches!(piece, ProfilePiece::Arc { .. }) && case.error() != 0.0)?;
-        let gained = |&(element, side, wall): &(usize, usize, SurfacePart)| {
-            let corners = self.corners_of(element);
+        let gained = |&FreeSide { element, side, part }: &FreeSide| {
+            let corners = self.sheet.corners(element);
             let [a, b] = [corners[side - 1], corners[side % 4]];
-            let middle = arc.between(a, b).filter(|_| wall == SurfacePart::Nose)?;
+            let middle = arc.between(a, b).filter(|_| part == SurfacePart::Nose)?;
             let [once, twice] = [vec![a, b], vec![a, middle, b]]
                 .map(|p| p.windows(2).map(|p| ProfilePiece::Line(p[0], p[1]).volume()).sum::<f64>());
             Some((twice - once).abs())

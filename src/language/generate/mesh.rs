@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::nose;
-use super::profile::{MeridianPoint, ProfilePiece};
+use super::profile::ProfilePiece;
 use super::shape::{NoseShape, ProjectileOutline, positive};
 use super::sheet::QuadMesh;
 use super::spacing::{graded, rows};
@@ -92,6 +92,15 @@ pub enum SurfacePart {
     Fill,
 }
 
+/// A free side of an element.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FreeSide {
+    pub element: usize,
+    /// Number of the side, from 1 to 4.
+    pub side: usize,
+    pub part: SurfacePart,
+}
+
 /// A projectile mesh with its parts and surfaces.
 #[derive(Clone, Debug)]
 pub struct ProjectileMesh {
@@ -101,8 +110,8 @@ pub struct ProjectileMesh {
     pub(super) parts: Vec<MeshPart>,
     /// Number of nose elements, which come first.
     pub(super) in_nose: usize,
-    /// Free sides off the axis: element index, side from 1 to 4, surface part.
-    pub(super) walls: Vec<(usize, usize, SurfacePart)>,
+    /// Free sides off the axis.
+    pub(super) walls: Vec<FreeSide>,
     /// Nodes at the front centre, at the surface of the shoulder, at the base nearest to the axis, and at the rim of
     /// the base.
     pub(super) corners: [usize; 4],
@@ -351,7 +360,7 @@ impl<'a> MeshBuilder<'a> {
     }
 
     /// Returns the free sides off the axis.
-    fn walls(&self) -> Vec<(usize, usize, SurfacePart)> {
+    fn walls(&self) -> Vec<FreeSide> {
         let mut sides: HashMap<[usize; 2], u32> = HashMap::new();
         let each = || {
             let corners = self.sheet.elements.iter().enumerate();
@@ -361,7 +370,7 @@ impl<'a> MeshBuilder<'a> {
         each().for_each(|(_, _, side)| *sides.entry(key(side)).or_default() += 1);
         let on_axis = |n: usize| self.sheet.points[n][0] == 0.0;
         let free = each().filter(|(_, _, side)| sides[&key(*side)] == 1 && !side.iter().all(|&n| on_axis(n)));
-        free.map(|(e, k, side)| (e, k + 1, self.wall(e, side))).collect()
+        free.map(|(element, k, side)| FreeSide { element, side: k + 1, part: self.wall(element, side) }).collect()
     }
 
     fn wall(&self, element: usize, side: [usize; 2]) -> SurfacePart {
@@ -385,9 +394,5 @@ impl ProjectileMesh {
         });
         let filled = self.request.cavity.is_some_and(|c| c.fill != CavityFill::None);
         [self.outline.volume() - hollow, if filled { hollow } else { 0.0 }]
-    }
-
-    pub(super) fn corners_of(&self, element: usize) -> [MeridianPoint; 4] {
-        self.sheet.corners(element)
     }
 }

@@ -49,8 +49,8 @@ pub fn mesh(sheet: &mut QuadMesh, pieces: &[ProfilePiece], columns: &[f64], size
         sheet.block([&to_flank, &shoulder[inner..]], [&to_shoulder, &flank[inner..]]),
     ];
     let shares = |part: &[f64]| -> Vec<f64> {
-        let (from, to) = (part[0], part[part.len() - 1]);
-        part.iter().map(|x| (x - from) / (to - from)).collect()
+        let (first, last) = (part[0], part[part.len() - 1]);
+        part.iter().map(|x| (x - first) / (last - first)).collect()
     };
     let at_axis: Vec<f64> = shares(&columns[..=inner]).into_iter().rev().map(|x| 1.0 - x).collect();
     let at_flank = shares(&columns[inner..]);
@@ -78,8 +78,8 @@ fn flank(pieces: &[ProfilePiece], inner: usize, size: f64, height: f64) -> Vec<M
     let mut counts: Vec<usize> = pieces.iter().map(|p| ((p.length() * per_length).round() as usize).max(1)).collect();
     while counts.iter().sum::<usize>() < inner + 1 {
         let widest = |k: &usize| pieces[*k].length() / counts[*k] as f64;
-        let most = (0..counts.len()).max_by(|a, b| widest(a).total_cmp(&widest(b))).unwrap_or(0);
-        counts[most] += 1;
+        let coarsest = (0..counts.len()).max_by(|a, b| widest(a).total_cmp(&widest(b))).unwrap_or(0);
+        counts[coarsest] += 1;
     }
     let mut points = vec![pieces[0].ends()[0]];
     for (piece, count) in pieces.iter().zip(counts) {
@@ -150,16 +150,17 @@ impl NoseBlocks<'_> {
             while step > 2e-4 && trials > 0 {
                 trials -= 1;
                 let tried = TRIALS.map(|trial| places.shifted(trial, step, length));
-                let found = tried.into_iter().map(|p| (self.quality(points, p), p)).max_by(|a, b| a.0.total_cmp(&b.0));
-                match found {
+                let best_trial =
+                    tried.into_iter().map(|p| (self.quality(points, p), p)).max_by(|a, b| a.0.total_cmp(&b.0));
+                match best_trial {
                     Some((worth, p)) if worth > best => (best, places) = (worth, p),
                     _ => step *= 0.5,
                 }
             }
             (best, places)
         };
-        let found = starts.map(|middle| search(points, middle));
-        if let Some((_, places)) = found.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
+        let candidates = starts.map(|middle| search(points, middle));
+        if let Some((_, places)) = candidates.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
             self.place(points, places);
         }
     }

@@ -26,7 +26,7 @@ impl ProjectileMesh {
             };
             let paint = ShapePaint { stroke: Some(LineStroke::new(0x33_33_44, 0.5)), ..ShapePaint::fill(fill, 1.0) };
             for side in [1.0, -1.0] {
-                let places = self.corners_of(element).map(|[r, z]| [MARGIN + z * unit, middle - side * r * unit]);
+                let places = self.sheet.corners(element).map(|[r, z]| [MARGIN + z * unit, middle - side * r * unit]);
                 drawing.path(places, true, paint);
             }
         }

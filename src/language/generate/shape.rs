@@ -122,16 +122,15 @@ pub fn positive(name: &str, value: f64) -> Result<(), Diagnostic> {
 }
 
 fn polyline(points: &[MeridianPoint]) -> Result<ProjectileOutline, Diagnostic> {
-    let refuse = |n: usize, what: &str| {
-        let [r, z] = points.get(n).copied().unwrap_or_default();
-        let message = format!("point {} of the profile, ({r}, {z}), {what}", n + 1);
+    let fault = |message: String| {
         Diagnostic::error("G004", message).help("give points `r, z` from the tip to the base, one per line")
     };
+    let refuse = |n: usize, what: &str| {
+        let [r, z] = points.get(n).copied().unwrap_or_default();
+        fault(format!("point {} of the profile, ({r}, {z}), {what}", n + 1))
+    };
     if points.len() < 2 {
-        let message = format!("the profile requires at least two points, found {}", points.len());
-        return Err(
-            Diagnostic::error("G004", message).help("give points `r, z` from the tip to the base, one per line")
-        );
+        return Err(fault(format!("the profile requires at least two points, found {}", points.len())));
     }
     for (n, p) in points.iter().enumerate() {
         if p.iter().any(|x| !x.is_finite()) || p[0] < 0.0 {

@@ -58,7 +58,7 @@ impl QuadBlock {
         let (rows, columns) = (self.0.len() - 1, self.0[0].len() - 1);
         for i in 1..rows {
             for j in 1..columns {
-                let at = |i: usize, j: usize, axis: usize| points[self.0[i][j]][axis];
+                let coordinate = |i: usize, j: usize, axis: usize| points[self.0[i][j]][axis];
                 // Fraction along the edges, as the mean of both opposite edges.
                 let along = |ends: [MeridianPoint; 2], p: MeridianPoint| {
                     let chord = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
@@ -72,14 +72,17 @@ impl QuadBlock {
                 let v = 0.5
                     * (along([point(0, 0), point(rows, 0)], point(i, 0))
                         + along([point(0, columns), point(rows, columns)], point(i, columns)));
-                let place = [0, 1].map(|k| {
-                    (1.0 - v) * at(0, j, k) + v * at(rows, j, k) + (1.0 - u) * at(i, 0, k) + u * at(i, columns, k)
-                        - (1.0 - u) * (1.0 - v) * at(0, 0, k)
-                        - u * (1.0 - v) * at(0, columns, k)
-                        - (1.0 - u) * v * at(rows, 0, k)
-                        - u * v * at(rows, columns, k)
+                let position = [0, 1].map(|k| {
+                    (1.0 - v) * coordinate(0, j, k)
+                        + v * coordinate(rows, j, k)
+                        + (1.0 - u) * coordinate(i, 0, k)
+                        + u * coordinate(i, columns, k)
+                        - (1.0 - u) * (1.0 - v) * coordinate(0, 0, k)
+                        - u * (1.0 - v) * coordinate(0, columns, k)
+                        - (1.0 - u) * v * coordinate(rows, 0, k)
+                        - u * v * coordinate(rows, columns, k)
                 });
-                points[self.0[i][j]] = place;
+                points[self.0[i][j]] = position;
             }
         }
     }

@@ -19,13 +19,13 @@ pub fn graded(count: usize, ratio: f64) -> Vec<f64> {
 /// Returns the z coordinates of rows from the first to the last break, all breaks included. The spacing grows
 /// exponentially from `size` by the factor `growth` in total.
 pub fn rows(breaks: &[f64], size: f64, growth: f64) -> Vec<f64> {
-    let (from, to) = (breaks[0], breaks[breaks.len() - 1]);
-    let rate = libm::log(growth) / (to - from);
-    let even = libm::fabs(rate) * (to - from) < 1e-9;
+    let (start, end) = (breaks[0], breaks[breaks.len() - 1]);
+    let rate = libm::log(growth) / (end - start);
+    let even = libm::fabs(rate) * (end - start) < 1e-9;
     // Number of local sizes up to z, the integral of dz/s with s = size e^(rate (z - from)), and its inverse.
-    let counted = |z: f64| if even { (z - from) / size } else { -libm::expm1(-rate * (z - from)) / (rate * size) };
-    let height = |n: f64| if even { from + n * size } else { from - libm::log1p(-rate * size * n) / rate };
-    let mut rows = vec![from];
+    let counted = |z: f64| if even { (z - start) / size } else { -libm::expm1(-rate * (z - start)) / (rate * size) };
+    let height = |n: f64| if even { start + n * size } else { start - libm::log1p(-rate * size * n) / rate };
+    let mut rows = vec![start];
     for pair in breaks.windows(2) {
         let [low, high] = [pair[0], pair[1]].map(counted);
         let count = ((high - low).round() as usize).max(1);

@@ -7,7 +7,7 @@ use super::families::StepReader;
 use super::faults::{ValueCheck, require};
 use super::names::upper;
 use super::types::{
-    AdaptiveControls, AdaptiveMesh, AdaptiveRegion, BoundaryCondition, ElementSide, Load, LoadKind, MotionKind,
+    AdaptiveControls, AdaptiveMesh, AdaptiveRegion, BoundaryCondition, ElementSide, Load, LoadRegion, MotionKind,
     RegionType, Remeshing,
 };
 use crate::deck::table::adaptive as cards;
@@ -164,9 +164,10 @@ fn mesh_dofs(context: &mut Context<'_>, line: &DataLine) -> Option<([u8; 2], f64
 
 /// Reads `REGION TYPE` of loads that have been added to the list of the step from `first` on.
 pub fn region_of_loads(steps: &mut StepReader, card: &Card, first: usize) {
-    let of_load = |load: &Load| match &load.kind {
-        LoadKind::Concentrated { nodes, .. } | LoadKind::NodalHeat { nodes, .. } => (Vec::new(), nodes.clone()),
-        kind => (kind.sides().map_or_else(Vec::new, |sides| sides.faces.clone()), Vec::new()),
+    let of_load = |load: &Load| match load.kind.region() {
+        LoadRegion::Nodes(nodes) => (Vec::new(), nodes.to_vec()),
+        LoadRegion::Sides(sides) => (sides.faces.clone(), Vec::new()),
+        LoadRegion::Elements(_) | LoadRegion::Whole => (Vec::new(), Vec::new()),
     };
     let (faces, nodes): (Vec<_>, Vec<_>) = steps.state().loads[first..].iter().map(of_load).unzip();
     adaptive_region(steps, card, faces.concat(), nodes.concat());

@@ -74,9 +74,9 @@ pub fn scaled(context: &Context<'_>, magnitude: f64, amplitude: Option<Amplitude
 /// Returns the amplitude that a parameter of a card names; `Err` if the name is unknown, which is reported.
 pub fn amplitude_of(context: &mut Context<'_>, card: &Card, name: &str) -> Result<Option<AmplitudeId>, ()> {
     let Some(word) = card.value(name) else { return Ok(None) };
-    let found = context.names.amplitudes.get(&upper(&word.text)).copied();
-    if found.is_none() {
+    let index = context.names.amplitudes.get(&upper(&word.text)).copied();
+    if index.is_none() {
         context.unknown("M112", "amplitude", word, |b| b.model.amplitudes.iter().map(|a| a.name.clone()).collect());
     }
-    found.map(|index| Some(AmplitudeId::new(index))).ok_or(())
+    index.map(|index| Some(AmplitudeId::new(index))).ok_or(())
 }

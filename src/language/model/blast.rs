@@ -24,13 +24,9 @@ pub fn read_blast_charge(context: &mut Context<'_>, conditions: &mut ConditionRe
     else {
         return;
     };
-    let mut units = [1.0; 3];
-    if let Some(line) = card.lines.get(1) {
-        for (i, unit) in units.iter_mut().enumerate() {
-            let Some(value) = context.number_or(line, i, 1.0) else { return };
-            *unit = value;
-        }
-    }
+    let Some(units) = card.lines.get(1).map_or(Some([1.0; 3]), |line| context.numbers_or(line, 0, 1.0)) else {
+        return;
+    };
     if let Some(property) = conditions.blasts.last_mut() {
         property.charge = BlastCharge { mass: mass * factor, units, ..property.charge };
         property.has_charge = true;
@@ -64,16 +60,16 @@ pub fn read_incident_wave(
             continue;
         };
         let Some(source) = context.single_node(word, "the source") else { continue };
-        let place = context.model.mesh.points[source];
-        if place[0] != 0.0 {
-            let message = format!("the source must be on the axis of symmetry, found r = {}", place[0]);
+        let position = context.model.mesh.points[source];
+        if position[0] != 0.0 {
+            let message = format!("the source must be on the axis of symmetry, found r = {}", position[0]);
             context.out_of_range(word.span, message);
         }
         let (Some(detonation), Some(magnitude)) = (context.number_or(line, 2, 0.0), context.number_or(line, 3, 1.0))
         else {
             continue;
         };
-        let kind = LoadKind::Blast { sides, charge, height: place[1], detonation };
+        let kind = LoadKind::Blast { sides, charge, height: position[1], detonation };
         steps.state().loads.push(Load { kind, magnitude, amplitude: None, span: line.span });
     }
 }

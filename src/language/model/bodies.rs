@@ -3,7 +3,7 @@
 
 use super::context::Context;
 use super::families::{ConditionReader, SectionReader};
-use super::names::upper;
+use super::names::{SetKind, upper};
 use super::refinement::listed;
 use super::types::{ElementKind, InitialAttitude, InitialCondition, InitialKind, PointMass, RigidBody, RotaryInertia};
 use super::{contact, user_material};
@@ -106,11 +106,6 @@ pub fn read_attitude(context: &mut Context<'_>, card: &Card) {
     context.model.attitudes.push(InitialAttitude { reference, angles, stations, uniform, span: card.span });
 }
 
-/// Removes masses of zero. Several masses on one node add up.
-pub fn apply_masses(context: &mut Context<'_>) {
-    context.model.discrete.masses.retain(|p| p.mass > 0.0);
-}
-
 pub fn read_initial_conditions(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let kind: usize = card.read("TYPE");
     if kind == SOLUTION {
@@ -133,8 +128,8 @@ pub fn read_initial_conditions(context: &mut Context<'_>, conditions: &mut Condi
             4 => InitialKind::Hardening(value(1)),
             _ => InitialKind::Field(card.read::<usize>("VARIABLE") - 1, value(1)),
         };
-        let members = if kind.applies_to_elements() { context.element_members(set) } else { context.node_members(set) };
-        if let Some(members) = members {
+        let of_members = if kind.applies_to_elements() { SetKind::Elements } else { SetKind::Nodes };
+        if let Some(members) = context.members(of_members, set) {
             let condition = InitialCondition { kind, members, span: line.span };
             warn_of_repeated_condition(context, conditions, &condition);
             context.model.initial_conditions.push(condition);

@@ -39,17 +39,20 @@ impl SizeBudget {
     ///
     /// # Errors
     /// A message if a limit is exceeded; nothing is counted then.
-    pub fn spend(&mut self, good: BudgetedItem, count: u128, mesh: [usize; 2]) -> Result<(), String> {
-        let mut all = [mesh[0] as u128, mesh[1] as u128, u128::from(self.members)];
+    pub fn spend(&mut self, item: BudgetedItem, count: u128, mesh: [usize; 2]) -> Result<(), String> {
+        let mut counts = [mesh[0] as u128, mesh[1] as u128, u128::from(self.members)];
         let largest = if is_restricted() { untrusted::MAX_COUNT } else { MAX_COUNT };
-        let most =
-            if good == BudgetedItem::Members { MAX_ENTRIES[0] + MAX_ENTRIES[1] * (all[0] + all[1]) } else { largest };
-        let (name, total) = (ITEMS[good as usize].0, all[good as usize].saturating_add(count));
-        if total > most {
-            return Err(format!("{total} {name} in all cards up to this one; at most {most} are allowed"));
+        let limit = if item == BudgetedItem::Members {
+            MAX_ENTRIES[0] + MAX_ENTRIES[1] * (counts[0] + counts[1])
+        } else {
+            largest
+        };
+        let (name, total) = (ITEMS[item as usize].0, counts[item as usize].saturating_add(count));
+        if total > limit {
+            return Err(format!("{total} {name} in all cards up to this one; at most {limit} are allowed"));
         }
-        all[good as usize] = total;
-        let bytes: u128 = all.iter().zip(ITEMS).map(|(count, (_, bytes))| count * u128::from(bytes)).sum();
+        counts[item as usize] = total;
+        let bytes: u128 = counts.iter().zip(ITEMS).map(|(count, (_, bytes))| count * u128::from(bytes)).sum();
         if bytes > self.memory {
             return Err(format!(
                 "{total} {name} in all cards up to this one: the deck needs about {:.1} GB, and the machine has {:.1}",
@@ -57,7 +60,7 @@ impl SizeBudget {
                 1e-9 * self.memory as f64
             ));
         }
-        self.members = all[2] as u64;
+        self.members = counts[2] as u64;
         Ok(())
     }
 }
@@ -69,7 +72,7 @@ mod tests {
     #[test]
     fn counts_and_bytes_are_bounded_over_all_cards() {
         let mut budget = SizeBudget { members: 0, memory: 1_000_000_000, reported: false };
-        let mut spend = |good, count, mesh| budget.spend(good, count, mesh);
+        let mut spend = |item, count, mesh| budget.spend(item, count, mesh);
         assert_eq!(spend(BudgetedItem::Members, 20_000_040, [1, 0]), Ok(()));
         let message = spend(BudgetedItem::Members, 1, [1, 0]).expect_err("too many");
         assert!(message.contains("20000041 entries in sets and lists"), "{message}");

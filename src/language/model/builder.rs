@@ -5,8 +5,10 @@ use super::families::{
     ConditionReader, MaterialReader, MeshReader, OutputReader, PartReader, SectionReader, StepReader,
 };
 use super::readers::find_reader;
+use super::refinement::pass::ReadPass;
+use super::relisting::edits::DeckEdits;
 use super::types::Model;
-use super::{bodies, completion, contact, copies, elements, links, materials, order, steps};
+use super::{completion, contact, copies, elements, links, materials, order, steps};
 use crate::deck::keywords::KeywordTier;
 use crate::deck::{Card, Deck, Diagnostic, Diagnostics};
 
@@ -39,10 +41,25 @@ impl<'a> ModelBuilder<'a> {
         }
     }
 
-    /// Returns the cards of the deck in reading order.
-    pub fn ordered_cards(&self) -> Vec<&'a Card> {
+    /// Reads all cards of the deck.
+    pub fn read_cards(&mut self) {
         let deck = self.context.deck;
-        order::ordered(&deck.cards.iter().collect::<Vec<_>>(), &deck.sources)
+        for card in order::ordered(&deck.cards.iter().collect::<Vec<_>>(), &deck.sources) {
+            self.read_card(card);
+        }
+    }
+
+    /// Reads a deck without errors again, with another mesh: `change_mesh` acts between the cards of the mesh and all other
+    /// cards. If the deck is to be written, the changes of its text are recorded.
+    pub fn with_changed_mesh(deck: &'a Deck, is_written: bool, change_mesh: impl FnOnce(&mut Context<'a>)) -> Self {
+        let mut builder = ModelBuilder::checked(deck);
+        builder.context.scaling.pass = ReadPass::Mesh;
+        builder.read_cards();
+        change_mesh(&mut builder.context);
+        builder.context.scaling.edits = is_written.then(|| Box::new(DeckEdits::of(&builder.context.model)));
+        builder.context.scaling.pass = ReadPass::Rest;
+        builder.read_cards();
+        builder
     }
 
     /// Reads a card, or records it if a part is open. Notes what an erroneous card would have defined.
@@ -80,7 +97,7 @@ impl<'a> ModelBuilder<'a> {
         }
         steps::close_step(context, &mut self.steps);
         links::end_coupling(context, &mut self.conditions);
-        bodies::apply_masses(context);
+        context.model.discrete.masses.retain(|p| p.mass > 0.0);
         elements::report_duplicate_labels(context);
         elements::report_shape_faults(context, &mut self.mesh);
         copies::report_regenerated_nodes(context, &mut self.mesh);

@@ -36,7 +36,7 @@ pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<IgnoredC
         if last_step.is_some_and(|last| at > last) {
             checker.after_last_step(card);
         }
-        let before = checker.diagnostics.error_count();
+        let errors_before = checker.diagnostics.error_count();
         let mut is_stray = false;
         if card.keyword.tier == KeywordTier::Used {
             is_stray = checker.place(card);
@@ -56,21 +56,17 @@ pub(super) fn check(deck: &Deck, diagnostics: &mut Diagnostics) -> (Vec<IgnoredC
             KeywordTier::UnsupportedInert => checker.inert(card.keyword.name.into(), card.span, NO_EFFECT),
             KeywordTier::Used | KeywordTier::UnsupportedPhysics => {}
         }
-        if is_stray || checker.diagnostics.error_count() > before {
+        if is_stray || checker.diagnostics.error_count() > errors_before {
             faulty.insert(card.span);
         }
     }
-    let inert = checker.inert.into_iter().map(|(inert, count)| inert.counted(count));
-    (inert.collect(), faulty)
-}
-
-impl IgnoredCard {
-    fn counted(mut self, count: usize) -> IgnoredCard {
+    let inert = checker.inert.into_iter().map(|(mut inert, count)| {
         if count > 1 {
-            self.why += &format!(" ({count} cards)");
+            inert.why += &format!(" ({count} cards)");
         }
-        self
-    }
+        inert
+    });
+    (inert.collect(), faulty)
 }
 
 /// Open blocks, which define the place of a card.
@@ -194,11 +190,11 @@ impl CardChecker<'_> {
     }
 
     fn parameters(&mut self, card: &Card) {
-        let before = self.diagnostics.error_count();
+        let errors_before = self.diagnostics.error_count();
         let rules = card.parameters.iter().filter_map(|p| Some((p, card.keyword.rule(p.name)?)));
         let (read, others): (Vec<_>, Vec<_>) = rules.partition(|(_, rule)| rule.usage == InputUsage::Read);
         read.iter().for_each(|(parameter, rule)| check_parameter(card, rule, parameter, self.diagnostics));
-        let has_error = self.diagnostics.error_count() > before;
+        let has_error = self.diagnostics.error_count() > errors_before;
         for (parameter, rule) in others {
             let (name, keyword) = (parameter.name, card.keyword.name);
             match rule.usage {
@@ -245,18 +241,19 @@ impl CardChecker<'_> {
         }
         let error_count = self.diagnostics.error_count();
         let mut faults = DataFaults::default();
-        let mut before = 0;
+        let mut values_before = 0;
         for (i, line) in card.lines.iter().enumerate() {
-            self.line(card, shape, (i, line, before), &mut faults);
-            before = shape.values_after(before, line.fields.len());
+            self.line(card, shape, LinePlace { index: i, values_before }, line, &mut faults);
+            values_before = shape.values_after(values_before, line.fields.len());
         }
         for (i, row) in card.rows.iter().enumerate() {
             let count = row.field_count(self.sources);
-            let read = |k| shape.field(i, k, before).is_some_and(|rule| rule.usage == InputUsage::Read);
+            let read = |k| shape.field(i, k, values_before).is_some_and(|rule| rule.usage == InputUsage::Read);
             if !(0..count).all(read) {
-                self.line(card, shape, (i, &row.line(self.sources), before), &mut faults);
+                let line = row.line(self.sources);
+                self.line(card, shape, LinePlace { index: i, values_before }, &line, &mut faults);
             }
-            before = shape.values_after(before, count);
+            values_before = shape.values_after(values_before, count);
         }
         faults.report(card, self.diagnostics);
         let of_values = std::mem::take(&mut self.of_values);
@@ -273,12 +270,13 @@ impl CardChecker<'_> {
         &mut self,
         card: &Card,
         shape: &'static DataShape,
-        (i, line, before): (usize, &DataLine, usize),
+        LinePlace { index, values_before }: LinePlace,
+        line: &DataLine,
         faults: &mut DataFaults,
     ) {
         for (k, word) in line.fields.iter().enumerate().filter(|(_, w)| !w.text.is_empty()) {
-            let Some(rule) = shape.field(i, k, before) else {
-                let surplus_line = shape.field(i, 0, before).is_none();
+            let Some(rule) = shape.field(index, k, values_before) else {
+                let surplus_line = shape.field(index, 0, values_before).is_none();
                 let comma = decimal_comma(line, k);
                 faults.note(if surplus_line { DataFault::Line } else { DataFault::Value(comma) }, word, line);
                 return;
@@ -309,6 +307,13 @@ impl CardChecker<'_> {
     }
 }
 
+/// Place of a data line in its card: index, and number of values on the lines before it ([`DataShape::field`]).
+#[derive(Clone, Copy)]
+struct LinePlace {
+    index: usize,
+    values_before: usize,
+}
+
 /// Fault of a value on a data line.
 enum DataFault {
     /// The card allows no such line.
@@ -330,59 +335,67 @@ impl DataFault {
     }
 }
 
-/// Faults of one card: the first of each kind, and the number of lines with it.
-#[derive(Default)]
-struct DataFaults {
-    list: Vec<(DataFault, Span, String, Span, usize)>,
+/// First fault of a kind on a card.
+struct FirstFault {
+    fault: DataFault,
+    word: Word,
+    /// Source position of the data line.
+    line: Span,
+    /// Number of lines with this kind of fault.
+    count: usize,
 }
+
+/// Faults of one card, one of each kind.
+#[derive(Default)]
+struct DataFaults(Vec<FirstFault>);
 
 impl DataFaults {
     fn note(&mut self, fault: DataFault, word: &Word, line: &DataLine) {
-        match self.list.iter_mut().find(|f| f.0.same_kind(&fault)) {
-            Some(known) => known.4 += 1,
-            None => self.list.push((fault, word.span, word.text.clone(), line.span, 1)),
+        match self.0.iter_mut().find(|first| first.fault.same_kind(&fault)) {
+            Some(first) => first.count += 1,
+            None => self.0.push(FirstFault { fault, word: word.clone(), line: line.span, count: 1 }),
         }
     }
 
     fn report(self, card: &Card, diagnostics: &mut Diagnostics) {
-        for (fault, span, text, line, count) in self.list {
-            let mut diagnostic = diagnostic(card, &fault, span, &text, line);
-            if count > 1 {
-                diagnostic.message += &format!(" (on {count} lines)");
+        for first in self.0 {
+            let mut diagnostic = diagnostic(card, &first);
+            if first.count > 1 {
+                diagnostic.message += &format!(" (on {} lines)", first.count);
             }
             diagnostics.push(diagnostic);
         }
     }
 }
 
-fn diagnostic(card: &Card, fault: &DataFault, span: Span, text: &str, line: Span) -> Diagnostic {
+fn diagnostic(card: &Card, FirstFault { fault, word: Word { text, span, .. }, line, .. }: &FirstFault) -> Diagnostic {
     let keyword = card.keyword.name;
     let table = matches!(card.shape(), DataShape::Lines(_, true)) && card.line_count() == 1;
     let rows = if table { "a table has one row per line; " } else { "" };
     let explain = format!("{rows}`revolve explain {keyword}` lists the values of a data line");
     match fault {
         DataFault::Line if card.keyword.data.is_empty() => {
-            Diagnostic::error("M162", format!("*{keyword} has no data lines")).at(line, "unexpected data line")
+            Diagnostic::error("M162", format!("*{keyword} has no data lines")).at(*line, "unexpected data line")
         }
         DataFault::Line => {
             let diagnostic = Diagnostic::error("M162", format!("*{keyword} has no further data line"));
-            diagnostic.at(line, "unexpected data line").help(explain)
+            diagnostic.at(*line, "unexpected data line").help(explain)
         }
         DataFault::Value(meant) => {
             let diagnostic =
                 Diagnostic::error("M161", format!("too many values on a data line of *{keyword}: `{text}`"));
-            diagnostic.at(span, "unexpected value").help(match meant {
+            diagnostic.at(*span, "unexpected value").help(match meant {
                 Some(meant) => format!("if this is a decimal comma, write {meant}"),
                 None => explain,
             })
         }
         DataFault::Refused(rule, why) => {
             let message = format!("{} ({text}) on a line of *{keyword} is not supported", rule.name);
-            Diagnostic::error("M104", message).at(span, "not supported").help(*why)
+            Diagnostic::error("M104", message).at(*span, "not supported").help(*why)
         }
         DataFault::Comma(rule, meant) => {
             let message = format!("`{text}` is read as the {} of *{keyword}, which has no effect", rule.name);
-            let diagnostic = Diagnostic::warning("M163", message).at(span, "directly after a comma");
+            let diagnostic = Diagnostic::warning("M163", message).at(*span, "directly after a comma");
             diagnostic.help(format!("if this is a decimal comma, write {meant}"))
         }
     }
@@ -400,13 +413,13 @@ fn is_one_of(word: &Word, values: &[&str]) -> bool {
 /// Returns the number that two fields would form with a decimal point in place of the comma, if both are digits next to
 /// it.
 fn decimal_comma(line: &DataLine, index: usize) -> Option<String> {
-    let (before, word) = (line.fields.get(index.checked_sub(1)?)?, &line.fields[index]);
+    let (previous, word) = (line.fields.get(index.checked_sub(1)?)?, &line.fields[index]);
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
-    let close = before.span.file == word.span.file && before.span.end + 1 == word.span.start;
-    let whole = before.text.strip_prefix(['-', '+']).unwrap_or(&before.text);
+    let close = previous.span.file == word.span.file && previous.span.end + 1 == word.span.start;
+    let whole = previous.text.strip_prefix(['-', '+']).unwrap_or(&previous.text);
     let decimals = word.text.split(['e', 'E', 'd', 'D']).next().unwrap_or("");
     let fits = close && digits(whole) && digits(decimals) && parse_number(&word.text).is_ok();
-    fits.then(|| format!("{}.{}", before.text, word.text))
+    fits.then(|| format!("{}.{}", previous.text, word.text))
 }
 
 #[cfg(test)]
@@ -421,9 +434,9 @@ mod tests {
 
     #[test]
     fn a_decimal_comma_is_suspected() {
-        let found = codes("*Material, name=A\n*Density\n7850,5\n*Elastic\n210,5, 0,3\n");
-        assert!(found[0].starts_with("M163") && found[0].ends_with("write 7850.5"), "{found:?}");
-        assert!(found[1].starts_with("M161") && found[1].ends_with("write 0.3"), "{found:?}");
+        let reported = codes("*Material, name=A\n*Density\n7850,5\n*Elastic\n210,5, 0,3\n");
+        assert!(reported[0].starts_with("M163") && reported[0].ends_with("write 7850.5"), "{reported:?}");
+        assert!(reported[1].starts_with("M161") && reported[1].ends_with("write 0.3"), "{reported:?}");
         assert!(codes("*Material, name=A\n*Density\n7850., 20.\n").is_empty());
     }
 

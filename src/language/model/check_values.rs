@@ -7,7 +7,7 @@ use crate::deck::{Card, Diagnostic, Diagnostics, Parameter, Word};
 /// Reports an invalid value.
 pub(super) fn check_value(card: &Card, rule: &InputRule, word: &Word, diagnostics: &mut Diagnostics) {
     let (value, keyword, name) = (rule.value, card.keyword.name, rule.name);
-    let found = match value.kind {
+    let number = match value.kind {
         ValueKind::Text => return,
         ValueKind::Number => word.number(diagnostics),
         ValueKind::Integer => word.integer(diagnostics).map(|number| number as f64),
@@ -18,7 +18,7 @@ pub(super) fn check_value(card: &Card, rule: &InputRule, word: &Word, diagnostic
             return;
         }
     };
-    let Some(number) = found.filter(|number| !value.allows(*number)) else { return };
+    let Some(number) = number.filter(|number| !value.allows(*number)) else { return };
     let message = format!("{name} of *{keyword} must be {}, found {number}", value.allowed());
     let diagnostic = Diagnostic::error("M103", message).at(word.span, "here");
     diagnostics.push(if rule.help.is_empty() { diagnostic } else { diagnostic.help(rule.help) });
@@ -91,8 +91,8 @@ fn check_order(card: &Card, rule: &InputRule, column: usize, diagnostics: &mut D
     let ascends = |pair: &[Option<f64>]| matches!(pair, [Some(a), Some(b)] if a < b);
     let Some(at) = numbers.windows(2).position(|pair| !ascends(pair)) else { return };
     let words = |number: Option<f64>| number.map_or("nothing".into(), |number| format!("{number}"));
-    let (before, after) = (words(numbers[at]), words(numbers[at + 1]));
+    let (previous, next) = (words(numbers[at]), words(numbers[at + 1]));
     let (name, keyword) = (rule.name, card.keyword.name);
-    let message = format!("{name} of *{keyword} must increase from row to row, found {after} after {before}");
+    let message = format!("{name} of *{keyword} must increase from row to row, found {next} after {previous}");
     diagnostics.push(Diagnostic::error("M103", message).at(card.lines[at + 1].span, "this row"));
 }

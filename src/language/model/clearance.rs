@@ -10,11 +10,11 @@ use crate::deck::{Card, Word};
 
 /// Returns the clearance with a name, or reports that it is unknown.
 pub fn clearance(context: &mut Context<'_>, word: &Word) -> Option<PrescribedClearance> {
-    let found = context.names.clearances.get(&upper(&word.text)).copied();
-    if found.is_none() {
+    let clearance = context.names.clearances.get(&upper(&word.text)).copied();
+    if clearance.is_none() {
         context.unknown("M114", "contact clearance", word, |c| c.names.clearances.keys().cloned().collect());
     }
-    found
+    clearance
 }
 
 /// Records the initial clearance of all pairs of a contact pair set (ABAQUS Keywords Reference Guide, *CLEARANCE).
@@ -63,8 +63,9 @@ pub fn apply_to_sets(context: &mut Context<'_>, steps: &mut StepReader) {
 /// Lists penalty scale factors of sets without a penalty pair as unused.
 fn note_unused_penalties(context: &mut Context<'_>, factors: &[(Word, f64)], pairs: &[SurfaceContact]) {
     for (word, _) in factors.iter().filter(|factor| factor.1 != 1.0) {
-        let mut own = pairs.iter().filter(|pair| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text)));
-        if own.clone().next().is_some() && own.all(|pair| pair.penalty.is_none()) {
+        let mut pairs_of_set =
+            pairs.iter().filter(|pair| pair.cpset.as_ref().is_some_and(|set| *set == upper(&word.text)));
+        if pairs_of_set.clone().next().is_some() && pairs_of_set.all(|pair| pair.penalty.is_none()) {
             let why = "kinematic contact pairs have no penalty stiffness";
             context.ignore("CONTACT CONTROLS, SCALE PENALTY", word.span, why);
         }

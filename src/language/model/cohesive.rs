@@ -32,14 +32,13 @@ pub fn read_cohesive_section(context: &mut Context<'_>, sections: &mut SectionRe
     if context.required(card, "RESPONSE").is_none() {
         return;
     }
-    let Some((elements, material)) = materials::section_of(context, sections, card, |kind| kind == ElementKind::Cohax4)
-    else {
+    let Some((elements, material)) = materials::section_of(context, sections, card, ElementKind::is_cohesive) else {
         return;
     };
     let cards::CohesiveSection { geometric, values: [thickness] } = card.values();
     let named = card.value("CONTROLS").cloned();
-    let at = SectionIndex::Cohesive(context.model.cohesive_sections.len());
-    sections.controls_used.extend(named.map(|word| (at, word)));
+    let section = SectionIndex::Cohesive(context.model.cohesive_sections.len());
+    sections.controls_used.extend(named.map(|word| (section, word)));
     context.model.cohesive_sections.push(CohesiveSection {
         elements,
         material,
@@ -262,15 +261,14 @@ pub fn check_softening(softening: &InterfaceSoftening) -> ValueCheck {
 /// bottom face is above it, or the one at its top face below.
 pub fn report_exchanged_faces(context: &mut Context<'_>) {
     let mesh = &context.model.mesh;
-    let is_cohesive = |kind: ElementKind| kind == ElementKind::Cohax4;
-    if !mesh.elements.iter().any(|e| is_cohesive(e.kind)) {
+    if !mesh.elements.iter().any(|e| e.kind.is_cohesive()) {
         return;
     }
     let solids = mesh.elements.iter().filter(|e| e.kind.is_solid());
     let sides: HashSet<[usize; 2]> =
         solids.flat_map(|e| (0..e.nodes.len()).map(|i| [e.nodes[i], e.nodes[(i + 1) % e.nodes.len()]])).collect();
     let is_exchanged = |nodes: &[usize]| sides.contains(&[nodes[0], nodes[1]]) || sides.contains(&[nodes[2], nodes[3]]);
-    let Some(element) = mesh.elements.iter().find(|e| is_cohesive(e.kind) && is_exchanged(&e.nodes)) else {
+    let Some(element) = mesh.elements.iter().find(|e| e.kind.is_cohesive() && is_exchanged(&e.nodes)) else {
         return;
     };
     let message = format!("element {} (COHAX4) has its top face below its bottom face", element.name);

@@ -3,7 +3,7 @@
 
 use super::context::Context;
 use super::families::{ConditionReader, MaterialReader, RotationalCondition};
-use super::types::{DamageEvolution, ElementKind, InitialKind, LoadKind};
+use super::types::{DamageEvolution, InitialKind, LoadKind};
 use super::{derive, targets};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::hardening::LinearTable;
@@ -42,11 +42,12 @@ fn report_missing_dofs(context: &mut Context<'_>, conditions: &mut ConditionRead
         }
         _ => None,
     });
-    let mut all: Vec<RotationalCondition> = velocities.chain(forces).collect();
-    all.append(&mut conditions.rotational);
+    let mut rotational: Vec<RotationalCondition> = velocities.chain(forces).collect();
+    rotational.append(&mut conditions.rotational);
     let mut reported = Vec::new();
-    let turning = nodes_of_shells(context);
-    for condition in all {
+    let shells = context.model.mesh.elements.iter().filter(|e| e.kind.is_shell());
+    let turning = sorted_unique(shells.flat_map(|e| e.nodes.iter().copied()));
+    for condition in rotational {
         let links = &context.model.constraints.links;
         let references = |n: &usize| {
             context.model.rigid_bodies.iter().any(|b| b.reference == *n) || links.iter().any(|l| l.reference == *n)
@@ -65,12 +66,6 @@ fn report_missing_dofs(context: &mut Context<'_>, conditions: &mut ConditionRead
 /// Returns whether rigid bodies may have six degrees of freedom.
 pub fn has_oblique_impact(context: &Context<'_>) -> bool {
     !context.model.attitudes.is_empty() || context.model.targets.iter().any(|target| target.obliquity != 0.0)
-}
-
-/// Returns the nodes of shells, which have a rotation, in ascending order.
-fn nodes_of_shells(context: &Context<'_>) -> Vec<usize> {
-    let shells = context.model.mesh.elements.iter().filter(|e| e.kind == ElementKind::Sax1);
-    sorted_unique(shells.flat_map(|e| e.nodes.iter().copied()))
 }
 
 /// Sets a temperature-dependent density to its value at the initial temperature, because mass is constant (ABAQUS
@@ -96,7 +91,7 @@ fn initial_densities(context: &mut Context<'_>) {
 fn initial_temperature(context: &Context<'_>, material: usize) -> Result<f64, &'static str> {
     let mut nodes = vec![0.0; context.model.mesh.node_names.len()];
     for condition in &context.model.initial_conditions {
-        if let InitialKind::Temperature(value) = condition.kind {
+        if let Some(value) = condition.kind.temperature() {
             condition.members.iter().for_each(|&n| nodes[n] = value);
         }
     }

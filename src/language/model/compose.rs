@@ -4,13 +4,12 @@ use super::name::EntityName;
 use super::steps::DEFAULT_ACCURACY;
 use super::types::{
     Amplitude, AmplitudeDefinition, AmplitudeId, BoundaryCondition, CohesiveSection, Element, ElementKind,
-    ElementSetId, ElementSide, IncrementControl, InitialCondition, InitialKind, Load, LoadKind, LoadVelocity,
-    MaterialDefinition, MaterialId, MemberSet, Model, MotionKind, NodeSetId, OutputCard, OutputExpression,
-    OutputInterval, OutputKind, OutputPosition, OutputRegion, OutputRequest, PointMass, RigidBody, SectionControls,
-    ShellSection, ShellThinning, SideSelection, SolidSection, Step,
+    ElementSetId, ElementSide, IncrementControl, InitialCondition, InitialKind, Load, LoadKind, MaterialDefinition,
+    MaterialId, MemberSet, Model, MotionKind, NodeSetId, OutputCard, OutputExpression, OutputInterval, OutputKind,
+    OutputPosition, OutputRegion, OutputRequest, PointMass, RigidBody, SectionControls, ShellSection, ShellThinning,
+    SideSelection, SolidSection, Step,
 };
 use crate::deck::Span;
-use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::lists::sorted_unique;
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
@@ -177,30 +176,7 @@ impl Step {
     /// Creates a step of a duration, with automatic increments and nothing in force.
     #[track_caller]
     pub fn new(name: &str, duration: f64) -> Step {
-        Step {
-            name: name.into(),
-            span: Span::composed(),
-            duration,
-            increment: IncrementControl::default(),
-            scale_factor: 1.0,
-            load_velocity: LoadVelocity::Predicted,
-            bulk_viscosity: BulkViscosity::default(),
-            adiabatic: false,
-            coupled: false,
-            boundaries: Vec::new(),
-            loads: Vec::new(),
-            fields: Vec::new(),
-            surface_contacts: Vec::new(),
-            general_contact: None,
-            mass_scalings: Vec::new(),
-            adaptive: Vec::new(),
-            adaptive_fixed: Vec::new(),
-            adaptive_regions: Vec::new(),
-            mesh_motions: Vec::new(),
-            energy_limit: None,
-            outputs: Vec::new(),
-            restart: None,
-        }
+        Step { name: name.into(), span: Span::composed(), duration, scale_factor: 1.0, ..Step::default() }
     }
 
     /// Adds a prescribed motion.

@@ -10,8 +10,8 @@ use super::shells::check_points;
 use super::targets::no_resistance;
 use super::types::{
     AdaptiveControls, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorProperty, CoulombFriction, ElementKind,
-    ElementSide, ErosionCriteria, IncrementControl, InitialKind, InteractionId, LinkKind, Load, LoadKind, MaterialId,
-    Model, MotionKind, OutputInterval, OutputRegion, OutputRequest, PrescribedClearance, Remeshing, ShellSection,
+    ElementSide, ErosionCriteria, IncrementControl, InitialKind, InteractionId, LinkKind, Load, LoadKind, LoadRegion,
+    MaterialId, Model, OutputInterval, OutputRegion, OutputRequest, PrescribedClearance, Remeshing, ShellSection,
     SideSelection, Step, SurfaceContact, SurfaceTraction, TargetLayer, TargetStack,
 };
 use crate::deck::keywords::InputRule;
@@ -201,8 +201,7 @@ impl ConsistencyCheck<'_> {
     /// Reports loads and contact on faces of cohesive elements, which are inside of bodies.
     fn refuse_cohesive_faces(&mut self, span: Span, sides: &SideSelection) {
         let elements = &self.model.mesh.elements;
-        let is_cohesive =
-            |face: &&(usize, ElementSide)| elements.get(face.0).is_some_and(|e| e.kind == ElementKind::Cohax4);
+        let is_cohesive = |face: &&(usize, ElementSide)| elements.get(face.0).is_some_and(|e| e.kind.is_cohesive());
         if let Some((element, _)) = sides.faces.iter().find(is_cohesive) {
             let name = &elements[*element].name;
             let message = format!("surface `{}` has a face of the cohesive element {name}", sides.name);
@@ -215,7 +214,7 @@ impl ConsistencyCheck<'_> {
     fn loaded_elements(&mut self, span: Span, list: &[usize]) {
         self.elements(span, list);
         let elements = &self.model.mesh.elements;
-        let is_cohesive = |e: &&usize| elements.get(**e).is_some_and(|e| e.kind == ElementKind::Cohax4);
+        let is_cohesive = |e: &&usize| elements.get(**e).is_some_and(|e| e.kind.is_cohesive());
         if let Some(element) = list.iter().find(is_cohesive) {
             let message = format!("element {} is cohesive: loads per volume do not act on it", elements[*element].name);
             let help = "give an ELSET without cohesive elements";
@@ -231,10 +230,8 @@ impl ConsistencyCheck<'_> {
                 return;
             };
             let has = match side {
-                ElementSide::Positive | ElementSide::Negative => {
-                    matches!(element.kind, ElementKind::Rax2 | ElementKind::Sax1)
-                }
-                ElementSide::Face(n) if element.kind == ElementKind::Cohax4 => n == 1 || n == 3,
+                ElementSide::Positive | ElementSide::Negative => element.kind.is_line(),
+                ElementSide::Face(n) if element.kind.is_cohesive() => n == 1 || n == 3,
                 ElementSide::Face(n) => element.kind.is_solid() && (1..=element.nodes.len()).contains(&usize::from(n)),
             };
             if !has {
@@ -337,8 +334,12 @@ impl ConsistencyCheck<'_> {
             let nodes: Vec<usize> = equation.terms.iter().map(|t| t.0).collect();
             self.nodes(equation.span, &nodes);
             if equation.is_thermal() {
-                let all = equation.terms.iter().all(|t| t.1 == 11);
-                self.value(all, equation.span, "an equation cannot combine temperatures (11) and displacements");
+                let are_thermal = equation.terms.iter().all(|t| t.1 == 11);
+                self.value(
+                    are_thermal,
+                    equation.span,
+                    "an equation cannot combine temperatures (11) and displacements",
+                );
             } else {
                 equation.terms.iter().for_each(|t| self.degree(equation.span, t.1, 2));
             }
@@ -468,7 +469,7 @@ impl ConsistencyCheck<'_> {
 
     fn boundary(&mut self, boundary: &BoundaryCondition) {
         self.nodes(boundary.span, &boundary.nodes);
-        if boundary.kind == MotionKind::Temperature {
+        if boundary.is_thermal() {
             self.value(boundary.dof == 11, boundary.span, "a temperature must be prescribed at degree of freedom 11");
         } else {
             self.degree(boundary.span, boundary.dof, 6);
@@ -480,47 +481,43 @@ impl ConsistencyCheck<'_> {
     fn load(&mut self, load: &Load) {
         self.amplitude(load.span, load.amplitude);
         self.value(load.magnitude.is_finite(), load.span, "the magnitude of a load must be finite");
+        match (load.kind.region(), &load.kind) {
+            (LoadRegion::Nodes(nodes), _) => self.nodes(load.span, nodes),
+            (LoadRegion::Elements(elements), LoadKind::Gravity { .. }) => self.elements(load.span, elements),
+            (LoadRegion::Elements(elements), _) => self.loaded_elements(load.span, elements),
+            (LoadRegion::Sides(sides), _) => self.sides(load.span, sides),
+            (LoadRegion::Whole, _) => {}
+        }
         match &load.kind {
-            LoadKind::Concentrated { nodes, dof, .. } => {
-                self.nodes(load.span, nodes);
-                self.degree(load.span, *dof, 6);
-            }
-            LoadKind::Gravity { elements, direction } => {
-                self.elements(load.span, elements.as_deref().unwrap_or_default());
+            LoadKind::Concentrated { dof, .. } => self.degree(load.span, *dof, 6),
+            LoadKind::Gravity { direction, .. } => {
                 let length = direction[0].portable_hypot(direction[1]).portable_hypot(direction[2]);
                 self.value((length - 1.0).abs() < 1e-9, load.span, "the direction of GRAV must be a unit vector");
             }
-            LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) => self.sides(load.span, sides),
-            LoadKind::Traction { sides, law } => {
-                self.sides(load.span, sides);
-                self.traction(load.span, law);
-            }
-            LoadKind::Blast { sides, charge, .. } => {
-                self.sides(load.span, sides);
+            LoadKind::Traction { law, .. } => self.traction(load.span, law),
+            LoadKind::Blast { charge, .. } => {
                 let is_valid = charge.mass > 0.0 && charge.units.iter().all(|unit| *unit > 0.0);
                 self.value(is_valid, load.span, "mass and units of a charge must be positive");
             }
-            LoadKind::Body { elements, .. } => self.loaded_elements(load.span, elements),
-            LoadKind::NodalHeat { nodes, .. } => self.nodes(load.span, nodes),
-            LoadKind::BodyHeat { elements, .. } => self.loaded_elements(load.span, elements),
-            LoadKind::Film { sides, coefficient, amplitude } => {
-                self.sides(load.span, sides);
+            LoadKind::Film { coefficient, amplitude, .. } => {
                 self.amplitude(load.span, *amplitude);
                 self.not_negative(load.span, [("the film coefficient", *coefficient)]);
             }
-            LoadKind::User { sides, load_type } => {
-                self.sides(load.span, sides);
+            LoadKind::User { load_type, .. } => {
                 self.load_type(load.span, *load_type, matches!(load_type, 0 | 20..=24));
             }
-            LoadKind::UserBody { elements, load_type, .. } => {
-                self.loaded_elements(load.span, elements);
+            LoadKind::UserBody { load_type, .. } => {
                 self.load_type(load.span, *load_type, matches!(load_type, 1 | 2));
             }
-            LoadKind::Cavity { sides, target, friction } => {
-                self.sides(load.span, sides);
+            LoadKind::Cavity { target, friction, .. } => {
                 self.indices("M113", load.span, "target", &[target.index()], self.model.targets.len());
                 self.not_negative(load.span, [("FRICTION", *friction)]);
             }
+            LoadKind::Pressure(_)
+            | LoadKind::Body { .. }
+            | LoadKind::NodalHeat { .. }
+            | LoadKind::SurfaceHeat(_)
+            | LoadKind::BodyHeat { .. } => {}
         }
     }
 

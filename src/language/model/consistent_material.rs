@@ -44,9 +44,9 @@ impl ConsistencyCheck<'_> {
         for (rule, column) in rules.into_iter().zip(0..) {
             let descends = |w: &&[[f64; N]]| rule.value.ascends && w[1][column] <= w[0][column];
             if let Some([before, after]) = rows.windows(2).find(descends) {
-                let (before, after) = (before[column], after[column]);
+                let (previous, next) = (before[column], after[column]);
                 let message =
-                    format!("{} of *{keyword} must increase from row to row, found {after} after {before}", rule.name);
+                    format!("{} of *{keyword} must increase from row to row, found {next} after {previous}", rule.name);
                 self.check_of(material, require(false, message));
             }
         }

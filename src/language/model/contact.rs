@@ -105,24 +105,24 @@ fn segment(context: &mut Context<'_>, line: &DataLine, from: [f64; 2]) -> Option
         let help = "use LINE or CIRCL";
         return context.refuse_unsupported(line.span, "this segment of an analytical surface is not supported", help);
     }
-    let to = [context.number(line, 1, "r")?, context.number(line, 2, "z")?];
-    if from == to {
+    let end = [context.number(line, 1, "r")?, context.number(line, 2, "z")?];
+    if from == end {
         return context.refuse_value(line.span, "this segment has zero length");
     }
     if is("LINE") {
         if let Some(surplus) = line.field(3).or(line.field(4)) {
             context.report_surplus(surplus, "LINE has two coordinates; CIRCL has a centre");
         }
-        return Some(ProfileSegment::Line([from, to]));
+        return Some(ProfileSegment::Line([from, end]));
     }
     let centre = [context.number(line, 3, "r of the centre")?, context.number(line, 4, "z of the centre")?];
-    let centre = equidistant_centre(from, to, arc_centre(context, from, to, centre, line.span)?);
-    let (u, v) = ([from[0] - centre[0], from[1] - centre[1]], [to[0] - centre[0], to[1] - centre[1]]);
+    let centre = equidistant_centre(from, end, arc_centre(context, from, end, centre, line.span)?);
+    let (u, v) = ([from[0] - centre[0], from[1] - centre[1]], [end[0] - centre[0], end[1] - centre[1]]);
     let sine = (u[0] * v[1] - u[1] * v[0]) / (u[0].portable_hypot(u[1]) * v[0].portable_hypot(v[1]));
     if sine.abs() < 1e-6 {
         return context.refuse_value(line.span, "an arc must be shorter than half a circle; split it into two arcs");
     }
-    Some(ProfileSegment::arc(from, to, centre))
+    Some(ProfileSegment::arc(from, end, centre))
 }
 
 /// Returns the centre of an arc. If the distances to the ends differ by more than rounding, the centre is corrected
@@ -147,8 +147,7 @@ pub fn arc_centre(
         let diagnostic = Diagnostic::error("M103", message).at(span, "no circle about this centre");
         return context.diagnostics.refuse(diagnostic.help("the relative difference may be 1e-2 at most"));
     }
-    let diagnostic = Diagnostic::warning("M170", message).at(span, "the nearest valid centre is used");
-    context.diagnostics.push(diagnostic.help("give the centre with more digits"));
+    context.warning("M170", message, span, "the nearest valid centre is used", "give the centre with more digits");
     Some(equidistant_centre(from, to, centre))
 }
 
@@ -179,14 +178,11 @@ pub fn read_rigid_surface(context: &mut Context<'_>, mesh: &mut MeshReader, card
 
 /// Assigns an analytical surface to the rigid body with a reference node.
 pub fn carry_surface(context: &mut Context<'_>, word: &Word, reference: usize) {
-    for name in [qualified(&context.scope, &word.text), upper(&word.text)] {
-        if let Some(surface) = context.model.surfaces.analytical.get_mut(&name) {
-            surface.reference = Some(reference);
-            return;
-        }
+    match analytical_id(context, word) {
+        Some(id) => context.model.surfaces.analytical[id].reference = Some(reference),
+        None => context
+            .unknown("M114", "analytical surface", word, |c| c.model.surfaces.analytical.keys().cloned().collect()),
     }
-    let names: Vec<String> = context.model.surfaces.analytical.keys().cloned().collect();
-    context.unknown("M114", "analytical surface", word, |_| names.clone());
 }
 
 pub fn contact_note(context: &mut Context<'_>, card: &Card) {
@@ -233,8 +229,7 @@ pub fn read_contact_pair(context: &mut Context<'_>, steps: &mut StepReader, card
 /// Returns the analytical surface with a name.
 pub fn analytical_id(context: &Context<'_>, word: &Word) -> Option<RigidSurfaceId> {
     let known = &context.model.surfaces.analytical;
-    let names = [qualified(&context.scope, &word.text), upper(&word.text)];
-    names.iter().find_map(|name| known.get_index_of(name)).map(RigidSurfaceId::new)
+    context.names_of(word).iter().find_map(|name| known.get_index_of(name)).map(RigidSurfaceId::new)
 }
 
 /// Copies the laws of interactions to the contacts after all cards are read; a pair may precede its interaction.
@@ -242,10 +237,8 @@ pub fn apply_interactions(context: &mut Context<'_>) {
     let names: Vec<String> = context.model.interactions.iter().map(|i| i.name.clone()).collect();
     let mut used = std::mem::take(&mut context.names.interactions_used);
     used.dedup_by_key(|word| word.span);
-    for word in used {
-        if !names.contains(&upper(&word.text)) {
-            context.unknown("M114", "surface interaction", &word, |_| names.clone());
-        }
+    for word in used.iter().filter(|word| !names.contains(&upper(&word.text))) {
+        context.unknown("M114", "surface interaction", word, |_| names.clone());
     }
     let Model { interactions, steps, .. } = &mut context.model;
     let law = |id: Option<InteractionId>| {
@@ -264,14 +257,9 @@ pub fn interaction(context: &mut Context<'_>, word: &Word) -> Option<Interaction
     context.names.interactions.get(&upper(&word.text)).copied().map(InteractionId::new)
 }
 
-/// Returns the nodes of a node-based or element-based surface, ascending.
-pub fn contact_nodes(context: &mut Context<'_>, word: &Word) -> Option<Vec<usize>> {
-    nodes_and_faces(context, word).map(|sides| sides.0)
-}
-
-/// Returns the nodes and the faces of a surface; a node-based surface has no faces.
+/// Returns the nodes of a surface, ascending, and its faces; a node-based surface has no faces.
 pub fn nodes_and_faces(context: &mut Context<'_>, word: &Word) -> Option<(Vec<usize>, SideSelection)> {
-    for name in [qualified(&context.scope, &word.text), upper(&word.text)] {
+    for name in context.names_of(word) {
         if let Some(nodes) = context.model.surfaces.nodes.get(&name) {
             return Some((nodes.clone(), SideSelection::new(&name, &[])));
         }

@@ -10,10 +10,9 @@ use super::coarsening::mesh::CoarsenedMesh;
 use super::faults::ValueCheck;
 use super::lost::MissingDefinitions;
 use super::named_clearances::named_clearances;
-use super::names::{LabelTable, places, qualified, upper};
+use super::names::{LabelTable, SetKind, places, qualified, upper};
 use super::refinement::curves::EdgeCurves;
-use super::refinement::mesh::RefinedMesh;
-use super::refinement::pair::NodePair;
+use super::refinement::mesh::{NodePair, RefinedMesh};
 use super::refinement::pass::ReadPass;
 use super::relisting::edits::DeckEdits;
 use super::types::{
@@ -151,6 +150,29 @@ impl<'a> Context<'a> {
         line.field(index).map_or(Some(default), |w| w.number(&mut self.diagnostics))
     }
 
+    /// Returns the numbers in optional fields from `first` on.
+    pub fn numbers_or<const N: usize>(&mut self, line: &DataLine, first: usize, default: f64) -> Option<[f64; N]> {
+        let mut numbers = [default; N];
+        for (index, number) in numbers.iter_mut().enumerate() {
+            *number = self.number_or(line, first + index, default)?;
+        }
+        Some(numbers)
+    }
+
+    /// Returns what an optional word names; `None` if `find` reports that it is unknown.
+    pub fn optional<T>(
+        &mut self,
+        word: Option<&Word>,
+        find: impl FnOnce(&mut Self, &Word) -> Option<T>,
+    ) -> Option<Option<T>> {
+        word.map_or(Some(None), |word| find(self, word).map(Some))
+    }
+
+    /// Returns the names that a word of the deck may mean, in upper case: in the current scope, and in the whole deck.
+    pub fn names_of(&self, word: &Word) -> [String; 2] {
+        [qualified(&self.scope, &word.text), upper(&word.text)]
+    }
+
     /// Returns the integer in a required field; reports an error if it is missing.
     pub fn integer(&mut self, line: &DataLine, index: usize, what: &str) -> Option<i64> {
         self.required_field(line, index, what)?.integer(&mut self.diagnostics)
@@ -179,6 +201,11 @@ impl<'a> Context<'a> {
     /// Reports a fault at a place. Returns whether there is none.
     pub fn accepts_at(&mut self, span: Span, check: ValueCheck) -> bool {
         check.map_err(|fault| self.diagnostics.push(fault.at("", span))).is_ok()
+    }
+
+    /// Issues a warning with a label and a help text.
+    pub fn warning(&mut self, code: &'static str, message: impl Into<String>, span: Span, label: &str, help: &str) {
+        self.diagnostics.push(Diagnostic::warning(code, message).at(span, label).help(help));
     }
 
     pub fn unsupported(&mut self, span: Span, message: impl Into<String>, help: &str) {
@@ -238,19 +265,19 @@ impl<'a> Context<'a> {
     /// Returns the material with a name, or reports that it is unknown.
     pub fn material(&mut self, word: &Word) -> Option<MaterialId> {
         let name = upper(&word.text);
-        let place = self.names.materials.get(&name).copied();
-        let found =
-            place.filter(|&place| self.model.materials.get(place).is_some_and(|m: &MaterialDefinition| m.name == name));
-        if found.is_none() {
+        let index = self.names.materials.get(&name).copied();
+        let material =
+            index.filter(|&index| self.model.materials.get(index).is_some_and(|m: &MaterialDefinition| m.name == name));
+        if material.is_none() {
             self.unknown("M111", "material", word, |b| b.model.materials.iter().map(|m| m.name.clone()).collect());
         }
-        found.map(MaterialId::new)
+        material.map(MaterialId::new)
     }
 
     /// Returns the nodes of an element set given in place of a node set, with a warning, and adds that node set.
     fn nodes_of_element_set(&mut self, word: &Word) -> Option<Vec<usize>> {
-        let names = [qualified(&self.scope, &word.text), upper(&word.text)];
-        let (name, set) = names.into_iter().find_map(|n| Some((n.clone(), self.model.element_sets.get(&n)?)))?;
+        let (name, set) =
+            self.names_of(word).into_iter().find_map(|n| Some((n.clone(), self.model.element_sets.get(&n)?)))?;
         let members: Vec<usize> =
             sorted_unique(set.members.iter().flat_map(|&e| self.model.mesh.elements[e].nodes.iter().copied()));
         let message = format!("`{}` is an element set; the nodes of its elements are used", word.text);
@@ -262,7 +289,7 @@ impl<'a> Context<'a> {
 
     /// Returns the nodes of a set or label, or reports that it is unknown.
     pub fn node_members(&mut self, word: &Word) -> Option<Vec<usize>> {
-        for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
+        for name in self.names_of(word) {
             if let Some(count) = self.model.node_sets.get(&name).map(|set| set.members.len()) {
                 let affords = self.fits_budget(BudgetedItem::Members, count as u128, word.span);
                 return affords.then(|| self.model.node_sets[&name].members.clone());
@@ -283,6 +310,22 @@ impl<'a> Context<'a> {
         None
     }
 
+    /// Returns the labels of nodes or elements.
+    pub fn labels(&self, kind: SetKind) -> &LabelTable {
+        match kind {
+            SetKind::Nodes => &self.nodes,
+            SetKind::Elements => &self.elements,
+        }
+    }
+
+    /// Returns the members of a set or label, or reports that it is unknown.
+    pub fn members(&mut self, kind: SetKind, word: &Word) -> Option<Vec<usize>> {
+        match kind {
+            SetKind::Nodes => self.node_members(word),
+            SetKind::Elements => self.element_members(word),
+        }
+    }
+
     /// Returns the node that `what` requires, or reports a set of several nodes.
     pub fn single_node(&mut self, word: &Word, what: &str) -> Option<usize> {
         match self.node_members(word)?[..] {
@@ -295,7 +338,7 @@ impl<'a> Context<'a> {
 
     /// Returns the elements of a set or label, or reports that it is unknown.
     pub fn element_members(&mut self, word: &Word) -> Option<Vec<usize>> {
-        for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
+        for name in self.names_of(word) {
             if let Some(count) = self.model.element_sets.get(&name).map(|set| set.members.len()) {
                 if !self.fits_budget(BudgetedItem::Members, count as u128, word.span) {
                     return None;
@@ -330,13 +373,11 @@ impl<'a> Context<'a> {
     }
 
     pub fn surface_id(&mut self, word: &Word) -> Option<SurfaceId> {
-        for name in [qualified(&self.scope, &word.text), upper(&word.text)] {
-            if let Some(index) = self.model.surfaces.faces.get_index_of(&name) {
-                return Some(SurfaceId::new(index));
-            }
+        let index = self.names_of(word).iter().find_map(|name| self.model.surfaces.faces.get_index_of(name));
+        if index.is_none() {
+            self.unknown("M114", "surface", word, |b| b.model.surfaces.faces.keys().cloned().collect());
         }
-        self.unknown("M114", "surface", word, |b| b.model.surfaces.faces.keys().cloned().collect());
-        None
+        index.map(SurfaceId::new)
     }
 
     pub fn last_material(&mut self) -> &mut MaterialDefinition {
@@ -351,6 +392,6 @@ fn is_label(word: &Word) -> bool {
 }
 
 fn first_of(names: &[String]) -> String {
-    let shown: Vec<_> = names.iter().take(12).map(String::as_str).collect();
-    format!("{}{}", shown.join(", "), if names.len() > 12 { ", …" } else { "" })
+    let first_names: Vec<_> = names.iter().take(12).map(String::as_str).collect();
+    format!("{}{}", first_names.join(", "), if names.len() > 12 { ", …" } else { "" })
 }

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::budget::BudgetedItem;
 use super::context::Context;
 use super::families::{LocalSystem, MeshReader};
+use super::names::SetKind;
 use super::placement::read_placement;
 use super::refinement::curves::{AffineMap, polar_point};
 use super::{elements, nodes, sets};
@@ -66,7 +67,7 @@ pub fn read_ncopy(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card)
         let map = AffineMap::of(image);
         context.scaling.curves.record_images(&images, &map);
     }
-    sets::collect_nodes(context, card, "NEW SET", made);
+    sets::collect(context, SetKind::Nodes, card, "NEW SET", made);
 }
 
 fn label_shift(context: &mut Context<'_>, card: &Card, name: &str) -> Option<i64> {
@@ -98,7 +99,7 @@ fn reflection(context: &mut Context<'_>, card: &Card, kind: usize) -> Option<Pla
     let [a, b] = [space_point(context, line, 0)?, space_point(context, line, 3)?];
     let way = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
     let (flat, leaves) = ([a[0], a[1]], "this reflection maps points out of the r-z plane");
-    let found = if kind == 0 {
+    let mapping = if kind == 0 {
         (a[2] == 0.0).then(|| PlaneMapping::point_reflection(flat))
     } else if kind == 1 {
         match (way[2] == 0.0, way[0] == 0.0 && way[1] == 0.0) {
@@ -119,19 +120,36 @@ fn reflection(context: &mut Context<'_>, card: &Card, kind: usize) -> Option<Pla
         let upright = normal[2].abs() <= 1e-9 * normal[0].abs().max(normal[1].abs());
         if upright { PlaneMapping::mirror(flat, [-normal[1], normal[0]]) } else { None }
     };
-    if found.is_none() {
+    if mapping.is_none() {
         context.error("M126", leaves, line.span, "these points");
     }
-    found
+    mapping
 }
 
 /// Reads three coordinates, starting at a field; empty fields are zero.
-pub fn space_point(context: &mut Context<'_>, line: &DataLine, first: usize) -> Option<[f64; 3]> {
-    let mut point = [0.0; 3];
-    for (i, value) in point.iter_mut().enumerate() {
-        *value = context.number_or(line, first + i, 0.0)?;
-    }
-    Some(point)
+fn space_point(context: &mut Context<'_>, line: &DataLine, first: usize) -> Option<[f64; 3]> {
+    context.numbers_or(line, first, 0.0)
+}
+
+/// Reads the points a and b of a local system, and c on the second line; `c_of` gives its default.
+fn system_points(
+    context: &mut Context<'_>,
+    card: &Card,
+    line: &DataLine,
+    c_of: impl Fn([f64; 3], [f64; 3]) -> [f64; 3],
+) -> Option<SystemPoints> {
+    let (a, b) = (space_point(context, line, 0), space_point(context, line, 3));
+    let (a, b) = (a?, b?);
+    let c = card.lines.get(1).map_or(Some(c_of(a, b)), |second| space_point(context, second, 0))?;
+    Some(SystemPoints { points: [a, b, c], is_alone: line.fields.len() <= 3 })
+}
+
+/// Points that define a local system.
+struct SystemPoints {
+    /// Origin, and the points that define the axes.
+    points: [[f64; 3]; 3],
+    /// Whether only the origin is given.
+    is_alone: bool,
 }
 
 /// Copies elements with shifted element and node labels (ABAQUS Keywords Reference Guide, *ELCOPY). REFLECT
@@ -160,7 +178,7 @@ pub fn read_elcopy(context: &mut Context<'_>, card: &Card) {
         }
         made.extend(elements::add_element(context, label, kind, nodes[..].into(), card.span));
     }
-    sets::collect_elements(context, card, "NEW SET", made);
+    sets::collect(context, SetKind::Elements, card, "NEW SET", made);
 }
 
 /// Maps nodes from coordinates of a local system (ABAQUS Keywords Reference Guide, *NMAP): RECTANGULAR, or
@@ -168,15 +186,10 @@ pub fn read_elcopy(context: &mut Context<'_>, card: &Card) {
 pub fn read_nmap(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(nodes) = context.required(card, "NSET").and_then(|w| context.node_members(w)) else { return };
     let Some(line) = context.first_line(card) else { return };
-    let (Some(a), Some(b)) = (space_point(context, line, 0), space_point(context, line, 3)) else { return };
+    let Some(system) = system_points(context, card, line, |a, _| [a[0], a[1] + 1.0, a[2]]) else { return };
     let polar = card.read("TYPE");
-    let alone = line.fields.len() <= 3;
-    let c = match card.lines.get(1) {
-        Some(second) => space_point(context, second, 0),
-        None => Some([a[0], a[1] + 1.0, a[2]]),
-    };
-    let Some(c) = c else { return };
-    let axes = if polar { axis_system(a, b, c) } else { plane_system(a, b, c, alone) };
+    let axes = if polar { system.cylindrical_axes() } else { system.plane_axes() };
+    let [a, ..] = system.points;
     let Some([e1, e2]) = axes else {
         let message = "this local system is not in the r-z plane";
         let diagnostic = Diagnostic::error("M126", message).at(line.span, "these points");
@@ -185,21 +198,17 @@ pub fn read_nmap(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) 
                           plane, for example a = 0, 0, 0 and b = 0, 0, 1",
         ));
     };
-    let mut scale = [1.0; 2];
-    if let Some(third) = card.lines.get(2) {
-        for (i, value) in scale.iter_mut().enumerate() {
-            let Some(given) = context.number_or(third, i, 1.0) else { return };
-            *value = if given == 0.0 { 1.0 } else { given };
-        }
-    }
+    let factors = card.lines.get(2).map_or(Some([1.0; 2]), |third| context.numbers_or(third, 0, 1.0));
+    let Some(factors) = factors else { return };
+    let scale = factors.map(|factor| if factor == 0.0 { 1.0 } else { factor });
     let placement = mesh.placement.as_ref();
     let local = |p: [f64; 2]| {
         let p = placement.map_or(p, |placement| placement.undo(p));
         [scale[0] * p[0], scale[1] * p[1]]
     };
     let global = |local: [f64; 2]| {
-        let place = [0, 1].map(|i| a[i] + local[0] * e1[i] + local[1] * e2[i]);
-        placement.map_or(place, |placement| placement.apply(place))
+        let position = [0, 1].map(|i| a[i] + local[0] * e1[i] + local[1] * e2[i]);
+        placement.map_or(position, |placement| placement.apply(position))
     };
     let points = &mut context.model.mesh.points;
     let mut is_straightened = false;
@@ -216,8 +225,8 @@ pub fn read_nmap(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) 
     }
     if is_straightened {
         let message = "unequal scale factors change arcs into ellipses, whose edges are straight in the refined mesh";
-        let diagnostic = Diagnostic::warning("M193", message).at(card.span, "these nodes are on arcs");
-        context.diagnostics.push(diagnostic.help("use equal factors, or fit the boundary with --curved"));
+        let help = "use equal factors, or fit the boundary with --curved";
+        context.warning("M193", message, card.span, "these nodes are on arcs", help);
     }
 }
 
@@ -242,31 +251,34 @@ pub fn report_regenerated_nodes(context: &mut Context<'_>, mesh: &mut MeshReader
     }
 }
 
-/// Returns the axes of a rectangular system in the r-z plane: from a to b, and perpendicular to it towards c.
-pub fn plane_system(a: [f64; 3], b: [f64; 3], c: [f64; 3], alone: bool) -> Option<[[f64; 2]; 2]> {
-    if alone {
-        return Some([[1.0, 0.0], [0.0, 1.0]]);
+impl SystemPoints {
+    /// Returns the axes of a rectangular system in the r-z plane: from a to b, and perpendicular to it towards c.
+    fn plane_axes(&self) -> Option<[[f64; 2]; 2]> {
+        if self.is_alone {
+            return Some([[1.0, 0.0], [0.0, 1.0]]);
+        }
+        let [a, b, c] = self.points;
+        let (way, side) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
+        let turn = way[0] * side[1] - way[1] * side[0];
+        let is_in_plane = turn != 0.0 && self.points.iter().all(|p| p[2] == 0.0);
+        is_in_plane.then(|| axes_along(way, turn)).flatten()
     }
-    let (way, side) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
-    let length = libm::hypot(way[0], way[1]);
-    let turn = way[0] * side[1] - way[1] * side[0];
-    if length == 0.0 || turn == 0.0 || [a, b, c].iter().any(|p| p[2] != 0.0) {
-        return None;
+
+    /// Returns the directions at 0 and 90 degrees of a cylindrical system. Its axis from a to b is perpendicular to the
+    /// r-z plane, and c is at 0 degrees.
+    fn cylindrical_axes(&self) -> Option<[[f64; 2]; 2]> {
+        let [a, b, c] = self.points;
+        let up = b[2] - a[2];
+        let is_normal = b[0] == a[0] && b[1] == a[1] && up != 0.0;
+        is_normal.then(|| axes_along([c[0] - a[0], c[1] - a[1]], up)).flatten()
     }
-    let e1 = [way[0] / length, way[1] / length];
-    Some([e1, [-turn.signum() * e1[1], turn.signum() * e1[0]]])
 }
 
-/// Returns the directions at 0 and 90 degrees of a cylindrical system. Its axis from a to b is perpendicular to the r-z
-/// plane, and c is at 0 degrees.
-fn axis_system(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> Option<[[f64; 2]; 2]> {
-    let (up, side) = (b[2] - a[2], [c[0] - a[0], c[1] - a[1]]);
-    let length = libm::hypot(side[0], side[1]);
-    if b[0] != a[0] || b[1] != a[1] || up == 0.0 || length == 0.0 {
-        return None;
-    }
-    let e1 = [side[0] / length, side[1] / length];
-    Some([e1, [-up.signum() * e1[1], up.signum() * e1[0]]])
+/// Returns the unit vector along a direction, and the one that is rotated from it by 90 degrees in the sense of `turn`.
+fn axes_along(direction: [f64; 2], turn: f64) -> Option<[[f64; 2]; 2]> {
+    let length = libm::hypot(direction[0], direction[1]);
+    let first = direction.map(|component| component / length);
+    (length != 0.0).then(|| [first, [-turn.signum() * first[1], turn.signum() * first[0]]])
 }
 
 /// Sets the local system of the following `*NODE` cards (ABAQUS Keywords Reference Guide, *SYSTEM). Without data
@@ -276,15 +288,11 @@ pub fn read_system(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card
         mesh.system = None;
         return;
     };
-    let (Some(a), Some(b)) = (space_point(context, line, 0), space_point(context, line, 3)) else { return };
-    let alone = line.fields.len() <= 3;
     // Without c the local z axis is normal to the plane, as the global one.
-    let c = match card.lines.get(1) {
-        Some(second) => space_point(context, second, 0),
-        None => Some([a[0] - (b[1] - a[1]), a[1] + (b[0] - a[0]), 0.0]),
-    };
-    let Some(c) = c else { return };
-    match plane_system(a, b, c, alone).filter(|_| a[2] == 0.0) {
+    let c_of = |a: [f64; 3], b: [f64; 3]| [a[0] - (b[1] - a[1]), a[1] + (b[0] - a[0]), 0.0];
+    let Some(system) = system_points(context, card, line, c_of) else { return };
+    let [a, ..] = system.points;
+    match system.plane_axes().filter(|_| a[2] == 0.0) {
         Some(axes) => mesh.system = Some(LocalSystem { origin: [a[0], a[1]], axes }),
         None => {
             let message = "this local system is not in the r-z plane, or its points are collinear";
@@ -320,12 +328,12 @@ pub fn check_transforms(context: &mut Context<'_>, mesh: &mut MeshReader) {
         let whole = |b: &&super::types::BoundaryCondition| {
             b.value == 0.0 && conditions().any(|o| o.dof + b.dof == 3 && o.nodes == b.nodes && o.value == 0.0)
         };
-        let held = conditions().find(|b| b.dof < 3 && meant(&b.nodes) && !whole(b)).map(|b| b.span);
+        let fixed = conditions().find(|b| b.dof < 3 && meant(&b.nodes) && !whole(b)).map(|b| b.span);
         let pushed = steps.iter().flat_map(|s| &s.loads).find_map(|l| match &l.kind {
             super::types::LoadKind::Concentrated { nodes, .. } if meant(nodes) => Some(l.span),
             _ => None,
         });
-        let Some(given) = held.or(pushed) else { continue };
+        let Some(given) = fixed.or(pushed) else { continue };
         let message = "conditions in transformed directions are not supported";
         let diagnostic =
             Diagnostic::error("M104", message).at(given, "on nodes of a *TRANSFORM").at(span, "transformed here");

@@ -92,11 +92,11 @@ mod tests {
     #[test]
     fn lists_of_any_length_are_stored() {
         for count in 0..7 {
-            let all: Vec<usize> = (10..10 + count).collect();
-            let mut nodes = NodeIndices::from(&all[..]);
-            assert_eq!((&*nodes, format!("{nodes:?}")), (&all[..], format!("{all:?}")));
+            let listed: Vec<usize> = (10..10 + count).collect();
+            let mut nodes = NodeIndices::from(&listed[..]);
+            assert_eq!((&*nodes, format!("{nodes:?}")), (&listed[..], format!("{listed:?}")));
             nodes.reverse();
-            assert!(nodes.iter().rev().eq(&all));
+            assert!(nodes.iter().rev().eq(&listed));
             nodes.truncate(2);
             assert_eq!(nodes.len(), count.min(2));
         }

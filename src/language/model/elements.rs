@@ -9,7 +9,7 @@ use super::context::Context;
 use super::element_nodes::NodeIndices;
 use super::families::MeshReader;
 use super::name::EntityName;
-use super::names::DuplicateLabel;
+use super::names::{DuplicateLabel, SetKind};
 use super::types::{Element, ElementKind};
 use super::{cohesive, sets};
 use crate::deck::names::nearest;
@@ -17,24 +17,6 @@ use crate::deck::rows::words;
 use crate::deck::syntax::ListingRow;
 use crate::deck::{Card, DataLine, Diagnostic, Span, Word};
 use crate::kernel::topology::ElementTopology;
-
-/// Names and kinds of the supported element types.
-const SUPPORTED: &[(&str, ElementKind)] = &[
-    ("RAX2", ElementKind::Rax2),
-    ("SAX1", ElementKind::Sax1),
-    ("CAX3", ElementKind::Cax3),
-    ("CAX4R", ElementKind::Cax4r),
-    ("CAX3T", ElementKind::Cax3t),
-    ("CAX4RT", ElementKind::Cax4rt),
-    ("CAX6M", ElementKind::Cax6m),
-    ("COHAX4", ElementKind::Cohax4),
-    ("MASS", ElementKind::Mass),
-    ("ROTARYI", ElementKind::RotaryInertia),
-    ("SPRINGA", ElementKind::SpringA),
-    ("SPRING1", ElementKind::Spring1),
-    ("DASHPOTA", ElementKind::DashpotA),
-    ("DASHPOT1", ElementKind::Dashpot1),
-];
 
 /// Axisymmetric element types of ABAQUS that are not supported, with the alternative or the reason.
 const AXISYMMETRIC: &[(&str, &str)] = &[
@@ -58,59 +40,25 @@ const AXISYMMETRIC: &[(&str, &str)] = &[
     ("CONN2D2", "connectors are not simulated"),
 ];
 
-/// Name prefixes of element types for other geometries.
-const OTHER_GEOMETRY: &[(&str, &str)] = &[
-    ("C3D", "three-dimensional"),
-    ("SC6", "three-dimensional"),
-    ("SC8", "three-dimensional"),
-    ("R3D", "three-dimensional"),
-    ("S3", "a three-dimensional shell"),
-    ("S4", "a three-dimensional shell"),
-    ("S8", "a three-dimensional shell"),
-    ("STRI", "a three-dimensional shell"),
-    ("M3D", "a three-dimensional membrane"),
-    ("SFM3D", "three-dimensional"),
-    ("COH3D", "three-dimensional"),
-    ("T3D", "a three-dimensional truss"),
-    ("B3", "a three-dimensional beam"),
-    ("CPE", "plane strain"),
-    ("CPS", "plane stress"),
-    ("COH2D", "plane"),
-    ("R2D2", "plane"),
-    ("T2D", "a plane truss"),
-    ("B2", "a plane beam"),
-    ("EC3D", "three-dimensional Eulerian"),
-    ("PC3D", "a particle"),
-    ("AC", "acoustic"),
-    ("DC", "for heat transfer"),
+/// Other geometries, with the prefixes of the names of their element types.
+const OTHER_GEOMETRY: &[(&str, &[&str])] = &[
+    ("three-dimensional", &["C3D", "SC6", "SC8", "R3D", "SFM3D", "COH3D"]),
+    ("a three-dimensional shell", &["S3", "S4", "S8", "STRI"]),
+    ("a three-dimensional membrane", &["M3D"]),
+    ("a three-dimensional truss", &["T3D"]),
+    ("a three-dimensional beam", &["B3"]),
+    ("plane strain", &["CPE"]),
+    ("plane stress", &["CPS"]),
+    ("plane", &["COH2D", "R2D2"]),
+    ("a plane truss", &["T2D"]),
+    ("a plane beam", &["B2"]),
+    ("three-dimensional Eulerian", &["EC3D"]),
+    ("a particle", &["PC3D"]),
+    ("acoustic", &["AC"]),
+    ("for heat transfer", &["DC"]),
 ];
 
 impl ElementKind {
-    /// Returns the number of nodes.
-    pub fn node_count(self) -> usize {
-        match self {
-            ElementKind::Mass | ElementKind::RotaryInertia | ElementKind::Spring1 | ElementKind::Dashpot1 => 1,
-            ElementKind::Rax2 | ElementKind::Sax1 | ElementKind::SpringA | ElementKind::DashpotA => 2,
-            ElementKind::Cax3 | ElementKind::Cax3t => 3,
-            ElementKind::Cax4r | ElementKind::Cax4rt | ElementKind::Cohax4 => 4,
-            ElementKind::Cax6m => 6,
-        }
-    }
-
-    /// Returns the topology of a deformable type; `None` for other types. A three-node triangle is a degenerate
-    /// quadrilateral.
-    pub fn topology(self) -> Option<ElementTopology> {
-        match self {
-            ElementKind::Sax1 => Some(ElementTopology::Shell),
-            ElementKind::Cax3 | ElementKind::Cax3t | ElementKind::Cax4r | ElementKind::Cax4rt => {
-                Some(ElementTopology::Quadrilateral)
-            }
-            ElementKind::Cax6m => Some(ElementTopology::SixNodeTriangle),
-            ElementKind::Cohax4 => Some(ElementTopology::Cohesive),
-            _ => None,
-        }
-    }
-
     /// Returns whether the type is a deformable solid.
     pub fn is_solid(self) -> bool {
         self.topology().is_some_and(ElementTopology::is_solid)
@@ -128,11 +76,26 @@ impl ElementKind {
     /// has the faces 1 (bottom) and 3 (top).
     pub fn face(self, number: u8) -> std::ops::Range<u8> {
         let parts = if self == ElementKind::Cax6m { 2 } else { 1 };
-        if self == ElementKind::Cohax4 && number.is_multiple_of(2) {
+        if self.is_cohesive() && number.is_multiple_of(2) {
             return 0..0;
         }
         let count = self.node_count() as u8 / parts;
         if (1..=count).contains(&number) { parts * (number - 1) + 1..parts * number + 1 } else { 0..0 }
+    }
+
+    /// Returns whether the type is a line with two sides: a shell, or a rigid surface element.
+    pub fn is_line(self) -> bool {
+        matches!(self, ElementKind::Rax2 | ElementKind::Sax1)
+    }
+
+    /// Returns whether the type is cohesive.
+    pub fn is_cohesive(self) -> bool {
+        self == ElementKind::Cohax4
+    }
+
+    /// Returns whether the type is a deformable shell.
+    pub fn is_shell(self) -> bool {
+        self == ElementKind::Sax1
     }
 
     /// Returns whether the nodes have temperatures.
@@ -150,11 +113,6 @@ impl ElementKind {
     pub fn is_discrete(self) -> bool {
         matches!(self, ElementKind::Mass | ElementKind::RotaryInertia) || self.is_connector()
     }
-
-    /// Returns the name of the type in ABAQUS.
-    pub fn name(self) -> &'static str {
-        SUPPORTED.iter().find(|s| s.1 == self).map_or("?", |s| s.0)
-    }
 }
 
 /// Returns the advice for an element type that mesh generators write for a mesh in the r-z plane.
@@ -163,8 +121,8 @@ fn replacement(name: &str) -> Option<String> {
     if ["T2D", "T3D"].iter().any(|head| name.starts_with(head)) {
         return Some(format!("{READ}, which makes node sets of its edges, or delete these lines"));
     }
-    let rest = ["CPS", "CPE"].iter().find_map(|head| name.strip_prefix(head))?;
-    let counterpart = [("3", "CAX3"), ("4", "CAX4R"), ("6", "CAX6M")].iter().find(|c| rest.starts_with(c.0))?.1;
+    let digits = ["CPS", "CPE"].iter().find_map(|head| name.strip_prefix(head))?;
+    let counterpart = [("3", "CAX3"), ("4", "CAX4R"), ("6", "CAX6M")].iter().find(|c| digits.starts_with(c.0))?.1;
     Some(format!("{READ}, or write TYPE={counterpart}"))
 }
 
@@ -175,36 +133,39 @@ pub fn read_elements(context: &mut Context<'_>, card: &Card) {
     };
     let listed = card.has("ELSET");
     let mut made = Vec::with_capacity(if listed { card.rows.len() } else { 0 });
-    context.model.mesh.reserve_elements(card.rows.len());
-    let mut at = 0;
-    while at < card.rows.len() {
-        let (element, next) = match plain_element(context, kind, &card.rows[at]) {
-            Some(element) => (Some(element), at + 1),
-            None => element_of_rows(context, kind, &card.rows, at),
+    context.model.mesh.elements.reserve(card.rows.len());
+    let mut index = 0;
+    while index < card.rows.len() {
+        let (element, next) = match plain_element(context, kind, &card.rows[index]) {
+            Some(element) => (Some(element), index + 1),
+            None => element_of_rows(context, kind, &card.rows, index),
         };
         made.extend(element.filter(|_| listed));
-        at = next;
+        index = next;
     }
-    sets::collect_elements(context, card, "ELSET", made);
+    sets::collect(context, SetKind::Elements, card, "ELSET", made);
 }
 
 /// Returns the element type with a name, or reports that it is unknown or unsupported.
 pub fn element_kind(context: &mut Context<'_>, word: &Word) -> Option<ElementKind> {
     let name = word.text.to_uppercase();
-    if let Some(found) = SUPPORTED.iter().find(|s| s.0 == name) {
-        return Some(found.1);
+    let supported_names: Vec<&str> = ElementKind::ALL.iter().map(|kind| kind.name()).collect();
+    if let Some(index) = supported_names.iter().position(|supported| *supported == name) {
+        return Some(ElementKind::ALL[index]);
     }
-    let supported = "supported: RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, COHAX4, MASS, \
-                     ROTARYI, SPRINGA, SPRING1, DASHPOTA, DASHPOT1";
+    let supported = format!("supported: {}", supported_names.join(", "));
     let diagnostic = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
         Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
-    } else if let Some((_, what)) = OTHER_GEOMETRY.iter().find(|o| name.starts_with(o.0)) {
+    } else if let Some((what, _)) =
+        OTHER_GEOMETRY.iter().find(|(_, heads)| heads.iter().any(|head| name.starts_with(head)))
+    {
         let instead = replacement(&name).map_or_else(String::new, |help| format!("{help}; "));
         Diagnostic::error("M121", format!("element type {name} is {what}; this code is axisymmetric"))
             .help(format!("{instead}{supported}"))
     } else {
-        let names = SUPPORTED.iter().map(|s| s.0).chain(AXISYMMETRIC.iter().map(|a| a.0));
-        let help = nearest(&name, names).map_or(supported.into(), |n| format!("did you mean {n}? {supported}"));
+        let names = supported_names.iter().copied().chain(AXISYMMETRIC.iter().map(|a| a.0));
+        let nearest_name = nearest(&name, names).map(|n| format!("did you mean {n}? ")).unwrap_or_default();
+        let help = format!("{nearest_name}{supported}");
         Diagnostic::error("M120", format!("unknown element type {name}")).help(help)
     };
     context.diagnostics.refuse(diagnostic.at(word.span, "this type"))
@@ -230,13 +191,13 @@ fn element_of_rows(
     at: usize,
 ) -> (Option<usize>, usize) {
     let sources = &context.deck.sources;
-    let mut all: Vec<Word> = Vec::new();
+    let mut words: Vec<Word> = Vec::new();
     let mut next = at;
-    while next < rows.len() && all.len() <= kind.node_count() {
-        all.extend(rows[next].line(sources).into_owned().fields.into_iter().filter(|w| !w.text.is_empty()));
+    while next < rows.len() && words.len() <= kind.node_count() {
+        words.extend(rows[next].line(sources).into_owned().fields.into_iter().filter(|w| !w.text.is_empty()));
         next += 1;
     }
-    (element_line(context, kind, &all, rows[at].span()), next)
+    (element_line(context, kind, &words, rows[at].span()), next)
 }
 
 fn element_line(context: &mut Context<'_>, kind: ElementKind, words: &[Word], span: Span) -> Option<usize> {
@@ -301,7 +262,7 @@ fn shape_fault(context: &Context<'_>, kind: ElementKind, nodes: &[usize]) -> Opt
         .map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1]))
         .sum();
     match kind {
-        ElementKind::Rax2 | ElementKind::Sax1 if points[0] == points[1] => Some(ShapeFault::NoLength),
+        kind if kind.is_line() && points[0] == points[1] => Some(ShapeFault::NoLength),
         ElementKind::Cohax4 => cohesive_fault(points),
         kind if kind.is_solid() && area < 0.0 => Some(ShapeFault::Clockwise),
         kind if kind.is_solid() && area == 0.0 => Some(ShapeFault::NoArea),
@@ -404,7 +365,7 @@ fn node_lines<'c>(context: &'c Context<'_>) -> HashMap<&'c str, Span> {
 pub fn read_elgen(context: &mut Context<'_>, card: &Card) {
     let rows = card.lines.iter().zip(card.read_lines::<Vec<[f64; 10]>>());
     let made = rows.filter_map(|(line, row)| elgen_line(context, line, row)).flatten().collect();
-    sets::collect_elements(context, card, "ELSET", made);
+    sets::collect(context, SetKind::Elements, card, "ELSET", made);
 }
 
 fn elgen_line(context: &mut Context<'_>, line: &DataLine, row: [f64; 10]) -> Option<Vec<usize>> {

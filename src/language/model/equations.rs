@@ -6,40 +6,45 @@ use super::nodes;
 use super::types::LinearEquation;
 use crate::deck::{Card, Span, Word};
 
-/// A term: nodes (in order of labels, or in the order of an UNSORTED set), degree of freedom, coefficient.
-type EquationTerm = (Vec<usize>, u8, f64);
+/// A term of equations between sets.
+struct SetTerm {
+    /// Nodes in order of labels, or in the order of an UNSORTED set.
+    nodes: Vec<usize>,
+    dof: u8,
+    coefficient: f64,
+}
 
 pub fn read_equation(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     if context.first_line(card).is_none() {
         return;
     }
-    let mut at = 0;
-    while at < card.lines.len() {
-        let line = &card.lines[at];
+    let mut index = 0;
+    while index < card.lines.len() {
+        let line = &card.lines[index];
         let Some(count) = context.integer(line, 0, "the number of terms") else { return };
-        for word in (1..line.fields.len()).filter_map(|at| line.field(at)) {
+        for word in (1..line.fields.len()).filter_map(|index| line.field(index)) {
             context.report_surplus(word, "the first line of an equation has the number of terms only");
         }
         if !(2..=MAX_GENERATED as i64).contains(&count) {
             return context.out_of_range(line.span, format!("an equation requires at least two terms, found {count}"));
         }
-        let (words, next) = match at + 1 < card.lines.len() {
-            true => super::elements::joined(card, at + 1, 3 * count as usize),
-            false => (Vec::new(), at + 1),
+        let (words, next) = match index + 1 < card.lines.len() {
+            true => super::elements::joined(card, index + 1, 3 * count as usize),
+            false => (Vec::new(), index + 1),
         };
         if words.len() != 3 * count as usize {
             let message = format!("{count} terms require {} values, found {}", 3 * count, words.len());
             return context.error("M102", message, line.span, "this equation");
         }
-        let terms: Option<Vec<EquationTerm>> = words.chunks(3).map(|w| equation_term(context, mesh, w)).collect();
+        let terms: Option<Vec<SetTerm>> = words.chunks(3).map(|w| equation_term(context, mesh, w)).collect();
         if let Some(terms) = terms {
             add_equations(context, &terms, line.span);
         }
-        at = next;
+        index = next;
     }
 }
 
-fn equation_term(context: &mut Context<'_>, mesh: &mut MeshReader, words: &[&Word]) -> Option<EquationTerm> {
+fn equation_term(context: &mut Context<'_>, mesh: &mut MeshReader, words: &[&Word]) -> Option<SetTerm> {
     let nodes = nodes::nodes_in_order(context, mesh, words[0])?;
     let dof = words[1].integer(&mut context.diagnostics)?;
     let coefficient = words[2].number(&mut context.diagnostics)?;
@@ -48,25 +53,25 @@ fn equation_term(context: &mut Context<'_>, mesh: &mut MeshReader, words: &[&Wor
         return context.refuse_value(words[1].span, message);
     }
     if coefficient == 0.0 || !coefficient.is_finite() {
-        return context
-            .refuse_value(words[2].span, format!("a coefficient must be finite and nonzero, found {coefficient}"));
+        let message = format!("a coefficient must be finite and nonzero, found {coefficient}");
+        return context.refuse_value(words[2].span, message);
     }
-    Some((nodes, dof as u8, coefficient))
+    Some(SetTerm { nodes, dof: dof as u8, coefficient })
 }
 
 /// Adds one equation per node of the sets; single nodes appear in all equations.
-fn add_equations(context: &mut Context<'_>, terms: &[EquationTerm], span: Span) {
-    let count = terms[0].0.len();
-    if let Some(other) = terms.iter().find(|t| t.0.len() != count && t.0.len() != 1) {
+fn add_equations(context: &mut Context<'_>, terms: &[SetTerm], span: Span) {
+    let count = terms[0].nodes.len();
+    if let Some(other) = terms.iter().find(|t| t.nodes.len() != count && t.nodes.len() != 1) {
         let message =
-            format!("the sets of an equation must have equal sizes, found {count} and {} nodes", other.0.len());
+            format!("the sets of an equation must have equal sizes, found {count} and {} nodes", other.nodes.len());
         return context.out_of_range(span, message);
     }
-    if terms.iter().any(|t| t.1 == 11) && terms.iter().any(|t| t.1 != 11) {
+    if terms.iter().any(|t| t.dof == 11) && terms.iter().any(|t| t.dof != 11) {
         return context.out_of_range(span, "an equation cannot combine temperatures (11) and displacements");
     }
     for i in 0..count {
-        let term = |(nodes, dof, c): &EquationTerm| (nodes[i.min(nodes.len() - 1)], *dof, *c);
+        let term = |t: &SetTerm| (t.nodes[i.min(t.nodes.len() - 1)], t.dof, t.coefficient);
         context.model.constraints.equations.push(LinearEquation { terms: terms.iter().map(term).collect(), span });
     }
 }

@@ -8,10 +8,7 @@ use crate::deck::table::materials as cards;
 
 /// Reads erosion criteria, which delete elements independently of their material.
 pub fn read_erosion(context: &mut Context<'_>, card: &Card) {
-    let elements = match card.value("ELSET").map(|word| context.element_members(word)) {
-        Some(None) => return,
-        elements => elements.flatten(),
-    };
+    let Some(elements) = context.optional(card.value("ELSET"), Context::element_members) else { return };
     let cards::Erosion { distortion, plastic, strain, increment } = card.values();
     let erosion = ErosionCriteria { span: card.span, elements, distortion, plastic, strain, increment };
     if context.accepts(card, erosion.check()) {

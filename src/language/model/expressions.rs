@@ -20,8 +20,8 @@ pub fn read_output_expressions(context: &mut Context<'_>, card: &Card) {
             no_expression(context, word.span, why);
             continue;
         }
-        let (text, place) = (text.to_owned(), place_of(word, text));
-        context.model.output.expressions.push(OutputExpression { name, text, span: word.span, place });
+        let (text, position) = (text.to_owned(), place_of(word, text));
+        context.model.output.expressions.push(OutputExpression { name, text, span: word.span, place: position });
     }
 }
 

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::families::MaterialReader;
 use super::faults::{ValueCheck, require, require_line};
-use super::types::{DamageEvolution, FailureCriterion, StrainAtFailure, TensileFailure};
+use super::types::{DamageEvolution, FailureCriterion, StrainAtFailure};
 use super::{cohesive, cohesive_contact};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
@@ -116,9 +116,4 @@ pub fn read_damage_stabilization(context: &mut Context<'_>, materials: &mut Mate
         return cohesive_contact::read_cohesive_stabilization(context, card);
     }
     cohesive::read_interface_stabilization(context, card);
-}
-
-pub fn read_tensile_failure(context: &mut Context<'_>, card: &Card) {
-    let cards::TensileFailure { deletes, cutoff: [cutoff] } = card.values();
-    context.last_material().tensile_failure = Some(TensileFailure { cutoff, deletes, span: card.span });
 }

@@ -39,9 +39,9 @@ pub fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader,
 /// 0.
 pub fn rows_over_fields(context: &mut Context<'_>, card: &Card, values: usize, fields: usize) -> Option<Vec<Vec<f64>>> {
     let first = context.first_line(card)?;
-    let most = values + 1 + fields;
-    for word in card.lines.iter().flat_map(|line| (most..line.fields.len()).filter_map(|at| line.field(at))) {
-        context.report_surplus(word, &format!("DEPENDENCIES={fields} reads {most} values of a row"));
+    let limit = values + 1 + fields;
+    for word in card.lines.iter().flat_map(|line| (limit..line.fields.len()).filter_map(|at| line.field(at))) {
+        context.report_surplus(word, &format!("DEPENDENCIES={fields} reads {limit} values of a row"));
     }
     let row = |context: &mut Context<'_>, line: &DataLine| -> Option<Vec<f64>> {
         let default = |i: usize| if i == values { f64::NAN } else { 0.0 };
@@ -59,23 +59,25 @@ pub fn rows_over_fields(context: &mut Context<'_>, card: &Card, values: usize, f
 impl StepHistory {
     /// Returns the field variables in force in a step that prescribes `given`, and stores those that continue in the
     /// next step. A field that is no longer prescribed returns to its initial value.
-    pub fn fields(&mut self, given: Vec<PrescribedField>, step: &StepTiming, model: &Model) -> Vec<PrescribedField> {
-        let mut all = std::mem::take(&mut self.fields);
+    pub fn fields(
+        &mut self,
+        given: Vec<PrescribedField>,
+        step: &StepTiming,
+        model: &mut Model,
+    ) -> Vec<PrescribedField> {
+        let mut in_force = std::mem::take(&mut self.fields);
         for later in given {
-            for earlier in all.iter_mut().filter(|e| e.variable == later.variable) {
+            for earlier in in_force.iter_mut().filter(|e| e.variable == later.variable) {
                 earlier.nodes.retain(|n| later.nodes.binary_search(n).is_err());
             }
-            all.push(later);
+            in_force.push(later);
         }
-        all.retain(|field| !field.nodes.is_empty());
-        let settled = |field: &PrescribedField| {
-            let mut settled = field.clone();
-            if let Some(factor) = self.factor_after_step(field.amplitude, step, model) {
-                (settled.value, settled.amplitude) = (field.value * factor, None);
-            }
-            settled
-        };
-        self.fields = all.iter().map(settled).collect();
-        all
+        in_force.retain(|field| !field.nodes.is_empty());
+        let mut carried = in_force.clone();
+        for field in &mut carried {
+            self.settle((&mut field.value, &mut field.amplitude), false, step, model);
+        }
+        self.fields = carried;
+        in_force
     }
 }

@@ -29,7 +29,7 @@ pub fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepRe
     }
     for (at, line) in card.lines.iter().enumerate() {
         let Some(domains) = domains(context, line) else { continue };
-        let given = || card.given_field(at, 2);
+        let third_field = || card.given_field(at, 2);
         match (card.keyword.name, line.field(2)) {
             ("CONTACT INCLUSIONS", _) if domains.iter().all(|d| matches!(d, ContactDomain::Analytical(_))) => {
                 let message = "contact of analytical surfaces with each other is not supported";
@@ -37,8 +37,8 @@ pub fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepRe
             }
             ("CONTACT INCLUSIONS", _) => general.included.push((domains, line.span)),
             ("CONTACT EXCLUSIONS", _) => general.excluded.push(domains),
-            ("CONTACT CONTROLS ASSIGNMENT", _) => general.penalties.push((domains, f64::from_value(given()))),
-            ("CONTACT FORMULATION", _) => general.roles.push((domains, usize::from_value(given()) < 2)),
+            ("CONTACT CONTROLS ASSIGNMENT", _) => general.penalties.push((domains, f64::from_value(third_field()))),
+            ("CONTACT FORMULATION", _) => general.roles.push((domains, usize::from_value(third_field()) < 2)),
             (_, None) => {}
             ("CONTACT PROPERTY ASSIGNMENT", Some(word)) => {
                 let interaction = contact::interaction(context, word);

@@ -6,30 +6,9 @@ use std::str::SplitAsciiWhitespace;
 
 use super::mesh_data::{MeshFile, MeshGroups};
 
-/// Number of nodes and dimension of the Gmsh element types 1 to 21.
-const TYPES: [(usize, usize); 21] = [
-    (2, 1),
-    (3, 2),
-    (4, 2),
-    (4, 3),
-    (8, 3),
-    (6, 3),
-    (5, 3),
-    (3, 1),
-    (6, 2),
-    (9, 2),
-    (10, 3),
-    (27, 3),
-    (18, 3),
-    (14, 3),
-    (1, 0),
-    (8, 2),
-    (20, 3),
-    (15, 3),
-    (13, 3),
-    (9, 2),
-    (10, 2),
-];
+/// Numbers of nodes and dimensions of the Gmsh element types 1 to 21.
+const NODE_COUNTS: [usize; 21] = [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10];
+const DIMENSIONS: [usize; 21] = [1, 2, 2, 3, 3, 3, 3, 1, 2, 2, 3, 3, 3, 3, 0, 2, 3, 3, 3, 2, 2];
 
 pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
     let sections = sections(text)?;
@@ -66,19 +45,19 @@ pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
 
 /// Returns the text between `$Name` and `$EndName` of each section.
 fn sections(text: &str) -> Result<BTreeMap<&str, &str>, String> {
-    let mut found = BTreeMap::new();
-    let mut rest = text;
-    while let Some(at) = rest.find('$') {
-        let name = rest[at + 1..].split(|c: char| c.is_ascii_whitespace()).next().unwrap_or("");
+    let mut sections = BTreeMap::new();
+    let mut remaining = text;
+    while let Some(at) = remaining.find('$') {
+        let name = remaining[at + 1..].split(|c: char| c.is_ascii_whitespace()).next().unwrap_or("");
         if name.is_empty() {
             return Err("a section has no name after $".into());
         }
-        let body = &rest[at + 1 + name.len()..];
+        let body = &remaining[at + 1 + name.len()..];
         let end = body.find(&format!("$End{name}")).ok_or(format!("the section ${name} is not closed"))?;
-        found.insert(name, &body[..end]);
-        rest = &body[end + 4 + name.len()..];
+        sections.insert(name, &body[..end]);
+        remaining = &body[end + 4 + name.len()..];
     }
-    Ok(found)
+    Ok(sections)
 }
 
 struct WordReader<'a>(SplitAsciiWhitespace<'a>);
@@ -124,8 +103,8 @@ fn name_of(names: &HashMap<(usize, i64), String>, dimension: usize, tag: i64) ->
 }
 
 fn kind(number: usize) -> Result<(usize, usize), String> {
-    let found = number.checked_sub(1).and_then(|i| TYPES.get(i)).copied();
-    found.ok_or(format!("Gmsh element type {number} is not supported"))
+    let shape = number.checked_sub(1).and_then(|i| Some((*NODE_COUNTS.get(i)?, *DIMENSIONS.get(i)?)));
+    shape.ok_or(format!("Gmsh element type {number} is not supported"))
 }
 
 fn elements_of_2(
@@ -171,8 +150,8 @@ fn entities(mut words: WordReader<'_>) -> Result<HashMap<(usize, i64), Vec<i64>>
         for _ in 0..count {
             let tag = words.whole()?;
             words.skip(if dimension == 0 { 3 } else { 6 })?;
-            let own = (0..words.count()?).map(|_| words.whole()).collect::<Result<Vec<_>, _>>()?;
-            groups.insert((dimension, tag), own);
+            let tags = (0..words.count()?).map(|_| words.whole()).collect::<Result<Vec<_>, _>>()?;
+            groups.insert((dimension, tag), tags);
             if dimension > 0 {
                 let bounding = words.count()?;
                 words.skip(bounding)?;
@@ -193,8 +172,8 @@ fn elements_of_4(
     for _ in 0..blocks {
         let entity = (words.count()?, words.whole()?);
         let (count, dimension) = kind(words.count()?)?;
-        let own = groups.get(&entity).map_or(&[][..], Vec::as_slice);
-        let sets: Vec<String> = own.iter().map(|tag| name_of(names, entity.0, tag.abs())).collect();
+        let tags = groups.get(&entity).map_or(&[][..], Vec::as_slice);
+        let sets: Vec<String> = tags.iter().map(|tag| name_of(names, entity.0, tag.abs())).collect();
         for _ in 0..words.count()? {
             let label = words.whole()?;
             let nodes = (0..count).map(|_| words.whole()).collect::<Result<_, _>>()?;

@@ -57,10 +57,14 @@ impl StepHistory {
         model: &mut Model,
         diagnostics: &mut Diagnostics,
     ) -> Vec<BoundaryCondition> {
-        let given = if step.ramp { self.ramped_boundaries(given, step, model) } else { given };
-        let spans: HashSet<Span> = given.iter().map(|b| b.span).collect();
-        let merged = merge_boundaries(std::mem::take(&mut self.boundaries), given, diagnostics);
-        self.boundaries = merged.iter().map(|b| self.carried_boundary(b, step, model)).collect();
+        let added = if step.ramp { self.ramped_boundaries(given, step, model) } else { given };
+        let spans: HashSet<Span> = added.iter().map(|b| b.span).collect();
+        let merged = merge_boundaries(std::mem::take(&mut self.boundaries), added, diagnostics);
+        let mut carried = merged.clone();
+        for b in &mut carried {
+            self.settle((&mut b.value, &mut b.amplitude), b.user, step, model);
+        }
+        self.boundaries = carried;
         let places = self.displacements_after(&merged, step, model);
         self.first_values.retain(|(span, _), _| !spans.contains(span));
         let mut in_force = Vec::with_capacity(merged.len());
@@ -95,32 +99,25 @@ impl StepHistory {
 
     /// Returns the constant factor of an amplitude after its step; `None` if the amplitude continues. Amplitudes in
     /// total time and user amplitudes continue; amplitudes in step time keep their last value.
-    pub(super) fn factor_after_step(
-        &self,
-        amplitude: Option<AmplitudeId>,
-        step: &StepTiming,
-        model: &Model,
-    ) -> Option<f64> {
+    fn factor_after_step(&self, amplitude: Option<AmplitudeId>, step: &StepTiming, model: &Model) -> Option<f64> {
         let in_total_time = |a: &Amplitude| matches!(a.definition, AmplitudeDefinition::Curve { total_time: true, .. });
         let id = amplitude.filter(|&id| !in_total_time(&model.amplitudes[id]))?;
         self.amplitude(Some(id), step.duration, model)
     }
 
-    fn carried_boundary(
+    /// Sets a magnitude and its amplitude to those in the next step. A user subroutine receives the amplitude and applies it.
+    pub(super) fn settle(
         &self,
-        boundary: &BoundaryCondition,
+        (magnitude, amplitude): (&mut f64, &mut Option<AmplitudeId>),
+        is_user: bool,
         step: &StepTiming,
         model: &mut Model,
-    ) -> BoundaryCondition {
-        let mut settled = boundary.clone();
-        if let Some(factor) = self.factor_after_step(boundary.amplitude, step, model) {
-            if boundary.user {
-                settled.amplitude = Some(constant(factor, boundary.amplitude, model));
-            } else {
-                (settled.value, settled.amplitude) = (boundary.value * factor, None);
-            }
+    ) {
+        match self.factor_after_step(*amplitude, step, model) {
+            Some(factor) if is_user => *amplitude = Some(constant(factor, *amplitude, model)),
+            Some(factor) => (*magnitude, *amplitude) = (*magnitude * factor, None),
+            None => {}
         }
-        settled
     }
 
     /// Returns the displacements at the end of a step that are known in advance.
@@ -181,10 +178,10 @@ impl StepHistory {
             );
         }
         let jumps = |place: &f64| (first - place).abs() > JUMP * (first.abs() + b.value.abs());
-        let place = places.into_iter().flatten().find(jumps)?;
+        let displacement = places.into_iter().flatten().find(jumps)?;
         let message = format!(
-            "the displacement of `{}` would jump from {place} to {first} at the start of the step; the jump is ignored, \
-             and the motion continues from {place}",
+            "the displacement of `{}` would jump from {displacement} to {first} at the start of the step; the jump is ignored, \
+             and the motion continues from {displacement}",
             b.set
         );
         let diagnostic = Diagnostic::warning("M146", message).at(b.span, "as ABAQUS/Explicit does");
@@ -218,14 +215,14 @@ impl StepHistory {
         step: &StepTiming,
         model: &mut Model,
     ) -> Vec<BoundaryCondition> {
-        let mut before: HashMap<(NodeDof, MotionKind), f64> = HashMap::new();
+        let mut values_before: HashMap<(NodeDof, MotionKind), f64> = HashMap::new();
         for b in &self.boundaries {
             let value = self.amplitude(b.amplitude, 0.0, model).unwrap_or(0.0) * b.value;
-            before.extend(b.nodes.iter().map(|&n| (((n, b.dof), b.kind), value)));
+            values_before.extend(b.nodes.iter().map(|&n| (((n, b.dof), b.kind), value)));
         }
         let from = |node: usize, b: &BoundaryCondition| match b.kind {
             MotionKind::Displacement => self.initial_displacement((node, b.dof)).unwrap_or(0.0),
-            kind => before.get(&((node, b.dof), kind)).copied().unwrap_or(0.0),
+            kind => values_before.get(&((node, b.dof), kind)).copied().unwrap_or(0.0),
         };
         let mut ramped = Vec::new();
         for b in given {
@@ -265,7 +262,7 @@ fn add_amplitude(amplitude: Amplitude, model: &mut Model) -> AmplitudeId {
 }
 
 /// Returns a constant amplitude with the given factor and the name of another.
-pub(super) fn constant(factor: f64, other: Option<AmplitudeId>, model: &mut Model) -> AmplitudeId {
+fn constant(factor: f64, other: Option<AmplitudeId>, model: &mut Model) -> AmplitudeId {
     let (name, span) = other.map_or_else(Default::default, |i| {
         let other = &model.amplitudes[i];
         (other.name.clone(), other.span)
@@ -302,26 +299,29 @@ fn merge_boundaries(
     given: Vec<BoundaryCondition>,
     diagnostics: &mut Diagnostics,
 ) -> Vec<BoundaryCondition> {
-    let own = inherited.len();
-    let all: Vec<BoundaryCondition> = inherited.into_iter().chain(given).collect();
+    let inherited_count = inherited.len();
+    let conditions: Vec<BoundaryCondition> = inherited.into_iter().chain(given).collect();
     // Index of the last condition of each degree of freedom.
     let mut last: HashMap<NodeDof, usize> = HashMap::new();
-    for (i, b) in all.iter().enumerate() {
+    for (i, b) in conditions.iter().enumerate() {
         let mut reported = false;
         for &node in &b.nodes {
             let holder = last.entry((node, b.dof)).or_insert(i);
-            let earlier = &all[*holder];
-            if *holder == i || same_condition(earlier, b) && (*holder >= own || i < own || earlier.nodes != b.nodes) {
+            let earlier = &conditions[*holder];
+            if *holder == i
+                || same_condition(earlier, b)
+                    && (*holder >= inherited_count || i < inherited_count || earlier.nodes != b.nodes)
+            {
                 continue;
             }
-            if *holder >= own && !reported && !same_condition(earlier, b) {
+            if *holder >= inherited_count && !reported && !same_condition(earlier, b) {
                 diagnostics.push(given_twice(earlier, b));
                 reported = true;
             }
             *holder = i;
         }
     }
-    let trimmed = all.into_iter().enumerate().map(|(i, mut b)| {
+    let trimmed = conditions.into_iter().enumerate().map(|(i, mut b)| {
         b.nodes.retain(|&n| last.get(&(n, b.dof)).is_none_or(|&holder| holder <= i));
         b
     });

@@ -9,16 +9,19 @@ pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
     let mut reader = InpReader { most: MEMBERS[0] + MEMBERS[1] * text.len(), ..InpReader::default() };
     for (number, line) in text.lines().enumerate() {
         let line = line.trim();
-        let done = if line.starts_with("**") || line.is_empty() {
+        let result = if line.starts_with("**") || line.is_empty() {
             Ok(())
         } else if let Some(card) = line.strip_prefix('*') {
             reader.begin(card)
         } else {
-            reader.data(line)
+            let reading = std::mem::take(&mut reader.reading);
+            let result = reader.data(&reading, line);
+            reader.reading = reading;
+            result
         };
-        done.map_err(|why| format!("line {}: {why}", number + 1))?;
+        result.map_err(|why| format!("line {}: {why}", number + 1))?;
     }
-    reader.finish()
+    reader.mesh.finish(false)
 }
 
 /// Largest number of set members in a file: a constant, plus a number per byte of the file. GENERATE and sets of sets
@@ -101,14 +104,7 @@ impl InpReader {
         Ok(())
     }
 
-    fn data(&mut self, line: &str) -> Result<(), String> {
-        let reading = std::mem::take(&mut self.reading);
-        let done = self.data_of(&reading, line);
-        self.reading = reading;
-        done
-    }
-
-    fn data_of(&mut self, reading: &InpSection, line: &str) -> Result<(), String> {
+    fn data(&mut self, reading: &InpSection, line: &str) -> Result<(), String> {
         let fields = || line.split(',').map(str::trim).filter(|f| !f.is_empty());
         let whole = |f: &str| f.parse::<i64>().map_err(|_| format!("`{f}` is not a whole number"));
         match reading {
@@ -144,9 +140,9 @@ impl InpReader {
                 let known = if *of_nodes { &self.nodes } else { &self.elements };
                 let mut members = Vec::new();
                 if *generated {
-                    let given = fields().map(whole).collect::<Result<Vec<_>, _>>()?;
-                    let (first, last) = (given.first().copied().unwrap_or(0), given.get(1).copied().unwrap_or(0));
-                    let step = given.get(2).copied().unwrap_or(1).max(1);
+                    let numbers = fields().map(whole).collect::<Result<Vec<_>, _>>()?;
+                    let (first, last) = (numbers.first().copied().unwrap_or(0), numbers.get(1).copied().unwrap_or(0));
+                    let step = numbers.get(2).copied().unwrap_or(1).max(1);
                     // One member above the limit is enough for the check below.
                     members.extend((first..=last).step_by(step as usize).take(self.most + 1));
                 } else {
@@ -167,8 +163,8 @@ impl InpReader {
                         self.most
                     ));
                 }
-                let all = if *of_nodes { &mut self.nodes } else { &mut self.elements };
-                all.entry(name.to_uppercase()).or_default().extend(&members);
+                let known_sets = if *of_nodes { &mut self.nodes } else { &mut self.elements };
+                known_sets.entry(name.to_uppercase()).or_default().extend(&members);
                 if *of_nodes {
                     self.mesh.add_nodes(name, &members);
                 } else {
@@ -177,9 +173,5 @@ impl InpReader {
             }
         }
         Ok(())
-    }
-
-    fn finish(self) -> Result<MeshFile, String> {
-        self.mesh.finish(false)
     }
 }

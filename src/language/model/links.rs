@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::families::{ConditionReader, MeshReader, PendingCoupling};
 use super::names::upper;
-use super::refinement::pair::NodePair;
+use super::refinement::mesh::NodePair;
 use super::types::{LinkKind, NodeLink, SurfaceTie};
 use super::{contact, nodes};
 use crate::deck::{Card, Diagnostic, Span, Word};
@@ -73,31 +73,26 @@ pub fn read_coupling(context: &mut Context<'_>, conditions: &mut ConditionReader
     let name = card.value("CONSTRAINT NAME").map_or_else(String::new, |w| upper(&w.text));
     let (reference, surface) = (context.required(card, "REF NODE"), context.required(card, "SURFACE"));
     let (Some(reference), Some(surface)) = (reference, surface) else { return };
-    let (nodes, members) = (context.node_members(reference), contact::contact_nodes(context, surface));
-    let (Some(nodes), Some(mut members)) = (nodes, members) else { return };
-    let [node] = nodes[..] else {
-        return context
-            .out_of_range(reference.span, format!("REF NODE must be one node, found a set of {}", nodes.len()));
-    };
+    let (node, members) = (context.single_node(reference, "REF NODE"), contact::nodes_and_faces(context, surface));
+    let (Some(node), Some((mut members, _))) = (node, members) else { return };
     let points = &context.model.mesh.points;
     let distance = |n: usize| (points[n][0] - points[node][0]).portable_hypot(points[n][1] - points[node][1]);
     if let Some(radius) = card.read::<Option<f64>>("INFLUENCE RADIUS") {
         members.retain(|&n| distance(n) <= radius);
     }
     if members.is_empty() {
-        let diagnostic = Diagnostic::error("M103", format!("the coupling {name} has no nodes"));
-        return context.diagnostics.push(diagnostic.at(surface.span, "no node within the influence radius"));
+        let message = format!("the coupling {name} has no nodes");
+        return context.error("M103", message, surface.span, "no node within the influence radius");
     }
     let areas = areas(context, surface, &members);
-    let coupling = PendingCoupling { name, reference: node, nodes: members, areas, span: card.span };
-    conditions.coupling = Some(coupling);
+    conditions.coupling = Some(PendingCoupling { name, reference: node, nodes: members, areas, span: card.span });
 }
 
 /// Returns the tributary area of each node: the integral of its shape function over the rings of the faces. Nodes
 /// of a node-based surface have the area 1 (ABAQUS Analysis User's Guide, "Coupling constraints").
 fn areas(context: &Context<'_>, word: &Word, members: &[usize]) -> Vec<f64> {
     let mesh = &context.model.mesh;
-    let names = [super::names::qualified(&context.scope, &word.text), upper(&word.text)];
+    let names = context.names_of(word);
     if names.iter().any(|n| context.model.surfaces.nodes.contains_key(n)) {
         return vec![1.0; members.len()];
     }
@@ -145,8 +140,8 @@ fn coupled_degrees(context: &mut Context<'_>, card: &Card) -> Option<LinkKind> {
         let first = context.integer(line, 0, "the first degree of freedom")?;
         let last = line.field(1).map_or(Some(first), |w| w.integer(&mut context.diagnostics))?;
         if last < first {
-            return context
-                .refuse_value(line.span, format!("the last degree of freedom, {last}, is below the first, {first}"));
+            let message = format!("the last degree of freedom, {last}, is below the first, {first}");
+            return context.refuse_value(line.span, message);
         }
         for (i, coupled) in coupled.iter_mut().enumerate() {
             *coupled |= (first..=last).contains(&(i as i64 + 1));
@@ -168,8 +163,8 @@ fn distributing(context: &mut Context<'_>, card: &Card, coupling: &PendingCoupli
     let fall = falls[card.read::<usize>("WEIGHTING METHOD")];
     let weights: Vec<f64> = parts.zip(&coupling.areas).map(|(x, area)| fall(x) * area).collect();
     if weights.iter().sum::<f64>() <= 0.0 {
-        return context
-            .refuse_value(card.span, "all weights of this coupling are zero, because its nodes have equal distances");
+        let message = "all weights of this coupling are zero, because its nodes have equal distances";
+        return context.refuse_value(card.span, message);
     }
     Some(LinkKind::Distributing(weights))
 }
@@ -190,10 +185,7 @@ pub fn read_tie(context: &mut Context<'_>, card: &Card) {
     }
     let (adjust, tolerance) = (card.read("ADJUST"), card.read::<Option<f64>>("POSITION TOLERANCE"));
     let by_nodes = card.read::<usize>("TYPE") == 1;
-    let chosen = match card.value("TIED NSET").map(|word| context.node_members(word)) {
-        Some(None) => return,
-        chosen => chosen.flatten(),
-    };
+    let Some(chosen) = context.optional(card.value("TIED NSET"), Context::node_members) else { return };
     for line in &card.lines {
         let (Some(slave), Some(master)) = (line.field(0), line.field(1)) else {
             let diagnostic = Diagnostic::error("M102", "a tie requires two surfaces").at(line.span, "here");
@@ -212,7 +204,7 @@ pub fn read_tie(context: &mut Context<'_>, card: &Card) {
 }
 
 fn master_faces(context: &mut Context<'_>, word: &Word) -> Option<Vec<(usize, super::types::ElementSide)>> {
-    let names = [super::names::qualified(&context.scope, &word.text), upper(&word.text)];
+    let names = context.names_of(word);
     if names.iter().any(|n| context.model.surfaces.nodes.contains_key(n)) {
         let message = "a node-based surface cannot be the master surface of a tie";
         let help = "give an element-based surface as the second one, or use *MPC, TIE for pairs of nodes";

@@ -3,9 +3,11 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::history::{StepHistory, StepTiming, constant, ramp};
+use super::history::{StepHistory, StepTiming, ramp};
 use super::names::upper;
-use super::types::{BodyForce, ElementSide, Load, LoadKind, Model, SideSelection, SurfaceTraction, TargetId};
+use super::types::{
+    BodyForce, ElementSide, Load, LoadKind, LoadRegionMut, Model, SideSelection, SurfaceTraction, TargetId,
+};
 use crate::deck::{Diagnostic, Diagnostics, Span};
 
 impl StepHistory {
@@ -18,46 +20,35 @@ impl StepHistory {
         diagnostics: &mut Diagnostics,
     ) -> Vec<Load> {
         let mut inherited = std::mem::take(&mut self.loads);
-        let before = if step.ramp { self.magnitudes(&inherited, model) } else { HashMap::new() };
+        let magnitudes_before = if step.ramp { self.magnitudes(&inherited, model) } else { HashMap::new() };
         replace_loads(&mut inherited, &given);
         added_loads(&given).into_iter().for_each(|d| diagnostics.push(d));
-        let given: Vec<Load> = match step.ramp {
-            true => given.into_iter().flat_map(|l| ramped_load(l, &before, step, model)).collect(),
+        let added: Vec<Load> = match step.ramp {
+            true => given.into_iter().flat_map(|l| ramped_load(l, &magnitudes_before, step, model)).collect(),
             false => given,
         };
-        inherited.extend(given);
-        self.loads = inherited.iter().map(|l| self.carried_load(l, step, model)).collect();
-        inherited
-    }
-
-    fn carried_load(&self, load: &Load, step: &StepTiming, model: &mut Model) -> Load {
-        let mut settled = load.clone();
-        if let Some(factor) = self.factor_after_step(load.amplitude, step, model) {
-            // The user subroutine receives the amplitude and applies it.
-            if matches!(load.kind, LoadKind::User { .. } | LoadKind::UserBody { .. }) {
-                settled.amplitude = Some(constant(factor, load.amplitude, model));
-            } else {
-                (settled.magnitude, settled.amplitude) = (load.magnitude * factor, None);
+        inherited.extend(added);
+        let mut carried = inherited.clone();
+        for Load { kind, magnitude, amplitude, .. } in &mut carried {
+            self.settle((magnitude, amplitude), kind.is_user(), step, model);
+            if let LoadKind::Film { coefficient, amplitude, .. } = kind {
+                self.settle((coefficient, amplitude), false, step, model);
             }
         }
-        if let LoadKind::Film { coefficient, amplitude, .. } = &mut settled.kind
-            && let Some(factor) = self.factor_after_step(*amplitude, step, model)
-        {
-            (*coefficient, *amplitude) = (*coefficient * factor, None);
-        }
-        settled
+        self.loads = carried;
+        inherited
     }
 
     /// Returns the magnitudes of loads at the start of the step, by place.
     fn magnitudes(&self, loads: &[Load], model: &Model) -> HashMap<LoadPlace, f64> {
-        let mut before = HashMap::new();
+        let mut magnitudes = HashMap::new();
         for load in loads {
             let value = self.amplitude(load.amplitude, 0.0, model).unwrap_or(0.0) * load.magnitude;
             for place in places(&load.kind) {
-                *before.entry(place).or_default() += value;
+                *magnitudes.entry(place).or_default() += value;
             }
         }
-        before
+        magnitudes
     }
 }
 
@@ -126,35 +117,28 @@ fn places(kind: &LoadKind) -> Vec<LoadPlace> {
 /// Removes loads of earlier steps at the places for which the step defines loads of the same type.
 fn replace_loads(inherited: &mut Vec<Load>, given: &[Load]) {
     let taken: HashSet<LoadPlace> = given.iter().flat_map(|l| places(&l.kind)).collect();
-    let kept = |load: &mut Load| {
+    let keeps_load = |load: &mut Load| {
         let mut keep =
             places(&load.kind).into_iter().map(|place| !taken.contains(&place)).collect::<Vec<_>>().into_iter();
-        let mut next = || keep.next().unwrap_or(true);
-        match &mut load.kind {
-            LoadKind::Concentrated { nodes: list, .. }
-            | LoadKind::UserBody { elements: list, .. }
-            | LoadKind::Body { elements: list, .. }
-            | LoadKind::NodalHeat { nodes: list, .. }
-            | LoadKind::BodyHeat { elements: list, .. } => {
-                list.retain(|_| next());
-                !list.is_empty()
-            }
-            LoadKind::Pressure(s)
-            | LoadKind::SurfaceHeat(s)
-            | LoadKind::User { sides: s, .. }
-            | LoadKind::Traction { sides: s, .. }
-            | LoadKind::Blast { sides: s, .. }
-            | LoadKind::Film { sides: s, .. }
-            | LoadKind::Cavity { sides: s, .. }
-                if !s.surface =>
-            {
-                s.faces.retain(|_| next());
-                !s.faces.is_empty()
-            }
-            _ => next(),
-        }
+        retain_places(&mut load.kind, || keep.next().unwrap_or(true))
     };
-    inherited.retain_mut(kept);
+    inherited.retain_mut(keeps_load);
+}
+
+/// Keeps the places of a load, in the order of [`places`], for which `keeps` returns true. Returns whether one is left.
+fn retain_places(kind: &mut LoadKind, mut keeps: impl FnMut() -> bool) -> bool {
+    let is_gravity = matches!(kind, LoadKind::Gravity { .. });
+    match kind.region_mut() {
+        LoadRegionMut::Nodes(list) | LoadRegionMut::Elements(list) if !is_gravity => {
+            list.retain(|_| keeps());
+            !list.is_empty()
+        }
+        LoadRegionMut::Sides(sides) if !sides.surface => {
+            sides.faces.retain(|_| keeps());
+            !sides.faces.is_empty()
+        }
+        _ => keeps(),
+    }
 }
 
 /// Reports loads of the same type at the same place in one step, which add up.
@@ -199,20 +183,8 @@ fn ramped_load(load: Load, before: &HashMap<LoadPlace, f64>, step: &StepTiming, 
     values.dedup();
     let part = |&bits: &u64| {
         let mut part = load.clone();
-        let mut own = from.iter().map(|&b| b == bits);
-        let mut next = || own.next().unwrap_or(true);
-        match &mut part.kind {
-            LoadKind::Concentrated { nodes: list, .. }
-            | LoadKind::NodalHeat { nodes: list, .. }
-            | LoadKind::Body { elements: list, .. }
-            | LoadKind::BodyHeat { elements: list, .. } => list.retain(|_| next()),
-            LoadKind::Pressure(sides) | LoadKind::Traction { sides, .. } | LoadKind::SurfaceHeat(sides)
-                if !sides.surface =>
-            {
-                sides.faces.retain(|_| next())
-            }
-            _ => {}
-        }
+        let mut is_in_part = from.iter().map(|&b| b == bits);
+        retain_places(&mut part.kind, || is_in_part.next().unwrap_or(true));
         (part.magnitude, part.amplitude) = ramp(f64::from_bits(bits), load.magnitude, load.span, step, model);
         part
     };

@@ -3,9 +3,7 @@
 use super::context::Context;
 use super::families::StepReader;
 use super::names::upper;
-use super::types::{
-    AmplitudeId, BodyForce, ElementKind, ElementSide, Load, LoadKind, SideSelection, SurfaceTraction, TargetId,
-};
+use super::types::{AmplitudeId, BodyForce, ElementSide, Load, LoadKind, SideSelection, SurfaceTraction, TargetId};
 use super::{adaptive, amplitudes, completion, surfaces};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 use crate::platform::PortableMath as _;
@@ -62,10 +60,7 @@ fn check_load_options(context: &mut Context<'_>, card: &Card) {
     let directed = |line: &DataLine| ["GRAV", "TRVEC", "TRSHR", "CENTRIF"].iter().any(|label| begins(line, label));
     for line in card.lines.iter().filter(|l| card.keyword.name != "CLOAD" && !directed(l)) {
         if let Some(word) = (3..9).find_map(|k| line.field(k)) {
-            let diagnostic = Diagnostic::error("M161", format!("too many values: `{}`", word.text));
-            context
-                .diagnostics
-                .push(diagnostic.at(word.span, "only GRAV, TRVEC, TRSHR and CENTRIF have direction components"));
+            context.report_surplus(word, "only GRAV, TRVEC, TRSHR and CENTRIF have direction components");
         }
     }
     let uses = |label: &str| card.lines.iter().any(|line| begins(line, label));
@@ -157,7 +152,7 @@ fn element_load(context: &mut Context<'_>, card: &Card, line: &DataLine) -> Opti
 /// (ABAQUS Analysis User's Guide 29.6.1, "Shell elements: overview").
 fn orient_shell_sides(context: &Context<'_>, sides: &mut [(usize, ElementSide)]) {
     for (element, side) in sides {
-        if context.model.mesh.elements[*element].kind == ElementKind::Sax1 {
+        if context.model.mesh.elements[*element].kind.is_shell() {
             *side = ElementSide::Negative;
         }
     }
@@ -195,39 +190,27 @@ fn traction_load(
     label: &str,
 ) -> Option<ReadLoad> {
     let magnitude = context.number(line, 2, "the traction")?;
+    if label == "VP" {
+        let first_node = |context: &mut Context<'_>, word: &Word| context.node_members(word)?.first().copied();
+        let reference = context.optional(card.value("REF NODE"), first_node)?;
+        return Some((LoadKind::Traction { sides, law: SurfaceTraction::Viscous { reference } }, magnitude));
+    }
+    let [r, z, third] = context.numbers_or(line, DIRECTION, 0.0)?;
+    let length = r.portable_hypot(z);
+    if length == 0.0 || third != 0.0 {
+        let message = format!("{label} requires a direction: magnitude, r, z; the third component must be 0");
+        return context.refuse_value(line.span, message);
+    }
+    let direction = [r / length, z / length];
     let law = match label {
-        "VP" => {
-            let reference = match card.value("REF NODE") {
-                Some(word) => Some(context.node_members(word)?.first().copied()?),
-                None => None,
-            };
-            SurfaceTraction::Viscous { reference }
-        }
-        _ => {
-            let [r, z, third] = direction(context, line)?;
-            let length = r.portable_hypot(z);
-            if length == 0.0 || third != 0.0 {
-                let message = format!("{label} requires a direction: magnitude, r, z; the third component must be 0");
-                return context.refuse_value(line.span, message);
-            }
-            let direction = [r / length, z / length];
-            match label {
-                "TRSHR" => SurfaceTraction::Shear { direction },
-                _ => SurfaceTraction::Vector { direction, follows: card.read("FOLLOWER") },
-            }
-        }
+        "TRSHR" => SurfaceTraction::Shear { direction },
+        _ => SurfaceTraction::Vector { direction, follows: card.read("FOLLOWER") },
     };
     Some((LoadKind::Traction { sides, law }, magnitude))
 }
 
-/// Returns the three components of the direction after the magnitude.
-fn direction(context: &mut Context<'_>, line: &DataLine) -> Option<[f64; 3]> {
-    let mut direction = [0.0; 3];
-    for (i, component) in direction.iter_mut().enumerate() {
-        *component = context.number_or(line, 3 + i, 0.0)?;
-    }
-    Some(direction)
-}
+/// First field of the three components of the direction, after the magnitude.
+const DIRECTION: usize = 3;
 
 /// Reports a centrifugal load about another axis than that of symmetry: its point must have r = 0, and its
 /// direction must be z.
@@ -256,13 +239,9 @@ fn cavity_load(context: &mut Context<'_>, card: &Card, line: &DataLine, sides: S
 }
 
 fn gravity(context: &mut Context<'_>, line: &DataLine) -> Option<ReadLoad> {
-    let elements = match line.field(0) {
-        Some(word) => Some(context.element_members(word)?),
-        None => None,
-    };
+    let elements = context.optional(line.field(0), Context::element_members)?;
     let magnitude = context.number(line, 2, "the acceleration")?;
-    let direction = direction(context, line)?;
-    let [r, z, third] = direction;
+    let direction @ [r, z, third] = context.numbers_or(line, DIRECTION, 0.0)?;
     let length = r.portable_hypot(z).portable_hypot(third);
     if length == 0.0 {
         return context
@@ -270,8 +249,8 @@ fn gravity(context: &mut Context<'_>, line: &DataLine) -> Option<ReadLoad> {
     }
     if (r != 0.0 || third != 0.0) && magnitude != 0.0 && !completion::has_oblique_impact(context) {
         let message = "gravity along r has no resultant on a body of revolution; only its z component acts";
-        let diagnostic = Diagnostic::warning("M152", message).at(line.span, "direction with an r component");
-        context.diagnostics.push(diagnostic.help("give the direction as 0., 1. or 0., -1."));
+        let help = "give the direction as 0., 1. or 0., -1.";
+        context.warning("M152", message, line.span, "direction with an r component", help);
     }
     Some((LoadKind::Gravity { elements, direction: direction.map(|d| d / length) }, magnitude))
 }
@@ -288,40 +267,22 @@ fn body_force(label: &str) -> Option<BodyForce> {
 /// Returns the name of a traction label and the number of the element face after it, which may be empty.
 fn traction(label: &str) -> Option<(&'static str, &str)> {
     let known = |name: &'static str| Some((name, label.strip_prefix(name)?));
-    let found = ["TRVEC", "TRSHR", "VP"].into_iter().find_map(known);
-    found.filter(|(_, face)| matches!(*face, "" | "1" | "2" | "3" | "4"))
+    let named = ["TRVEC", "TRSHR", "VP"].into_iter().find_map(known);
+    named.filter(|(_, face)| matches!(*face, "" | "1" | "2" | "3" | "4"))
 }
 
-pub fn load_family(kind: &LoadKind) -> &'static str {
+/// Returns the keyword of the cards that define a load of this kind.
+fn load_family(kind: &LoadKind) -> &'static str {
+    let is_on_surface = kind.sides().is_some_and(|sides| sides.surface);
     match kind {
         LoadKind::Concentrated { .. } => "CLOAD",
-        LoadKind::Gravity { .. } | LoadKind::UserBody { .. } | LoadKind::Body { .. } => "DLOAD",
         LoadKind::Blast { .. } => "INCIDENT WAVE INTERACTION",
         LoadKind::NodalHeat { .. } => "CFLUX",
-        LoadKind::BodyHeat { .. } => "DFLUX",
-        LoadKind::SurfaceHeat(s) => {
-            if s.surface {
-                "DSFLUX"
-            } else {
-                "DFLUX"
-            }
-        }
-        LoadKind::Film { sides: s, .. } => {
-            if s.surface {
-                "SFILM"
-            } else {
-                "FILM"
-            }
-        }
-        LoadKind::Pressure(s)
-        | LoadKind::Traction { sides: s, .. }
-        | LoadKind::User { sides: s, .. }
-        | LoadKind::Cavity { sides: s, .. } => {
-            if s.surface {
-                "DSLOAD"
-            } else {
-                "DLOAD"
-            }
-        }
+        LoadKind::SurfaceHeat(_) if is_on_surface => "DSFLUX",
+        LoadKind::SurfaceHeat(_) | LoadKind::BodyHeat { .. } => "DFLUX",
+        LoadKind::Film { .. } if is_on_surface => "SFILM",
+        LoadKind::Film { .. } => "FILM",
+        _ if is_on_surface => "DSLOAD",
+        _ => "DLOAD",
     }
 }

@@ -17,10 +17,7 @@ pub fn read_mass_scaling(context: &mut Context<'_>, steps: &mut StepReader, card
 }
 
 fn scaling_request(context: &mut Context<'_>, card: &Card) -> Option<MassScaling> {
-    let elements = match card.value("ELSET") {
-        Some(word) => Some(context.element_members(word)?),
-        None => None,
-    };
+    let elements = context.optional(card.value("ELSET"), Context::element_members)?;
     let ((factor, dt, kind), rhythm) = if card.keyword.name == "FIXED MASS SCALING" {
         let cards::FixedMassScaling { factor, dt, kind } = card.values();
         ((factor, dt, kind), None)
@@ -30,8 +27,8 @@ fn scaling_request(context: &mut Context<'_>, card: &Card) -> Option<MassScaling
             (Some(count), None) => ScalingSchedule::Increments(count as u64),
             (None, Some(count)) => ScalingSchedule::Intervals(count as u64),
             _ => {
-                return context
-                    .refuse_value(card.span, "*VARIABLE MASS SCALING requires either FREQUENCY or NUMBER INTERVAL");
+                let message = "*VARIABLE MASS SCALING requires either FREQUENCY or NUMBER INTERVAL";
+                return context.refuse_value(card.span, message);
             }
         };
         ((None, dt, kind), Some(rhythm))

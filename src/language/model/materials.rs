@@ -6,7 +6,7 @@ use super::faults::{ValueCheck, ValueFault, is_non_negative, is_positive, requir
 use super::names::upper;
 use super::types::{
     CavityExpansion, Element, ElementKind, MaterialDefinition, MaterialId, PlasticityModel, RateDependence,
-    SectionControls, SolidSection, ThermalExpansion,
+    SectionControls, SolidSection,
 };
 use super::{cohesive, derive, fields, user_material};
 use crate::deck::table::materials as cards;
@@ -34,31 +34,6 @@ pub fn read_density(context: &mut Context<'_>, card: &Card) {
     let material = context.last_material();
     material.density = rows.first().map(|r| r[0]);
     material.densities = if rows.iter().any(|r| r[1].is_nan()) { Vec::new() } else { rows };
-}
-
-pub fn read_viscosity(context: &mut Context<'_>, card: &Card) {
-    let cards::Viscosity { viscosity: [viscosity] } = card.values();
-    context.last_material().viscosity = Some((viscosity, card.span));
-}
-
-pub fn read_inelastic_heat_fraction(context: &mut Context<'_>, card: &Card) {
-    let cards::InelasticHeatFraction { fraction: [fraction] } = card.values();
-    context.last_material().thermal.inelastic_heat_fraction = Some(fraction);
-}
-
-pub fn read_specific_heat(context: &mut Context<'_>, card: &Card) {
-    let cards::SpecificHeat { rows } = card.values();
-    context.last_material().thermal.specific_heat = Some(rows);
-}
-
-pub fn read_conductivity(context: &mut Context<'_>, card: &Card) {
-    let cards::Conductivity { rows } = card.values();
-    context.last_material().thermal.conductivity = Some((rows, card.span));
-}
-
-pub fn read_expansion(context: &mut Context<'_>, card: &Card) {
-    let cards::Expansion { zero, rows } = card.values();
-    context.last_material().thermal.expansion = Some(ThermalExpansion { rows, zero, span: card.span });
 }
 
 pub fn read_elastic(context: &mut Context<'_>, card: &Card) {
@@ -169,12 +144,12 @@ impl PlasticityModel {
 /// Checks that plastic strains start at zero and ascend at each temperature.
 fn check_plastic_strains(rows: &[[f64; 3]]) -> ValueCheck {
     for (line, row) in rows.iter().enumerate() {
-        let before =
+        let previous =
             line.checked_sub(1).map(|k| rows[k]).filter(|b| b[2] == row[2] || b[2].is_nan() && row[2].is_nan());
-        let message = match before {
+        let message = match previous {
             None if row[1] != 0.0 => format!("plastic strains must start at 0, found {}", row[1]),
-            Some(before) if row[1] <= before[1] => {
-                format!("plastic strains must ascend, found {} after {}", row[1], before[1])
+            Some(previous) if row[1] <= previous[1] => {
+                format!("plastic strains must ascend, found {} after {}", row[1], previous[1])
             }
             _ if !(row[0].is_finite() && row[1].is_finite()) => {
                 format!("yield stress and plastic strain must be finite, found {} and {}", row[0], row[1])
@@ -191,17 +166,17 @@ fn check_plastic_strains(rows: &[[f64; 3]]) -> ValueCheck {
 fn kinematic(context: &mut Context<'_>, card: &Card) {
     let rows: Vec<[f64; 3]> = card.read_lines();
     let cold = rows.iter().all(|r| r[2].is_nan());
-    let (pairs, rest) = rows.as_chunks::<2>();
+    let (pairs, unpaired) = rows.as_chunks::<2>();
     let matched = pairs.iter().all(|[a, b]| cold || a[2] == b[2]) && (pairs.len() == 1 || !cold);
-    if pairs.is_empty() || !rest.is_empty() || !matched {
+    if pairs.is_empty() || !unpaired.is_empty() || !matched {
         let help = "give two rows per temperature: the yield stress at plastic strain 0, and another point of the line";
         let message = format!("HARDENING=KINEMATIC with {} rows is not supported", rows.len());
         return context.unsupported(card.span, message, help);
     }
     let line = |[first, second]: &[[f64; 3]; 2]| {
         let slope = (second[0] - first[0]) / (second[1] - first[1]);
-        let good = first[0] > 0.0 && first[1] == 0.0 && slope.is_finite() && slope >= 0.0 && second[1] > 0.0;
-        good.then_some([first[0], slope, first[2]])
+        let is_valid = first[0] > 0.0 && first[1] == 0.0 && slope.is_finite() && slope >= 0.0 && second[1] > 0.0;
+        is_valid.then_some([first[0], slope, first[2]])
     };
     let lines: Option<Vec<[f64; 3]>> = pairs.iter().map(line).collect();
     match lines.filter(|l| cold || l.windows(2).all(|w| w[0][2] < w[1][2])) {

@@ -33,7 +33,7 @@ const COMPATIBLE: &[[&str; 2]] = &[["SCALE FACTOR", "ELEMENT BY ELEMENT"], ["SCA
 
 /// Reports parameters without the parameter that they need, and parameters that exclude each other.
 pub(super) fn check_mates(card: &Card, diagnostics: &mut Diagnostics) {
-    let given = |name: &str| card.parameter(name).filter(|_| card.has(name));
+    let given_parameter = |name: &str| card.parameter(name).filter(|_| card.has(name));
     for (_, names, other, words) in NEEDED.iter().filter(|row| row.0 == card.keyword.name) {
         let has_other = match words {
             [] => card.has(other),
@@ -43,17 +43,17 @@ pub(super) fn check_mates(card: &Card, diagnostics: &mut Diagnostics) {
             continue;
         }
         let needed = if words.is_empty() { (*other).to_owned() } else { format!("{other}={}", words.join(" or ")) };
-        for Parameter { name, span, .. } in names.iter().filter_map(|name| given(name)) {
+        for Parameter { name, span, .. } in names.iter().filter_map(|name| given_parameter(name)) {
             let message = format!("{name} of *{} has an effect only with {needed}", card.keyword.name);
             diagnostics.push(Diagnostic::error("M167", message).at(*span, "here").help("add it, or remove this one"));
         }
     }
     for (_, names) in EXCLUSIVE.iter().filter(|row| row.0 == card.keyword.name) {
-        let all: Vec<&Parameter> = names.iter().filter_map(|name| given(name)).collect();
-        let excluded = all.iter().enumerate().find_map(|(i, a)| {
+        let given_parameters: Vec<&Parameter> = names.iter().filter_map(|name| given_parameter(name)).collect();
+        let excluded = given_parameters.iter().enumerate().find_map(|(i, a)| {
             let is_compatible =
                 |b: &Parameter| COMPATIBLE.iter().any(|pair| pair.contains(&a.name) && pair.contains(&b.name));
-            all[i + 1..].iter().find(|b| !is_compatible(b)).map(|b| (a, b))
+            given_parameters[i + 1..].iter().find(|b| !is_compatible(b)).map(|b| (a, b))
         });
         if let Some((a, b)) = excluded {
             let message = format!("{} and {} of *{} exclude each other", a.name, b.name, card.keyword.name);

@@ -84,8 +84,8 @@ impl MeshGroups {
             if *dimension < highest {
                 continue;
             }
-            let found: Option<Vec<usize>> = nodes.iter().map(|n| self.by_label.get(n).copied()).collect();
-            let mut cell = found.ok_or_else(|| format!("element {label} refers to an undefined node"))?;
+            let indices: Option<Vec<usize>> = nodes.iter().map(|n| self.by_label.get(n).copied()).collect();
+            let mut cell = indices.ok_or_else(|| format!("element {label} refers to an undefined node"))?;
             // Corner nodes precede midside nodes.
             let corners = if cell.len() == 6 { 3 } else { cell.len() };
             if all && *dimension == 2 && area(&self.points, &cell[..corners]) < 0.0 {

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::context::Context;
 use super::families::MeshReader;
 use super::mesh_data::{MeshFile, is_recognized_array};
+use super::names::SetKind;
 use super::types::ElementKind;
 use super::vtk_file::read;
 use super::{elements, nodes, sets};
@@ -37,10 +38,7 @@ fn lossy_text(bytes: Vec<u8>) -> String {
 
 pub fn read_mesh_file(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(input) = context.required(card, "INPUT") else { return };
-    let kind = match card.value("TYPE").map(|word| elements::element_kind(context, word)) {
-        Some(None) => return,
-        kind => kind.flatten(),
-    };
+    let Some(kind) = context.optional(card.value("TYPE"), elements::element_kind) else { return };
     let path = context.deck.sources.folder(card.span).join(input.text.replace('\\', "/"));
     let deck = Span { file: 0, ..Span::default() };
     if untrusted::forbids(context.deck.sources.folder(deck), &path) {
@@ -82,13 +80,13 @@ fn add_mesh(context: &mut Context<'_>, mesh: &mut MeshReader, file: &MeshFile, k
     for (name, values) in &file.point_arrays {
         if let Some(name) = name.strip_prefix("NSET_") {
             let members = nodes.iter().zip(values).filter(|(_, v)| **v != 0.0).map(|(n, _)| *n).collect();
-            sets::add_node_set(context, name, members, span);
+            sets::add_set(context, SetKind::Nodes, name, members, span);
         }
     }
     for (name, values) in &file.cell_arrays {
         if let Some(name) = name.strip_prefix("ELSET_") {
             let members = elements.iter().zip(values).filter(|(_, v)| **v != 0.0).filter_map(|(e, _)| *e).collect();
-            sets::add_element_set(context, name, members, span);
+            sets::add_set(context, SetKind::Elements, name, members, span);
         }
     }
 }

@@ -99,9 +99,7 @@ use crate::deck::{Deck, Diagnostics, MeshScaling};
 /// is refined or coarsened as [`Deck::mesh_scaling`] requests, if the deck has no error.
 pub fn build(deck: &Deck) -> (Model, Diagnostics) {
     let mut builder = builder::ModelBuilder::checked(deck);
-    for card in builder.ordered_cards() {
-        builder.read_card(card);
-    }
+    builder.read_cards();
     let (model, mut diagnostics) = builder.finish();
     match deck.mesh_scaling.filter(|_| !diagnostics.has_errors()) {
         Some(MeshScaling::Refine(factor)) if factor > 1 => {

@@ -23,9 +23,9 @@ impl EntityName {
     /// Returns the name of a label in a scope: `label`, or `INSTANCE.label`.
     pub(super) fn of_label(scope: &str, label: i64) -> EntityName {
         let mut bytes = [0; SHORT];
-        let mut rest = &mut bytes[..];
-        if scope.is_empty() && write!(rest, "{label}").is_ok() {
-            let length = SHORT - rest.len();
+        let mut remaining = &mut bytes[..];
+        if scope.is_empty() && write!(remaining, "{label}").is_ok() {
+            let length = SHORT - remaining.len();
             return EntityName(NameStorage::Short(length as u8, bytes));
         }
         EntityName::from(super::names::qualified(scope, &label.to_string()))

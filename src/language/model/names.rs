@@ -44,11 +44,11 @@ impl ScopeLabels {
 
     /// Sets the index of a label; returns the previous one.
     fn insert(&mut self, label: i64, index: usize) -> Option<usize> {
-        let before = self.find(label);
+        let previous = self.find(label);
         // The size limit of a model is far below the range of u32.
         let index = u32::try_from(index).unwrap_or(NONE);
-        let most = LIST_LIMIT[0] * self.count + LIST_LIMIT[1];
-        match usize::try_from(label).ok().filter(|at| *at < most && !self.sparse.contains_key(&label)) {
+        let limit = LIST_LIMIT[0] * self.count + LIST_LIMIT[1];
+        match usize::try_from(label).ok().filter(|at| *at < limit && !self.sparse.contains_key(&label)) {
             Some(at) => {
                 if at >= self.dense.len() {
                     self.dense.resize(at + 1, NONE);
@@ -57,8 +57,8 @@ impl ScopeLabels {
             }
             None => drop(self.sparse.insert(label, index)),
         }
-        self.count += usize::from(before.is_none());
-        before
+        self.count += usize::from(previous.is_none());
+        previous
     }
 }
 
@@ -86,14 +86,14 @@ impl LabelTable {
 
     /// Sets the index of a label; returns the previous one.
     pub fn insert(&mut self, scope: &str, label: i64, index: usize) -> Option<usize> {
-        let place = self.place(scope).unwrap_or_else(|| {
+        let scope_index = self.place(scope).unwrap_or_else(|| {
             self.scopes.push((scope.to_owned(), ScopeLabels::default()));
             self.places.insert(scope.to_owned(), self.scopes.len() - 1);
             self.scopes.len() - 1
         });
-        let before = self.scopes[place].1.insert(label, index);
-        self.count += usize::from(before.is_none());
-        before
+        let previous = self.scopes[scope_index].1.insert(label, index);
+        self.count += usize::from(previous.is_none());
+        previous
     }
 
     /// Returns the index of a label given as `12` or `INSTANCE.12`.
@@ -109,6 +109,13 @@ impl LabelTable {
     pub fn len(&self) -> usize {
         self.count
     }
+}
+
+/// Kind of the members of a set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SetKind {
+    Nodes,
+    Elements,
 }
 
 /// Converts a name to upper case, in which names are compared.
@@ -138,8 +145,8 @@ mod tests {
     #[test]
     fn dense_and_sparse_labels_are_found() {
         let mut labels = LabelTable::default();
-        let all = [1, 2, 999, 1000, 5000, -7, i64::MAX, 3, 1001, 5001];
-        for (i, label) in all.into_iter().enumerate() {
+        let numbers = [1, 2, 999, 1000, 5000, -7, i64::MAX, 3, 1001, 5001];
+        for (i, label) in numbers.into_iter().enumerate() {
             assert_eq!((labels.find("A", label), labels.insert("A", label, i)), (None, None), "{label}");
         }
         // The list could hold 5000 now, but its entry remains in the hash map.
@@ -147,7 +154,7 @@ mod tests {
             labels.insert("A", label, 7);
         }
         assert_eq!((labels.insert("A", 5000, 44), labels.find("A", 5000)), (Some(4), Some(44)));
-        for (i, label) in all.into_iter().enumerate().filter(|(i, _)| *i != 4) {
+        for (i, label) in numbers.into_iter().enumerate().filter(|(i, _)| *i != 4) {
             assert_eq!(labels.find("A", label), Some(i), "{label}");
         }
         assert_eq!((labels.find("B", 1), labels.find("A", 4), labels.len()), (None, None, 10_010));

@@ -4,7 +4,7 @@ use super::budget::BudgetedItem;
 use super::context::Context;
 use super::families::MeshReader;
 use super::name::EntityName;
-use super::names::{qualified, upper};
+use super::names::SetKind;
 use super::refinement::curves::{on_arc, polar_point};
 use super::{contact, sets};
 use crate::deck::rows::label_and_coordinates;
@@ -15,42 +15,43 @@ pub fn read_nodes(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card)
     let mut made = Vec::with_capacity(if card.has("NSET") { card.rows.len() } else { 0 });
     let mut again = RedefinedNodes::default();
     let polar = card.value("SYSTEM").is_some_and(|w| w.is("C"));
-    context.model.mesh.reserve_nodes(card.rows.len());
+    context.model.mesh.points.reserve(card.rows.len());
+    context.model.mesh.node_names.reserve(card.rows.len());
     for row in &card.rows {
-        let plain = row.text(sources).and_then(label_and_coordinates);
-        let Some((label, [r, z])) = plain.or_else(|| node_line(context, &row.line(sources))) else { continue };
+        let short_form = row.text(sources).and_then(label_and_coordinates);
+        let Some((label, [r, z])) = short_form.or_else(|| node_line(context, &row.line(sources))) else { continue };
         if context.nodes.find(&context.scope, label).is_some() {
             again.note(label, row.span());
         }
-        let given = if polar { polar_point(r, z) } else { [r, z] };
-        let node = add_node(context, mesh, label, mesh.global_coordinates(given));
+        let coordinates = if polar { polar_point(r, z) } else { [r, z] };
+        let node = add_node(context, mesh, label, mesh.global_coordinates(coordinates));
         if made.capacity() > 0 {
             made.push(node);
         }
     }
     again.report(&mut context.diagnostics);
-    sets::collect_nodes(context, card, "NSET", made);
+    sets::collect(context, SetKind::Nodes, card, "NSET", made);
 }
 
 fn node_line(context: &mut Context<'_>, line: &DataLine) -> Option<(i64, [f64; 2])> {
     let label = context.integer(line, 0, "the node label")?;
     // Report errors of both fields.
-    let place = [1, 2].map(|at| context.number_or(line, at, 0.0));
-    Some((label, [place[0]?, place[1]?]))
+    let coordinates = [1, 2].map(|at| context.number_or(line, at, 0.0));
+    Some((label, [coordinates[0]?, coordinates[1]?]))
 }
 
 /// Adds a node in the current scope. If the label exists, the node is moved: the last definition is used.
 pub fn add_node(context: &mut Context<'_>, mesh: &mut MeshReader, label: i64, [r, z]: [f64; 2]) -> usize {
-    let place = mesh.placement.as_ref().map_or([r, z], |placement| placement.apply([r, z]));
+    let position = mesh.placement.as_ref().map_or([r, z], |placement| placement.apply([r, z]));
     if let Some(known) = context.nodes.find(&context.scope, label) {
-        let before = std::mem::replace(&mut context.model.mesh.points[known], place);
-        if before != place {
+        let previous = std::mem::replace(&mut context.model.mesh.points[known], position);
+        if previous != position {
             mesh.moved.insert(known, mesh.current_card);
         }
         return known;
     }
     let index = context.model.mesh.points.len();
-    context.model.mesh.points.push(place);
+    context.model.mesh.points.push(position);
     context.model.mesh.node_names.push(EntityName::of_label(&context.scope, label));
     context.nodes.insert(&context.scope, label, index);
     index
@@ -82,13 +83,13 @@ pub fn read_ngen(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card) 
         context.unsupported(line.span, format!("LINE={} is not supported", line.text), "use a straight line or LINE=C");
     }
     let made = card.lines.iter().filter_map(|line| ngen_line(context, mesh, line, arc)).flatten().collect();
-    sets::collect_nodes(context, card, "NSET", made);
+    sets::collect(context, SetKind::Nodes, card, "NSET", made);
 }
 
 fn ngen_line(context: &mut Context<'_>, mesh: &mut MeshReader, line: &DataLine, arc: bool) -> Option<Vec<usize>> {
     let normal = context.number_or(line, 9, 0.0)?;
     let (first, from) = label_of(context, line.field(0), line, "the first node")?;
-    let (last, to) = label_of(context, line.field(1), line, "the last node")?;
+    let (last, end) = label_of(context, line.field(1), line, "the last node")?;
     let step = line.field(2).map_or(Some(1), |w| w.integer(&mut context.diagnostics))?;
     let span = (i128::from(last) - i128::from(first)).abs();
     if step <= 0 || span % i128::from(step) != 0 {
@@ -96,11 +97,11 @@ fn ngen_line(context: &mut Context<'_>, mesh: &mut MeshReader, line: &DataLine, 
         return context.refuse_value(line.span, message);
     }
     let count = count(context, span / i128::from(step), line.span)?;
-    let (a, b) = (context.model.mesh.points[from], context.model.mesh.points[to]);
+    let (a, b) = (context.model.mesh.points[from], context.model.mesh.points[end]);
     let mut arc_centre = None;
     if arc {
-        let given = centre(context, line)?;
-        arc_centre = Some(contact::arc_centre(context, a, b, given, line.span)?);
+        let rough_centre = centre(context, line)?;
+        arc_centre = Some(contact::arc_centre(context, a, b, rough_centre, line.span)?);
     }
     let sign = (last - first).signum();
     let mut made = vec![from];
@@ -112,7 +113,7 @@ fn ngen_line(context: &mut Context<'_>, mesh: &mut MeshReader, line: &DataLine, 
         };
         made.push(place_generated(context, mesh, first + sign * step * i as i64, [r, z], line.span));
     }
-    made.push(to);
+    made.push(end);
     if let (Some(centre), true) = (arc_centre, context.deck.mesh_scaling.is_some()) {
         context.scaling.curves.record_arc(&made, centre, normal);
     }
@@ -143,8 +144,7 @@ pub fn place_generated(
 fn centre(context: &mut Context<'_>, line: &DataLine) -> Option<[f64; 2]> {
     if line.field(3).is_some() {
         let is_zero = |word: &&Word| word.text.parse().is_ok_and(|value: f64| value == 0.0);
-        let given = [4, 5].into_iter().filter_map(|k| line.field(k));
-        if let Some(word) = given.into_iter().find(|word| !is_zero(word)) {
+        if let Some(word) = [4, 5].into_iter().filter_map(|k| line.field(k)).find(|word| !is_zero(word)) {
             context.report_surplus(word, "the centre is given by a node or by its coordinates");
         }
         let (_, index) = label_of(context, line.field(3), line, "the centre node")?;
@@ -163,7 +163,7 @@ pub fn read_nfill(context: &mut Context<'_>, mesh: &mut MeshReader, card: &Card)
     let singular = card.read::<Option<usize>>("SINGULAR").unwrap_or(0);
     let spacing = FillSpacing { bias: card.read("BIAS"), two_step: card.has("TWO STEP"), singular };
     let made = card.lines.iter().filter_map(|line| nfill_line(context, mesh, line, &spacing)).flatten().collect();
-    sets::collect_nodes(context, card, "NSET", made);
+    sets::collect(context, SetKind::Nodes, card, "NSET", made);
 }
 
 fn nfill_line(
@@ -173,39 +173,38 @@ fn nfill_line(
     spacing: &FillSpacing,
 ) -> Option<Vec<usize>> {
     let (Some(first), Some(second)) = (line.field(0), line.field(1)) else {
-        return context
-            .diagnostics
-            .refuse(Diagnostic::error("M102", "two node sets are required").at(line.span, "here"));
+        let diagnostic = Diagnostic::error("M102", "two node sets are required").at(line.span, "here");
+        return context.diagnostics.refuse(diagnostic);
     };
-    let (from, to) = (nodes_in_order(context, mesh, first)?, nodes_in_order(context, mesh, second)?);
+    let (starts, ends) = (nodes_in_order(context, mesh, first)?, nodes_in_order(context, mesh, second)?);
     let intervals = context.integer(line, 2, "the number of intervals")?;
     let step = line.field(3).map_or(Some(1), |w| w.integer(&mut context.diagnostics))?;
-    if context.missing.nodes && from.len() != to.len() {
+    if context.missing.nodes && starts.len() != ends.len() {
         return None;
     }
-    if from.len() != to.len() || intervals < 1 || step < 1 {
-        let message = format!("the sets must have equal numbers of nodes, found {} and {}", from.len(), to.len());
+    if starts.len() != ends.len() || intervals < 1 || step < 1 {
+        let message = format!("the sets must have equal numbers of nodes, found {} and {}", starts.len(), ends.len());
         return context.refuse_value(line.span, message);
     }
-    count(context, i128::from(intervals) * from.len() as i128, line.span)?;
+    count(context, i128::from(intervals) * starts.len() as i128, line.span)?;
     if (spacing.two_step || spacing.singular > 0) && intervals % 2 != 0 {
         return context.refuse_value(line.span, "TWO STEP and SINGULAR require an even number of intervals");
     }
     let shares = shares(intervals as usize, spacing);
     let (mut made, mut rows) = (Vec::new(), Vec::new());
-    for (a, b) in from.iter().zip(&to) {
+    for (a, b) in starts.iter().zip(&ends) {
         let (start, end) = (context.model.mesh.points[*a], context.model.mesh.points[*b]);
         let label = label_of_index(context, *a)?;
         let row = made.len();
         for (i, s) in shares.iter().enumerate() {
-            let place = [start[0] + s * (end[0] - start[0]), start[1] + s * (end[1] - start[1])];
-            made.push(place_generated(context, mesh, label + step * (i as i64 + 1), place, line.span));
+            let position = [start[0] + s * (end[0] - start[0]), start[1] + s * (end[1] - start[1])];
+            made.push(place_generated(context, mesh, label + step * (i as i64 + 1), position, line.span));
         }
         rows.push(made[row..].to_vec());
         made.extend([*a, *b]);
     }
     if context.deck.mesh_scaling.is_some() {
-        context.scaling.curves.record_rows([&from, &to], &rows, &shares);
+        context.scaling.curves.record_rows([&starts, &ends], &rows, &shares);
     }
     Some(made)
 }
@@ -213,12 +212,9 @@ fn nfill_line(
 /// Returns the nodes of a set: in the given order for an UNSORTED set, otherwise in order of labels. The new nodes
 /// of a refined mesh have no order and are left out.
 pub fn nodes_in_order(context: &mut Context<'_>, mesh: &mut MeshReader, word: &Word) -> Option<Vec<usize>> {
-    for name in [qualified(&context.scope, &word.text), upper(&word.text)] {
-        if let Some(nodes) = mesh.unsorted.get(&name) {
-            let nodes = nodes.clone();
-            context.edit_nodes(word, &nodes, true);
-            return Some(nodes);
-        }
+    if let Some(nodes) = context.names_of(word).iter().find_map(|name| mesh.unsorted.get(name)).cloned() {
+        context.edit_nodes(word, &nodes, true);
+        return Some(nodes);
     }
     let mut nodes = context.original_nodes(word)?;
     nodes.sort_by_key(|&n| (label_of_index(context, n), n));

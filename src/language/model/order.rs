@@ -8,7 +8,7 @@ use crate::deck::{Card, Sources};
 /// Returns the cards of a deck or part in reading order. Cards of one rank keep their order, as do blocks (parts,
 /// instances, the assembly, steps).
 pub(super) fn ordered<'a>(cards: &[&'a Card], sources: &Sources) -> Vec<&'a Card> {
-    let mut all = Vec::with_capacity(cards.len());
+    let mut ordered = Vec::with_capacity(cards.len());
     let mut region: Vec<Vec<&Card>> = Vec::new();
     let first_step = cards.iter().position(|c| c.keyword.name == "STEP").unwrap_or(cards.len());
     let (model, steps) = cards.split_at(first_step);
@@ -23,8 +23,8 @@ pub(super) fn ordered<'a>(cards: &[&'a Card], sources: &Sources) -> Vec<&'a Card
                 }
             }
             (None, "ASSEMBLY" | "END ASSEMBLY") => {
-                flush(&mut region, &mut all, sources);
-                all.push(*card);
+                flush(&mut region, &mut ordered, sources);
+                ordered.push(*card);
             }
             (None, _) => {
                 region.push(vec![card]);
@@ -41,21 +41,22 @@ pub(super) fn ordered<'a>(cards: &[&'a Card], sources: &Sources) -> Vec<&'a Card
     let is_model = |c: &&&Card| DATA.contains(&c.keyword.name);
     let (data, steps): (Vec<&Card>, Vec<&Card>) = steps.iter().partition(is_model);
     region.extend(data.into_iter().map(|card| vec![card]));
-    flush(&mut region, &mut all, sources);
-    all.extend(steps);
-    all
+    flush(&mut region, &mut ordered, sources);
+    ordered.extend(steps);
+    ordered
 }
 
 /// Appends the cards of a region, sorted by rank.
 fn flush<'a>(region: &mut Vec<Vec<&'a Card>>, all: &mut Vec<&'a Card>, sources: &Sources) {
     let first = |kinds: &[&str]| region.iter().position(|u| kinds.contains(&u[0].keyword.name)).unwrap_or(0);
-    let before = [first(&["NODE", "NGEN", "MESH", "INSTANCE"]), first(&["ELEMENT", "ELGEN", "MESH", "INSTANCE"])];
+    let first_definitions =
+        [first(&["NODE", "NGEN", "MESH", "INSTANCE"]), first(&["ELEMENT", "ELGEN", "MESH", "INSTANCE"])];
     let mut units: Vec<(u8, Vec<&Card>)> = Vec::new();
     for (at, unit) in region.drain(..).enumerate() {
         // A set of labels before any node or element refers to later ones.
         let early = match unit[0].keyword.name {
-            "NSET" => at < before[0],
-            "ELSET" => at < before[1],
+            "NSET" => at < first_definitions[0],
+            "ELSET" => at < first_definitions[1],
             _ => false,
         };
         units.push((if early { 2 } else { rank(unit[0]) }, unit));
@@ -84,17 +85,17 @@ fn rank(card: &Card) -> u8 {
 
 /// Moves sets behind the sets that they list.
 fn put_members_first(region: &mut Vec<Vec<&Card>>, sources: &Sources) {
-    let mut at = 0;
+    let mut index = 0;
     let mut moves = 0;
-    while at < region.len() {
-        let later = last_member(region, at, sources).filter(|_| moves < region.len());
+    while index < region.len() {
+        let later = last_member(region, index, sources).filter(|_| moves < region.len());
         match later {
             Some(to) => {
-                let unit = region.remove(at);
+                let unit = region.remove(index);
                 region.insert(to, unit);
                 moves += 1;
             }
-            None => at += 1,
+            None => index += 1,
         }
     }
 }
@@ -103,19 +104,15 @@ fn put_members_first(region: &mut Vec<Vec<&Card>>, sources: &Sources) {
 /// if an earlier one exists.
 fn last_member(region: &[Vec<&Card>], at: usize, sources: &Sources) -> Option<usize> {
     let card = region[at][0];
-    let parameter = match card.keyword.name {
-        "NSET" => "NSET",
-        "ELSET" => "ELSET",
-        _ => return None,
-    };
+    let parameter = Some(card.keyword.name).filter(|name| matches!(*name, "NSET" | "ELSET"))?;
     // Most rows have labels only.
     let labels = |text: &str| words(text).all(|word| word.parse::<i64>().is_ok());
     let named = card.rows.iter().filter(|row| !row.text(sources).is_some_and(labels));
     let names = named.flat_map(|row| row.line(sources).into_owned().fields);
     let names = names.filter(|w| w.text.parse::<i64>().is_err());
     let members: Vec<String> = names.map(|w| fold(&w.text)).filter(|n| !n.is_empty()).collect();
-    let own = fold(&card.value(parameter)?.text);
-    if members.is_empty() || members.contains(&own) {
+    let set_name = fold(&card.value(parameter)?.text);
+    if members.is_empty() || members.contains(&set_name) {
         return None;
     }
     let defines = |unit: &Vec<&Card>| {
@@ -123,7 +120,7 @@ fn last_member(region: &[Vec<&Card>], at: usize, sources: &Sources) -> Option<us
             matches!(unit[0].keyword.name, "NODE" | "NGEN" | "NFILL" | "NSET" | "ELEMENT" | "ELGEN" | "ELSET");
         defining && unit[0].value(parameter).is_some_and(|w| members.contains(&fold(&w.text)))
     };
-    let before = region[..at].iter().any(defines);
+    let is_defined_before = region[..at].iter().any(defines);
     let last = region[at + 1..].iter().rposition(defines)?;
-    (!before).then_some(at + 1 + last)
+    (!is_defined_before).then_some(at + 1 + last)
 }

@@ -3,10 +3,10 @@
 use super::contact;
 use super::context::{Context, MAX_GENERATED};
 use super::families::{OutputReader, StepReader};
-use super::names::{qualified, upper};
+use super::names::{SetKind, upper};
 use super::types::{
-    ContactPairFilter, ElementSetId, NodeSetId, OutputCard, OutputInterval, OutputKind, OutputPosition, OutputRegion,
-    OutputRequest, RestartRequest, TimePoints, TimePointsId,
+    ContactPairFilter, ElementSetId, MemberSet, NodeSetId, OutputCard, OutputInterval, OutputKind, OutputPosition,
+    OutputRegion, OutputRequest, RestartRequest, TimePoints, TimePointsId,
 };
 use crate::deck::{Card, Diagnostic, Word};
 use crate::variables::request::{self, SectionPoint, VariableRequest};
@@ -85,9 +85,8 @@ pub fn read_restart(context: &mut Context<'_>, steps: &mut StepReader, card: &Ca
 fn note_time_marks(context: &mut Context<'_>, card: &Card) {
     if card.has("TIME MARKS") {
         let message = "with TIME MARKS=YES output is written at the first increment at or after the requested time";
-        context
-            .diagnostics
-            .push(Diagnostic::note("M142", message).at(card.span, "output does not change the increments"));
+        let note = Diagnostic::note("M142", message).at(card.span, "output does not change the increments");
+        context.diagnostics.push(note);
     }
 }
 
@@ -128,11 +127,11 @@ pub fn read_time_points(context: &mut Context<'_>, card: &Card) {
 fn interval(context: &mut Context<'_>, card: &Card) -> Option<OutputInterval> {
     if let Some(word) = card.value("TIME POINTS") {
         let names: Vec<String> = context.model.output.time_points.iter().map(|p| p.name.clone()).collect();
-        let found = names.iter().position(|n| *n == upper(&word.text));
-        if found.is_none() {
+        let index = names.iter().position(|n| *n == upper(&word.text));
+        if index.is_none() {
             context.unknown("M117", "time points", word, |_| names.clone());
         }
-        return found.map(|index| OutputInterval::Points(TimePointsId::new(index)));
+        return index.map(|index| OutputInterval::Points(TimePointsId::new(index)));
     }
     let count = |name| card.read::<Option<usize>>(name).map(|count| u32::try_from(count).unwrap_or(u32::MAX));
     Some(match (card.read("TIME INTERVAL"), count("NUMBER INTERVAL"), count("FREQUENCY")) {
@@ -154,7 +153,7 @@ pub fn read_output_variables(
         return context.misplaced(card, format!("*{} must follow an *OUTPUT", card.keyword.name), "OUTPUT");
     };
     let Some(region) = output_region(context, output, card) else { return };
-    let of = match card.keyword.name {
+    let output_card = match card.keyword.name {
         "NODE OUTPUT" => OutputCard::Node,
         "ELEMENT OUTPUT" => OutputCard::Element,
         "ENERGY OUTPUT" => OutputCard::Energy,
@@ -182,9 +181,10 @@ pub fn read_output_variables(
             None => unknown.push(word),
         }
     }
-    unknown_variables(context, &unknown, of);
+    unknown_variables(context, &unknown, output_card);
     if !variables.is_empty() {
-        let request = OutputRequest { card: of, variables, position, region, statistics, span: card.span, ..request };
+        let request =
+            OutputRequest { card: output_card, variables, position, region, statistics, span: card.span, ..request };
         steps.state().outputs.push(request);
     }
 }
@@ -255,22 +255,20 @@ fn statistics(context: &mut Context<'_>, card: &Card, kind: OutputKind, region: 
         return Vec::new();
     }
     let words: Vec<&str> = word.text.split([',', ' ']).filter(|w| !w.is_empty()).collect();
-    let found: Option<Vec<Statistic>> = words.iter().map(|w| Statistic::parse(w)).collect();
-    let Some(mut found) = found.filter(|found| !found.is_empty()) else {
+    let parsed: Option<Vec<Statistic>> = words.iter().map(|w| Statistic::parse(w)).collect();
+    let Some(mut parsed) = parsed.filter(|parsed| !parsed.is_empty()) else {
         context.out_of_range(word.span, "STATISTICS must be MIN, MAX, MEAN or SUM, or several, as in \"MIN, MAX\"");
         return Vec::new();
     };
-    found.sort_by_key(|statistic| *statistic as usize);
-    found.dedup();
-    found
+    parsed.sort_by_key(|statistic| *statistic as usize);
+    parsed.dedup();
+    parsed
 }
 
 /// Returns the request of `VARIABLE=PRESELECT` or `VARIABLE=ALL`.
 fn default_variables(card: &Card) -> Vec<VariableRequest> {
-    card.read::<Option<usize>>("VARIABLE")
-        .map(|place| [VariableRequest::Preselect, VariableRequest::All][place])
-        .into_iter()
-        .collect()
+    let choice = card.read::<Option<usize>>("VARIABLE");
+    choice.map(|index| [VariableRequest::Preselect, VariableRequest::All][index]).into_iter().collect()
 }
 
 /// Names a surface for integrated output (ABAQUS Keywords Reference Guide, *INTEGRATED OUTPUT SECTION).
@@ -288,28 +286,31 @@ fn output_region(context: &mut Context<'_>, output: &mut OutputReader, card: &Ca
     }
     if let Some(word) = card.value("NSET") {
         note_unused_filters(context, card);
-        let members = context.node_members(word)?;
-        let (inner, outer) = (qualified(&context.scope, &word.text), upper(&word.text));
-        let known = [&inner, &outer].into_iter().find_map(|name| context.model.node_sets.get_index_of(name));
-        // A single node becomes a set of one.
-        let set = super::types::MemberSet { members, span: word.span };
-        let index = known.unwrap_or_else(|| context.model.node_sets.insert_full(outer, set).0);
+        let index = output_set(context, SetKind::Nodes, word)?;
         return Some(OutputRegion::Nodes(NodeSetId::new(index)));
     }
     if let Some(word) = card.value("ELSET") {
-        let members = context.element_members(word)?;
-        let (inner, outer) = (qualified(&context.scope, &word.text), upper(&word.text));
-        let known = [&inner, &outer].into_iter().find_map(|name| context.model.element_sets.get_index_of(name));
-        context
-            .edit_output_elements(word, if context.model.element_sets.contains_key(&inner) { &inner } else { &outer });
-        let set = super::types::MemberSet { members, span: word.span };
-        let index = known.unwrap_or_else(|| context.model.element_sets.insert_full(outer, set).0);
+        let index = output_set(context, SetKind::Elements, word)?;
         return Some(OutputRegion::Elements(ElementSetId::new(index)));
     }
     if card.keyword.name == "CONTACT OUTPUT" {
         return pairs_of(context, card);
     }
     Some(OutputRegion::Whole)
+}
+
+/// Returns the index of the set that a word names. A single node or element becomes a set of one.
+fn output_set(context: &mut Context<'_>, kind: SetKind, word: &Word) -> Option<usize> {
+    let members = context.members(kind, word)?;
+    let [inner, outer] = context.names_of(word);
+    let sets = context.model.sets(kind);
+    let known = sets.get_index_of(&inner).or_else(|| sets.get_index_of(&outer));
+    if kind == SetKind::Elements {
+        let key = if sets.contains_key(&inner) { &inner } else { &outer };
+        context.edit_output_elements(word, key);
+    }
+    let set = MemberSet { members, span: word.span };
+    Some(known.unwrap_or_else(|| context.model.sets_mut(kind).insert_full(outer, set).0))
 }
 
 /// Lists the filters of pairs of a `*CONTACT OUTPUT` card with NSET as unused.
@@ -338,10 +339,7 @@ fn pairs_of(context: &mut Context<'_>, card: &Card) -> Option<OutputRegion> {
     }
     let name = |parameter: &str| card.value(parameter).map(|w| upper(&w.text));
     let cpset = name("CPSET");
-    let interaction = match card.value("CONTACT PAIR") {
-        Some(word) => Some(contact::interaction(context, word)?),
-        None => None,
-    };
+    let interaction = context.optional(card.value("CONTACT PAIR"), contact::interaction)?;
     let pairs = ContactPairFilter { cpset, interaction, general: card.has("GENERAL CONTACT"), surfaces };
     Some(if pairs == ContactPairFilter::default() { OutputRegion::Whole } else { OutputRegion::Pairs(pairs) })
 }

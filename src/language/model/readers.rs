@@ -2,13 +2,15 @@
 //! cards whose state the function changes.
 
 use super::builder::ModelBuilder;
+use super::types::{FoamYieldSurface, MaterialDefinition, RayleighCoefficients, TensileFailure, ThermalExpansion};
 use super::{
     adaptive, amplitudes, blast, bodies, boundary, clearance, cohesive, cohesive_contact, connectors, contact,
     controls, copies, elements, eos, equations, erosion, expressions, failure, fields, general_contact, heading,
     heat_loads, interactions, links, loads, mass_scaling, materials, mesh_file, nodes, outputs, parts, rubber, sets,
     shells, steps, surfaces, targets, user_material,
 };
-use crate::deck::Card;
+use crate::deck::table::materials as cards;
+use crate::deck::{Card, Span};
 
 /// Reader of the cards of some keywords.
 pub struct CardReader {
@@ -25,14 +27,23 @@ pub fn find_reader(keyword: &str) -> Option<&'static CardReader> {
 }
 
 /// Builds readers from `always`, keywords, a function, and the shared context and families that are its arguments.
-/// Blocks are read with the whole builder, because an instance reads the cards of its part.
+/// Blocks are read with the whole builder, because an instance reads the cards of its part. Cards in braces only store
+/// their values in the last material.
 macro_rules! readers {
     ($($block:literal)|+ => $read_block:path;
-    $($($always:ident)? $($keyword:literal)|+ => $module:ident::$function:ident($($family:ident),+);)+) => {
+    $($($always:ident)? $($keyword:literal)|+ => $module:ident::$function:ident($($family:ident),+);)+
+    { $($card:ident => $set:expr;)+ }) => {
         &[CardReader { keywords: &[$($block),+], always: true, read: $read_block }, $(CardReader {
             keywords: &[$($keyword),+],
             always: stringify!($($always)?).len() > 0,
             read: |builder, card| $module::$function($(&mut builder.$family,)+ card),
+        },)+ $(CardReader {
+            keywords: &[cards::$card::ROW.name],
+            always: false,
+            read: |builder, card| {
+                let set: fn(&mut MaterialDefinition, cards::$card, Span) = $set;
+                set(builder.context.last_material(), card.values(), card.span);
+            },
         }),+]
     };
 }
@@ -61,11 +72,8 @@ static READERS: &[CardReader] = readers! {
     "EOS" => eos::read_eos(context);
     "DETONATION POINT" => eos::read_detonation_points(context);
     "HYPERELASTIC" => rubber::read_hyperelastic(context);
-    "CRUSHABLE FOAM" => rubber::read_crushable_foam(context);
     "CRUSHABLE FOAM HARDENING" => rubber::read_foam_hardening(context);
-    "DAMPING" => rubber::read_damping(context);
     "SHEAR FAILURE" => failure::read_shear_failure(context);
-    "TENSILE FAILURE" => failure::read_tensile_failure(context);
     "PLASTIC" => materials::read_plastic(context);
     "RATE DEPENDENT" => materials::read_rate_dependent(context);
     "USER MATERIAL" => user_material::read_user_material(context);
@@ -73,11 +81,6 @@ static READERS: &[CardReader] = readers! {
     "CHARACTERISTIC LENGTH" => user_material::read_characteristic_length(context);
     "DEPVAR" => user_material::read_state_variables(context);
     "DENSITY" => materials::read_density(context);
-    "VISCOSITY" => materials::read_viscosity(context);
-    "INELASTIC HEAT FRACTION" => materials::read_inelastic_heat_fraction(context);
-    "SPECIFIC HEAT" => materials::read_specific_heat(context);
-    "CONDUCTIVITY" => materials::read_conductivity(context);
-    "EXPANSION" => materials::read_expansion(context);
     "CAVITY EXPANSION" => materials::read_cavity_expansion(context, materials);
     "DAMAGE INITIATION" => failure::read_damage_initiation(context, materials);
     "DAMAGE EVOLUTION" => failure::read_damage_evolution(context, materials);
@@ -139,6 +142,26 @@ static READERS: &[CardReader] = readers! {
     "INTEGRATED OUTPUT SECTION" => outputs::read_integrated_section(context, output);
     "TIME POINTS" => outputs::read_time_points(context);
     "RESTART" => outputs::read_restart(context, steps);
+    {
+        Viscosity => |material, values, span| material.viscosity = Some((values.viscosity[0], span));
+        InelasticHeatFraction => |material, values, _| material.thermal.inelastic_heat_fraction = Some(values.fraction[0]);
+        SpecificHeat => |material, values, _| material.thermal.specific_heat = Some(values.rows);
+        Conductivity => |material, values, span| material.thermal.conductivity = Some((values.rows, span));
+        Expansion => |material, cards::Expansion { zero, rows }, span| {
+            material.thermal.expansion = Some(ThermalExpansion { rows, zero, span });
+        };
+        TensileFailure => |material, cards::TensileFailure { deletes, cutoff: [cutoff] }, span| {
+            material.tensile_failure = Some(TensileFailure { cutoff, deletes, span });
+        };
+        CrushableFoam => |material, cards::CrushableFoam { isotropic, ratios }, span| {
+            let shape = if isotropic { FoamYieldSurface::Isotropic } else { FoamYieldSurface::Volumetric };
+            material.foam.shape = Some((shape(ratios), span));
+        };
+        // Coefficients of zero mean no damping.
+        Damping => |material, cards::Damping { alpha, beta }, span| {
+            material.damping = (alpha > 0.0 || beta > 0.0).then_some(RayleighCoefficients { alpha, beta, span });
+        };
+    }
 };
 
 #[cfg(test)]

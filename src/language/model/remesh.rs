@@ -4,8 +4,8 @@ use std::collections::HashSet;
 
 use super::name::NewLabels;
 use super::types::{
-    ContactDomain, Element, ElementKind, ElementSide, GeneralContact, LoadKind, MemberSet, Mesh, Model, NodeSetId,
-    OutputKind, OutputRegion, SideSelection, Step, SurfaceContact, SurfaceTraction,
+    ContactDomain, Element, ElementKind, ElementSide, GeneralContact, LoadKind, LoadRegionMut, MemberSet, Mesh, Model,
+    NodeSetId, OutputKind, OutputRegion, SideSelection, Step, SurfaceTraction,
 };
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
@@ -37,8 +37,8 @@ impl ModelBody {
         let elements = &model.remeshings[body].elements;
         let nodes: Vec<usize> =
             sorted_unique(elements.iter().flat_map(|e| model.mesh.elements[*e].nodes.iter().copied()));
-        let own = |node: usize| nodes.binary_search(&node).unwrap_or_default() as u32;
-        let quads = elements.iter().flat_map(|e| model.mesh.cells(*e)).map(|cell| cell.map(own)).collect();
+        let local = |node: usize| nodes.binary_search(&node).unwrap_or_default() as u32;
+        let quads = elements.iter().flat_map(|e| model.mesh.cells(*e)).map(|cell| cell.map(local)).collect();
         ModelBody { index: body, nodes, quads }
     }
 
@@ -48,18 +48,18 @@ impl ModelBody {
 
     /// Returns the square roots of the areas of the elements at the start.
     pub fn sizes(&self, mesh: &Mesh) -> Vec<f64> {
-        let at = |quad: &[u32; 4]| quad.map(|n| mesh.points[self.nodes[n as usize]]);
-        let area = |at: [[f64; 2]; 4]| quad::section(at.map(|p| p[0]), at.map(|p| p[1]));
-        self.quads.iter().map(|quad| area(at(quad)).sqrt()).collect()
+        let corners = |quad: &[u32; 4]| quad.map(|n| mesh.points[self.nodes[n as usize]]);
+        let area = |corners: [[f64; 2]; 4]| quad::section(corners.map(|p| p[0]), corners.map(|p| p[1]));
+        self.quads.iter().map(|quad| area(corners(quad)).sqrt()).collect()
     }
 
     /// Returns which nodes of the body must remain in a new mesh: nodes that the model names one by one, ends of sets
     /// and surfaces along the boundary, and nodes where the boundary leaves the axis.
     pub fn kept(&self, model: &Model) -> Vec<bool> {
-        let mut kept = vec![false; self.nodes.len()];
+        let mut is_kept = vec![false; self.nodes.len()];
         let mesh = BodyMesh { points: Vec::new(), quads: self.quads.clone(), sizes: Vec::new() };
-        let all = loops(&mesh).unwrap_or_default();
-        let edges: Vec<[&BoundaryEdge; 2]> = all
+        let outlines = loops(&mesh).unwrap_or_default();
+        let edges: Vec<[&BoundaryEdge; 2]> = outlines
             .iter()
             .flat_map(|list| (0..list.len()).map(move |at| [&list[(at + list.len() - 1) % list.len()], &list[at]]))
             .collect();
@@ -73,7 +73,7 @@ impl ModelBody {
             for [before, after] in &edges {
                 let (node, both) = (after.ends[0], [is_in(before), is_in(after)]);
                 if both[0] != both[1] || has(node) && !both[0] {
-                    kept[node as usize] = true;
+                    is_kept[node as usize] = true;
                 }
             }
         };
@@ -100,8 +100,8 @@ impl ModelBody {
             MemberList::Elements(_) => {}
         });
         single.extend(nodes_of_histories(model).filter_map(|node| self.position(node)));
-        single.into_iter().for_each(|at| kept[at as usize] = true);
-        kept
+        single.into_iter().for_each(|at| is_kept[at as usize] = true);
+        is_kept
     }
 }
 
@@ -205,9 +205,9 @@ impl MeshRelation {
     }
 
     fn follow_elements(&self, list: &mut Vec<usize>, model: &Model, revision: &MeshRevision) {
-        let own = &model.remeshings[revision.body].elements;
-        let mut has = vec![false; own.len()];
-        list.iter().filter_map(|e| own.binary_search(e).ok()).for_each(|at| has[at] = true);
+        let elements = &model.remeshings[revision.body].elements;
+        let mut has = vec![false; elements.len()];
+        list.iter().filter_map(|e| elements.binary_search(e).ok()).for_each(|at| has[at] = true);
         let others = list.iter().map(|e| self.elements[*e]).filter(|e| *e != GONE);
         let new = revision.origins.iter().enumerate().filter(|(_, origin)| has[**origin as usize]);
         *list = others.chain(new.map(|(new, _)| self.first_element + new)).collect();
@@ -219,22 +219,22 @@ impl MeshRelation {
         model: &Model,
         (body, revision): (&ModelBody, &MeshRevision),
     ) {
-        let own = &model.remeshings[revision.body].elements;
+        let elements = &model.remeshings[revision.body].elements;
         let has: HashSet<(usize, ElementSide)> = list.iter().copied().collect();
         let others = list.iter().map(|(e, side)| (self.elements[*e], *side)).filter(|(e, _)| *e != GONE);
-        let old = |(e, side): (u32, u8)| (own[e as usize], face_of(&body.quads[e as usize], side));
+        let old = |(e, side): (u32, u8)| (elements[e as usize], face_of(&body.quads[e as usize], side));
         let new = revision.sides.iter().filter(|side| has.contains(&old(side.old)));
         let new = new.map(|side| {
-            let (e, at) = (side.new.0 as usize, side.new.1);
-            (self.first_element + e, face_of(&revision.mesh.quads[e], at))
+            let (e, side_index) = (side.new.0 as usize, side.new.1);
+            (self.first_element + e, face_of(&revision.mesh.quads[e], side_index))
         });
         *list = others.chain(new).collect();
     }
 
     fn mesh(&self, model: &Model, body: &ModelBody, revision: &MeshRevision) -> Mesh {
         let old = &*model.mesh;
-        let own = &model.remeshings[revision.body].elements;
-        let like = &old.elements[own[0]];
+        let elements = &model.remeshings[revision.body].elements;
+        let like = &old.elements[elements[0]];
         let mut node_labels = NewLabels::above(old.node_names.iter());
         let mut element_labels = NewLabels::above(old.elements.iter().map(|e| &e.name));
         let mut mesh = Mesh::default();
@@ -322,7 +322,10 @@ fn visit_step(step: &mut Step, visit: &mut dyn FnMut(MemberList<'_>)) {
     step.boundaries.iter_mut().for_each(|boundary| visit(MemberList::Nodes(&mut boundary.nodes)));
     step.loads.iter_mut().for_each(|load| visit_load(&mut load.kind, visit));
     step.fields.iter_mut().for_each(|field| visit(MemberList::Nodes(&mut field.nodes)));
-    step.surface_contacts.iter_mut().for_each(|contact| visit_contact(contact, visit));
+    for contact in &mut step.surface_contacts {
+        contact.sides.iter_mut().for_each(|sides| visit_sides(sides, visit));
+        contact.analytical.iter_mut().for_each(|side| visit(MemberList::Nodes(&mut side.nodes)));
+    }
     step.general_contact.iter_mut().for_each(|general| visit_general(general, visit));
     let scaled = step.mass_scalings.iter_mut().filter_map(|scaling| scaling.elements.as_mut());
     scaled.for_each(|list| visit(MemberList::Elements(list)));
@@ -340,11 +343,6 @@ fn visit_sides(sides: &mut SideSelection, visit: &mut dyn FnMut(MemberList<'_>))
     visit(MemberList::Elements(&mut sides.free_face_elements));
 }
 
-fn visit_contact(contact: &mut SurfaceContact, visit: &mut dyn FnMut(MemberList<'_>)) {
-    contact.sides.iter_mut().for_each(|sides| visit_sides(sides, visit));
-    contact.analytical.iter_mut().for_each(|side| visit(MemberList::Nodes(&mut side.nodes)));
-}
-
 fn visit_general(general: &mut GeneralContact, visit: &mut dyn FnMut(MemberList<'_>)) {
     let GeneralContact { included, excluded, assigned, clearances, penalties, roles, .. } = general;
     let domains =
@@ -358,32 +356,20 @@ fn visit_general(general: &mut GeneralContact, visit: &mut dyn FnMut(MemberList<
 }
 
 fn visit_load(kind: &mut LoadKind, visit: &mut dyn FnMut(MemberList<'_>)) {
-    match kind {
-        LoadKind::Concentrated { nodes, .. } | LoadKind::NodalHeat { nodes, .. } => visit(MemberList::Nodes(nodes)),
-        LoadKind::Gravity { elements, .. } => {
-            elements.iter_mut().for_each(|list| visit(MemberList::Elements(list)));
-        }
-        LoadKind::Body { elements, .. } | LoadKind::UserBody { elements, .. } | LoadKind::BodyHeat { elements, .. } => {
-            visit(MemberList::Elements(elements));
-        }
-        LoadKind::Traction { sides, law } => {
-            visit_sides(sides, visit);
-            if let SurfaceTraction::Viscous { reference: Some(node) } = law {
-                visit(MemberList::Node(node));
-            }
-        }
-        LoadKind::Pressure(sides)
-        | LoadKind::SurfaceHeat(sides)
-        | LoadKind::Blast { sides, .. }
-        | LoadKind::User { sides, .. }
-        | LoadKind::Cavity { sides, .. }
-        | LoadKind::Film { sides, .. } => visit_sides(sides, visit),
+    match kind.region_mut() {
+        LoadRegionMut::Nodes(nodes) => visit(MemberList::Nodes(nodes)),
+        LoadRegionMut::Elements(elements) => visit(MemberList::Elements(elements)),
+        LoadRegionMut::Sides(sides) => visit_sides(sides, visit),
+        LoadRegionMut::Whole => {}
+    }
+    if let LoadKind::Traction { law: SurfaceTraction::Viscous { reference: Some(node) }, .. } = kind {
+        visit(MemberList::Node(node));
     }
 }
 
 /// Returns whether a body has a node that elements outside it use.
 pub fn is_shared(model: &Model, body: &ModelBody) -> bool {
-    let own = &model.remeshings[body.index].elements;
-    let others = (0..model.mesh.elements.len()).filter(|e| own.binary_search(e).is_err());
+    let elements = &model.remeshings[body.index].elements;
+    let others = (0..model.mesh.elements.len()).filter(|e| elements.binary_search(e).is_err());
     others.flat_map(|e| model.mesh.elements[e].nodes.iter()).any(|node| body.position(*node).is_some())
 }

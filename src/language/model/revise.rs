@@ -58,26 +58,29 @@ pub fn revisable(model: &Model, deck: &Deck, word: &ParametricWord) -> Option<Re
 
 fn place_of(model: &Model, deck: &Deck, word: &ParametricWord) -> Option<NumberPlace> {
     let card = &deck.cards[word.card];
-    let given = |card: &Card| {
+    let constants_of = |card: &Card| {
         let of_card = |c: &CavityExpansion| c.span == card.span && c.derived.is_none();
         model.materials.iter().position(|m| m.cavity.as_ref().is_some_and(of_card))
     };
     match (card.keyword.name, word.at) {
         ("INITIAL CONDITIONS", WordPosition::Field(line, 2)) => {
             let span = card.lines[line].span;
-            let at = model.initial_conditions.iter().position(|c| c.span == span)?;
-            matches!(model.initial_conditions[at].kind, InitialKind::Velocity(..)).then_some(NumberPlace::Velocity(at))
+            let index = model.initial_conditions.iter().position(|c| c.span == span)?;
+            matches!(model.initial_conditions[index].kind, InitialKind::Velocity(..))
+                .then_some(NumberPlace::Velocity(index))
         }
         ("MASS", WordPosition::Field(0, 0)) => Some(NumberPlace::Mass(card.span)),
         ("DENSITY", WordPosition::Field(0, 0)) if card.lines.len() == 1 && card.lines[0].fields.len() == 1 => {
             let material = material_above(deck, word.card)?;
-            let at = model.materials.iter().position(|m| m.name == material)?;
+            let index = model.materials.iter().position(|m| m.name == material)?;
             // Derived constants depend on the density.
-            let derives = model.materials[at].cavity.is_some_and(|c| c.derived.is_some());
-            (!derives).then_some(NumberPlace::Density(at))
+            let derives = model.materials[index].cavity.is_some_and(|c| c.derived.is_some());
+            (!derives).then_some(NumberPlace::Density(index))
         }
-        ("CAVITY EXPANSION", WordPosition::Parameter("YIELD")) => Some(NumberPlace::Resistance(given(card)?, 0)),
-        ("CAVITY EXPANSION", WordPosition::Field(0, i @ 0..3)) => Some(NumberPlace::Resistance(given(card)?, i + 1)),
+        ("CAVITY EXPANSION", WordPosition::Parameter("YIELD")) => Some(NumberPlace::Resistance(constants_of(card)?, 0)),
+        ("CAVITY EXPANSION", WordPosition::Field(0, i @ 0..3)) => {
+            Some(NumberPlace::Resistance(constants_of(card)?, i + 1))
+        }
         ("TARGET", WordPosition::Parameter("FRONT")) => target(model, card).map(NumberPlace::Front),
         ("TARGET", WordPosition::Field(line, 1)) => {
             let (target, span) = (target(model, card)?, card.lines[line].span);
@@ -140,17 +143,17 @@ pub fn set(model: &mut Model, RevisableNumber { place, allowed }: RevisableNumbe
             let lines = first.start..=last.start;
             let within = |span: Span| span.file == first.file && lines.contains(&span.start);
             let loads = model.steps.iter_mut().flat_map(|s| &mut s.loads).filter(|l| within(l.span));
-            let mut given = false;
+            let mut is_changed = false;
             for load in loads {
                 if let LoadKind::Cavity { friction, .. } = &mut load.kind {
-                    (*friction, given) = (value, true);
+                    (*friction, is_changed) = (value, true);
                 }
             }
-            return given;
+            return is_changed;
         }
         NumberPlace::Magnitude(span) => {
             let loads = model.steps.iter_mut().flat_map(|s| &mut s.loads).filter(|l| l.span == span);
-            let mut given = false;
+            let mut is_changed = false;
             for load in loads {
                 let constant = matches!(
                     load.kind,
@@ -159,9 +162,9 @@ pub fn set(model: &mut Model, RevisableNumber { place, allowed }: RevisableNumbe
                 if !constant || load.amplitude.is_some() {
                     return false;
                 }
-                (load.magnitude, given) = (value, true);
+                (load.magnitude, is_changed) = (value, true);
             }
-            return given;
+            return is_changed;
         }
     }
     true

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::faults::{ValueCheck, is_non_negative, is_positive, require};
-use super::types::{DeviatoricEnergy, FoamYieldSurface, HyperelasticLaw, RayleighCoefficients};
+use super::types::{DeviatoricEnergy, HyperelasticLaw};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
@@ -28,11 +28,7 @@ type EnergyConstructor = fn(&[f64], usize) -> DeviatoricEnergy;
 
 /// Reads `*HYPERELASTIC`; the default form is the polynomial. A data line has eight constants.
 pub fn read_hyperelastic(context: &mut Context<'_>, card: &Card) {
-    let given: Vec<&str> = FORMS.into_iter().filter(|form| card.has(form)).collect();
-    if given.len() > 1 {
-        return context.out_of_range(card.span, format!("{} and {} cannot be combined", given[0], given[1]));
-    }
-    let form = given.first().copied().unwrap_or("POLYNOMIAL");
+    let form = FORMS.into_iter().find(|form| card.has(form)).unwrap_or("POLYNOMIAL");
     let Some(order) = order(context, card, form) else { return };
     let (constant_count, shape): (usize, EnergyConstructor) = match form {
         "NEO HOOKE" => (1, |c, _| DeviatoricEnergy::NeoHooke(c[0])),
@@ -118,13 +114,6 @@ fn rubber_constants(context: &mut Context<'_>, card: &Card, count: usize) -> Opt
         .collect()
 }
 
-/// Reads the yield surface of `*CRUSHABLE FOAM`.
-pub fn read_crushable_foam(context: &mut Context<'_>, card: &Card) {
-    let cards::CrushableFoam { isotropic, ratios } = card.values();
-    let shape = if isotropic { FoamYieldSurface::Isotropic(ratios) } else { FoamYieldSurface::Volumetric(ratios) };
-    context.last_material().foam.shape = Some((shape, card.span));
-}
-
 /// Reads `*CRUSHABLE FOAM HARDENING`; both columns are positive in compression.
 pub fn read_foam_hardening(context: &mut Context<'_>, card: &Card) {
     let cards::CrushableFoamHardening { rows } = card.values();
@@ -135,13 +124,6 @@ pub fn read_foam_hardening(context: &mut Context<'_>, card: &Card) {
 
 pub fn check_foam_hardening(rows: &[[f64; 2]]) -> ValueCheck {
     require(rows.first().is_none_or(|row| row[1] == 0.0), "plastic strains must start at 0")
-}
-
-/// Reads Rayleigh damping; coefficients of zero mean none.
-pub fn read_damping(context: &mut Context<'_>, card: &Card) {
-    let cards::Damping { alpha, beta } = card.values();
-    let damping = RayleighCoefficients { alpha, beta, span: card.span };
-    context.last_material().damping = (alpha > 0.0 || beta > 0.0).then_some(damping);
 }
 
 fn polynomial(constants: &[f64], exponents: Vec<(usize, usize)>) -> DeviatoricEnergy {

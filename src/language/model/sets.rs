@@ -1,18 +1,20 @@
 //! `*NSET` and `*ELSET`. A set that is defined again is extended.
 
+use indexmap::IndexMap;
+
 use super::budget::BudgetedItem;
 use super::context::Context;
 use super::families::{MeshReader, PartReader};
-use super::names::{qualified, upper};
+use super::names::{SetKind, qualified, upper};
 use super::refinement::pass::ReadPass;
-use super::types::MemberSet;
+use super::types::{MemberSet, Model};
 use crate::deck::rows::words;
-use crate::deck::{Card, DataLine, Diagnostic, Span};
+use crate::deck::{Card, DataLine, Span};
 
 pub fn read_nset(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &mut MeshReader, card: &Card) {
     let Some(name) = context.required(card, "NSET") else { return };
     let outer = enter_instance(context, parts, card);
-    let mut members = members(context, card, true);
+    let mut members = members(context, card, SetKind::Nodes);
     if let Some(elements) = card.value("ELSET") {
         let elements = context.element_members(elements).unwrap_or_default();
         members.extend(elements.iter().flat_map(|&element| &context.model.mesh.elements[element].nodes));
@@ -24,15 +26,15 @@ pub fn read_nset(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &m
     if card.has("UNSORTED") || mesh.unsorted.contains_key(&qualified(&context.scope, &name.text)) {
         mesh.unsorted.entry(qualified(&context.scope, &name.text)).or_default().extend(&members);
     }
-    add_node_set(context, &name.text, members, card.span);
+    add_set(context, SetKind::Nodes, &name.text, members, card.span);
 }
 
 pub fn read_elset(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &Card) {
     let Some(name) = context.required(card, "ELSET") else { return };
     let outer = enter_instance(context, parts, card);
-    let members = members(context, card, false);
+    let members = members(context, card, SetKind::Elements);
     context.scope = outer;
-    add_element_set(context, &name.text, members, card.span);
+    add_set(context, SetKind::Elements, &name.text, members, card.span);
 }
 
 /// Enters the scope of `INSTANCE=` and returns the previous scope.
@@ -45,48 +47,44 @@ fn enter_instance(context: &mut Context<'_>, parts: &mut PartReader<'_>, card: &
     std::mem::replace(&mut context.scope, inner)
 }
 
-fn members(context: &mut Context<'_>, card: &Card, nodes: bool) -> Vec<usize> {
+fn members(context: &mut Context<'_>, card: &Card, kind: SetKind) -> Vec<usize> {
     let mut members = Vec::new();
     let sources = &context.deck.sources;
     let mut name = String::new();
     for row in &card.rows {
         if card.has("GENERATE") {
-            generated(context, &row.line(sources), nodes, &mut members);
+            generated(context, &row.line(sources), kind, &mut members);
             continue;
         }
-        let before = members.len();
-        if row.text(sources).is_some_and(|text| labels(context, text, nodes, &mut name, &mut members)) {
+        let count_before = members.len();
+        if row.text(sources).is_some_and(|text| labels(context, text, kind, &mut name, &mut members)) {
             continue;
         }
-        members.truncate(before);
+        members.truncate(count_before);
         for word in row.line(sources).fields.iter().filter(|w| !w.text.is_empty()) {
-            let found = if nodes { context.node_members(word) } else { context.element_members(word) };
-            members.extend(found.unwrap_or_default());
+            members.extend(context.members(kind, word).unwrap_or_default());
         }
     }
     members
 }
 
 /// Adds the labels of a line to a set; `false` if the line also has set names. `name` is a buffer.
-fn labels(context: &Context<'_>, text: &str, nodes: bool, name: &mut String, members: &mut Vec<usize>) -> bool {
-    let (labels, sets) = match nodes {
-        true => (&context.nodes, &context.model.node_sets),
-        false => (&context.elements, &context.model.element_sets),
-    };
-    let Some(scope) = labels.scope(&context.scope) else { return false };
+fn labels(context: &Context<'_>, text: &str, kind: SetKind, name: &mut String, members: &mut Vec<usize>) -> bool {
+    let sets = context.model.sets(kind);
+    let Some(scope) = context.labels(kind).scope(&context.scope) else { return false };
     let is_set = |word: &str, name: &mut String| {
         name.clear();
         name.extend([&context.scope, ".", word]);
         sets.contains_key(word) || !context.scope.is_empty() && sets.contains_key(name)
     };
     words(text).all(|word| {
-        let found = word.parse().ok().and_then(|label| scope.find(label)).filter(|_| !is_set(word, name));
-        members.extend(found);
-        found.is_some()
+        let member = word.parse().ok().and_then(|label| scope.find(label)).filter(|_| !is_set(word, name));
+        members.extend(member);
+        member.is_some()
     })
 }
 
-fn generated(context: &mut Context<'_>, line: &DataLine, nodes: bool, members: &mut Vec<usize>) {
+fn generated(context: &mut Context<'_>, line: &DataLine, kind: SetKind, members: &mut Vec<usize>) {
     let (Some(first), Some(last)) =
         (context.integer(line, 0, "the first label"), context.integer(line, 1, "the last label"))
     else {
@@ -100,54 +98,60 @@ fn generated(context: &mut Context<'_>, line: &DataLine, nodes: bool, members: &
     if !context.fits_budget(BudgetedItem::Members, count.max(0).unsigned_abs(), line.span) {
         return;
     }
-    let labels = if nodes { &context.nodes } else { &context.elements };
-    let before = members.len();
-    let lost = context.missing.everything || if nodes { context.missing.nodes } else { context.missing.elements };
+    let count_before = members.len();
+    let labels = context.labels(kind);
     members.extend((0..count.max(0)).filter_map(|i| labels.find(&context.scope, first + step * i as i64)));
-    if lost {
+    let (what, is_lost) = match kind {
+        SetKind::Nodes => ("nodes", context.missing.nodes),
+        SetKind::Elements => ("elements", context.missing.elements),
+    };
+    if is_lost || context.missing.everything {
         return;
     }
-    let missing = count.max(0) - (members.len() - before) as i128;
-    if members.len() == before {
+    let missing = count.max(0) - (members.len() - count_before) as i128;
+    if members.len() == count_before {
         let message = format!("no label from {first} to {last} in increments of {step} is defined");
         context.error("M110", message, line.span, "empty range");
     } else if missing > 0 || (last - first) % step != 0 {
-        let what = if nodes { "nodes" } else { "elements" };
         let message = match missing {
             0 => format!("{last} is not reached from {first} in increments of {step}"),
-            _ => {
-                format!(
-                    "{missing} of the {count} {what} from {first} to {last} in increments of {step} are not defined"
-                )
-            }
+            _ => format!(
+                "{missing} of the {count} {what} from {first} to {last} in increments of {step} are not defined"
+            ),
         };
-        let diagnostic = Diagnostic::warning("M166", message).at(line.span, "the set has the other members");
-        context.diagnostics.push(diagnostic.help("give existing first and last labels"));
+        let help = "give existing first and last labels";
+        context.warning("M166", message, line.span, "the set has the other members", help);
     }
 }
 
-pub fn add_node_set(context: &mut Context<'_>, name: &str, members: Vec<usize>, span: Span) {
-    let name = qualified(&context.scope, name);
-    unite(context.model.node_sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
-}
-
-/// Adds nodes to the set that a parameter of a card names.
-pub fn collect_nodes(context: &mut Context<'_>, card: &Card, parameter: &str, nodes: Vec<usize>) {
+/// Adds members to the set that a parameter of a card names.
+pub fn collect(context: &mut Context<'_>, kind: SetKind, card: &Card, parameter: &str, members: Vec<usize>) {
     if let Some(name) = card.value(parameter) {
-        add_node_set(context, &name.text, nodes, card.span);
+        add_set(context, kind, &name.text, members, card.span);
     }
 }
 
-/// Adds elements to the set that a parameter of a card names.
-pub fn collect_elements(context: &mut Context<'_>, card: &Card, parameter: &str, elements: Vec<usize>) {
-    if let Some(name) = card.value(parameter) {
-        add_element_set(context, &name.text, elements, card.span);
-    }
-}
-
-pub fn add_element_set(context: &mut Context<'_>, name: &str, members: Vec<usize>, span: Span) {
+/// Adds members to a set of the current scope.
+pub fn add_set(context: &mut Context<'_>, kind: SetKind, name: &str, members: Vec<usize>, span: Span) {
     let name = qualified(&context.scope, name);
-    unite(context.model.element_sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
+    let sets = context.model.sets_mut(kind);
+    unite(sets.entry(name).or_insert_with(|| MemberSet { members: Vec::new(), span }), members);
+}
+
+impl Model {
+    pub(super) fn sets(&self, kind: SetKind) -> &IndexMap<String, MemberSet> {
+        match kind {
+            SetKind::Nodes => &self.node_sets,
+            SetKind::Elements => &self.element_sets,
+        }
+    }
+
+    pub(super) fn sets_mut(&mut self, kind: SetKind) -> &mut IndexMap<String, MemberSet> {
+        match kind {
+            SetKind::Nodes => &mut self.node_sets,
+            SetKind::Elements => &mut self.element_sets,
+        }
+    }
 }
 
 /// Adds members; cards that extend a set in ascending order cost no sorting of the members before.

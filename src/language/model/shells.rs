@@ -9,8 +9,7 @@ use crate::deck::Card;
 use crate::deck::table::materials as cards;
 
 pub fn read_shell_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
-    let Some((elements, material)) = materials::section_of(context, sections, card, |kind| kind == ElementKind::Sax1)
-    else {
+    let Some((elements, material)) = materials::section_of(context, sections, card, ElementKind::is_shell) else {
         return;
     };
     let cards::ShellSection { per_area, thickness_points: [thickness, points] } = card.values();

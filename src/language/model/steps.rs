@@ -68,14 +68,14 @@ pub fn close_step(context: &mut Context<'_>, steps: &mut StepReader) {
     ended_outputs(context, steps, &state);
     let time = StepTiming { duration: procedure.duration, ramp: state.ramp };
     let Context { model, diagnostics, .. } = context;
-    let given = std::mem::take(&mut state.boundaries);
-    let boundaries = state.history.boundaries(given, &time, model, diagnostics);
-    let given = std::mem::take(&mut state.loads);
-    let loads = state.history.loads(given, &time, model, diagnostics);
+    let added = std::mem::take(&mut state.boundaries);
+    let boundaries = state.history.boundaries(added, &time, model, diagnostics);
+    let added = std::mem::take(&mut state.loads);
+    let loads = state.history.loads(added, &time, model, diagnostics);
     let fields = state.history.fields(std::mem::take(&mut state.fields), &time, model);
     state.history.end(&time);
-    let (given, of_mesh) = (std::mem::take(&mut state.mesh_motions), StepTiming { ramp: false, ..time });
-    let mesh_motions = state.mesh_history.boundaries(given, &of_mesh, model, diagnostics);
+    let (added, of_mesh) = (std::mem::take(&mut state.mesh_motions), StepTiming { ramp: false, ..time });
+    let mesh_motions = state.mesh_history.boundaries(added, &of_mesh, model, diagnostics);
     state.mesh_history.end(&of_mesh);
     state.outputs.splice(0..0, state.earlier_outputs.drain(..));
     steps.carried = state.clone();
@@ -114,8 +114,7 @@ fn ended_outputs(context: &mut Context<'_>, steps: &mut StepReader, state: &Step
                 "no {name} output is written from this step on, because *OUTPUT with OP=NEW, the default, \
                  ends all requests of earlier steps"
             );
-            let diagnostic = Diagnostic::warning("M148", message).at(state.span, "this step");
-            context.diagnostics.push(diagnostic.help("use OP=ADD, or repeat the requests"));
+            context.warning("M148", message, state.span, "this step", "use OP=ADD, or repeat the requests");
         }
     }
 }
@@ -131,7 +130,7 @@ pub fn read_dynamic(context: &mut Context<'_>, steps: &mut StepReader, card: &Ca
     let coupled = card.keyword.name != "DYNAMIC";
     let mut values: cards::Dynamic = card.values();
     if coupled {
-        values = cards::Dynamic { accuracy: DEFAULT_ACCURACY, global: false, ..values };
+        values.accuracy = DEFAULT_ACCURACY;
     }
     let Some(increment) = increment_control(context, card, &values) else { return };
     let load_velocity = if values.lagged { LoadVelocity::Lagged } else { LoadVelocity::Predicted };
@@ -150,27 +149,21 @@ fn increment_control(context: &mut Context<'_>, card: &Card, values: &cards::Dyn
         true => IncrementControl::Fixed(increment),
         false => IncrementControl::Automatic { accuracy, element_by_element, largest },
     };
-    if !context.accepts(card, control.check(duration)) {
-        return None;
-    }
-    if !values.direct && element_by_element && values.global {
-        return context.refuse_value(card.span, "GLOBAL and ELEMENT BY ELEMENT cannot be combined");
-    }
-    Some(control)
+    context.accepts(card, control.check(duration)).then_some(control)
 }
 
 impl IncrementControl {
     /// Checks given and largest increments in a step of this duration.
     pub fn check(&self, duration: f64) -> ValueCheck {
-        let (IncrementControl::Fixed(given) | IncrementControl::Automatic { largest: given, .. }) = *self;
-        let count = duration / given;
+        let (IncrementControl::Fixed(increment) | IncrementControl::Automatic { largest: increment, .. }) = *self;
+        let count = duration / increment;
         let message =
             format_args!("the step would take {count:.1e} increments, more than the allowed {MOST_INCREMENTS:.0e}");
-        require_line(0, given <= 0.0 || count <= MOST_INCREMENTS, message)?;
-        let is_short = given <= duration || !matches!(self, IncrementControl::Fixed(_));
-        let message = format_args!("the increment must be at most the step duration {duration}, found {given}");
+        require_line(0, increment <= 0.0 || count <= MOST_INCREMENTS, message)?;
+        let is_short = increment <= duration || !matches!(self, IncrementControl::Fixed(_));
+        let message = format_args!("the increment must be at most the step duration {duration}, found {increment}");
         require_line(0, is_short, message)?;
-        require_line(0, given > 0.0, format_args!("the increment must be positive, found {given}"))
+        require_line(0, increment > 0.0, format_args!("the increment must be positive, found {increment}"))
     }
 }
 
@@ -181,7 +174,7 @@ pub fn read_bulk_viscosity(context: &mut Context<'_>, steps: &mut StepReader, ca
     }
     let cards::BulkViscosity { whole_rate, factors: [linear, quadratic] } = card.values();
     steps.state().bulk_viscosity = Some(BulkViscosity { linear, quadratic, filtered: !whole_rate });
-    if !context.model.mesh.elements.iter().any(|e| e.kind.is_solid() || e.kind == super::ElementKind::Sax1) {
+    if !context.model.mesh.elements.iter().any(|e| e.kind.is_solid() || e.kind.is_shell()) {
         context.inert(card, "the model has no deformable elements");
     }
 }

@@ -3,7 +3,7 @@
 use super::contact;
 use super::context::Context;
 use super::families::StepReader;
-use super::names::{qualified, upper};
+use super::names::upper;
 use super::types::{AnalyticalSide, InteractionLaw, PrescribedClearance, SideSelection, SurfaceContact};
 use crate::deck::{Card, DataLine, Diagnostic, Word};
 
@@ -51,11 +51,11 @@ pub fn add_pair(
     };
     warn_of_pair_given_twice(context, steps, line, same);
     let pairs = &mut steps.state().surface_contacts;
-    let before = pairs.len();
+    let count_before = pairs.len();
     // A redefined pair replaces the earlier one.
     pairs.retain(|c| !same(c));
     if !card.read::<bool>("OP") {
-        if pairs.len() == before {
+        if pairs.len() == count_before {
             context.error("M114", "the contact pair to delete does not exist", line.span, "not in force here");
         }
         return;
@@ -94,8 +94,7 @@ fn warn_of_pair_given_twice(
 
 /// Returns the faces of an element-based surface.
 pub fn contact_sides(context: &mut Context<'_>, word: &Word) -> Option<SideSelection> {
-    let names = [qualified(&context.scope, &word.text), upper(&word.text)];
-    if names.iter().any(|n| context.model.surfaces.nodes.contains_key(n)) {
+    if context.names_of(word).iter().any(|n| context.model.surfaces.nodes.contains_key(n)) {
         let message = format!("`{}` is a node-based surface, which can only contact analytical surfaces", word.text);
         return context.refuse_unsupported(word.span, message, "use an element-based surface");
     }

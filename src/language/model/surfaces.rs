@@ -128,14 +128,14 @@ pub fn sides(context: &mut Context<'_>, set: &Word, elements: &[usize], word: &W
 fn free_sides(context: &Context<'_>, elements: &[usize]) -> Vec<(usize, ElementSide)> {
     let mesh = &context.model.mesh;
     let outside = mesh.exterior_faces();
-    let of = |&e: &usize| {
+    let faces_of = |&e: &usize| {
         let first = outside.partition_point(|f| f.0 < e);
         let faces = outside[first..].iter().take_while(move |f| f.0 == e).copied();
-        let is_shell = matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
+        let is_shell = mesh.elements[e].kind.is_line();
         let both = [ElementSide::Positive, ElementSide::Negative].into_iter().filter(move |_| is_shell);
         faces.chain(both.map(move |side| (e, side)))
     };
-    elements.iter().flat_map(of).collect()
+    elements.iter().flat_map(faces_of).collect()
 }
 
 /// Returns the faces of a surface on which a load acts. A surface with both sides of a shell is an error: the load
@@ -186,9 +186,9 @@ impl SideSelection {
             return vec![self.clone()];
         }
         let parts = [("", None), ("_SPOS", Some(ElementSide::Positive)), ("_SNEG", Some(ElementSide::Negative))];
-        let of = |side: ElementSide| Some(side).filter(|s| !matches!(s, ElementSide::Face(_)));
+        let shell_side = |side: ElementSide| Some(side).filter(|s| !matches!(s, ElementSide::Face(_)));
         let part = |(end, side): (&str, Option<ElementSide>)| {
-            let faces: Vec<_> = self.faces.iter().filter(|f| of(f.1) == side).copied().collect();
+            let faces: Vec<_> = self.faces.iter().filter(|f| shell_side(f.1) == side).copied().collect();
             SideSelection::new(&format!("{}{end}", self.name), &faces)
         };
         parts.into_iter().map(part).filter(|part| !part.faces.is_empty()).collect()
@@ -197,13 +197,12 @@ impl SideSelection {
 
 /// Returns the sides that a label denotes for an element type; none if the type has no such side.
 pub fn sides_of(name: &str, kind: ElementKind) -> impl Iterator<Item = ElementSide> {
-    let shell = matches!(kind, ElementKind::Rax2 | ElementKind::Sax1);
     let of_shell = match name {
-        "SPOS" if shell => Some(ElementSide::Positive),
-        "SNEG" if shell => Some(ElementSide::Negative),
+        "SPOS" if kind.is_line() => Some(ElementSide::Positive),
+        "SNEG" if kind.is_line() => Some(ElementSide::Negative),
         _ => None,
     };
-    let number = name.strip_prefix('S').filter(|_| kind.is_solid() || kind == ElementKind::Cohax4);
+    let number = name.strip_prefix('S').filter(|_| kind.is_solid() || kind.is_cohesive());
     let number = number.and_then(|n| n.parse().ok());
     of_shell.into_iter().chain(number.map_or(0..0, |n| kind.face(n)).map(ElementSide::Face))
 }

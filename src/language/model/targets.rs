@@ -41,12 +41,9 @@ pub fn read_target(context: &mut Context<'_>, card: &Card) {
 
 fn layer(context: &mut Context<'_>, card: &Card, at: usize, radius: f64) -> Option<TargetLayer> {
     let line = &card.lines[at];
-    let material = match line.field(0) {
-        Some(word) => Some(context.material(word)?),
-        None => None,
-    };
-    let given = |field| Option::<f64>::from_value(card.given_field(at, field));
-    let (thickness, radius) = (given(1).unwrap_or(f64::INFINITY), given(2).unwrap_or(radius));
+    let material = context.optional(line.field(0), Context::material)?;
+    let field_value = |field| Option::<f64>::from_value(card.given_field(at, field));
+    let (thickness, radius) = (field_value(1).unwrap_or(f64::INFINITY), field_value(2).unwrap_or(radius));
     if let Some(word) = line.field(2).filter(|_| material.is_none()) {
         context.report_surplus(word, "a gap between plates has no radius");
     }

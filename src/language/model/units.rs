@@ -62,16 +62,11 @@ impl UnitSystem {
         value * self.factors[0] / self.factors[2]
     }
 
-    /// Returns whether a density is in the range of solids.
-    pub fn has_density(&self, density: f64) -> bool {
-        within(self.density(density), DENSITIES)
-    }
-
     /// Returns whether density and modulus are plausible for a solid, based on the speed of sound.
     pub fn fits(&self, density: f64, modulus: f64) -> bool {
         let speed = self.speed((modulus / density).sqrt());
-        let dense = self.density(density) > DENSE;
-        self.has_density(density) && within(speed, SPEEDS) && (!dense || speed > DENSE_SPEED)
+        let density = self.density(density);
+        within(density, DENSITIES) && within(speed, SPEEDS) && (density <= DENSE || speed > DENSE_SPEED)
     }
 
     /// Returns the names in the form of `*UNITS`.
@@ -107,8 +102,8 @@ impl DeckUnits {
     /// Returns the name of a derived unit, given the powers of length, mass, time and temperature, for example `kg/m3`.
     pub fn name(&self, powers: [i32; 4]) -> String {
         let derived = self.system().and_then(|system| {
-            let at = [[1, 1, -2, 0], [-1, 1, -2, 0], [2, 1, -2, 0]].iter().position(|p| *p == powers)?;
-            Some(system.derived[at].to_owned())
+            let index = [[1, 1, -2, 0], [-1, 1, -2, 0], [2, 1, -2, 0]].iter().position(|p| *p == powers)?;
+            Some(system.derived[index].to_owned())
         });
         derived.unwrap_or_else(|| self.product(powers))
     }
@@ -143,13 +138,13 @@ mod tests {
         for system in SYSTEMS {
             let [length, mass, time] = system.factors;
             for [density, modulus] in solids {
-                let here = [density * length.powi(3) / mass, modulus * length * time * time / mass];
-                assert!(system.fits(here[0], here[1]), "{system:?} {density}");
+                let converted = [density * length.powi(3) / mass, modulus * length * time * time / mass];
+                assert!(system.fits(converted[0], converted[1]), "{system:?} {density}");
             }
         }
         for [density, modulus] in [[7850.0, 210e3], [7.85e-9, 2.1e11], [7850.0, 210.0]] {
-            let found: Vec<_> = SYSTEMS.iter().filter(|s| s.fits(density, modulus)).collect();
-            assert!(found.is_empty(), "{density} {modulus}: {found:?}");
+            let fitting: Vec<_> = SYSTEMS.iter().filter(|s| s.fits(density, modulus)).collect();
+            assert!(fitting.is_empty(), "{density} {modulus}: {fitting:?}");
         }
         assert_eq!(
             [1.0, 0.5, 20.0, 7.85, 7850.0, 1000.0].map(is_without_units),

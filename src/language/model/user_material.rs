@@ -95,9 +95,9 @@ fn state_name(context: &mut Context<'_>, line: &DataLine, count: usize) -> Optio
 /// Reads `*INITIAL CONDITIONS, TYPE=SOLUTION`: a set with seven state variables, then eight per line. A line of
 /// numbers continues the previous one until all variables are given; other lines start a new set.
 pub fn initial_state(context: &mut Context<'_>, card: &Card) {
-    let most = context.deck.cards.iter().filter(|c| c.keyword.name == "DEPVAR");
-    let counts = most.filter_map(|c| c.lines.first()?.field(0)?.text.parse::<usize>().ok());
-    let most = counts.max().unwrap_or(0);
+    let cards = context.deck.cards.iter().filter(|c| c.keyword.name == "DEPVAR");
+    let counts = cards.filter_map(|c| c.lines.first()?.field(0)?.text.parse::<usize>().ok());
+    let largest_count = counts.max().unwrap_or(0);
     let mut lines = card.lines.iter().peekable();
     while let Some(line) = lines.next() {
         let Some(set) = line.field(0) else { continue };
@@ -108,10 +108,11 @@ pub fn initial_state(context: &mut Context<'_>, card: &Card) {
             }
             Some(values.len())
         };
-        let Some(mut count) = read(context, line, 1, if most > ROW - 1 { ROW } else { line.fields.len() }) else {
+        let Some(mut count) = read(context, line, 1, if largest_count > ROW - 1 { ROW } else { line.fields.len() })
+        else {
             continue;
         };
-        while let Some(next) = lines.next_if(|next| count < most && is_continuation(next)) {
+        while let Some(next) = lines.next_if(|next| count < largest_count && is_continuation(next)) {
             match read(context, next, 0, ROW) {
                 Some(more) => count = more,
                 None => return,

@@ -67,8 +67,8 @@ fn parse_legacy(bytes: &[u8]) -> Result<(MeshFile, Vec<u8>), String> {
             let [piece] = <[_; 1]>::try_from(pieces).map_err(|_| "it has several pieces; save it as one piece")?;
             let piece = piece.into_loaded_piece_data(None).map_err(|e| e.to_string())?;
             // The cell arrays of poly data cover vertices, lines and polygons in this order.
-            let all = [piece.verts, piece.lines, piece.polys].into_iter().flat_map(cells).collect();
-            (piece.points, all, Vec::new(), piece.data)
+            let listed_cells = [piece.verts, piece.lines, piece.polys].into_iter().flat_map(cells).collect();
+            (piece.points, listed_cells, Vec::new(), piece.data)
         }
         _ => return Err("it must be an unstructured grid or poly data".into()),
     };

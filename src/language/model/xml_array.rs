@@ -95,13 +95,13 @@ impl ArrayBudget {
     }
 
     fn spend(&self, bytes: u64) -> Result<(), String> {
-        let left = self.0.get().checked_sub(bytes).ok_or_else(|| {
+        let remaining = self.0.get().checked_sub(bytes).ok_or_else(|| {
             format!(
                 "its arrays need at least {} MB, more than a mesh in a file of this size; save it without compression",
                 bytes / 1_000_000
             )
         })?;
-        self.0.set(left);
+        self.0.set(remaining);
         Ok(())
     }
 }
@@ -139,8 +139,8 @@ fn numbers_of_text(text: &[u8], count: u64) -> Result<Vec<f64>, String> {
     for word in text.split_ascii_whitespace() {
         numbers.push(word.parse().map_err(|_| format!("`{}` is not a number", shortened(word)))?);
     }
-    let found = numbers.len();
-    if found as u64 == count { Ok(numbers) } else { Err(format!("it has {found} numbers, expected {count}")) }
+    let length = numbers.len();
+    if length as u64 == count { Ok(numbers) } else { Err(format!("it has {length} numbers, expected {count}")) }
 }
 
 fn shortened(word: &str) -> String {
@@ -154,18 +154,18 @@ fn leading_bytes(stored: StoredArray<'_>, size: u64) -> Result<(Cow<'_, [u8]>, S
     match stored {
         StoredArray::Text(_) => Err("it has no bytes".into()),
         StoredArray::Raw(bytes) => {
-            let (head, rest) = usize::try_from(size).ok().and_then(|n| bytes.split_at_checked(n)).ok_or_else(short)?;
-            Ok((Cow::Borrowed(head), StoredArray::Raw(rest)))
+            let (head, tail) = usize::try_from(size).ok().and_then(|n| bytes.split_at_checked(n)).ok_or_else(short)?;
+            Ok((Cow::Borrowed(head), StoredArray::Raw(tail)))
         }
         StoredArray::Base64(text) => {
             let length = size.div_ceil(3).checked_mul(4).and_then(|n| usize::try_from(n).ok()).ok_or_else(short)?;
-            let (head, rest) = text.split_at_checked(length).ok_or_else(short)?;
+            let (head, tail) = text.split_at_checked(length).ok_or_else(short)?;
             let mut bytes = STANDARD.decode(head).map_err(|error| format!("it is not valid base64: {error}"))?;
             if (bytes.len() as u64) < size {
                 return Err(short());
             }
             bytes.truncate(size as usize);
-            Ok((Cow::Owned(bytes), StoredArray::Base64(rest)))
+            Ok((Cow::Owned(bytes), StoredArray::Base64(tail)))
         }
     }
 }
@@ -174,7 +174,7 @@ fn leading_bytes(stored: StoredArray<'_>, size: u64) -> Result<(Cow<'_, [u8]>, S
 /// with the data, or alone.
 fn plain_bytes(stored: StoredArray<'_>, size: u64, format: ArrayFormat) -> Result<Cow<'_, [u8]>, String> {
     let header = format.header as u64;
-    let (head, rest) = leading_bytes(stored, header)?;
+    let (head, data) = leading_bytes(stored, header)?;
     let declared = unsigned(&head, format.big_endian);
     if declared != size {
         return Err(format!("it declares {declared} bytes, expected {size}"));
@@ -184,7 +184,7 @@ fn plain_bytes(stored: StoredArray<'_>, size: u64, format: ArrayFormat) -> Resul
         _ => true,
     };
     if alone {
-        return Ok(leading_bytes(rest, size)?.0);
+        return Ok(leading_bytes(data, size)?.0);
     }
     let mut bytes = leading_bytes(stored, header.saturating_add(size))?.0.into_owned();
     bytes.drain(..format.header);
@@ -208,17 +208,17 @@ fn decompressed_bytes(stored: StoredArray<'_>, size: u64, format: ArrayFormat) -
         return Err(format!("it declares {blocks} blocks of {block} bytes, expected {size} bytes in total"));
     }
     let lengths = blocks.checked_add(3).and_then(|n| n.checked_mul(header)).ok_or("it is truncated")?;
-    let (head, rest) = leading_bytes(stored, lengths)?;
+    let (head, data) = leading_bytes(stored, lengths)?;
     let lengths = || head[3 * format.header..].chunks_exact(format.header).map(integer);
     let total = lengths().try_fold(0_u64, u64::checked_add).ok_or("it is truncated")?;
-    let (packed, _) = leading_bytes(rest, total)?;
+    let (packed, _) = leading_bytes(data, total)?;
     let mut bytes = Vec::with_capacity(size as usize);
-    let (mut packed, mut left) = (&*packed, size);
+    let (mut packed, mut remaining) = (&*packed, size);
     for length in lengths() {
-        let (now, rest) = packed.split_at(length as usize);
-        let expected = block.min(left) as usize;
-        decompress(now, expected, format.compression, &mut bytes)?;
-        (packed, left) = (rest, left - expected as u64);
+        let (block_bytes, following) = packed.split_at(length as usize);
+        let expected = block.min(remaining) as usize;
+        decompress(block_bytes, expected, format.compression, &mut bytes)?;
+        (packed, remaining) = (following, remaining - expected as u64);
     }
     Ok(bytes)
 }
@@ -229,8 +229,8 @@ fn decompress(packed: &[u8], size: usize, compression: Compression, bytes: &mut 
     let damaged = || "a compressed block is damaged".to_owned();
     if compression == Compression::Lz4 {
         bytes.resize(start + size, 0);
-        let found = lz4_flex::block::decompress_into(packed, &mut bytes[start..]).map_err(|_| damaged())?;
-        return if found == size { Ok(()) } else { Err(damaged()) };
+        let decompressed = lz4_flex::block::decompress_into(packed, &mut bytes[start..]).map_err(|_| damaged())?;
+        return if decompressed == size { Ok(()) } else { Err(damaged()) };
     }
     // The capacity is that of the whole array; one block must not use that of the next ones.
     let mut block = vec![0; size];

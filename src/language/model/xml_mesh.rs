@@ -24,16 +24,16 @@ struct Tag<'a> {
 
 impl Tag<'_> {
     fn attribute(&self, name: &str) -> Option<&str> {
-        let mut rest = &*self.attributes;
+        let mut remaining = &*self.attributes;
         loop {
-            let (key, after) = rest.split_once('=')?;
+            let (key, after) = remaining.split_once('=')?;
             let after = after.trim_start();
             let quote = after.chars().next().filter(|c| matches!(c, '"' | '\''))?;
             let (value, after) = after[1..].split_once(quote)?;
             if key.trim() == name {
                 return Some(value);
             }
-            rest = after;
+            remaining = after;
         }
     }
 
@@ -49,14 +49,14 @@ impl Tag<'_> {
 fn next_tag(bytes: &[u8], mut from: usize) -> Option<Tag<'_>> {
     loop {
         let start = from + bytes.get(from..)?.iter().position(|b| *b == b'<')?;
-        let rest = &bytes[start..];
+        let text = &bytes[start..];
         let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
-        if let Some((_, end)) = skipped.iter().find(|(begin, _)| rest.starts_with(begin.as_bytes())) {
-            from = start + rest.windows(end.len()).position(|w| w == end.as_bytes())? + end.len();
+        if let Some((_, end)) = skipped.iter().find(|(begin, _)| text.starts_with(begin.as_bytes())) {
+            from = start + text.windows(end.len()).position(|w| w == end.as_bytes())? + end.len();
             continue;
         }
         let mut quote = None;
-        let length = rest.iter().position(|&byte| {
+        let length = text.iter().position(|&byte| {
             match quote {
                 Some(open) if open == byte => quote = None,
                 None if matches!(byte, b'"' | b'\'') => quote = Some(byte),
@@ -64,7 +64,7 @@ fn next_tag(bytes: &[u8], mut from: usize) -> Option<Tag<'_>> {
             }
             quote.is_none() && byte == b'>'
         })?;
-        let inside = &rest[1..length];
+        let inside = &text[1..length];
         let end = inside.iter().skip(1).position(|b| b.is_ascii_whitespace() || *b == b'/');
         let (name, attributes) = inside.split_at(end.map_or(inside.len(), |end| end + 1));
         let span = [start, start + length + 1];
@@ -179,7 +179,7 @@ impl<'a> XmlMesh<'a> {
         let name = unescape(tag.attribute("Name").unwrap_or_default());
         let content = if tag.attributes.trim_end().ends_with('/') { &[] } else { &bytes[tag.span[1]..] };
         let content = &content[..content.iter().position(|b| *b == b'<').unwrap_or(content.len())];
-        let place = match tag.attribute("format").unwrap_or("ascii") {
+        let position = match tag.attribute("format").unwrap_or("ascii") {
             "ascii" => ArrayPlace::Inline(StoredArray::Text(content)),
             "binary" => ArrayPlace::Inline(StoredArray::Base64(content.trim_ascii())),
             "appended" => {
@@ -190,7 +190,7 @@ impl<'a> XmlMesh<'a> {
         };
         let components = tag.count("NumberOfComponents")?.max(1);
         let kind = tag.attribute("type").unwrap_or_default().to_owned();
-        self.arrays.push(ArrayEntry { section, name, kind, components, place });
+        self.arrays.push(ArrayEntry { section, name, kind, components, place: position });
         Ok(tag.span[1] + content.len())
     }
 
@@ -205,8 +205,8 @@ impl<'a> XmlMesh<'a> {
     ) -> Result<Vec<f64>, String> {
         let fits = |entry: &&ArrayEntry<'_>| entry.section == section && (name.is_empty() || entry.name == name);
         let Some(entry) = self.arrays.iter().find(fits) else {
-            let shown = if name.is_empty() { "Points" } else { name };
-            return if count == 0 { Ok(Vec::new()) } else { Err(format!("it has no array `{shown}`")) };
+            let array_name = if name.is_empty() { "Points" } else { name };
+            return if count == 0 { Ok(Vec::new()) } else { Err(format!("it has no array `{array_name}`")) };
         };
         if entry.components != components {
             return Err(format!("array `{}` has {} components, expected {components}", entry.name, entry.components));

@@ -122,7 +122,7 @@ impl StepPlan {
     /// Returns whether the deck fixes the increments.
     #[inline]
     pub fn is_fixed(&self) -> bool {
-        matches!(self.control, IncrementControl::Fixed(_))
+        self.control.is_fixed()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Questions about the model that several passes ask.
 
 use crate::model::{
-    BoundaryCondition, InitialCondition, InitialKind, MaterialDefinition, Model, MotionKind, PlasticityModel,
+    BoundaryCondition, InitialCondition, InitialKind, MaterialDefinition, Model, PlasticityModel,
 };
 
 /// Returns the reference nodes of rigid bodies whose temperature the deck gives.
@@ -10,7 +10,7 @@ pub fn heated_references(model: &Model) -> Vec<usize> {
         return Vec::new();
     }
     let starts = |c: &InitialCondition, n: &usize| c.kind.temperature().is_some() && c.members.binary_search(n).is_ok();
-    let holds = |b: &BoundaryCondition, n: &usize| b.kind == MotionKind::Temperature && b.nodes.contains(n);
+    let holds = |b: &BoundaryCondition, n: &usize| b.is_thermal() && b.nodes.contains(n);
     let is_heated = |n: &usize| {
         model.initial_conditions.iter().any(|c| starts(c, n))
             || model.steps.iter().any(|step| step.boundaries.iter().any(|b| holds(b, n)))

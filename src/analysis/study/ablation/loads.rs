@@ -67,7 +67,7 @@ fn is_pressure(load: &Load) -> bool {
 }
 
 fn is_user(load: &Load) -> bool {
-    matches!(load.kind, LoadKind::User { .. } | LoadKind::UserBody { .. })
+    load.kind.is_user()
 }
 
 fn has(model: &Model, kind: fn(&Load) -> bool) -> bool {

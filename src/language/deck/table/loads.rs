@@ -4,13 +4,41 @@ use super::row;
 use crate::deck::keywords::Keyword;
 use crate::deck::value::{FLAG, INTEGER, NOT_NEGATIVE, NUMBER, POSITIVE, TEXT, YES_NO, ZERO, variant, word};
 
+/// Builds a row with the parameters of all loads, followed by those of the card.
+macro_rules! load {
+    ($name:literal, $summary:literal, ($($often:ident)?), { $($parameters:tt)* } $(refused $refused:tt)?, $data:tt) => {
+        row!($name, $summary, ($($often)?), {
+            "OP" (word(&["MOD", "NEW"]).or(0.0)),
+            "AMPLITUDE" read "Amplitude of the values",
+            "REGION TYPE" (word(&["LAGRANGIAN", "SLIDING", "EULERIAN"]).or(0.0)),
+            $($parameters)*
+        } $(refused $refused)?, $data)
+    };
+}
+
+/// Builds a row with the parameters of all loads on faces, followed by those of the card.
+macro_rules! pressure {
+    ($name:literal, $summary:literal, (step), { $($parameters:tt)* }, $data:tt) => {
+        load!($name, $summary, (step), {
+            "REF NODE" read "Node to whose velocity VP refers",
+            "LOAD CASE" inert "applies only to implicit analyses",
+            "ORIENTATION" refused "pressures act along normals",
+            "FOLLOWER" (YES_NO.or(1.0)) "NO: the direction of TRVEC is fixed; YES: it rotates with the surface",
+            "REAL" inert "applies only to harmonic analyses",
+            "IMAGINARY" refused "applies only to harmonic analyses",
+            "CONSTANT RESULTANT" only ["NO"] "pressures and tractions act on current areas",
+            "CYCLIC MODE" refused "applies only to modal analyses",
+            "TARGET" extension "Target of CAVITY loads",
+            "FRICTION" extension (NOT_NEGATIVE.or(0.0)) "Coulomb friction coefficient of CAVITY loads",
+            $($parameters)*
+        }, $data)
+    };
+}
+
 /// Keywords of loads, prescribed motions and predefined fields.
 pub const CARDS: &[Keyword] = &[
-    row!("BOUNDARY", "Prescribed motion", (), {
-        "OP" (word(&["MOD", "NEW"]).or(0.0)),
-        "AMPLITUDE" read "Amplitude of the values",
+    load!("BOUNDARY", "Prescribed motion", (), {
         "TYPE" (variant(&["DISPLACEMENT", "VELOCITY", "ACCELERATION"]).or(0.0)),
-        "REGION TYPE" (word(&["LAGRANGIAN", "SLIDING", "EULERIAN"]).or(0.0)),
         "FIXED" refused "applies only to implicit analyses",
         "LOAD CASE" inert "applies only to implicit analyses",
         "BASE NAME" refused "applies only to modal analyses",
@@ -20,32 +48,15 @@ pub const CARDS: &[Keyword] = &[
     } refused {
         "applies only to SUBMODEL": "STEP", "INC", "TIMESCALE";
     }, [(rows ["node or set", "first degree of freedom" read "Or ENCASTRE, PINNED, XSYMM, YSYMM ...; 11 is the temperature", "last degree of freedom", "value"])]),
-    row!("CLOAD", "Forces on nodes", (step), {
-        "OP" (word(&["MOD", "NEW"]).or(0.0)),
-        "AMPLITUDE" read "Amplitude of the values",
+    load!("CLOAD", "Forces on nodes", (step), {
         "FOLLOWER" refused "forces keep their direction",
         "LOAD CASE" inert "applies only to implicit analyses",
-        "REGION TYPE" (word(&["LAGRANGIAN", "SLIDING", "EULERIAN"]).or(0.0)),
         "REAL" inert "applies only to harmonic analyses",
         "IMAGINARY" refused "applies only to harmonic analyses",
         "CYCLIC MODE" refused "applies only to modal analyses",
         "SUBMODEL" refused "results of another job cannot be read",
     }, [(rows ["node or set" (TEXT.required()), "degree of freedom" (INTEGER.from(1.0).to(6.0).required()), "force" (NUMBER.required())])]),
-    row!("DLOAD", "Loads on elements: gravity, body forces, pressures, tractions, user-defined pressures", (step), {
-        "OP" (word(&["MOD", "NEW"]).or(0.0)),
-        "AMPLITUDE" read "Amplitude of the values",
-        "REGION TYPE" (word(&["LAGRANGIAN", "SLIDING", "EULERIAN"]).or(0.0)),
-        "REF NODE" read "Node to whose velocity VP refers",
-        "LOAD CASE" inert "applies only to implicit analyses",
-        "ORIENTATION" refused "pressures act along normals",
-        "FOLLOWER" (YES_NO.or(1.0)) "NO: the direction of TRVEC is fixed; YES: it rotates with the surface",
-        "REAL" inert "applies only to harmonic analyses",
-        "IMAGINARY" refused "applies only to harmonic analyses",
-        "CONSTANT RESULTANT" only ["NO"] "pressures and tractions act on current areas",
-        "CYCLIC MODE" refused "applies only to modal analyses",
-        "TARGET" extension "Target of CAVITY loads",
-        "FRICTION" extension (NOT_NEGATIVE.or(0.0)) "Coulomb friction coefficient of CAVITY loads",
-    }, [(rows [
+    pressure!("DLOAD", "Loads on elements: gravity, body forces, pressures, tractions, user-defined pressures", (step), {}, [(rows [
         "element or set",
         "label" read "GRAV, BR, BZ, CENTRIF, P, P1 ... P4, VP ..., TRVEC ..., TRSHR ..., PNU, P1NU ... P4NU, BRNU, BZNU, CAVITY",
         "magnitude" read "Acceleration, force per volume, squared angular velocity (CENTRIF), pressure, pressure per velocity (VP) or traction",
@@ -56,22 +67,9 @@ pub const CARDS: &[Keyword] = &[
         "axis along z" read "For CENTRIF",
         "third component of the axis" read "For CENTRIF, 0",
     ])]),
-    row!("DSLOAD", "Loads on surfaces: pressures, tractions, user-defined pressures, cavity expansion", (step), {
-        "OP" (word(&["MOD", "NEW"]).or(0.0)),
-        "AMPLITUDE" read "Amplitude of the values",
-        "REGION TYPE" (word(&["LAGRANGIAN", "SLIDING", "EULERIAN"]).or(0.0)),
-        "REF NODE" read "Node to whose velocity VP refers",
-        "LOAD CASE" inert "applies only to implicit analyses",
-        "ORIENTATION" refused "pressures act along normals",
-        "FOLLOWER" (YES_NO.or(1.0)) "NO: the direction of TRVEC is fixed; YES: it rotates with the surface",
-        "REAL" inert "applies only to harmonic analyses",
-        "IMAGINARY" refused "applies only to harmonic analyses",
-        "CONSTANT RESULTANT" only ["NO"] "pressures and tractions act on current areas",
-        "CYCLIC MODE" refused "applies only to modal analyses",
+    pressure!("DSLOAD", "Loads on surfaces: pressures, tractions, user-defined pressures, cavity expansion", (step), {
         "SUBMODEL" refused "results of another job cannot be read",
         "STEP" refused "applies only to SUBMODEL",
-        "TARGET" extension "Target of CAVITY loads",
-        "FRICTION" extension (NOT_NEGATIVE.or(0.0)) "Coulomb friction coefficient of CAVITY loads",
     }, [(rows [
         "surface",
         "label" read "P, VP, TRVEC, TRSHR, PNU or CAVITY",
@@ -110,21 +108,9 @@ pub const CARDS: &[Keyword] = &[
             "ABSOLUTE EXTERIOR TOLERANCE", "EXTERIOR TOLERANCE";
         "applies only to USER": "NUMBER", "BLOCKING";
     }, [(rows ["node or set", "field variable" (NUMBER.required())])]),
-    row!("CFLUX", "Concentrated heat fluxes at nodes", (step), {
-        "OP" (word(&["MOD", "NEW"]).or(0.0)),
-        "AMPLITUDE" read "Amplitude of the values",
-        "REGION TYPE" (word(&["LAGRANGIAN", "SLIDING", "EULERIAN"]).or(0.0)),
-    }, [(rows ["node or set", "degree of freedom" only ["11"] "11 is the temperature", "heat per time" (NUMBER.required())])]),
-    row!("DFLUX", "Heat fluxes into elements: S1 ... S4 through faces, BF per volume", (step), {
-        "OP" (word(&["MOD", "NEW"]).or(0.0)),
-        "AMPLITUDE" read "Amplitude of the values",
-        "REGION TYPE" (word(&["LAGRANGIAN", "SLIDING", "EULERIAN"]).or(0.0)),
-    }, [(rows ["element or set", "label" read "S1 ... S4, BF", "heat flux" (NUMBER.required()) "Heat per time and area, or per time and volume"])]),
-    row!("DSFLUX", "Heat fluxes through surfaces", (step), {
-        "OP" (word(&["MOD", "NEW"]).or(0.0)),
-        "AMPLITUDE" read "Amplitude of the values",
-        "REGION TYPE" (word(&["LAGRANGIAN", "SLIDING", "EULERIAN"]).or(0.0)),
-    }, [(rows ["surface", "label" only ["S"] "only uniform fluxes are supported", "heat flux" (NUMBER.required())])]),
+    load!("CFLUX", "Concentrated heat fluxes at nodes", (step), {}, [(rows ["node or set", "degree of freedom" only ["11"] "11 is the temperature", "heat per time" (NUMBER.required())])]),
+    load!("DFLUX", "Heat fluxes into elements: S1 ... S4 through faces, BF per volume", (step), {}, [(rows ["element or set", "label" read "S1 ... S4, BF", "heat flux" (NUMBER.required()) "Heat per time and area, or per time and volume"])]),
+    load!("DSFLUX", "Heat fluxes through surfaces", (step), {}, [(rows ["surface", "label" only ["S"] "only uniform fluxes are supported", "heat flux" (NUMBER.required())])]),
     row!("FILM", "Film conditions on element faces", (step), {
         "OP" (word(&["MOD", "NEW"]).or(0.0)),
         "AMPLITUDE" read "Amplitude of the fluid temperature",

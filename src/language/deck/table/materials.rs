@@ -192,12 +192,7 @@ card!(DamageEvolution: "DAMAGE EVOLUTION", "Damage evolution", (below "MATERIAL"
     power: Option<f64> = "POWER" (POSITIVE) "Exponent of POWER LAW or BK",
     "FAILURE INDEX" refused "applies only to user-defined criteria",
 }, rows: Vec<[f64; 3]> = [
-    (when "MIXED MODE BEHAVIOR" = "POWER LAW" lines [
-        "normal fracture energy" (POSITIVE.required()), "shear fracture energy" (POSITIVE.required()),
-        "second shear fracture energy" inert "the faces do not move along the second shear direction",
-        "temperature" inert "the values do not depend on temperature",
-    ]),
-    (when "MIXED MODE BEHAVIOR" = "BK" lines [
+    (when "MIXED MODE BEHAVIOR" = "POWER LAW" | "BK" lines [
         "normal fracture energy" (POSITIVE.required()), "shear fracture energy" (POSITIVE.required()),
         "second shear fracture energy" inert "the faces do not move along the second shear direction",
         "temperature" inert "the values do not depend on temperature",
@@ -211,12 +206,7 @@ card!(DamageEvolution: "DAMAGE EVOLUTION", "Damage evolution", (below "MATERIAL"
         "exponent or mode mix" (NOT_NEGATIVE) "Exponent with TYPE=DISPLACEMENT, mode mix with TYPE=ENERGY",
         "mode mix" (NUMBER.from(0.0).to(1.0)),
     ]),
-    (when "MODE MIX RATIO" = "ENERGY" rows [
-        "displacement or energy at failure" (NOT_NEGATIVE.required()), "mode mix" (NUMBER.from(0.0).to(1.0).required()),
-        "second mode mix" inert "the faces do not move along the second shear direction",
-        "temperature" inert "the values do not depend on temperature",
-    ]),
-    (when "MODE MIX RATIO" = "TRACTION" rows [
+    (when "MODE MIX RATIO" = "ENERGY" | "TRACTION" rows [
         "displacement or energy at failure" (NOT_NEGATIVE.required()), "mode mix" (NUMBER.from(0.0).to(1.0).required()),
         "second mode mix" inert "the faces do not move along the second shear direction",
         "temperature" inert "the values do not depend on temperature",

@@ -11,24 +11,14 @@ use super::quadrilaterals::{Quadrilaterals, Regions};
 use super::verify::verify;
 use crate::deck::{Deck, Diagnostic, Diagnostics};
 use crate::kernel::lists::sorted_unique;
-use crate::model::refinement::pass::ReadPass;
-use crate::model::types::{ElementKind, LoadKind, Mesh, Model, OutputKind, OutputRegion};
+use crate::model::types::{LoadRegion, Mesh, Model, OutputKind, OutputRegion};
 
 /// Largest number of faults that are reported.
 const REPORTED: usize = 10;
 
-/// Reads a deck without errors again, with groups of `factor` by `factor` elements merged. `fine` is its model. If the
-/// deck is to be written, the changes of its text are recorded.
+/// Reads a deck without errors again, with groups of `factor` by `factor` elements merged. `fine` is its model.
 pub(in crate::model) fn read<'a>(deck: &'a Deck, factor: usize, fine: &Model, is_written: bool) -> ModelBuilder<'a> {
-    let mut builder = ModelBuilder::checked(deck);
-    let cards = builder.ordered_cards();
-    builder.context.scaling.pass = ReadPass::Mesh;
-    cards.iter().for_each(|card| builder.read_card(card));
-    coarsen_mesh(&mut builder.context, factor, fine);
-    builder.context.record_edits(is_written);
-    builder.context.scaling.pass = ReadPass::Rest;
-    cards.iter().for_each(|card| builder.read_card(card));
-    builder
+    ModelBuilder::with_changed_mesh(deck, is_written, |context| coarsen_mesh(context, factor, fine))
 }
 
 /// Completes the coarsened model of a deck, and compares it with the model of the deck.
@@ -80,13 +70,10 @@ fn merge(
     let is_other = |e: &&crate::model::types::Element| {
         e.kind.is_solid() && (e.nodes.len() != 4 || sorted_unique::<usize>(e.nodes.iter().copied()).len() != 4)
     };
-    if let Some(element) = fine.elements.iter().find(is_other) {
-        let message = format!("triangles cannot be merged: element {} is {}", element.name, element.kind.name());
-        return vec![CoarseningFault::new(message, "this element", element.span)];
-    }
-    if let Some(element) = fine.elements.iter().find(|e| e.kind == ElementKind::Cohax4) {
-        let message =
-            format!("cohesive elements cannot be merged: element {} is {}", element.name, element.kind.name());
+    let triangle = fine.elements.iter().find(is_other).map(|element| ("triangles", element));
+    let cohesive = || fine.elements.iter().find(|e| e.kind.is_cohesive()).map(|element| ("cohesive elements", element));
+    if let Some((what, element)) = triangle.or_else(cohesive) {
+        let message = format!("{what} cannot be merged: element {} is {}", element.name, element.kind.name());
         return vec![CoarseningFault::new(message, "this element", element.span)];
     }
     let (regions, fixed) = (regions(model), fixed_nodes(model));
@@ -120,8 +107,8 @@ pub fn regions(model: &Model) -> Regions {
     let mut regions = Regions::new();
     let sections = model.sections.iter().map(|s| &s.elements).chain(model.shell_sections.iter().map(|s| &s.elements));
     let sections = sections.chain(model.cohesive_sections.iter().map(|s| &s.elements));
-    let all = sections.chain(model.rigid_bodies.iter().map(|body| &body.elements));
-    for (at, elements) in all.enumerate() {
+    let element_lists = sections.chain(model.rigid_bodies.iter().map(|body| &body.elements));
+    for (at, elements) in element_lists.enumerate() {
         elements.iter().for_each(|&element| regions.entry(element).or_default().push(at));
     }
     regions
@@ -141,8 +128,7 @@ fn fixed_nodes(model: &Model) -> Vec<usize> {
     }
     for step in &model.steps {
         for load in &step.loads {
-            if let LoadKind::Concentrated { nodes: loaded, .. } | LoadKind::NodalHeat { nodes: loaded, .. } = &load.kind
-            {
+            if let LoadRegion::Nodes(loaded) = load.kind.region() {
                 nodes.extend(loaded);
             }
         }

@@ -43,8 +43,8 @@ fn blocks_between(quads: &Quadrilaterals<'_>, lines: &KeptLines) -> Result<Vec<B
     for &first in &quads.elements {
         if let Entry::Vacant(start) = known.entry(first) {
             start.insert(([0; 2], 0));
-            let all = connected(quads, lines, first, &mut known)?;
-            blocks.push(Block::new(&all, &known));
+            let elements = connected(quads, lines, first, &mut known)?;
+            blocks.push(Block::new(&elements, &known));
         }
     }
     Ok(blocks)
@@ -57,25 +57,25 @@ fn connected(
     first: usize,
     known: &mut HashMap<usize, Place>,
 ) -> Result<Vec<usize>, usize> {
-    let mut all = vec![first];
-    let mut at = 0;
-    while let Some(&element) = all.get(at) {
+    let mut elements = vec![first];
+    let mut index = 0;
+    while let Some(&element) = elements.get(index) {
         let ([i, j], turn) = known[&element];
         for (direction, step) in STEPS.iter().enumerate() {
             let side = (direction + turn) % 4;
             let is_end = lines.edges[quads.edge(element, side)];
             let Some((next, other)) = quads.neighbour(element, side).filter(|_| !is_end) else { continue };
             // The neighbour has the opposite side there.
-            let place = ([i + step[0], j + step[1]], (other + 6 - direction) % 4);
-            match known.insert(next, place) {
-                None => all.push(next),
-                Some(before) if before == place => {}
+            let position = ([i + step[0], j + step[1]], (other + 6 - direction) % 4);
+            match known.insert(next, position) {
+                None => elements.push(next),
+                Some(before) if before == position => {}
                 Some(_) => return Err(quads.mesh.elements[element].nodes[side]),
             }
         }
-        at += 1;
+        index += 1;
     }
-    Ok(all)
+    Ok(elements)
 }
 
 impl Block {

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use super::mesh::{CoarsenedMesh, CoarseningFault};
 use super::quadrilaterals::{Regions, turns};
 use crate::model::element_nodes::NodeIndices;
-use crate::model::types::{Element, ElementKind, Mesh};
+use crate::model::types::{Element, Mesh};
 
 /// Nodes at which chains end.
 pub struct ChainEnds<'a> {
@@ -52,15 +52,15 @@ pub fn merge_chains(
 
 impl<'a> Lines<'a> {
     fn new(mesh: &'a Mesh, ends: &'a ChainEnds<'a>) -> Lines<'a> {
-        let is_line = |&e: &usize| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
-        let all: Vec<usize> = (0..mesh.elements.len()).filter(is_line).collect();
+        let is_line = |&e: &usize| mesh.elements[e].kind.is_line();
+        let lines: Vec<usize> = (0..mesh.elements.len()).filter(is_line).collect();
         let mut at_node = [HashMap::new(), HashMap::new()];
-        for &line in &all {
+        for &line in &lines {
             for (at_node, &node) in at_node.iter_mut().zip(&mesh.elements[line].nodes) {
                 at_node.entry(node).or_insert_with(Vec::new).push(line);
             }
         }
-        Lines { mesh, ends, all, at_node }
+        Lines { mesh, ends, all: lines, at_node }
     }
 
     /// Returns the element that continues a chain after an element; `None` if the chain ends there.
@@ -79,13 +79,13 @@ impl<'a> Lines<'a> {
     /// Returns all chains: first those with a first element, then closed ones.
     fn chains(&self) -> Vec<Vec<usize>> {
         let followers: HashSet<usize> = self.all.iter().filter_map(|&line| self.next(line)).collect();
-        let (mut done, mut chains) = (HashSet::new(), Vec::new());
+        let (mut visited, mut chains) = (HashSet::new(), Vec::new());
         for &start in self.all.iter().filter(|line| !followers.contains(line)).chain(&self.all) {
             let mut chain = Vec::new();
-            let mut at = Some(start);
-            while let Some(element) = at.filter(|&element| done.insert(element)) {
+            let mut next = Some(start);
+            while let Some(element) = next.filter(|&element| visited.insert(element)) {
                 chain.push(element);
-                at = self.next(element);
+                next = self.next(element);
             }
             if !chain.is_empty() {
                 chains.push(chain);

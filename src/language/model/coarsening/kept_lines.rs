@@ -15,13 +15,10 @@ impl KeptLines {
         let is_interface =
             |sides: &Vec<(usize, usize)>| sides.len() != 2 || regions.get(&sides[0].0) != regions.get(&sides[1].0);
         let mut lines = KeptLines { edges: quads.edges.values().map(is_interface).collect() };
-        fixed.iter().for_each(|node| lines.keep_all(quads, *node));
+        let at_fixed = fixed.iter().filter_map(|node| quads.at_node.get(node)).flatten();
+        at_fixed.for_each(|&edge| lines.edges[edge] = true);
         lines.continue_lines(quads);
         lines
-    }
-
-    fn keep_all(&mut self, quads: &Quadrilaterals<'_>, node: usize) {
-        quads.at_node.get(&node).into_iter().flatten().for_each(|&edge| self.edges[edge] = true);
     }
 
     /// Continues lines that end at a node, until no line ends inside the mesh.
@@ -40,19 +37,19 @@ impl KeptLines {
 
     /// Returns the edges at a node that must remain because of its other edges.
     fn missing(&self, quads: &Quadrilaterals<'_>, node: usize) -> Vec<usize> {
-        let all = &quads.at_node[&node];
-        let kept: Vec<usize> = all.iter().copied().filter(|&edge| self.edges[edge]).collect();
-        let boundary: Vec<usize> = all.iter().copied().filter(|&edge| quads.is_boundary(edge)).collect();
-        match (boundary.len(), all.len()) {
-            (0, 4) => match kept[..] {
+        let edges = &quads.at_node[&node];
+        let kept_edges: Vec<usize> = edges.iter().copied().filter(|&edge| self.edges[edge]).collect();
+        let boundary: Vec<usize> = edges.iter().copied().filter(|&edge| quads.edges[edge].len() == 1).collect();
+        match (boundary.len(), edges.len()) {
+            (0, 4) => match kept_edges[..] {
                 [] => Vec::new(),
-                [edge] => all.iter().copied().filter(|&e| e != edge && !quads.share_element([e, edge])).collect(),
+                [edge] => edges.iter().copied().filter(|&e| e != edge && !quads.share_element([e, edge])).collect(),
                 [a, b] if !quads.share_element([a, b]) => Vec::new(),
-                _ => all.clone(),
+                _ => edges.clone(),
             },
             (2, 2) => Vec::new(),
             (2, 3) if !quads.has_kink(node, [boundary[0], boundary[1]]) => Vec::new(),
-            _ => all.clone(),
+            _ => edges.clone(),
         }
     }
 }

@@ -59,11 +59,11 @@ impl CoarsenedMesh {
         let outer = starts.iter().filter(|([a, b], _)| !starts.contains_key(&[*b, *a]));
         let next: HashMap<usize, (usize, (usize, ElementSide))> =
             outer.map(|(&[a, b], &face)| (a, (b, face))).collect();
-        let (mut at, mut found) = (from, Vec::new());
-        while let Some(&(end, face)) = next.get(&at).filter(|_| at != to && found.len() <= next.len()) {
-            found.push(face);
-            at = end;
+        let (mut node, mut outer_faces) = (from, Vec::new());
+        while let Some(&(end, face)) = next.get(&node).filter(|_| node != to && outer_faces.len() <= next.len()) {
+            outer_faces.push(face);
+            node = end;
         }
-        found
+        outer_faces
     }
 }

@@ -46,11 +46,6 @@ impl<'m> Quadrilaterals<'m> {
         self.edges[self.edge(element, side)].iter().copied().find(|other| other.0 != element)
     }
 
-    /// Returns whether an edge has one element.
-    pub fn is_boundary(&self, edge: usize) -> bool {
-        self.edges[edge].len() == 1
-    }
-
     /// Returns whether two edges have an element in common.
     pub fn share_element(&self, [a, b]: [usize; 2]) -> bool {
         self.edges[a].iter().any(|(element, _)| self.edges[b].iter().any(|(other, _)| other == element))

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::mesh::{CoarsenedMesh, CoarseningFault};
 use crate::deck::Span;
-use crate::model::types::{ElementSide, Load, LoadKind, Model, OutputRegion, SideSelection};
+use crate::model::types::{ElementSide, Load, LoadRegion, Model, OutputRegion};
 
 /// Elements or faces of a card in both models.
 struct Verification<'a> {
@@ -72,37 +72,15 @@ impl Verification<'_> {
     }
 
     fn load(&mut self, coarse: &Load, fine: &Load) {
-        let span = fine.span;
-        match (&coarse.kind, &fine.kind) {
-            (LoadKind::Gravity { elements: Some(a), .. }, LoadKind::Gravity { elements: Some(b), .. })
-            | (LoadKind::UserBody { elements: a, .. }, LoadKind::UserBody { elements: b, .. })
-            | (LoadKind::Body { elements: a, .. }, LoadKind::Body { elements: b, .. })
-            | (LoadKind::BodyHeat { elements: a, .. }, LoadKind::BodyHeat { elements: b, .. }) => {
-                self.elements("a load", [a, b], span);
-            }
-            (a, b) => {
-                if let (Some(a), Some(b)) = (sides(a), sides(b)) {
-                    self.faces("a load", [&a.faces, &b.faces], span);
-                }
-            }
+        match (coarse.kind.region(), fine.kind.region()) {
+            (LoadRegion::Elements(a), LoadRegion::Elements(b)) => self.elements("a load", [a, b], fine.span),
+            (LoadRegion::Sides(a), LoadRegion::Sides(b)) => self.faces("a load", [&a.faces, &b.faces], fine.span),
+            _ => {}
         }
     }
 
     fn differs(&mut self, what: &str, span: Span) {
         let message = format!("{what} ends inside elements that would be merged");
         self.faults.push(CoarseningFault::new(message, "here", span));
-    }
-}
-
-fn sides(load: &LoadKind) -> Option<&SideSelection> {
-    match load {
-        LoadKind::Pressure(sides)
-        | LoadKind::SurfaceHeat(sides)
-        | LoadKind::User { sides, .. }
-        | LoadKind::Traction { sides, .. }
-        | LoadKind::Blast { sides, .. }
-        | LoadKind::Cavity { sides, .. }
-        | LoadKind::Film { sides, .. } => Some(sides),
-        _ => None,
     }
 }

@@ -2,7 +2,6 @@
 
 use super::lattice;
 use super::mesh::RefinedMesh;
-use super::pass::ReadPass;
 use super::relations::refine_relations;
 use super::smooth;
 use crate::deck::{Card, Deck, Span, Word};
@@ -15,21 +14,9 @@ use crate::model::name::{EntityName, NewLabels};
 use crate::model::types::{Element, ElementSide, Model, OutputKind, OutputRegion};
 use crate::platform::PortableMath as _;
 
-/// Reads a deck without errors again, with a refined mesh. `coarse` is its model. If the deck is to be written, the
-/// changes of its text are recorded.
+/// Reads a deck without errors again, with a refined mesh. `coarse` is its model.
 pub(in crate::model) fn read<'a>(deck: &'a Deck, factor: usize, coarse: &Model, is_written: bool) -> ModelBuilder<'a> {
-    let mut builder = ModelBuilder::checked(deck);
-    let cards = builder.ordered_cards();
-    for pass in [ReadPass::Mesh, ReadPass::Rest] {
-        builder.context.scaling.pass = pass;
-        for card in &cards {
-            builder.read_card(card);
-        }
-        if pass == ReadPass::Mesh {
-            builder.context.refine_mesh(factor, coarse);
-            builder.context.record_edits(is_written);
-        }
-    }
+    let mut builder = ModelBuilder::with_changed_mesh(deck, is_written, |context| context.refine_mesh(factor, coarse));
     refine_relations(&mut builder.context);
     builder
 }

@@ -199,16 +199,16 @@ impl EdgeCurves {
             return [0.0; 2];
         }
         let [radius, angle] = [0, 1].map(|i| a[i] + share * (b[i] - a[i]));
-        let place = self.systems[*system].point(polar_point(radius, angle));
+        let position = self.systems[*system].point(polar_point(radius, angle));
         let [from, to] = edge.map(|node| points[node]);
-        [0, 1].map(|i| place[i] - from[i] - share * (to[i] - from[i]))
+        [0, 1].map(|i| position[i] - from[i] - share * (to[i] - from[i]))
     }
 }
 
 /// Returns the offset of a cubic curve from its chord.
 fn cubic_offset([a, b]: [[f64; 2]; 2], [from, to]: &Tangents, s: f64) -> [f64; 2] {
-    let rest = 1.0 - s;
-    [0, 1].map(|i| s * rest * (rest * (from[i] - (b[i] - a[i])) - s * (to[i] - (b[i] - a[i]))))
+    let complement = 1.0 - s;
+    [0, 1].map(|i| s * complement * (complement * (from[i] - (b[i] - a[i])) - s * (to[i] - (b[i] - a[i]))))
 }
 
 /// Returns the offset of an arc from its chord; zero if the nodes were moved off the arc.
@@ -217,8 +217,8 @@ fn arc_offset([a, b]: [[f64; 2]; 2], centre: [f64; 2], normal: f64, share: f64) 
     if (square(a) - square(b)).abs() > 2.0 * ROUND * square(a) {
         return [0.0; 2];
     }
-    let place = on_arc(a, b, centre, normal, share);
-    [0, 1].map(|i| place[i] - a[i] - share * (b[i] - a[i]))
+    let position = on_arc(a, b, centre, normal, share);
+    [0, 1].map(|i| position[i] - a[i] - share * (b[i] - a[i]))
 }
 
 /// Returns the point at fraction `s` of the arc from `a` to `b` around `c`: counter-clockwise for positive `normal`,

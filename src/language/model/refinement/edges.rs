@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use crate::kernel::lists::sorted_pair;
-use crate::model::types::{Element, ElementKind};
+use crate::model::types::Element;
 
 /// Edges of all solids, shells and rigid surface elements, in order of elements.
 #[derive(Debug, Default)]
@@ -29,7 +29,7 @@ pub struct Edge {
 /// Returns the edges of an element: pairs of consecutive nodes around its boundary; of a cohesive element, both faces.
 pub fn edges_of(element: &Element) -> impl Iterator<Item = [usize; 2]> {
     let nodes = &element.nodes;
-    let cohesive = element.kind == ElementKind::Cohax4;
+    let cohesive = element.kind.is_cohesive();
     let count = match nodes.len() {
         _ if element.kind.is_discrete() => 0,
         2 => 1,
@@ -49,7 +49,7 @@ impl EdgeTable {
                 let edge = entry.or_insert(Edge { elements: [at; 2], ..Edge::default() });
                 edge.elements[1] = at;
                 edge.solids += usize::from(element.kind.is_solid());
-                edge.is_line |= !element.kind.is_solid() && element.kind != ElementKind::Cohax4;
+                edge.is_line |= !element.kind.is_solid() && !element.kind.is_cohesive();
             }
         }
         EdgeTable { edges, inner: factor - 1, first }
@@ -95,8 +95,8 @@ impl EdgeTable {
 
     /// Returns the edge of a new node, and the number of parts between its first node and the new node.
     pub fn place(&self, node: usize) -> Option<([usize; 2], usize)> {
-        let at = node.checked_sub(self.first).filter(|_| node < self.end())?;
-        let (ends, _) = self.edges.get_index(at / self.inner)?;
-        Some((*ends, at % self.inner + 1))
+        let offset = node.checked_sub(self.first).filter(|_| node < self.end())?;
+        let (ends, _) = self.edges.get_index(offset / self.inner)?;
+        Some((*ends, offset % self.inner + 1))
     }
 }

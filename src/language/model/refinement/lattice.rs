@@ -76,8 +76,8 @@ impl RefinedMesh {
         let end = self.first_inside[self.parents.len()];
         points.reserve(end - self.originals);
         for node in self.originals..end {
-            let place = self.place(node, points, curves);
-            points.push(place);
+            let position = self.place(node, points, curves);
+            points.push(position);
         }
     }
 
@@ -102,7 +102,7 @@ impl RefinedMesh {
             let share = part as f64 / factor;
             return [(a, 1.0 - share), (b, share), (a, 0.0), (a, 0.0)];
         }
-        let (parent, i, j) = self.lattice_place(node);
+        let (parent, [i, j]) = self.lattice_place(node);
         let nodes = &self.parents[parent].nodes;
         if let &[a, b, c, d] = &nodes[..] {
             let (s, t) = (i as f64 / factor, j as f64 / factor);
@@ -129,27 +129,27 @@ impl RefinedMesh {
         (corners, [i as f64 / n as f64, j as f64 / n as f64])
     }
 
-    /// Returns the parent of a node inside an element, and the place of the node in its lattice.
-    fn lattice_place(&self, node: usize) -> (usize, usize, usize) {
+    /// Returns the parent of a node inside an element, and column and row of the node in its lattice.
+    fn lattice_place(&self, node: usize) -> (usize, [usize; 2]) {
         let parent = self.first_inside.partition_point(|&first| first <= node) - 1;
-        let mut at = node - self.first_inside[parent];
+        let mut offset = node - self.first_inside[parent];
         let kind = self.parents[parent].kind;
         if kind.node_count() == 4 {
             let row = self.factor - 1;
-            return (parent, at % row + 1, at / row + 1);
+            return (parent, [offset % row + 1, offset / row + 1]);
         }
         // The rows of a triangle become shorter by one node.
         let (mut row, mut j) = (kind.node_count() / 3 * self.factor - 2, 1);
-        while at >= row {
-            (at, row, j) = (at - row, row - 1, j + 1);
+        while offset >= row {
+            (offset, row, j) = (offset - row, row - 1, j + 1);
         }
-        (parent, at + 1, j)
+        (parent, [offset + 1, j])
     }
 
     /// Returns the offset of a node inside an element, blended from the offsets of its curved edges (transfinite
     /// interpolation).
     fn offset_inside(&self, node: usize, points: &[[f64; 2]], curves: &EdgeCurves) -> [f64; 2] {
-        let (parent, i, j) = self.lattice_place(node);
+        let (parent, [i, j]) = self.lattice_place(node);
         let nodes = &self.parents[parent].nodes;
         let offset = |edge: [usize; 2], share: f64| curves.offset(points, edge, share);
         let parts = if let &[a, b, c, d] = &nodes[..] {
@@ -172,10 +172,10 @@ impl RefinedMesh {
         match nodes.len() {
             _ if kind.is_discrete() => children.push((nodes.clone(), 0)),
             2 => {
-                let at = |i| self.edges.node([nodes[0], nodes[1]], i);
-                children.extend((0..n).map(|i| (NodeIndices::from(&[at(i), at(i + 1)][..]), 0)));
+                let node = |i| self.edges.node([nodes[0], nodes[1]], i);
+                children.extend((0..n).map(|i| (NodeIndices::from(&[node(i), node(i + 1)][..]), 0)));
             }
-            _ if kind == ElementKind::Cohax4 => {
+            _ if kind.is_cohesive() => {
                 let bottom = |i| self.edges.node([nodes[0], nodes[1]], i);
                 let top = |i| self.edges.node([nodes[3], nodes[2]], i);
                 let between = |i| [bottom(i), bottom(i + 1), top(i + 1), top(i)];
@@ -198,8 +198,8 @@ impl RefinedMesh {
 
     fn quadrilateral(&self, parent: usize, i: usize, j: usize) -> (NodeIndices, u8) {
         let last = self.factor - 1;
-        let at = |i, j| self.quadrilateral_node(parent, i, j);
-        let nodes = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        let node = |i, j| self.quadrilateral_node(parent, i, j);
+        let nodes = [node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)];
         (NodeIndices::from(&nodes[..]), bits([j == 0, i == last, j == last, i == 0]))
     }
 

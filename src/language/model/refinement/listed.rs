@@ -22,26 +22,33 @@ fn is_label(region: &str) -> bool {
 fn between(context: &Context<'_>, listed: &NodeValues) -> Vec<(f64, Vec<usize>)> {
     let Some(refined) = &context.scaling.refined else { return Vec::new() };
     let nodes: Vec<usize> = listed.keys().copied().collect();
-    let mut found: IndexMap<u64, Vec<usize>> = IndexMap::new();
+    let mut nodes_by_value: IndexMap<u64, Vec<usize>> = IndexMap::new();
     for node in refined.selection(&nodes).nodes(refined) {
         let weights = refined.weights(node).map(|(n, weight)| (listed.get(&n).copied().unwrap_or(0.0), weight));
         let first = weights[0].0;
         let value = first + weights.iter().map(|(value, weight)| weight * (value - first)).sum::<f64>();
-        found.entry(value.to_bits()).or_default().push(node);
+        nodes_by_value.entry(value.to_bits()).or_default().push(node);
     }
-    found.into_iter().map(|(bits, nodes)| (f64::from_bits(bits), sorted_unique(nodes))).collect()
+    nodes_by_value.into_iter().map(|(bits, nodes)| (f64::from_bits(bits), sorted_unique(nodes))).collect()
 }
 
-/// Returns conditions for new nodes from conditions at single nodes. Conditions with the same key belong together.
+/// A condition at a single node. Conditions with the same key belong together.
+struct ListedValue<K> {
+    key: K,
+    node: usize,
+    value: f64,
+}
+
+/// Returns conditions for new nodes from conditions at single nodes.
 fn completed<C: Clone, K: Hash + Eq>(
     context: &Context<'_>,
     conditions: &[C],
-    of: impl Fn(&C) -> Option<(K, usize, f64)>,
+    of: impl Fn(&C) -> Option<ListedValue<K>>,
     with: impl Fn(&mut C, Vec<usize>, f64),
 ) -> Vec<C> {
     let mut groups: IndexMap<K, (&C, NodeValues)> = IndexMap::new();
     for condition in conditions {
-        let Some((key, node, value)) = of(condition) else { continue };
+        let Some(ListedValue { key, node, value }) = of(condition) else { continue };
         groups.entry(key).or_insert((condition, NodeValues::new())).1.insert(node, value);
     }
     let mut made = Vec::new();
@@ -60,15 +67,19 @@ pub fn complete_boundaries(context: &mut Context<'_>, steps: &mut StepReader, fr
     if context.scaling.refined.is_none() {
         return;
     }
-    let of = |b: &BoundaryCondition| {
+    let listed_value = |b: &BoundaryCondition| {
         let node = is_label(&b.set).then(|| b.nodes[0])?;
-        Some(((b.dof, b.kind, b.user, b.amplitude), node, b.value))
+        Some(ListedValue { key: (b.dof, b.kind, b.user, b.amplitude), node, value: b.value })
     };
     let with = |b: &mut BoundaryCondition, nodes, value| (b.nodes, b.value) = (nodes, value);
-    let given = steps.state().boundaries[from..].to_vec();
-    let made = completed(context, &given, of, with);
+    let listed = steps.state().boundaries[from..].to_vec();
+    let made = completed(context, &listed, listed_value, with);
     for b in &made {
-        context.add_node_line(given[given.len() - 1].span, &b.nodes, &format!(" {}, {}, {:?}", b.dof, b.dof, b.value));
+        context.add_node_line(
+            listed[listed.len() - 1].span,
+            &b.nodes,
+            &format!(" {}, {}, {:?}", b.dof, b.dof, b.value),
+        );
     }
     steps.state().boundaries.extend(made);
 }
@@ -78,15 +89,15 @@ pub fn complete_fields(context: &mut Context<'_>, steps: &mut StepReader, from: 
     if context.scaling.refined.is_none() {
         return;
     }
-    let of = |f: &PrescribedField| {
+    let listed_value = |f: &PrescribedField| {
         let node = is_label(&f.set).then(|| f.nodes[0])?;
-        Some(((f.variable, f.amplitude), node, f.value))
+        Some(ListedValue { key: (f.variable, f.amplitude), node, value: f.value })
     };
     let with = |f: &mut PrescribedField, nodes, value| (f.nodes, f.value) = (nodes, value);
-    let given = steps.state().fields[from..].to_vec();
-    let made = completed(context, &given, of, with);
+    let listed = steps.state().fields[from..].to_vec();
+    let made = completed(context, &listed, listed_value, with);
     for f in &made {
-        context.add_node_line(given[given.len() - 1].span, &f.nodes, &format!(" {:?}", f.value));
+        context.add_node_line(listed[listed.len() - 1].span, &f.nodes, &format!(" {:?}", f.value));
     }
     steps.state().fields.extend(made);
 }
@@ -97,15 +108,15 @@ pub fn complete_initial_conditions(context: &mut Context<'_>, from: usize) {
         return;
     }
     let sources = context.deck.sources.clone();
-    let of = |c: &InitialCondition| {
-        let (kind, value) = match c.kind {
+    let listed_value = |c: &InitialCondition| {
+        let (key, value) = match c.kind {
             InitialKind::Velocity(dof, value) => ((0, usize::from(dof)), value),
             InitialKind::Temperature(value) => ((1, 0), value),
             InitialKind::Field(variable, value) => ((2, variable), value),
             _ => return None,
         };
         let region = sources.text(c.span).split(',').next().unwrap_or_default();
-        is_label(region).then(|| (kind, c.members[0], value))
+        is_label(region).then(|| ListedValue { key, node: c.members[0], value })
     };
     let with = |c: &mut InitialCondition, nodes, value: f64| {
         c.members = nodes;
@@ -116,15 +127,15 @@ pub fn complete_initial_conditions(context: &mut Context<'_>, from: usize) {
             _ => {}
         }
     };
-    let made = completed(context, &context.model.initial_conditions[from..], of, with);
+    let made = completed(context, &context.model.initial_conditions[from..], listed_value, with);
     let last = context.model.initial_conditions.last().map_or(Span::default(), |c| c.span);
     for condition in &made {
-        let rest = match condition.kind {
+        let values = match condition.kind {
             InitialKind::Velocity(dof, value) => format!(" {dof}, {value:?}"),
             InitialKind::Temperature(value) | InitialKind::Field(_, value) => format!(" {value:?}"),
             _ => continue,
         };
-        context.add_node_line(last, &condition.members, &rest);
+        context.add_node_line(last, &condition.members, &values);
     }
     context.model.initial_conditions.extend(made);
 }

@@ -1,7 +1,19 @@
 //! The relation of a refined mesh to the mesh of the deck.
 
 use super::edges::EdgeTable;
+use crate::deck::Span;
 use crate::model::types::{Element, ElementSide};
+
+/// A `*MPC` that links one node to a reference node.
+#[derive(Clone, Debug)]
+pub struct NodePair {
+    /// Name used in messages.
+    pub name: String,
+    /// Linked node, and its reference node.
+    pub nodes: [usize; 2],
+    /// Source position of the data line.
+    pub span: Span,
+}
 
 /// Relation of a refined mesh to the mesh of the deck.
 #[derive(Debug)]

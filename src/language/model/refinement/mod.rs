@@ -7,7 +7,6 @@ mod edges;
 mod lattice;
 pub mod listed;
 pub mod mesh;
-pub mod pair;
 pub mod pass;
 mod relations;
 mod selection;

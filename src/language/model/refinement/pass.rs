@@ -29,21 +29,11 @@ impl ReadPass {
     }
 }
 
+/// Keywords of the cards that define nodes, elements or their sets.
+const MESH_CARDS: [&str; 12] =
+    ["NODE", "NGEN", "NFILL", "NCOPY", "NMAP", "SYSTEM", "ELEMENT", "ELGEN", "ELCOPY", "NSET", "ELSET", "MESH"];
+
 /// Returns whether a card defines nodes, elements or their sets.
 pub fn defines_mesh(card: &Card) -> bool {
-    matches!(
-        card.keyword.name,
-        "NODE"
-            | "NGEN"
-            | "NFILL"
-            | "NCOPY"
-            | "NMAP"
-            | "SYSTEM"
-            | "ELEMENT"
-            | "ELGEN"
-            | "ELCOPY"
-            | "NSET"
-            | "ELSET"
-            | "MESH"
-    )
+    MESH_CARDS.contains(&card.keyword.name)
 }

@@ -5,8 +5,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use indexmap::IndexMap;
 
-use super::mesh::RefinedMesh;
-use super::pair::NodePair;
+use super::mesh::{NodePair, RefinedMesh};
 use crate::deck::{Diagnostic, Span};
 use crate::kernel::lists::sorted_pair;
 use crate::model::types::{LinearEquation, LinkKind, NodeLink};
@@ -58,19 +57,19 @@ fn complete(refined: &RefinedMesh, relations: &[&[usize]]) -> Result<Vec<(usize,
     let mut made = Vec::new();
     let mut known: BTreeSet<[usize; 2]> = BTreeSet::new();
     for term in 0..relations[0].len() {
-        let of: HashMap<usize, usize> = relations.iter().enumerate().map(|(at, r)| (r[term], at)).collect();
-        let mut nodes: Vec<usize> = of.keys().copied().collect();
+        let relation_of: HashMap<usize, usize> = relations.iter().enumerate().map(|(at, r)| (r[term], at)).collect();
+        let mut nodes: Vec<usize> = relation_of.keys().copied().collect();
         nodes.sort_unstable();
         let selected = refined.selection(&nodes);
         let edges: BTreeSet<usize> = selected.edges.into_iter().collect();
         for (ends, _) in refined.edges.iter().enumerate().filter(|(at, _)| edges.contains(at)).map(|(_, edge)| edge) {
-            let pair = ends.map(|node| of[&node]);
+            let pair = ends.map(|node| relation_of[&node]);
             if known.insert(sorted_pair(pair)) {
                 between(refined, relations, pair, &mut made)?;
             }
         }
         for element in selected.elements {
-            let members: Vec<usize> = refined.parents[element].nodes.iter().map(|node| of[node]).collect();
+            let members: Vec<usize> = refined.parents[element].nodes.iter().map(|node| relation_of[node]).collect();
             inside(refined, relations, (element, term), &members, &mut made)?;
         }
     }

@@ -54,9 +54,9 @@ pub fn fit(mesh: &Mesh, regions: &Regions, corner: f64, curves: &mut EdgeCurves)
     let edges = EdgeTable::new(&mesh.elements, 1, mesh.points.len());
     let is_interface = |[a, b]: [usize; 2]| regions.get(&a) != regions.get(&b);
     let is_on_axis = |ends: &[usize; 2]| ends.iter().all(|&n| mesh.points[n][0] == 0.0);
-    let all = edges.iter().filter(|(_, edge)| edge.is_line || edge.solids == 1 || is_interface(edge.elements));
+    let curved_edges = edges.iter().filter(|(_, edge)| edge.is_line || edge.solids == 1 || is_interface(edge.elements));
     let mut network = Network { mesh, corner, neighbours: BTreeMap::new() };
-    for (&[a, b], _) in all.filter(|(ends, _)| !is_on_axis(ends)) {
+    for (&[a, b], _) in curved_edges.filter(|(ends, _)| !is_on_axis(ends)) {
         network.neighbours.entry(a).or_default().push(b);
         network.neighbours.entry(b).or_default().push(a);
     }
@@ -98,19 +98,19 @@ impl Network<'_> {
 
     /// Returns the nodes of each smooth part between corners; a closed one begins and ends with the same node.
     fn runs(&self) -> Vec<Vec<usize>> {
-        let mut done: HashSet<[usize; 2]> = HashSet::new();
+        let mut visited: HashSet<[usize; 2]> = HashSet::new();
         let ends = self.neighbours.keys().copied().filter(|&node| !self.is_smooth(node));
-        let all = self.neighbours.keys().copied();
+        let nodes = self.neighbours.keys().copied();
         let mut runs = Vec::new();
-        for start in ends.chain(all) {
+        for start in ends.chain(nodes) {
             for &next in &self.neighbours[&start] {
                 let mut run = vec![start];
-                let (mut before, mut at) = (start, next);
-                while done.insert(sorted_pair([before, at])) {
-                    run.push(at);
-                    let following = self.neighbours[&at].iter().copied().find(|&n| n != before);
-                    let Some(following) = following.filter(|_| at != start && self.is_smooth(at)) else { break };
-                    (before, at) = (at, following);
+                let (mut previous, mut node) = (start, next);
+                while visited.insert(sorted_pair([previous, node])) {
+                    run.push(node);
+                    let following = self.neighbours[&node].iter().copied().find(|&n| n != previous);
+                    let Some(following) = following.filter(|_| node != start && self.is_smooth(node)) else { break };
+                    (previous, node) = (node, following);
                 }
                 if run.len() > 1 {
                     runs.push(run);
@@ -124,14 +124,14 @@ impl Network<'_> {
     fn tangents(&self, run: &[usize]) -> Vec<Option<Tangents>> {
         let mut points: Vec<Vector> = run.iter().map(|&n| self.mesh.points[n]).collect();
         let (last, is_closed) = (points.len() - 1, run[0] == run[run.len() - 1]);
-        let (before, after) = if is_closed && self.is_smooth(run[0]) {
+        let (point_before, point_after) = if is_closed && self.is_smooth(run[0]) {
             (Some(points[last - 1]), Some(points[1]))
         } else {
             (self.mirrored(points[1], points[0]), self.mirrored(points[last - 1], points[last]))
         };
-        points.splice(0..0, before);
-        points.extend(after);
-        let first = usize::from(before.is_some());
+        points.splice(0..0, point_before);
+        points.extend(point_after);
+        let first = usize::from(point_before.is_some());
         let smooth = SmoothRun::new(points);
         (first..first + last).map(|edge| smooth.tangents(edge)).collect()
     }
@@ -215,13 +215,13 @@ impl SmoothRun {
             return None;
         }
         let chord = minus(self.points[edge + 1], self.points[edge]);
-        let (from, to) = match (self.direction(edge, edge), self.direction(edge + 1, edge)) {
+        let (start, end) = match (self.direction(edge, edge), self.direction(edge + 1, edge)) {
             (Some(from), Some(to)) => (from, to),
             (Some(from), None) => (from, reflected(from, chord)),
             (None, Some(to)) => (reflected(to, chord), to),
             (None, None) => return None,
         };
         let (length, along) = (dot(chord, chord).sqrt(), unit(chord));
-        Some([from, to].map(|t| t.map(|x| 2.0 * length / (1.0 + dot(t, along)) * x)))
+        Some([start, end].map(|t| t.map(|x| 2.0 * length / (1.0 + dot(t, along)) * x)))
     }
 }

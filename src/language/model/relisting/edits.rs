@@ -40,8 +40,13 @@ pub struct Replacement {
     pub condition: EditCondition,
 }
 
-/// Scope, file and byte of a change.
-pub type EditPlace = (String, u32, u32);
+/// Place of a change: scope, file, and first byte.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct EditPlace {
+    pub scope: String,
+    pub file: u32,
+    pub start: u32,
+}
 
 /// Changes of the text of a deck.
 #[derive(Debug, Default)]

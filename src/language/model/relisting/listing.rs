@@ -32,18 +32,18 @@ impl ListedMesh {
     pub fn cards(&self, scope: &str, instances: &[String]) -> String {
         let mut text = self.nodes(scope);
         self.elements(scope, &mut text);
-        let of = |key: &str| match key.split_once('.') {
+        let split_key = |key: &str| match key.split_once('.') {
             Some((inner, name)) if instances.iter().any(|i| i == inner) => (inner.to_owned(), name.to_owned()),
             _ => (String::new(), key.to_owned()),
         };
         for (key, set) in &self.edits.node_sets {
-            let (inner, name) = of(key);
+            let (inner, name) = split_key(key);
             if inner == scope {
                 self.set(scope, (NewSetKind::Nodes, &name), &set.members, &mut text);
             }
         }
         for (key, set) in &self.edits.element_sets {
-            let (inner, name) = of(key);
+            let (inner, name) = split_key(key);
             if inner == scope {
                 let reduced = self.model.element_sets.get(key).filter(|_| self.is_reduced(key));
                 self.set(scope, (NewSetKind::Elements, &name), &reduced.unwrap_or(set).members, &mut text);
@@ -59,8 +59,8 @@ impl ListedMesh {
 
     /// Returns whether history output has reduced an element set to one element.
     fn is_reduced(&self, key: &str) -> bool {
-        let before = self.edits.element_sets.get(key).map_or(usize::MAX, |set| set.members.len());
-        self.model.element_sets.get(key).is_some_and(|set| set.members.len() < before)
+        let count_before = self.edits.element_sets.get(key).map_or(usize::MAX, |set| set.members.len());
+        self.model.element_sets.get(key).is_some_and(|set| set.members.len() < count_before)
     }
 
     /// Returns whether the condition of a replacement holds.
@@ -74,10 +74,11 @@ impl ListedMesh {
 
     /// Returns whether a new set occurs in the text.
     fn is_used(&self, scope: &str, name: &str) -> bool {
-        let mut uses = self.edits.replaced.iter().filter(|(place, edit)| place.0 == scope && edit.text == quoted(name));
+        let mut uses =
+            self.edits.replaced.iter().filter(|(place, edit)| place.scope == scope && edit.text == quoted(name));
         let is_unused = |edit: &super::edits::Replacement| !self.applies(&edit.condition);
-        let mut all = uses.by_ref().map(|(_, edit)| is_unused(edit)).peekable();
-        all.peek().is_none() || all.any(|is_unused| !is_unused)
+        let mut are_unused = uses.by_ref().map(|(_, edit)| is_unused(edit)).peekable();
+        are_unused.peek().is_none() || are_unused.any(|is_unused| !is_unused)
     }
 
     fn nodes(&self, scope: &str) -> String {

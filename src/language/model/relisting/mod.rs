@@ -1,7 +1,7 @@
 //! Writes a deck with its refined or coarsened mesh listed node by node. All other cards keep their text, except words
 //! that would refer to other nodes, elements or faces of the listed mesh.
 
-pub mod edits;
+pub(super) mod edits;
 mod listing;
 mod record;
 mod text;
@@ -13,9 +13,9 @@ use crate::deck::{Deck, Diagnostic, Diagnostics, MeshScaling};
 /// Returns the text of a deck with its mesh listed, refined or coarsened as [`Deck::mesh_scaling`] requests. The text is
 /// valid only if the diagnostics have no error.
 pub fn write(deck: &Deck) -> (String, Diagnostics) {
-    let (fine, found) = super::build(&Deck { mesh_scaling: None, ..deck.clone() });
-    if found.has_errors() {
-        return (String::new(), found);
+    let (fine, diagnostics) = super::build(&Deck { mesh_scaling: None, ..deck.clone() });
+    if diagnostics.has_errors() {
+        return (String::new(), diagnostics);
     }
     let (mut builder, is_coarse) = match deck.mesh_scaling {
         Some(MeshScaling::Coarsen(factor)) => (coarsening::apply::read(deck, factor, &fine, true), true),

@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::edits::{DeckEdits, EditCondition, NewSetKind, Replacement};
+use super::edits::{EditCondition, EditPlace, NewSetKind, Replacement};
+use super::listing::quoted;
 use crate::deck::{Span, Word};
 use crate::model::context::Context;
-use crate::model::names::{qualified, upper};
+use crate::model::names::upper;
 use crate::model::types::ElementSide;
 
 /// Returns a set name made from a word of the deck and an ending.
@@ -20,9 +21,8 @@ fn derived_name(word: &Word, kind: NewSetKind, ending: &str) -> String {
 }
 
 impl Context<'_> {
-    /// Starts to record changes, if the deck is to be written.
-    pub(in crate::model) fn record_edits(&mut self, is_written: bool) {
-        self.scaling.edits = is_written.then(|| Box::new(DeckEdits::of(&self.model)));
+    fn edit_place(&self, file: u32, start: u32) -> EditPlace {
+        EditPlace { scope: self.scope.clone(), file, start }
     }
 
     /// Replaces a word by the name of a new set with given members.
@@ -33,10 +33,9 @@ impl Context<'_> {
     }
 
     fn replace_word(&mut self, word: &Word, text: String, condition: EditCondition) {
+        let word_start = self.edit_place(word.span.file, word.span.start);
         let Some(edits) = &mut self.scaling.edits else { return };
-        let place = (self.scope.clone(), word.span.file, word.span.start);
-        let text = if text.contains([' ', ',', '=']) { format!("\"{text}\"") } else { text };
-        edits.replaced.insert(place, Replacement { end: word.span.end, text, condition });
+        edits.replaced.insert(word_start, Replacement { end: word.span.end, text: quoted(&text), condition });
     }
 
     /// Records a number that depends on the size of elements.
@@ -51,7 +50,7 @@ impl Context<'_> {
         if is_label {
             let name = self.model.mesh.elements[*first].name.to_string();
             match members {
-                [_] if name == qualified(&self.scope, &word.text) || name == upper(&word.text) => {}
+                [_] if self.names_of(word).contains(&name) => {}
                 [_] if !self.scope.is_empty() => {
                     let label = name.rsplit('.').next().unwrap_or_default().to_owned();
                     self.replace_word(word, label, EditCondition::Always);
@@ -68,8 +67,8 @@ impl Context<'_> {
             .as_ref()
             .is_some_and(|refined| members.len() > 1 && refined.has_one_parent(members))
         {
-            let names = [qualified(&self.scope, &word.text), upper(&word.text)];
-            let Some(key) = names.into_iter().find(|name| self.model.element_sets.contains_key(name)) else { return };
+            let mut names = self.names_of(word).into_iter();
+            let Some(key) = names.find(|name| self.model.element_sets.contains_key(name)) else { return };
             let name = derived_name(word, elements, "PARTS");
             self.replace_by_set(word, (elements, &name), members, EditCondition::IfReduced(key));
         }
@@ -77,11 +76,11 @@ impl Context<'_> {
 
     /// Records a reference to elements by an output request, for which history output may reduce the set `key`.
     pub(in crate::model) fn edit_output_elements(&mut self, word: &Word, key: &str) {
+        let word_start = self.edit_place(word.span.file, word.span.start);
         let Some(edits) = &mut self.scaling.edits else { return };
-        let place = (self.scope.clone(), word.span.file, word.span.start);
-        let Some(known) = edits.replaced.get_mut(&place) else { return };
+        let Some(known) = edits.replaced.get_mut(&word_start) else { return };
         match known.condition {
-            EditCondition::IfReduced(_) => drop(edits.replaced.remove(&place)),
+            EditCondition::IfReduced(_) => drop(edits.replaced.remove(&word_start)),
             _ => known.condition = EditCondition::UnlessReduced(key.to_owned()),
         }
     }
@@ -108,22 +107,24 @@ impl Context<'_> {
 
     /// Records a data line after the line at `after`, with new nodes in its first field.
     pub(in crate::model) fn add_node_line(&mut self, after: Span, nodes: &[usize], rest: &str) {
+        let line_end = self.edit_place(after.file, after.end);
         let Some(edits) = &mut self.scaling.edits else { return };
         let name = edits.set(&self.scope, NewSetKind::Nodes, &format!("NEW-NODES-{}", edits.sets.len() + 1), nodes);
-        let text = edits.added.entry((self.scope.clone(), after.file, after.end)).or_default();
+        let text = edits.added.entry(line_end).or_default();
         let _ = write!(text, "\n {name},{rest}");
     }
 
     /// Records a parameter of the current keyword line.
     pub(in crate::model) fn add_parameter(&mut self, keyword: Span, text: &str) {
+        let line_end = self.edit_place(keyword.file, keyword.end);
         let Some(edits) = &mut self.scaling.edits else { return };
-        edits.added.insert((self.scope.clone(), keyword.file, keyword.end), format!(", {text}"));
+        edits.added.insert(line_end, format!(", {text}"));
     }
 
     /// Records that the line of a word refers to removed nodes only.
     pub(in crate::model) fn remove_line(&mut self, word: &Word) {
-        let place = (self.scope.clone(), word.span.file, word.span.start);
-        self.scaling.edits.iter_mut().for_each(|edits| edits.removed.push(place.clone()));
+        let word_start = self.edit_place(word.span.file, word.span.start);
+        self.scaling.edits.iter_mut().for_each(|edits| edits.removed.push(word_start.clone()));
     }
 
     /// Records a card at the end of the model data.

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use super::ListedMesh;
+use super::edits::EditPlace;
 use super::listing::quoted;
 use crate::deck::lines::{DeckLine, LineRole, in_reading_order};
 use crate::deck::{Card, Deck, MeshScaling, Span, Word};
@@ -10,7 +11,11 @@ use crate::model::names::upper;
 use crate::model::refinement::pass::defines_mesh;
 
 /// A text in place of bytes of a file.
-type Change = (u32, u32, String);
+struct TextChange {
+    start: u32,
+    end: u32,
+    text: String,
+}
 
 /// State of writing a deck.
 pub struct DeckWriter<'a> {
@@ -40,12 +45,12 @@ impl<'a> DeckWriter<'a> {
     /// Returns the text.
     pub fn write(mut self) -> String {
         let lines = in_reading_order(self.deck);
-        let (mut at, mut scope) = (0, String::new());
-        while let Some(line) = lines.get(at) {
+        let (mut index, mut scope) = (0, String::new());
+        while let Some(line) = lines.get(index) {
             let card = self.first_of(line);
             match card.map_or("", |card| card.keyword.name) {
                 "PART" => {
-                    at = self.part(&lines, at);
+                    index = self.part(&lines, index);
                     continue;
                 }
                 "INSTANCE" => scope = name_of(card, "NAME"),
@@ -56,7 +61,7 @@ impl<'a> DeckWriter<'a> {
             if card.is_some_and(|card| card.keyword.name == "END INSTANCE") {
                 scope.clear();
             }
-            at += 1;
+            index += 1;
         }
         self.end_of_model();
         self.text
@@ -92,7 +97,8 @@ impl<'a> DeckWriter<'a> {
             }
             (LineRole::Data, Some(card)) if card.keyword.name == "INSTANCE" => {}
             (LineRole::Other, Some(card)) if defines_mesh(card) && self.source(line.span).trim().is_empty() => {}
-            (LineRole::Keyword, Some(card)) if self.is_emptied(card, scope) => {}
+            (LineRole::Keyword, Some(Card { lines, .. }))
+                if !lines.is_empty() && lines.iter().all(|line| self.is_removed(line.span, scope)) => {}
             (LineRole::Data, _) if self.is_removed(line.span, scope) => {}
             _ => {
                 let changed = self.changed(line, scope);
@@ -132,55 +138,68 @@ impl<'a> DeckWriter<'a> {
     /// Returns whether a line refers only to nodes that a coarsened mesh does not have.
     fn is_removed(&self, line: Span, scope: &str) -> bool {
         let is_here = |start: u32| (line.start..line.end).contains(&start);
-        self.mesh.edits.removed.iter().any(|(of, file, start)| of == scope && *file == line.file && is_here(*start))
-    }
-
-    /// Returns whether all data lines of a card are removed.
-    fn is_emptied(&self, card: &Card, scope: &str) -> bool {
-        !card.lines.is_empty() && card.lines.iter().all(|line| self.is_removed(line.span, scope))
+        self.mesh
+            .edits
+            .removed
+            .iter()
+            .any(|place| place.scope == scope && place.file == line.file && is_here(place.start))
     }
 
     /// Returns the text of a line with its changes.
     fn changed(&self, line: &DeckLine, scope: &str) -> String {
         let Span { file, start, end } = line.span;
         let mut changes = self.changes_of_keyword(line, scope);
-        let (from, to) = ((scope.to_owned(), file, start), (scope.to_owned(), file, end));
-        let replaced = self.mesh.edits.replaced.range(from.clone()..to.clone());
+        let [first, last] = [start, end].map(|start| EditPlace { scope: scope.to_owned(), file, start });
+        let replaced = self.mesh.edits.replaced.range(&first..&last);
         let replaced = replaced.filter(|(_, edit)| self.mesh.applies(&edit.condition));
-        changes.extend(replaced.map(|(place, edit)| (place.2, edit.end, edit.text.clone())));
-        changes.extend(self.mesh.edits.added.range(from..=to).map(|(place, text)| (place.2, place.2, text.clone())));
+        changes.extend(replaced.map(|(place, edit)| TextChange {
+            start: place.start,
+            end: edit.end,
+            text: edit.text.clone(),
+        }));
+        let added = self.mesh.edits.added.range(first..=last);
+        changes.extend(added.map(|(place, text)| TextChange {
+            start: place.start,
+            end: place.start,
+            text: text.clone(),
+        }));
         let inside = |span: Span| span.file == file && (start..=end).contains(&span.start);
         let definitions = self.deck.definitions.iter().filter(|d| line.role == LineRole::Other && inside(d.span));
-        changes.extend(definitions.filter_map(|d| Some((d.span.start, d.span.end, d.replacement.clone()?))));
-        changes.sort_by_key(|change| (change.0, change.1));
-        let (mut text, mut at) = (String::new(), start);
-        for (from, to, new) in changes {
-            text.push_str(self.source(Span { file, start: at, end: from }));
-            text.push_str(&new);
-            at = to;
+        changes.extend(
+            definitions.filter_map(|d| {
+                Some(TextChange { start: d.span.start, end: d.span.end, text: d.replacement.clone()? })
+            }),
+        );
+        changes.sort_by_key(|change| (change.start, change.end));
+        let (mut text, mut position) = (String::new(), start);
+        for change in changes {
+            text.push_str(self.source(Span { file, start: position, end: change.start }));
+            text.push_str(&change.text);
+            position = change.end;
         }
-        text.push_str(self.source(Span { file, start: at, end }));
+        text.push_str(self.source(Span { file, start: position, end }));
         text
     }
 
     /// Returns the changes of a keyword line: names of parts, and included data.
-    fn changes_of_keyword(&self, line: &DeckLine, scope: &str) -> Vec<Change> {
+    fn changes_of_keyword(&self, line: &DeckLine, scope: &str) -> Vec<TextChange> {
         let Some(card) = line.card.filter(|_| line.role == LineRole::Keyword).map(|card| &self.deck.cards[card]) else {
             return Vec::new();
         };
         let is_here =
             |span: Span| span.file == line.span.file && (line.span.start..line.span.end).contains(&span.start);
-        let replaced = |word: &Word| (word.span.start, word.span.end, quoted(scope));
+        let replaced = |word: &Word| TextChange { start: word.span.start, end: word.span.end, text: quoted(scope) };
         let name = match card.keyword.name {
             "PART" => card.value("NAME"),
             "INSTANCE" => card.value("PART"),
             _ => None,
         };
-        let mut changes: Vec<Change> = name.filter(|word| is_here(word.span)).map(replaced).into_iter().collect();
+        let mut changes: Vec<TextChange> = name.filter(|word| is_here(word.span)).map(replaced).into_iter().collect();
         if let Some(input) = card.parameter("INPUT").filter(|input| is_here(input.span)) {
-            let before = self.source(Span { end: input.span.start, ..line.span });
-            let comma = before.rfind(',').map_or(input.span.start, |at| line.span.start + at as u32);
-            changes.push((comma, card.value("INPUT").map_or(input.span.end, |word| word.span.end), String::new()));
+            let text_before = self.source(Span { end: input.span.start, ..line.span });
+            let start = text_before.rfind(',').map_or(input.span.start, |at| line.span.start + at as u32);
+            let end = card.value("INPUT").map_or(input.span.end, |word| word.span.end);
+            changes.push(TextChange { start, end, text: String::new() });
         }
         changes
     }

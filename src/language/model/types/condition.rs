@@ -102,6 +102,13 @@ pub struct BoundaryCondition {
     pub span: Span,
 }
 
+impl BoundaryCondition {
+    /// Returns whether it prescribes a temperature.
+    pub fn is_thermal(&self) -> bool {
+        self.kind == MotionKind::Temperature
+    }
+}
+
 /// A field variable prescribed at nodes (`*FIELD`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrescribedField {

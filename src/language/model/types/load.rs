@@ -118,18 +118,72 @@ pub enum LoadKind {
     },
 }
 
-impl LoadKind {
-    /// Returns the faces on which the load acts; `None` if it acts on nodes or volumes.
-    pub fn sides(&self) -> Option<&SideSelection> {
-        match self {
-            LoadKind::Pressure(sides) | LoadKind::SurfaceHeat(sides) => Some(sides),
-            LoadKind::Traction { sides, .. }
+/// Nodes, elements or faces on which a load acts.
+#[derive(Clone, Copy, Debug)]
+pub enum LoadRegion<'a> {
+    /// Node indices.
+    Nodes(&'a [usize]),
+    /// Element indices.
+    Elements(&'a [usize]),
+    /// Faces of elements.
+    Sides(&'a SideSelection),
+    /// Everything that has mass.
+    Whole,
+}
+
+/// Changeable nodes, elements or faces on which a load acts.
+pub(in crate::model) enum LoadRegionMut<'a> {
+    Nodes(&'a mut Vec<usize>),
+    Elements(&'a mut Vec<usize>),
+    Sides(&'a mut SideSelection),
+    Whole,
+}
+
+/// Returns the region of a load in the form of one of the two types of regions.
+macro_rules! region_of {
+    ($kind:expr, $region:ident) => {
+        match $kind {
+            LoadKind::Concentrated { nodes, .. } | LoadKind::NodalHeat { nodes, .. } => $region::Nodes(nodes),
+            LoadKind::Gravity { elements: None, .. } => $region::Whole,
+            LoadKind::Gravity { elements: Some(elements), .. }
+            | LoadKind::Body { elements, .. }
+            | LoadKind::UserBody { elements, .. }
+            | LoadKind::BodyHeat { elements, .. } => $region::Elements(elements),
+            LoadKind::Pressure(sides)
+            | LoadKind::SurfaceHeat(sides)
+            | LoadKind::Traction { sides, .. }
             | LoadKind::Blast { sides, .. }
             | LoadKind::User { sides, .. }
             | LoadKind::Cavity { sides, .. }
-            | LoadKind::Film { sides, .. } => Some(sides),
-            _ => None,
+            | LoadKind::Film { sides, .. } => $region::Sides(sides),
         }
+    };
+}
+
+impl LoadKind {
+    /// Returns the nodes, elements or faces on which the load acts.
+    pub fn region(&self) -> LoadRegion<'_> {
+        region_of!(self, LoadRegion)
+    }
+
+    pub(in crate::model) fn region_mut(&mut self) -> LoadRegionMut<'_> {
+        region_of!(self, LoadRegionMut)
+    }
+
+    /// Returns the faces on which the load acts; `None` if it acts on nodes or volumes.
+    pub fn sides(&self) -> Option<&SideSelection> {
+        if let LoadRegion::Sides(sides) = self.region() { Some(sides) } else { None }
+    }
+
+    /// Returns whether the load is a source of heat.
+    pub fn is_thermal(&self) -> bool {
+        use LoadKind::{BodyHeat, Film, NodalHeat, SurfaceHeat};
+        matches!(self, NodalHeat { .. } | SurfaceHeat(_) | BodyHeat { .. } | Film { .. })
+    }
+
+    /// Returns whether a user subroutine gives the load.
+    pub fn is_user(&self) -> bool {
+        matches!(self, LoadKind::User { .. } | LoadKind::UserBody { .. })
     }
 }
 

@@ -54,6 +54,23 @@ pub struct MaterialDefinition {
     pub user: UserDefinitions,
 }
 
+impl MaterialDefinition {
+    /// Returns whether the equation of state is that of an ideal gas.
+    pub fn is_ideal_gas(&self) -> bool {
+        matches!(self.eos, Some(EquationOfState { kind: EosKind::IdealGas(_), .. }))
+    }
+
+    /// Returns whether the equation of state is that of an explosive.
+    pub fn is_explosive(&self) -> bool {
+        matches!(self.eos, Some(EquationOfState { kind: EosKind::Jwl(_), .. }))
+    }
+
+    /// Returns whether a user subroutine gives the yield stress.
+    pub fn has_user_hardening(&self) -> bool {
+        matches!(self.plastic, Some(PlasticityModel::User(_)))
+    }
+}
+
 /// Properties of a material for heat generation, heat conduction and thermal expansion.
 #[derive(Clone, Debug, Default)]
 pub struct ThermalProperties {
@@ -179,18 +196,6 @@ pub enum EosKind {
     /// JWL explosive: detonation wave speed, A, B, omega, R1, R2, detonation energy per mass, bulk modulus before
     /// detonation.
     Jwl([f64; 8]),
-}
-
-impl MaterialDefinition {
-    /// Returns whether the material is an ideal gas.
-    pub fn is_ideal_gas(&self) -> bool {
-        matches!(self.eos, Some(EquationOfState { kind: EosKind::IdealGas(_), .. }))
-    }
-
-    /// Returns whether the material is an explosive (JWL).
-    pub fn is_explosive(&self) -> bool {
-        matches!(self.eos, Some(EquationOfState { kind: EosKind::Jwl(_), .. }))
-    }
 }
 
 /// A failure criterion: `*SHEAR FAILURE`, or `*DAMAGE INITIATION` with `*DAMAGE EVOLUTION`.

@@ -31,15 +31,6 @@ impl Mesh {
             + self.elements.iter().map(element).sum::<usize>()
     }
 
-    pub(in crate::model) fn reserve_nodes(&mut self, more: usize) {
-        self.points.reserve(more);
-        self.node_names.reserve(more);
-    }
-
-    pub(in crate::model) fn reserve_elements(&mut self, more: usize) {
-        self.elements.reserve(more);
-    }
-
     /// Returns the quadrilateral cells of a solid element, each as four node indices counter-clockwise. A triangle is a
     /// quadrilateral whose last two corners coincide: the polygon formulas remain valid, and hourglass forces vanish
     /// because the motion of three nodes is linear.
@@ -57,11 +48,11 @@ impl Mesh {
     /// Returns the two nodes of an element side in counter-clockwise order; `None` if the element has no such side.
     pub fn side_nodes(&self, element: usize, side: ElementSide) -> Option<[usize; 2]> {
         let nodes = &self.elements[element].nodes;
-        let (from, to) = match side {
+        let (first, second) = match side {
             ElementSide::Positive | ElementSide::Negative => (0, 1),
             ElementSide::Face(n) => (usize::from(n).checked_sub(1)?, usize::from(n) % nodes.len()),
         };
-        Some([*nodes.get(from)?, *nodes.get(to)?])
+        Some([*nodes.get(first)?, *nodes.get(second)?])
     }
 
     /// Returns the exterior faces of solid elements, that is, the faces that belong to one element only.
@@ -71,47 +62,69 @@ impl Mesh {
             let count = if kind.is_solid() { nodes.len() } else { 0 };
             (0..count).map(move |i| (i, [nodes[i], nodes[(i + 1) % count]])).filter(|(_, [a, b])| a != b)
         };
-        let all = || (0..self.elements.len()).flat_map(move |e| faces(e).map(move |(i, edge)| (e, i, edge)));
+        let element_faces = || (0..self.elements.len()).flat_map(move |e| faces(e).map(move |(i, edge)| (e, i, edge)));
         let mut shared: HashMap<[usize; 2], usize> = HashMap::new();
-        for (.., edge) in all() {
+        for (.., edge) in element_faces() {
             *shared.entry(sorted_pair(edge)).or_default() += 1;
         }
-        let exterior = all().filter(|&(.., edge)| shared[&sorted_pair(edge)] == 1);
+        let exterior = element_faces().filter(|&(.., edge)| shared[&sorted_pair(edge)] == 1);
         exterior.map(|(e, i, _)| (e, ElementSide::Face(i as u8 + 1))).collect()
     }
 }
 
-/// Type of an element, with its number of nodes and integration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ElementKind {
-    /// Two-node axisymmetric rigid surface element.
-    Rax2,
-    /// Two-node axisymmetric shell.
-    Sax1,
-    /// Three-node axisymmetric triangle.
-    Cax3,
-    /// Four-node axisymmetric quadrilateral, one integration point.
-    Cax4r,
-    /// The triangle with temperatures at its nodes.
-    Cax3t,
-    /// The quadrilateral with temperatures at its nodes.
-    Cax4rt,
-    /// Six-node axisymmetric triangle, modified, three integration points.
-    Cax6m,
-    /// Four-node axisymmetric cohesive element: nodes 1 and 2 are the bottom face, 3 and 4 the top face.
-    Cohax4,
-    /// One-node point mass.
-    Mass,
-    /// One-node rotary inertia.
-    RotaryInertia,
-    /// Spring along the line between two nodes.
-    SpringA,
-    /// Spring between a node and the ground.
-    Spring1,
-    /// Dashpot along the line between two nodes.
-    DashpotA,
-    /// Dashpot between a node and the ground.
-    Dashpot1,
+/// Defines the types of elements, each with its name in ABAQUS, number of nodes, topology and description.
+macro_rules! element_kinds {
+    ($($name:literal $kind:ident $nodes:literal $topology:expr, $words:literal;)+) => {
+        /// Type of an element, with its number of nodes and integration.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum ElementKind {
+            $(#[doc = $words] $kind),+
+        }
+
+        impl ElementKind {
+            /// All types.
+            pub const ALL: &[ElementKind] = &[$(ElementKind::$kind),+];
+
+            /// Returns the name of the type in ABAQUS.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(ElementKind::$kind => $name,)+
+                }
+            }
+
+            /// Returns the number of nodes.
+            pub fn node_count(self) -> usize {
+                match self {
+                    $(ElementKind::$kind => $nodes,)+
+                }
+            }
+
+            /// Returns the topology of a deformable type; `None` for other types. A three-node triangle is a degenerate
+            /// quadrilateral.
+            pub fn topology(self) -> Option<ElementTopology> {
+                match self {
+                    $(ElementKind::$kind => $topology,)+
+                }
+            }
+        }
+    };
+}
+
+element_kinds! {
+    "RAX2" Rax2 2 None, "Two-node axisymmetric rigid surface element.";
+    "SAX1" Sax1 2 Some(ElementTopology::Shell), "Two-node axisymmetric shell.";
+    "CAX3" Cax3 3 Some(ElementTopology::Quadrilateral), "Three-node axisymmetric triangle.";
+    "CAX4R" Cax4r 4 Some(ElementTopology::Quadrilateral), "Four-node axisymmetric quadrilateral, one integration point.";
+    "CAX6M" Cax6m 6 Some(ElementTopology::SixNodeTriangle), "Six-node axisymmetric triangle, modified, three integration points.";
+    "CAX3T" Cax3t 3 Some(ElementTopology::Quadrilateral), "The triangle with temperatures at its nodes.";
+    "CAX4RT" Cax4rt 4 Some(ElementTopology::Quadrilateral), "The quadrilateral with temperatures at its nodes.";
+    "COHAX4" Cohax4 4 Some(ElementTopology::Cohesive), "Cohesive element: nodes 1 and 2 are the bottom face, 3 and 4 the top face.";
+    "MASS" Mass 1 None, "One-node point mass.";
+    "ROTARYI" RotaryInertia 1 None, "One-node rotary inertia.";
+    "SPRINGA" SpringA 2 None, "Spring along the line between two nodes.";
+    "SPRING1" Spring1 1 None, "Spring between a node and the ground.";
+    "DASHPOTA" DashpotA 2 None, "Dashpot along the line between two nodes.";
+    "DASHPOT1" Dashpot1 1 None, "Dashpot between a node and the ground.";
 }
 
 /// An element of the mesh: type, label and nodes.

@@ -8,8 +8,8 @@ use crate::deck::Span;
 use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::interaction::CoulombFriction;
 
-/// An analysis step, with its loads, contacts and output requests.
-#[derive(Clone, Debug)]
+/// An analysis step, with its loads, contacts and output requests. [`Step::new`] sets what is not zero by default.
+#[derive(Clone, Debug, Default)]
 pub struct Step {
     /// Name; `Step-1`, `Step-2`, … if the deck gives none.
     pub name: String,
@@ -154,10 +154,27 @@ pub enum IncrementControl {
     Fixed(f64),
 }
 
+impl IncrementControl {
+    /// Returns whether the time increment is fixed.
+    pub fn is_fixed(&self) -> bool {
+        matches!(self, IncrementControl::Fixed(_))
+    }
+
+    /// Returns the fraction of the size of a target or wall that a body may travel in an increment: the root of the accuracy,
+    /// and 1 for fixed increments.
+    pub fn travel(&self) -> f64 {
+        match self {
+            IncrementControl::Automatic { accuracy, .. } => accuracy.sqrt(),
+            IncrementControl::Fixed(_) => 1.0,
+        }
+    }
+}
+
 /// Velocity passed to loads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LoadVelocity {
     /// Second-order estimate at the time of the increment (default).
+    #[default]
     Predicted,
     /// Mid-increment velocity of the previous increment, as in ABAQUS.
     Lagged,

@@ -211,11 +211,7 @@ fn referenced_bodies(bodies: &Bodies, condition: &InitialCondition) -> impl Iter
 }
 
 fn is_of_solid(places: &SolidPlaces, condition: &InitialCondition) -> bool {
-    let kinds = |kind: &InitialKind| match kind {
-        InitialKind::Stress(_) | InitialKind::Energy(_) | InitialKind::Hardening(_) | InitialKind::State(_) => true,
-        InitialKind::Velocity(..) | InitialKind::Temperature(_) | InitialKind::Field(..) => false,
-    };
-    kinds(&condition.kind) && condition.members.iter().any(|e| places.elements.contains_key(e))
+    condition.kind.applies_to_elements() && condition.members.iter().any(|e| places.elements.contains_key(e))
 }
 
 fn radial_velocity(span: Span, value: f64, report: &mut Report) {
@@ -240,9 +236,9 @@ fn refuse_stray_elements(scene: Scene, report: &mut Report) {
     let element = &mesh.elements[first];
     let (message, help) = if element.kind == ElementKind::Rax2 {
         ("RAX2 elements belong to no rigid body", "give their element set on *RIGID BODY, ELSET=")
-    } else if element.kind == ElementKind::Sax1 {
+    } else if element.kind.is_shell() {
         ("shells have no section", "give their element set on *SHELL SECTION or *RIGID BODY")
-    } else if element.kind == ElementKind::Cohax4 {
+    } else if element.kind.is_cohesive() {
         ("cohesive elements have no section", "give their element set on *COHESIVE SECTION")
     } else {
         ("solid elements have no section", "give their element set on *SOLID SECTION or *RIGID BODY")

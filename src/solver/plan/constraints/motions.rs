@@ -25,7 +25,7 @@ type LineDirections<'a> = HashMap<(Span, &'a str, model::MotionKind), Vec<&'stat
 pub fn add_motions<'a>(scene: Scene, step: &'a Step, list: &mut ConstraintList<'a>, report: &mut Report) {
     let (mut taken, mut nodes) = (BodyMotions::new(), HashSet::new());
     let directions = directions_of_lines(scene.places, step);
-    for boundary in step.boundaries.iter().filter(|b| b.kind != model::MotionKind::Temperature) {
+    for boundary in step.boundaries.iter().filter(|b| !b.is_thermal()) {
         let dofs = prescribed_dofs(scene, boundary, &mut taken, &mut nodes, report);
         if dofs.is_empty() {
             continue;

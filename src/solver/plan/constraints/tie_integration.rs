@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 
 use indexmap::IndexMap;
 
-use crate::model::{ElementKind, Model, SurfaceTie};
+use crate::model::{Model, SurfaceTie};
 use crate::plan::constraints::surface_ties::{AttachedNode, Facet, MasterSurface, facets_of, length};
 use crate::plan::constraints::tie_equations::{NextNode, TiedNode};
 
@@ -82,7 +82,7 @@ impl TiedPair<'_> {
     /// Chooses the surface whose nodes are dependent: that of cohesive elements, whose nodes may have no mass, or else that
     /// with more nodes on the common surface.
     fn dependent_side(&self, candidates: &[HashSet<usize>; 2]) -> usize {
-        let is_cohesive = |f: &Facet| self.model.mesh.elements[f.element].kind == ElementKind::Cohax4;
+        let is_cohesive = |f: &Facet| self.model.mesh.elements[f.element].kind.is_cohesive();
         match [0, 1].map(|side: usize| self.facets[side].iter().all(is_cohesive)) {
             [true, false] => 0,
             [false, true] => 1,

@@ -6,8 +6,8 @@ use std::rc::Rc;
 
 use crate::kernel::lists::sorted_unique;
 use crate::model::{
-    AnalyticalSide, ContactDomain, ElementKind, ElementSide, GeneralContact, Model, RigidSurfaceId, SideSelection,
-    Step, SurfaceContact,
+    AnalyticalSide, ContactDomain, ElementSide, GeneralContact, Model, RigidSurfaceId, SideSelection, Step,
+    SurfaceContact,
 };
 use crate::plan::meshes::pieces::{SetsOfParts, exterior_faces_of, pieces};
 use crate::plan::{Pairs, Report, Scene};
@@ -218,7 +218,7 @@ fn outsides(scene: Scene) -> Vec<SideSelection> {
     for (piece, solid) in pieces.into_iter().zip(outside) {
         let name = name_of_piece(scene.model, &piece, &sets, |name| taken.contains(name));
         taken.insert(name.clone());
-        let shells = piece.iter().filter(|&&e| matches!(mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1));
+        let shells = piece.iter().filter(|&&e| mesh.elements[e].kind.is_line());
         let both = |side: ElementSide| shells.clone().map(move |&e| (e, side)).collect::<Vec<ElementFace>>();
         let parts = [("", solid), ("_SPOS", both(ElementSide::Positive)), ("_SNEG", both(ElementSide::Negative))];
         let parts = parts.into_iter().filter(|p| !p.1.is_empty());

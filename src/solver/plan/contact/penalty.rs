@@ -5,7 +5,7 @@ use crate::deck::Diagnostic;
 use crate::element::group::ElementStiffness;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::topology::MOST_NODES;
-use crate::model::{Element, ElementKind, MaterialId, Model, SurfaceContact};
+use crate::model::{Element, MaterialId, Model, SurfaceContact};
 use crate::plan::contact::curves::ContactGeometry;
 use crate::plan::{Report, Scene, StepInput};
 
@@ -19,7 +19,7 @@ pub fn facet_compliance(input: StepInput, element: usize, nodes: [usize; 2]) -> 
     let [a, b] = nodes.map(|n| mesh.points[n]);
     let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
     let length = libm::hypot(dr, dz);
-    if of.kind == ElementKind::Sax1 {
+    if of.kind.is_shell() {
         let section = scene.model.shell_sections.iter().find(|s| s.elements.contains(&element))?;
         return Some(section.thickness / longitudinal_modulus(scene.model, section.material, element)?);
     }

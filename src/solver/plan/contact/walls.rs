@@ -4,7 +4,7 @@ use crate::constraint::Constraint;
 use crate::constraint::rigid_wall_contact::{RigidWallContact, WallPair};
 use crate::deck::Diagnostic;
 use crate::kernel::lists::sorted_unique;
-use crate::model::{IncrementControl, SurfaceContact};
+use crate::model::SurfaceContact;
 use crate::plan::bodies::rigid_bodies_3d::refuse_on_spatial_body;
 use crate::plan::contact::analytical::friction_of;
 use crate::plan::contact::general::pair_name;
@@ -82,10 +82,7 @@ fn wall_contact(
     nodes.retain(|n| scene.bodies.of_node.get(n) == Some(&body));
     let rings: Vec<[f64; 2]> =
         nodes.iter().map(|&n| [mesh.points[n][0], mesh.points[n][1] - spatial.heights[0]]).collect();
-    let travel = match step.increment {
-        IncrementControl::Automatic { accuracy, .. } => accuracy.sqrt(),
-        IncrementControl::Fixed(_) => 1.0,
-    };
+    let travel = step.increment.travel();
     let detail = format!("{} on {}, kinematic{}", pair.sides[side].name, pair.sides[1 - side].name, friction_of(pair));
     let number = pairs.names.get_index_of(&pair_name(pair)).unwrap_or_default();
     let id = report.ledger_row(pair.span, "contact with a wall", rings.len(), "rings", detail);

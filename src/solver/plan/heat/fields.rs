@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::element::predefined::{NodalFieldValue, PredefinedFields, mean};
-use crate::model::{InitialKind, MaterialDefinition, Model, PlasticityModel};
+use crate::model::{InitialKind, MaterialDefinition, Model};
 use crate::plan::loads::magnitude;
 use crate::plan::queries::{dependencies, given_fields};
 use crate::plan::solids::user_material::materials_present;
@@ -12,8 +12,8 @@ use crate::plan::{Report, Scene, SolidPlaces};
 
 /// Returns the number of field variables that a material reads: all with user subroutines, else those of its tables.
 fn fields_read(material: &MaterialDefinition) -> usize {
-    let hardens = matches!(material.plastic, Some(PlasticityModel::User(_)));
-    let calls_routines = material.user.material.is_some() || material.user.fields.is_some() || hardens;
+    let user = &material.user;
+    let calls_routines = user.material.is_some() || user.fields.is_some() || material.has_user_hardening();
     if calls_routines { usize::MAX } else { dependencies(material) }
 }
 

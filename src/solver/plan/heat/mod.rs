@@ -15,9 +15,7 @@ use crate::heat::sources::{HeatSource, HeatSourceKind, PrescribedTemperature, Te
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::quad::corner_masses;
 use crate::mesh::hidden::InteriorFaces;
-use crate::model::{
-    BoundaryCondition, InitialKind, Load, LoadKind, MaterialDefinition, Model, MotionKind, SolidSection, Step,
-};
+use crate::model::{BoundaryCondition, Load, LoadKind, MaterialDefinition, Model, SolidSection, Step};
 use crate::plan::heat::ties::tie_temperatures;
 use crate::plan::loads::{amplitude_name, has_effect, kind_name, magnitude};
 use crate::plan::meshes::surfaces::load_surface;
@@ -89,7 +87,7 @@ fn note_unused_initial_temperatures(scene: Scene, state: &SolidState, report: &m
         return;
     }
     for condition in &model.initial_conditions {
-        if matches!(condition.kind, InitialKind::Temperature(_)) {
+        if condition.kind.temperature().is_some() {
             let what = "*INITIAL CONDITIONS, TYPE=TEMPERATURE";
             report.add_unused_card(condition.span, what, "no material depends on the temperature");
         }
@@ -114,10 +112,10 @@ fn note_unused_thermal_input(model: &Model, report: &mut Report) {
         report.add_unused_card(*span, format!("*{keyword}"), why);
     }
     for step in &model.steps {
-        for boundary in step.boundaries.iter().filter(|b| b.kind == MotionKind::Temperature) {
+        for boundary in step.boundaries.iter().filter(|b| b.is_thermal()) {
             report.add_unused_card(boundary.span, format!("*BOUNDARY {}, 11", boundary.set), why);
         }
-        for load in step.loads.iter().filter(|l| is_heat(&l.kind)) {
+        for load in step.loads.iter().filter(|l| l.kind.is_thermal()) {
             report.add_unused_card(load.span, kind_name(&load.kind), why);
         }
     }
@@ -234,7 +232,7 @@ fn conduction_properties(
 fn initial_temperatures(scene: Scene, state: &SolidState) -> Vec<f64> {
     let mut temperatures = vec![0.0; state.dofs.nodes.len()];
     for condition in &scene.model.initial_conditions {
-        if let InitialKind::Temperature(value) = condition.kind {
+        if let Some(value) = condition.kind.temperature() {
             for place in condition.members.iter().filter_map(|n| scene.places.nodes.get(n)) {
                 temperatures[*place] = value;
             }
@@ -247,7 +245,7 @@ fn thermal_conditions(input: HeatInput, step: &Step, report: &mut Report) -> The
     let HeatInput { scene, conducting, .. } = input;
     let mut conditions = ThermalConditions::default();
     let mut taken = HashSet::new();
-    for boundary in step.boundaries.iter().filter(|b| b.kind == MotionKind::Temperature) {
+    for boundary in step.boundaries.iter().filter(|b| b.is_thermal()) {
         let places = boundary.nodes.iter().filter_map(|n| scene.places.nodes.get(n).copied());
         let nodes: Vec<usize> = places.filter(|n| conducting.contains(n) && taken.insert(*n)).collect();
         if nodes.is_empty() {
@@ -262,7 +260,7 @@ fn thermal_conditions(input: HeatInput, step: &Step, report: &mut Report) -> The
         let nodes = nodes.into_iter().map(TemperatureNode::new).collect();
         conditions.held.push(PrescribedTemperature { id, magnitude, nodes });
     }
-    let loads: Vec<&Load> = step.loads.iter().filter(|l| is_heat(&l.kind)).collect();
+    let loads: Vec<&Load> = step.loads.iter().filter(|l| l.kind.is_thermal()).collect();
     for load in loads {
         conditions.sources.extend(heat_source(input, load, report));
     }
@@ -383,13 +381,8 @@ fn mean(group: &dyn ElementGroup, element: usize, nodal: &[f64], nodes: &Nodes) 
 
 /// Returns whether two steps have the same heat loads and prescribed temperatures.
 fn has_same_heat(a: &Step, b: &Step) -> bool {
-    let is_temperature = |b: &&BoundaryCondition| b.kind == MotionKind::Temperature;
-    let gives = |l: &&Load| is_heat(&l.kind);
+    let is_temperature = |b: &&BoundaryCondition| b.is_thermal();
+    let gives = |l: &&Load| l.kind.is_thermal();
     a.boundaries.iter().filter(is_temperature).eq(b.boundaries.iter().filter(is_temperature))
         && a.loads.iter().filter(gives).eq(b.loads.iter().filter(gives))
-}
-
-fn is_heat(kind: &LoadKind) -> bool {
-    use LoadKind::{BodyHeat, Film, NodalHeat, SurfaceHeat};
-    matches!(kind, NodalHeat { .. } | SurfaceHeat(_) | BodyHeat { .. } | Film { .. })
 }

@@ -51,11 +51,8 @@ pub struct LoadInput<'a> {
 
 /// Returns whether a load has an effect. A load of zero magnitude is listed as unused.
 pub fn has_effect(load: &Load, report: &mut Report) -> bool {
-    let constant = !matches!(
-        load.kind,
-        LoadKind::User { .. } | LoadKind::UserBody { .. } | LoadKind::Cavity { .. } | LoadKind::Film { .. }
-    );
-    let zero = constant && load.magnitude == 0.0;
+    let varies = load.kind.is_user() || matches!(load.kind, LoadKind::Cavity { .. } | LoadKind::Film { .. });
+    let zero = !varies && load.magnitude == 0.0;
     if zero {
         report.add_unused_card(load.span, kind_name(&load.kind), "its magnitude is zero");
     }
@@ -375,8 +372,7 @@ fn user_load(input: &LoadInput, sides: &SideSelection, load_type: i32, report: &
     let LoadInput { scene, load, state, .. } = *input;
     let surface = load_surface(scene, sides, load.span, report);
     // ABAQUS manual: normals point outwards on the loaded side of a surface element, and into a solid.
-    let solid = |e: usize| !matches!(scene.model.mesh.elements[e].kind, ElementKind::Rax2 | ElementKind::Sax1);
-    let inward = sides.faces.first().is_some_and(|f| solid(f.0));
+    let inward = sides.faces.first().is_some_and(|f| !scene.model.mesh.elements[f.0].kind.is_line());
     let load = user_load_description(input, ("user load", surface.count()), &sides.name, load_type, inward, report)?;
     Some(Box::new(SubroutineLoad::on_surface(load, &surface, &state.dofs)))
 }

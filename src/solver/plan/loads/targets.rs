@@ -6,8 +6,7 @@ use crate::kernel::free_surface::FiniteSphere;
 use crate::load::cavity::{CavityExpansion, EntryCrater, LayerBounds, LayerStack, StackBounds, StackTilt};
 use crate::mesh::surface::{RigidFacets, SurfaceGeometry};
 use crate::model::{
-    DEFAULT_ACCURACY, FreeSurfaces, IncrementControl, Load, MaterialId, Model, SideSelection, TargetId, TargetLayer,
-    TargetStack,
+    DEFAULT_ACCURACY, FreeSurfaces, Load, MaterialId, Model, SideSelection, TargetId, TargetLayer, TargetStack,
 };
 use crate::plan::loads::{LoadEffect, LoadInput};
 use crate::plan::meshes::surfaces::load_surface;
@@ -51,10 +50,7 @@ pub fn cavity_load(
         report.ledger_row(load.span, "friction", count, "facets", format!("Coulomb, coefficient {friction}"));
     }
     target_rows(scene.model, target, report);
-    let travel = match step.increment {
-        IncrementControl::Automatic { accuracy, .. } => accuracy.sqrt(),
-        IncrementControl::Fixed(_) => 1.0,
-    };
+    let travel = step.increment.travel();
     let mut effect = CavityExpansion::new(id, friction, stack, surface, travel);
     if target.separation {
         effect = effect.separating(&state.dofs.nodes);

@@ -359,7 +359,7 @@ fn adaptive_detail(mesh: &AdaptiveMesh, settings: &AdaptiveSettings, [open, held
 
 /// Iterates over the nodes with prescribed temperatures and nodal heat sources.
 fn heated_nodes(step: &Step) -> impl Iterator<Item = usize> {
-    let boundaries = step.boundaries.iter().filter(|boundary| boundary.kind == MotionKind::Temperature);
+    let boundaries = step.boundaries.iter().filter(|boundary| boundary.is_thermal());
     let sources = step.loads.iter().filter_map(|load| match &load.kind {
         LoadKind::NodalHeat { nodes, .. } => Some(nodes),
         _ => None,

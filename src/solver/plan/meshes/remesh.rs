@@ -235,8 +235,7 @@ fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Repor
     let contacts = || pairs.by_step.iter().flat_map(|pairs| pairs.iter());
     let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
     let scales = model.scales_masses();
-    let is_users =
-        |kind: &LoadKind| matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. } | LoadKind::UserBody { .. });
+    let is_users = |kind: &LoadKind| kind.is_user() || matches!(kind, LoadKind::Cavity { .. });
     let exclusions = [
         (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDLOAD, VDISP and VUCHARLENGTH"),
         (heats && scales, "mass scaling together with nodal temperatures"),

@@ -6,7 +6,7 @@ use crate::deck::{Diagnostic, Span};
 use crate::kernel::facet::Facet;
 use crate::mesh::hidden::InteriorFaces;
 use crate::mesh::surface::{DeformableFaces, RigidFacets, SurfaceGeometry};
-use crate::model::{ElementKind, ElementSide, Model, SideSelection};
+use crate::model::{ElementSide, Model, SideSelection};
 use crate::plan::solids::user_material::deletes;
 use crate::plan::{Report, Scene};
 
@@ -35,7 +35,7 @@ fn make_surface(scene: Scene, sides: &SideSelection, span: Span, report: &mut Re
                 }
                 faces.push(ends.map(|n| scene.places.nodes[&n]));
                 face_elements.push(element);
-                shells.push(scene.model.mesh.elements[element].kind == ElementKind::Sax1);
+                shells.push(scene.model.mesh.elements[element].kind.is_shell());
             }
             continue;
         }

@@ -11,7 +11,7 @@ use crate::element::group::ElementGroup;
 use crate::kernel::cohesive::{PAIRS, areas, geometric_thickness};
 use crate::kernel::traction_separation::{DamageInitiationLaw, InterfaceSoftening, TractionSeparationLaw};
 use crate::model::{
-    CohesiveSection, ElementKind, InitiationMeasure, InterfaceEvolution, InterfaceInitiation, MaterialDefinition, Mesh,
+    CohesiveSection, InitiationMeasure, InterfaceEvolution, InterfaceInitiation, MaterialDefinition, Mesh,
     ModeDependence, ModeMixRatio, Model, Step,
 };
 use crate::plan::constraints::connectors::inverse;
@@ -278,9 +278,8 @@ fn inertia_of_dof(
 fn refuse_bare_node(model: &Model, node: usize, report: &mut Report) {
     let mesh = &model.mesh;
     let message = format!("node {} of a cohesive element has no mass", mesh.node_names[node]);
-    let cohesive_element = mesh.elements.iter().find(|e| e.kind == ElementKind::Cohax4 && e.nodes.contains(&node));
-    let finding =
-        Diagnostic::error("P026", message).at(cohesive_element.map(|e| e.span).unwrap_or_default(), "this element");
+    let at = mesh.elements.iter().find(|e| e.kind.is_cohesive() && e.nodes.contains(&node));
+    let finding = Diagnostic::error("P026", message).at(at.map(|e| e.span).unwrap_or_default(), "this element");
     let help = "give the material of the cohesive elements a *DENSITY, or share the node with a solid element";
     report.push(finding.help(help));
 }

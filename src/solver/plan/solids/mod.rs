@@ -335,8 +335,7 @@ fn check_gas_states(model: &Model, report: &mut Report) {
     for energy in conditions().filter(|c| matches!(c.kind, InitialKind::Energy(_)) && !gas.is_empty()) {
         let both = |heat: &&InitialCondition| {
             let warm = |e: &usize| model.mesh.elements[*e].nodes.iter().all(|n| heat.members.binary_search(n).is_ok());
-            matches!(heat.kind, InitialKind::Temperature(_))
-                && gas.iter().any(|e| energy.members.binary_search(e).is_ok() && warm(e))
+            heat.kind.temperature().is_some() && gas.iter().any(|e| energy.members.binary_search(e).is_ok() && warm(e))
         };
         if let Some(heat) = conditions().find(both) {
             let message = "an ideal gas has an initial specific energy and an initial temperature, of which one \
@@ -353,7 +352,7 @@ fn check_gas_states(model: &Model, report: &mut Report) {
 fn start_temperatures(model: &Model, places: &SolidPlaces, groups: &mut [Box<dyn ElementGroup>]) {
     let mut nodal: HashMap<usize, f64> = HashMap::new();
     for condition in &model.initial_conditions {
-        if let InitialKind::Temperature(value) = condition.kind {
+        if let Some(value) = condition.kind.temperature() {
             nodal.extend(condition.members.iter().map(|n| (*n, value)));
         }
     }

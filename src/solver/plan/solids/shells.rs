@@ -169,10 +169,7 @@ fn refusal(material: &MaterialDefinition, warms: bool) -> Option<&'static str> {
     if material.eos.is_some() || material.hyperelastic.is_some() || material.shear_modulus.is_some() {
         return Some("shells need *ELASTIC with Young's modulus and Poisson's ratio");
     }
-    if material.foam.shape.is_some()
-        || material.user.fields.is_some()
-        || matches!(material.plastic, Some(PlasticityModel::User(_)))
-    {
+    if material.foam.shape.is_some() || material.user.fields.is_some() || material.has_user_hardening() {
         return Some("*CRUSHABLE FOAM and user subroutines on shells are not supported");
     }
     if material.damping.is_some() {

@@ -182,7 +182,7 @@ fn user_flow<'m>(input: &GroupInput<'m>, report: &mut Report) -> Option<(UserLaw
         (!material.failures.is_empty(), "*DAMAGE INITIATION or *SHEAR FAILURE"),
         (material.tensile_failure.is_some(), "*TENSILE FAILURE"),
         (matches!(material.plastic, Some(PlasticityModel::Kinematic(_))), "HARDENING=KINEMATIC"),
-        (material.rate.is_some() && matches!(material.plastic, Some(PlasticityModel::User(_))), "*RATE DEPENDENT"),
+        (material.rate.is_some() && material.has_user_hardening(), "*RATE DEPENDENT"),
     ];
     if let Some((_, other)) = beside.iter().find(|(there, _)| *there) {
         let message =
