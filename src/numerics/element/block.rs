@@ -196,6 +196,12 @@ pub struct TaskState {
 }
 
 impl<S> ElementBlock<S> {
+    /// Creates a block of integration points at rest, with the given masses and without nodes.
+    pub(super) fn of_points(state: S, mass: Lanes) -> Self {
+        let (nodes, zeros) = ([[0; LANES]; 4], [[0.0; LANES]; 4]);
+        ElementBlock { nodes, stress: zeros, mass, inverse_mass: zeros, state }
+    }
+
     /// Returns the corner masses of a lane in the units of the block.
     pub(super) fn corner_masses(&self, lane: usize) -> [f64; 4] {
         at_corners(column(&self.inverse_mass, lane)).inline_map(|inverse| 4.0 / inverse)

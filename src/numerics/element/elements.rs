@@ -194,7 +194,7 @@ impl Elements {
                 entry.ask(&mut *self.groups[entry.group], nodes.as_slice(), now, routine)?;
             }
         }
-        let mut calling = self.groups.iter_mut().filter_map(|group| group.extensions().user());
+        let mut calling = self.groups.iter_mut().filter_map(|group| group.user());
         calling.try_for_each(|group| group.probe(nodes.as_slice(), now, user.lend()))
     }
 
@@ -291,9 +291,9 @@ impl Elements {
                 prefetches: self.prefetch.is_on(),
             });
             first += blocks;
-            group.extensions().deletion().newly_deleted(&mut self.deleted.0);
+            group.newly_deleted(&mut self.deleted.0);
             if totals.rate.is_nan() {
-                self.failure = group.extensions().user().and_then(|user| user.failure());
+                self.failure = group.user().and_then(|user| user.failure());
             }
             self.deformed = self.deformed.max(totals.deformed);
             add(&totals, &mut dofs.energies);

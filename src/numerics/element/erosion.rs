@@ -9,11 +9,12 @@ use rayon::prelude::*;
 
 use super::block::{TASK, larger};
 use super::elements::Elements;
-use super::group::{ElementGroup, PARALLEL};
+use super::group::{ElementGroup, GroupSetting, PARALLEL};
 use crate::kernel::corners::{is_distorted, largest_shell_strain, largest_strain};
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::quad;
+use crate::kernel::topology::ElementTopology;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
@@ -43,7 +44,7 @@ impl DeletionCriteria {
                     group.cells(element).map(|cell| largest_strain(cell.inline_map(place), cell.inline_map(start)));
                 return strains.fold(f64::NEG_INFINITY, larger);
             }
-            if group.constitutive_thickness(element).is_some() {
+            if group.topology() == ElementTopology::Cohesive {
                 return f64::NEG_INFINITY;
             }
             let boundary = group.boundary(element);
@@ -126,7 +127,7 @@ impl Elements {
     /// Sets the deletion criteria of elements; nodes are in the initial configuration.
     pub fn watch(&mut self, erosion: ErosionControl, nodes: &Nodes) {
         for group in erosion.groups() {
-            self.groups[group].extensions().deletion().make_erodible();
+            self.groups[group].configure(GroupSetting::Deletion);
         }
         self.erosion = Some(Box::new(erosion));
         self.reserve_deletions();
@@ -171,9 +172,9 @@ impl Elements {
         let volume =
             group.cells(element).map(|cell| quad::volume(cell.inline_map(|n| dofs.nodes.start[n as usize]))).sum();
         // The faces at a cohesive element have been exposed before.
-        let listed = if group.constitutive_thickness(element).is_some() { 0 } else { group.topology().boundary() };
+        let listed = if group.topology() == ElementTopology::Cohesive { 0 } else { group.topology().boundary() };
         self.deleted.0.push(group.boundary(element).first(listed));
-        group.extensions().deletion().erode(element, volume);
+        group.erode(element, volume);
         if let Some(removed) = &mut self.removed {
             removed.add(work);
         }

@@ -194,7 +194,7 @@ mod tests {
     use super::HighestFrequency;
     use crate::element::constants::{ElementConstants, HourglassControl};
     use crate::element::elements::Elements;
-    use crate::element::group::QuadGroup;
+    use crate::element::quad::QuadGroup;
     use crate::kernel::bulk_viscosity::BulkViscosity;
     use crate::kernel::quad;
     use crate::material::plasticity::ElasticOnly;

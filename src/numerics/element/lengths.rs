@@ -5,6 +5,7 @@ use super::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::six_node_triangle;
 use crate::kernel::topology::{ElementNodes, ElementTopology};
+use crate::material::PointValue;
 use crate::material::user::lengths::{ShownElements, above_zero, by_default, middle, user_number};
 use crate::routines::{LengthCall, LoadFailure, MAX_MATERIAL_BLOCK, UserLengths};
 use crate::state::Instant;
@@ -55,8 +56,9 @@ impl UserLengthElements {
                     let place = element.map_or(String::new(), |n| format!(" at element {n}"));
                     failure.halt(&format!("the characteristic length of the material `{}`{place}", self.name), now)
                 })?;
-                let state = group.extensions().initial_state();
-                lengths.into_iter().enumerate().for_each(|(i, length)| state.set_length(first + i, point, length));
+                for (i, length) in lengths.into_iter().enumerate() {
+                    group.set(first + i, PointValue::Length(point, length));
+                }
             }
         }
         Ok(())

@@ -3,7 +3,7 @@
 use crate::kernel::lists::Memory;
 use std::sync::Arc;
 
-use super::group::ElementGroup;
+use super::group::{ElementGroup, NodalVariable};
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::magnitude::{AmplitudeClock, Magnitude};
@@ -66,11 +66,11 @@ impl PredefinedFields {
             for (group, boundaries) in self.groups.iter() {
                 let group = &mut groups[*group];
                 if variable < group.properties().fields
-                    && let Some(fields) = group.extensions().fields()
+                    && let Some(solid) = group.as_solid()
                 {
                     self.means.clear();
                     self.means.extend(boundaries.iter().map(|nodes| mean(nodes, &self.nodal)));
-                    fields.set_fields(variable, &self.means);
+                    solid.set_means(NodalVariable::Field(variable), &self.means);
                 }
             }
         }

@@ -2,6 +2,7 @@
 //! increment limit.
 
 use super::elements::Elements;
+use super::group::GroupSetting;
 use super::mass_scaling::{AddedMass, ArrivedScaling, ScaledMasses, ScalingRequest, ScalingTarget, StepMassScaling};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::topology::PerNode;
@@ -28,7 +29,7 @@ impl FactorSet {
 impl Elements {
     /// Stores the current masses as reference of all factors. `linked` marks the nodes with equations or links.
     pub fn store_unscaled_masses(&mut self, nodes: &Nodes, linked: Vec<bool>) {
-        self.groups.iter_mut().for_each(|group| group.extensions().settings().keep_rates());
+        self.groups.iter_mut().for_each(|group| group.configure(GroupSetting::StableRates));
         let elements: Vec<Vec<PerNode<f64>>> =
             self.groups.iter().map(|g| (0..g.len()).map(|e| g.masses(e)).collect()).collect();
         let ones: Vec<Vec<f64>> = elements.iter().map(|c| vec![1.0; c.len()]).collect();
@@ -103,7 +104,7 @@ impl Elements {
     pub fn remove_scaling(&mut self, group: usize) {
         let Some(masses) = &self.masses else { return };
         for (e, plain) in masses.elements[group].iter().enumerate() {
-            self.groups[group].extensions().settings().set_masses(e, plain);
+            self.groups[group].set_masses(e, plain);
         }
     }
 
@@ -125,7 +126,7 @@ impl Elements {
             masses.elements[group][e] = (*plain).into();
             nodes.into_iter().zip(plain).for_each(|(n, mass)| masses.nodes[n as usize] += mass);
             (masses.fixed[group][e], masses.factors[group][e], masses.applied[group][e]) = (*fixed, *all, *all);
-            own.extensions().settings().set_masses(e, &masses.scaled(group, e, *all));
+            own.set_masses(e, &masses.scaled(group, e, *all));
         }
     }
 
@@ -209,7 +210,7 @@ impl Elements {
                 let (nodes, plain) = (group.nodes(e), masses.elements[g][e]);
                 // Unscaled elements keep the bits of their masses.
                 if factor != masses.applied[g][e] {
-                    group.extensions().settings().set_masses(e, &masses.scaled(g, e, factor));
+                    group.set_masses(e, &masses.scaled(g, e, factor));
                     masses.applied[g][e] = factor;
                 }
                 for (n, m) in nodes.into_iter().zip(plain) {

@@ -4,11 +4,13 @@
 use pulp::Arch;
 
 use crate::element::constants::{ElementConstants, HourglassControl};
-use crate::element::group::{ElementGroup, ElementPass, QuadGroup, spoil_scratch};
+use crate::element::group::{ElementGroup, ElementPass, GroupSetting};
+use crate::element::quad::{QuadGroup, spoil_scratch};
 use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, RateFactor, StaticYield};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::LANES;
+use crate::material::PointValue;
 use crate::material::eos::{IdealGas, Tabulated, UsUp};
 use crate::material::equation_of_state::EquationOfState;
 use crate::material::explosive::{DetonationPoint, HighExplosive, JwlProducts};
@@ -89,11 +91,10 @@ fn moved(
 ) -> CompositionResult {
     let (elements, blocks) = (quads.len(), quads.len().div_ceil(LANES));
     for e in 0..elements {
-        let state = quads.extensions().initial_state();
-        state.set(e, None, Some(25.0 + e as f64));
-        state.set_energy(e, 1e-3 * (1 + e) as f64);
+        quads.set(e, PointValue::Temperature(25.0 + e as f64));
+        quads.set(e, PointValue::SpecificEnergy(1e-3 * (1 + e) as f64));
     }
-    quads.extensions().settings().follow();
+    quads.configure(GroupSetting::Records);
     let (mut bits, mut plastic) = (Vec::new(), 0.0);
     for _ in 0..20 {
         nodes.iter_mut().for_each(|n| (n.r, n.z) = (n.r + DT * n.v_r, n.z + DT * n.v_z));

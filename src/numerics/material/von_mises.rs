@@ -124,10 +124,6 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
         self.volumetric.volume_ratio(&state.volumetric, lane)
     }
 
-    fn set_volume_ratio(&self, state: &mut Self::State, lane: usize, ratio: f64) {
-        self.volumetric.set_volume_ratio(&mut state.volumetric, lane, ratio);
-    }
-
     fn bytes(&self, state: &Self::State) -> usize {
         self.volumetric.bytes(&state.volumetric)
     }
@@ -187,10 +183,11 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
             PointValue::PlasticStrain(strain) => {
                 return self.hardening.set_plastic_strain(&mut state.hardening, lane, strain);
             }
-            PointValue::Length(length) => self.failure.set_length(&mut state.failure, lane, length),
+            PointValue::Length(_, length) => self.failure.set_length(&mut state.failure, lane, length),
             PointValue::NodalTemperature(temperature) => {
                 self.hardening.set_temperature(&mut state.hardening, lane, temperature);
             }
+            PointValue::VolumeRatio(ratio) => self.volumetric.set_volume_ratio(&mut state.volumetric, lane, ratio),
             _ => return false,
         }
         true

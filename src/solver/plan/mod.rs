@@ -106,7 +106,7 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     if diagnostics.has_errors() {
         diagnostics.keep_errors();
     }
-    let movable = state.elements.groups.iter_mut().map(|group| group.extensions().transfer().is_some());
+    let movable = state.elements.groups.iter_mut().map(|group| group.transfer().is_some());
     let movable_groups = movable.collect();
     let mut general_contacts = model.steps.iter().filter_map(|s| s.general_contact.as_ref());
     let is_gas = |eos: &EosKind| matches!(eos, EosKind::IdealGas(_) | EosKind::Jwl(_));

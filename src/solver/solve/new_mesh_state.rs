@@ -12,6 +12,7 @@ use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::quad;
 use crate::kernel::shape::share_between;
 use crate::load::SceneChange;
+use crate::material::PointValue;
 use crate::model::remesh::ModelBody;
 use crate::plan::{RemeshedBody, State};
 use crate::remesh::balanced_parts::balanced_parts;
@@ -82,8 +83,9 @@ impl SolverRun<'_> {
         for (index, (own, previous)) in elements.groups.iter_mut().zip(&mut old.state.elements.groups).enumerate() {
             if index != group {
                 copy_state(&mut **previous, &mut **own);
-            } else if let (Some(own), Some(previous)) = (own.extensions().user(), previous.extensions().user()) {
-                own.set_moduli(previous.moduli());
+            } else if let (Some(own), Some(previous)) = (own.user(), previous.user()) {
+                let (own, previous) = (own.constants(), previous.constants());
+                (own.bulk, own.shear) = (previous.bulk, previous.shear);
             }
         }
         for (own, previous) in adaptive.iter_mut().zip(&mut old.state.adaptive) {
@@ -168,12 +170,14 @@ impl SolverRun<'_> {
             sorted.iter_mut().zip(&moved).for_each(|(list, moved)| list[e] = moved[i]);
             (of_group[e], corners[e]) = (masses[i], after.quads[i]);
         }
-        if let Some(into) = self.state.elements.groups[own.group].extensions().transfer() {
+        let group = &mut self.state.elements.groups[own.group];
+        if let Some(into) = group.transfer() {
             let arrived = ArrivedElements { masses: &of_group, corners: &corners, places: &after.points };
             let in_order: Vec<u32> = (0..count as u32).collect();
             into.write((&in_order, &vec![true; count]), &sorted, arrived);
             for (i, volume) in transfer.content(volumes).iter().enumerate() {
-                into.set_volume_ratio(own.elements[i], volume / quad::volume(after.corners(&after.quads[i])));
+                let ratio = volume / quad::volume(after.corners(&after.quads[i]));
+                group.set(own.elements[i] as usize, PointValue::VolumeRatio(ratio));
             }
         }
     }
@@ -324,7 +328,7 @@ impl LivingElements {
 
     /// Returns the volumes of the material; those of the elements if no pressure follows from the density.
     fn material_volumes(&self, state: &mut State, mesh: &BodyMesh) -> Vec<f64> {
-        let from = state.elements.groups[self.group].extensions().transfer();
+        let from = state.elements.groups[self.group].transfer();
         let ratio = |e: u32| from.as_ref().and_then(|from| from.volume_ratio(e)).unwrap_or(1.0);
         let elements = self.elements.iter().zip(&mesh.quads);
         elements.map(|(e, quad)| ratio(*e) * quad::volume(mesh.corners(quad))).collect()
@@ -334,7 +338,7 @@ impl LivingElements {
     fn variables(&self, state: &mut State) -> Vec<Vec<Pack>> {
         let group = &mut state.elements.groups[self.group];
         let count = group.len();
-        let Some(from) = group.extensions().transfer() else { return Vec::new() };
+        let Some(from) = group.transfer() else { return Vec::new() };
         let mut values = vec![vec![Pack::default(); count]; from.variables().div_ceil(PACK)];
         let in_order: Vec<u32> = (0..count as u32).collect();
         from.read((&in_order, &vec![true; count]), &mut values);

@@ -47,7 +47,7 @@ impl SolverRun<'_> {
     fn mass_mismatch(&mut self, group: usize) -> MassMismatch {
         let (mut sums, group) = (MassMismatch::default(), &mut self.state.elements.groups[group]);
         for element in 0..group.len() {
-            let Some(ratio) = group.extensions().transfer().and_then(|from| from.volume_ratio(element as u32)) else {
+            let Some(ratio) = group.transfer().and_then(|from| from.volume_ratio(element as u32)) else {
                 return MassMismatch::default();
             };
             if group.is_deleted(element) {

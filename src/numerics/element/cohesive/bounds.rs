@@ -68,7 +68,9 @@ impl InterfaceBounds {
             };
             rates = Some((spring.element, most));
             let (group, element) = spring.element;
-            groups[group].extensions().settings().set_rate(element, most);
+            if let Some(cohesive) = groups[group].as_cohesive() {
+                cohesive.set_rate(element, most);
+            }
         }
     }
 }

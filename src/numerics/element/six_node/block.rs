@@ -4,17 +4,16 @@
 
 use std::f64::consts::PI;
 
-use super::triangles::{TriangleIncrement, TriangleLanes, WorkArrays, operators_at, places};
+use super::triangles::{TriangleLanes, WorkArrays, operators_at, places};
 use crate::element::block::{ElementBlock, TaskWorkspace};
 use crate::element::constants::ElementConstants;
-use crate::element::group::block_of_points;
+use crate::element::solid::{BlockPlace, InitialBlock, SolidIncrement};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators};
 use crate::kernel::stress::mises;
 use crate::material::volumetric::ElementSize;
 use crate::material::{BlockStart, Material, PlasticFlow};
 use crate::state::archive::Persist;
-use crate::state::nodes::Node;
 
 /// Triangles with stress and state of their points.
 #[derive(Clone, Persist)]
@@ -29,13 +28,9 @@ pub struct TriangleBlock<S> {
 }
 
 impl<S: Clone> TriangleBlock<S> {
-    /// Creates a block of elements at rest, at most as many as there are lanes.
-    pub fn new<M: Material<State = S>>(
-        material: &M,
-        density: f64,
-        (first, elements): (usize, &[[u32; NODES]]),
-        nodes: &[Node],
-    ) -> Self {
+    /// Creates a block of elements at rest.
+    pub fn at_rest<M: Material<State = S>>(material: &M, initial: &InitialBlock<'_, [u32; NODES]>) -> Self {
+        let InitialBlock { first, elements, nodes, density } = *initial;
         // Lanes after the last element repeat it; their results are not used.
         let element = |l: usize| elements[l.min(elements.len() - 1)];
         let at = |l: usize| places(element(l), nodes);
@@ -58,16 +53,11 @@ impl<S: Clone> TriangleBlock<S> {
                 corners: inline_from_fn(|l| [corner(l, 0), corner(l, 1)]),
                 first,
             };
-            block_of_points(material.initial_state(&start), volume.inline_map(|v| density * v))
+            ElementBlock::of_points(material.initial_state(&start), volume.inline_map(|v| density * v))
         };
         let points = [point(0), point(1), point(2)];
         let start = if M::CALLS { operators.to_vec() } else { Vec::new() };
         TriangleBlock { triangles: TriangleLanes::new(inline_from_fn(element), density, nodes), points, start }
-    }
-
-    /// Returns the mass of the element in a lane.
-    pub fn mass(&self, lane: usize) -> f64 {
-        self.points.iter().map(|p| p.mass[lane]).sum()
     }
 
     /// Updates the block over one increment, given its number in the group and in its task: stresses and nodal forces
@@ -77,8 +67,8 @@ impl<S: Clone> TriangleBlock<S> {
         &mut self,
         material: &M,
         constants: &ElementConstants,
-        increment: &TriangleIncrement<'_>,
-        (number, at): (usize, usize),
+        increment: &SolidIncrement<'_>,
+        BlockPlace { number, at }: BlockPlace,
         (scratch, work): (&mut TaskWorkspace, &mut WorkArrays),
         corners: &mut [BlockCornerForces],
     ) {
@@ -96,7 +86,7 @@ impl<S: Clone> TriangleBlock<S> {
         let Some((lost, internal, viscous)) = before else { return };
         // The energy follows from the work of forces on the nodes (compatible.rs).
         let lost = self.triangles.work_of_end(lost, corners, increment, work);
-        let mass: Lanes = inline_from_fn(|l| self.mass(l));
+        let mass: Lanes = inline_from_fn(|l| self.points.iter().map(|p| p.mass[l]).sum());
         let mut missing = [0.0; LANES];
         for l in 0..LANES {
             let known = (scratch.stress.internal[l] - internal[l]) + (scratch.sums.viscous[l] - viscous[l]);
@@ -117,7 +107,7 @@ impl<S: Clone> TriangleBlock<S> {
         &mut self,
         material: &M,
         constants: &ElementConstants,
-        increment: &TriangleIncrement<'_>,
+        increment: &SolidIncrement<'_>,
         at: usize,
         (scratch, work): (&mut TaskWorkspace, &mut WorkArrays),
         corners: &mut [BlockCornerForces],
@@ -136,7 +126,7 @@ impl<S: Clone> TriangleBlock<S> {
         p: usize,
         material: &M,
         constants: &ElementConstants,
-        increment: &TriangleIncrement<'_>,
+        increment: &SolidIncrement<'_>,
         scratch: &mut TaskWorkspace,
         work: &WorkArrays,
     ) {
@@ -174,7 +164,7 @@ impl<S: Clone> TriangleBlock<S> {
         p: usize,
         material: &M,
         constants: &ElementConstants,
-        increment: &TriangleIncrement<'_>,
+        increment: &SolidIncrement<'_>,
         scratch: &mut TaskWorkspace,
         work: &mut WorkArrays,
     ) {

@@ -4,16 +4,17 @@
 
 use std::f64::consts::PI;
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::NullaryFnOnce;
 
 use crate::element::block::{TaskWorkspace, is_larger};
 use crate::element::constants::{CHANGE, ElementConstants, damped};
+use crate::element::solid::SolidIncrement;
 use crate::kernel::bulk_viscosity::{BulkViscosity, slow_rate};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::quad::UNIT;
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators, frequency_squared, masses};
 use crate::state::archive::Persist;
-use crate::state::nodes::{Node, NodeAccelerations};
+use crate::state::nodes::Node;
 
 /// Blocks of corner forces per block of triangles.
 pub const FORCE_BLOCKS: usize = 2;
@@ -95,18 +96,6 @@ impl WorkArrays {
     }
 }
 
-/// Input of an increment that all blocks of a group share.
-pub struct TriangleIncrement<'a> {
-    pub nodes: &'a [Node],
-    pub dt: f64,
-    pub before: NodeAccelerations<'a>,
-    /// Total time at the end of the increment.
-    pub time: f64,
-    pub arch: Arch,
-    /// Number of elements of the group.
-    pub count: usize,
-}
-
 /// Returns the positions of the nodes of an element.
 pub fn places(element: [u32; NODES], nodes: &[Node]) -> [[f64; 2]; NODES] {
     element.inline_map(|n| nodes[n as usize].place())
@@ -159,7 +148,7 @@ impl TriangleLanes {
     }
 
     /// Computes motion, volumes and velocity gradients into the work arrays.
-    pub fn measure(&self, increment: &TriangleIncrement<'_>, work: &mut WorkArrays) {
+    pub fn measure(&self, increment: &SolidIncrement<'_>, work: &mut WorkArrays) {
         increment.arch.dispatch(TriangleMeasurement { triangles: self, increment, work });
     }
 
@@ -168,10 +157,10 @@ impl TriangleLanes {
     pub fn work_of_start(
         &self,
         corners: &[BlockCornerForces],
-        increment: &TriangleIncrement<'_>,
+        increment: &SolidIncrement<'_>,
         work: &WorkArrays,
     ) -> Lanes {
-        let TriangleIncrement { dt, before, .. } = *increment;
+        let SolidIncrement { dt, before, .. } = *increment;
         let share = 0.5 * before.half * (dt - before.half);
         let mut lost = [0.0; LANES];
         for n in 0..NODES {
@@ -191,7 +180,7 @@ impl TriangleLanes {
         &self,
         mut lost: Lanes,
         corners: &[BlockCornerForces],
-        increment: &TriangleIncrement<'_>,
+        increment: &SolidIncrement<'_>,
         work: &WorkArrays,
     ) -> Lanes {
         for n in 0..NODES {
@@ -209,7 +198,7 @@ impl TriangleLanes {
     pub fn assemble(
         &mut self,
         (constants, varies): (&ElementConstants, bool),
-        increment: &TriangleIncrement<'_>,
+        increment: &SolidIncrement<'_>,
         stress: &[[Lanes; 4]; POINTS],
         (scratch, work): (&mut TaskWorkspace, &mut WorkArrays),
         corners: &mut [BlockCornerForces],
@@ -222,7 +211,7 @@ impl TriangleLanes {
 /// Arguments of [`TriangleLanes::measure`], as an operation for the selected instruction set.
 struct TriangleMeasurement<'a> {
     triangles: &'a TriangleLanes,
-    increment: &'a TriangleIncrement<'a>,
+    increment: &'a SolidIncrement<'a>,
     work: &'a mut WorkArrays,
 }
 

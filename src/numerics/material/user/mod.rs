@@ -300,7 +300,7 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
                 state.thermal[lane] += strain;
                 true
             }
-            PointValue::SpecificEnergy(_) | PointValue::Length(_) => false,
+            PointValue::SpecificEnergy(_) | PointValue::Length(..) | PointValue::VolumeRatio(_) => false,
         }
     }
 

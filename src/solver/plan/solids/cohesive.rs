@@ -203,7 +203,8 @@ pub fn bound_cohesive_elements(scene: Scene, links: &Links, state: &mut SolidSta
     let search = inertia_search(scene.model, links);
     let (mut springs, mut bare): (Vec<InterfaceSpring>, Vec<usize>) = Default::default();
     for (e, &(group, element)) in scene.places.elements.iter() {
-        let Some(stiffness) = state.elements.groups[group].interface_stiffness(element) else { continue };
+        let Some(cohesive) = state.elements.groups[group].as_cohesive() else { continue };
+        let stiffness = cohesive.stiffness_of_points(element);
         for (stiffness, pair) in stiffness.into_iter().zip(PAIRS) {
             let ends = pair.map(|i| mesh.elements[e].nodes[i]);
             for axis in 0..2 {

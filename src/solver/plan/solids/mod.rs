@@ -23,6 +23,7 @@ use crate::element::rings::RingFactors;
 use crate::element::solid_groups::Connectivity;
 use crate::kernel::quad;
 use crate::kernel::topology::ElementTopology;
+use crate::material::PointValue;
 use crate::mesh::gather::NodalAssembly;
 use crate::model::{
     EosKind, FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model,
@@ -359,7 +360,7 @@ fn start_temperatures(model: &Model, places: &SolidPlaces, groups: &mut [Box<dyn
             // The mean of equal values has their bits.
             let is_uniform = values.iter().all(|v| *v == values[0]);
             let mean = if is_uniform { values[0] } else { values.iter().sum::<f64>() / values.len() as f64 };
-            groups[group].extensions().initial_state().set(i, None, Some(mean));
+            groups[group].set(i, PointValue::Temperature(mean));
         }
     }
 }
@@ -390,14 +391,12 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut SolidState, repo
                         report.push(Diagnostic::error("P017", message).at(condition.span, "here"));
                         break;
                     }
-                    groups[*group].extensions().initial_state().set_energy(*i, *value);
+                    groups[*group].set(*i, PointValue::SpecificEnergy(*value));
                 }
             }
             InitialKind::Hardening(value) => {
                 let mut elements = condition.members.iter().filter_map(|e| places.elements.get(e));
-                let set = |(group, i): &(usize, usize)| {
-                    groups[*group].extensions().initial_state().set_plastic_strain(*i, *value)
-                };
+                let set = |(group, i): &(usize, usize)| groups[*group].set(*i, PointValue::PlasticStrain(*value));
                 if !elements.all(set) {
                     let message = "TYPE=HARDENING needs solid elements with *PLASTIC and isotropic hardening";
                     report.push(Diagnostic::error("P017", message).at(condition.span, "here"));
@@ -405,9 +404,9 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut SolidState, repo
             }
             InitialKind::State(values) => {
                 for (group, i) in condition.members.iter().filter_map(|e| places.elements.get(e)) {
-                    let state = groups[*group].extensions().initial_state();
-                    let mut kept = values.iter().enumerate().map(|(v, x)| state.set_state(*i, v, *x) || *x == 0.0);
-                    if !kept.all(|kept| kept) {
+                    let group = &mut groups[*group];
+                    let mut values_by_index = values.iter().enumerate();
+                    if !values_by_index.all(|(v, x)| group.set(*i, PointValue::StateVariable(v, *x)) || *x == 0.0) {
                         let message = format!(
                             "{} state variables are given, but the material of some elements has fewer \
                              (*DEPVAR)",
@@ -430,7 +429,7 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut SolidState, repo
                 }
                 let stress = [0, 1, 2, 3].map(|i| values.get(i).copied().unwrap_or(0.0));
                 for (group, i) in condition.members.iter().filter_map(|e| places.elements.get(e)) {
-                    groups[*group].extensions().initial_state().set(*i, Some(stress), None);
+                    groups[*group].set(*i, PointValue::Stress(stress));
                 }
             }
         }
