@@ -11,7 +11,7 @@ use super::block::{StoredTask, TASK, TaskWorkspace};
 use super::constants::ElementConstants;
 use super::group::{ElementPass, GroupTotals, PARALLEL, UserCalls};
 use super::record::BlockRecord;
-use super::solid::{BlockPlace, SolidBlock, SolidGroup, SolidIncrement};
+use super::solid::{BlockPass, BlockPlace, SolidBlock, SolidGroup, SolidIncrement};
 use crate::kernel::lanes::{BlockCornerForces, LANES};
 use crate::kernel::lists::Memory;
 use crate::material::Material;
@@ -93,18 +93,17 @@ struct TaskPhase<'a, B: SolidBlock> {
 
 /// Input that all tasks of a pass share.
 pub struct CallPass<'a, M: Material> {
-    pub material: &'a M,
+    pub blocks: BlockPass<'a, M>,
     calls: &'a dyn PointCalls<M::State>,
-    pub constants: &'a ElementConstants,
-    pub now: &'a Instant,
-    pub increment: SolidIncrement<'a>,
+    now: &'a Instant,
 }
 
 impl<M: Material> CallPass<'_, M> {
     /// Begins the update of a block of points with its own workspace.
     pub fn begin(&self, BlockPlace { number, at }: BlockPlace, work: &mut TaskWorkspace) {
-        self.increment.begin(self.constants, work);
-        work.prepare(number, at, self.increment.count - number * LANES);
+        let BlockPass { constants, increment, .. } = &self.blocks;
+        increment.begin(constants, work);
+        work.prepare(number, at, increment.count - number * LANES);
     }
 
     /// Computes the kinematics of a task, and stores the arguments of its calls.
@@ -142,7 +141,7 @@ impl<M: Material> CallPass<'_, M> {
         user: &mut PointRoutines<'_>,
     ) -> Result<(), CallFailure> {
         let UserCallBuffers { points, returning, .. } = calls;
-        let time = CallTime { now: self.now, dt: self.increment.dt };
+        let time = CallTime { now: self.now, dt: self.blocks.increment.dt };
         for (i, (blocks, points)) in blocks.chunks(CALL_BLOCKS).zip(points.chunks_mut(B::POINTS)).enumerate() {
             let records = &tasks[i / CALLS].task.records;
             let records = records.get(i % CALLS * CALL_BLOCKS * B::POINTS..).unwrap_or_default();
@@ -229,7 +228,8 @@ impl<M: Material, B: SolidBlock<State = M::State>> SolidGroup<M, B> {
         let SolidGroup { material, constants, blocks, tasks, calls, .. } = self;
         let (Some(calls), Some(of_material)) = (calls.as_deref_mut(), material.calls()) else { return Ok(()) };
         let count = increment.count;
-        let pass = &CallPass { material: &**material, calls: of_material, constants, now, increment };
+        let pass =
+            &CallPass { blocks: BlockPass { material: &**material, constants, increment }, calls: of_material, now };
         let batch = calls.blocks.len() / TASK;
         let threads = threads && count >= PARALLEL;
         let parts = blocks.chunks_mut(batch * TASK).zip(tasks.chunks_mut(batch));
@@ -278,7 +278,8 @@ impl<M: Material, B: SolidBlock<State = M::State>> SolidGroup<M, B> {
         let SolidGroup { material, constants, blocks, tasks, calls, .. } = self;
         let (Some(calls), Some(of_material)) = (calls.as_deref_mut(), material.calls()) else { return Ok(None) };
         let count = increment.count;
-        let pass = CallPass { material: &**material, calls: of_material, constants, now, increment };
+        let pass =
+            CallPass { blocks: BlockPass { material: &**material, constants, increment }, calls: of_material, now };
         let mut largest: Option<[f64; 2]> = None;
         for (index, (blocks, task)) in blocks.chunks_mut(TASK).zip(tasks.iter_mut()).enumerate() {
             let count_of_calls = blocks.len().div_ceil(CALL_BLOCKS) * B::POINTS;

@@ -10,7 +10,9 @@ use super::calls::CallPass;
 use super::constants::ElementConstants;
 use super::eroded::ErodedLanes;
 use super::group::{ElementStiffness, ElementTransfer};
-use super::solid::{BlockPlace, InitialBlock, PointExpansion, SolidBlock, SolidGroup, SolidTask};
+use super::solid::{
+    BlockPass, BlockPlace, InitialBlock, PointExpansion, SolidBlock, SolidGroup, SolidIncrement, SolidTask,
+};
 use super::subzonal::SubzonalPressures;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes};
 use crate::kernel::prefetch::{request, request_entry};
@@ -203,9 +205,10 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for E
     #[inline(always)]
     fn update_task<M: Material<State = S>>(task: SolidTask<'_, M, Self>) {
         let pass = task.pass;
-        let (nodes, arch, count) = (pass.increment.nodes, pass.increment.arch, pass.increment.count);
+        let BlockPass { material, constants, increment } = pass.blocks;
+        let SolidIncrement { nodes, dt, before, time, arch, count, .. } = increment;
         task.stored.exchange(task.memory);
-        pass.increment.begin(pass.constants, task.memory);
+        increment.begin(constants, task.memory);
         let mut corner_nodes = CornerNodes::default();
         for i in 0..task.blocks.len() {
             if pass.prefetches {
@@ -216,12 +219,10 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for E
             scratch.prepare(index, i, count - index * LANES);
             corner_nodes.collect(nodes, &block.nodes);
             scratch.strain.averaging = pass.dilation_correction.map(|list| list[index]);
-            pass.material.begin(&mut block.state, pass.increment.time);
-            let (increment, corners) = ((pass.increment.dt, pass.increment.before), &mut task.corners[i]);
-            block.update(pass.material, pass.constants, increment, &mut corner_nodes, scratch, corners);
+            material.begin(&mut block.state, time);
+            block.update(material, constants, (dt, before), &mut corner_nodes, scratch, &mut task.corners[i]);
             if !scratch.task.records.is_empty() {
-                let increment = (scratch.strain.spin, pass.increment.dt);
-                scratch.update_record(arch, i, M::FLOW, increment);
+                scratch.update_record(arch, i, M::FLOW, (scratch.strain.spin, dt));
             }
         }
         task.stored.exchange(task.memory);
@@ -235,12 +236,13 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for E
         (task, QuadScratch { work, nodes }): (&mut StoredTask, &mut QuadScratch),
         gather: &mut dyn FnMut(usize, &mut S, &BlockKinematics<'_>),
     ) {
+        let BlockPass { material, constants, increment } = pass.blocks;
         task.exchange(work);
         pass.begin(place, work);
-        nodes.collect(pass.increment.nodes, &self.nodes);
-        pass.material.begin(&mut self.state, pass.increment.time);
-        self.mask(pass.material, nodes, work);
-        self.measure_strain::<M>(pass.constants, pass.increment.dt, nodes, work);
+        nodes.collect(increment.nodes, &self.nodes);
+        material.begin(&mut self.state, increment.time);
+        self.mask(material, nodes, work);
+        self.measure_strain::<M>(constants, increment.dt, nodes, work);
         task.exchange(work);
         let corners = |l: usize| nodes.places(l);
         let around = |l: usize| [0, 1, 2, 3].inline_map(|c: usize| nodes.0[c][l].place()).into();
@@ -258,11 +260,10 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for E
     ) {
         task.exchange(work);
         let eroded = work.task.eroded.get(at).is_some_and(ErodedLanes::any);
-        let dt = pass.increment.dt;
-        self.finish(pass.material, (pass.constants, dt), eroded, nodes, work, &mut corners[0]);
+        let BlockPass { material, constants, increment: SolidIncrement { dt, arch, .. } } = pass.blocks;
+        self.finish(material, (constants, dt), eroded, nodes, work, &mut corners[0]);
         if !work.task.records.is_empty() {
-            let increment = (work.strain.spin, dt);
-            work.update_record(pass.increment.arch, at, M::FLOW, increment);
+            work.update_record(arch, at, M::FLOW, (work.strain.spin, dt));
         }
         task.exchange(work);
         task.add_sums(work);
@@ -289,7 +290,7 @@ impl<M: Material> SolidTask<'_, M, ElementBlock<M::State>> {
         self.memory.prefetch_controls(block + blocks);
         let Some(next) = self.blocks.get(block + nodes) else { return };
         for &node in [next.nodes[0], next.nodes[2]].as_flattened().iter().step_by(2) {
-            request_entry(self.pass.increment.nodes, node as usize);
+            request_entry(self.pass.blocks.increment.nodes, node as usize);
         }
     }
 }

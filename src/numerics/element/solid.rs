@@ -382,8 +382,8 @@ impl<M: Material, B: SolidBlock<State = M::State>> ElementGroup for SolidGroup<M
         let ElementPass { nodes, dt, before, now, threads, corners, tiles, dilation_correction, prefetches, .. } = pass;
         let (arch, count, tiled) = (self.arch, self.count, tiles.is_some());
         let increment = SolidIncrement { nodes, dt, before, time: now.total_time, cap: self.cap, arch, count };
-        let (material, constants) = (&*self.material, &self.constants);
-        let pass = SolidPass { material, constants, increment, dilation_correction, prefetches, tiled };
+        let blocks = BlockPass { material: &*self.material, constants: &self.constants, increment };
+        let pass = SolidPass { blocks, dilation_correction, prefetches, tiled };
         let run = |task: TaskSlices<'_, B>| {
             let TaskSlices { index, blocks, stored, quiescence, corners } = task;
             if quiescence.quiescent && dilation_correction.is_none() && quiescence.is_still(nodes) {
@@ -679,11 +679,17 @@ impl SolidIncrement<'_> {
     }
 }
 
-/// Input that all tasks of a pass share.
-pub struct SolidPass<'a, M> {
+/// Input that all blocks of a group share.
+#[derive(Clone, Copy)]
+pub struct BlockPass<'a, M> {
     pub material: &'a M,
     pub constants: &'a ElementConstants,
     pub increment: SolidIncrement<'a>,
+}
+
+/// Input that all tasks of a pass share.
+pub struct SolidPass<'a, M> {
+    pub blocks: BlockPass<'a, M>,
     pub dilation_correction: Option<&'a [Lanes]>,
     pub prefetches: bool,
     /// Whether corner forces are in a ring.

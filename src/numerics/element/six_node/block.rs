@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use super::triangles::{TriangleLanes, WorkArrays, operators_at, places};
 use crate::element::block::{ElementBlock, TaskWorkspace};
 use crate::element::constants::ElementConstants;
-use crate::element::solid::{BlockPlace, InitialBlock, SolidIncrement};
+use crate::element::solid::{BlockPass, BlockPlace, InitialBlock, SolidIncrement};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators};
 use crate::kernel::stress::mises;
@@ -65,13 +65,12 @@ impl<S: Clone> TriangleBlock<S> {
     #[inline(always)]
     pub fn update<M: Material<State = S>>(
         &mut self,
-        material: &M,
-        constants: &ElementConstants,
-        increment: &SolidIncrement<'_>,
+        pass: &BlockPass<'_, M>,
         BlockPlace { number, at }: BlockPlace,
         (scratch, work): (&mut TaskWorkspace, &mut WorkArrays),
         corners: &mut [BlockCornerForces],
     ) {
+        let BlockPass { material, ref increment, .. } = *pass;
         self.triangles.measure(increment, work);
         let before = M::EQUATION_OF_STATE.then(|| {
             let lost = self.triangles.work_of_start(corners, increment, work);
@@ -79,10 +78,10 @@ impl<S: Clone> TriangleBlock<S> {
         });
         for p in 0..POINTS {
             scratch.prepare(number, POINTS * at + p, increment.count - number * LANES);
-            self.measure_point(p, material, constants, increment, scratch, work);
-            self.update_point(p, material, constants, increment, scratch, work);
+            self.measure_point(p, pass, scratch, work);
+            self.update_point(p, pass, scratch, work);
         }
-        self.assemble(material, constants, increment, at, (scratch, work), corners);
+        self.assemble(pass, at, (scratch, work), corners);
         let Some((lost, internal, viscous)) = before else { return };
         // The energy follows from the work of forces on the nodes (compatible.rs).
         let lost = self.triangles.work_of_end(lost, corners, increment, work);
@@ -105,18 +104,17 @@ impl<S: Clone> TriangleBlock<S> {
     #[inline(always)]
     pub fn assemble<M: Material<State = S>>(
         &mut self,
-        material: &M,
-        constants: &ElementConstants,
-        increment: &SolidIncrement<'_>,
+        pass: &BlockPass<'_, M>,
         at: usize,
         (scratch, work): (&mut TaskWorkspace, &mut WorkArrays),
         corners: &mut [BlockCornerForces],
     ) {
         if M::FAILS {
-            self.delete_failed(material, constants, at, (scratch, work));
+            self.delete_failed(pass, at, (scratch, work));
         }
         let stress = self.points.each_ref().inline_map(|point| point.stress);
-        self.triangles.assemble((constants, M::MODULI_VARY), increment, &stress, (scratch, work), corners);
+        let constants = (pass.constants, M::MODULI_VARY);
+        self.triangles.assemble(constants, &pass.increment, &stress, (scratch, work), corners);
     }
 
     /// Computes the strain increment and the trial stress of a point.
@@ -124,13 +122,11 @@ impl<S: Clone> TriangleBlock<S> {
     pub fn measure_point<M: Material<State = S>>(
         &mut self,
         p: usize,
-        material: &M,
-        constants: &ElementConstants,
-        increment: &SolidIncrement<'_>,
+        pass: &BlockPass<'_, M>,
         scratch: &mut TaskWorkspace,
         work: &WorkArrays,
     ) {
-        let dt = increment.dt;
+        let BlockPass { material, constants, increment: SolidIncrement { dt, time, .. } } = *pass;
         let (point, deleted) = (&mut self.points[p], self.triangles.deleted);
         for l in (0..LANES).filter(|l| deleted[*l]) {
             scratch.mask(l);
@@ -145,7 +141,7 @@ impl<S: Clone> TriangleBlock<S> {
             }
         }
         scratch.set_gradients(dt, &work.points[p].gradients, &work.points[p].middle);
-        material.begin(&mut point.state, increment.time);
+        material.begin(&mut point.state, time);
         point.trial::<M>(constants, dt, scratch);
         if scratch.cap < f64::INFINITY {
             scratch.measure();
@@ -162,13 +158,12 @@ impl<S: Clone> TriangleBlock<S> {
     pub fn update_point<M: Material<State = S>>(
         &mut self,
         p: usize,
-        material: &M,
-        constants: &ElementConstants,
-        increment: &SolidIncrement<'_>,
+        pass: &BlockPass<'_, M>,
         scratch: &mut TaskWorkspace,
         work: &mut WorkArrays,
     ) {
-        let (dt, at) = (increment.dt, scratch.at);
+        let BlockPass { material, constants, increment: SolidIncrement { dt, arch, .. } } = *pass;
+        let at = scratch.at;
         let (point, deleted) = (&mut self.points[p], self.triangles.deleted);
         point.update_stress(material, constants, scratch);
         // Materials that compute stress from the total deformation have set it again.
@@ -176,7 +171,7 @@ impl<S: Clone> TriangleBlock<S> {
             point.stress.iter_mut().for_each(|s| s[l] = 0.0);
         }
         if !scratch.task.records.is_empty() {
-            scratch.update_record(increment.arch, at, M::FLOW, (scratch.strain.spin, dt));
+            scratch.update_record(arch, at, M::FLOW, (scratch.strain.spin, dt));
         }
         let done = &mut work.points[p];
         (done.strain, done.volume) = (scratch.strain.strain, scratch.strain.volume);
@@ -190,8 +185,7 @@ impl<S: Clone> TriangleBlock<S> {
     #[inline(never)]
     fn delete_failed<M: Material<State = S>>(
         &mut self,
-        material: &M,
-        constants: &ElementConstants,
+        &BlockPass { material, constants, .. }: &BlockPass<'_, M>,
         at: usize,
         (scratch, work): (&mut TaskWorkspace, &WorkArrays),
     ) {

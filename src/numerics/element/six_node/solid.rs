@@ -160,10 +160,10 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for T
     fn update_task<M: Material<State = S>>(task: SolidTask<'_, M, Self>) {
         let SolidTask { pass, index, blocks, corners, stored, memory: (scratch, work) } = task;
         stored.exchange(scratch);
-        pass.increment.begin(pass.constants, scratch);
+        pass.blocks.increment.begin(pass.blocks.constants, scratch);
         for (at, (block, corners)) in blocks.iter_mut().zip(corners.chunks_mut(FORCE_BLOCKS)).enumerate() {
             let place = BlockPlace { number: index * TASK + at, at };
-            block.update(pass.material, pass.constants, &pass.increment, place, (&mut *scratch, &mut *work), corners);
+            block.update(&pass.blocks, place, (&mut *scratch, &mut *work), corners);
         }
         stored.exchange(scratch);
         stored.set_sums(scratch);
@@ -176,12 +176,12 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for T
         (task, TriangleScratch { points, work }): (&mut StoredTask, &mut TriangleScratch),
         gather: &mut dyn FnMut(usize, &mut S, &BlockKinematics<'_>),
     ) {
-        self.triangles.measure(&pass.increment, work);
+        self.triangles.measure(&pass.blocks.increment, work);
         let nodes = |l: usize| work.places(l).into();
         for (p, scratch) in points.iter_mut().enumerate() {
             task.exchange(scratch);
             pass.begin(BlockPlace { number, at: POINTS * at + p }, scratch);
-            self.measure_point(p, pass.material, pass.constants, &pass.increment, scratch, work);
+            self.measure_point(p, &pass.blocks, scratch, work);
             task.exchange(scratch);
             let cell = Self::TOPOLOGY.cells()[p];
             let corners = |l: usize| {
@@ -205,9 +205,9 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for T
     ) {
         for (p, scratch) in points.iter_mut().enumerate() {
             task.exchange(scratch);
-            self.update_point(p, pass.material, pass.constants, &pass.increment, scratch, work);
+            self.update_point(p, &pass.blocks, scratch, work);
             if p + 1 == POINTS {
-                self.assemble(pass.material, pass.constants, &pass.increment, at, (scratch, work), corners);
+                self.assemble(&pass.blocks, at, (scratch, work), corners);
             }
             task.exchange(scratch);
             task.add_sums(scratch);
