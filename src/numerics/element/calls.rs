@@ -74,10 +74,10 @@ impl<T> UserCallBuffers<T> {
     /// Exchanges the arguments of the group's last calls with those at their position, among the calls of `calls`
     /// parts of elements that begin with element `first`. A second call reverses the exchange.
     fn exchange_last(&mut self, first: usize, count: usize, calls: usize) {
-        let place = (count / ELEMENTS).wrapping_sub(first / ELEMENTS);
-        if !count.is_multiple_of(ELEMENTS) && place < calls {
+        let position = (count / ELEMENTS).wrapping_sub(first / ELEMENTS);
+        if !count.is_multiple_of(ELEMENTS) && position < calls {
             let points = self.last.len();
-            self.points[place * points..][..points].swap_with_slice(&mut self.last);
+            self.points[position * points..][..points].swap_with_slice(&mut self.last);
         }
     }
 }
@@ -112,8 +112,8 @@ impl<M: Material> CallPass<'_, M> {
         task.clear_sums();
         for (i, (block, scratch)) in blocks.iter_mut().zip(scratch).enumerate() {
             let points = &mut points[i / CALL_BLOCKS * B::POINTS..];
-            let place = BlockPlace { number: index * TASK + i, at: i };
-            block.measure(self, place, (task, scratch), &mut |p, state, kinematics| {
+            let block_place = BlockPlace { number: index * TASK + i, at: i };
+            block.measure(self, block_place, (task, scratch), &mut |p, state, kinematics| {
                 self.calls.gather(&mut points[p], i % CALL_BLOCKS, state, kinematics);
             });
         }
@@ -256,14 +256,14 @@ impl<M: Material, B: SolidBlock<State = M::State>> SolidGroup<M, B> {
         let (name, element) = self.material.calls().map_or(("", None), |calls| calls.names(element));
         let number = call % B::POINTS + 1;
         let point = if B::POINTS > 1 { format!(", integration point {number}") } else { String::new() };
-        let place = element.map_or(String::new(), |element| format!(" at element {element}{point}"));
-        failure.halt(&format!("the user material `{name}`{place}"), now)
+        let location = element.map_or(String::new(), |element| format!(" at element {element}{point}"));
+        failure.halt(&format!("the user material `{name}`{location}"), now)
     }
 
     /// Returns the input of an increment. Materials that call user subroutines use no accelerations.
     fn increment<'a>(&self, nodes: &'a [Node], now: &Instant, dt: f64) -> SolidIncrement<'a> {
-        let (before, time) = (NodeAccelerations::default(), now.total_time);
-        SolidIncrement { nodes, dt, before, time, cap: self.cap, arch: self.arch, count: self.count }
+        let SolidGroup { cap, arch, count, .. } = *self;
+        SolidIncrement { nodes, dt, before: NodeAccelerations::default(), time: now.total_time, cap, arch, count }
     }
 
     /// Returns the largest moduli of all elements, from the response to fictitious strains at time zero, as in
@@ -290,8 +290,8 @@ impl<M: Material, B: SolidBlock<State = M::State>> SolidGroup<M, B> {
             pass.measure(index, TaskPhase::<B> { blocks, task, scratch, points, corners: &mut [] });
             for (i, points) in points.iter_mut().take(count_of_calls).enumerate() {
                 let number = index * CALLS * B::POINTS + i;
-                let found = of_material.probe(points, user.lend(), now).and_then(with_shear::<B>);
-                largest = larger_moduli(largest, found.map_err(|failure| (number, failure))?);
+                let moduli = of_material.probe(points, user.lend(), now).and_then(with_shear::<B>);
+                largest = larger_moduli(largest, moduli.map_err(|failure| (number, failure))?);
             }
             calls.exchange_last(first, count, CALLS);
         }

@@ -50,8 +50,8 @@ pub struct HourglassControl {
 /// below sqrt(1 + ξ²) + ξ (ABAQUS Analysis User's Guide, "Explicit dynamic analysis").
 #[inline(always)]
 pub(super) fn damped<T: Real>(xi: T) -> T {
-    let one = xi.like(1.0);
-    one + xi * (one + one.like(0.5) * xi)
+    let unity = xi.like(1.0);
+    unity + xi * (unity + unity.like(0.5) * xi)
 }
 
 impl HourglassControl {
@@ -113,8 +113,8 @@ impl ElementConstants {
         if self.hourglass.enhanced == 0.0 {
             return rate;
         }
-        let (raised, most) = (rate * self.raises(), 0.5 * cap * damped(self.bulk_viscosity.linear));
-        if raised > most { most.max(rate) } else { raised }
+        let (raised, bound) = (rate * self.raises(), 0.5 * cap * damped(self.bulk_viscosity.linear));
+        if raised > bound { bound.max(rate) } else { raised }
     }
 
     /// Returns whether bulk viscosity damps the highest modes.

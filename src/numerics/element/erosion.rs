@@ -36,12 +36,12 @@ pub struct DeletionCriteria {
 impl DeletionCriteria {
     /// Returns whether an element meets a criterion. NaN does not delete an element, so that the error is found.
     pub fn are_met(&self, group: &dyn ElementGroup, element: usize, nodes: &Nodes) -> bool {
-        let place = |n: u32| nodes[n as usize].place();
+        let position = |n: u32| nodes[n as usize].place();
         let start = |n: u32| nodes.start[n as usize];
         let strain = || {
             if group.is_solid() {
                 let strains =
-                    group.cells(element).map(|cell| largest_strain(cell.inline_map(place), cell.inline_map(start)));
+                    group.cells(element).map(|cell| largest_strain(cell.inline_map(position), cell.inline_map(start)));
                 return strains.fold(f64::NEG_INFINITY, larger);
             }
             if group.topology() == ElementTopology::Cohesive {
@@ -49,12 +49,12 @@ impl DeletionCriteria {
             }
             let boundary = group.boundary(element);
             let ends = [boundary[0], boundary[1]];
-            largest_shell_strain(ends.inline_map(place), ends.inline_map(start))
+            largest_shell_strain(ends.inline_map(position), ends.inline_map(start))
         };
         let plastic = || group.value(element, Variable::PlasticStrain.into());
         let rate = || group.stable_rate(element, None, nodes.as_slice()).unwrap_or(0.0);
         // Shells have no cells that can invert.
-        let folds = |least| group.cells(element).any(|cell| is_distorted(cell.inline_map(place), least));
+        let folds = |least| group.cells(element).any(|cell| is_distorted(cell.inline_map(position), least));
         self.distortion.is_some_and(folds)
             || self.plastic.is_some_and(|most| plastic().is_some_and(|p| p >= most))
             || self.strain.is_some_and(|most| strain() >= most)
@@ -109,16 +109,15 @@ impl ErosionControl {
 
     /// Returns the groups with deletion criteria.
     pub fn groups(&self) -> Vec<usize> {
-        let groups: Vec<usize> = sorted_unique(self.list.iter().flat_map(|w| w.elements.iter().map(|e| e.0)));
-        groups
+        sorted_unique(self.list.iter().flat_map(|w| w.elements.iter().map(|e| e.0)))
     }
 
     /// Takes which elements have met criteria in a model in which a group had another mesh.
     pub(super) fn follow_new_mesh(&mut self, previous: &ErosionControl, group: usize) {
-        for (own, before) in self.list.iter_mut().zip(&previous.list) {
-            let of_others = before.elements.iter().zip(&before.due).filter(|((g, _), _)| *g != group);
-            let own = own.elements.iter().zip(&mut own.due).filter(|((g, _), _)| *g != group);
-            own.zip(of_others).for_each(|((_, due), (_, before))| *due = *before);
+        for (watched, previous) in self.list.iter_mut().zip(&previous.list) {
+            let previous = previous.elements.iter().zip(&previous.due).filter(|((g, _), _)| *g != group);
+            let current = watched.elements.iter().zip(&mut watched.due).filter(|((g, _), _)| *g != group);
+            current.zip(previous).for_each(|((_, due), (_, was_due))| *due = *was_due);
         }
     }
 }
@@ -157,10 +156,10 @@ impl Elements {
     /// added to its energy. Its stored energy counts as dissipated; energy that it has released, for example by the
     /// expansion of a gas, does not.
     fn delete(&mut self, group: usize, element: usize, dofs: &mut Dofs) {
-        let own = self.groups[group].nodes(element);
+        let nodes_of_element = self.groups[group].nodes(element);
         let nodes = &dofs.nodes;
         let mut work = 0.0;
-        for (corner, &n) in own.iter().enumerate() {
+        for (corner, &n) in nodes_of_element.iter().enumerate() {
             let ([f_r, f_z], node) = (self.corner_force(group, element, corner), nodes[n as usize]);
             work -= 0.5 * nodes.previous_dt * (f_r * node.v_r + f_z * node.v_z);
         }

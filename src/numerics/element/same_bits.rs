@@ -123,8 +123,8 @@ fn moved(
     let mut deleted = 0;
     for e in 0..elements {
         deleted += usize::from(quads.value(e, Variable::Status.into()) == Some(0.0));
-        let held = Variable::ALL.iter().flat_map(|v| v.parts()).filter_map(|part| quads.value(e, part));
-        bits.extend(held.map(f64::to_bits));
+        let values = Variable::ALL.iter().flat_map(|v| v.parts()).filter_map(|part| quads.value(e, part));
+        bits.extend(values.map(f64::to_bits));
     }
     CompositionResult { bits, plastic, deleted }
 }
@@ -137,21 +137,21 @@ fn agrees<M: Material>(name: &str, material: impl Fn() -> M) {
 
 fn agrees_under<M: Material>(name: &str, material: &impl Fn() -> M, enhanced: f64) {
     let run = |material, arch| run(material, arch, enhanced);
-    let plain = run(material(), Arch::Scalar);
+    let scalar = run(material(), Arch::Scalar);
     // Energy stored in a deleted element counts as dissipated.
-    assert_eq!(M::FLOW != PlasticFlow::None || M::FAILS, plain.plastic > 0.0, "{name}: {}", plain.plastic);
-    assert_eq!(M::FAILS, plain.deleted > 0, "{name}: {} deleted", plain.deleted);
-    assert!(plain.deleted < elements().len(), "{name}: all elements are deleted");
+    assert_eq!(M::FLOW != PlasticFlow::None || M::FAILS, scalar.plastic > 0.0, "{name}: {}", scalar.plastic);
+    assert_eq!(M::FAILS, scalar.deleted > 0, "{name}: {} deleted", scalar.deleted);
+    assert!(scalar.deleted < elements().len(), "{name}: all elements are deleted");
     #[cfg(target_arch = "x86_64")]
     {
         if let Some(v3) = pulp::x86::V3::try_new() {
-            assert!(plain == run(material(), Arch::V3(v3)), "{name}: AVX2");
+            assert!(scalar == run(material(), Arch::V3(v3)), "{name}: AVX2");
         }
         if let Some(v4) = pulp::x86::V4::try_new() {
-            assert!(plain == run(material(), Arch::V4(v4)), "{name}: AVX-512");
+            assert!(scalar == run(material(), Arch::V4(v4)), "{name}: AVX-512");
         }
     }
-    assert!(plain == run(material(), Arch::new()), "{name}: default instruction set");
+    assert!(scalar == run(material(), Arch::new()), "{name}: default instruction set");
 }
 
 fn lines() -> PiecewiseLinearHardening {

@@ -294,9 +294,9 @@ impl<M: Material, B: SolidBlock<State = M::State>> SolidGroup<M, B> {
         let mut largest = 0.0;
         for (stored, resting) in self.tasks.iter().zip(&self.quiescence) {
             let (sums, deformed) = stored.parts();
-            let most = if resting.quiescent { still } else { f64::INFINITY };
+            let limit = if resting.quiescent { still } else { f64::INFINITY };
             let [strain, dilation] =
-                deformed.inline_map(|list| list.iter().fold(0.0, |most: f64, x| most.max(*x)).sqrt());
+                deformed.inline_map(|list| list.iter().fold(0.0, |largest: f64, x| largest.max(*x)).sqrt());
             totals.deformed = totals.deformed.max(strain + 0.5 * dilation);
             totals.internal += across(&sums.internal);
             totals.plastic += across(&sums.plastic);
@@ -304,7 +304,7 @@ impl<M: Material, B: SolidBlock<State = M::State>> SolidGroup<M, B> {
             totals.viscous += across(&sums.viscous);
             totals.artificial += across(&sums.artificial);
             for (l, (&rate, &block)) in sums.rate.iter().zip(&sums.limiting).enumerate() {
-                let rate = if rate > most { most } else { rate };
+                let rate = if rate > limit { limit } else { rate };
                 if is_larger(rate, largest) {
                     largest = rate;
                     totals.limiting = block as usize * LANES + l;

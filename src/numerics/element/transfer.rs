@@ -23,14 +23,14 @@ impl<M: Material> QuadGroup<M> {
         let each = &mut |list: &mut Lanes| visit(list, Extent::PerMass);
         stress.carry(each);
         state.carry(each);
-        let (task, at) = (&mut self.tasks[block / TASK].task, block % TASK);
-        if let Some(controls) = task.controls.get_mut(at) {
+        let (task, index) = (&mut self.tasks[block / TASK].task, block % TASK);
+        if let Some(controls) = task.controls.get_mut(index) {
             controls.carry(each);
         }
-        if let Some(enhanced) = task.enhanced.get_mut(at) {
+        if let Some(enhanced) = task.enhanced.get_mut(index) {
             enhanced.carry(each);
         }
-        if let Some(record) = task.records.get_mut(at) {
+        if let Some(record) = task.records.get_mut(index) {
             let (values, energies) = record.carried();
             values.into_iter().for_each(|list| visit(list, Extent::PerMass));
             energies.iter_mut().for_each(|list| visit(list, Extent::Total));
@@ -65,11 +65,11 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
         by_block(elements, selected, |block, range| {
             let (mass, mut variable) = (self.blocks[block].mass, 0);
             self.carry(block, &mut |list, extent| {
-                let (pack, at) = (&mut packs[variable / PACK][range.clone()], variable % PACK);
+                let (pack, slot) = (&mut packs[variable / PACK][range.clone()], variable % PACK);
                 for (values, element) in pack.iter_mut().zip(&elements[range.clone()]) {
                     let lane = *element as usize % LANES;
                     let per = if extent == Extent::Total { 1.0 / mass[lane] } else { 1.0 };
-                    values.0[at] = per * list[lane];
+                    values.0[slot] = per * list[lane];
                 }
                 variable += 1;
             });
@@ -87,11 +87,11 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
             }
             let (mass, mut variable) = (self.blocks[block].mass, 0);
             self.carry(block, &mut |list, extent| {
-                let (pack, at) = (&packs[variable / PACK], variable % PACK);
+                let (pack, slot) = (&packs[variable / PACK], variable % PACK);
                 for i in range.clone().filter(|i| selected[*i]) {
                     let lanes = lanes_of(elements[i] as usize, count);
                     let factor = if extent == Extent::Total { mass[lanes.start] } else { 1.0 };
-                    list[lanes].fill(factor * pack[i].0[at]);
+                    list[lanes].fill(factor * pack[i].0[slot]);
                 }
                 variable += 1;
             });

@@ -188,15 +188,15 @@ impl ElementGroup for ShellGroup {
         let ElementPass { nodes, dt, corners, .. } = pass;
         let (arch, mut totals) = (self.arch, GroupTotals::default());
         for (index, corners) in corners.iter_mut().enumerate() {
-            let found = arch.dispatch(ShellBlockUpdate { group: self, index, nodes, dt, corners });
+            let updated = arch.dispatch(ShellBlockUpdate { group: self, index, nodes, dt, corners });
             for element in (index * LANES..self.ends.len().min((index + 1) * LANES)).filter(|e| !self.is_deleted(*e)) {
                 let l = element % LANES;
-                let [internal, plastic, viscous] = found.work.inline_map(|list| list[l]);
+                let [internal, plastic, viscous] = updated.work.inline_map(|list| list[l]);
                 totals.internal += internal;
                 totals.plastic += plastic;
                 totals.viscous += viscous;
-                if is_larger(found.rate[l], totals.rate) {
-                    (totals.rate, totals.limiting) = (found.rate[l], element);
+                if is_larger(updated.rate[l], totals.rate) {
+                    (totals.rate, totals.limiting) = (updated.rate[l], element);
                 }
             }
         }
@@ -206,14 +206,14 @@ impl ElementGroup for ShellGroup {
     fn value(&self, element: usize, part: VariableComponent) -> Option<f64> {
         let component = part.component;
         if let Some((variable, side)) = place(part.variable) {
-            let at = self.point(element, side);
+            let point = self.point(element, side);
             let strain = |of: fn(&PointStrains) -> [f64; 3]| {
-                Some(of(self.record.as_ref()?.points.get(at)?).get(component).copied().unwrap_or(0.0))
+                Some(of(self.record.as_ref()?.points.get(point)?).get(component).copied().unwrap_or(0.0))
             };
             return match variable {
-                Variable::Stress => Some(self.stress[at].get(component).copied().unwrap_or(0.0)),
-                Variable::PlasticStrain => Some(self.flow.get(at)?.strain),
-                Variable::Temperature => Some(self.flow.get(at)?.temperature),
+                Variable::Stress => Some(self.stress[point].get(component).copied().unwrap_or(0.0)),
+                Variable::PlasticStrain => Some(self.flow.get(point)?.strain),
+                Variable::Temperature => Some(self.flow.get(point)?.temperature),
                 Variable::LogarithmicStrain => strain(|p| p.total),
                 Variable::PlasticComponents if self.flow.is_empty() => None,
                 Variable::PlasticComponents => strain(|p| p.plastic),

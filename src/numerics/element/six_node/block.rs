@@ -33,12 +33,12 @@ impl<S: Clone> TriangleBlock<S> {
         let InitialBlock { first, elements, nodes, density } = *initial;
         // Lanes after the last element repeat it; their results are not used.
         let element = |l: usize| elements[l.min(elements.len() - 1)];
-        let at = |l: usize| places(element(l), nodes);
-        let operators: [TriangleOperators; LANES] = inline_from_fn(|l| operators_at(at(l)));
-        let area: Lanes = inline_from_fn(|l| section(&at(l)));
+        let places_of = |l: usize| places(element(l), nodes);
+        let operators: [TriangleOperators; LANES] = inline_from_fn(|l| operators_at(places_of(l)));
+        let area: Lanes = inline_from_fn(|l| section(&places_of(l)));
         let point = |p: usize| {
             let volume = operators.inline_map(|g| 2.0 * PI * g.volume[p]);
-            let around = |n: usize, l: usize, i: usize| at(l)[n % NODES][i];
+            let around = |n: usize, l: usize, i: usize| places_of(l)[n % NODES][i];
             let centre = |i: usize| {
                 inline_from_fn(|l| (around(2 * p, l, i) + around(2 * p + 1, l, i) + around(2 * p + 5, l, i)) / 3.0)
             };
@@ -72,7 +72,7 @@ impl<S: Clone> TriangleBlock<S> {
     ) {
         let BlockPass { material, ref increment, .. } = *pass;
         self.triangles.measure(increment, work);
-        let before = M::EQUATION_OF_STATE.then(|| {
+        let sums_at_start = M::EQUATION_OF_STATE.then(|| {
             let lost = self.triangles.work_of_start(corners, increment, work);
             (lost, scratch.stress.internal, scratch.sums.viscous)
         });
@@ -82,7 +82,7 @@ impl<S: Clone> TriangleBlock<S> {
             self.update_point(p, pass, scratch, work);
         }
         self.assemble(pass, at, (scratch, work), corners);
-        let Some((lost, internal, viscous)) = before else { return };
+        let Some((lost, internal, viscous)) = sums_at_start else { return };
         // The energy follows from the work of forces on the nodes (compatible.rs).
         let lost = self.triangles.work_of_end(lost, corners, increment, work);
         let mass: Lanes = inline_from_fn(|l| self.points.iter().map(|p| p.mass[l]).sum());
@@ -163,7 +163,7 @@ impl<S: Clone> TriangleBlock<S> {
         work: &mut WorkArrays,
     ) {
         let BlockPass { material, constants, increment: SolidIncrement { dt, arch, .. } } = *pass;
-        let at = scratch.at;
+        let index = scratch.at;
         let (point, deleted) = (&mut self.points[p], self.triangles.deleted);
         point.update_stress(material, constants, scratch);
         // Materials that compute stress from the total deformation have set it again.
@@ -171,13 +171,14 @@ impl<S: Clone> TriangleBlock<S> {
             point.stress.iter_mut().for_each(|s| s[l] = 0.0);
         }
         if !scratch.task.records.is_empty() {
-            scratch.update_record(arch, at, M::FLOW, (scratch.strain.spin, dt));
+            scratch.update_record(arch, index, M::FLOW, (scratch.strain.spin, dt));
         }
-        let done = &mut work.points[p];
-        (done.strain, done.volume) = (scratch.strain.strain, scratch.strain.volume);
-        [done.bulk, done.shear] = moduli::<M>(constants, scratch);
+        let increment_of_point = &mut work.points[p];
+        (increment_of_point.strain, increment_of_point.volume) = (scratch.strain.strain, scratch.strain.volume);
+        [increment_of_point.bulk, increment_of_point.shear] = moduli::<M>(constants, scratch);
         // Subtracts the viscous work that the material expected.
-        done.heat = if M::EQUATION_OF_STATE { scratch.stress.heat.inline_map(|heat| -heat) } else { [0.0; LANES] };
+        increment_of_point.heat =
+            if M::EQUATION_OF_STATE { scratch.stress.heat.inline_map(|heat| -heat) } else { [0.0; LANES] };
     }
 
     /// Deletes elements with a failed point. The stress of the other points ends with the increment, and their stored

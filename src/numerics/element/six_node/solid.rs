@@ -105,9 +105,9 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for T
         dt: f64,
         _by_area: bool,
     ) -> impl Iterator<Item = PointExpansion> {
-        let own = element.inline_map(|n| nodes[n as usize]);
-        let g = operators_at(own.inline_map(|n| [n.r - 0.5 * dt * n.v_r, n.z - 0.5 * dt * n.v_z]));
-        let (v_r, v_z) = (own.inline_map(|n| n.v_r), own.inline_map(|n| n.v_z));
+        let nodes_of_element = element.inline_map(|n| nodes[n as usize]);
+        let g = operators_at(nodes_of_element.inline_map(|n| [n.r - 0.5 * dt * n.v_r, n.z - 0.5 * dt * n.v_z]));
+        let (v_r, v_z) = (nodes_of_element.inline_map(|n| n.v_r), nodes_of_element.inline_map(|n| n.v_z));
         (0..POINTS).map(move |p| {
             let [rr, zz, hoop, ..] = g.gradients(p, &v_r, &v_z);
             PointExpansion { volume: 2.0 * PI * g.volume[p], factor: PI, span: dt, dilation: rr + zz + hoop }
@@ -162,8 +162,8 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for T
         stored.exchange(scratch);
         pass.blocks.increment.begin(pass.blocks.constants, scratch);
         for (at, (block, corners)) in blocks.iter_mut().zip(corners.chunks_mut(FORCE_BLOCKS)).enumerate() {
-            let place = BlockPlace { number: index * TASK + at, at };
-            block.update(&pass.blocks, place, (&mut *scratch, &mut *work), corners);
+            let block_place = BlockPlace { number: index * TASK + at, at };
+            block.update(&pass.blocks, block_place, (&mut *scratch, &mut *work), corners);
         }
         stored.exchange(scratch);
         stored.set_sums(scratch);

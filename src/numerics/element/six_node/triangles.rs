@@ -110,12 +110,12 @@ pub fn operators_at(places: [[f64; 2]; NODES]) -> TriangleOperators {
 impl TriangleLanes {
     /// Creates a block from the nodes of its elements in the initial configuration.
     pub fn new(elements: [[u32; NODES]; LANES], density: f64, nodes: &[Node]) -> Self {
-        let at = elements.inline_map(|element| places(element, nodes));
-        let masses = at.inline_map(|at| masses(at, density));
+        let positions = elements.inline_map(|element| places(element, nodes));
+        let masses = positions.inline_map(|positions| masses(positions, density));
         TriangleLanes {
             nodes: inline_from_fn(|n| elements.inline_map(|element| element[n])),
             inverse_mass: inline_from_fn(|n| masses.inline_map(|masses| 1.0 / masses[n])),
-            volume: at.inline_map(|at| 2.0 * PI * operators_at(at).total()),
+            volume: positions.inline_map(|positions| 2.0 * PI * operators_at(positions).total()),
             deleted: [false; LANES],
             rate: [0.0; LANES],
         }
@@ -265,8 +265,9 @@ impl NullaryFnOnce for TriangleAssembly<'_> {
         let filter = constants.bulk_viscosity.filter();
         let cap = scratch.cap;
         for l in 0..LANES {
-            let (now, done) = (&work.now[l], &mut work.points);
-            let largest = |of: fn(&PointIncrement) -> &Lanes| of(&done[0])[l].max(of(&done[1])[l]).max(of(&done[2])[l]);
+            let (now, points) = (&work.now[l], &mut work.points);
+            let largest =
+                |of: fn(&PointIncrement) -> &Lanes| of(&points[0])[l].max(of(&points[1])[l]).max(of(&points[2])[l]);
             let (bulk, shear) = (largest(|d| &d.bulk), largest(|d| &d.shear));
             let omega = frequency_squared(now, [bulk, shear], &triangles.inverse_masses(l)).sqrt();
             let (modulus, period) = (bulk + 4.0 / 3.0 * constants.shear, 1.0 / omega);
@@ -286,10 +287,10 @@ impl NullaryFnOnce for TriangleAssembly<'_> {
                 stress[p] = column(&own[p], l);
                 stress[p][..3].iter_mut().for_each(|s| *s += damping);
                 let viscous = &mut scratch.task.controls[first + p].viscous[l];
-                let heat = done[p].volume[l] * 0.5 * (*viscous + damping) * dt * rate;
+                let heat = points[p].volume[l] * 0.5 * (*viscous + damping) * dt * rate;
                 *viscous = damping;
                 scratch.sums.viscous[l] += heat;
-                done[p].heat[l] += heat;
+                points[p].heat[l] += heat;
             }
             let forces = now.forces(&stress);
             for (n, force) in forces.iter().enumerate() {

@@ -15,9 +15,9 @@ use crate::model::{
     ModeDependence, ModeMixRatio, Model, Step,
 };
 use crate::plan::constraints::connectors::inverse;
+use crate::plan::solids::solid_material::GroupInput;
 use crate::plan::state::SolidState;
-use crate::plan::{Bodies, Links, Report, Scene, SolidPlaces};
-use crate::state::nodes::Node;
+use crate::plan::{Bodies, Links, Report, Scene};
 use crate::variables::Variable;
 
 /// Depth to which equations of linked nodes are followed.
@@ -50,17 +50,12 @@ pub fn damaged_interfaces(model: &Model) -> impl Iterator<Item = &CohesiveSectio
     model.cohesive_sections.iter().filter(grows)
 }
 
-/// Creates the element group of a section and adds its masses.
+/// Creates the element group of a section.
 pub fn cohesive_group(
-    model: &Model,
-    places: &SolidPlaces,
-    section: &CohesiveSection,
-    elements: &[usize],
-    nodes: &[Node],
-    mass: &mut [f64],
+    input: &GroupInput<'_, CohesiveSection, ()>,
     report: &mut Report,
 ) -> Option<Box<dyn ElementGroup>> {
-    let material = &model.materials[section.material];
+    let GroupInput { model, places, section, material, elements, nodes, .. } = *input;
     check_section(section, material, report)?;
     let (mut thicknesses, mut list): (Vec<f64>, Vec<CohesiveElement>) = Default::default();
     for &e in elements {
@@ -91,13 +86,7 @@ pub fn cohesive_group(
     cohesive_row(section, material, &thicknesses, list.len(), report);
     let deletes = material.interface.evolution.is_some() && section.controls.keep_failed_elements.is_none();
     let shown = (deletes, material.interface.initiation.as_ref().map(variable));
-    let group = CohesiveGroup::new(laws, list, material.density.unwrap_or(0.0), shown, nodes);
-    for element in 0..group.len() {
-        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
-            mass[n as usize] += m;
-        }
-    }
-    Some(Box::new(group))
+    Some(Box::new(CohesiveGroup::new(laws, list, material.density.unwrap_or(0.0), shown, nodes)))
 }
 
 /// Returns the viscosity of the damage, which the material or the section controls give.

@@ -93,7 +93,8 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
     for (section, elements) in &sections {
         let Some(list) = connectivity_of(model, places, elements, &nodes, report) else { continue };
         let material = &model.materials[section.material];
-        let input = GroupInput { model, places, section, material, elements, connectivity: &list, nodes: &nodes };
+        let input =
+            GroupInput { model, places, section: *section, material, elements, connectivity: &list, nodes: &nodes };
         let Some(group) = solid_group(&input, &mut mass, report) else { continue };
         ids.push(place_elements(places, elements, groups.len(), (section.span, "deformable elements"), report));
         controlled.extend(distortion_control(section, elements.len(), report).map(|ratio| (groups.len(), ratio)));
@@ -103,12 +104,20 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
         groups.push(group);
     }
     for (section, elements) in &shells {
-        let Some(group) = shell_group(model, places, section, elements, &nodes, &mut mass, report) else { continue };
+        let material = &model.materials[section.material];
+        let input =
+            GroupInput { model, places, section: *section, material, elements, connectivity: &(), nodes: &nodes };
+        let Some(group) = shell_group(&input, report) else { continue };
+        add_masses(&*group, &mut mass);
         ids.push(place_elements(places, elements, groups.len(), (section.span, "shells"), report));
         groups.push(group);
     }
     for (section, elements) in &interfaces {
-        let Some(group) = cohesive_group(model, places, section, elements, &nodes, &mut mass, report) else { continue };
+        let material = &model.materials[section.material];
+        let input =
+            GroupInput { model, places, section: *section, material, elements, connectivity: &(), nodes: &nodes };
+        let Some(group) = cohesive_group(&input, report) else { continue };
+        add_masses(&*group, &mut mass);
         ids.push(place_elements(places, elements, groups.len(), (section.span, "cohesive elements"), report));
         groups.push(group);
     }
@@ -143,6 +152,15 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
     note_unused_rate_dependence(model, report);
     solids.state = state;
     solids
+}
+
+/// Adds the masses of the elements of a group to those of their nodes.
+fn add_masses(group: &dyn ElementGroup, mass: &mut [f64]) {
+    for element in 0..group.len() {
+        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
+            mass[n as usize] += m;
+        }
+    }
 }
 
 /// Lists `*RATE DEPENDENT` of materials without a yield stress as unused.

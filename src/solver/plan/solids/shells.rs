@@ -11,7 +11,7 @@ use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{ShellFrame, simpson};
 use crate::model::{MaterialDefinition, Model, PlasticityModel, ShellSection, ShellThinning};
 use crate::plan::queries::adiabatic;
-use crate::plan::solids::solid_material::{bulk_viscosity, heating, yield_stress};
+use crate::plan::solids::solid_material::{GroupInput, bulk_viscosity, heating, yield_stress};
 use crate::plan::{Bodies, Report, Scene, SolidPlaces};
 use crate::state::nodes::Node;
 
@@ -42,18 +42,10 @@ pub fn place_rotations(
     }
 }
 
-/// Creates the element group of a section and adds its masses and rotary inertias.
-pub fn shell_group(
-    model: &Model,
-    places: &SolidPlaces,
-    section: &ShellSection,
-    elements: &[usize],
-    nodes: &[Node],
-    mass: &mut [f64],
-    report: &mut Report,
-) -> Option<Box<dyn ElementGroup>> {
-    let material = &model.materials[section.material];
-    let section_of_group = shell_properties(model, section, material, elements.len(), report)?;
+/// Creates the element group of a section.
+pub fn shell_group(input: &GroupInput<'_, ShellSection, ()>, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
+    let GroupInput { model, places, elements, nodes, .. } = *input;
+    let section_of_group = shell_properties(input, report)?;
     let corners = |&e: &usize| {
         let ends = [0, 1].map(|i| model.mesh.elements[e].nodes[i]);
         let [a, b] = ends.map(|n| places.nodes[&n] as u32);
@@ -66,17 +58,12 @@ pub fn shell_group(
         let message = format!("element {} is on the axis or has no length", element.name);
         return report.refuse(Diagnostic::error("P012", message).at(element.span, "this element"));
     }
-    let group = ShellGroup::new(section_of_group, list, nodes);
-    for element in 0..group.len() {
-        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
-            mass[n as usize] += m;
-        }
-    }
-    Some(Box::new(group))
+    Some(Box::new(ShellGroup::new(section_of_group, list, nodes)))
 }
 
 /// Lists cards of a material without effect on shells as unused, unless solid elements have the material too.
-fn note_unused_on_shells(model: &Model, section: &ShellSection, material: &MaterialDefinition, report: &mut Report) {
+fn note_unused_on_shells(input: &GroupInput<'_, ShellSection, ()>, report: &mut Report) {
+    let GroupInput { model, section, material, .. } = *input;
     if model.sections.iter().any(|solid| solid.material == section.material) {
         return;
     }
@@ -93,20 +80,16 @@ fn note_unused_on_shells(model: &Model, section: &ShellSection, material: &Mater
 }
 
 /// Returns the section data of shells. An unsupported material is an error.
-fn shell_properties(
-    model: &Model,
-    section: &ShellSection,
-    material: &MaterialDefinition,
-    count: usize,
-    report: &mut Report,
-) -> Option<ShellProperties> {
+fn shell_properties(input: &GroupInput<'_, ShellSection, ()>, report: &mut Report) -> Option<ShellProperties> {
+    let GroupInput { model, section, material, elements, .. } = *input;
+    let count = elements.len();
     if let Some(message) = refusal(material, adiabatic(model)) {
         let message = format!("material `{}`: {message}", material.name);
         let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
         report.push(finding.help("shells support *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
         return None;
     }
-    note_unused_on_shells(model, section, material, report);
+    note_unused_on_shells(input, report);
     let ([young, ratio], density) = (material.elastic?, material.density?);
     let flowing = match &material.plastic {
         None => None,
