@@ -83,6 +83,7 @@ pub use revolve_analysis::{CommandStatus, command_line, default_threads};
 /// Internal modules for the tests and benchmarks of the project; not part of the public API.
 #[doc(hidden)]
 pub mod internals {
+    pub use revolve_numerics::element::quad::QuadGroup;
     pub use revolve_numerics::element::{constants, group, values};
     pub use revolve_numerics::kernel::{bulk_viscosity, lanes, quad, rotation};
     pub use revolve_numerics::material::{plasticity, volumetric, von_mises};

@@ -3,10 +3,11 @@
 
 use std::time::Instant as Stopwatch;
 
+use revolve::internals::QuadGroup;
 use revolve::internals::bulk_viscosity::BulkViscosity;
 use revolve::internals::constants::{ElementConstants, HourglassControl};
 use revolve::internals::corner_forces::CornerForces;
-use revolve::internals::group::{ElementGroup, ElementPass, QuadGroup};
+use revolve::internals::group::{ElementGroup, ElementPass};
 use revolve::internals::lanes::LANES;
 use revolve::internals::nodes::Node;
 use revolve::internals::volumetric::ConstantBulkModulus;

@@ -4,9 +4,10 @@
 //! allocator; the size of a loop compiled for a law without plasticity.
 
 use revolve::deck;
+use revolve::internals::QuadGroup;
 use revolve::internals::bulk_viscosity::BulkViscosity;
 use revolve::internals::constants::{ElementConstants, HourglassControl};
-use revolve::internals::group::{ElementGroup, QuadGroup};
+use revolve::internals::group::ElementGroup;
 use revolve::internals::volumetric::ConstantBulkModulus;
 use revolve::internals::von_mises::VonMises;
 use revolve::job::{self, JobOptions};

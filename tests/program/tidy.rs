@@ -354,7 +354,7 @@ fn crates_other_than_host_forbid_unsafe_code() {
 const TRAITS: &[(&str, &str, usize)] = &[
     ("src/numerics/load/mod.rs", "pub trait Load:", 8),
     ("src/numerics/constraint/mod.rs", "pub trait Constraint:", 9),
-    ("src/numerics/element/group.rs", "pub trait ElementGroup:", 12),
+    ("src/numerics/element/group.rs", "pub trait ElementGroup:", 20),
 ];
 
 #[test]

@@ -23,6 +23,7 @@ use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::lists::Memory;
 use crate::kernel::quad;
 use crate::kernel::shape::smallest_angle;
+use crate::material::PointValue;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
@@ -130,7 +131,7 @@ impl AdaptiveDomain {
         (nodes, boundary): (&Nodes, DomainBoundary<'_>),
     ) -> Option<AdaptiveDomain> {
         let topology = DomainTopology::new(group, elements, boundary.is_open);
-        let transfer = group.extensions().transfer()?;
+        let transfer = group.transfer()?;
         let variables = transfer.variables();
         transfer.prepare();
         let (cells, count) = (topology.corners.len(), topology.nodes.len());
@@ -365,7 +366,7 @@ impl AdaptiveDomain {
             let corners = [0, 1, 2, 3].inline_map(|c: usize| masses[c]);
             (self.corner_mass[0][i], self.mass[i]) = (corners, (corners[0] + corners[1]) + (corners[2] + corners[3]));
         }
-        if let Some(transfer) = group.extensions().transfer() {
+        if let Some(transfer) = group.transfer() {
             transfer.read((&self.topology.elements, &self.active.reads), &mut self.packs);
             for (i, volume) in self.material_volume.iter_mut().enumerate().filter(|(i, _)| self.active.reads[*i]) {
                 let ratio = transfer.volume_ratio(self.topology.elements[i]).unwrap_or(1.0);
@@ -497,13 +498,13 @@ impl AdaptiveDomain {
         changed: &mut dyn FnMut(usize, [f64; 2]),
     ) {
         let group = &mut elements.groups[self.group];
-        if let Some(transfer) = group.extensions().transfer() {
+        if let Some(transfer) = group.transfer() {
             let (masses, corners) = (&*self.corner_mass[0], &*self.topology.corners);
             let arrived = ArrivedElements { masses, corners, places: &self.places[1] };
             transfer.write((&self.topology.elements, &self.active.changes), &self.packs, arrived);
             for (i, volume) in self.material_volume.iter().enumerate().filter(|(i, _)| self.active.changes[*i]) {
                 let ratio = volume / self.topology.volume(i, &self.places[1]);
-                transfer.set_volume_ratio(self.topology.elements[i], ratio);
+                group.set(self.topology.elements[i] as usize, PointValue::VolumeRatio(ratio));
             }
         }
         elements.wake();

@@ -9,7 +9,7 @@ use super::smoothing::{BoundaryContact, MeshSmoothing, NodeMobility, SmoothingWe
 use super::topology::DomainTopology;
 use super::transport::{ElementTransport, TransportOrder};
 use crate::element::constants::{ElementConstants, HourglassControl};
-use crate::element::group::QuadGroup;
+use crate::element::quad::QuadGroup;
 use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::{PACK, Pack};

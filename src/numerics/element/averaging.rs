@@ -35,10 +35,11 @@ pub struct DilationAveraging {
 impl DilationAveraging {
     /// Creates the averaging for the triangles of a group; `None` if there are none.
     pub fn new(corners: &[[u32; 4]]) -> Option<DilationAveraging> {
-        let found = corners.iter().enumerate().filter(|(_, c)| is_triangle(c));
-        let nodes: Vec<u32> = sorted_unique(found.clone().flat_map(|(_, c)| c[..3].to_vec()));
-        let place = |node: &u32| nodes.partition_point(|n| n < node) as u32;
-        let triangles: Vec<_> = found.map(|(e, c)| (e as u32, [place(&c[0]), place(&c[1]), place(&c[2])])).collect();
+        let triangular = corners.iter().enumerate().filter(|(_, c)| is_triangle(c));
+        let nodes: Vec<u32> = sorted_unique(triangular.clone().flat_map(|(_, c)| c[..3].to_vec()));
+        let index_of = |node: &u32| nodes.partition_point(|n| n < node) as u32;
+        let triangles: Vec<_> =
+            triangular.map(|(e, c)| (e as u32, [index_of(&c[0]), index_of(&c[1]), index_of(&c[2])])).collect();
         (!triangles.is_empty()).then(|| DilationAveraging {
             own: vec![[0.0; 2]; triangles.len()],
             around: vec![[0.0; 2]; nodes.len()],

@@ -196,6 +196,12 @@ pub struct TaskState {
 }
 
 impl<S> ElementBlock<S> {
+    /// Creates a block of integration points at rest, with the given masses and without nodes.
+    pub(super) fn of_points(state: S, mass: Lanes) -> Self {
+        let (nodes, zeros) = ([[0; LANES]; 4], [[0.0; LANES]; 4]);
+        ElementBlock { nodes, stress: zeros, mass, inverse_mass: zeros, state }
+    }
+
     /// Returns the corner masses of a lane in the units of the block.
     pub(super) fn corner_masses(&self, lane: usize) -> [f64; 4] {
         at_corners(column(&self.inverse_mass, lane)).inline_map(|inverse| 4.0 / inverse)
@@ -249,16 +255,16 @@ impl<S: Clone> ElementBlock<S> {
         corners: &mut BlockCornerForces,
     ) {
         let mut controls = std::mem::take(&mut scratch.task.controls);
-        let kept = &mut controls[scratch.at];
+        let stresses_of_block = &mut controls[scratch.at];
         let mut enhanced = std::mem::take(&mut scratch.task.enhanced);
         if let Some(stresses) = enhanced.get_mut(scratch.at) {
-            let before = self.shares(material);
+            let shares_at_start = self.shares(material);
             self.update_stress(material, constants, scratch);
-            let mut control = self.assumed_strains((material, before), constants, stresses, scratch);
-            self.forces::<M, _>((constants, dt), kept, scratch, corners, &mut control);
+            let mut control = self.assumed_strains((material, shares_at_start), constants, stresses, scratch);
+            self.forces::<M, _>((constants, dt), stresses_of_block, scratch, corners, &mut control);
         } else {
             self.update_stress(material, constants, scratch);
-            self.forces::<M, _>((constants, dt), kept, scratch, corners, &mut PatternSpring);
+            self.forces::<M, _>((constants, dt), stresses_of_block, scratch, corners, &mut PatternSpring);
         }
         scratch.task.enhanced = enhanced;
         scratch.task.controls = controls;

@@ -192,11 +192,11 @@ impl Connectors {
         for connector in &mut self.list {
             let (along, displacement, velocity) = connector.opening(&dofs.nodes);
             let size = connector.law.force(displacement, velocity);
-            let (force, before) = (along.inline_map(|a| size * a), connector.force);
+            let (force, previous) = (along.inline_map(|a| size * a), connector.force);
             let mut work = 0.0;
             for (n, sign) in connector.ends.into_iter().zip([1.0, -1.0]).filter_map(|(n, s)| Some((n?, s))) {
                 let node = &dofs.nodes[n];
-                work += 0.5 * dt * sign * ((force[0] + before[0]) * node.v_r + (force[1] + before[1]) * node.v_z);
+                work += 0.5 * dt * sign * ((force[0] + previous[0]) * node.v_r + (force[1] + previous[1]) * node.v_z);
                 dofs.nodes.forces[0][n][0] += sign * force[0];
                 dofs.nodes.forces[0][n][1] += sign * force[1];
             }
@@ -238,9 +238,9 @@ impl Connector {
         let speed = |n: usize| [nodes[n].v_r, nodes[n].v_z];
         match (self.ends, self.line(|n| nodes[n].place())) {
             ([Some(a), Some(b)], Some((along, length))) => {
-                let before = self.line(|n| nodes.start[n]).map_or(0.0, |l| l.1);
+                let initial_length = self.line(|n| nodes.start[n]).map_or(0.0, |l| l.1);
                 let relative = [speed(b)[0] - speed(a)[0], speed(b)[1] - speed(a)[1]];
-                (along, length - before, relative[0] * along[0] + relative[1] * along[1])
+                (along, length - initial_length, relative[0] * along[0] + relative[1] * along[1])
             }
             ([Some(a), _], _) => {
                 let axis = self.axis.unwrap_or(1);

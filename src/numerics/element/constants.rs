@@ -50,8 +50,8 @@ pub struct HourglassControl {
 /// below sqrt(1 + ξ²) + ξ (ABAQUS Analysis User's Guide, "Explicit dynamic analysis").
 #[inline(always)]
 pub(super) fn damped<T: Real>(xi: T) -> T {
-    let one = xi.like(1.0);
-    one + xi * (one + one.like(0.5) * xi)
+    let unity = xi.like(1.0);
+    unity + xi * (unity + unity.like(0.5) * xi)
 }
 
 impl HourglassControl {
@@ -83,12 +83,8 @@ impl ElementConstants {
         0.5 * (sum / g.volume).sqrt() * damped(self.bulk_viscosity.linear) * self.raises()
     }
 
-    /// Returns the elastic stiffness of an element, rows and columns `[r, z]` of each corner in turn; zero for a
-    /// deleted element.
-    pub(super) fn stiffness(&self, corners: [[f64; 2]; 4], deleted: bool) -> [[f64; 8]; 8] {
-        if deleted {
-            return [[0.0; 8]; 8];
-        }
+    /// Returns the elastic stiffness of an element, rows and columns `[r, z]` of each corner in turn.
+    pub(super) fn stiffness(&self, corners: [[f64; 2]; 4]) -> [[f64; 8]; 8] {
         let moduli = [self.bulk, self.shear];
         let mut matrix = quad::stiffness(corners, moduli, self.hourglass.stiffness);
         let factor = self.hourglass.enhanced;
@@ -117,8 +113,8 @@ impl ElementConstants {
         if self.hourglass.enhanced == 0.0 {
             return rate;
         }
-        let (raised, most) = (rate * self.raises(), 0.5 * cap * damped(self.bulk_viscosity.linear));
-        if raised > most { most.max(rate) } else { raised }
+        let (raised, bound) = (rate * self.raises(), 0.5 * cap * damped(self.bulk_viscosity.linear));
+        if raised > bound { bound.max(rate) } else { raised }
     }
 
     /// Returns whether bulk viscosity damps the highest modes.
@@ -175,7 +171,7 @@ mod tests {
                     corner[0] = if inner == 0.0 && corner[0] < 0.5 { 0.0 } else { corner[0] };
                 }
                 let masses = quad::corner_masses(corners, 1.0);
-                let exact = highest(&constants.stiffness(corners, false), &masses);
+                let exact = highest(&constants.stiffness(corners), &masses);
                 largest = largest.max(0.5 * exact / constants.own_rate(corners, &masses));
             }
         }

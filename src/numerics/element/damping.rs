@@ -87,17 +87,19 @@ impl RayleighDamping {
         nodes: usize,
     ) -> Self {
         let half = 0.5 * factors.iter().map(|f| f.mass).fold(0.0, f64::max) * (1.0 + bulk_viscosity);
-        let most = factors.iter().map(|f| f.stiffness).fold(0.0, f64::max);
+        let largest_stiffness = factors.iter().map(|f| f.stiffness).fold(0.0, f64::max);
         let mut cells = Vec::new();
         for (at, (group, own)) in groups.iter().zip(&factors).enumerate().filter(|g| g.1.1.stiffness > 0.0) {
             let [bulk, shear] = own.moduli;
             let viscosities = [bulk - 2.0 / 3.0 * shear, 2.0 * shear].inline_map(|modulus| own.stiffness * modulus);
-            let of = |e: usize| group.cells(e).map(move |nodes| DampedCell { place: (at, e), nodes, viscosities });
-            cells.extend((0..group.len()).flat_map(of));
+            let cells_of =
+                |e: usize| group.cells(e).map(move |nodes| DampedCell { place: (at, e), nodes, viscosities });
+            cells.extend((0..group.len()).flat_map(cells_of));
         }
         let stresses = vec![[0.0; 2]; if cells.is_empty() { 0 } else { nodes }];
         let (coefficients, forces, started) = (vec![0.0; nodes], vec![[0.0; 2]; nodes], false);
-        let mut damping = RayleighDamping { factors, half, most, cells, stresses, coefficients, forces, started };
+        let mut damping =
+            RayleighDamping { factors, half, most: largest_stiffness, cells, stresses, coefficients, forces, started };
         damping.update_masses(groups);
         damping
     }

@@ -127,9 +127,9 @@ impl DistortionControl {
     /// Adds the cells of a group's elements, each with the element index; `ratio` is LENGTH RATIO.
     pub fn add(&mut self, group: usize, cells: impl Iterator<Item = (usize, [u32; 4])>, nodes: &Nodes, ratio: f64) {
         for (element, corners) in cells {
-            let at = corners.inline_map(|n| nodes.start[n as usize]);
+            let starts = corners.inline_map(|n| nodes.start[n as usize]);
             let softness = corners.inline_map(|n| nodes.inverse_mass[n as usize]);
-            self.list.push(ControlledElement::new((group, element), corners, softness, at, ratio));
+            self.list.push(ControlledElement::new((group, element), corners, softness, starts, ratio));
         }
     }
 
@@ -146,19 +146,20 @@ impl DistortionControl {
         for controlled in &mut self.list {
             let nodes = controlled.corners.inline_map(|n| dofs.nodes[n as usize]);
             let (places, velocities) = (nodes.inline_map(|n| [n.r, n.z]), nodes.inline_map(|n| [n.v_r, n.v_z]));
-            let mut found = controlled.corner_forces(&places, &velocities, dofs.nodes.previous_dt, self.time);
-            if found.is_some() && !alive(controlled.place) {
-                found = None;
+            let mut corner_forces = controlled.corner_forces(&places, &velocities, dofs.nodes.previous_dt, self.time);
+            if corner_forces.is_some() && !alive(controlled.place) {
+                corner_forces = None;
             }
-            if found.is_none() && controlled.force == [[0.0; 2]; 4] {
+            if corner_forces.is_none() && controlled.force == [[0.0; 2]; 4] {
                 continue;
             }
-            active |= found.is_some();
-            let forces = found.unwrap_or_default();
+            active |= corner_forces.is_some();
+            let forces = corner_forces.unwrap_or_default();
             let mut work = 0.0;
             for (i, &n) in controlled.corners.iter().enumerate() {
-                let (now, before) = (forces[i], controlled.force[i]);
-                work += 0.5 * dt * ((now[0] + before[0]) * velocities[i][0] + (now[1] + before[1]) * velocities[i][1]);
+                let (now, previous) = (forces[i], controlled.force[i]);
+                work +=
+                    0.5 * dt * ((now[0] + previous[0]) * velocities[i][0] + (now[1] + previous[1]) * velocities[i][1]);
                 dofs.nodes.forces[0][n as usize][0] += now[0];
                 dofs.nodes.forces[0][n as usize][1] += now[1];
             }

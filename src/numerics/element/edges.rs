@@ -31,27 +31,27 @@ impl<T: Real> EdgeFlow<T> {
     /// more than the centre does.
     #[inline(always)]
     pub fn apply(&self, stress: EdgeStress<T>) -> EdgeStress<T> {
-        let ([along, transverse], s_h, most) = (self.modulus, self.hoop, self.most);
+        let ([along, transverse], s_h, cap) = (self.modulus, self.hoop, self.most);
         let flow = self.normal.inline_map(
             #[inline(always)]
             |s_t| [along * s_t + transverse * s_h, along * s_h + transverse * s_t],
         );
-        let (zero, one) = (s_h.like(0.0), s_h.like(1.0));
+        let (zero, unity) = (s_h.like(0.0), s_h.like(1.0));
         let norm = [0, 1].inline_map(
             #[inline(always)]
             |p: usize| {
                 let square = self.normal[p] * flow[p][0] + s_h * flow[p][1];
-                zero.if_less(square, square, one)
+                zero.if_less(square, square, unity)
             },
         );
-        let both = one / (norm[0] * norm[1]);
+        let both = unity / (norm[0] * norm[1]);
         [0, 1].inline_map(
             #[inline(always)]
             |p: usize| {
                 let [t, h] = stress[p];
                 // NaN, from numbers below the normal range, becomes the bound.
-                let flowed = ((self.normal[p] * t + s_h * h) * norm[1 - p] * both).at_most(most);
-                let flowed = (-most).if_less(flowed, flowed, -most);
+                let flowed = ((self.normal[p] * t + s_h * h) * norm[1 - p] * both).at_most(cap);
+                let flowed = (-cap).if_less(flowed, flowed, -cap);
                 [t - flowed * flow[p][0], h - flowed * flow[p][1]]
             },
         )
@@ -75,8 +75,12 @@ impl<T: Real> EdgeLimit<T> {
     #[inline(always)]
     pub fn new(mises: T, limit: T, share: T, left: T) -> Self {
         let square = limit * limit;
-        let (rest, least) = (square - mises * mises, square.like(LEAST_MOMENT) * square);
-        EdgeLimit { most: share * square.like(PLASTIC_MOMENT) * least.if_less(rest, rest, least), limit, left }
+        let (remainder, least) = (square - mises * mises, square.like(LEAST_MOMENT) * square);
+        EdgeLimit {
+            most: share * square.like(PLASTIC_MOMENT) * least.if_less(remainder, remainder, least),
+            limit,
+            left,
+        }
     }
 
     /// Returns the square of the von Mises stress of a field.
@@ -89,12 +93,12 @@ impl<T: Real> EdgeLimit<T> {
     /// their squares.
     #[inline(always)]
     pub fn apply(&self, stress: EdgeStress<T>, squares: [T; 2]) -> EdgeStress<T> {
-        let (most, left) = (self.most, self.left);
+        let (cap, share) = (self.most, self.left);
         let [first, second] = self.products(squares);
-        let (square, one) = (most * most, most.like(1.0));
-        let size = [square.if_less(first, squares[0].root(), one), square.if_less(second, squares[1].root(), one)];
-        let both = most / (self.limit * (size[0] * size[1]));
-        let scale = [square.if_less(first, both * size[1], left), square.if_less(second, both * size[0], left)];
+        let (square, unity) = (cap * cap, cap.like(1.0));
+        let size = [square.if_less(first, squares[0].root(), unity), square.if_less(second, squares[1].root(), unity)];
+        let both = cap / (self.limit * (size[0] * size[1]));
+        let scale = [square.if_less(first, both * size[1], share), square.if_less(second, both * size[0], share)];
         let [[t_a, h_a], [t_c, h_c]] = stress;
         [[scale[0] * t_a, scale[0] * h_a], [scale[1] * t_c, scale[1] * h_c]]
     }

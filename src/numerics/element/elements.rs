@@ -194,7 +194,7 @@ impl Elements {
                 entry.ask(&mut *self.groups[entry.group], nodes.as_slice(), now, routine)?;
             }
         }
-        let mut calling = self.groups.iter_mut().filter_map(|group| group.extensions().user());
+        let mut calling = self.groups.iter_mut().filter_map(|group| group.user());
         calling.try_for_each(|group| group.probe(nodes.as_slice(), now, user.lend()))
     }
 
@@ -271,17 +271,16 @@ impl Elements {
             }
             let clock = seconds.as_ref().map(|_| std::time::Instant::now());
             let blocks = group.force_blocks();
-            let all = first..first + blocks;
-            let corners = self.corners.slots(stored_among(self.tiles.as_deref(), all));
+            let all_blocks = first..first + blocks;
+            let corners = self.corners.slots(stored_among(self.tiles.as_deref(), all_blocks));
             let nodes = dofs.nodes.as_slice();
             let user = user.lend();
-            let before = NodeAccelerations { accelerations: &dofs.nodes.acceleration, half: dofs.nodes.half };
             let averaging = self.averagings.get_mut(i).and_then(Option::as_mut);
             let dilation_correction = averaging.map(|a| a.measure(&**group, &dofs.nodes));
             let totals = group.update(ElementPass {
                 nodes,
                 dt: dofs.nodes.previous_dt,
-                before,
+                before: NodeAccelerations { accelerations: &dofs.nodes.acceleration, half: dofs.nodes.half },
                 now,
                 threads,
                 user,
@@ -291,9 +290,9 @@ impl Elements {
                 prefetches: self.prefetch.is_on(),
             });
             first += blocks;
-            group.extensions().deletion().newly_deleted(&mut self.deleted.0);
+            group.newly_deleted(&mut self.deleted.0);
             if totals.rate.is_nan() {
-                self.failure = group.extensions().user().and_then(|user| user.failure());
+                self.failure = group.user().and_then(|user| user.failure());
             }
             self.deformed = self.deformed.max(totals.deformed);
             add(&totals, &mut dofs.energies);
@@ -358,11 +357,11 @@ impl Elements {
         self.deleted.0.extend(previous.deleted.0.iter().filter_map(moved));
         self.deleted.1 = self.deleted.0.len();
         self.deleted_before = previous.deleted() - self.deleted.0.len();
-        if let (Some(own), Some(before)) = (&mut self.erosion, &previous.erosion) {
-            own.follow_new_mesh(before, group);
+        if let (Some(erosion), Some(previous)) = (&mut self.erosion, &previous.erosion) {
+            erosion.follow_new_mesh(previous, group);
         }
-        if let (Some(own), Some(before)) = (&mut self.removed, &previous.removed) {
-            own.follow_new_mesh(before, (group, self.deleted.0.len()), node);
+        if let (Some(removed), Some(previous)) = (&mut self.removed, &previous.removed) {
+            removed.follow_new_mesh(previous, (group, self.deleted.0.len()), node);
         }
     }
 
@@ -441,9 +440,9 @@ impl Elements {
     }
 
     fn blocks_of(&self, group: usize, element: usize) -> Range<usize> {
-        let before: usize = self.groups[..group].iter().map(|g| g.force_blocks()).sum();
+        let preceding: usize = self.groups[..group].iter().map(|g| g.force_blocks()).sum();
         let per = self.groups[group].topology().force_blocks();
-        let first = before + per * (element / LANES);
+        let first = preceding + per * (element / LANES);
         stored_among(self.tiles.as_deref(), first..first + per)
     }
 

@@ -119,12 +119,12 @@ impl HourglassScheme for AssumedStrains<'_> {
         let by_r = by_r - dot3(g.hoop, [lane.v_r[0], lane.v_r[1], lane.v_r[2]]);
         let (strained, turned) = (directions.along(rate), directions.around([by_r, by_z]));
         let [first, second] = &self.stresses.stress;
-        let before = [at.load_all(first), at.load_all(second)];
+        let previous = [at.load_all(first), at.load_all(second)];
         let remains = at.load(&self.remains);
         let grown = [0, 1].inline_map(
             #[inline(always)]
             |p: usize| {
-                let ([direct, hoop], [e, h]) = (before[p], [strained[p], turned[p]]);
+                let ([direct, hoop], [e, h]) = (previous[p], [strained[p], turned[p]]);
                 [remains * direct + (along * e + transverse * h), remains * hoop + (along * h + transverse * e)]
             },
         );
@@ -134,7 +134,7 @@ impl HourglassScheme for AssumedStrains<'_> {
 
         let power = [0, 1].inline_map(
             #[inline(always)]
-            |p: usize| (before[p][0] + stress[p][0]) * strained[p] + (before[p][1] + stress[p][1]) * turned[p],
+            |p: usize| (previous[p][0] + stress[p][0]) * strained[p] + (previous[p][1] + stress[p][1]) * turned[p],
         );
         let third = UNIT / 3.0 * g.volume;
         let work = 0.5 * factors.dt * at.load(&scratch.weight) * (third * (power[0] + power[1]));
@@ -156,9 +156,9 @@ impl AssumedStrains<'_> {
         let ElementConstants { bulk, shear, .. } = *self.constants;
         if !VARY {
             let [along, transverse] = self.moduli;
-            let all = [shear, bulk + 4.0 / 3.0 * shear, along, transverse];
+            let moduli = [shear, bulk + 4.0 / 3.0 * shear, along, transverse];
             let [shear, wave, along, transverse] =
-                [at.splat(all[0]), at.splat(all[1]), at.splat(all[2]), at.splat(all[3])];
+                [at.splat(moduli[0]), at.splat(moduli[1]), at.splat(moduli[2]), at.splat(moduli[3])];
             return PackModuli { shear, wave, along, transverse };
         }
         let (mut bulk, mut now) = (at.load(&scratch.stress.bulk), at.splat(shear));
@@ -186,8 +186,8 @@ impl AssumedStrains<'_> {
         let squares = lane.squares * (lane.per * lane.per);
         let fast = 3.0 * SLOW * *wave * squares;
         let pattern = SquareSums::of_gradient(lane.shape).weighted(inverse_mass);
-        let most = (*along + transverse.size()) * directions.largest_trace(pattern, lane.squares);
-        if !fast.any_less(MARGIN * factor * most) {
+        let bound = (*along + transverse.size()) * directions.largest_trace(pattern, lane.squares);
+        if !fast.any_less(MARGIN * factor * bound) {
             return factor;
         }
         let zero = at.splat(0.0);
@@ -206,29 +206,29 @@ impl AssumedStrains<'_> {
         scratch: &TaskWorkspace,
         at: PackPosition<S>,
     ) -> [[Pack<S>; 2]; 2] {
-        let (zero, one) = (at.splat(0.0), at.splat(1.0));
-        let (left, known) = (at.load(&scratch.stress.returned), at.load(&self.stresses.limit));
-        let mises = left * at.load(&scratch.stress.trial);
-        if left.any_less(one) {
+        let (zero, unity) = (at.splat(0.0), at.splat(1.0));
+        let (returned, known) = (at.load(&scratch.stress.returned), at.load(&self.stresses.limit));
+        let mises = returned * at.load(&scratch.stress.trial);
+        if returned.any_less(unity) {
             let [rr, zz, around, rz] = at.load_all(&scratch.stress.deviator);
             let flow = EdgeFlow {
                 normal: directions.normal([rr, zz, rz]),
                 hoop: around,
                 modulus: [moduli.along, moduli.transverse],
-                most: (one - left) * zero.if_less(moduli.shear, 0.5 / moduli.shear, zero),
+                most: (unity - returned) * zero.if_less(moduli.shear, 0.5 / moduli.shear, zero),
             };
             stress = flow.apply(stress);
             // The yield stress of a molten material is zero, whereas 0 means unknown.
             let flown = zero.if_less(mises, mises, at.splat(f64::MIN_POSITIVE));
-            at.store(left.if_less(one, flown, known), &mut self.stresses.limit);
+            at.store(returned.if_less(unity, flown, known), &mut self.stresses.limit);
         }
         let unflown = zero.if_less(known, known, at.splat(f64::INFINITY));
-        let limit = EdgeLimit::new(mises, left.if_less(one, mises, unflown), at.load(&self.share), left);
+        let limit = EdgeLimit::new(mises, returned.if_less(unity, mises, unflown), at.load(&self.share), returned);
         let squares = [EdgeLimit::square(stress[0]), EdgeLimit::square(stress[1])];
         if limit.is_exceeded(squares) {
             return limit.apply(stress, squares);
         }
         let [[t_a, h_a], [t_c, h_c]] = stress;
-        [[left * t_a, left * h_a], [left * t_c, left * h_c]]
+        [[returned * t_a, returned * h_a], [returned * t_c, returned * h_c]]
     }
 }

@@ -9,11 +9,12 @@ use rayon::prelude::*;
 
 use super::block::{TASK, larger};
 use super::elements::Elements;
-use super::group::{ElementGroup, PARALLEL};
+use super::group::{ElementGroup, GroupSetting, PARALLEL};
 use crate::kernel::corners::{is_distorted, largest_shell_strain, largest_strain};
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::quad;
+use crate::kernel::topology::ElementTopology;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
@@ -35,25 +36,25 @@ pub struct DeletionCriteria {
 impl DeletionCriteria {
     /// Returns whether an element meets a criterion. NaN does not delete an element, so that the error is found.
     pub fn are_met(&self, group: &dyn ElementGroup, element: usize, nodes: &Nodes) -> bool {
-        let place = |n: u32| nodes[n as usize].place();
+        let position = |n: u32| nodes[n as usize].place();
         let start = |n: u32| nodes.start[n as usize];
         let strain = || {
             if group.is_solid() {
                 let strains =
-                    group.cells(element).map(|cell| largest_strain(cell.inline_map(place), cell.inline_map(start)));
+                    group.cells(element).map(|cell| largest_strain(cell.inline_map(position), cell.inline_map(start)));
                 return strains.fold(f64::NEG_INFINITY, larger);
             }
-            if group.constitutive_thickness(element).is_some() {
+            if group.topology() == ElementTopology::Cohesive {
                 return f64::NEG_INFINITY;
             }
             let boundary = group.boundary(element);
             let ends = [boundary[0], boundary[1]];
-            largest_shell_strain(ends.inline_map(place), ends.inline_map(start))
+            largest_shell_strain(ends.inline_map(position), ends.inline_map(start))
         };
         let plastic = || group.value(element, Variable::PlasticStrain.into());
         let rate = || group.stable_rate(element, None, nodes.as_slice()).unwrap_or(0.0);
         // Shells have no cells that can invert.
-        let folds = |least| group.cells(element).any(|cell| is_distorted(cell.inline_map(place), least));
+        let folds = |least| group.cells(element).any(|cell| is_distorted(cell.inline_map(position), least));
         self.distortion.is_some_and(folds)
             || self.plastic.is_some_and(|most| plastic().is_some_and(|p| p >= most))
             || self.strain.is_some_and(|most| strain() >= most)
@@ -108,16 +109,15 @@ impl ErosionControl {
 
     /// Returns the groups with deletion criteria.
     pub fn groups(&self) -> Vec<usize> {
-        let groups: Vec<usize> = sorted_unique(self.list.iter().flat_map(|w| w.elements.iter().map(|e| e.0)));
-        groups
+        sorted_unique(self.list.iter().flat_map(|w| w.elements.iter().map(|e| e.0)))
     }
 
     /// Takes which elements have met criteria in a model in which a group had another mesh.
     pub(super) fn follow_new_mesh(&mut self, previous: &ErosionControl, group: usize) {
-        for (own, before) in self.list.iter_mut().zip(&previous.list) {
-            let of_others = before.elements.iter().zip(&before.due).filter(|((g, _), _)| *g != group);
-            let own = own.elements.iter().zip(&mut own.due).filter(|((g, _), _)| *g != group);
-            own.zip(of_others).for_each(|((_, due), (_, before))| *due = *before);
+        for (watched, previous) in self.list.iter_mut().zip(&previous.list) {
+            let previous = previous.elements.iter().zip(&previous.due).filter(|((g, _), _)| *g != group);
+            let current = watched.elements.iter().zip(&mut watched.due).filter(|((g, _), _)| *g != group);
+            current.zip(previous).for_each(|((_, due), (_, was_due))| *due = *was_due);
         }
     }
 }
@@ -126,7 +126,7 @@ impl Elements {
     /// Sets the deletion criteria of elements; nodes are in the initial configuration.
     pub fn watch(&mut self, erosion: ErosionControl, nodes: &Nodes) {
         for group in erosion.groups() {
-            self.groups[group].extensions().deletion().make_erodible();
+            self.groups[group].configure(GroupSetting::Deletion);
         }
         self.erosion = Some(Box::new(erosion));
         self.reserve_deletions();
@@ -156,10 +156,10 @@ impl Elements {
     /// added to its energy. Its stored energy counts as dissipated; energy that it has released, for example by the
     /// expansion of a gas, does not.
     fn delete(&mut self, group: usize, element: usize, dofs: &mut Dofs) {
-        let own = self.groups[group].nodes(element);
+        let nodes_of_element = self.groups[group].nodes(element);
         let nodes = &dofs.nodes;
         let mut work = 0.0;
-        for (corner, &n) in own.iter().enumerate() {
+        for (corner, &n) in nodes_of_element.iter().enumerate() {
             let ([f_r, f_z], node) = (self.corner_force(group, element, corner), nodes[n as usize]);
             work -= 0.5 * nodes.previous_dt * (f_r * node.v_r + f_z * node.v_z);
         }
@@ -171,9 +171,9 @@ impl Elements {
         let volume =
             group.cells(element).map(|cell| quad::volume(cell.inline_map(|n| dofs.nodes.start[n as usize]))).sum();
         // The faces at a cohesive element have been exposed before.
-        let listed = if group.constitutive_thickness(element).is_some() { 0 } else { group.topology().boundary() };
+        let listed = if group.topology() == ElementTopology::Cohesive { 0 } else { group.topology().boundary() };
         self.deleted.0.push(group.boundary(element).first(listed));
-        group.extensions().deletion().erode(element, volume);
+        group.erode(element, volume);
         if let Some(removed) = &mut self.removed {
             removed.add(work);
         }

@@ -2,6 +2,7 @@
 
 use super::elements::Elements;
 use super::frequency::{ConstrainedNodes, WORN};
+use super::group::GroupSetting;
 use crate::state::nodes::Nodes;
 
 impl Elements {
@@ -18,7 +19,7 @@ impl Elements {
             }
             self.frequency = Some(frequency);
         }
-        self.groups.iter_mut().for_each(|g| g.extensions().settings().limit_frequency(cap));
+        self.groups.iter_mut().for_each(|g| g.configure(GroupSetting::HighestFrequency(cap)));
     }
 
     /// Updates the frequency bound for the next pass after a pass over the elements.
@@ -49,7 +50,7 @@ impl Elements {
             frequency.update_estimate(&self.groups, nodes, self.arch);
         }
         let cap = frequency.state.cap(deformed);
-        self.groups.iter_mut().for_each(|g| g.extensions().settings().limit_frequency(cap));
+        self.groups.iter_mut().for_each(|g| g.configure(GroupSetting::HighestFrequency(cap)));
         self.frequency = Some(frequency);
     }
 

@@ -42,16 +42,16 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool> Wi
         // Roots and divisions take long. While those of a pack are computed, a core begins with the motion of the next
         // pack, which does not depend on them.
         for index in 0..PackPosition::<S>::COUNT {
-            let at = PackPosition::new(simd, index);
-            let modulus = self.modulus(at);
+            let position = PackPosition::new(simd, index);
+            let modulus = self.modulus(position);
             let TaskWorkspace { r, z, motion, .. } = &mut *self.scratch;
-            motion.measure::<S, AREA>([r, z], self.inverse_mass, modulus, at);
+            motion.measure::<S, AREA>([r, z], self.inverse_mass, modulus, position);
         }
         for index in 0..PackPosition::<S>::COUNT {
-            let at = PackPosition::new(simd, index);
+            let position = PackPosition::new(simd, index);
             let TaskWorkspace { v_r, v_z, motion, .. } = &*self.scratch;
-            let motion = motion.of_pack([v_r, v_z], self.modulus(at), at);
-            self.add_pack(&factors, &motion, at);
+            let motion = motion.of_pack([v_r, v_z], self.modulus(position), position);
+            self.add_pack(&factors, &motion, position);
         }
     }
 }
@@ -107,7 +107,7 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
         at: PackPosition<S>,
     ) -> LaneViscosity<Pack<S>> {
         let (zero, g) = (at.splat(0.0), &lane.g);
-        let (kept, scratch) = (&mut *self.kept, &mut *self.scratch);
+        let (controls, scratch) = (&mut *self.kept, &mut *self.scratch);
         let [along_r, along_z] = lane.along;
         let (modulus, period, quadratic2) = (lane.modulus, lane.period, factors.quadratic2);
         let strain = at.load_all(&scratch.strain.strain);
@@ -134,21 +134,25 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
             let viscosity = dilation_rate.if_less(zero, factors.directed * modulus * period * fraction, zero);
             sided = by_direction(rates, dilation_rate, viscosity);
         }
-        let mut slow =
-            slow_rate(at.load(&kept.slow_dilation), dilation_rate, factors.dt * lane.omega, at.splat(factors.filter));
+        let mut slow = slow_rate(
+            at.load(&controls.slow_dilation),
+            dilation_rate,
+            factors.dt * lane.omega,
+            at.splat(factors.filter),
+        );
         if factors.begins {
             slow = lane.dilation_rate();
         }
-        at.store(slow, &mut kept.slow_dilation);
+        at.store(slow, &mut controls.slow_dilation);
         let scale = 2.0 * modulus * period;
         let damping = scale * dilation_rate * fraction - factors.linear * (scale * slow);
-        let work = 0.5 * at.load(&scratch.strain.volume) * (at.load(&kept.viscous) + damping) * dilation;
+        let work = 0.5 * at.load(&scratch.strain.volume) * (at.load(&controls.viscous) + damping) * dilation;
         at.add(work, &mut scratch.sums.viscous);
         if EOS {
             at.store(work - at.load(&scratch.stress.heat), &mut scratch.stress.heat);
             at.add(at.load(&scratch.stress.sheared), &mut scratch.sums.viscous);
         }
-        at.store(damping, &mut kept.viscous);
+        at.store(damping, &mut controls.viscous);
         LaneViscosity { dilation_rate, fraction, damping, sided }
     }
 
@@ -174,16 +178,16 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
         viscosity: &LaneViscosity<Pack<S>>,
         at: PackPosition<S>,
     ) {
-        let (scratch, one, cap) = (&mut *self.scratch, at.splat(1.0), at.splat(factors.cap));
+        let (scratch, unity, cap) = (&mut *self.scratch, at.splat(1.0), at.splat(factors.cap));
         let LaneViscosity { dilation_rate, fraction, .. } = *viscosity;
         // In a mode of the whole mesh, bulk viscosity is at most 2 ξ/ω times the stiffness against uniform pressure.
         let share = cap * lane.period;
-        let xi = share.if_less(one, factors.pressing * (fraction * share), fraction);
+        let xi = share.if_less(unity, factors.pressing * (fraction * share), fraction);
         // The viscous modulus 4/3 η is 2 ξ/ω times the modulus, and ω² is the modulus times `squares` over V.
         let xi = if EOS { xi + factors.shear_viscosity * lane.squares * lane.per * lane.period } else { xi };
         // The exact root in a cold gas, where ξ has no bound.
-        let damped = if VARY { xi + (one + xi * xi).root() } else { damped(xi) };
-        let highest = share.if_less(one, cap, lane.omega);
+        let damped = if VARY { xi + (unity + xi * xi).root() } else { damped(xi) };
+        let highest = share.if_less(unity, cap, lane.omega);
         // Two over the increment in which the element would reach the largest allowed volume change.
         let (stable, changing) = (highest * damped, 2.0 / CHANGE * dilation_rate.size());
         if VARY {
@@ -193,7 +197,7 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
         let rate = weight * stable.if_less(changing, changing, stable);
         // An element at the axis can keep a positive volume while its section has turned over.
         let turned = lane.g.hoop[0].if_less(at.splat(f64::MIN_POSITIVE), at.splat(f64::NAN), rate);
-        let rate = weight.if_less(one, rate, turned);
+        let rate = weight.if_less(at.splat(1.0), rate, turned);
         let (best, limiting) = (at.load(&scratch.sums.rate), at.load(&scratch.sums.limiting));
         at.store(rate.if_larger_rate(best, rate, best), &mut scratch.sums.rate);
         at.store(rate.if_larger_rate(best, at.splat(scratch.block), limiting), &mut scratch.sums.limiting);
@@ -351,11 +355,11 @@ impl HourglassScheme for PatternSpring {
         // folds. The stiffness is therefore bounded, so that the pattern's frequency stays below that of the strains,
         // and damping is a fraction of the critical damping.
         let moved = root * (volume * (inverse * (root * volume)));
-        let (unbounded, most) = (factors.stiffness * (4.0 * square) * per, SLOW * dt * omega * moved);
-        let spring = unbounded.at_most(most);
+        let (unbounded, slow_limit) = (factors.stiffness * (4.0 * square) * per, SLOW * dt * omega * moved);
+        let spring = unbounded.at_most(slow_limit);
         let dashpot = factors.viscosity2 * moved;
-        let ([old_r, old_z], left) = (at.load_all(&kept.hourglass), at.load(&scratch.stress.returned));
-        let (new_r, new_z) = (left * (old_r + spring * q_r), left * (old_z + spring * q_z));
+        let ([old_r, old_z], returned) = (at.load_all(&kept.hourglass), at.load(&scratch.stress.returned));
+        let (new_r, new_z) = (returned * (old_r + spring * q_r), returned * (old_z + spring * q_z));
         at.store_all([new_r, new_z], &mut kept.hourglass);
         let (drag_r, drag_z) = (dashpot * q_r, dashpot * q_z);
         let power = q_r * (0.5 * (old_r + new_r) + drag_r) + q_z * (0.5 * (old_z + new_z) + drag_z);

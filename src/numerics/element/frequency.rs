@@ -90,9 +90,9 @@ impl HighestFrequency {
         }
         // Nodes of rigid bodies have no mass of their own here. A rigid body has at least the mass of the elements at
         // its nodes, and not more stiffness than the separate nodes.
-        let own = if held.carried.is_empty() { Vec::new() } else { masses_of_elements(groups, nodes.len()) };
+        let masses = if held.carried.is_empty() { Vec::new() } else { masses_of_elements(groups, nodes.len()) };
         for &n in held.carried {
-            self.roots[n] = [0.0, 1.0 / own[n].sqrt()];
+            self.roots[n] = [0.0, 1.0 / masses[n].sqrt()];
         }
         for &(node, axis) in held.prescribed {
             self.roots[node][axis] = 0.0;
@@ -119,8 +119,8 @@ impl EstimateState {
         self.age += 1;
         // The quadratic term makes it at least the exponential.
         self.growth += (deformed + deformed * deformed) * (1.0 + self.growth);
-        let held = self.holds && self.growth < WORN;
-        if held { 0.0 } else { (deformed - self.predicted_growth).max(0.0) }
+        let is_held = self.holds && self.growth < WORN;
+        if is_held { 0.0 } else { (deformed - self.predicted_growth).max(0.0) }
     }
 
     /// Returns whether a new estimate replaces this one immediately, so that the time increment does not jump.
@@ -172,11 +172,11 @@ pub struct ConstrainedNodes<'a> {
 impl HighestFrequency {
     /// Computes a new estimate for the current positions.
     pub(super) fn update_estimate(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes, arch: Arch) {
-        let found = self.find(groups, nodes, arch);
+        let frequency = self.find(groups, nodes, arch);
         let standing = &mut self.state;
         standing.count += 1;
         (standing.age, standing.growth, standing.by_elements) = (0, 0.0, rate_by_elements(groups, nodes));
-        standing.found = if found.is_finite() { found } else { 0.0 };
+        standing.found = if frequency.is_finite() { frequency } else { 0.0 };
     }
 
     /// Returns the highest frequency, radians per time, increased by the expected error.
@@ -194,7 +194,7 @@ mod tests {
     use super::HighestFrequency;
     use crate::element::constants::{ElementConstants, HourglassControl};
     use crate::element::elements::Elements;
-    use crate::element::group::QuadGroup;
+    use crate::element::quad::QuadGroup;
     use crate::kernel::bulk_viscosity::BulkViscosity;
     use crate::kernel::quad;
     use crate::material::plasticity::ElasticOnly;
@@ -215,12 +215,13 @@ mod tests {
 
     /// Returns a ring of squares whose nodes are displaced by a fraction of the side.
     fn body(columns: usize, rows: usize, wobble: f64) -> (Elements, Nodes) {
-        let at = |n: usize| {
+        let node_at = |n: usize| {
             let noise = |i: usize| wobble * (((i * 7919) % 101) as f64 / 101.0 - 0.5);
             [1.0 + (n % (columns + 1)) as f64 + noise(n), (n / (columns + 1)) as f64 + noise(n + 3)]
         };
         let count = (columns + 1) * (rows + 1);
-        let nodes: Vec<Node> = (0..count).map(|n| Node { r: at(n)[0], z: at(n)[1], ..Node::default() }).collect();
+        let nodes: Vec<Node> =
+            (0..count).map(|n| Node { r: node_at(n)[0], z: node_at(n)[1], ..Node::default() }).collect();
         let elements: Vec<[u32; 4]> = (0..columns * rows)
             .map(|e| (e / columns * (columns + 1) + e % columns) as u32)
             .map(|n| [n, n + 1, n + columns as u32 + 2, n + columns as u32 + 1])
@@ -240,8 +241,8 @@ mod tests {
     fn estimate(elements: &Elements, nodes: &Nodes) -> (HighestFrequency, f64) {
         let mut frequency = HighestFrequency::new(&elements.groups, nodes).expect("linear elements");
         frequency.begin(&elements.groups, nodes, &ConstrainedNodes { prescribed: &[], carried: &[] });
-        let found = frequency.find(&elements.groups, nodes, elements.arch());
-        (frequency, found)
+        let estimate = frequency.find(&elements.groups, nodes, elements.arch());
+        (frequency, estimate)
     }
 
     /// Comparison with dense eigenvalues (faer) of the same operator: the estimate is not lower and at most 2 % higher,
@@ -250,7 +251,7 @@ mod tests {
     fn estimate_bounds_the_largest_eigenvalue_closely() {
         for (columns, rows, wobble) in [(1, 1, 0.0), (3, 5, 0.3), (12, 12, 0.0), (12, 12, 0.4), (2, 60, 0.2)] {
             let (elements, nodes) = body(columns, rows, wobble);
-            let (frequency, found) = estimate(&elements, &nodes);
+            let (frequency, estimated) = estimate(&elements, &nodes);
             let size = 2 * nodes.len();
             let mut dense = Mat::<f64>::zeros(size, size);
             for (row, column, block) in frequency.operator.blocks() {
@@ -265,7 +266,7 @@ mod tests {
             }
             let eigenvalues = dense.self_adjoint_eigenvalues(Side::Lower).expect("eigenvalues");
             let exact = eigenvalues[size - 1].sqrt();
-            let ratio = found / exact;
+            let ratio = estimated / exact;
             println!("{columns} x {rows}: estimate over dense {ratio:.5}");
             assert!((1.0 - 1e-9..1.02).contains(&ratio), "{columns} x {rows}: {ratio}");
             // A translation along z causes no force. Blocks are sums of four numbers of single precision.

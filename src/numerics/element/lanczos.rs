@@ -57,8 +57,8 @@ impl SparseOperator {
         for (a, &row) in nodes.iter().enumerate() {
             let of_row = self.pairs.indptr().outer_inds_sz(row as usize);
             for (b, column) in nodes.iter().enumerate() {
-                let at = of_row.start + self.pairs.indices()[of_row.clone()].partition_point(|c| c < column);
-                for (i, entry) in self.values[at].iter_mut().enumerate() {
+                let slot = of_row.start + self.pairs.indices()[of_row.clone()].partition_point(|c| c < column);
+                for (i, entry) in self.values[slot].iter_mut().enumerate() {
                     let (along, across) = (i % 2, i / 2);
                     *entry += (matrix[2 * a + along][2 * b + across] * (roots[a][along] * roots[b][across])) as f32;
                 }
@@ -212,13 +212,13 @@ fn subtract(rows: &mut [[f64; 2]], share: f64, other: &[[f64; 2]]) -> f64 {
 /// Returns the sum of squares, by four partial sums in fixed order.
 #[inline(always)]
 fn square_of(rows: &[[f64; 2]]) -> f64 {
-    let (quads, rest) = rows.as_flattened().as_chunks::<4>();
+    let (quads, remainder) = rows.as_flattened().as_chunks::<4>();
     let mut sums = [0.0; 4];
     for four in quads {
         sums.iter_mut().zip(four).for_each(|(sum, x)| *sum += x * x);
     }
-    let rest: f64 = rest.iter().map(|x| x * x).sum();
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    let remainder: f64 = remainder.iter().map(|x| x * x).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + remainder
 }
 /// Returns the expected relative error of the largest eigenvalue after `steps` steps from a random start vector (an
 /// upper bound): Kuczynski and Wozniakowski 1992 (SIAM J. Matrix Anal. Appl. 13, 1094), theorem 3.2.

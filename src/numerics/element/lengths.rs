@@ -5,6 +5,7 @@ use super::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::six_node_triangle;
 use crate::kernel::topology::{ElementNodes, ElementTopology};
+use crate::material::PointValue;
 use crate::material::user::lengths::{ShownElements, above_zero, by_default, middle, user_number};
 use crate::routines::{LengthCall, LoadFailure, MAX_MATERIAL_BLOCK, UserLengths};
 use crate::state::Instant;
@@ -52,11 +53,12 @@ impl UserLengthElements {
                 let parts: Vec<ElementPart> = (first..first + names.len()).filter_map(part).collect();
                 let lengths = self.block((&parts, point), names, nodes, now, routine).map_err(|failure| {
                     let element = failure.point.and_then(|i| names.get(i));
-                    let place = element.map_or(String::new(), |n| format!(" at element {n}"));
-                    failure.halt(&format!("the characteristic length of the material `{}`{place}", self.name), now)
+                    let location = element.map_or(String::new(), |n| format!(" at element {n}"));
+                    failure.halt(&format!("the characteristic length of the material `{}`{location}", self.name), now)
                 })?;
-                let state = group.extensions().initial_state();
-                lengths.into_iter().enumerate().for_each(|(i, length)| state.set_length(first + i, point, length));
+                for (i, length) in lengths.into_iter().enumerate() {
+                    group.set(first + i, PointValue::Length(point, length));
+                }
             }
         }
         Ok(())
@@ -71,14 +73,14 @@ impl UserLengthElements {
         routine: &mut dyn UserLengths,
     ) -> Result<Vec<f64>, LoadFailure> {
         let count = parts.len();
-        let most = parts.iter().map(|(nodes, _)| nodes.len()).max().unwrap_or(4);
-        let triangles = most == 4 && parts.iter().all(|(nodes, _)| nodes[2] == nodes[3]);
-        let mut shown = ShownElements::new(count, if triangles { 3 } else { most });
+        let most_nodes = parts.iter().map(|(nodes, _)| nodes.len()).max().unwrap_or(4);
+        let triangles = most_nodes == 4 && parts.iter().all(|(nodes, _)| nodes[2] == nodes[3]);
+        let mut nodes_of_points = ShownElements::new(count, if triangles { 3 } else { most_nodes });
         let (mut lengths, mut coordinates) = (Vec::with_capacity(count), vec![0.0; 2 * count]);
         for (i, (around, corners)) in parts.iter().enumerate() {
             let places = corners.inline_map(|n| nodes[n as usize].place());
             let (r, z) = (places.inline_map(|p| p[0]), places.inline_map(|p| p[1]));
-            shown.set(i, &around.map(|n| nodes[n as usize].place()));
+            nodes_of_points.set(i, &around.map(|n| nodes[n as usize].place()));
             [coordinates[i], coordinates[count + i]] = middle(r, z);
             lengths.push(by_default(r, z));
         }
@@ -91,11 +93,11 @@ impl UserLengthElements {
             variables: 0,
             fields: 0,
             integration_point: point + 1,
-            corners: shown.nodes,
+            corners: nodes_of_points.nodes,
             properties: &self.properties,
             elements: &numbers,
             coordinates: &coordinates,
-            nodes: &shown.places,
+            nodes: &nodes_of_points.places,
             field: &[],
             state: &[],
         };

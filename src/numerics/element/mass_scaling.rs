@@ -137,8 +137,9 @@ impl StepMassScaling {
     }
 
     pub fn bytes(&self) -> usize {
-        let of = |r: &ScalingRequest| size_of_val(r) + heap_bytes(&r.elements);
-        self.fixed.iter().flatten().map(of).sum::<usize>() + self.variable.iter().map(|v| of(&v.request)).sum::<usize>()
+        let bytes_of = |r: &ScalingRequest| size_of_val(r) + heap_bytes(&r.elements);
+        self.fixed.iter().flatten().map(bytes_of).sum::<usize>()
+            + self.variable.iter().map(|v| bytes_of(&v.request)).sum::<usize>()
     }
 }
 

@@ -88,8 +88,9 @@ impl BlockMotion {
         let (r, z, inverse_mass) = (at.load_all(r), at.load_all(z), at.load_all(inverse_mass));
         let g = QuadOperators::of::<AREA>(r, z);
         // ω² ≤ c_d² ρ V Σ (b_r² + b_z² + b_θ²)/m; this is the sum.
-        let all = SquareSums::of_gradient(g.r).plus(SquareSums::of_gradient(g.z)).plus(SquareSums::of_hoop(g.hoop));
-        let squares = all.weighted(inverse_mass);
+        let sums_of_all =
+            SquareSums::of_gradient(g.r).plus(SquareSums::of_gradient(g.z)).plus(SquareSums::of_hoop(g.hoop));
+        let squares = sums_of_all.weighted(inverse_mass);
         let pattern = g.pattern([r[3], z[3]]);
         let light = SquareSums::of_gradient(pattern).weighted(inverse_mass);
         let root = (UNIT * modulus * squares * g.volume).root();

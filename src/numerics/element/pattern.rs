@@ -23,8 +23,8 @@ pub fn most_folded(groups: &[Box<dyn ElementGroup>], nodes: &Nodes) -> Option<Fo
     let of_group = |(group, elements): (usize, &dyn ElementGroup)| {
         let alive = (0..elements.len()).filter(|&e| !elements.is_deleted(e));
         let folds = alive.filter_map(|e| Some((e, fold_ratio(quadrilateral(elements, e)?, nodes))));
-        let most = folds.filter(|(_, fold)| fold.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1));
-        most.map(|(element, fold)| FoldedElement { group, element, fold })
+        let largest = folds.filter(|(_, fold)| fold.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1));
+        largest.map(|(element, fold)| FoldedElement { group, element, fold })
     };
     groups.iter().map(|g| &**g).enumerate().filter_map(of_group).max_by(|a, b| a.fold.total_cmp(&b.fold))
 }

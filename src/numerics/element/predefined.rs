@@ -3,7 +3,7 @@
 use crate::kernel::lists::Memory;
 use std::sync::Arc;
 
-use super::group::ElementGroup;
+use super::group::{ElementGroup, NodalVariable};
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::magnitude::{AmplitudeClock, Magnitude};
@@ -66,11 +66,11 @@ impl PredefinedFields {
             for (group, boundaries) in self.groups.iter() {
                 let group = &mut groups[*group];
                 if variable < group.properties().fields
-                    && let Some(fields) = group.extensions().fields()
+                    && let Some(solid) = group.as_solid()
                 {
                     self.means.clear();
                     self.means.extend(boundaries.iter().map(|nodes| mean(nodes, &self.nodal)));
-                    fields.set_fields(variable, &self.means);
+                    solid.set_means(NodalVariable::Field(variable), &self.means);
                 }
             }
         }
@@ -80,19 +80,19 @@ impl PredefinedFields {
         let PredefinedFields { id: _, start, steps, groups, nodal, means } = self;
         let numbers = start.iter().map(Vec::capacity).sum::<usize>() + nodal.capacity() + means.capacity();
         let corners: usize = groups.iter().map(|g| size_of_val(&*g.1)).sum();
-        let of = |f: &NodalFieldValue| size_of_val(f) + size_of_val(&*f.nodes) + f.magnitude.bytes();
+        let bytes_of = |f: &NodalFieldValue| size_of_val(f) + size_of_val(&*f.nodes) + f.magnitude.bytes();
         let lists = steps.iter().enumerate().filter(|(i, list)| *i == 0 || !Arc::ptr_eq(list, &steps[i - 1]));
-        size_of::<f64>() * numbers + corners + lists.flat_map(|list| list.1.iter()).map(of).sum::<usize>()
+        size_of::<f64>() * numbers + corners + lists.flat_map(|list| list.1.iter()).map(bytes_of).sum::<usize>()
     }
 }
 
 /// Returns the value at the centre of an element: the mean over the nodes of its boundary, coincident nodes counted
 /// once.
 pub fn mean(boundary: &[u32], nodal: &[f64]) -> f64 {
-    let at = |i: usize| nodal[boundary[i] as usize];
+    let value_at = |i: usize| nodal[boundary[i] as usize];
     match boundary {
-        [_, _, c, d] if c == d => ((at(0) + at(1)) + at(2)) / 3.0,
-        [_, _, _, _] => 0.25 * ((at(0) + at(1)) + (at(2) + at(3))),
-        _ => (0..boundary.len()).map(at).sum::<f64>() / boundary.len() as f64,
+        [_, _, c, d] if c == d => ((value_at(0) + value_at(1)) + value_at(2)) / 3.0,
+        [_, _, _, _] => 0.25 * ((value_at(0) + value_at(1)) + (value_at(2) + value_at(3))),
+        _ => (0..boundary.len()).map(value_at).sum::<f64>() / boundary.len() as f64,
     }
 }

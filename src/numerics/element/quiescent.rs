@@ -20,11 +20,11 @@ pub(super) struct TaskQuiescence {
 
 impl TaskQuiescence {
     /// Creates the states of the tasks of a group, all active.
-    pub fn of_tasks<const N: usize>(elements: &[[u32; N]]) -> Vec<TaskQuiescence> {
+    pub fn of_tasks<E: AsRef<[u32]>>(elements: &[E]) -> Vec<TaskQuiescence> {
         let mut nodes = Vec::new();
-        let task = |part: &[[u32; N]]| {
+        let task = |part: &[E]| {
             nodes.clear();
-            nodes.extend_from_slice(part.as_flattened());
+            nodes.extend(part.iter().flat_map(E::as_ref));
             nodes.sort_unstable();
             nodes.dedup();
             TaskQuiescence { nodes: nodes.clone(), quiescent: false }

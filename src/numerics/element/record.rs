@@ -117,8 +117,8 @@ impl RecordUpdate<'_> {
             let (flow, trial) = (self.update.flow[l], self.update.trial[l]);
             let (flows, per) = (flow > 0.0, 1.5 * flow / trial);
             for i in 0..4 {
-                let (before, along) = (record.plastic[i][l], self.update.deviator[i][l]);
-                record.plastic[i][l] = if flows { before + per * along } else { before };
+                let (previous, along) = (record.plastic[i][l], self.update.deviator[i][l]);
+                record.plastic[i][l] = if flows { previous + per * along } else { previous };
             }
         }
     }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::elements::Elements;
-use super::group::ElementGroup;
+use super::group::{ElementGroup, GroupSetting};
 use super::values::internal_energy;
 use crate::state::archive::Persist;
 use crate::state::nodes::Nodes;
@@ -144,7 +144,7 @@ impl Elements {
     pub fn count_deletions(&mut self, nodes: usize) {
         self.removed = Some(Box::new(DeletionRecord::new(&self.groups, nodes)));
         let deletable = self.groups.iter_mut().filter(|g| g.properties().deletable);
-        deletable.for_each(|g| g.extensions().settings().follow());
+        deletable.for_each(|g| g.configure(GroupSetting::Records));
     }
 
     /// Adds the elements deleted in the last pass.

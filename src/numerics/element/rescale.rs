@@ -2,6 +2,7 @@
 //! increment limit.
 
 use super::elements::Elements;
+use super::group::GroupSetting;
 use super::mass_scaling::{AddedMass, ArrivedScaling, ScaledMasses, ScalingRequest, ScalingTarget, StepMassScaling};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::topology::PerNode;
@@ -28,7 +29,7 @@ impl FactorSet {
 impl Elements {
     /// Stores the current masses as reference of all factors. `linked` marks the nodes with equations or links.
     pub fn store_unscaled_masses(&mut self, nodes: &Nodes, linked: Vec<bool>) {
-        self.groups.iter_mut().for_each(|group| group.extensions().settings().keep_rates());
+        self.groups.iter_mut().for_each(|group| group.configure(GroupSetting::StableRates));
         let elements: Vec<Vec<PerNode<f64>>> =
             self.groups.iter().map(|g| (0..g.len()).map(|e| g.masses(e)).collect()).collect();
         let ones: Vec<Vec<f64>> = elements.iter().map(|c| vec![1.0; c.len()]).collect();
@@ -82,13 +83,13 @@ impl Elements {
     pub fn take_scaled_masses(&mut self, group: usize, element: usize, scaled: [f64; 4], [plain, fixed]: [f64; 2]) {
         let Some(masses) = &mut self.masses else { return };
         let unscaled: PerNode<f64> = scaled.inline_map(|mass| plain * mass).into();
-        let before = std::mem::replace(&mut masses.elements[group][element], unscaled);
-        for ((n, before), now) in self.groups[group].nodes(element).into_iter().zip(before).zip(unscaled) {
-            masses.nodes[n as usize] += now - before;
+        let previous = std::mem::replace(&mut masses.elements[group][element], unscaled);
+        for ((n, previous), now) in self.groups[group].nodes(element).into_iter().zip(previous).zip(unscaled) {
+            masses.nodes[n as usize] += now - previous;
         }
-        let all = 1.0 / plain;
-        masses.fixed[group][element] = fixed * all;
-        (masses.factors[group][element], masses.applied[group][element]) = (all, all);
+        let inverse = 1.0 / plain;
+        masses.fixed[group][element] = fixed * inverse;
+        (masses.factors[group][element], masses.applied[group][element]) = (inverse, inverse);
     }
 
     /// Sums the masses with and without scaling after elements have exchanged mass.
@@ -103,7 +104,7 @@ impl Elements {
     pub fn remove_scaling(&mut self, group: usize) {
         let Some(masses) = &self.masses else { return };
         for (e, plain) in masses.elements[group].iter().enumerate() {
-            self.groups[group].extensions().settings().set_masses(e, plain);
+            self.groups[group].set_masses(e, plain);
         }
     }
 
@@ -116,16 +117,16 @@ impl Elements {
             masses.applied[g].clone_from(&before.applied[g]);
         }
         (masses.original, masses.added, masses.added_to_links) = (before.original, before.added, before.added_to_links);
-        let own = &mut self.groups[group];
-        for e in 0..own.len() {
-            own.nodes(e).into_iter().for_each(|n| masses.nodes[n as usize] = 0.0);
+        let own_group = &mut self.groups[group];
+        for e in 0..own_group.len() {
+            own_group.nodes(e).into_iter().for_each(|n| masses.nodes[n as usize] = 0.0);
         }
         for (e, (plain, [fixed, all])) in arrived.masses.iter().zip(&arrived.factors).enumerate() {
-            let nodes = own.nodes(e);
+            let nodes = own_group.nodes(e);
             masses.elements[group][e] = (*plain).into();
             nodes.into_iter().zip(plain).for_each(|(n, mass)| masses.nodes[n as usize] += mass);
             (masses.fixed[group][e], masses.factors[group][e], masses.applied[group][e]) = (*fixed, *all, *all);
-            own.extensions().settings().set_masses(e, &masses.scaled(group, e, *all));
+            own_group.set_masses(e, &masses.scaled(group, e, *all));
         }
     }
 
@@ -183,9 +184,9 @@ impl Elements {
             let rates = request.elements.iter().map(|&at| rate(&factors, at));
             let largest = rates.filter(|r| usable(*r)).fold(0.0, f64::max);
             for &(g, e) in &request.elements {
-                let own = if aim == ScalingTarget::Uniform { largest } else { rate(&factors, (g, e)) };
-                let ratio = dt * own;
-                if usable(own) && (aim != ScalingTarget::BelowMin || ratio > 1.0) {
+                let element_rate = if aim == ScalingTarget::Uniform { largest } else { rate(&factors, (g, e)) };
+                let ratio = dt * element_rate;
+                if usable(element_rate) && (aim != ScalingTarget::BelowMin || ratio > 1.0) {
                     factors[g][e] *= ratio * ratio;
                 }
             }
@@ -206,13 +207,13 @@ impl Elements {
         for (g, group) in self.groups.iter_mut().enumerate() {
             for e in 0..masses.factors[g].len() {
                 let factor = masses.factors[g][e];
-                let (nodes, plain) = (group.nodes(e), masses.elements[g][e]);
+                let (nodes, unscaled) = (group.nodes(e), masses.elements[g][e]);
                 // Unscaled elements keep the bits of their masses.
                 if factor != masses.applied[g][e] {
-                    group.extensions().settings().set_masses(e, &masses.scaled(g, e, factor));
+                    group.set_masses(e, &masses.scaled(g, e, factor));
                     masses.applied[g][e] = factor;
                 }
-                for (n, m) in nodes.into_iter().zip(plain) {
+                for (n, m) in nodes.into_iter().zip(unscaled) {
                     masses.sums[n as usize] += (factor - 1.0) * m;
                 }
             }
@@ -243,8 +244,8 @@ impl Elements {
             for (e, &factor) in factors.iter().enumerate() {
                 let group = &self.groups[g];
                 let scaled = masses.scaled(g, e, factor);
-                let own = group.stable_rate(e, Some(&scaled), nodes.as_slice());
-                if let Some(rate) = own.filter(|_| !group.is_deleted(e)) {
+                let element_rate = group.stable_rate(e, Some(&scaled), nodes.as_slice());
+                if let Some(rate) = element_rate.filter(|_| !group.is_deleted(e)) {
                     self.raise_limit(g, e, rate);
                 }
             }

@@ -4,11 +4,13 @@
 use pulp::Arch;
 
 use crate::element::constants::{ElementConstants, HourglassControl};
-use crate::element::group::{ElementGroup, ElementPass, QuadGroup, spoil_scratch};
+use crate::element::group::{ElementGroup, ElementPass, GroupSetting};
+use crate::element::quad::{QuadGroup, spoil_scratch};
 use crate::kernel::bulk_viscosity::BulkViscosity;
 use crate::kernel::hardening::{FlowStress, JohnsonCook, LinearTable, RateFactor, StaticYield};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::LANES;
+use crate::material::PointValue;
 use crate::material::eos::{IdealGas, Tabulated, UsUp};
 use crate::material::equation_of_state::EquationOfState;
 use crate::material::explosive::{DetonationPoint, HighExplosive, JwlProducts};
@@ -89,11 +91,10 @@ fn moved(
 ) -> CompositionResult {
     let (elements, blocks) = (quads.len(), quads.len().div_ceil(LANES));
     for e in 0..elements {
-        let state = quads.extensions().initial_state();
-        state.set(e, None, Some(25.0 + e as f64));
-        state.set_energy(e, 1e-3 * (1 + e) as f64);
+        quads.set(e, PointValue::Temperature(25.0 + e as f64));
+        quads.set(e, PointValue::SpecificEnergy(1e-3 * (1 + e) as f64));
     }
-    quads.extensions().settings().follow();
+    quads.configure(GroupSetting::Records);
     let (mut bits, mut plastic) = (Vec::new(), 0.0);
     for _ in 0..20 {
         nodes.iter_mut().for_each(|n| (n.r, n.z) = (n.r + DT * n.v_r, n.z + DT * n.v_z));
@@ -122,8 +123,8 @@ fn moved(
     let mut deleted = 0;
     for e in 0..elements {
         deleted += usize::from(quads.value(e, Variable::Status.into()) == Some(0.0));
-        let held = Variable::ALL.iter().flat_map(|v| v.parts()).filter_map(|part| quads.value(e, part));
-        bits.extend(held.map(f64::to_bits));
+        let values = Variable::ALL.iter().flat_map(|v| v.parts()).filter_map(|part| quads.value(e, part));
+        bits.extend(values.map(f64::to_bits));
     }
     CompositionResult { bits, plastic, deleted }
 }
@@ -136,21 +137,21 @@ fn agrees<M: Material>(name: &str, material: impl Fn() -> M) {
 
 fn agrees_under<M: Material>(name: &str, material: &impl Fn() -> M, enhanced: f64) {
     let run = |material, arch| run(material, arch, enhanced);
-    let plain = run(material(), Arch::Scalar);
+    let scalar = run(material(), Arch::Scalar);
     // Energy stored in a deleted element counts as dissipated.
-    assert_eq!(M::FLOW != PlasticFlow::None || M::FAILS, plain.plastic > 0.0, "{name}: {}", plain.plastic);
-    assert_eq!(M::FAILS, plain.deleted > 0, "{name}: {} deleted", plain.deleted);
-    assert!(plain.deleted < elements().len(), "{name}: all elements are deleted");
+    assert_eq!(M::FLOW != PlasticFlow::None || M::FAILS, scalar.plastic > 0.0, "{name}: {}", scalar.plastic);
+    assert_eq!(M::FAILS, scalar.deleted > 0, "{name}: {} deleted", scalar.deleted);
+    assert!(scalar.deleted < elements().len(), "{name}: all elements are deleted");
     #[cfg(target_arch = "x86_64")]
     {
         if let Some(v3) = pulp::x86::V3::try_new() {
-            assert!(plain == run(material(), Arch::V3(v3)), "{name}: AVX2");
+            assert!(scalar == run(material(), Arch::V3(v3)), "{name}: AVX2");
         }
         if let Some(v4) = pulp::x86::V4::try_new() {
-            assert!(plain == run(material(), Arch::V4(v4)), "{name}: AVX-512");
+            assert!(scalar == run(material(), Arch::V4(v4)), "{name}: AVX-512");
         }
     }
-    assert!(plain == run(material(), Arch::new()), "{name}: default instruction set");
+    assert!(scalar == run(material(), Arch::new()), "{name}: default instruction set");
 }
 
 fn lines() -> PiecewiseLinearHardening {

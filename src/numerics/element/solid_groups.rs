@@ -2,7 +2,8 @@
 //! that creates a group. Nothing else names a composition of laws, so that each is compiled once, in this crate.
 
 use super::constants::ElementConstants;
-use super::group::{ElementGroup, QuadGroup};
+use super::group::ElementGroup;
+use super::quad::QuadGroup;
 use super::six_node::SixNodeTriangles;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad::corner_masses;

@@ -145,9 +145,9 @@ impl<const AREA: bool> WithSimd for StrainMeasurement<'_, AREA> {
             self.scratch.combine_corners(nodes);
         }
         for index in 0..PackPosition::<S>::COUNT {
-            let at = PackPosition::new(simd, index);
-            let gradient = if self.nodes.is_some() { self.gradient(at) } else { self.stored_gradient(at) };
-            self.store_trial(at, gradient);
+            let position = PackPosition::new(simd, index);
+            let gradient = if self.nodes.is_some() { self.gradient(position) } else { self.stored_gradient(position) };
+            self.store_trial(position, gradient);
         }
     }
 }

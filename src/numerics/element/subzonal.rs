@@ -36,18 +36,18 @@ struct SubzoneVolume {
 /// Returns the quarter at a corner; its other corners are the midpoints of the two sides and the centre of the element.
 #[inline(always)]
 fn quarter(corner: usize, r: &[f64; 4], z: &[f64; 4]) -> SubzoneVolume {
-    let (next, before) = ((corner + 1) % 4, (corner + 3) % 4);
+    let (next, previous) = ((corner + 1) % 4, (corner + 3) % 4);
     let corners = |x: &[f64; 4]| {
         let middle = 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
-        [x[corner], 0.5 * (x[corner] + x[next]), middle, 0.5 * (x[before] + x[corner])]
+        [x[corner], 0.5 * (x[corner] + x[next]), middle, 0.5 * (x[previous] + x[corner])]
     };
     let (by_r, by_z, volume) = volume_gradient(corners(r), corners(z));
     let spread = |d: [f64; 4]| {
-        let mut all = [0.25 * d[2]; 4];
-        all[corner] += d[0] + 0.5 * (d[1] + d[3]);
-        all[next] += 0.5 * d[1];
-        all[before] += 0.5 * d[3];
-        all
+        let mut terms = [0.25 * d[2]; 4];
+        terms[corner] += d[0] + 0.5 * (d[1] + d[3]);
+        terms[next] += 0.5 * d[1];
+        terms[previous] += 0.5 * d[3];
+        terms
     };
     SubzoneVolume { volume, by_r: spread(by_r), by_z: spread(by_z) }
 }
@@ -234,8 +234,11 @@ mod tests {
         for tension in [-3.0, 1.0, 2.0, 2.5, 9.0] {
             for difference in [-5.0, -0.5, 0.0, 0.4, 3.0, 20.0] {
                 let expected = f64::min(tension, limit) - f64::min(tension - difference, limit);
-                let found = limited(difference, tension - limit);
-                assert!((found - expected).abs() < 1e-14, "{tension} {difference}: {found} {expected}");
+                let limited_difference = limited(difference, tension - limit);
+                assert!(
+                    (limited_difference - expected).abs() < 1e-14,
+                    "{tension} {difference}: {limited_difference} {expected}"
+                );
                 assert_eq!(limited(difference, f64::NEG_INFINITY).to_bits(), f64::to_bits(difference));
             }
         }

@@ -156,8 +156,8 @@ impl Tiles {
             if let Some(completed) = in_order {
                 last = completed;
                 ends[last.group][last.task] = node as u32 + 1;
-                let own = gather.slots(node).map(|slot| parts[last.group].ring_slot(slot));
-                slots.iter_mut().zip(own).for_each(|(to, slot)| *to = slot);
+                let ring_slots = gather.slots(node).map(|slot| parts[last.group].ring_slot(slot));
+                slots.iter_mut().zip(ring_slots).for_each(|(to, slot)| *to = slot);
             } else {
                 shared.push(node as u32);
                 gather.slots(node).for_each(|slot| is_stored[CornerForces::place(slot).0] = true);
@@ -169,8 +169,8 @@ impl Tiles {
         let stored: Vec<u32> = (0..blocks as u32).filter(|block| is_stored[*block as usize]).collect();
         let gather = gather.of_nodes(&shared, stored.len(), |slot| {
             let (block, within) = CornerForces::place(slot);
-            let at = stored.partition_point(|other| (*other as usize) < block);
-            (CornerForces::index(at, 0, 0) + within) as u32
+            let index = stored.partition_point(|other| (*other as usize) < block);
+            (CornerForces::index(index, 0, 0) + within) as u32
         });
         let mut nodes_before = 0;
         let mut of_group = |(part, ends): (&GroupBlocks, Vec<u32>)| {
@@ -197,8 +197,8 @@ impl Tiles {
 
     /// Returns the stored blocks among a range of all blocks, as a range of stored ones.
     pub fn stored_among(&self, blocks: &Range<usize>) -> Range<usize> {
-        let before = |end: usize| self.stored.partition_point(|block| (*block as usize) < end);
-        before(blocks.start)..before(blocks.end)
+        let count_below = |end: usize| self.stored.partition_point(|block| (*block as usize) < end);
+        count_below(blocks.start)..count_below(blocks.end)
     }
 
     /// Returns the tiles of a group for a pass; `None` if it has none.
@@ -312,13 +312,13 @@ impl TileTasks<'_> {
 
     /// Sums the forces of the nodes that a task completes, whose corner forces are in the ring, and stores corner forces.
     pub fn complete(&mut self, task: usize, ring: &mut CornerForces) {
-        let before = self.tiles.nodes(self.tasks.start..task).len();
+        let first_node = self.tiles.nodes(self.tasks.start..task).len();
         let nodes = self.tiles.nodes(task..task + 1);
-        sum(&self.slots[nodes.clone()], ring.values(), &mut self.forces[before..before + nodes.len()]);
-        let before = self.tiles.blocks(self.tasks.start..task).len();
+        sum(&self.slots[nodes.clone()], ring.values(), &mut self.forces[first_node..first_node + nodes.len()]);
+        let first_block = self.tiles.blocks(self.tasks.start..task).len();
         let stored = &self.tiles.stored[self.tiles.blocks(task..task + 1)];
         let blocks = ring.slots(blocks_in_ring(task, TASK));
-        for (to, from) in self.corners[before..].iter_mut().zip(stored) {
+        for (to, from) in self.corners[first_block..].iter_mut().zip(stored) {
             *to = blocks[usize::from(*from)];
         }
     }

@@ -2,7 +2,9 @@
 //! adaptive mesh domain, and written back after the transport.
 
 use super::block::{ElementBlock, TASK};
-use super::group::{ArrivedElements, ElementTransfer, QuadGroup};
+use super::group::{ArrivedElements, ElementTransfer};
+use super::quad::QuadGroup;
+use super::solid::lanes_of;
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, PACK, Pack, column};
 use crate::material::Material;
 use crate::material::carried::{ArrivedElement, CarriedState};
@@ -21,14 +23,14 @@ impl<M: Material> QuadGroup<M> {
         let each = &mut |list: &mut Lanes| visit(list, Extent::PerMass);
         stress.carry(each);
         state.carry(each);
-        let (task, at) = (&mut self.tasks[block / TASK].task, block % TASK);
-        if let Some(controls) = task.controls.get_mut(at) {
+        let (task, index) = (&mut self.tasks[block / TASK].task, block % TASK);
+        if let Some(controls) = task.controls.get_mut(index) {
             controls.carry(each);
         }
-        if let Some(enhanced) = task.enhanced.get_mut(at) {
+        if let Some(enhanced) = task.enhanced.get_mut(index) {
             enhanced.carry(each);
         }
-        if let Some(record) = task.records.get_mut(at) {
+        if let Some(record) = task.records.get_mut(index) {
             let (values, energies) = record.carried();
             values.into_iter().for_each(|list| visit(list, Extent::PerMass));
             energies.iter_mut().for_each(|list| visit(list, Extent::Total));
@@ -36,19 +38,12 @@ impl<M: Material> QuadGroup<M> {
     }
 }
 
-/// Returns the lanes of an element of a group of `count` elements. Lanes after the last element repeat it: the state of another
-/// element with its nodes may be invalid.
-fn lanes_of(element: u32, count: usize) -> std::ops::Range<usize> {
-    let lane = element as usize % LANES;
-    lane..if element as usize + 1 == count { LANES } else { lane + 1 }
-}
-
-/// Calls `each` with every block of wanted elements, and the range of elements in this block.
-fn by_block(elements: &[u32], wanted: &[bool], mut each: impl FnMut(usize, std::ops::Range<usize>)) {
+/// Calls `each` with every block of selected elements, and the range of elements in this block.
+fn by_block(elements: &[u32], selected: &[bool], mut each: impl FnMut(usize, std::ops::Range<usize>)) {
     let mut first = 0;
     for part in elements.chunk_by(|a, b| *a as usize / LANES == *b as usize / LANES) {
         let range = first..first + part.len();
-        if wanted[range.clone()].contains(&true) {
+        if selected[range.clone()].contains(&true) {
             each(part[0] as usize / LANES, range);
         }
         first += part.len();
@@ -66,42 +61,43 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
         self.blocks.iter_mut().for_each(|block| self.material.prepare_transport(&mut block.state));
     }
 
-    fn read(&mut self, (elements, wanted): (&[u32], &[bool]), packs: &mut [Vec<Pack>]) {
-        by_block(elements, wanted, |block, range| {
+    fn read(&mut self, (elements, selected): (&[u32], &[bool]), packs: &mut [Vec<Pack>]) {
+        by_block(elements, selected, |block, range| {
             let (mass, mut variable) = (self.blocks[block].mass, 0);
             self.carry(block, &mut |list, extent| {
-                let (pack, at) = (&mut packs[variable / PACK][range.clone()], variable % PACK);
+                let (pack, slot) = (&mut packs[variable / PACK][range.clone()], variable % PACK);
                 for (values, element) in pack.iter_mut().zip(&elements[range.clone()]) {
                     let lane = *element as usize % LANES;
                     let per = if extent == Extent::Total { 1.0 / mass[lane] } else { 1.0 };
-                    values.0[at] = per * list[lane];
+                    values.0[slot] = per * list[lane];
                 }
                 variable += 1;
             });
         });
     }
 
-    fn write(&mut self, (elements, wanted): (&[u32], &[bool]), packs: &[Vec<Pack>], arrived: ArrivedElements<'_>) {
+    fn write(&mut self, (elements, selected): (&[u32], &[bool]), packs: &[Vec<Pack>], arrived: ArrivedElements<'_>) {
         let count = self.count;
-        by_block(elements, wanted, |block, range| {
+        by_block(elements, selected, |block, range| {
             self.wake(block / TASK);
-            for i in range.clone().filter(|i| wanted[*i]) {
+            for i in range.clone().filter(|i| selected[*i]) {
                 let masses = arrived.masses[i];
-                lanes_of(elements[i], count).for_each(|lane| self.blocks[block].set_corner_masses(lane, masses));
+                lanes_of(elements[i] as usize, count)
+                    .for_each(|lane| self.blocks[block].set_corner_masses(lane, masses));
             }
             let (mass, mut variable) = (self.blocks[block].mass, 0);
             self.carry(block, &mut |list, extent| {
-                let (pack, at) = (&packs[variable / PACK], variable % PACK);
-                for i in range.clone().filter(|i| wanted[*i]) {
-                    let lanes = lanes_of(elements[i], count);
+                let (pack, slot) = (&packs[variable / PACK], variable % PACK);
+                for i in range.clone().filter(|i| selected[*i]) {
+                    let lanes = lanes_of(elements[i] as usize, count);
                     let factor = if extent == Extent::Total { mass[lanes.start] } else { 1.0 };
-                    list[lanes].fill(factor * pack[i].0[at]);
+                    list[lanes].fill(factor * pack[i].0[slot]);
                 }
                 variable += 1;
             });
             let ElementBlock { stress, state, .. } = &mut self.blocks[block];
-            for i in range.filter(|i| wanted[*i]) {
-                let lanes = lanes_of(elements[i], count);
+            for i in range.filter(|i| selected[*i]) {
+                let lanes = lanes_of(elements[i] as usize, count);
                 let corners = arrived.corners[i].inline_map(|n| arrived.places[n as usize]);
                 let (mass, stress) = (mass[lanes.start], column(stress, lanes.start));
                 let element = ArrivedElement { corners, mass, stress };
@@ -113,25 +109,5 @@ impl<M: Material> ElementTransfer for QuadGroup<M> {
     fn volume_ratio(&self, element: u32) -> Option<f64> {
         let (block, lane) = (element as usize / LANES, element as usize % LANES);
         self.material.volume_ratio(&self.blocks[block].state, lane)
-    }
-
-    fn set_volume_ratio(&mut self, element: u32, ratio: f64) {
-        let (block, lanes) = (element as usize / LANES, lanes_of(element, self.count));
-        lanes.for_each(|lane| self.material.set_volume_ratio(&mut self.blocks[block].state, lane, ratio));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::lanes_of;
-    use crate::kernel::lanes::LANES;
-
-    #[test]
-    fn lanes_after_the_last_element_repeat_it() {
-        let (full, part) = (2 * LANES, 2 * LANES - 3);
-        assert_eq!(lanes_of(LANES as u32 + 2, full), 2..3);
-        assert_eq!(lanes_of(full as u32 - 1, full), LANES - 1..LANES);
-        assert_eq!(lanes_of(part as u32 - 1, part), LANES - 4..LANES);
-        assert_eq!(lanes_of(part as u32 - 2, part), LANES - 5..LANES - 4);
     }
 }

@@ -51,14 +51,14 @@ fn larger_rate(group: &dyn ElementGroup, element: usize, nodes: &Nodes, most: f6
     let (mut volume, mut growing) = (0.0, [0.0; 2]);
     for cell in group.cells(element) {
         let corners = cell.inline_map(|n| n as usize);
-        let at = corners.inline_map(|n| nodes[n]);
-        let g = quad::gradient(at.inline_map(|n| n.r), at.inline_map(|n| n.z));
+        let corner_nodes = corners.inline_map(|n| nodes[n]);
+        let g = quad::gradient(corner_nodes.inline_map(|n| n.r), corner_nodes.inline_map(|n| n.z));
         let growth = |of: &dyn Fn(usize) -> [f64; 2]| {
             let part = |i: usize| (g.r[i] + g.hoop[i]) * of(i)[0] + g.z[i] * of(i)[1];
             (part(0) + part(1)) + (part(2) + part(3))
         };
         volume += g.volume;
-        growing[0] += growth(&|i| [at[i].v_r, at[i].v_z]);
+        growing[0] += growth(&|i| [corner_nodes[i].v_r, corner_nodes[i].v_z]);
         growing[1] += growth(&|i| nodes.acceleration[corners[i]]);
     }
     let half = 0.5 * nodes.previous_dt;

@@ -56,7 +56,7 @@ impl ThermalStrains {
     pub(super) fn apply(&mut self, heat: Option<&TemperatureField>, elements: &mut Elements, dofs: &mut Dofs) {
         let [temperatures, increments] = &mut self.scratch;
         for (expanding, strains) in self.list.iter().zip(&mut self.strains) {
-            let Some(group) = elements.groups[expanding.group].extensions().temperatures() else { continue };
+            let Some(group) = elements.groups[expanding.group].as_solid() else { continue };
             let (temperatures, increments) = (&mut temperatures[..strains.len()], &mut increments[..strains.len()]);
             match heat.and_then(|h| h.given_to(expanding.group)) {
                 Some(given) => temperatures.copy_from_slice(given),
@@ -90,7 +90,7 @@ impl ThermalStrains {
                     }
                 }
                 None => {
-                    if let Some(group) = elements.groups[index].extensions().temperatures() {
+                    if let Some(group) = elements.groups[index].as_solid() {
                         group.temperatures(temperatures);
                     }
                 }

@@ -8,7 +8,7 @@ use super::sources::{HeatSource, PrescribedTemperature};
 use crate::constraint::Constraint;
 use crate::constraint::bonds::LinkSystem;
 use crate::element::elements::Elements;
-use crate::element::group::ElementGroup;
+use crate::element::group::{ElementGroup, NodalVariable};
 use crate::kernel::lists::{Memory, heap_bytes};
 use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
@@ -181,8 +181,8 @@ impl TemperatureField {
             *mean = conductor.mean(&self.temperature);
         }
         for part in &self.conductors.parts {
-            if let Some(group) = elements.groups[part.group].extensions().temperatures() {
-                group.set_temperatures(&self.means[part.first..part.end]);
+            if let Some(group) = elements.groups[part.group].as_solid() {
+                group.set_means(NodalVariable::Temperature, &self.means[part.first..part.end]);
             }
         }
     }
@@ -193,7 +193,7 @@ impl TemperatureField {
         let mut any = false;
         for part in &self.conductors.parts {
             let range = part.first..part.end;
-            if let Some(group) = elements.groups[part.group].extensions().temperatures() {
+            if let Some(group) = elements.groups[part.group].as_solid() {
                 group.temperatures(&mut self.warmed[range.clone()]);
             }
             for e in range {

@@ -189,9 +189,7 @@ impl Load for BlastLoad {
     }
 
     fn scene_changed(&mut self, change: &SceneChange<'_>) {
-        if let SceneChange::DeletedElements(deleted) = change {
-            self.surface.skin.remove_elements(deleted);
-        }
+        change.remove_faces(&mut self.surface);
     }
 }
 

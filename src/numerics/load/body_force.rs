@@ -1,31 +1,24 @@
 //! Body forces: per volume along r or z (`BR`, `BZ`), and centrifugal (`CENTRIF`).
 
-use super::TargetDissipation;
-use super::{EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
+use super::prescribed::LoadDistribution;
+use super::{EnergyAccount, GeneralizedForce, LoadTargets, SceneChange, SceneView};
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::lists::{Memory, heap_bytes};
+use crate::kernel::lists::heap_bytes;
 use crate::kernel::quad::{corner_masses, section};
 use crate::kernel::topology::ElementNodes;
-use crate::routines::LockedRoutines;
-use crate::state::EffectId;
 use crate::state::archive::Persist;
-use crate::state::halt::HaltReason;
-use crate::state::limit::IncrementLimit;
-use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
 
 /// A force per current volume on deformable elements and rigid bodies.
 #[derive(Clone, Debug, Persist)]
-#[persist(derived: id, axis, bodies, magnitude)]
-pub struct BodyForceLoad {
-    pub id: EffectId,
+#[persist(derived: axis, bodies)]
+pub struct BodyForceField {
     /// 0 along r, 1 along z.
     pub axis: usize,
     /// Corner nodes of the quadrilaterals of the elements.
     pub cells: Vec<[u32; 4]>,
     /// Rigid bodies and their loaded volume; the force acts along z.
     pub bodies: Vec<(usize, f64)>,
-    pub magnitude: Magnitude,
 }
 
 /// Returns the part of the volume of a cell that belongs to each corner (with area weighting: of the section).
@@ -46,43 +39,25 @@ fn belongs_to_any(cell: &[u32; 4], elements: &[ElementNodes]) -> bool {
     elements.iter().any(|nodes| cell.iter().all(|n| nodes.contains(n)))
 }
 
-impl Load for BodyForceLoad {
-    fn effect(&self) -> EffectId {
-        self.id
-    }
-
+impl LoadDistribution for BodyForceField {
     fn targets(&self) -> LoadTargets {
         let along_z = |body: &(usize, f64)| GeneralizedForce::along_z(body.0, EnergyAccount::Work);
         LoadTargets { bodies: self.bodies.iter().map(along_z).collect(), nodes: !self.cells.is_empty() }
     }
 
-    fn apply(
-        &mut self,
-        scene: &SceneView<'_>,
-        _: &mut LockedRoutines,
-        forces: &mut LoadForces<'_>,
-    ) -> Result<TargetDissipation, HaltReason> {
-        let magnitude = self.magnitude.at(&scene.clock);
-        match forces {
-            LoadForces::OnNodes(forces) => {
-                for cell in &self.cells {
-                    let volumes = corner_volumes(cell, &scene.dofs.nodes, scene.rings);
-                    for (&node, volume) in cell.iter().zip(volumes) {
-                        forces[node as usize][self.axis] += magnitude * volume;
-                    }
-                }
-            }
-            LoadForces::OnBodies(forces) => {
-                for (force, (_, volume)) in forces.iter_mut().zip(&self.bodies) {
-                    *force = magnitude * volume;
-                }
+    fn on_nodes(&mut self, magnitude: f64, scene: &SceneView<'_>, forces: &mut [[f64; 2]]) {
+        for cell in &self.cells {
+            let volumes = corner_volumes(cell, &scene.dofs.nodes, scene.rings);
+            for (&node, volume) in cell.iter().zip(volumes) {
+                forces[node as usize][self.axis] += magnitude * volume;
             }
         }
-        Ok(TargetDissipation::default())
     }
 
-    fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
-        self.magnitude.limit(&scene.clock)
+    fn on_bodies(&mut self, magnitude: f64, _scene: &SceneView<'_>, forces: &mut [f64]) {
+        for (force, (_, volume)) in forces.iter_mut().zip(&self.bodies) {
+            *force = magnitude * volume;
+        }
     }
 
     fn scene_changed(&mut self, change: &SceneChange<'_>) {
@@ -90,56 +65,33 @@ impl Load for BodyForceLoad {
             self.cells.retain(|cell| !belongs_to_any(cell, deleted));
         }
     }
-}
 
-impl LoadOutput for BodyForceLoad {
-    fn arrays(&self) -> Vec<(&'static str, usize)> {
-        vec![("cells", heap_bytes(&self.cells) + heap_bytes(&self.bodies)), ("amplitude", self.magnitude.bytes())]
+    fn arrays(&self) -> (&'static str, usize) {
+        ("cells", heap_bytes(&self.cells) + heap_bytes(&self.bodies))
     }
 }
 
-/// Centrifugal force of a rotation about the axis of symmetry: mass times squared angular velocity times radius.
+/// Centrifugal force of a rotation about the axis of symmetry: mass times squared angular velocity (the magnitude,
+/// 1/time²) times radius.
 #[derive(Clone, Debug, Persist)]
-#[persist(derived: id, nodes, square)]
-pub struct CentrifugalLoad {
-    pub id: EffectId,
+#[persist(derived: nodes)]
+pub struct CentrifugalField {
     /// Nodes, with the part of their mass that rotates.
     pub nodes: Vec<(usize, f64)>,
-    /// Squared angular velocity, 1/time².
-    pub square: Magnitude,
 }
 
-impl Load for CentrifugalLoad {
-    fn effect(&self) -> EffectId {
-        self.id
-    }
-
+impl LoadDistribution for CentrifugalField {
     fn targets(&self) -> LoadTargets {
         LoadTargets { bodies: Vec::new(), nodes: true }
     }
 
-    fn apply(
-        &mut self,
-        scene: &SceneView<'_>,
-        _: &mut LockedRoutines,
-        forces: &mut LoadForces<'_>,
-    ) -> Result<TargetDissipation, HaltReason> {
-        if let LoadForces::OnNodes(forces) = forces {
-            let square = self.square.at(&scene.clock);
-            for &(node, mass) in &self.nodes {
-                forces[node][0] += mass * square * scene.dofs.nodes[node].r;
-            }
+    fn on_nodes(&mut self, magnitude: f64, scene: &SceneView<'_>, forces: &mut [[f64; 2]]) {
+        for &(node, mass) in &self.nodes {
+            forces[node][0] += mass * magnitude * scene.dofs.nodes[node].r;
         }
-        Ok(TargetDissipation::default())
     }
 
-    fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
-        self.square.limit(&scene.clock)
-    }
-}
-
-impl LoadOutput for CentrifugalLoad {
-    fn arrays(&self) -> Vec<(&'static str, usize)> {
-        vec![("masses", heap_bytes(&self.nodes)), ("amplitude", self.square.bytes())]
+    fn arrays(&self) -> (&'static str, usize) {
+        ("masses", heap_bytes(&self.nodes))
     }
 }

@@ -54,8 +54,8 @@ impl FacetFields {
             match &body.spatial {
                 None => patch.facets.iter().for_each(|(e, f)| fields.push(*e, pressure, body.velocity * f.normal[1])),
                 Some(spatial) => {
-                    let all = stations(patch, spatial);
-                    all.iter()
+                    let list = stations(patch, spatial);
+                    list.iter()
                         .for_each(|s| fields.push_station(s.element, s.area, [pressure, s.normal_velocity(spatial)]));
                 }
             }

@@ -1,62 +1,38 @@
 //! Gravity (`*DLOAD`, GRAV): a uniform acceleration along z, or in any direction on bodies with six degrees of freedom.
 
-use super::{GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView, TargetDissipation};
-use crate::kernel::lists::{Memory, heap_bytes};
-use crate::routines::LockedRoutines;
-use crate::state::EffectId;
+use super::prescribed::LoadDistribution;
+use super::{GeneralizedForce, LoadTargets, SceneChange, SceneView};
+use crate::kernel::lists::heap_bytes;
 use crate::state::archive::Persist;
-use crate::state::halt::HaltReason;
-use crate::state::limit::IncrementLimit;
-use crate::state::magnitude::Magnitude;
 
-/// Gravity on a set of bodies and nodes.
+/// Gravity on a set of bodies and nodes; the magnitude is an acceleration.
 #[derive(Clone, Debug, Persist)]
-#[persist(fixed: nodes; derived: id, bodies, whole, acceleration, along_z)]
-pub struct GravityLoad {
-    pub id: EffectId,
+#[persist(fixed: nodes; derived: bodies, whole, along_z)]
+pub struct GravityField {
     /// Generalised forces on bodies, with mass times the direction's component.
     pub bodies: Vec<(GeneralizedForce, f64)>,
     /// Nodes, with the part of their mass on which gravity acts.
     pub nodes: Vec<(usize, f64)>,
     /// Whether gravity acts on the full mass of the nodes; the masses are then updated when they change.
     pub whole: bool,
-    pub acceleration: Magnitude,
     /// Component of the direction along z, -1 to 1.
     pub along_z: f64,
 }
 
-impl Load for GravityLoad {
-    fn effect(&self) -> EffectId {
-        self.id
-    }
-
+impl LoadDistribution for GravityField {
     fn targets(&self) -> LoadTargets {
         LoadTargets { bodies: self.bodies.iter().map(|body| body.0).collect(), nodes: !self.nodes.is_empty() }
     }
 
-    fn apply(
-        &mut self,
-        scene: &SceneView<'_>,
-        _: &mut LockedRoutines,
-        forces: &mut LoadForces<'_>,
-    ) -> Result<TargetDissipation, HaltReason> {
-        let acceleration = self.acceleration.at(&scene.clock);
-        match forces {
-            LoadForces::OnNodes(forces) => {
-                let along_z = acceleration * self.along_z;
-                self.nodes.iter().for_each(|&(n, mass)| forces[n][1] += mass * along_z);
-            }
-            LoadForces::OnBodies(forces) => {
-                for (force, (_, mass)) in forces.iter_mut().zip(&self.bodies) {
-                    *force = mass * acceleration;
-                }
-            }
-        }
-        Ok(TargetDissipation::default())
+    fn on_nodes(&mut self, magnitude: f64, _scene: &SceneView<'_>, forces: &mut [[f64; 2]]) {
+        let along_z = magnitude * self.along_z;
+        self.nodes.iter().for_each(|&(n, mass)| forces[n][1] += mass * along_z);
     }
 
-    fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
-        self.acceleration.limit(&scene.clock)
+    fn on_bodies(&mut self, magnitude: f64, _scene: &SceneView<'_>, forces: &mut [f64]) {
+        for (force, (_, mass)) in forces.iter_mut().zip(&self.bodies) {
+            *force = mass * magnitude;
+        }
     }
 
     fn scene_changed(&mut self, change: &SceneChange<'_>) {
@@ -71,12 +47,8 @@ impl Load for GravityLoad {
             }
         }
     }
-}
 
-impl LoadOutput for GravityLoad {
-    fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let masses = heap_bytes(&self.bodies);
-        let masses = masses + heap_bytes(&self.nodes);
-        vec![("masses", masses), ("amplitude", self.acceleration.bytes())]
+    fn arrays(&self) -> (&'static str, usize) {
+        ("masses", heap_bytes(&self.bodies) + heap_bytes(&self.nodes))
     }
 }

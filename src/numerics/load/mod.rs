@@ -7,6 +7,7 @@ pub mod cavity;
 pub mod concentrated;
 pub mod fields;
 pub mod gravity;
+pub mod prescribed;
 pub mod pressure;
 pub mod stations;
 pub mod stiffness;
@@ -112,6 +113,15 @@ pub enum SceneChange<'a> {
     DeletedElements(&'a [ElementNodes]),
     /// New masses of nodes and bodies.
     Masses(&'a Dofs),
+}
+
+impl SceneChange<'_> {
+    /// Removes the faces of deleted elements from a surface.
+    fn remove_faces(&self, surface: &mut SurfaceGeometry) {
+        if let SceneChange::DeletedElements(deleted) = self {
+            surface.skin.remove_elements(deleted);
+        }
+    }
 }
 
 /// Dependence of a load on velocity.

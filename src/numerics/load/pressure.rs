@@ -1,64 +1,38 @@
 //! Prescribed pressure on a surface (`P`).
 
-use super::{
-    EnergyAccount, GeneralizedForce, Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView,
-    TargetDissipation,
-};
+use super::prescribed::LoadDistribution;
+use super::{EnergyAccount, GeneralizedForce, LoadTargets, SceneChange, SceneView};
 use crate::kernel::attitude::times;
-use crate::kernel::facet::{ring_pressure, section_pressure, shell_pressure};
+use crate::kernel::facet::{Facet, ring_pressure, section_pressure, shell_pressure};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 use crate::load::fields::FacetFields;
 use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
-use crate::routines::LockedRoutines;
-use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
-use crate::state::halt::HaltReason;
-use crate::state::limit::IncrementLimit;
-use crate::state::magnitude::Magnitude;
 
 /// A uniform pressure, positive against the outward normal. On a rigid body the resultant acts along the axis, so only
 /// the sum of the facets' axial areas is needed.
 #[derive(Clone, Debug, Persist)]
-#[persist(derived: id, axial_areas, magnitude)]
-pub struct PressureLoad {
-    id: EffectId,
+#[persist(derived: axial_areas)]
+pub struct PressureField {
     surface: SurfaceGeometry,
     /// Sum of area times n_z of each patch, and whether its body has six degrees of freedom.
     axial_areas: Vec<(f64, bool)>,
-    magnitude: Magnitude,
     /// Pressure at the last evaluation, for frame output.
     current: f64,
 }
 
-impl PressureLoad {
-    pub fn new(id: EffectId, surface: SurfaceGeometry, magnitude: Magnitude, dofs: &Dofs) -> Self {
-        let axial =
-            |facets: &[(usize, crate::kernel::facet::Facet)]| facets.iter().map(|(_, f)| f.area * f.normal[1]).sum();
+impl PressureField {
+    pub fn new(surface: SurfaceGeometry, dofs: &Dofs) -> Self {
+        let axial = |facets: &[(usize, Facet)]| facets.iter().map(|(_, f)| f.area * f.normal[1]).sum();
         let patches = surface.patches.iter();
         let axial_areas = patches.map(|p| (axial(&p.facets), dofs.bodies[p.body].is_spatial())).collect();
-        PressureLoad { id, surface, axial_areas, magnitude, current: 0.0 }
-    }
-
-    fn on_bodies(&self, dofs: &Dofs, mut forces: &mut [f64]) {
-        for (patch, &(area, in_space)) in self.surface.patches.iter().zip(&self.axial_areas) {
-            let (own, others) = forces.split_at_mut(if in_space { 3 } else { 1 });
-            let force = -self.current * area;
-            match &dofs.bodies[patch.body].spatial {
-                None => own[0] = force,
-                Some(body) => own.copy_from_slice(&times(force, body.attitude.axis())),
-            }
-            forces = others;
-        }
+        PressureField { surface, axial_areas, current: 0.0 }
     }
 }
 
-impl Load for PressureLoad {
-    fn effect(&self) -> EffectId {
-        self.id
-    }
-
+impl LoadDistribution for PressureField {
     fn targets(&self) -> LoadTargets {
         let mut bodies = Vec::new();
         for (patch, &(_, in_space)) in self.surface.patches.iter().zip(&self.axial_areas) {
@@ -70,42 +44,36 @@ impl Load for PressureLoad {
         LoadTargets { bodies, nodes: self.surface.skin.max_faces() > 0 }
     }
 
-    fn apply(
-        &mut self,
-        scene: &SceneView<'_>,
-        _: &mut LockedRoutines,
-        forces: &mut LoadForces<'_>,
-    ) -> Result<TargetDissipation, HaltReason> {
-        self.current = self.magnitude.at(&scene.clock);
-        match forces {
-            LoadForces::OnNodes(forces) => {
-                for (face, shell) in self.surface.skin.active_faces_with_shells() {
-                    add_pressure(&CurrentFace::new(face, &scene.dofs.nodes), shell, self.current, scene.rings, forces);
-                }
-            }
-            LoadForces::OnBodies(forces) => self.on_bodies(scene.dofs, forces),
+    fn on_nodes(&mut self, magnitude: f64, scene: &SceneView<'_>, forces: &mut [[f64; 2]]) {
+        self.current = magnitude;
+        for (face, shell) in self.surface.skin.active_faces_with_shells() {
+            add_pressure(&CurrentFace::new(face, &scene.dofs.nodes), shell, magnitude, scene.rings, forces);
         }
-        Ok(TargetDissipation::default())
     }
 
-    fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
-        self.magnitude.limit(&scene.clock)
+    fn on_bodies(&mut self, magnitude: f64, scene: &SceneView<'_>, mut forces: &mut [f64]) {
+        self.current = magnitude;
+        for (patch, &(area, in_space)) in self.surface.patches.iter().zip(&self.axial_areas) {
+            let (of_patch, others) = forces.split_at_mut(if in_space { 3 } else { 1 });
+            let force = -magnitude * area;
+            match &scene.dofs.bodies[patch.body].spatial {
+                None => of_patch[0] = force,
+                Some(body) => of_patch.copy_from_slice(&times(force, body.attitude.axis())),
+            }
+            forces = others;
+        }
     }
 
     fn scene_changed(&mut self, change: &SceneChange<'_>) {
-        if let SceneChange::DeletedElements(deleted) = change {
-            self.surface.skin.remove_elements(deleted);
-        }
+        change.remove_faces(&mut self.surface);
     }
-}
 
-impl LoadOutput for PressureLoad {
     fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {
         Some(FacetFields::uniform(&self.surface, self.current, dofs))
     }
 
-    fn arrays(&self) -> Vec<(&'static str, usize)> {
-        vec![("surface", self.surface.bytes()), ("amplitude", self.magnitude.bytes())]
+    fn arrays(&self) -> (&'static str, usize) {
+        ("surface", self.surface.bytes())
     }
 }
 

@@ -110,16 +110,16 @@ pub fn stations(patch: &RigidFacets, body: &RigidBody3d) -> Vec<SurfaceStation> 
     let count = body.stations;
     let around = |k: usize| libm::sincos(2.0 * PI * (k as f64 + 0.5) / count as f64);
     let parts = divided_facets(patch, body, f64::INFINITY);
-    let mut all = Vec::with_capacity(count * parts.len());
+    let mut list = Vec::with_capacity(count * parts.len());
     for (element, facet) in parts {
         let [r, z] = centroid(&facet);
         let [n_r, n_z] = facet.normal;
-        all.extend((0..count).map(around).map(|(sine, cosine)| SurfaceStation {
+        list.extend((0..count).map(around).map(|(sine, cosine)| SurfaceStation {
             element,
             arm: [r * cosine, z - body.heights[0], r * sine],
             normal: [n_r * cosine, n_z, n_r * sine],
             area: facet.area / count as f64,
         }));
     }
-    all
+    list
 }

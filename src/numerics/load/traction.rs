@@ -2,20 +2,15 @@
 //! pressure against the normal velocity (`VP`); ABAQUS Analysis User's Guide 34.4.3, "Surface tractions" and "Viscous
 //! pressure loads".
 
-use super::{Load, LoadForces, LoadOutput, LoadTargets, SceneChange, SceneView};
-use super::{TargetDissipation, VelocityUse};
+use super::prescribed::LoadDistribution;
+use super::{LoadTargets, SceneChange, SceneView, VelocityUse};
 use crate::kernel::facet::{Facet, ring_areas, section_areas, shell_areas};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 use crate::mesh::surface::{CurrentFace, SurfaceGeometry};
 use crate::platform::PortableMath as _;
-use crate::routines::LockedRoutines;
-use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
-use crate::state::halt::HaltReason;
-use crate::state::limit::IncrementLimit;
-use crate::state::magnitude::Magnitude;
 use crate::state::nodes::Nodes;
 
 /// Direction and law of a traction; directions are unit vectors `[r, z]`.
@@ -106,23 +101,31 @@ impl TractionLaw {
 
 /// A traction on a surface of rigid bodies that move along z and of deformable bodies.
 #[derive(Clone, Debug, Persist)]
-#[persist(derived: id, of_bodies, law, magnitude)]
-pub struct TractionLoad {
-    id: EffectId,
+#[persist(derived: of_bodies, law)]
+pub struct TractionField {
     surface: SurfaceGeometry,
     /// Force along z on the facets of each rigid body for unit magnitude.
     of_bodies: Vec<f64>,
     law: TractionLaw,
-    magnitude: Magnitude,
     /// Damping rate of the nodes by a viscous pressure, 1/time.
     damping: f64,
 }
 
-impl TractionLoad {
-    pub fn new(id: EffectId, surface: SurfaceGeometry, law: TractionLaw, magnitude: Magnitude) -> Self {
+impl TractionField {
+    pub fn new(surface: SurfaceGeometry, law: TractionLaw) -> Self {
         let sum = |facets: &[(usize, Facet)]| facets.iter().map(|(_, facet)| law.on_facet(facet)).sum();
         let of_bodies = surface.patches.iter().map(|patch| sum(&patch.facets)).collect();
-        TractionLoad { id, surface, of_bodies, law, magnitude, damping: 0.0 }
+        TractionField { surface, of_bodies, law, damping: 0.0 }
+    }
+}
+
+impl LoadDistribution for TractionField {
+    fn targets(&self) -> LoadTargets {
+        LoadTargets::along_z(&self.surface)
+    }
+
+    fn velocity_use(&self) -> VelocityUse {
+        if matches!(self.law, TractionLaw::Viscous(_)) { VelocityUse::Reads } else { VelocityUse::None }
     }
 
     fn on_nodes(&mut self, magnitude: f64, scene: &SceneView<'_>, forces: &mut [[f64; 2]]) {
@@ -149,57 +152,21 @@ impl TractionLoad {
         }
     }
 
-    fn on_bodies(&self, magnitude: f64, dofs: &Dofs, forces: &mut [f64]) {
+    fn on_bodies(&mut self, magnitude: f64, scene: &SceneView<'_>, forces: &mut [f64]) {
         for ((force, patch), sum) in forces.iter_mut().zip(&self.surface.patches).zip(&self.of_bodies) {
             *force = magnitude * sum;
             if let TractionLaw::Viscous(reference) = self.law {
-                *force *= dofs.bodies[patch.body].velocity_load - reference.velocity(dofs)[1];
+                *force *= scene.dofs.bodies[patch.body].velocity_load - reference.velocity(scene.dofs)[1];
             }
         }
     }
-}
-
-impl Load for TractionLoad {
-    fn effect(&self) -> EffectId {
-        self.id
-    }
-
-    fn targets(&self) -> LoadTargets {
-        LoadTargets::along_z(&self.surface)
-    }
-
-    fn velocity_use(&self) -> VelocityUse {
-        if matches!(self.law, TractionLaw::Viscous(_)) { VelocityUse::Reads } else { VelocityUse::None }
-    }
-
-    fn apply(
-        &mut self,
-        scene: &SceneView<'_>,
-        _: &mut LockedRoutines,
-        forces: &mut LoadForces<'_>,
-    ) -> Result<TargetDissipation, HaltReason> {
-        let magnitude = self.magnitude.at(&scene.clock);
-        match forces {
-            LoadForces::OnNodes(forces) => self.on_nodes(magnitude, scene, forces),
-            LoadForces::OnBodies(forces) => self.on_bodies(magnitude, scene.dofs, forces),
-        }
-        Ok(TargetDissipation::default())
-    }
-
-    fn max_increment(&self, scene: &SceneView<'_>) -> IncrementLimit {
-        self.magnitude.limit(&scene.clock)
-    }
 
     fn scene_changed(&mut self, change: &SceneChange<'_>) {
-        if let SceneChange::DeletedElements(deleted) = change {
-            self.surface.skin.remove_elements(deleted);
-        }
+        change.remove_faces(&mut self.surface);
     }
-}
 
-impl LoadOutput for TractionLoad {
-    fn arrays(&self) -> Vec<(&'static str, usize)> {
-        vec![("surface", self.surface.bytes()), ("amplitude", self.magnitude.bytes())]
+    fn arrays(&self) -> (&'static str, usize) {
+        ("surface", self.surface.bytes())
     }
 
     fn damping(&self) -> f64 {

@@ -99,8 +99,8 @@ impl EosLaw for UsUp {
     fn curve(&self, _: f64, specific_volume: f64) -> EosLine {
         let stiffness = self.density * self.c0 * self.c0;
         let eta = 1.0 - self.density * specific_volume;
-        let rest = 1.0 - self.s * eta;
-        let inverse = if rest > 0.0 { 1.0 / rest } else { f64::NAN };
+        let remainder = 1.0 - self.s * eta;
+        let inverse = if remainder > 0.0 { 1.0 / remainder } else { f64::NAN };
         let square = stiffness * inverse * inverse;
         let thermal = 1.0 - 0.5 * self.gamma0 * eta;
         let by_eta = square * ((1.0 - self.gamma0 * eta) + 2.0 * self.s * eta * thermal * inverse);
@@ -192,11 +192,11 @@ impl Tabulated {
             for l in 0..LANES {
                 let after = strain[l] - start;
                 let line = [values[0] + slopes[0] * after, values[1] + slopes[1] * after];
-                let here = strain[l] < limit;
-                lines.cold[l] = if here { line[0] } else { lines.cold[l] };
-                lines.per_energy[l] = if here { line[1] } else { lines.per_energy[l] };
-                lines.cold_slope[l] = if here { slopes[0] } else { lines.cold_slope[l] };
-                lines.energy_slope[l] = if here { slopes[1] } else { lines.energy_slope[l] };
+                let is_below = strain[l] < limit;
+                lines.cold[l] = if is_below { line[0] } else { lines.cold[l] };
+                lines.per_energy[l] = if is_below { line[1] } else { lines.per_energy[l] };
+                lines.cold_slope[l] = if is_below { slopes[0] } else { lines.cold_slope[l] };
+                lines.energy_slope[l] = if is_below { slopes[1] } else { lines.energy_slope[l] };
             }
         }
         for l in 0..LANES {

@@ -135,11 +135,11 @@ impl HighExplosive {
             let EosLine { cold, per_energy, cold_slope, energy_slope } =
                 self.products.curve(density, specific_volume(update, l));
             let burnt = burn.burnt[l];
-            let rest = (1.0 - burnt) * self.unburnt / self.products.density;
+            let unburnt_slope = (1.0 - burnt) * self.unburnt / self.products.density;
             let curve = EosLine {
-                cold: burnt * cold + rest * (density - self.products.density),
+                cold: burnt * cold + unburnt_slope * (density - self.products.density),
                 per_energy: burnt * per_energy,
-                cold_slope: burnt * cold_slope + rest,
+                cold_slope: burnt * cold_slope + unburnt_slope,
                 energy_slope: burnt * energy_slope,
             };
             let floor = if burnt < 1.0 { strong } else { 1e-12 * strong };

@@ -298,15 +298,15 @@ impl FailureLaw for MaterialFailure {
             _ => false,
         };
         // With damage evolution the output is limited to 1; without, the sum continues.
-        let shown = |(c, begun): (&StrainCriterion, &Lanes)| {
+        let initiation_of = |(c, begun): (&StrainCriterion, &Lanes)| {
             if c.evolution == EvolutionLaw::Absent { begun[lane] } else { begun[lane].min(1.0) }
         };
-        self.criteria.iter().zip(&state.begun).filter(|c| meant(c.0)).map(shown).reduce(f64::max)
+        self.criteria.iter().zip(&state.begun).filter(|c| meant(c.0)).map(initiation_of).reduce(f64::max)
     }
 
     #[inline(always)]
     fn degrade(&self, state: &mut DamageState, input: &FailureInput) -> RemainingStress {
-        let mut left = RemainingStress { stress: [1.0; LANES], mean: input.mean };
+        let mut remaining = RemainingStress { stress: [1.0; LANES], mean: input.mean };
         let mut worst = [0.0; LANES];
         // Criteria change only with plastic flow.
         if input.plastic[..input.count].iter().any(|plastic| *plastic != 0.0) {
@@ -321,10 +321,10 @@ impl FailureLaw for MaterialFailure {
         }
         let alive = state.alive;
         for l in (0..input.count).filter(|l| alive[*l]) {
-            self.apply_damage(state, l, worst[l], &mut left.mean[l]);
-            left.stress[l] = self.share(state, l);
+            self.apply_damage(state, l, worst[l], &mut remaining.mean[l]);
+            remaining.stress[l] = self.share(state, l);
         }
-        left
+        remaining
     }
 }
 

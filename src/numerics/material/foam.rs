@@ -157,24 +157,24 @@ impl FoamSurface<'_> {
             return None;
         }
         let (mut upper, mut lower) = (1.0, self.without_hardening(trial, before, high));
-        let mut found = start;
+        let mut root = start;
         let mut low = 0.0;
         for _ in 0..200 {
-            (found, low) = self.at(lower, trial, before, dt);
+            (root, low) = self.at(lower, trial, before, dt);
             if low <= 0.0 {
                 break;
             }
             (upper, high, lower) = (lower, low, 0.5 * lower);
         }
         if low.abs() <= 1e-13 * size {
-            return Some(found);
+            return Some(root);
         }
         // Bound that the last iteration replaced: 1 upper, -1 lower.
         let mut last = 0;
         for _ in 0..100 {
             let share = lower + (upper - lower) * low / (low - high);
             let (next, outside) = self.at(share, trial, before, dt);
-            found = next;
+            root = next;
             if outside.abs() <= 1e-13 * size || upper - lower <= 1e-15 * upper {
                 break;
             }
@@ -188,7 +188,7 @@ impl FoamSurface<'_> {
                 last = -1;
             }
         }
-        Some(found)
+        Some(root)
     }
 }
 

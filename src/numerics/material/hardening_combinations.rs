@@ -35,9 +35,9 @@ struct TestBlock<M: Material> {
 impl<M: Material> TestBlock<M> {
     /// Creates a block whose first `count` lanes hold elements. The other lanes are never strained.
     fn new(material: M, count: usize) -> Self {
-        let one = [1.0; LANES];
+        let unity = [1.0; LANES];
         let corners = [[[0.0; 4]; 2]; LANES];
-        let start = BlockStart { count, area: one, volume: one, centre: [one; 2], corners, first: 0 };
+        let start = BlockStart { count, area: unity, volume: unity, centre: [unity; 2], corners, first: 0 };
         let state = material.initial_state(&start);
         TestBlock { material, state, stress: [[0.0; LANES]; 4], update: StressUpdate::default(), count }
     }
@@ -50,16 +50,16 @@ impl<M: Material> TestBlock<M> {
         // Results of the previous block of the task.
         (self.update.flow, self.update.plastic) = ([1e-3; LANES], [[7.0; LANES]; 4]);
         for l in 0..LANES {
-            let own = if l < self.count { strains[l] } else { [0.0; 4] };
+            let components = if l < self.count { strains[l] } else { [0.0; 4] };
             strain.volume[l] = if l < self.count { 1.0 } else { 0.0 };
-            let dilation = own[0] + own[1] + own[2];
+            let dilation = components[0] + components[1] + components[2];
             let mean = (self.stress[0][l] + self.stress[1][l] + self.stress[2][l]) / 3.0;
             self.update.mean[l] = mean + MODULI.bulk * dilation;
             let mut deviator = [0.0; 4];
             for i in 0..4 {
-                strain.strain[i][l] = own[i];
+                strain.strain[i][l] = components[i];
                 let part = if i < 3 { (mean, dilation / 3.0) } else { (0.0, 0.0) };
-                deviator[i] = self.stress[i][l] - part.0 + 2.0 * MODULI.shear * (own[i] - part.1);
+                deviator[i] = self.stress[i][l] - part.0 + 2.0 * MODULI.shear * (components[i] - part.1);
                 self.update.deviator[i][l] = deviator[i];
             }
             self.update.trial[l] = mises(deviator);
@@ -224,17 +224,17 @@ fn monotonic_kinematic_hardening_reaches_its_flow_stress() {
                 block.strain(&shear(speed), DT);
                 same.strain(&shear(speed), DT);
             }
-            let before = block.plastic_strain(1);
+            let previous = block.plastic_strain(1);
             block.strain(&shear(speed), DT);
             same.strain(&shear(speed), DT);
             let (p, stress) = (block.plastic_strain(1), mises(block.stress_of(1)));
             if speed <= 0.0 {
                 // At once after fast flow a viscous overstress remains, which flows on.
-                assert!(p >= before, "{name}: {p} {before}");
+                assert!(p >= previous, "{name}: {p} {previous}");
                 continue;
             }
-            let expected = size.at(0.0, (p - before) / DT, 0.0) + SLOPE * p;
-            assert!(p > before && (stress / expected - 1.0).abs() < 1e-9, "{name}: {stress} {expected}");
+            let expected = size.at(0.0, (p - previous) / DT, 0.0) + SLOPE * p;
+            assert!(p > previous && (stress / expected - 1.0).abs() < 1e-9, "{name}: {stress} {expected}");
             if rate.is_none() {
                 let isotropic = same.stress_of(1);
                 assert!((block.stress_of(1)[3] / isotropic[3] - 1.0).abs() < 1e-9, "{isotropic:?}");

@@ -29,8 +29,8 @@ pub struct DeformationState {
 
 impl DeformationState {
     fn fresh() -> DeformationState {
-        let (one, zero) = ([1.0; LANES], [0.0; LANES]);
-        DeformationState { gradient: [one, zero, zero, one, one] }
+        let (unity, zero) = ([1.0; LANES], [0.0; LANES]);
+        DeformationState { gradient: [unity, zero, zero, unity, unity] }
     }
 
     /// Updates the deformation gradient by (1 + h/2)(1 - h/2)^-1 F with the displacement gradient h in the middle of
@@ -98,16 +98,16 @@ impl Material for NeoHooke {
         state.advance(strain);
         for l in 0..LANES {
             let [rr, rz, zr, zz, hoop] = state.of(l);
-            let left = [rr * rr + rz * rz, zr * zr + zz * zz, hoop * hoop, rr * zr + rz * zz];
-            let trace = left[0] + left[1] + left[2];
+            let left_cauchy_green = [rr * rr + rz * rz, zr * zr + zz * zz, hoop * hoop, rr * zr + rz * zz];
+            let trace = left_cauchy_green[0] + left_cauchy_green[1] + left_cauchy_green[2];
             let j = (rr * zz - rz * zr) * hoop;
             let third = inverse_cbrt(j);
             // J^(-5/3); a volume ratio that is not positive gives NaN, so that the run halts.
             let scale = if j > 0.0 { shear * ((third * third) * (third * third) * third) } else { f64::NAN };
             for i in 0..3 {
-                update.deviator[i][l] = scale * (left[i] - trace * (1.0 / 3.0));
+                update.deviator[i][l] = scale * (left_cauchy_green[i] - trace * (1.0 / 3.0));
             }
-            update.deviator[3][l] = scale * left[3];
+            update.deviator[3][l] = scale * left_cauchy_green[3];
             update.mean[l] = bulk * (j - 1.0);
             update.shear[l] = scale * trace * (1.0 / 3.0);
             // The stiffness along the largest stretch is below bulk J + 4/3 scale tr B; the constant moduli contain 4/3

@@ -65,8 +65,8 @@ pub(super) fn isentropic_work(
         let goes_on = mean * start > 0.0;
         if !goes_on {
             // Up to the volume without pressure the pressure is linear.
-            let left = first / (first - mean) * (middle - volume);
-            return work + if left.is_finite() { 0.5 * first * left } else { 0.0 };
+            let remaining = first / (first - mean) * (middle - volume);
+            return work + if remaining.is_finite() { 0.5 * first * remaining } else { 0.0 };
         }
         work += mean * (end - volume);
         energy -= (mean + ambient) * (end - volume);

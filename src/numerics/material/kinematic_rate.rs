@@ -82,11 +82,11 @@ impl HardeningLaw for RateKinematicHardening {
             let part = |i: usize| carried[i][l] * relative[i][l];
             let along = (part(0) + part(1)) + (part(2) + 2.0 * part(3));
             state.temperature[l] += self.heating.rise(state.temperature[l], [0.75, per, along]);
-            let before = state.slope[l];
-            let now = if !self.heating.is_none() { self.slope.value(state.temperature[l]) } else { before };
-            let ratio = if before > 0.0 { now / before } else { 1.0 };
+            let previous_slope = state.slope[l];
+            let now = if !self.heating.is_none() { self.slope.value(state.temperature[l]) } else { previous_slope };
+            let ratio = if previous_slope > 0.0 { now / previous_slope } else { 1.0 };
             for i in 0..4 {
-                state.back[i][l] = ratio * (carried[i][l] + before * per * relative[i][l]);
+                state.back[i][l] = ratio * (carried[i][l] + previous_slope * per * relative[i][l]);
             }
         }
     }

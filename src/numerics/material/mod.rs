@@ -64,6 +64,7 @@ pub struct BlockStart {
 pub enum PointValue {
     /// Stress rr, zz, hoop, rz.
     Stress([f64; 4]),
+    /// Temperature of the start.
     Temperature(f64),
     /// Temperature of the nodes at the end of an increment.
     NodalTemperature(f64),
@@ -73,14 +74,16 @@ pub enum PointValue {
     SpecificEnergy(f64),
     /// Initial equivalent plastic strain.
     PlasticStrain(f64),
-    /// Characteristic length of the element.
-    Length(f64),
+    /// Characteristic length of an integration point, by its index; otherwise the square root of the section area.
+    Length(usize, f64),
     /// State variable of the user, by its index.
     StateVariable(usize, f64),
     /// Field variable, by its index.
     Field(usize, f64),
     /// Field variable of the nodes at the end of an increment.
     NodalField(usize, f64),
+    /// Ratio of volumes ([`Material::volume_ratio`]), after a change of the mesh.
+    VolumeRatio(f64),
 }
 
 /// A material law: it computes the stress of a block of elements. The associated constants select the code that is
@@ -185,9 +188,6 @@ pub trait Material: Send + Sync + 'static {
     fn volume_ratio(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
         None
     }
-
-    /// Sets the ratio of volumes of an element ([`Material::volume_ratio`]).
-    fn set_volume_ratio(&self, _state: &mut Self::State, _lane: usize, _ratio: f64) {}
 
     /// Completes the state of an element whose variables have been transported ([`CarriedState`]).
     fn arrive(&self, _state: &mut Self::State, _lane: usize, _element: &ArrivedElement) {}

@@ -143,14 +143,14 @@ impl HardeningLaw for PiecewiseLinearHardening {
     /// at p + dp, so dp is the maximum over the lines.
     #[inline(always)]
     fn flow(&self, strain: &mut Lanes, flow: &mut FlowUpdate<'_>) {
-        let (before, mut increment, mut sum) = (*strain, [0.0; LANES], *strain);
+        let (initial, mut increment, mut sum) = (*strain, [0.0; LANES], *strain);
         for line in &self.lines {
             for l in 0..LANES {
-                let dp = (flow.trial[l] - (line.start + line.slope * before[l])) * line.per;
+                let dp = (flow.trial[l] - (line.start + line.slope * initial[l])) * line.per;
                 increment[l] = if dp > increment[l] { dp } else { increment[l] };
                 // The sum of the largest increment, since rounding is monotonic; its own loop would not be vectorized.
-                let most = before[l] + dp;
-                sum[l] = if most > sum[l] { most } else { sum[l] };
+                let upper = initial[l] + dp;
+                sum[l] = if upper > sum[l] { upper } else { sum[l] };
             }
         }
         (*strain, *flow.increment) = (sum, increment);

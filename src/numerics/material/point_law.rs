@@ -82,8 +82,8 @@ impl Material for PointLaw {
             update.internal[l] += 0.5 * volume * ((double(0) + double(1)) + (double(2) + 2.0 * double(3)));
             update.dissipated[l] += volume * dissipated;
             // A ratio within rounding of 1 is set to 1.
-            let left = mises(new) / update.trial[l];
-            update.returned[l] = if left < 1.0 - 1e-12 { left } else { 1.0 };
+            let ratio = mises(new) / update.trial[l];
+            update.returned[l] = if ratio < 1.0 - 1e-12 { ratio } else { 1.0 };
             if self.delete.is_some_and(|delete| variables[delete] == 0.0) {
                 state.deleted[l] = true;
                 update.deleted += 1;

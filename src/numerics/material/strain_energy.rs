@@ -151,10 +151,10 @@ impl VolumetricEnergy {
         let (mut power, mut order) = ([1.0; LANES], 2.0);
         for inverse in &self.inverse {
             for l in 0..LANES {
-                let by = j[l] - 1.0;
-                first[l] += order * inverse * power[l] * by;
+                let growth = j[l] - 1.0;
+                first[l] += order * inverse * power[l] * growth;
                 second[l] += order * (order - 1.0) * inverse * power[l];
-                power[l] *= by * by;
+                power[l] *= growth * growth;
             }
             order += 2.0;
         }
@@ -195,15 +195,18 @@ mod tests {
     #[test]
     fn derivatives_match_difference_quotients() {
         let terms = vec![(0.5, 1, 0), (0.2, 0, 1), (-0.02, 2, 0), (0.01, 1, 1), (0.03, 0, 2), (0.004, 3, 0)];
-        let of = terms.clone();
+        let energy_terms = terms.clone();
         agrees(&PolynomialEnergy { terms }, |s| {
             let (x, y) = (s.iter().sum::<f64>() - 3.0, s.iter().map(|x| 1.0 / x).sum::<f64>() - 3.0);
-            of.iter().map(|&(c, i, j)| c * x.powi(i as i32) * y.powi(j as i32)).sum()
+            energy_terms.iter().map(|&(c, i, j)| c * x.powi(i as i32) * y.powi(j as i32)).sum()
         });
         let terms = vec![[0.6, 1.3], [0.01, 5.0], [-0.1, -2.0]];
-        let of = terms.clone();
+        let energy_terms = terms.clone();
         agrees(&OgdenEnergy { terms }, |s| {
-            of.iter().map(|[mu, a]| 2.0 * mu / (a * a) * (s.iter().map(|x| x.powf(a / 2.0)).sum::<f64>() - 3.0)).sum()
+            energy_terms
+                .iter()
+                .map(|[mu, a]| 2.0 * mu / (a * a) * (s.iter().map(|x| x.powf(a / 2.0)).sum::<f64>() - 3.0))
+                .sum()
         });
         let volume = VolumetricEnergy { inverse: vec![10.0, 3.0] };
         let energy = |j: f64| 10.0 * (j - 1.0).powi(2) + 3.0 * (j - 1.0).powi(4);

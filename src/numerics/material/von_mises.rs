@@ -124,10 +124,6 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
         self.volumetric.volume_ratio(&state.volumetric, lane)
     }
 
-    fn set_volume_ratio(&self, state: &mut Self::State, lane: usize, ratio: f64) {
-        self.volumetric.set_volume_ratio(&mut state.volumetric, lane, ratio);
-    }
-
     fn bytes(&self, state: &Self::State) -> usize {
         self.volumetric.bytes(&state.volumetric)
     }
@@ -187,10 +183,11 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
             PointValue::PlasticStrain(strain) => {
                 return self.hardening.set_plastic_strain(&mut state.hardening, lane, strain);
             }
-            PointValue::Length(length) => self.failure.set_length(&mut state.failure, lane, length),
+            PointValue::Length(_, length) => self.failure.set_length(&mut state.failure, lane, length),
             PointValue::NodalTemperature(temperature) => {
                 self.hardening.set_temperature(&mut state.hardening, lane, temperature);
             }
+            PointValue::VolumeRatio(ratio) => self.volumetric.set_volume_ratio(&mut state.volumetric, lane, ratio),
             _ => return false,
         }
         true
@@ -255,7 +252,7 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             dt: strain.dt,
             count: strain.count,
         };
-        let (mut before, limit) = ([0.0; LANES], self.failure.tension_limit());
+        let (mut plastic_at_start, limit) = ([0.0; LANES], self.failure.tension_limit());
         for l in 0..LANES {
             let stress = column(stress, l);
             (input.mean[l], input.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
@@ -264,31 +261,31 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             }
         }
         for l in 0..strain.count {
-            before[l] = self.failure.share(&state.failure, l);
+            plastic_at_start[l] = self.failure.share(&state.failure, l);
             input.temperature[l] = self.temperature(state, l).unwrap_or(0.0);
         }
-        let left = self.failure.degrade(&mut state.failure, &input);
+        let remaining = self.failure.degrade(&mut state.failure, &input);
         let per_shear = if shear > 0.0 { 1.0 / (6.0 * shear) } else { 0.0 };
         for l in 0..strain.count {
-            if before[l] == 0.0 {
+            if plastic_at_start[l] == 0.0 {
                 stress.iter_mut().for_each(|s| s[l] = 0.0);
                 continue;
             }
             let (full, mean, mises) = (column(stress, l), input.mean[l], input.mises[l]);
-            let (left, limited) = (left.stress[l], left.mean[l]);
+            let (remaining, limited) = (remaining.stress[l], remaining.mean[l]);
             let shift = [limited - mean, limited - mean, limited - mean, 0.0];
             let (mut work, mut unloaded, volume) = (0.0, 0.0, strain.volume[l]);
             // Plastic work of the previous and the new stress without damage.
             let (mut flowed_before, mut flowed) = (0.0, 0.0);
             let flow = if input.plastic[l] > 0.0 { 1.5 * input.plastic[l] / update.trial[l] } else { 0.0 };
             for i in 0..4 {
-                let degraded = left * (full[i] + shift[i]);
+                let degraded = remaining * (full[i] + shift[i]);
                 let (increment, carried) = (strain.strain[i][l], strain.carried[i][l]);
                 let added = carried + full[i];
                 let twice = if i == 3 { 2.0 } else { 1.0 };
-                work += twice * increment * (before[l] * carried + degraded - added);
+                work += twice * increment * (plastic_at_start[l] * carried + degraded - added);
                 let undamaged = if V::EOS { full[i] + shift[i] } else { full[i] };
-                unloaded += twice * increment * (before[l] * undamaged - degraded);
+                unloaded += twice * increment * (plastic_at_start[l] * undamaged - degraded);
                 let plastic = twice * flow * update.deviator[i][l];
                 flowed_before += plastic * carried;
                 flowed += plastic * full[i];
@@ -299,24 +296,24 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             // Only a change of the factor takes elastic energy.
             let volumetric = if !V::EOS {
                 mean * mean / (2.0 * bulk)
-            } else if before[l] == left {
+            } else if plastic_at_start[l] == remaining {
                 0.0
             } else {
                 let element = ElementSize { volume: strain.current_volume[l], mass: strain.mass[l] };
                 self.recoverable_energy(state, l, element).unwrap_or(0.0) / volume
             };
             let elastic = distortion + volumetric;
-            let (energy_before, energy_after) = (before[l] * elastic, left * elastic);
+            let (energy_before, energy_after) = (plastic_at_start[l] * elastic, remaining * elastic);
             // The work of the increment is that of the degraded stress (trapezoidal rule), without this elastic part.
-            let missing = 0.5 * (unloaded - (before[l] - left) * flowed);
+            let missing = 0.5 * (unloaded - (plastic_at_start[l] - remaining) * flowed);
             let mut lost = (energy_before - energy_after) - missing;
             if V::EOS && limit < f64::INFINITY {
-                lost += before[l] * update.limit_tension(strain, l, (mean, limit));
+                lost += plastic_at_start[l] * update.limit_tension(strain, l, (mean, limit));
             }
-            let not_flowed = 0.5 * ((1.0 - before[l]) * flowed_before + (1.0 - left) * flowed);
+            let not_flowed = 0.5 * ((1.0 - plastic_at_start[l]) * flowed_before + (1.0 - remaining) * flowed);
             update.dissipated[l] += volume * (lost - not_flowed);
             update.damaged[l] += volume * lost;
-            update.deleted += usize::from(left == 0.0);
+            update.deleted += usize::from(remaining == 0.0);
         }
     }
 }

@@ -42,7 +42,7 @@ pub use output::{
     ColumnSource, ElementCorner, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule,
 };
 pub(crate) use report::{LedgerRows, Report};
-pub(crate) use scene::{Pairs, Scene, SectionInput, Shared, StepInput};
+pub(crate) use scene::{Pairs, Scene, Shared, StepInput};
 pub use state::State;
 
 /// A plan, its initial state, and the products that a revision of the plan needs.
@@ -106,7 +106,7 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     if diagnostics.has_errors() {
         diagnostics.keep_errors();
     }
-    let movable = state.elements.groups.iter_mut().map(|group| group.extensions().transfer().is_some());
+    let movable = state.elements.groups.iter_mut().map(|group| group.transfer().is_some());
     let movable_groups = movable.collect();
     let mut plan = Plan {
         ledger,

@@ -9,7 +9,6 @@ use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::mesh::surface::SurfaceGeometry;
 use crate::model::{AmplitudeId, Model, SurfaceContact};
 use crate::plan::{Bodies, Links, SolidPlaces, State};
-use crate::state::nodes::Node;
 
 /// The model with its rigid bodies, and the solver indices of its deformable nodes and elements.
 #[derive(Clone, Copy)]
@@ -35,15 +34,6 @@ pub struct StepInput<'a, 's> {
     pub state: &'s State,
     /// Index of the step.
     pub index: usize,
-}
-
-/// A section of shells or cohesive elements, and what its element group depends on.
-pub struct SectionInput<'a, S> {
-    pub model: &'a Model,
-    pub places: &'a SolidPlaces,
-    pub section: &'a S,
-    pub elements: &'a [usize],
-    pub nodes: &'a [Node],
 }
 
 /// Contact pairs of each step, and the names of all pairs for histories.

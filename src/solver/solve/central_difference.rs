@@ -124,7 +124,7 @@ mod tests {
     use crate::element::constants::{ElementConstants, HourglassControl};
     use crate::element::elements::{Elements, GroupTiming};
     use crate::element::frequency::{ConstrainedNodes, HighestFrequency};
-    use crate::element::group::QuadGroup;
+    use crate::element::quad::QuadGroup;
     use crate::kernel::bulk_viscosity::BulkViscosity;
     use crate::kernel::quad;
     use crate::material::plasticity::ElasticOnly;

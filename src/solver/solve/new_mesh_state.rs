@@ -12,6 +12,7 @@ use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::quad;
 use crate::kernel::shape::share_between;
 use crate::load::SceneChange;
+use crate::material::PointValue;
 use crate::model::Model;
 use crate::model::remesh::ModelBody;
 use crate::plan::{Plan, RemeshedBody, State};
@@ -96,8 +97,9 @@ impl MeshChange<'_> {
         for (index, (group, previous)) in elements.groups.iter_mut().zip(&mut self.old.elements.groups).enumerate() {
             if index != replaced {
                 copy_state(&mut **previous, &mut **group);
-            } else if let (Some(user), Some(previous)) = (group.extensions().user(), previous.extensions().user()) {
-                user.set_moduli(previous.moduli());
+            } else if let (Some(user), Some(previous)) = (group.user(), previous.user()) {
+                let (constants, previous) = (user.constants(), previous.constants());
+                (constants.bulk, constants.shear) = (previous.bulk, previous.shear);
             }
         }
         for (domain, previous) in adaptive.iter_mut().zip(&mut self.old.adaptive) {
@@ -134,7 +136,7 @@ impl MeshChange<'_> {
     /// Moves the body to its new mesh. `places` are the old places of the nodes of other bodies.
     fn move_body(&mut self, mut places: Vec<Option<PreviousPlace>>) {
         let ReplacedMesh { old: old_mesh, revision, .. } = self.mesh;
-        if let Some(transfer) = self.old.elements.groups[self.old_body.group].extensions().transfer() {
+        if let Some(transfer) = self.old.elements.groups[self.old_body.group].transfer() {
             transfer.prepare();
         }
         let living = LivingElements::new(self.old_body, self.old);
@@ -179,12 +181,14 @@ impl MeshChange<'_> {
             sorted.iter_mut().zip(&variables).for_each(|(list, variables)| list[e] = variables[i]);
             (of_group[e], corners[e]) = (masses[i], after.quads[i]);
         }
-        if let Some(into) = self.state.elements.groups[self.body.group].extensions().transfer() {
+        let group = &mut self.state.elements.groups[self.body.group];
+        if let Some(into) = group.transfer() {
             let arrived = ArrivedElements { masses: &of_group, corners: &corners, places: &after.points };
             let in_order: Vec<u32> = (0..count as u32).collect();
             into.write((&in_order, &vec![true; count]), &sorted, arrived);
             for (i, volume) in transfer.content(volumes).iter().enumerate() {
-                into.set_volume_ratio(self.body.elements[i], volume / quad::volume(after.corners(&after.quads[i])));
+                let ratio = volume / quad::volume(after.corners(&after.quads[i]));
+                group.set(self.body.elements[i] as usize, PointValue::VolumeRatio(ratio));
             }
         }
     }
@@ -322,7 +326,7 @@ impl LivingElements {
 
     /// Returns the volumes of the material; those of the elements if no pressure follows from the density.
     fn material_volumes(&self, state: &mut State, mesh: &BodyMesh) -> Vec<f64> {
-        let from = state.elements.groups[self.group].extensions().transfer();
+        let from = state.elements.groups[self.group].transfer();
         let ratio = |e: u32| from.as_ref().and_then(|from| from.volume_ratio(e)).unwrap_or(1.0);
         let elements = self.elements.iter().zip(&mesh.quads);
         elements.map(|(e, quad)| ratio(*e) * quad::volume(mesh.corners(quad))).collect()
@@ -332,7 +336,7 @@ impl LivingElements {
     fn variables(&self, state: &mut State) -> Vec<Vec<Pack>> {
         let group = &mut state.elements.groups[self.group];
         let count = group.len();
-        let Some(from) = group.extensions().transfer() else { return Vec::new() };
+        let Some(from) = group.transfer() else { return Vec::new() };
         let mut values = vec![vec![Pack::default(); count]; from.variables().div_ceil(PACK)];
         let in_order: Vec<u32> = (0..count as u32).collect();
         from.read((&in_order, &vec![true; count]), &mut values);

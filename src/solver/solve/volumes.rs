@@ -49,7 +49,7 @@ pub(super) fn warn_of_volumes(plan: &Plan, state: &mut State, outcome: &mut Outc
 fn mass_mismatch(state: &mut State, group: usize) -> MassMismatch {
     let (mut sums, group) = (MassMismatch::default(), &mut state.elements.groups[group]);
     for element in 0..group.len() {
-        let Some(ratio) = group.extensions().transfer().and_then(|from| from.volume_ratio(element as u32)) else {
+        let Some(ratio) = group.transfer().and_then(|from| from.volume_ratio(element as u32)) else {
             return MassMismatch::default();
         };
         if group.is_deleted(element) {

@@ -62,13 +62,15 @@ impl InterfaceBounds {
                 share.weight.abs() * self.sums[share.node][spring.axis] * inverse
             };
             let rate = 0.5 * spring.shares.iter().map(row).sum::<f64>().sqrt();
-            let most = match rates {
-                Some((element, most)) if element == spring.element => rate.max(most),
+            let largest = match rates {
+                Some((element, largest)) if element == spring.element => rate.max(largest),
                 _ => rate,
             };
-            rates = Some((spring.element, most));
+            rates = Some((spring.element, largest));
             let (group, element) = spring.element;
-            groups[group].extensions().settings().set_rate(element, most);
+            if let Some(cohesive) = groups[group].as_cohesive() {
+                cohesive.set_rate(element, largest);
+            }
         }
     }
 }

@@ -7,16 +7,14 @@
 use std::sync::Arc;
 
 use crate::element::block::is_larger;
-use crate::element::group::{
-    ElementGroup, ElementPass, ElementStiffness, EnergySource, GroupDeletion, GroupExtensions, GroupProperties,
-    GroupSettings, GroupTotals, InitialState, InterfaceElements,
-};
+use crate::element::group::{ElementGroup, ElementPass, GroupProperties, GroupSetting, GroupTotals};
 use crate::kernel::cohesive::{self, MidSurface};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
 use crate::kernel::traction_separation::{
     DissipatedEnergy, InterfaceHistory, InterfaceStiffness, TractionSeparationLaw,
 };
+use crate::material::PointValue;
 use crate::state::archive::Persist;
 use crate::state::nodes::Node;
 use crate::variables::{Variable, VariableComponent};
@@ -110,6 +108,17 @@ impl CohesiveGroup {
             is_erodible: false,
             fresh: 0,
         }
+    }
+
+    /// Returns the stiffness at both points of an element, force per separation.
+    pub fn stiffness_of_points(&self, element: usize) -> [f64; 2] {
+        let stiffness = self.law(element).largest_stiffness(1.0);
+        self.areas[element].inline_map(|area| stiffness * area)
+    }
+
+    /// Sets one over the stable time increment of an element, which depends on the bodies that it joins.
+    pub(super) fn set_rate(&mut self, element: usize, rate: f64) {
+        self.rates[element] = rate;
     }
 
     fn law(&self, element: usize) -> &TractionSeparationLaw {
@@ -221,19 +230,6 @@ impl CohesiveGroup {
     }
 }
 
-impl InterfaceElements for CohesiveGroup {
-    fn constitutive_thickness(&self, element: usize) -> Option<f64> {
-        Some(self.elements[element].thickness)
-    }
-
-    fn interface_stiffness(&self, element: usize) -> Option<[f64; 2]> {
-        let stiffness = self.law(element).largest_stiffness(1.0);
-        Some(self.areas[element].inline_map(|area| stiffness * area))
-    }
-}
-
-impl EnergySource for CohesiveGroup {}
-
 impl ElementGroup for CohesiveGroup {
     fn len(&self) -> usize {
         self.elements.len()
@@ -256,6 +252,10 @@ impl ElementGroup for CohesiveGroup {
 
     fn masses(&self, element: usize) -> PerNode<f64> {
         self.masses[element].into()
+    }
+
+    fn set_masses(&mut self, element: usize, masses: &[f64]) {
+        self.masses[element].copy_from_slice(masses);
     }
 
     fn update(&mut self, pass: ElementPass<'_>) -> GroupTotals {
@@ -299,13 +299,17 @@ impl ElementGroup for CohesiveGroup {
         }
     }
 
+    fn set(&mut self, _element: usize, _value: PointValue) -> bool {
+        false
+    }
+
+    fn thickness(&self, element: usize) -> Option<f64> {
+        Some(self.elements[element].thickness)
+    }
+
     fn stable_rate(&self, element: usize, masses: Option<&[f64]>, _nodes: &[Node]) -> Option<f64> {
         // The bound follows from the masses of the nodes, not from those of the element.
         masses.is_none().then(|| self.rate(element))
-    }
-
-    fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<ElementStiffness> {
-        None
     }
 
     fn bytes(&self) -> usize {
@@ -321,41 +325,9 @@ impl ElementGroup for CohesiveGroup {
         Box::new(self.clone())
     }
 
-    fn extensions(&mut self) -> &mut dyn GroupExtensions {
-        self
-    }
-}
-
-impl GroupExtensions for CohesiveGroup {
-    fn settings(&mut self) -> &mut dyn GroupSettings {
-        self
-    }
-
-    fn deletion(&mut self) -> &mut dyn GroupDeletion {
-        self
-    }
-
-    fn initial_state(&mut self) -> &mut dyn InitialState {
-        self
-    }
-}
-
-impl GroupSettings for CohesiveGroup {
-    fn set_masses(&mut self, element: usize, masses: &[f64]) {
-        self.masses[element].copy_from_slice(masses);
-    }
-
-    fn set_rate(&mut self, element: usize, rate: f64) {
-        self.rates[element] = rate;
-    }
-
     /// Energies are always recorded.
-    fn follow(&mut self) {}
-}
-
-impl GroupDeletion for CohesiveGroup {
-    fn make_erodible(&mut self) {
-        self.is_erodible = true;
+    fn configure(&mut self, setting: GroupSetting) {
+        self.is_erodible |= matches!(setting, GroupSetting::Deletion);
     }
 
     fn erode(&mut self, element: usize, _volume: f64) {
@@ -368,8 +340,8 @@ impl GroupDeletion for CohesiveGroup {
         (0..self.fresh).for_each(|_| deleted.push(ElementNodes::default()));
         self.fresh = 0;
     }
-}
 
-impl InitialState for CohesiveGroup {
-    fn set(&mut self, _element: usize, _stress: Option<[f64; 4]>, _temperature: Option<f64>) {}
+    fn as_cohesive(&mut self) -> Option<&mut CohesiveGroup> {
+        Some(self)
+    }
 }

@@ -134,13 +134,13 @@ impl ShellBlockUpdate<'_> {
         (point, place, weight): (usize, f64, f64),
     ) -> [Lanes; 2] {
         let index = |element: usize| element * section.points.len() + point;
-        let mut before = [ZERO; 2];
+        let mut previous = [ZERO; 2];
         for l in 0..LANES {
             let stress = self.group.stress[index(self.element(l))];
-            (before[0][l], before[1][l]) = (stress[0], stress[1]);
+            (previous[0][l], previous[1][l]) = (stress[0], stress[1]);
         }
         if self.dt == 0.0 {
-            return before;
+            return previous;
         }
         let mut strain = [ZERO; 2];
         for l in 0..LANES {
@@ -149,23 +149,23 @@ impl ShellBlockUpdate<'_> {
                 strain[axis][l] = lanes.strains[axis][l] + height * lanes.strains[2 + axis][l];
             }
         }
-        let (returned, work) = self.return_point(section, (&before, &strain), index);
+        let (returned, work) = self.return_point(section, (&previous, &strain), index);
         let mut thinning = ZERO;
         for l in 0..LANES {
-            let change = [0, 1].inline_map(|axis: usize| returned.stress[axis][l] - before[axis][l]);
+            let change = [0, 1].inline_map(|axis: usize| returned.stress[axis][l] - previous[axis][l]);
             thinning[l] = section.elastic.thinning(change) - (returned.plastic[0][l] + returned.plastic[1][l]);
             lanes.thinning[l] += weight * thinning[l];
             lanes.plastic[l] += weight * work[l];
         }
         for l in 0..self.count() {
-            let at = index(self.element(l));
+            let point_index = index(self.element(l));
             if self.group.is_deleted(self.element(l)) {
                 continue;
             }
-            self.group.stress[at] = returned.stress.inline_map(|list| list[l]);
+            self.group.stress[point_index] = returned.stress.inline_map(|list| list[l]);
             if let Some(ShellRecord { points, .. }) = self.group.record.as_deref_mut() {
                 let strain = [strain[0][l], strain[1][l], thinning[l]];
-                points[at].follow(strain, returned.plastic.inline_map(|list| list[l]), self.dt);
+                points[point_index].follow(strain, returned.plastic.inline_map(|list| list[l]), self.dt);
             }
         }
         returned.stress
@@ -193,16 +193,16 @@ impl ShellBlockUpdate<'_> {
             let state = self.group.flow[index(self.element(l))];
             (plastic[l], temperature[l]) = (state.strain, state.temperature);
         }
-        let given = PlaneTrial { stress: &trial, strain: &plastic, temperature: &temperature, dt: self.dt };
-        let returned = section.elastic.returned_lanes(&flowing.law, given, self.count());
+        let trial_state = PlaneTrial { stress: &trial, strain: &plastic, temperature: &temperature, dt: self.dt };
+        let returned = section.elastic.returned_lanes(&flowing.law, trial_state, self.count());
         let mut work = ZERO;
         for l in 0..LANES {
             let half = |axis: usize| 0.5 * (before[axis][l] + returned.stress[axis][l]) * returned.plastic[axis][l];
             work[l] = half(0) + half(1);
         }
         for l in (0..self.count()).filter(|l| returned.flow[*l] != 0.0) {
-            let at = index(self.element(l));
-            let state = &mut self.group.flow[at];
+            let point_index = index(self.element(l));
+            let state = &mut self.group.flow[point_index];
             state.strain += returned.flow[l];
             state.temperature += flowing.heating.rise(state.temperature, [work[l]]);
         }
@@ -309,8 +309,8 @@ impl ShellLanes {
         let per_dt = at.splat(if dt > 0.0 { 1.0 / dt } else { 0.0 });
         let sums = [strains[0] + strains[1], strains[2] + strains[3]];
         let rates = sums.inline_map(|sum| per_dt * sum);
-        let before = (at.load_all(&self.slow_rates), thickness);
-        let slow = section.slow_rates(&frame, &masses, before, rates, dt);
+        let previous = (at.load_all(&self.slow_rates), thickness);
+        let slow = section.slow_rates(&frame, &masses, previous, rates, dt);
         let [force, moment] = section.viscosity(&frame, &masses, thickness, rates, slow);
         let [n_s, n_h, m_s, m_h, q] = self.resultants(at);
         let forces = frame.forces(&[n_s + force, n_h + force, m_s + moment, m_h + moment, q]);
@@ -322,9 +322,9 @@ impl ShellLanes {
         at.store_all([work - viscous, area * at.load(&self.plastic), viscous], &mut totals.work);
         at.store_all(slow, &mut self.slow_rates);
         at.store_all([force, moment], &mut self.viscous);
-        let own = section.rate(&frame, &masses, thickness, rates[0]);
+        let section_rate = section.rate(&frame, &masses, thickness, rates[0]);
         let change = per_dt * (strains[0].size() + strains[1].size()) / at.splat(CHANGE);
-        at.store(change.if_larger_rate(own, change, own), &mut totals.rate);
+        at.store(change.if_larger_rate(section_rate, change, section_rate), &mut totals.rate);
     }
 }
 

@@ -13,14 +13,12 @@ use super::block::ShellBlockUpdate;
 use super::record::{PointStrains, ShellRecord};
 use super::section::ShellProperties;
 use crate::element::block::is_larger;
-use crate::element::group::{
-    ElementGroup, ElementPass, ElementStiffness, EnergySource, GroupDeletion, GroupExtensions, GroupProperties,
-    GroupSettings, GroupTotals, InitialState, InterfaceElements,
-};
+use crate::element::group::{ElementGroup, ElementPass, GroupProperties, GroupSetting, GroupTotals};
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{SectionComponents, ShellFrame};
 use crate::kernel::topology::{ElementNodes, ElementTopology, PerNode};
+use crate::material::PointValue;
 use crate::material::available::AvailableEnergy;
 use crate::state::archive::Persist;
 use crate::state::nodes::Node;
@@ -158,20 +156,6 @@ fn frame(ends: &[u32; 4], nodes: &[Node]) -> ShellFrame {
     ShellFrame::new([ends[0], ends[1]].inline_map(|n| nodes[n as usize].place()))
 }
 
-impl InterfaceElements for ShellGroup {}
-
-impl EnergySource for ShellGroup {
-    fn available_energy(&self, element: usize, nodes: &[Node]) -> AvailableEnergy {
-        let PlaneElastic { young, ratio } = self.section.elastic;
-        let points = self.section.points.iter().zip(&self.stress[element * self.section.points.len()..]);
-        let per_area = points.map(|([_, weight], [along, hoop])| {
-            0.5 * weight * (along * along + hoop * hoop - 2.0 * ratio * along * hoop) / young
-        });
-        let volume = self.frame(element, nodes).area() * self.state[element].thickness;
-        AvailableEnergy::initial(volume * per_area.sum::<f64>())
-    }
-}
-
 impl ElementGroup for ShellGroup {
     fn len(&self) -> usize {
         self.ends.len()
@@ -196,19 +180,23 @@ impl ElementGroup for ShellGroup {
         self.masses[element].into()
     }
 
+    fn set_masses(&mut self, element: usize, masses: &[f64]) {
+        self.masses[element].copy_from_slice(masses);
+    }
+
     fn update(&mut self, pass: ElementPass<'_>) -> GroupTotals {
         let ElementPass { nodes, dt, corners, .. } = pass;
         let (arch, mut totals) = (self.arch, GroupTotals::default());
         for (index, corners) in corners.iter_mut().enumerate() {
-            let found = arch.dispatch(ShellBlockUpdate { group: self, index, nodes, dt, corners });
+            let updated = arch.dispatch(ShellBlockUpdate { group: self, index, nodes, dt, corners });
             for element in (index * LANES..self.ends.len().min((index + 1) * LANES)).filter(|e| !self.is_deleted(*e)) {
                 let l = element % LANES;
-                let [internal, plastic, viscous] = found.work.inline_map(|list| list[l]);
+                let [internal, plastic, viscous] = updated.work.inline_map(|list| list[l]);
                 totals.internal += internal;
                 totals.plastic += plastic;
                 totals.viscous += viscous;
-                if is_larger(found.rate[l], totals.rate) {
-                    (totals.rate, totals.limiting) = (found.rate[l], element);
+                if is_larger(updated.rate[l], totals.rate) {
+                    (totals.rate, totals.limiting) = (updated.rate[l], element);
                 }
             }
         }
@@ -218,14 +206,14 @@ impl ElementGroup for ShellGroup {
     fn value(&self, element: usize, part: VariableComponent) -> Option<f64> {
         let component = part.component;
         if let Some((variable, side)) = place(part.variable) {
-            let at = self.point(element, side);
+            let point = self.point(element, side);
             let strain = |of: fn(&PointStrains) -> [f64; 3]| {
-                Some(of(self.record.as_ref()?.points.get(at)?).get(component).copied().unwrap_or(0.0))
+                Some(of(self.record.as_ref()?.points.get(point)?).get(component).copied().unwrap_or(0.0))
             };
             return match variable {
-                Variable::Stress => Some(self.stress[at].get(component).copied().unwrap_or(0.0)),
-                Variable::PlasticStrain => Some(self.flow.get(at)?.strain),
-                Variable::Temperature => Some(self.flow.get(at)?.temperature),
+                Variable::Stress => Some(self.stress[point].get(component).copied().unwrap_or(0.0)),
+                Variable::PlasticStrain => Some(self.flow.get(point)?.strain),
+                Variable::Temperature => Some(self.flow.get(point)?.temperature),
                 Variable::LogarithmicStrain => strain(|p| p.total),
                 Variable::PlasticComponents if self.flow.is_empty() => None,
                 Variable::PlasticComponents => strain(|p| p.plastic),
@@ -234,7 +222,7 @@ impl ElementGroup for ShellGroup {
         }
         let followed = || Some(self.record.as_ref()?.elements[element]);
         match part.variable {
-            Variable::Thickness => Some(self.state[element].thickness),
+            Variable::Thickness => self.thickness(element),
             Variable::SectionForce => [0, 1, 4].get(component).map(|&i| self.resultants(element)[i]),
             Variable::SectionMoment => [2, 3].get(component).map(|&i| self.resultants(element)[i]),
             Variable::SectionStrain => Some(followed()?.section[*[0, 1, 4].get(component)?]),
@@ -249,13 +237,54 @@ impl ElementGroup for ShellGroup {
         }
     }
 
+    fn set(&mut self, element: usize, value: PointValue) -> bool {
+        let count = self.section.points.len();
+        let points = element * count..(element + 1) * count;
+        match value {
+            PointValue::Stress([meridian, hoop, ..]) => self.stress[points].fill([meridian, hoop]),
+            PointValue::Temperature(temperature) => {
+                self.flow.get_mut(points).into_iter().flatten().for_each(|f| f.temperature = temperature);
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    fn thickness(&self, element: usize) -> Option<f64> {
+        Some(self.state[element].thickness)
+    }
+
     fn stable_rate(&self, element: usize, masses: Option<&[f64]>, nodes: &[Node]) -> Option<f64> {
         let masses = masses.map_or(Some(&self.masses[element]), |list| list.first_chunk())?;
         Some(self.section.rate(&self.frame(element, nodes), masses, self.state[element].thickness, 0.0))
     }
 
-    fn stiffness(&self, _element: usize, _nodes: &[Node]) -> Option<ElementStiffness> {
-        None
+    fn available_energy(&self, element: usize, nodes: &[Node]) -> AvailableEnergy {
+        let PlaneElastic { young, ratio } = self.section.elastic;
+        let points = self.section.points.iter().zip(&self.stress[element * self.section.points.len()..]);
+        let per_area = points.map(|([_, weight], [along, hoop])| {
+            0.5 * weight * (along * along + hoop * hoop - 2.0 * ratio * along * hoop) / young
+        });
+        let volume = self.frame(element, nodes).area() * self.state[element].thickness;
+        AvailableEnergy::initial(volume * per_area.sum::<f64>())
+    }
+
+    fn configure(&mut self, setting: GroupSetting) {
+        match setting {
+            GroupSetting::Records => {
+                self.record = Some(Box::new(ShellRecord::new(self.ends.len(), self.stress.len())));
+            }
+            GroupSetting::Deletion => self.deleted = vec![false; self.ends.len()],
+            GroupSetting::Instructions(arch) => self.arch = arch,
+            GroupSetting::StableRates | GroupSetting::HighestFrequency(_) => {}
+        }
+    }
+
+    /// Deletes a shell and sets its stress to zero.
+    fn erode(&mut self, element: usize, _volume: f64) {
+        self.deleted[element] = true;
+        self.state[element].shear = 0.0;
+        self.set(element, PointValue::Stress([0.0; 4]));
     }
 
     fn bytes(&self) -> usize {
@@ -267,63 +296,5 @@ impl ElementGroup for ShellGroup {
 
     fn copy(&self) -> Box<dyn ElementGroup> {
         Box::new(self.clone())
-    }
-
-    fn extensions(&mut self) -> &mut dyn GroupExtensions {
-        self
-    }
-}
-
-impl GroupExtensions for ShellGroup {
-    fn settings(&mut self) -> &mut dyn GroupSettings {
-        self
-    }
-
-    fn deletion(&mut self) -> &mut dyn GroupDeletion {
-        self
-    }
-
-    fn initial_state(&mut self) -> &mut dyn InitialState {
-        self
-    }
-}
-
-impl GroupSettings for ShellGroup {
-    fn use_instructions(&mut self, arch: Arch) {
-        self.arch = arch;
-    }
-
-    fn set_masses(&mut self, element: usize, masses: &[f64]) {
-        self.masses[element].copy_from_slice(masses);
-    }
-
-    fn follow(&mut self) {
-        self.record = Some(Box::new(ShellRecord::new(self.ends.len(), self.stress.len())));
-    }
-}
-
-impl GroupDeletion for ShellGroup {
-    fn make_erodible(&mut self) {
-        self.deleted = vec![false; self.ends.len()];
-    }
-
-    /// Deletes a shell and sets its stress to zero.
-    fn erode(&mut self, element: usize, _volume: f64) {
-        self.deleted[element] = true;
-        self.state[element].shear = 0.0;
-        self.set(element, Some([0.0; 4]), None);
-    }
-}
-
-impl InitialState for ShellGroup {
-    fn set(&mut self, element: usize, stress: Option<[f64; 4]>, temperature: Option<f64>) {
-        let count = self.section.points.len();
-        let points = element * count..(element + 1) * count;
-        if let Some([meridian, hoop, ..]) = stress {
-            self.stress[points.clone()].fill([meridian, hoop]);
-        }
-        if let (Some(temperature), Some(flow)) = (temperature, self.flow.get_mut(points)) {
-            flow.iter_mut().for_each(|f| f.temperature = temperature);
-        }
     }
 }

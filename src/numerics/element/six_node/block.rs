@@ -4,17 +4,16 @@
 
 use std::f64::consts::PI;
 
-use super::triangles::{TriangleIncrement, TriangleLanes, WorkArrays, operators_at, places};
+use super::triangles::{TriangleLanes, WorkArrays, operators_at, places};
 use crate::element::block::{ElementBlock, TaskWorkspace};
 use crate::element::constants::ElementConstants;
-use crate::element::group::block_of_points;
+use crate::element::solid::{BlockPass, BlockPlace, InitialBlock, SolidIncrement};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators};
 use crate::kernel::stress::mises;
 use crate::material::volumetric::ElementSize;
 use crate::material::{BlockStart, Material, PlasticFlow};
 use crate::state::archive::Persist;
-use crate::state::nodes::Node;
 
 /// Triangles with stress and state of their points.
 #[derive(Clone, Persist)]
@@ -29,21 +28,17 @@ pub struct TriangleBlock<S> {
 }
 
 impl<S: Clone> TriangleBlock<S> {
-    /// Creates a block of elements at rest, at most as many as there are lanes.
-    pub fn new<M: Material<State = S>>(
-        material: &M,
-        density: f64,
-        (first, elements): (usize, &[[u32; NODES]]),
-        nodes: &[Node],
-    ) -> Self {
+    /// Creates a block of elements at rest.
+    pub fn at_rest<M: Material<State = S>>(material: &M, initial: &InitialBlock<'_, [u32; NODES]>) -> Self {
+        let InitialBlock { first, elements, nodes, density } = *initial;
         // Lanes after the last element repeat it; their results are not used.
         let element = |l: usize| elements[l.min(elements.len() - 1)];
-        let at = |l: usize| places(element(l), nodes);
-        let operators: [TriangleOperators; LANES] = inline_from_fn(|l| operators_at(at(l)));
-        let area: Lanes = inline_from_fn(|l| section(&at(l)));
+        let places_of = |l: usize| places(element(l), nodes);
+        let operators: [TriangleOperators; LANES] = inline_from_fn(|l| operators_at(places_of(l)));
+        let area: Lanes = inline_from_fn(|l| section(&places_of(l)));
         let point = |p: usize| {
             let volume = operators.inline_map(|g| 2.0 * PI * g.volume[p]);
-            let around = |n: usize, l: usize, i: usize| at(l)[n % NODES][i];
+            let around = |n: usize, l: usize, i: usize| places_of(l)[n % NODES][i];
             let centre = |i: usize| {
                 inline_from_fn(|l| (around(2 * p, l, i) + around(2 * p + 1, l, i) + around(2 * p + 5, l, i)) / 3.0)
             };
@@ -58,16 +53,11 @@ impl<S: Clone> TriangleBlock<S> {
                 corners: inline_from_fn(|l| [corner(l, 0), corner(l, 1)]),
                 first,
             };
-            block_of_points(material.initial_state(&start), volume.inline_map(|v| density * v))
+            ElementBlock::of_points(material.initial_state(&start), volume.inline_map(|v| density * v))
         };
         let points = [point(0), point(1), point(2)];
         let start = if M::CALLS { operators.to_vec() } else { Vec::new() };
         TriangleBlock { triangles: TriangleLanes::new(inline_from_fn(element), density, nodes), points, start }
-    }
-
-    /// Returns the mass of the element in a lane.
-    pub fn mass(&self, lane: usize) -> f64 {
-        self.points.iter().map(|p| p.mass[lane]).sum()
     }
 
     /// Updates the block over one increment, given its number in the group and in its task: stresses and nodal forces
@@ -75,28 +65,27 @@ impl<S: Clone> TriangleBlock<S> {
     #[inline(always)]
     pub fn update<M: Material<State = S>>(
         &mut self,
-        material: &M,
-        constants: &ElementConstants,
-        increment: &TriangleIncrement<'_>,
-        (number, at): (usize, usize),
+        pass: &BlockPass<'_, M>,
+        BlockPlace { number, at }: BlockPlace,
         (scratch, work): (&mut TaskWorkspace, &mut WorkArrays),
         corners: &mut [BlockCornerForces],
     ) {
+        let BlockPass { material, ref increment, .. } = *pass;
         self.triangles.measure(increment, work);
-        let before = M::EQUATION_OF_STATE.then(|| {
+        let sums_at_start = M::EQUATION_OF_STATE.then(|| {
             let lost = self.triangles.work_of_start(corners, increment, work);
             (lost, scratch.stress.internal, scratch.sums.viscous)
         });
         for p in 0..POINTS {
             scratch.prepare(number, POINTS * at + p, increment.count - number * LANES);
-            self.measure_point(p, material, constants, increment, scratch, work);
-            self.update_point(p, material, constants, increment, scratch, work);
+            self.measure_point(p, pass, scratch, work);
+            self.update_point(p, pass, scratch, work);
         }
-        self.assemble(material, constants, increment, at, (scratch, work), corners);
-        let Some((lost, internal, viscous)) = before else { return };
+        self.assemble(pass, at, (scratch, work), corners);
+        let Some((lost, internal, viscous)) = sums_at_start else { return };
         // The energy follows from the work of forces on the nodes (compatible.rs).
         let lost = self.triangles.work_of_end(lost, corners, increment, work);
-        let mass: Lanes = inline_from_fn(|l| self.mass(l));
+        let mass: Lanes = inline_from_fn(|l| self.points.iter().map(|p| p.mass[l]).sum());
         let mut missing = [0.0; LANES];
         for l in 0..LANES {
             let known = (scratch.stress.internal[l] - internal[l]) + (scratch.sums.viscous[l] - viscous[l]);
@@ -115,18 +104,17 @@ impl<S: Clone> TriangleBlock<S> {
     #[inline(always)]
     pub fn assemble<M: Material<State = S>>(
         &mut self,
-        material: &M,
-        constants: &ElementConstants,
-        increment: &TriangleIncrement<'_>,
+        pass: &BlockPass<'_, M>,
         at: usize,
         (scratch, work): (&mut TaskWorkspace, &mut WorkArrays),
         corners: &mut [BlockCornerForces],
     ) {
         if M::FAILS {
-            self.delete_failed(material, constants, at, (scratch, work));
+            self.delete_failed(pass, at, (scratch, work));
         }
         let stress = self.points.each_ref().inline_map(|point| point.stress);
-        self.triangles.assemble((constants, M::MODULI_VARY), increment, &stress, (scratch, work), corners);
+        let constants = (pass.constants, M::MODULI_VARY);
+        self.triangles.assemble(constants, &pass.increment, &stress, (scratch, work), corners);
     }
 
     /// Computes the strain increment and the trial stress of a point.
@@ -134,13 +122,11 @@ impl<S: Clone> TriangleBlock<S> {
     pub fn measure_point<M: Material<State = S>>(
         &mut self,
         p: usize,
-        material: &M,
-        constants: &ElementConstants,
-        increment: &TriangleIncrement<'_>,
+        pass: &BlockPass<'_, M>,
         scratch: &mut TaskWorkspace,
         work: &WorkArrays,
     ) {
-        let dt = increment.dt;
+        let BlockPass { material, constants, increment: SolidIncrement { dt, time, .. } } = *pass;
         let (point, deleted) = (&mut self.points[p], self.triangles.deleted);
         for l in (0..LANES).filter(|l| deleted[*l]) {
             scratch.mask(l);
@@ -155,7 +141,7 @@ impl<S: Clone> TriangleBlock<S> {
             }
         }
         scratch.set_gradients(dt, &work.points[p].gradients, &work.points[p].middle);
-        material.begin(&mut point.state, increment.time);
+        material.begin(&mut point.state, time);
         point.trial::<M>(constants, dt, scratch);
         if scratch.cap < f64::INFINITY {
             scratch.measure();
@@ -172,13 +158,12 @@ impl<S: Clone> TriangleBlock<S> {
     pub fn update_point<M: Material<State = S>>(
         &mut self,
         p: usize,
-        material: &M,
-        constants: &ElementConstants,
-        increment: &TriangleIncrement<'_>,
+        pass: &BlockPass<'_, M>,
         scratch: &mut TaskWorkspace,
         work: &mut WorkArrays,
     ) {
-        let (dt, at) = (increment.dt, scratch.at);
+        let BlockPass { material, constants, increment: SolidIncrement { dt, arch, .. } } = *pass;
+        let index = scratch.at;
         let (point, deleted) = (&mut self.points[p], self.triangles.deleted);
         point.update_stress(material, constants, scratch);
         // Materials that compute stress from the total deformation have set it again.
@@ -186,13 +171,14 @@ impl<S: Clone> TriangleBlock<S> {
             point.stress.iter_mut().for_each(|s| s[l] = 0.0);
         }
         if !scratch.task.records.is_empty() {
-            scratch.update_record(increment.arch, at, M::FLOW, (scratch.strain.spin, dt));
+            scratch.update_record(arch, index, M::FLOW, (scratch.strain.spin, dt));
         }
-        let done = &mut work.points[p];
-        (done.strain, done.volume) = (scratch.strain.strain, scratch.strain.volume);
-        [done.bulk, done.shear] = moduli::<M>(constants, scratch);
+        let increment_of_point = &mut work.points[p];
+        (increment_of_point.strain, increment_of_point.volume) = (scratch.strain.strain, scratch.strain.volume);
+        [increment_of_point.bulk, increment_of_point.shear] = moduli::<M>(constants, scratch);
         // Subtracts the viscous work that the material expected.
-        done.heat = if M::EQUATION_OF_STATE { scratch.stress.heat.inline_map(|heat| -heat) } else { [0.0; LANES] };
+        increment_of_point.heat =
+            if M::EQUATION_OF_STATE { scratch.stress.heat.inline_map(|heat| -heat) } else { [0.0; LANES] };
     }
 
     /// Deletes elements with a failed point. The stress of the other points ends with the increment, and their stored
@@ -200,8 +186,7 @@ impl<S: Clone> TriangleBlock<S> {
     #[inline(never)]
     fn delete_failed<M: Material<State = S>>(
         &mut self,
-        material: &M,
-        constants: &ElementConstants,
+        &BlockPass { material, constants, .. }: &BlockPass<'_, M>,
         at: usize,
         (scratch, work): (&mut TaskWorkspace, &WorkArrays),
     ) {

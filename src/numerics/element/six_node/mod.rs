@@ -1,8 +1,7 @@
 //! Six-node triangles (CAX6M): groups of composite elements with three integration points.
 
 mod block;
-mod calls;
-mod group;
+mod solid;
 mod triangles;
 
-pub use group::SixNodeTriangles;
+pub use solid::SixNodeTriangles;

@@ -4,16 +4,17 @@
 
 use std::f64::consts::PI;
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::NullaryFnOnce;
 
 use crate::element::block::{TaskWorkspace, is_larger};
 use crate::element::constants::{CHANGE, ElementConstants, damped};
+use crate::element::solid::SolidIncrement;
 use crate::kernel::bulk_viscosity::{BulkViscosity, slow_rate};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::quad::UNIT;
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators, frequency_squared, masses};
 use crate::state::archive::Persist;
-use crate::state::nodes::{Node, NodeAccelerations};
+use crate::state::nodes::Node;
 
 /// Blocks of corner forces per block of triangles.
 pub const FORCE_BLOCKS: usize = 2;
@@ -95,18 +96,6 @@ impl WorkArrays {
     }
 }
 
-/// Input of an increment that all blocks of a group share.
-pub struct TriangleIncrement<'a> {
-    pub nodes: &'a [Node],
-    pub dt: f64,
-    pub before: NodeAccelerations<'a>,
-    /// Total time at the end of the increment.
-    pub time: f64,
-    pub arch: Arch,
-    /// Number of elements of the group.
-    pub count: usize,
-}
-
 /// Returns the positions of the nodes of an element.
 pub fn places(element: [u32; NODES], nodes: &[Node]) -> [[f64; 2]; NODES] {
     element.inline_map(|n| nodes[n as usize].place())
@@ -121,12 +110,12 @@ pub fn operators_at(places: [[f64; 2]; NODES]) -> TriangleOperators {
 impl TriangleLanes {
     /// Creates a block from the nodes of its elements in the initial configuration.
     pub fn new(elements: [[u32; NODES]; LANES], density: f64, nodes: &[Node]) -> Self {
-        let at = elements.inline_map(|element| places(element, nodes));
-        let masses = at.inline_map(|at| masses(at, density));
+        let positions = elements.inline_map(|element| places(element, nodes));
+        let masses = positions.inline_map(|positions| masses(positions, density));
         TriangleLanes {
             nodes: inline_from_fn(|n| elements.inline_map(|element| element[n])),
             inverse_mass: inline_from_fn(|n| masses.inline_map(|masses| 1.0 / masses[n])),
-            volume: at.inline_map(|at| 2.0 * PI * operators_at(at).total()),
+            volume: positions.inline_map(|positions| 2.0 * PI * operators_at(positions).total()),
             deleted: [false; LANES],
             rate: [0.0; LANES],
         }
@@ -159,7 +148,7 @@ impl TriangleLanes {
     }
 
     /// Computes motion, volumes and velocity gradients into the work arrays.
-    pub fn measure(&self, increment: &TriangleIncrement<'_>, work: &mut WorkArrays) {
+    pub fn measure(&self, increment: &SolidIncrement<'_>, work: &mut WorkArrays) {
         increment.arch.dispatch(TriangleMeasurement { triangles: self, increment, work });
     }
 
@@ -168,10 +157,10 @@ impl TriangleLanes {
     pub fn work_of_start(
         &self,
         corners: &[BlockCornerForces],
-        increment: &TriangleIncrement<'_>,
+        increment: &SolidIncrement<'_>,
         work: &WorkArrays,
     ) -> Lanes {
-        let TriangleIncrement { dt, before, .. } = *increment;
+        let SolidIncrement { dt, before, .. } = *increment;
         let share = 0.5 * before.half * (dt - before.half);
         let mut lost = [0.0; LANES];
         for n in 0..NODES {
@@ -191,7 +180,7 @@ impl TriangleLanes {
         &self,
         mut lost: Lanes,
         corners: &[BlockCornerForces],
-        increment: &TriangleIncrement<'_>,
+        increment: &SolidIncrement<'_>,
         work: &WorkArrays,
     ) -> Lanes {
         for n in 0..NODES {
@@ -209,7 +198,7 @@ impl TriangleLanes {
     pub fn assemble(
         &mut self,
         (constants, varies): (&ElementConstants, bool),
-        increment: &TriangleIncrement<'_>,
+        increment: &SolidIncrement<'_>,
         stress: &[[Lanes; 4]; POINTS],
         (scratch, work): (&mut TaskWorkspace, &mut WorkArrays),
         corners: &mut [BlockCornerForces],
@@ -222,7 +211,7 @@ impl TriangleLanes {
 /// Arguments of [`TriangleLanes::measure`], as an operation for the selected instruction set.
 struct TriangleMeasurement<'a> {
     triangles: &'a TriangleLanes,
-    increment: &'a TriangleIncrement<'a>,
+    increment: &'a SolidIncrement<'a>,
     work: &'a mut WorkArrays,
 }
 
@@ -276,8 +265,9 @@ impl NullaryFnOnce for TriangleAssembly<'_> {
         let filter = constants.bulk_viscosity.filter();
         let cap = scratch.cap;
         for l in 0..LANES {
-            let (now, done) = (&work.now[l], &mut work.points);
-            let largest = |of: fn(&PointIncrement) -> &Lanes| of(&done[0])[l].max(of(&done[1])[l]).max(of(&done[2])[l]);
+            let (now, points) = (&work.now[l], &mut work.points);
+            let largest =
+                |of: fn(&PointIncrement) -> &Lanes| of(&points[0])[l].max(of(&points[1])[l]).max(of(&points[2])[l]);
             let (bulk, shear) = (largest(|d| &d.bulk), largest(|d| &d.shear));
             let omega = frequency_squared(now, [bulk, shear], &triangles.inverse_masses(l)).sqrt();
             let (modulus, period) = (bulk + 4.0 / 3.0 * constants.shear, 1.0 / omega);
@@ -297,10 +287,10 @@ impl NullaryFnOnce for TriangleAssembly<'_> {
                 stress[p] = column(&own[p], l);
                 stress[p][..3].iter_mut().for_each(|s| *s += damping);
                 let viscous = &mut scratch.task.controls[first + p].viscous[l];
-                let heat = done[p].volume[l] * 0.5 * (*viscous + damping) * dt * rate;
+                let heat = points[p].volume[l] * 0.5 * (*viscous + damping) * dt * rate;
                 *viscous = damping;
                 scratch.sums.viscous[l] += heat;
-                done[p].heat[l] += heat;
+                points[p].heat[l] += heat;
             }
             let forces = now.forces(&stress);
             for (n, force) in forces.iter().enumerate() {

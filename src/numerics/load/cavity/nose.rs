@@ -61,8 +61,9 @@ impl NoseFront {
 
     /// Returns the parts that are not in the shadow of facets further ahead.
     fn exposed_part(&self, all: &[(usize, Facet)], sign: f64) -> NoseFront {
-        let own: Vec<(usize, Facet)> = self.elements.iter().copied().zip(self.facets.iter().copied()).collect();
-        NoseFront::of(shadow::exposed_parts(&own, all, sign))
+        let numbered_facets: Vec<(usize, Facet)> =
+            self.elements.iter().copied().zip(self.facets.iter().copied()).collect();
+        NoseFront::of(shadow::exposed_parts(&numbered_facets, all, sign))
     }
 
     fn sort_inwards(&mut self) {
@@ -112,9 +113,9 @@ impl NoseResistance {
         let of_front = |front: &NoseFront| -> Vec<(usize, Facet)> {
             front.elements.iter().copied().zip(front.facets.iter().copied()).collect()
         };
-        let all: Vec<(usize, Facet)> = self.fronts.iter().flat_map(of_front).collect();
+        let numbered_facets: Vec<(usize, Facet)> = self.fronts.iter().flat_map(of_front).collect();
         for (front, sign) in self.fronts.iter_mut().zip([-1.0, 1.0]) {
-            let facing = front.exposed_part(&all, sign);
+            let facing = front.exposed_part(&numbered_facets, sign);
             let hidden = front.elements.iter().filter(|element| !facing.elements.contains(element));
             self.idle.extend(hidden);
             let sorted = !front.inwards.is_empty();
@@ -171,8 +172,8 @@ impl NoseResistance {
     /// body is at rest or has no such facets.
     fn facing_range(&self, velocity: f64) -> Option<[f64; 2]> {
         let ahead = (velocity != 0.0).then(|| self.front(velocity.signum())).filter(|f| !f.facets.is_empty());
-        let all = self.fronts.iter().filter(|f| !f.facets.is_empty()).map(|f| f.range);
-        ahead.map(|f| f.range).or_else(|| all.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]))
+        let ranges = self.fronts.iter().filter(|f| !f.facets.is_empty()).map(|f| f.range);
+        ahead.map(|f| f.range).or_else(|| ranges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]))
     }
 
     pub(super) fn show(&self, stack: &LayerStack, body: &BodyState, fields: &mut FacetFields) {
@@ -180,8 +181,8 @@ impl NoseResistance {
         for (front, direction) in self.fronts.iter().zip([-1.0, 1.0]) {
             let loaded = velocity * direction > 0.0;
             let start = fields.elements.len();
-            let shown = front.elements.iter().zip(&front.facets);
-            shown.for_each(|(e, f)| fields.push(*e, 0.0, f.normal[1] * velocity));
+            let numbered_facets = front.elements.iter().zip(&front.facets);
+            numbered_facets.for_each(|(e, f)| fields.push(*e, 0.0, f.normal[1] * velocity));
             let mut largest = vec![0.0; front.facets.len()];
             self.parts(stack, front, shift, direction, |index, layer, area| {
                 let facet = &front.facets[index];
@@ -240,9 +241,9 @@ impl NoseResistance {
             return;
         }
         for (layer, planes) in stack.planes.windows(2).enumerate() {
-            let (from, to) = (planes[0], planes[1]);
-            if low < to && from < high {
-                each(layer, if bounded { bearing(layer) } else { facet.area_between(from - shift, to - shift) });
+            let (from, end) = (planes[0], planes[1]);
+            if low < end && from < high {
+                each(layer, if bounded { bearing(layer) } else { facet.area_between(from - shift, end - shift) });
             }
         }
     }

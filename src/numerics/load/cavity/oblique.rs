@@ -104,18 +104,18 @@ impl ObliqueResistance {
     }
 
     fn scene(&self, body: &RigidBody3d, motion: &RigidMotion) -> RingKinematics {
-        let own = |v: SpatialVector| body.attitude.to_body(v);
+        let in_body = |v: SpatialVector| body.attitude.to_body(v);
         // For a body at rest, the regularisation speed is almost zero, so that the full resistance is available.
         let floor = if body.rests { 0.0 } else { SLOW * body.fastest };
         let speed = body.speed_bound(motion).max(floor);
-        let up = own(self.tilt.up);
+        let up = in_body(self.tilt.up);
         RingKinematics {
-            velocity: own(motion.velocity),
-            turning: own(motion.turning),
+            velocity: in_body(motion.velocity),
+            turning: in_body(motion.turning),
             up,
             across: up[0].portable_hypot(up[2]),
             height: self.tilt.height(body.centre),
-            relative_to_pivot: own(self.tilt.relative_to_pivot(body.centre)),
+            relative_to_pivot: in_body(self.tilt.relative_to_pivot(body.centre)),
             onset: (ONSET * self.travel * speed).max(f64::MIN_POSITIVE),
             friction: self.friction,
         }

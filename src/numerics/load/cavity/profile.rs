@@ -94,9 +94,9 @@ impl NoseProfile {
         }
         let (Some(first), Some(last)) = (self.facets.first(), self.facets.last()) else { return total };
         for (planes, law) in stack.planes.windows(2).zip(&stack.laws) {
-            let (from, to) = (planes[0] - shift, planes[1] - shift);
-            if first.low[1] < to && from < last.high[1] {
-                total = plus(total, self.forces_in_layer(from, to, law, speed));
+            let (from, end) = (planes[0] - shift, planes[1] - shift);
+            if first.low[1] < end && from < last.high[1] {
+                total = plus(total, self.forces_in_layer(from, end, law, speed));
             }
         }
         total
@@ -105,11 +105,11 @@ impl NoseProfile {
     /// Returns the forces on the parts between two planes, given in the initial position of the nose.
     fn forces_in_layer(&self, from: f64, to: f64, law: &CavityResistance, speed: f64) -> [f64; 2] {
         let mut total = [0.0; 2];
-        let all = &self.facets[..];
-        let starts_inside = all.first().is_some_and(|f| from <= f.low[1]);
-        let ends_inside = all.last().is_some_and(|f| f.high[1] <= to);
-        let mut start = if starts_inside { 0 } else { all.partition_point(|f| f.high[1] <= from) };
-        let mut end = if ends_inside { all.len() } else { all.partition_point(|f| f.low[1] < to) };
+        let facets = &self.facets[..];
+        let starts_inside = facets.first().is_some_and(|f| from <= f.low[1]);
+        let ends_inside = facets.last().is_some_and(|f| f.high[1] <= to);
+        let mut start = if starts_inside { 0 } else { facets.partition_point(|f| f.high[1] <= from) };
+        let mut end = if ends_inside { facets.len() } else { facets.partition_point(|f| f.low[1] < to) };
         let mut cut = |facet: &Facet| total = plus(total, force_on(facet, law, facet.area_between(from, to), speed));
         if start < end && self.facets[start].low[1] < from {
             cut(&self.facets[start]);
@@ -140,10 +140,10 @@ mod tests {
         let mut total = [0.0; 2];
         for facet in facets {
             for (planes, law) in stack.planes.windows(2).zip(&stack.laws) {
-                let (from, to) = (planes[0] - shift, planes[1] - shift);
+                let (from, end) = (planes[0] - shift, planes[1] - shift);
                 let area = if !is_level(facet.normal) {
-                    facet.area_between(from, to)
-                } else if from < facet.low[1] && facet.low[1] < to {
+                    facet.area_between(from, end)
+                } else if from < facet.low[1] && facet.low[1] < end {
                     facet.area
                 } else {
                     0.0
@@ -169,9 +169,9 @@ mod tests {
         for step in 0..400 {
             let shift = 0.1 - 0.0077 * f64::from(step);
             let expected = sum_over_parts(&facets, &stack, shift, 3.0);
-            let found = profile.forces(&stack, [shift; 2], 3.0);
+            let forces = profile.forces(&stack, [shift; 2], 3.0);
             let scale = 100.0 * facets.iter().map(|f| f.area).sum::<f64>();
-            for (a, b) in found.iter().zip(expected) {
+            for (a, b) in forces.iter().zip(expected) {
                 assert!((a - b).abs() < 1e-15 * scale, "shift {shift}: {a:e} and {b:e}");
             }
             cut += usize::from(expected[0] > 0.0);

@@ -171,8 +171,8 @@ impl RingSet {
 
     /// Returns the lowest and highest point of all rings in the stack.
     pub fn heights(&self, scene: &RingKinematics) -> [f64; 2] {
-        let all = self.rings.iter().map(|ring| RingHarmonics::new(ring, scene).heights(ring, scene));
-        all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)])
+        let heights = self.rings.iter().map(|ring| RingHarmonics::new(ring, scene).heights(ring, scene));
+        heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)])
     }
 
     /// Returns the resistance on all rings, in the body frame.
@@ -383,21 +383,21 @@ fn pressures(
         }
         return pressure;
     }
-    let place = StationExtent::new(ring, around, stations, block, scene);
-    let mut above = place.share_above(stack.planes[0]);
+    let extent = StationExtent::new(ring, around, stations, block, scene);
+    let mut above = extent.share_above(stack.planes[0]);
     for (layer, (law, plane)) in stack.laws.iter().zip(&stack.planes[1..]).enumerate() {
-        let beyond = place.share_above(*plane);
-        let mut here = [0.0; LANES];
+        let beyond = extent.share_above(*plane);
+        let mut sums = [0.0; LANES];
         for l in 0..LANES {
             let inside = weight[l] * loaded.share[l] * (above[l] - beyond[l]);
-            here[l] = inside * law.stress(loaded.speed[l]);
+            sums[l] = inside * law.stress(loaded.speed[l]);
         }
         if let Some(finite) = &stack.bounds {
             let between = [stack.planes[layer], *plane];
-            bound(finite, (layer, between), (ring, around), (stations, block), scene, &mut here);
+            bound(finite, (layer, between), (ring, around), (stations, block), scene, &mut sums);
         }
         for l in 0..LANES {
-            pressure[l] += here[l];
+            pressure[l] += sums[l];
         }
         above = beyond;
     }
@@ -426,8 +426,8 @@ fn bound(
         let z = middle + 0.5 * (outside[0] - outside[1]);
         let normal = [n_r * c[l], n_z, n_r * s[l]];
         let radial = [ring.radius * c[l], ring.height, ring.radius * s[l]];
-        let place = inline_from_fn(|i| scene.relative_to_pivot[i] + radial[i]);
-        pressure[l] *= match across(place, normal, up, finite.layers[layer].radius) {
+        let position = inline_from_fn(|i| scene.relative_to_pivot[i] + radial[i]);
+        pressure[l] *= match across(position, normal, up, finite.layers[layer].radius) {
             Some(distance) => finite.share(layer, z, dot(normal, up), distance, ring.radius),
             None => 0.0,
         };
@@ -436,7 +436,7 @@ fn bound(
 
 /// Returns the distance from a point along a unit normal to a cylinder about the axis `up`; `None` outside the
 /// cylinder.
-fn across(place: SpatialVector, normal: SpatialVector, up: SpatialVector, radius: f64) -> Option<f64> {
+fn across(position: SpatialVector, normal: SpatialVector, up: SpatialVector, radius: f64) -> Option<f64> {
     if radius == f64::INFINITY {
         return Some(radius);
     }
@@ -444,8 +444,8 @@ fn across(place: SpatialVector, normal: SpatialVector, up: SpatialVector, radius
         let along = dot(v, up);
         inline_from_fn(|i| v[i] - along * up[i])
     };
-    let (place, normal) = (flat(place), flat(normal));
-    let (a, b, c) = (dot(normal, normal), dot(place, normal), dot(place, place) - radius * radius);
+    let (position, normal) = (flat(position), flat(normal));
+    let (a, b, c) = (dot(normal, normal), dot(position, normal), dot(position, position) - radius * radius);
     if c >= 0.0 {
         return None;
     }

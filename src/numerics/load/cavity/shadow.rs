@@ -60,8 +60,8 @@ fn height(facet: &Facet, radius: f64) -> f64 {
 fn cut(facet: &Facet, [inner, outer]: [f64; 2]) -> Option<Facet> {
     let point = |radius: f64| [radius, height(facet, radius)];
     let ends = [point(inner), point(outer)];
-    let found = Facet::new(ends[0], ends[1], false)?;
-    Some(Facet { normal: facet.normal, ..found })
+    let line = Facet::new(ends[0], ends[1], false)?;
+    Some(Facet { normal: facet.normal, ..line })
 }
 
 #[cfg(test)]
@@ -78,22 +78,22 @@ mod tests {
 
     #[test]
     fn flare_after_a_neck_is_loaded_where_it_is_wider_than_the_nose() {
-        let all = body();
-        let loaded: Vec<_> = all.iter().filter(|f| f.1.normal[1] < 0.0).copied().collect();
+        let facets = body();
+        let loaded: Vec<_> = facets.iter().filter(|f| f.1.normal[1] < 0.0).copied().collect();
         assert_eq!(loaded.len(), 2);
-        let loaded_parts = exposed_parts(&loaded, &all, -1.0);
-        assert_eq!(loaded_parts[0], all[0]);
+        let loaded_parts = exposed_parts(&loaded, &facets, -1.0);
+        assert_eq!(loaded_parts[0], facets[0]);
         assert_eq!((loaded_parts.len(), loaded_parts[1].0), (2, 3));
         assert_eq!([loaded_parts[1].1.low, loaded_parts[1].1.high], [[2.0, 5.0], [3.0, 6.0]]);
-        assert_eq!(loaded_parts[1].1.normal, all[3].1.normal);
+        assert_eq!(loaded_parts[1].1.normal, facets[3].1.normal);
     }
 
     #[test]
     fn concave_front_is_loaded_completely() {
         let points = [[0.0, 1.0], [1.0, 1.0], [2.0, 0.0], [2.0, 5.0]];
         let facet = |w: &[[f64; 2]]| Facet::new(w[0], w[1], false);
-        let all: Vec<_> = points.windows(2).enumerate().filter_map(|(i, w)| Some((i, facet(w)?))).collect();
-        let loaded = &all[..2];
-        assert_eq!(exposed_parts(loaded, &all, -1.0), loaded);
+        let facets: Vec<_> = points.windows(2).enumerate().filter_map(|(i, w)| Some((i, facet(w)?))).collect();
+        let loaded = &facets[..2];
+        assert_eq!(exposed_parts(loaded, &facets, -1.0), loaded);
     }
 }

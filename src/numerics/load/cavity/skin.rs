@@ -54,8 +54,8 @@ pub(super) struct SkinResistance {
 impl SkinResistance {
     pub(super) fn new(skin: DeformableFaces) -> Self {
         let count = skin.max_faces();
-        let (current, before) = (vec![FaceResistance::default(); count], vec![FaceForces::default(); count]);
-        SkinResistance { current, before, previous: vec![Default::default(); count], skin, tunnel: None }
+        let (current, preceding) = (vec![FaceResistance::default(); count], vec![FaceForces::default(); count]);
+        SkinResistance { current, before: preceding, previous: vec![Default::default(); count], skin, tunnel: None }
     }
 
     /// Ignores faces inside the tunnel from now on.
@@ -241,9 +241,9 @@ fn on_face(
     if !loaded && motion.is_constrained {
         return Ok(result);
     }
-    let most = motion.velocity_to_rest();
-    result.near_rest = most > -lost && most < 2.0 * lost;
-    let taken = most.max(0.0);
+    let velocity_bound = motion.velocity_to_rest();
+    result.near_rest = velocity_bound > -lost && velocity_bound < 2.0 * lost;
+    let taken = velocity_bound.max(0.0);
     result.share = if lost > taken { taken / lost } else { 1.0 };
     let share = result.share;
     if share == 0.0 {
@@ -271,9 +271,9 @@ fn friction_forces(
     let force = face.nodes.inline_map(|node| 0.5 * traction * -along.signum() * area(node));
     let forces = force.inline_map(|f| [-f * normal[1], f * normal[0]]);
     let direction = [-normal[1], normal[0]].inline_map(|tangent| along.signum() * tangent);
-    let most = FaceMotion::new(view, face, direction, others).velocity_to_rest().max(0.0);
+    let velocity_bound = FaceMotion::new(view, face, direction, others).velocity_to_rest().max(0.0);
     let lost = velocity_lost(view, face, direction, &forces);
-    let share = if lost > most { most / lost } else { 1.0 };
+    let share = if lost > velocity_bound { velocity_bound / lost } else { 1.0 };
     forces.inline_map(|force| force.inline_map(|f| share * f))
 }
 

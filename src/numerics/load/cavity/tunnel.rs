@@ -34,8 +34,8 @@ impl TunnelWall {
     /// direction of motion `sign` (0 at rest). At its own position the wall is as wide as the face.
     pub(super) fn is_touched_by(&self, face: &CurrentFace, sign: f64) -> bool {
         let [r, z] = face.middle();
-        let place = (z + sign * self.thickness) / self.thickness - 0.5;
-        let (below, part) = (place.floor(), place - place.floor());
+        let position = (z + sign * self.thickness) / self.thickness - 0.5;
+        let (below, part) = (position.floor(), position - position.floor());
         let [low, high] = [0.0, 1.0].inline_map(|more| self.radius(below + more));
         r >= (low + part * (high - low)) * (1.0 - 1e-9)
     }
@@ -62,8 +62,8 @@ impl TunnelWall {
     }
 
     fn open(&mut self, number: f64, radius: f64) {
-        let place = self.place(number);
-        let slice = &mut self.slices[place];
+        let position = self.place(number);
+        let slice = &mut self.slices[position];
         if slice.number != number {
             *slice = WallSlice { number, radius: 0.0 };
         }
@@ -103,8 +103,8 @@ mod tests {
     fn slices_are_reused_in_a_ring() {
         let mut tunnel = TunnelWall::new(1.0, 10.0);
         (0..100).for_each(|i| tunnel.widen(&face([[2.0, -f64::from(i)], [2.0, 1.0 - f64::from(i)]])));
-        let at = |z: f64| face([[1.0, z], [1.0, z + 1.0]]);
-        assert!(!tunnel.is_touched_by(&at(-95.0), -1.0));
-        assert!(tunnel.is_touched_by(&at(-40.0), -1.0));
+        let face_at = |z: f64| face([[1.0, z], [1.0, z + 1.0]]);
+        assert!(!tunnel.is_touched_by(&face_at(-95.0), -1.0));
+        assert!(tunnel.is_touched_by(&face_at(-40.0), -1.0));
     }
 }

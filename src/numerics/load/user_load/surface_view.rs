@@ -181,9 +181,9 @@ impl SurfaceView {
         now: &Instant,
         failure: &LoadFailure,
     ) -> HaltReason {
-        let place = |i| (self.coordinates[i], self.coordinates[self.count + i]);
+        let position_of = |i| (self.coordinates[i], self.coordinates[self.count + i]);
         let point = failure.point.filter(|&i| i < self.count).map_or(String::new(), |i| {
-            let (r, z) = place(i);
+            let (r, z) = position_of(i);
             format!(" at point {} (r = {r}, z = {z})", first + i + 1)
         });
         failure.halt(&format!("the user load on `{}`{point}", load.name), now)

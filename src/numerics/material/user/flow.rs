@@ -127,14 +127,14 @@ impl PointArguments {
     fn try_elastic(&mut self, flow: &BuiltInPlasticity, trial: &mut [f64]) {
         let n = self.count;
         for i in 0..n {
-            let at = |end: usize| {
+            let moduli_at = |end: usize| {
                 let (temperature, field) = (self.temperature[end][i], &self.field[end]);
                 let varying = flow.elasticity.as_ref().map(|e| e.moduli(temperature, |v| field[v * n + i]));
                 varying.unwrap_or([flow.bulk, flow.shear])
             };
-            let [bulk, shear] = at(1);
-            let before = self.moduli.each_ref().inline_map(|list| list.get(i).copied().unwrap_or(f64::NAN));
-            let [bulk_before, shear_before] = if before[0].is_nan() { at(0) } else { before };
+            let [bulk, shear] = moduli_at(1);
+            let previous_moduli = self.moduli.each_ref().inline_map(|list| list.get(i).copied().unwrap_or(f64::NAN));
+            let [bulk_before, shear_before] = if previous_moduli[0].is_nan() { moduli_at(0) } else { previous_moduli };
             let strain = [0, 1, 2, 3].inline_map(|k| self.strain[k * n + i]);
             let old = [0, 1, 2, 3].inline_map(|k| self.stress[0][k * n + i]);
             let dilation = strain[0] + strain[1] + strain[2];
@@ -201,7 +201,7 @@ impl PointArguments {
             self.call_hardening(properties, context, routine, (&*open, &*increment), buffers)?;
             let (stress, slopes) = (&buffers.stress, &buffers.slopes);
             let count = open.len();
-            let mut kept = 0;
+            let mut unchanged = 0;
             for at in 0..count {
                 let i = open[at];
                 let shear3 = self.shear3(context.flow, i);
@@ -241,10 +241,10 @@ impl PointArguments {
                 } else {
                     0.5 * (low[i] + high[i])
                 };
-                open[kept] = i;
-                kept += 1;
+                open[unchanged] = i;
+                unchanged += 1;
             }
-            open.truncate(kept);
+            open.truncate(unchanged);
         }
         let i = open[0];
         let reason = format!(

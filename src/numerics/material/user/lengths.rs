@@ -29,8 +29,8 @@ impl ShownElements {
         let count = self.places.len() / (2 * self.nodes);
         for i in 0..self.nodes {
             // The deck gives the corners of a six-node triangle before the middle nodes.
-            let place = around[if self.nodes == 6 { 2 * i % 6 + i / 3 } else { i }];
-            for (axis, x) in place.into_iter().enumerate() {
+            let position = around[if self.nodes == 6 { 2 * i % 6 + i / 3 } else { i }];
+            for (axis, x) in position.into_iter().enumerate() {
                 self.places[(axis * self.nodes + i) * count + element] = x;
             }
         }

@@ -174,7 +174,7 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
 
     fn initial_state(&self, start: &BlockStart) -> UserState {
         let material = &self.description;
-        let (zero, one) = ([0.0; LANES], [1.0; LANES]);
+        let (zero, unity) = ([0.0; LANES], [1.0; LANES]);
         let varies = material.flow.as_ref().is_some_and(|flow| flow.elasticity.is_some());
         let mut state = UserState {
             numbers: inline_from_fn(|l| {
@@ -187,13 +187,13 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
             }),
             mass: start.volume.inline_map(|volume| material.density * volume),
             transported: None,
-            turn: [one, zero],
+            turn: [unity, zero],
             deleted: [false; LANES],
             thermal: zero,
             place: [zero; 4],
             stress: [zero; 4],
-            stretch: [one, one, one, zero],
-            gradient: [one, one, one, zero, zero],
+            stretch: [unity, unity, unity, zero],
+            gradient: [unity, unity, unity, zero, zero],
             temperature: [zero; 2],
             has_nodal_temperature: false,
             variables: vec![zero; material.variables],
@@ -207,7 +207,7 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
             dissipated: zero,
         };
         if let Some(delete) = material.delete {
-            state.variables[delete] = one;
+            state.variables[delete] = unity;
         }
         state
     }
@@ -247,8 +247,8 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
             update.trial[l] = trial;
             update.flow[l] = if FLOWS && !state.deleted[l] { state.flowed[l] } else { 0.0 };
             // A ratio within rounding of 1 is set to 1.
-            let left = mises(column(stress, l)) / trial;
-            update.returned[l] = if left < 1.0 - 1e-12 { left } else { 1.0 };
+            let ratio = mises(column(stress, l)) / trial;
+            update.returned[l] = if ratio < 1.0 - 1e-12 { ratio } else { 1.0 };
         }
     }
 
@@ -300,7 +300,7 @@ impl<const FLOWS: bool> Material for SubroutineMaterial<FLOWS> {
                 state.thermal[lane] += strain;
                 true
             }
-            PointValue::SpecificEnergy(_) | PointValue::Length(_) => false,
+            PointValue::SpecificEnergy(_) | PointValue::Length(..) | PointValue::VolumeRatio(_) => false,
         }
     }
 
@@ -354,8 +354,8 @@ impl UserState {
             None => self.gradient_of_corners(l, r, z),
         };
         let [centre_r, centre_z] = lengths::middle(r, z);
-        let place = [centre_r, centre_z, lengths::by_default(r, z), self.mass[l] / kinematics.volume[l]];
-        self.place.iter_mut().zip(place).for_each(|(list, value)| list[l] = value);
+        let geometry = [centre_r, centre_z, lengths::by_default(r, z), self.mass[l] / kinematics.volume[l]];
+        self.place.iter_mut().zip(geometry).for_each(|(list, value)| list[l] = value);
         self.gradient.iter_mut().zip(gradient).for_each(|(list, value)| list[l] = value);
         let (stretch, _) = polar_decomposition(gradient);
         self.stretch.iter_mut().zip(stretch).for_each(|(list, value)| list[l] = value);
@@ -497,10 +497,10 @@ impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
         kinematics: &BlockKinematics<'_>,
     ) {
         let (first, count) = (block * LANES, points.count);
-        let at = (count, first);
+        let position = (count, first);
         // Values before the increment.
-        put(&mut points.stretch[0], at, &state.stretch);
-        put(&mut points.gradient[0], at, &state.gradient);
+        put(&mut points.stretch[0], position, &state.stretch);
+        put(&mut points.gradient[0], position, &state.gradient);
         let gradient_before = state.gradient;
         for l in 0..LANES.min(count - first) {
             points.elements[first + l] = state.numbers[l];
@@ -515,30 +515,30 @@ impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
             state.rotate_with_spin(kinematics)
         } else {
             let (strain, spin) = state.rotate_with_material(&gradient_before, kinematics);
-            put(&mut points.spin, at, std::slice::from_ref(&spin));
+            put(&mut points.spin, position, std::slice::from_ref(&spin));
             strain
         };
-        put(&mut points.strain, at, &strain);
-        put(&mut points.coordinates, at, &state.place[..2]);
-        put(&mut points.length, at, &state.place[2..3]);
-        put(&mut points.density, at, &state.place[3..]);
-        put(&mut points.stretch[1], at, &state.stretch);
-        put(&mut points.gradient[1], at, &state.gradient);
-        put(&mut points.stress[0], at, &state.stress);
-        put(&mut points.state[0], at, &state.variables);
-        put(&mut points.internal[0], at, std::slice::from_ref(&state.internal));
-        put(&mut points.inelastic[0], at, std::slice::from_ref(&state.inelastic));
-        put(&mut points.field[0], at, &state.field);
-        put(&mut points.field[1], at, &state.nodal_field);
+        put(&mut points.strain, position, &strain);
+        put(&mut points.coordinates, position, &state.place[..2]);
+        put(&mut points.length, position, &state.place[2..3]);
+        put(&mut points.density, position, &state.place[3..]);
+        put(&mut points.stretch[1], position, &state.stretch);
+        put(&mut points.gradient[1], position, &state.gradient);
+        put(&mut points.stress[0], position, &state.stress);
+        put(&mut points.state[0], position, &state.variables);
+        put(&mut points.internal[0], position, std::slice::from_ref(&state.internal));
+        put(&mut points.inelastic[0], position, std::slice::from_ref(&state.inelastic));
+        put(&mut points.field[0], position, &state.field);
+        put(&mut points.field[1], position, &state.nodal_field);
         for (list, moduli) in points.moduli.iter_mut().zip(&state.moduli) {
-            put(list, at, std::slice::from_ref(moduli));
+            put(list, position, std::slice::from_ref(moduli));
         }
-        put(&mut points.plastic[0], at, &state.plastic);
+        put(&mut points.plastic[0], position, &state.plastic);
         let [old, nodal] = &state.temperature;
-        put(&mut points.temperature[0], at, std::slice::from_ref(old));
+        put(&mut points.temperature[0], position, std::slice::from_ref(old));
         put(
             &mut points.temperature[1],
-            at,
+            position,
             std::slice::from_ref(if state.has_nodal_temperature { nodal } else { old }),
         );
         state.has_nodal_temperature = false;
@@ -596,21 +596,21 @@ impl<const FLOWS: bool> PointCalls<UserState> for SubroutineMaterial<FLOWS> {
 
     fn scatter(&self, points: &PointArguments, block: usize, state: &mut UserState) {
         let (first, count) = (block * LANES, points.count);
-        let at = (count, first);
+        let position = (count, first);
         for l in 0..LANES.min(count - first) {
             state.dissipated[l] = points.dissipated(first + l);
             state.flowed[l] = if FLOWS { points.plastic[1][first + l] - points.plastic[0][first + l] } else { 0.0 };
         }
-        take(&points.stress[1], at, &mut state.stress);
-        take(&points.state[1], at, &mut state.variables);
-        take(&points.internal[1], at, std::slice::from_mut(&mut state.internal));
-        take(&points.inelastic[1], at, std::slice::from_mut(&mut state.inelastic));
-        take(&points.field[1], at, &mut state.field);
+        take(&points.stress[1], position, &mut state.stress);
+        take(&points.state[1], position, &mut state.variables);
+        take(&points.internal[1], position, std::slice::from_mut(&mut state.internal));
+        take(&points.inelastic[1], position, std::slice::from_mut(&mut state.inelastic));
+        take(&points.field[1], position, &mut state.field);
         for (list, moduli) in points.moduli.iter().zip(&mut state.moduli) {
-            take(list, at, std::slice::from_mut(moduli));
+            take(list, position, std::slice::from_mut(moduli));
         }
-        take(&points.plastic[1], at, &mut state.plastic);
-        take(&points.temperature[1], at, &mut state.temperature[..1]);
+        take(&points.plastic[1], position, &mut state.plastic);
+        take(&points.temperature[1], position, &mut state.temperature[..1]);
     }
 
     fn names(&self, element: Option<usize>) -> (&str, Option<&str>) {

@@ -144,8 +144,8 @@ impl PointArguments {
         let (dilation, deviator) = split(FICTITIOUS);
         let mut largest = [0_f64; 2];
         for i in 0..self.count {
-            let of = |list: &[f64], k: usize| list[k * self.count + i];
-            let change = [0, 1, 2, 3].inline_map(|k| of(&self.stress[1], k) - of(&self.stress[0], k));
+            let component = |list: &[f64], k: usize| list[k * self.count + i];
+            let change = [0, 1, 2, 3].inline_map(|k| component(&self.stress[1], k) - component(&self.stress[0], k));
             let (mean, s) = split(change);
             let (bulk, shear) = (mean / (3.0 * dilation), 0.5 * dot(s, deviator) / dot(deviator, deviator));
             // Tolerances for rounding errors.
@@ -365,8 +365,8 @@ impl PointArguments {
         let single = [coordinates, length, density, strain, spin];
         let pairs = [moduli, temperature, stretch, gradient, stress, state, field, internal, inelastic, plastic];
         let numbers = single.into_iter().chain(pairs.into_iter().flatten()).map(|list| 8 * list.capacity());
-        let shown = self.shown.as_ref().map_or(0, ShownElements::bytes);
-        numbers.sum::<usize>() + 4 * elements.capacity() + shown
+        let of_elements = self.shown.as_ref().map_or(0, ShownElements::bytes);
+        numbers.sum::<usize>() + 4 * elements.capacity() + of_elements
     }
 }
 

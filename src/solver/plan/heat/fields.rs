@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::element::predefined::{NodalFieldValue, PredefinedFields, mean};
+use crate::material::PointValue;
 use crate::model::{InitialKind, MaterialDefinition, Model};
 use crate::plan::loads::magnitude;
 use crate::plan::queries::{dependencies, given_fields};
@@ -37,9 +38,8 @@ pub fn start_fields(model: &Model, places: &SolidPlaces, state: &mut SolidState)
     for group in state.elements.groups.iter_mut().filter(|g| g.properties().fields > 0) {
         for e in 0..group.len() {
             let boundary = group.boundary(e);
-            let Some(fields) = group.extensions().fields() else { continue };
             for (variable, nodal) in values.iter().enumerate() {
-                fields.set_field(e, variable, mean(&boundary, nodal));
+                group.set(e, PointValue::Field(variable, mean(&boundary, nodal)));
             }
         }
     }

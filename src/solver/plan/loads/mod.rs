@@ -14,11 +14,12 @@ use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad::corner_masses;
 use crate::kernel::solid;
 use crate::load::blast::{BlastLoad, BlastSource};
-use crate::load::body_force::{BodyForceLoad, CentrifugalLoad};
-use crate::load::concentrated::ConcentratedLoad;
-use crate::load::gravity::GravityLoad;
-use crate::load::pressure::PressureLoad;
-use crate::load::traction::{ReferenceMotion, TractionLaw, TractionLoad};
+use crate::load::body_force::{BodyForceField, CentrifugalField};
+use crate::load::concentrated::ConcentratedForces;
+use crate::load::gravity::GravityField;
+use crate::load::prescribed::{LoadDistribution, PrescribedLoad};
+use crate::load::pressure::PressureField;
+use crate::load::traction::{ReferenceMotion, TractionField, TractionLaw};
 use crate::load::user_load::{LoadedVolume, SubroutineLoad, UserLoadData};
 use crate::load::{EnergyAccount, GeneralizedForce, Load as Effect};
 use crate::model::{
@@ -32,6 +33,7 @@ use crate::plan::meshes::surfaces::load_surface;
 use crate::plan::solids::cohesive::add_masses_of_cohesive_elements;
 use crate::plan::solids::shells::add_masses_of_shells;
 use crate::plan::{Links, PlannedRigidBody, Report, Scene, State};
+use crate::state::EffectId;
 use crate::state::magnitude::{Magnitude, TimeFunction};
 
 /// Names of the components of forces and moments on oblique bodies.
@@ -95,15 +97,32 @@ pub fn magnitude(scene: Scene, value: f64, amplitude: Option<AmplitudeId>, repor
     Magnitude { value, shape }
 }
 
-fn concentrated_load(input: &LoadInput, nodes: &[usize], dof: u8, set: &str, report: &mut Report) -> LoadEffect {
+/// Creates a load from its distribution.
+fn prescribed_load(
+    input: &LoadInput,
+    id: EffectId,
+    distribution: impl LoadDistribution,
+    report: &mut Report,
+) -> LoadEffect {
+    let LoadInput { scene, load, .. } = *input;
+    let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
+    Some(Box::new(PrescribedLoad { id, magnitude, distribution }))
+}
+
+fn concentrated_load(
+    input: &LoadInput,
+    nodes: &[usize],
+    dof: u8,
+    set: &str,
+    report: &mut Report,
+) -> LoadEffect {
     let LoadInput { scene, links, load, .. } = *input;
     let turning: Vec<usize> = nodes.iter().filter_map(|n| scene.places.rotations.get(n).copied()).collect();
     if dof == 6 && !turning.is_empty() {
         let detail = format!("M = {}{}", load.magnitude, amplitude_name(scene.model, load));
         let id = report.ledger_row(load.span, "concentrated moment", turning.len(), "nodes", detail);
-        let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
-        let (bodies, spatial) = (Vec::new(), Vec::new());
-        return Some(Box::new(ConcentratedLoad { id, bodies, spatial, nodes: turning, dof: 0, magnitude }));
+        let moments = ConcentratedForces { bodies: Vec::new(), spatial: Vec::new(), nodes: turning, dof: 0 };
+        return prescribed_load(input, id, moments, report);
     }
     let (mut bodies, mut deforming, mut stray) = (Vec::new(), Vec::new(), false);
     let mut spatial = Vec::new();
@@ -146,8 +165,8 @@ fn concentrated_load(input: &LoadInput, nodes: &[usize], dof: u8, set: &str, rep
     }
     let detail = format!("{along} = {}{}", load.magnitude, amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, "concentrated force", count, "nodes", detail);
-    let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
-    Some(Box::new(ConcentratedLoad { id, bodies, spatial, nodes: deforming, dof: axis, magnitude }))
+    let forces = ConcentratedForces { bodies, spatial, nodes: deforming, dof: axis };
+    prescribed_load(input, id, forces, report)
 }
 
 fn gravity_load(input: &LoadInput, elements: Option<&[usize]>, direction: [f64; 3], report: &mut Report) -> LoadEffect {
@@ -180,8 +199,8 @@ fn gravity_load(input: &LoadInput, elements: Option<&[usize]>, direction: [f64; 
     };
     let (count, unit) = if nodes.is_empty() { (count, "bodies") } else { (count + nodes.len(), "nodes") };
     let id = report.ledger_row(load.span, "gravity", count, unit, detail);
-    let acceleration = magnitude(scene, load.magnitude, load.amplitude, report);
-    Some(Box::new(GravityLoad { id, bodies, nodes, whole: elements.is_none(), acceleration, along_z: direction[1] }))
+    let field = GravityField { bodies, nodes, whole: elements.is_none(), along_z: direction[1] };
+    prescribed_load(input, id, field, report)
 }
 
 /// Returns the generalised forces of gravity on rigid bodies, each with its mass times the direction component, and
@@ -249,8 +268,7 @@ fn pressure_load(input: &LoadInput, sides: &SideSelection, report: &mut Report) 
     let surface = load_surface(scene, sides, load.span, report);
     let detail = format!("on {}, p = {}{}", sides.name, load.magnitude, amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, "pressure", surface.count(), "facets", detail);
-    let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
-    Some(Box::new(PressureLoad::new(id, surface, magnitude, &state.dofs)))
+    prescribed_load(input, id, PressureField::new(surface, &state.dofs), report)
 }
 
 fn traction_load(input: &LoadInput, sides: &SideSelection, law: &SurfaceTraction, report: &mut Report) -> LoadEffect {
@@ -277,8 +295,7 @@ fn traction_load(input: &LoadInput, sides: &SideSelection, law: &SurfaceTraction
     };
     let detail = format!("on {}, {} {how}{}", sides.name, load.magnitude, amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, "surface traction", surface.count(), "facets", detail);
-    let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
-    Some(Box::new(TractionLoad::new(id, surface, law, magnitude)))
+    prescribed_load(input, id, TractionField::new(surface, law), report)
 }
 
 fn blast_load(
@@ -354,7 +371,7 @@ fn body_force_load(
         }
         let detail = format!("on {set}, omega^2 = {}{}", load.magnitude, amplitude_name(scene.model, load));
         let id = report.ledger_row(load.span, "centrifugal force", nodes.len(), "nodes", detail);
-        return Some(Box::new(CentrifugalLoad { id, nodes, square: magnitude }));
+        return Some(Box::new(PrescribedLoad { id, magnitude, distribution: CentrifugalField { nodes } }));
     }
     let axis = usize::from(law == BodyForce::Axial);
     let volume = loaded_volume(input, elements, set, axis, report)?;
@@ -364,7 +381,8 @@ fn body_force_load(
     let id = report.ledger_row(load.span, "body force", count, "elements", detail);
     let whole = |part: &[(usize, usize, [f64; 2], f64)]| (part[0].0, part.iter().map(|solid| solid.3).sum());
     let bodies = volume.rigid.chunk_by(|a, b| a.0 == b.0).map(whole).collect();
-    Some(Box::new(BodyForceLoad { id, axis, cells: volume.cells, bodies, magnitude }))
+    let distribution = BodyForceField { axis, cells: volume.cells, bodies };
+    Some(Box::new(PrescribedLoad { id, magnitude, distribution }))
 }
 
 /// Creates `PNU` and `P1NU` to `P4NU` loads.

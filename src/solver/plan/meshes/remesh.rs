@@ -89,7 +89,7 @@ fn remeshed_body(
 ) -> Option<RemeshedBody> {
     let members: Vec<(usize, usize)> = card.elements.iter().map(|e| places.elements[e]).collect();
     let group = members[0].0;
-    let Some(transfer) = state.elements.groups[group].extensions().transfer() else {
+    let Some(transfer) = state.elements.groups[group].transfer() else {
         let message = "moduli that depend on field variables, WEIGHTING=AREA and SUBZONAL=YES are not supported in bodies that are remeshed";
         let finding = Diagnostic::error("P072", message).at(card.span, "this body");
         return report.refuse(finding.help("use another material or other section controls"));
@@ -176,7 +176,7 @@ fn flows_without_failure(scene: Scene, state: &mut State, (group, section): (usi
     let group = &mut state.elements.groups[group];
     group.topology() == ElementTopology::Quadrilateral
         && group.value(0, Variable::PlasticStrain.into()).is_some()
-        && group.extensions().transfer().is_some()
+        && group.transfer().is_some()
         && !fails(&scene.model.materials[section.material.index()])
 }
 

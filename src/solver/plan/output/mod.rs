@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use indexmap::{IndexMap, IndexSet};
 
+use crate::element::group::GroupSetting;
 use crate::element::values;
 use crate::kernel::lists::Memory;
 use crate::model::{
@@ -230,7 +231,7 @@ pub fn plan(scene: Scene, pairs: &Pairs, state: ErodingState, report: &mut Repor
     let mut parts = fields.iter().flat_map(|f| &f.parts).chain(columns.list.iter().filter_map(|c| c.part.as_ref()));
     let follows = parts.any(|p| p.variable.row().followed);
     if follows && !state.elements.is_empty() {
-        state.elements.groups.iter_mut().for_each(|g| g.extensions().settings().follow());
+        state.elements.groups.iter_mut().for_each(|g| g.configure(GroupSetting::Records));
         followed_row(scene.model, state.elements.count(), report);
     }
     track_deletion(scene.model, &columns.list, &mut state, report);

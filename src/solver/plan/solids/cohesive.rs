@@ -15,8 +15,9 @@ use crate::model::{
     ModeDependence, ModeMixRatio, Model, Step,
 };
 use crate::plan::constraints::connectors::inverse;
+use crate::plan::solids::solid_material::GroupInput;
 use crate::plan::state::SolidState;
-use crate::plan::{Bodies, Links, Report, Scene, SectionInput};
+use crate::plan::{Bodies, Links, Report, Scene};
 use crate::variables::Variable;
 
 /// Depth to which equations of linked nodes are followed.
@@ -50,9 +51,11 @@ pub fn damaged_interfaces(model: &Model) -> impl Iterator<Item = &CohesiveSectio
 }
 
 /// Creates the element group of a section.
-pub fn cohesive_group(input: &SectionInput<CohesiveSection>, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
-    let SectionInput { model, places, section, elements, nodes } = *input;
-    let material = &model.materials[section.material];
+pub fn cohesive_group(
+    input: &GroupInput<'_, CohesiveSection, ()>,
+    report: &mut Report,
+) -> Option<Box<dyn ElementGroup>> {
+    let GroupInput { model, places, section, material, elements, nodes, .. } = *input;
     check_section(section, material, report)?;
     let (mut thicknesses, mut list): (Vec<f64>, Vec<CohesiveElement>) = Default::default();
     for &e in elements {
@@ -82,8 +85,8 @@ pub fn cohesive_group(input: &SectionInput<CohesiveSection>, report: &mut Report
     laws.iter().try_for_each(|law| check_energies(origin, law, what, report))?;
     cohesive_row(section, material, &thicknesses, list.len(), report);
     let deletes = material.interface.evolution.is_some() && section.controls.keep_failed_elements.is_none();
-    let variables = (deletes, material.interface.initiation.as_ref().map(variable));
-    Some(Box::new(CohesiveGroup::new(laws, list, material.density.unwrap_or(0.0), variables, nodes)))
+    let shown = (deletes, material.interface.initiation.as_ref().map(variable));
+    Some(Box::new(CohesiveGroup::new(laws, list, material.density.unwrap_or(0.0), shown, nodes)))
 }
 
 /// Returns the viscosity of the damage, which the material or the section controls give.
@@ -189,7 +192,8 @@ pub fn bound_cohesive_elements(scene: Scene, links: &Links, state: &mut SolidSta
     let search = inertia_search(scene.model, links);
     let (mut springs, mut bare): (Vec<InterfaceSpring>, Vec<usize>) = Default::default();
     for (e, &(group, element)) in scene.places.elements.iter() {
-        let Some(stiffness) = state.elements.groups[group].interface_stiffness(element) else { continue };
+        let Some(cohesive) = state.elements.groups[group].as_cohesive() else { continue };
+        let stiffness = cohesive.stiffness_of_points(element);
         for (stiffness, pair) in stiffness.into_iter().zip(PAIRS) {
             let ends = pair.map(|i| mesh.elements[e].nodes[i]);
             for axis in 0..2 {

@@ -2,6 +2,7 @@
 
 use crate::deck::{Diagnostic, Span};
 use crate::element::mass_scaling::{ScalingInterval, ScalingRequest, ScalingTarget, StepMassScaling, VariableScaling};
+use crate::kernel::topology::ElementTopology;
 use crate::model::{LoadKind, MassScaling, ScalingSchedule, ScalingType, Step};
 use crate::plan::{Links, Report, StepInput};
 
@@ -38,7 +39,7 @@ fn scaling_request(input: StepInput, scaling: &MassScaling, report: &mut Report)
         Some(list) => list.iter().filter_map(|e| places.get(e).copied()).collect(),
     };
     // The increment of cohesive elements follows from the masses of the bodies that they join.
-    let is_body = |at: &(usize, usize)| state.elements.groups[at.0].interface_stiffness(at.1).is_none();
+    let is_body = |at: &(usize, usize)| state.elements.groups[at.0].topology() != ElementTopology::Cohesive;
     let elements: Vec<(usize, usize)> = elements.into_iter().filter(is_body).collect();
     if elements.is_empty() {
         report.add_unused_card(scaling.span, "mass scaling", "none of its elements is a deformable solid or shell");

@@ -24,6 +24,7 @@ use crate::element::solid_groups::Connectivity;
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::quad;
 use crate::kernel::topology::ElementTopology;
+use crate::material::PointValue;
 use crate::mesh::gather::NodalAssembly;
 use crate::model::{
     FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, RayleighCoefficients,
@@ -40,7 +41,7 @@ use crate::plan::solids::shells::{free_shells, place_rotations, shell_group};
 use crate::plan::solids::solid_material::{GroupInput, solid_group};
 use crate::plan::solids::user_material::calls_routines_at_points;
 use crate::plan::state::SolidState;
-use crate::plan::{Bodies, Links, MeshIndexMap, Report, Scene, SectionInput, SolidPlaces, State};
+use crate::plan::{Bodies, Links, MeshIndexMap, Report, Scene, SolidPlaces, State};
 use crate::state::EffectId;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::{Node, Nodes};
@@ -93,7 +94,8 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
     for (section, elements) in &sections {
         let Some(list) = connectivity_of(model, places, elements, &nodes, report) else { continue };
         let material = &model.materials[section.material];
-        let input = GroupInput { model, places, section, material, elements, connectivity: &list, nodes: &nodes };
+        let input =
+            GroupInput { model, places, section: *section, material, elements, connectivity: &list, nodes: &nodes };
         list.add_masses(&nodes, material.density.unwrap_or(0.0), &mut mass);
         let Some(group) = solid_group(&input, report) else { continue };
         ids.push(place_elements(places, elements, groups.len(), (section.span, "deformable elements"), report));
@@ -104,14 +106,18 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
         groups.push(group);
     }
     for (section, elements) in &shells {
-        let input = SectionInput { model, places, section: *section, elements, nodes: &nodes };
+        let material = &model.materials[section.material];
+        let input =
+            GroupInput { model, places, section: *section, material, elements, connectivity: &(), nodes: &nodes };
         let Some(group) = shell_group(&input, report) else { continue };
         add_masses(&*group, &mut mass);
         ids.push(place_elements(places, elements, groups.len(), (section.span, "shells"), report));
         groups.push(group);
     }
     for (section, elements) in &interfaces {
-        let input = SectionInput { model, places, section: *section, elements, nodes: &nodes };
+        let material = &model.materials[section.material];
+        let input =
+            GroupInput { model, places, section: *section, material, elements, connectivity: &(), nodes: &nodes };
         let Some(group) = cohesive_group(&input, report) else { continue };
         add_masses(&*group, &mut mass);
         ids.push(place_elements(places, elements, groups.len(), (section.span, "cohesive elements"), report));
@@ -148,6 +154,15 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
     note_unused_rate_dependence(model, report);
     solids.state = state;
     solids
+}
+
+/// Adds the masses of the elements of a group to those of their nodes.
+fn add_masses(group: &dyn ElementGroup, mass: &mut [f64]) {
+    for element in 0..group.len() {
+        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
+            mass[n as usize] += m;
+        }
+    }
 }
 
 /// Lists `*RATE DEPENDENT` of materials without a yield stress as unused.
@@ -310,15 +325,6 @@ fn connectivity_of(
     })
 }
 
-/// Adds the masses and rotary inertias of a group to its nodes.
-fn add_masses(group: &dyn ElementGroup, mass: &mut [f64]) {
-    for element in 0..group.len() {
-        for (n, m) in group.nodes(element).into_iter().zip(group.masses(element)) {
-            mass[n as usize] += m;
-        }
-    }
-}
-
 fn point_masses(model: &Model, places: &SolidPlaces, mass: &mut [f64]) {
     for point in &model.discrete.masses {
         if let Some(n) = places.free_node(point.node) {
@@ -368,7 +374,7 @@ fn start_temperatures(model: &Model, places: &SolidPlaces, groups: &mut [Box<dyn
             // The mean of equal values has their bits.
             let is_uniform = values.iter().all(|v| *v == values[0]);
             let mean = if is_uniform { values[0] } else { values.iter().sum::<f64>() / values.len() as f64 };
-            groups[group].extensions().initial_state().set(i, None, Some(mean));
+            groups[group].set(i, PointValue::Temperature(mean));
         }
     }
 }
@@ -399,14 +405,12 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut SolidState, repo
                         report.push(Diagnostic::error("P017", message).at(condition.span, "here"));
                         break;
                     }
-                    groups[*group].extensions().initial_state().set_energy(*i, *value);
+                    groups[*group].set(*i, PointValue::SpecificEnergy(*value));
                 }
             }
             InitialKind::Hardening(value) => {
                 let mut elements = condition.members.iter().filter_map(|e| places.elements.get(e));
-                let set = |(group, i): &(usize, usize)| {
-                    groups[*group].extensions().initial_state().set_plastic_strain(*i, *value)
-                };
+                let set = |(group, i): &(usize, usize)| groups[*group].set(*i, PointValue::PlasticStrain(*value));
                 if !elements.all(set) {
                     let message = "TYPE=HARDENING needs solid elements with *PLASTIC and isotropic hardening";
                     report.push(Diagnostic::error("P017", message).at(condition.span, "here"));
@@ -414,9 +418,9 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut SolidState, repo
             }
             InitialKind::State(values) => {
                 for (group, i) in condition.members.iter().filter_map(|e| places.elements.get(e)) {
-                    let state = groups[*group].extensions().initial_state();
-                    let mut results = values.iter().enumerate().map(|(v, x)| state.set_state(*i, v, *x) || *x == 0.0);
-                    if !results.all(|results| results) {
+                    let group = &mut groups[*group];
+                    let mut values_by_index = values.iter().enumerate();
+                    if !values_by_index.all(|(v, x)| group.set(*i, PointValue::StateVariable(v, *x)) || *x == 0.0) {
                         let message = format!(
                             "{} state variables are given, but the material of some elements has fewer \
                              (*DEPVAR)",
@@ -439,7 +443,7 @@ fn start_solid(model: &Model, places: &SolidPlaces, state: &mut SolidState, repo
                 }
                 let stress = [0, 1, 2, 3].map(|i| values.get(i).copied().unwrap_or(0.0));
                 for (group, i) in condition.members.iter().filter_map(|e| places.elements.get(e)) {
-                    groups[*group].extensions().initial_state().set(*i, Some(stress), None);
+                    groups[*group].set(*i, PointValue::Stress(stress));
                 }
             }
         }

@@ -10,8 +10,8 @@ use crate::kernel::lists::sorted_unique;
 use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{ShellFrame, simpson};
 use crate::model::{MaterialDefinition, Model, PlasticityModel, ShellSection, ShellThinning};
-use crate::plan::solids::solid_material::{bulk_viscosity, heating, yield_stress};
-use crate::plan::{Bodies, Report, Scene, SectionInput, SolidPlaces};
+use crate::plan::solids::solid_material::{GroupInput, bulk_viscosity, heating, yield_stress};
+use crate::plan::{Bodies, Report, Scene, SolidPlaces};
 use crate::state::nodes::Node;
 
 /// Returns the shell sections with their elements that do not belong to a rigid body.
@@ -42,10 +42,9 @@ pub fn place_rotations(
 }
 
 /// Creates the element group of a section.
-pub fn shell_group(input: &SectionInput<ShellSection>, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
-    let SectionInput { model, places, section, elements, nodes } = *input;
-    let material = &model.materials[section.material];
-    let section_of_group = shell_properties(model, section, material, elements.len(), report)?;
+pub fn shell_group(input: &GroupInput<'_, ShellSection, ()>, report: &mut Report) -> Option<Box<dyn ElementGroup>> {
+    let GroupInput { model, places, elements, nodes, .. } = *input;
+    let section_of_group = shell_properties(input, report)?;
     let corners = |&e: &usize| {
         let ends = [0, 1].map(|i| model.mesh.elements[e].nodes[i]);
         let [a, b] = ends.map(|n| places.nodes[&n] as u32);
@@ -62,7 +61,8 @@ pub fn shell_group(input: &SectionInput<ShellSection>, report: &mut Report) -> O
 }
 
 /// Lists cards of a material without effect on shells as unused, unless solid elements have the material too.
-fn note_unused_on_shells(model: &Model, section: &ShellSection, material: &MaterialDefinition, report: &mut Report) {
+fn note_unused_on_shells(input: &GroupInput<'_, ShellSection, ()>, report: &mut Report) {
+    let GroupInput { model, section, material, .. } = *input;
     if model.sections.iter().any(|solid| solid.material == section.material) {
         return;
     }
@@ -79,20 +79,16 @@ fn note_unused_on_shells(model: &Model, section: &ShellSection, material: &Mater
 }
 
 /// Returns the section data of shells. An unsupported material is an error.
-fn shell_properties(
-    model: &Model,
-    section: &ShellSection,
-    material: &MaterialDefinition,
-    count: usize,
-    report: &mut Report,
-) -> Option<ShellProperties> {
+fn shell_properties(input: &GroupInput<'_, ShellSection, ()>, report: &mut Report) -> Option<ShellProperties> {
+    let GroupInput { model, section, material, elements, .. } = *input;
+    let count = elements.len();
     if let Some(message) = refusal(material, model.is_adiabatic()) {
         let message = format!("material `{}`: {message}", material.name);
         let finding = Diagnostic::error("P023", message).at(section.span, "these elements are shells");
         report.push(finding.help("shells support *ELASTIC, *PLASTIC with isotropic hardening, *RATE DEPENDENT"));
         return None;
     }
-    note_unused_on_shells(model, section, material, report);
+    note_unused_on_shells(input, report);
     let ([young, ratio], density) = (material.elastic?, material.density?);
     let flowing = match &material.plastic {
         None => None,

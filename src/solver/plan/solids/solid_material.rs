@@ -54,14 +54,15 @@ const MATERIALS: &[MaterialRow] = &[
     MaterialRow { applies: |_| true, law: |solid, report| von_mises_law(solid, None, report) },
 ];
 
-/// A section of solid elements, and what its element group depends on.
-pub struct GroupInput<'a> {
+/// A section of elements, and what its element group depends on.
+pub struct GroupInput<'a, S = SolidSection, C = Connectivity> {
     pub model: &'a Model,
     pub places: &'a SolidPlaces,
-    pub section: &'a SolidSection,
+    pub section: &'a S,
     pub material: &'a MaterialDefinition,
     pub elements: &'a [usize],
-    pub connectivity: &'a Connectivity,
+    /// Solver nodes of solid elements; `()` for elements whose nodes are taken from the mesh.
+    pub connectivity: &'a C,
     pub nodes: &'a [Node],
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::deck::Diagnostic;
 use crate::element::constants::ElementConstants;
-use crate::element::group::ElementGroup;
+use crate::element::group::{ElementGroup, GroupSetting};
 use crate::element::solid_groups::{Connectivity, GroupOptions, SolidMaterial, create_group};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::levels::NestedTable;
@@ -100,7 +100,7 @@ pub fn user_group(input: &GroupInput, report: &mut Report) -> Option<Box<dyn Ele
     let mut group = create_group(law, GroupOptions::new(constants, density), connectivity, nodes);
     if material.user.fields.is_some() {
         // VUSDFLD may request strains.
-        group.extensions().settings().follow();
+        group.configure(GroupSetting::Records);
     }
     Some(group)
 }
