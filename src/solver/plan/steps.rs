@@ -249,9 +249,9 @@ fn load_changes<'a>(
             (same_pace || !matches!(load.kind, LoadKind::Cavity { .. })) && is_same_load(b.0, load)
         };
         let (velocity, entry) = match previous_loads.iter().position(is_kept) {
-            Some(place) => {
-                report.share_ledger_rows(previous_loads[place].0.span, load.span);
-                (previous_loads[place].1, ListEntry::Kept(place))
+            Some(index) => {
+                report.share_ledger_rows(previous_loads[index].0.span, load.span);
+                (previous_loads[index].1, ListEntry::Kept(index))
             }
             None => {
                 let Some(effect) = create_load(&LoadInput { scene, links, load, step, state }, report) else {

@@ -61,9 +61,9 @@ impl ContactMeans {
     #[inline(never)]
     fn add_increment(&mut self, run: &RunState<'_>, part: f64) {
         for pair in &mut self.pairs {
-            let Some(found) = run.contacts().find_map(|contact| contact.forces_of_pair(pair.pair)) else { continue };
-            for (impulse, force) in pair.impulse.iter_mut().flatten().zip(found.forces.iter().flatten()) {
-                *impulse += part * found.duration * force;
+            let Some(total) = run.contacts().find_map(|contact| contact.forces_of_pair(pair.pair)) else { continue };
+            for (impulse, force) in pair.impulse.iter_mut().flatten().zip(total.forces.iter().flatten()) {
+                *impulse += part * total.duration * force;
             }
         }
     }

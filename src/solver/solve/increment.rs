@@ -310,11 +310,11 @@ fn end_at_rest(next: &mut Increment, bodies: &[BodyState], slow: f64) {
         if !body.reads_velocity || body.prescribed {
             continue;
         }
-        let Some(rest) = body.time_to_rest(next.length, slow) else { continue };
-        *next = if rest <= next.length {
-            Increment { length: rest, end: IncrementEnd::Rest(b), by: IncrementLimiter::Rest }
+        let Some(time_to_rest) = body.time_to_rest(next.length, slow) else { continue };
+        *next = if time_to_rest <= next.length {
+            Increment { length: time_to_rest, end: IncrementEnd::Rest(b), by: IncrementLimiter::Rest }
         } else {
-            Increment { length: 0.5 * rest, end: IncrementEnd::Plain, by: IncrementLimiter::Rest }
+            Increment { length: 0.5 * time_to_rest, end: IncrementEnd::Plain, by: IncrementLimiter::Rest }
         };
     }
 }

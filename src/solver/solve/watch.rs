@@ -551,9 +551,9 @@ fn name_absorbed_energy(run: &RunState<'_>, share: f64) -> String {
 }
 
 pub(super) fn name_folded(run: &RunState<'_>) -> String {
-    let Some(most) = run.state.elements.most_folded(&run.state.dofs.nodes) else { return String::new() };
-    let name = run.plan.element_name(most.group, most.element);
-    format!(". The largest hourglass distortion is in element {name}: {:.0} % of its size", 100.0 * most.fold)
+    let Some(folded) = run.state.elements.most_folded(&run.state.dofs.nodes) else { return String::new() };
+    let name = run.plan.element_name(folded.group, folded.element);
+    format!(". The largest hourglass distortion is in element {name}: {:.0} % of its size", 100.0 * folded.fold)
 }
 
 /// Returns the most likely cause of a drift, and a remedy.

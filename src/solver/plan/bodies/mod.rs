@@ -136,8 +136,8 @@ fn lumped_mass(model: &Model, rigid: &RigidBody, nodes: &[usize], sources: &Mass
     let mesh = &model.mesh;
     let mut masses = vec![0.0; nodes.len()];
     let mut add = |node: usize, mass: f64| {
-        if let Ok(at) = nodes.binary_search(&node) {
-            masses[at] += mass;
+        if let Ok(index) = nodes.binary_search(&node) {
+            masses[index] += mass;
         }
     };
     for &element in &rigid.elements {

@@ -234,11 +234,11 @@ pub fn order_curves(
     match (contact.secondary, unsuited) {
         (None, None) => finer,
         (None, Some(_)) => [finer[1], finer[0]],
-        (Some(given), unsuited) => {
-            if let Some(ratios) = unsuited.filter(|_| given != coarser) {
+        (Some(secondary), unsuited) => {
+            if let Some(ratios) = unsuited.filter(|_| secondary != coarser) {
                 warn_of_sizes(contact, coarser, ratios, report);
             }
-            if given == 0 { [first, second] } else { [second, first] }
+            if secondary == 0 { [first, second] } else { [second, first] }
         }
     }
 }

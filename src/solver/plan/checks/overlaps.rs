@@ -157,7 +157,7 @@ fn body_outline(scene: Scene, piece: &ConnectedPart, outside: &[(usize, ElementS
     let mut add = |node: usize| {
         *known.entry(node).or_insert_with(|| {
             points.push(match scene.places.free_node(node) {
-                Some(place) => PointCarrier::Node(place),
+                Some(solver_node) => PointCarrier::Node(solver_node),
                 None => {
                     let body = scene.places.tied.get(&node).or_else(|| scene.bodies.of_node.get(&node));
                     PointCarrier::Body(body.copied().unwrap_or(0), mesh.points[node])

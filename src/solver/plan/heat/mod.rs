@@ -57,7 +57,7 @@ pub fn plan(scene: Scene, links: &Links, state: &SolidState, report: &mut Report
     let mut expanding = Vec::new();
     for &(section, group) in &sections {
         let material = &model.materials[section.material];
-        if let Some(own) = group_expansion(scene.model, section, group, material, state, report) {
+        if let Some(expansion) = group_expansion(scene.model, section, group, material, state, report) {
             let elements = &state.elements.groups[group];
             let strain_temperature = |e: usize| {
                 let element_temperature = elements.value(e, Variable::Temperature.into());
@@ -65,7 +65,7 @@ pub fn plan(scene: Scene, links: &Links, state: &SolidState, report: &mut Report
                     .filter(|_| heat.is_none())
                     .unwrap_or_else(|| mean(&**elements, e, &start, &state.dofs.nodes))
             };
-            expanding.push((own, (0..elements.len()).map(strain_temperature).collect()));
+            expanding.push((expansion, (0..elements.len()).map(strain_temperature).collect()));
         }
     }
     let expansion = (!expanding.is_empty()).then(|| ThermalStrains::new(expanding));

@@ -77,12 +77,12 @@ fn tied_by_equations(input: HeatInput, tied: &mut TemperatureEquations, report: 
     for equation in model.constraints.equations.iter().filter(|e| e.is_thermal()) {
         let mut terms = Vec::with_capacity(equation.terms.len());
         for &(node, _, c) in &equation.terms {
-            let Some(place) = scene.places.nodes.get(&node).copied().filter(|p| conducting.contains(p)) else {
+            let Some(solver_node) = scene.places.nodes.get(&node).copied().filter(|p| conducting.contains(p)) else {
                 let message = format!("*EQUATION: node {} has no temperature", model.mesh.node_names[node]);
                 let finding = Diagnostic::error("P063", message).at(equation.span, "an equation on 11");
                 return report.push(finding.help("nodes of CAX4RT and CAX3T have temperatures"));
             };
-            terms.push((place, 0, c));
+            terms.push((solver_node, 0, c));
         }
         tied.equations.push(NodalEquation { terms, is_redundant: false });
         tied.spans.push(equation.span);

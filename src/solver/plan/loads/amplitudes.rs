@@ -66,7 +66,7 @@ fn sensed(scene: Scene, request: &OutputRequest) -> Option<SensorQuantity> {
         return None;
     };
     let dof = match (scene.places.free_node(node), scene.bodies.of_node.get(&node)) {
-        (Some(place), _) => Dof::Node(place, component),
+        (Some(solver_node), _) => Dof::Node(solver_node, component),
         (_, Some(&body)) if component == 1 => Dof::Body(body),
         _ => return None,
     };

@@ -128,7 +128,7 @@ fn concentrated_load(
     let mut spatial = Vec::new();
     for node in nodes {
         match (scene.places.free_node(*node), scene.bodies.of_node.get(node)) {
-            (Some(place), _) => deforming.push(place),
+            (Some(solver_node), _) => deforming.push(solver_node),
             (_, Some(&body)) if scene.bodies.list[body].spatial => {
                 spatial.push((body, scene.model.mesh.points[*node][1]))
             }

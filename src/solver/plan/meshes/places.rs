@@ -54,8 +54,8 @@ impl<V> MeshIndexMap<V> {
 
     /// Sets the value of an index. An index that is present keeps its position in the order.
     pub fn insert(&mut self, number: usize, value: V) {
-        if let Some(at) = self.find(number) {
-            self.values[at] = value;
+        if let Some(index) = self.find(number) {
+            self.values[index] = value;
             return;
         }
         let position = self.values.len();

@@ -52,8 +52,8 @@ pub fn shell_group(input: &GroupInput<'_, ShellSection, ()>, report: &mut Report
         [a, b, x, y]
     };
     let list: Vec<[u32; 4]> = elements.iter().map(corners).collect();
-    if let Some(at) = list.iter().position(|c| !lies_off_the_axis(c, nodes)) {
-        let element = &model.mesh.elements[elements[at]];
+    if let Some(index) = list.iter().position(|c| !lies_off_the_axis(c, nodes)) {
+        let element = &model.mesh.elements[elements[index]];
         let message = format!("element {} is on the axis or has no length", element.name);
         return report.refuse(Diagnostic::error("P012", message).at(element.span, "this element"));
     }
