@@ -132,6 +132,7 @@ impl TaskWorkspace {
         dispatch_outlined(arch, SubzonalUpdate { scratch: self, zones, increment, nodes, inverse_mass, corners });
     }
 
+    /// Equation (7.12).
     #[inline(always)]
     fn add_subzonal_forces(
         &mut self,
@@ -178,7 +179,7 @@ impl TaskWorkspace {
         }
     }
 
-    /// Adds the pressure forces of the quarters at one corner.
+    /// Adds the pressure forces of the quarters at one corner. Equation (7.11).
     #[inline(always)]
     fn add_quarter<const CORNER: usize>(
         &self,

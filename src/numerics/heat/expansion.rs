@@ -24,7 +24,7 @@ pub struct GroupExpansion {
 }
 
 impl GroupExpansion {
-    /// Returns the thermal strain relative to T0.
+    /// Returns the thermal strain relative to T0. Equation (6.7).
     fn strain(&self, temperature: f64) -> f64 {
         at(&self.coefficient, temperature) * (temperature - self.reference)
     }

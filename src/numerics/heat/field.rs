@@ -260,7 +260,7 @@ impl TemperatureField {
     /// Adds heat exchanges between nodes such that the temperatures after the time `dt` satisfy the linear equations,
     /// with prescribed temperatures from the clock, or the current ones without a clock. The exchanges are Lagrange
     /// multipliers as in [`crate::constraint::equation`]. Returns their sum, which is external heat; it is zero if the
-    /// coefficients of each equation sum to zero, as for ties.
+    /// coefficients of each equation sum to zero, as for ties. Equation (9.3).
     ///
     /// Capacities that depend on the temperature are evaluated at the middle of the rise, by Newton's method: each pass
     /// squares the error of the equations. The exchange conserves heat for any remaining error.
@@ -311,7 +311,7 @@ impl TemperatureField {
         }
     }
 
-    /// Advances temperatures over an increment; the clock is at its start.
+    /// Advances temperatures over an increment; the clock is at its start. Equation (9.1).
     pub fn advance(&mut self, clock: &AmplitudeClock<'_>, dt: f64) {
         let later = clock.later(dt);
         self.energies.external += dt * self.given;
@@ -341,7 +341,7 @@ impl TemperatureField {
         }
     }
 
-    /// Returns the stable time increment; infinite without heat exchange.
+    /// Returns the stable time increment; infinite without heat exchange. Equation (9.2).
     pub fn stable_increment(&self) -> f64 {
         2.0 / self.rate.0
     }

@@ -47,14 +47,14 @@ impl<T: Real> AssumedDirections<T> {
         }
     }
 
-    /// Returns the strains in both directions from the pattern's displacement `[r, z]`.
+    /// Returns the strains in both directions from the pattern's displacement `[r, z]`. Equation (5.9).
     #[inline(always)]
     pub fn along(&self, [q_r, q_z]: [T; 2]) -> [T; 2] {
         let [a, c] = self.dual;
         [a[0] * q_r + a[1] * q_z, c[0] * q_r + c[1] * q_z]
     }
 
-    /// Returns the hoop strains of both fields from displacements along r, combined by [`hoop`].
+    /// Returns the hoop strains of both fields from displacements along r, combined by [`hoop`]. Equation (5.9).
     #[inline(always)]
     pub fn around(&self, [x, y]: [T; 2]) -> [T; 2] {
         let [a, c] = self.across;
@@ -73,7 +73,7 @@ impl<T: Real> AssumedDirections<T> {
     }
 
     /// Returns the generalised forces of stresses in both directions and hoop stresses: on the hourglass pattern `[r,
-    /// z]`, and on the operators of [`hoop`].
+    /// z]`, and on the operators of [`hoop`]. Equation (5.11).
     #[inline(always)]
     pub fn forces(&self, along: [T; 2], around: [T; 2]) -> [[T; 2]; 2] {
         let sum = |[x, y]: [T; 2], [a, c]: [[T; 2]; 2]| [x * a[0] + y * c[0], x * a[1] + y * c[1]];

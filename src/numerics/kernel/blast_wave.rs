@@ -344,7 +344,7 @@ impl BlastWave {
     /// Returns the pressure on a surface at a time after the detonation: p_r cos² + p_i (1 + cos - 2 cos²), where the
     /// cosine is that of the angle between the outward normal and the direction to the charge; p_i on a surface that
     /// faces away (ABAQUS Analysis User's Guide 34.4.6, "CONWEP blast loading"). Both pressures are
-    /// p (1 - t/d) exp(-a t/d) in the positive phase (Friedlander), and zero after it.
+    /// p (1 - t/d) exp(-a t/d) in the positive phase (Friedlander), and zero after it. Equations (16.2), (16.4).
     pub fn pressure(&self, time: f64, cosine: f64) -> f64 {
         let phase = ((time - self.arrival) / self.duration).max(0.0);
         if !has_arrived(time, self.arrival) || phase >= 1.0 {
@@ -363,7 +363,7 @@ pub fn has_arrived(time: f64, arrival: f64) -> bool {
 }
 
 /// Returns the decay coefficient a of a pulse (1 - x) exp(-a x) whose integral over 0 to 1, 1/a - (1 - exp(-a))/a², is
-/// given; by bisection.
+/// given; by bisection. Equation (16.3).
 fn decay_coefficient(integral: f64) -> f64 {
     let of = |a: f64| {
         if a.abs() < 1e-3 { 0.5 - a / 6.0 } else { 1.0 / a + libm::expm1(-a) / (a * a) }

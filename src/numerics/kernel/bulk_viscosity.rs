@@ -65,7 +65,7 @@ impl BulkViscosity {
 }
 
 /// Returns the slow part of a rate after an increment over which the highest frequency turns by the angle `turn`, from
-/// the slow part before. `filter` is that of [`BulkViscosity::filter`].
+/// the slow part before. `filter` is that of [`BulkViscosity::filter`]. Equation (7.6).
 #[inline(always)]
 pub fn slow_rate<T: Real>(before: T, rate: T, turn: T, filter: T) -> T {
     let one = turn.like(1.0);

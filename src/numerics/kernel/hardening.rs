@@ -88,6 +88,7 @@ pub struct JohnsonCook {
 }
 
 impl YieldStress for JohnsonCook {
+    /// Equation (6.5).
     fn at(&self, strain: f64, _rate: f64, temperature: f64) -> f64 {
         let hardened = self.a + self.b * power(strain, self.n);
         let theta = (temperature - self.transition) / (self.melt - self.transition);
@@ -167,7 +168,7 @@ const MOST_SECANTS: usize = 4000;
 
 /// Returns the increment dp of plastic strain for which `trial - 3 G dp` equals the yield stress at `strain + dp` and
 /// `dp/dt`. The residual decreases with dp and has one root, which is found by bracketed secants. Returns NaN, which halts
-/// the run at the element, if no root is found.
+/// the run at the element, if no root is found. Equation (6.2).
 pub fn plastic_increment(
     law: &dyn YieldStress,
     trial: f64,

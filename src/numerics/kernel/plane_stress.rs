@@ -73,6 +73,7 @@ impl PlaneElastic {
     }
 
     /// Returns the result of a return to the yield surface with the unknown x. Associated flow: dp_i = x (2 s_i - s_j)/3.
+    /// Equation (8.4).
     #[inline(always)]
     pub(super) fn flowed(&self, trial: [f64; 2], x: f64) -> PlaneReturn {
         let stress = self.scaled(trial, x);

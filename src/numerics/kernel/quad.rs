@@ -18,7 +18,7 @@ pub const UNIT: f64 = PI / 8.0;
 /// Returns the sums of the values at four corners with the signs of the base vectors Sigma, Lambda_1, Lambda_2 and
 /// Gamma: the total, the differences along the first and the second direction of the parent square, and the hourglass
 /// pattern (Flanagan and Belytschko 1981, eq. 6). They are computed from differences, so that a large common value does
-/// not reduce the accuracy of the last three.
+/// not reduce the accuracy of the last three. Equation (5.2).
 #[inline(always)]
 pub fn sums<T: Real>(x: [T; 4]) -> [T; 4] {
     let (below, above) = (x[1] - x[0], x[2] - x[3]);
@@ -53,7 +53,7 @@ impl<T: Real> QuadOperators<T> {
     /// Computes the operators from the [`sums`] of r and z, with volume or area weighting. With volume weighting they
     /// are the derivatives of the ring volume, minus the hoop part along r. Area weighting (Goudreau and Hallquist
     /// 1982, Comput. Meth. Appl. Mech. Eng. 33, 725) uses the gradients at the centre of the plane section times 2π
-    /// times the radius there, so that ratios to the volume are those of the plane.
+    /// times the radius there, so that ratios to the volume are those of the plane. Equations (5.1), (5.3).
     #[inline(always)]
     pub fn of<const AREA: bool>(r: [T; 4], z: [T; 4]) -> Self {
         let section = r[1] * z[2] - r[2] * z[1];
@@ -79,7 +79,8 @@ impl<T: Real> QuadOperators<T> {
     }
 
     /// Returns the hourglass pattern orthogonal to linear fields (Flanagan and Belytschko 1981, eqs. 25 to 45), times
-    /// the volume: components in Lambda_1, Lambda_2 and Gamma, from the last of the [`sums`] of r and z.
+    /// the volume: components in Lambda_1, Lambda_2 and Gamma, from the last of the [`sums`] of r and z. Equation
+    /// (5.7).
     #[inline(always)]
     pub fn pattern(&self, [r, z]: [T; 2]) -> [T; 3] {
         let linear = |i: usize| r * self.r[i] + z * self.z[i];

@@ -58,7 +58,8 @@ const SMALL: f64 = 1.0 / 64.0;
 /// Smallest ratio of successive plastic strain increments in an iteration.
 const LEAST: f64 = 0.02;
 
-/// Returns the increments of equivalent plastic strain of the first `count` lanes; zero for elastic lanes.
+/// Returns the increments of equivalent plastic strain of the first `count` lanes; zero for elastic lanes. Equation
+/// (6.2).
 #[inline(always)]
 pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize) -> Lanes {
     let TrialState { stress, strain, temperature, rate, shear3, dt } = trial;

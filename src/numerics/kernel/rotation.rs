@@ -9,7 +9,8 @@ pub fn rotated<T: Real>(tensor: [T; 4], spin: T) -> [T; 4] {
 }
 
 /// Returns cosine and sine of the rotation of a spin increment (Hughes and Winget 1980, Int. J. Numer. Meth. Eng. 15,
-/// 1862): the tangent of half the angle is half the spin increment, which is orthogonal for any increment.
+/// 1862): the tangent of half the angle is half the spin increment, which is orthogonal for any increment. Equation
+/// (5.5).
 #[inline(always)]
 pub fn rotation_of_spin<T: Real>(spin: T) -> [T; 2] {
     let one = spin.like(1.0);

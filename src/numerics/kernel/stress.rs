@@ -2,14 +2,14 @@
 
 use super::lanes::InlineMap;
 
-/// Returns the von Mises stress, sqrt(3/2 s:s).
+/// Returns the von Mises stress, sqrt(3/2 s:s). Equation (1.1).
 #[inline(always)] // Into loops over lanes, compiled for the instruction set of the machine.
 pub fn mises([rr, zz, hoop, rz]: [f64; 4]) -> f64 {
     let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].inline_map(|d| d * d);
     (0.5 * (a + b + c) + 3.0 * rz * rz).sqrt()
 }
 
-/// Returns the pressure, positive in compression: minus a third of the trace.
+/// Returns the pressure, positive in compression: minus a third of the trace. Equation (1.1).
 #[inline(always)] // Likewise.
 pub fn pressure([rr, zz, hoop, _]: [f64; 4]) -> f64 {
     -(rr + zz + hoop) / 3.0

@@ -35,7 +35,7 @@ pub struct DamageInitiationLaw {
 
 impl DamageInitiationLaw {
     /// Returns the criterion for an opening (not negative) and a shear separation, or for the tractions over the stiffness of
-    /// their mode. It is homogeneous of degree one; damage begins at 1.
+    /// their mode. It is homogeneous of degree one; damage begins at 1. Equation (17.5).
     fn value(&self, [open, shear]: [f64; 2]) -> f64 {
         let parts = [open / self.limits[0], shear.abs() / self.limits[1]];
         if self.quadratic { parts[0].portable_hypot(parts[1]) } else { parts[0].max(parts[1]) }
@@ -238,7 +238,7 @@ impl TractionSeparationLaw {
         InterfaceResponse { traction: self.traction(history.damage, separation), dissipated }
     }
 
-    /// Returns the tractions at a separation for a damage.
+    /// Returns the tractions at a separation for a damage. Equations (17.4), (17.9).
     pub fn traction(&self, damage: f64, [normal, shear]: [f64; 2]) -> [f64; 2] {
         let (kept, ratio) = (1.0 - damage, self.coupling_ratio());
         let (elongation, [of_normal, of_shear]) = (normal + ratio * shear, self.degradable_stiffness());
@@ -288,7 +288,7 @@ impl TractionSeparationLaw {
         0.5 * (normal + shear) + (0.5 * (normal - shear)).portable_hypot(self.coupling)
     }
 
-    /// Returns the energy per area that is released if the tractions at a separation vanish.
+    /// Returns the energy per area that is released if the tractions at a separation vanish. Equation (17.9).
     pub fn stored(&self, damage: f64, separation: [f64; 2]) -> f64 {
         let [normal, shear] = self.traction(damage, separation);
         0.5 * (normal * separation[0] + shear * separation[1])
@@ -308,7 +308,7 @@ impl TractionSeparationLaw {
     /// Returns the stiffness that limits the time increment over that without damage, for a pair of points with these
     /// states. `leverage` holds, for each point, the normal and the shear vector between the faces over the length of the
     /// mid-surface, whose rotation they turn into shear and normal separations. Damage reduces the stiffness of open
-    /// points; a closed point has the full normal stiffness.
+    /// points; a closed point has the full normal stiffness. Equation (17.12).
     pub fn stiffness_ratio(&self, points: [InterfaceStiffness; 2]) -> f64 {
         let largest = self.largest_stiffness(1.0);
         let [of_normal, of_shear] = self.stiffness.inline_map(|k| if self.coupling == 0.0 { k / largest } else { 1.0 });
@@ -398,7 +398,7 @@ impl TractionSeparationLaw {
 }
 
 /// Returns the growth of a damage that follows another one, which changes linearly from one value to the next in this
-/// time, over the viscosity.
+/// time, over the viscosity. Equations (17.10), (17.11).
 fn relaxed(time: f64, [before, after]: [f64; 2], damage: f64) -> f64 {
     if time <= 0.0 {
         return 0.0;
@@ -429,6 +429,7 @@ impl InterfaceSoftening {
 }
 
 impl ModeDependence {
+    /// Equation (17.6).
     fn value(&self, ray: &SeparationRay) -> f64 {
         let [normal, shear] = ray.energies;
         match self {

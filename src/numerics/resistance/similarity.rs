@@ -156,6 +156,7 @@ struct PlasticState {
 }
 
 impl PlasticZone<'_> {
+    /// Equation (2.7).
     fn state(&self, q: f64, [log_x, stress]: [f64; 2]) -> PlasticState {
         let target = self.target;
         let [flow, slope] = target.flow(q);
@@ -185,7 +186,7 @@ impl PlasticZone<'_> {
         self.pressure_factor() + self.target.shape.deviator() * at.hardening * k - at.density * self.m * at.square * k
     }
 
-    /// Returns the slopes of ln x and s over ln q; NaN where there is no solution.
+    /// Returns the slopes of ln x and s over ln q; NaN where there is no solution. Equations (2.6), (2.12).
     fn slope(&self, q: f64, y: [f64; 2]) -> [f64; 2] {
         let at = self.state(q, y);
         let stiffness = self.stiffness(&at);

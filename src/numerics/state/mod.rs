@@ -151,7 +151,7 @@ impl BodyState {
         rests
     }
 
-    /// Computes the velocity at the current instant, `dt` after the previous one.
+    /// Computes the velocity at the current instant, `dt` after the previous one. Equation (4.3).
     #[inline]
     pub fn complete_velocity(&mut self, dt: f64) {
         self.velocity = self.velocity_half + 0.5 * dt * self.acceleration;
@@ -161,7 +161,7 @@ impl BodyState {
         }
     }
 
-    /// Advances velocity and displacement over an increment `dt` by central differences.
+    /// Advances velocity and displacement over an increment `dt` by central differences. Equation (4.1).
     #[inline]
     pub fn advance(&mut self, dt: f64) {
         self.before.displacement = self.displacement;

@@ -190,7 +190,8 @@ impl RigidBody3d {
         Pose { centre: self.centre, attitude: self.attitude, moving: [self.velocity, self.momentum] }
     }
 
-    /// Advances over an increment `dt`: half-step velocities from the current forces, then torque-free motion.
+    /// Advances over an increment `dt`: half-step velocities from the current forces, then torque-free motion. Equation
+    /// (13.3).
     pub fn advance(&mut self, dt: f64) {
         (self.energy_before, self.contact) = (self.kinetic(), Default::default());
         self.previous = self.pose();
