@@ -169,20 +169,12 @@ fn branches(tree: &str) -> Vec<(String, String)> {
 
 /// Splits a list at commas outside braces.
 fn split_list(list: &str) -> Vec<&str> {
-    let (mut depth, mut start, mut parts) = (0, 0, Vec::new());
-    for (i, c) in list.char_indices() {
-        match c {
-            '{' => depth += 1,
-            '}' => depth -= 1,
-            ',' if depth == 0 => {
-                parts.push(&list[start..i]);
-                start = i + 1;
-            }
-            _ => {}
-        }
-    }
-    parts.push(&list[start..]);
-    parts
+    let mut depth = 0;
+    list.split(|c| {
+        depth += i32::from(c == '{') - i32::from(c == '}');
+        c == ',' && depth == 0
+    })
+    .collect()
 }
 
 /// Returns the crate of the project that a word names in a module.

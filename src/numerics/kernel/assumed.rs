@@ -89,7 +89,7 @@ impl<T: Real> AssumedDirections<T> {
         let [a, c] = self.across;
         let (n_a, n_c) = (ratio * self.dual[0][0], ratio * self.dual[1][0]);
         // There is no hoop strain along z.
-        let rest = (self.per[0] + self.per[1]) - (n_a * n_a + n_c * n_c);
+        let remainder = (self.per[0] + self.per[1]) - (n_a * n_a + n_c * n_c);
         let [first, second] = [(a, n_a), (c, n_c)].inline_map(
             #[inline(always)]
             |([b_r, b_z], n)| {
@@ -102,7 +102,7 @@ impl<T: Real> AssumedDirections<T> {
             },
         );
         let both = first.plus(second);
-        both.weighted(inverse) + rest * SquareSums::of_gradient(shape).weighted(inverse)
+        both.weighted(inverse) + remainder * SquareSums::of_gradient(shape).weighted(inverse)
     }
 
     /// Returns an upper bound of the [trace](Self::trace), divided by 1 + |n|, that needs less arithmetic: the

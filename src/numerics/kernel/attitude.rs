@@ -147,9 +147,9 @@ impl PrincipalInertia {
             return attitude;
         }
         let along = dot(momentum, attitude.axis());
-        let own = [0.0, time * along * (1.0 / self.axial - 1.0 / self.transverse), 0.0];
+        let spin = [0.0, time * along * (1.0 / self.axial - 1.0 / self.transverse), 0.0];
         let precession = Attitude::turned(times(time / self.transverse, momentum));
-        precession.after(attitude).after(Attitude::turned(own)).normalized()
+        precession.after(attitude).after(Attitude::turned(spin)).normalized()
     }
 }
 

@@ -147,18 +147,18 @@ impl BlastWave {
         if scaled > fits.range[1] {
             return None;
         }
-        let of = |list: &[BlastFit]| value(list, scaled);
-        let pressures = [of(fits.incident_pressure), of(fits.reflected_pressure)];
-        let duration = of(fits.duration);
+        let fitted = |list: &[BlastFit]| value(list, scaled);
+        let pressures = [fitted(fits.incident_pressure), fitted(fits.reflected_pressure)];
+        let duration = fitted(fits.duration);
         let share = |impulse: f64, pressure: f64| impulse / (pressure * duration);
         let decay = [
-            decay_coefficient(share(of(fits.incident_impulse), pressures[0])),
-            decay_coefficient(share(of(fits.reflected_impulse), pressures[1])),
+            decay_coefficient(share(fitted(fits.incident_impulse), pressures[0])),
+            decay_coefficient(share(fitted(fits.reflected_impulse), pressures[1])),
         ];
         let [incident, reflected] = pressures;
         Some(BlastWave {
             pressures: [1e3 * incident, 1e3 * reflected],
-            arrival: 1e-3 * root * of(fits.arrival),
+            arrival: 1e-3 * root * fitted(fits.arrival),
             duration: 1e-3 * root * duration,
             decay,
         })
@@ -188,13 +188,13 @@ pub fn has_arrived(time: f64, arrival: f64) -> bool {
 /// Returns the decay coefficient a of a pulse (1 - x) exp(-a x) whose integral over 0 to 1, 1/a - (1 - exp(-a))/a², is
 /// given; by bisection. Equation (16.3).
 fn decay_coefficient(integral: f64) -> f64 {
-    let of = |a: f64| {
+    let integral_of = |a: f64| {
         if a.abs() < 1e-3 { 0.5 - a / 6.0 } else { 1.0 / a + libm::expm1(-a) / (a * a) }
     };
     let [mut low, mut high] = [-5.0, 1e3];
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if of(middle) > integral { low = middle } else { high = middle }
+        if integral_of(middle) > integral { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }

@@ -117,9 +117,9 @@ mod tests {
     fn separations_do_not_depend_on_a_rotation() {
         let (sin, cos) = 0.7_f64.sin_cos();
         let turned = CORNERS.map(|[r, z]| [3.0 + cos * r - sin * z, sin * r + cos * z]);
-        let before = MidSurface::new(CORNERS).jumps(CORNERS);
+        let jumps_at_start = MidSurface::new(CORNERS).jumps(CORNERS);
         let after = MidSurface::new(turned).jumps(turned);
-        for (a, b) in before.as_flattened().iter().zip(after.as_flattened()) {
+        for (a, b) in jumps_at_start.as_flattened().iter().zip(after.as_flattened()) {
             assert!((a - b).abs() < 1e-15);
         }
     }

@@ -125,8 +125,8 @@ mod tests {
                 rate = y.iter().map(|y| y * y).sum::<f64>().sqrt();
                 x = y.map(|y| y / rate);
             }
-            let found = highest_rate(&k, m, folded);
-            assert!(found >= rate && found < 1.001 * rate, "{corners:?}: {found} and {rate}");
+            let bound = highest_rate(&k, m, folded);
+            assert!(bound >= rate && bound < 1.001 * rate, "{corners:?}: {bound} and {rate}");
         }
         // Squares far from the axis: 4 k/(ρ c h²), so that the stable increment is h² ρ c/(2 k).
         let k = conductance(square, [0.0; 4], |_| 1.0);

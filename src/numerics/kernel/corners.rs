@@ -135,10 +135,10 @@ mod tests {
             if shape % 5 == 0 {
                 places[3] = places[2];
             }
-            let own = scaled_jacobian(places);
-            for least in [-0.5, 0.0, 0.05, 0.4, own] {
-                assert_eq!(is_distorted(places, least), own <= least, "{places:?} {least}");
-                distorted += usize::from(own <= least);
+            let jacobian = scaled_jacobian(places);
+            for least in [-0.5, 0.0, 0.05, 0.4, jacobian] {
+                assert_eq!(is_distorted(places, least), jacobian <= least, "{places:?} {least}");
+                distorted += usize::from(jacobian <= least);
             }
         }
         assert!(distorted > 4000);

@@ -94,10 +94,10 @@ impl Facet {
         if start.is_nan() || end.is_nan() || end <= start {
             return None;
         }
-        let at = |s: f64| [self.low[0] + s * widening, self.low[1] + s * height];
-        let (low, high) = (at(start), at(end));
+        let point = |s: f64| [self.low[0] + s * widening, self.low[1] + s * height];
+        let (low, high) = (point(start), point(end));
         let area = self.area * (end - start) * (low[0] + high[0]) / (self.low[0] + self.high[0]);
-        Some(FacetPart { area, middle: at(0.5 * (start + end)) })
+        Some(FacetPart { area, middle: point(0.5 * (start + end)) })
     }
 
     /// Returns the parts into which a facet is divided, of equal length, from its low end on.
@@ -117,8 +117,8 @@ impl Facet {
 
     /// Returns the facet displaced by `shift` along z.
     pub fn shifted(&self, shift: f64) -> Facet {
-        let at = |[r, z]: [f64; 2]| [r, z + shift];
-        Facet { low: at(self.low), high: at(self.high), ..*self }
+        let moved = |[r, z]: [f64; 2]| [r, z + shift];
+        Facet { low: moved(self.low), high: moved(self.high), ..*self }
     }
 
     /// Returns the masses of a shell with this thickness and density, lumped by row sums, at the low and the high end:

@@ -77,9 +77,9 @@ impl PressureOverclosure {
             PressureOverclosure::Table(rows) => {
                 let ends = rows.windows(2).enumerate().map(|(at, row)| (at + 2 == rows.len(), row[0][1], row[1][1]));
                 let parts = ends.map(|(is_last, from, to)| {
-                    let to = if is_last { overlap } else { to.min(overlap) };
-                    let pressures = self.pressure(from)[0] + self.pressure(to)[0];
-                    0.5 * pressures * (to - from).max(0.0)
+                    let until = if is_last { overlap } else { to.min(overlap) };
+                    let pressures = self.pressure(from)[0] + self.pressure(until)[0];
+                    0.5 * pressures * (until - from).max(0.0)
                 });
                 parts.sum()
             }

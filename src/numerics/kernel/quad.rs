@@ -22,8 +22,8 @@ pub const UNIT: f64 = PI / 8.0;
 #[inline(always)]
 pub fn sums<T: Real>(x: [T; 4]) -> [T; 4] {
     let (below, above) = (x[1] - x[0], x[2] - x[3]);
-    let (left, right) = (x[3] - x[0], x[2] - x[1]);
-    [(x[0] + x[1]) + (x[2] + x[3]), below + above, left + right, above - below]
+    let (left_side, right_side) = (x[3] - x[0], x[2] - x[1]);
+    [(x[0] + x[1]) + (x[2] + x[3]), below + above, left_side + right_side, above - below]
 }
 
 /// Returns the values at the corners from their components in the four base vectors.
@@ -166,11 +166,19 @@ pub fn gradient(r: [f64; 4], z: [f64; 4]) -> CornerGradient {
     QuadOperators::of::<false>(sums(r), sums(z)).gradient()
 }
 
-/// Returns the derivatives of the volume of a ring with respect to r and z of its corners, and the volume, in [`UNIT`].
+/// Volume of a ring in [`UNIT`], and its derivatives with respect to r and z of the corners of an element.
+pub struct VolumeGradient {
+    pub volume: f64,
+    pub by_r: [f64; 4],
+    pub by_z: [f64; 4],
+}
+
+/// Returns the volume of a ring with these corners, and its derivatives.
 #[inline(always)]
-pub fn volume_gradient(r: [f64; 4], z: [f64; 4]) -> ([f64; 4], [f64; 4], f64) {
+pub fn volume_gradient(r: [f64; 4], z: [f64; 4]) -> VolumeGradient {
     let QuadOperators { r: [a, b, c], z: [d, e, f], hoop, volume } = QuadOperators::of::<false>(sums(r), sums(z));
-    (at_corners([hoop[0], a + hoop[1], b + hoop[2], c]), at_corners([0.0, d, e, f]), volume)
+    let by_r = at_corners([hoop[0], a + hoop[1], b + hoop[2], c]);
+    VolumeGradient { volume, by_r, by_z: at_corners([0.0, d, e, f]) }
 }
 
 /// Returns the area of the plane section, positive for corners that run counter-clockwise.

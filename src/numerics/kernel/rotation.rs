@@ -13,10 +13,10 @@ pub fn rotated<T: Real>(tensor: [T; 4], spin: T) -> [T; 4] {
 /// (5.5).
 #[inline(always)]
 pub fn rotation_of_spin<T: Real>(spin: T) -> [T; 2] {
-    let one = spin.like(1.0);
+    let unit = spin.like(1.0);
     let quarter = spin.like(0.25) * spin * spin;
-    let inverse = one / (one + quarter);
-    [(one - quarter) * inverse, spin * inverse]
+    let inverse = unit / (unit + quarter);
+    [(unit - quarter) * inverse, spin * inverse]
 }
 
 /// A spin increment given as a quotient; one common inverse yields its rotation and one over the divisor.

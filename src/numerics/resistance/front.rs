@@ -35,10 +35,10 @@ impl ElasticZone {
 
 /// Returns the state at the front for m; `None` if the front is too fast.
 pub fn front(target: &ScaledTarget, m: f64) -> Option<PlasticFront> {
-    let plain = elastic(target, m)?;
-    match target.tension.filter(|tension| -plain.hoop > *tension) {
-        Some(tension) => Some(cracked::front(target, m, tension).unwrap_or(plain.front)),
-        None => Some(plain.front),
+    let elastic_front = elastic(target, m)?;
+    match target.tension.filter(|tension| -elastic_front.hoop > *tension) {
+        Some(tension) => Some(cracked::front(target, m, tension).unwrap_or(elastic_front.front)),
+        None => Some(elastic_front.front),
     }
 }
 
