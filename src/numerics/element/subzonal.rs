@@ -204,8 +204,7 @@ impl TaskWorkspace {
 #[cfg(test)]
 mod tests {
     use super::{limited, quarter};
-    use crate::kernel::quad::VolumeGradient;
-    use crate::kernel::quad::gradient;
+    use crate::kernel::quad::{VolumeGradient, gradient};
 
     const R: [f64; 4] = [1.0, 3.2, 2.9, 0.8];
     const Z: [f64; 4] = [0.1, -0.2, 1.7, 2.0];
