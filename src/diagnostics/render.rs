@@ -124,7 +124,7 @@ fn annotation<'a>(index: usize, label: &'a SourceLabel, source: &str, offset: us
 
 /// Returns the last character boundary at or before `at`.
 fn boundary(text: &str, at: usize) -> usize {
-    text.floor_char_boundary(at)
+    (0..=at.min(text.len())).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0)
 }
 
 /// Returns the places of the `*INCLUDE`s that lead to the file of a diagnostic, innermost first.
