@@ -467,6 +467,15 @@ fn equations_of(page: &str) -> BTreeMap<String, BTreeSet<FunctionPlace>> {
     equations
 }
 
+/// Returns the numbers in parentheses to which a page refers: `(4.7)`, `(10.5a)`.
+fn equations_referred_to(page: &str) -> impl Iterator<Item = &str> {
+    let inside = page.split('(').skip(1).filter_map(|rest| rest.split_once(')').map(|(inside, _)| inside));
+    inside.filter(|number| {
+        let parts = number.split_once('.').map(|(chapter, rest)| (chapter, rest.trim_end_matches(['a', 'b'])));
+        parts.is_some_and(|parts| [parts.0, parts.1].iter().all(|part| part.parse::<u8>().is_ok_and(|n| n > 0)))
+    })
+}
+
 #[test]
 fn equations_and_functions_name_each_other() {
     let mut equations = BTreeMap::new();
@@ -479,6 +488,10 @@ fn equations_and_functions_name_each_other() {
     assert!(equations.len() > 150, "{} equations", equations.len());
     let mut named: BTreeMap<String, BTreeSet<FunctionPlace>> = BTreeMap::new();
     let mut wrong = BTreeSet::new();
+    for (page, text) in texts("docs/theory", ".md") {
+        let unknown = equations_referred_to(&text).filter(|number| !equations.contains_key(*number));
+        wrong.extend(unknown.map(|number| format!("{page}: ({number}) is unknown")));
+    }
     for (path, text) in ["src", "tests"].iter().flat_map(|folder| texts(folder, ".rs")) {
         for comment in SourceComment::all(&text) {
             for number in comment.equations() {
