@@ -360,7 +360,7 @@ fn variables_say_what_they_are() {
         let names: Vec<_> = names.into_iter().filter(|name| vague.contains(name)).map(str::to_owned).collect();
         files.push((names.len(), path, names.join(" ")));
     }
-    files.sort_by(|a, b| b.0.cmp(&a.0));
+    files.sort_by_key(|file| std::cmp::Reverse(file.0));
     files.truncate(files.partition_point(|file| file.0 > 0));
     let share = files.iter().map(|file| file.0).sum::<usize>() as f64 / count as f64;
     println!("{count} variables, {:.2} % with a vague name", 100.0 * share);

@@ -47,7 +47,7 @@ pub struct HourglassControl {
 }
 
 /// Returns the factor by which a fraction ξ of critical damping divides the stable time increment: 1 + ξ + ξ²/2, never
-/// below sqrt(1 + ξ²) + ξ (ABAQUS Analysis User's Guide, "Explicit dynamic analysis").
+/// below sqrt(1 + ξ²) + ξ (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"). Equation (4.6).
 #[inline(always)]
 pub(super) fn damped<T: Real>(xi: T) -> T {
     let one = xi.like(1.0);

@@ -60,7 +60,7 @@ struct YieldResidual {
 }
 
 impl PlaneYield<'_> {
-    /// Returns the von Mises stress and its derivative with respect to x.
+    /// Returns the von Mises stress and its derivative with respect to x. Equation (8.4).
     #[inline(always)]
     fn mises(&self, x: &Lanes) -> [Lanes; 2] {
         let ([a, b], [p, d]) = (self.rates, &self.squares);

@@ -251,6 +251,7 @@ impl JohnsonCook {
         factors
     }
 
+    /// Equation (6.5).
     #[inline(always)]
     fn lanes(&self, strain: &Lanes, softening: &Lanes) -> CurveLanes {
         let [mut value, mut slope, mut bend] = [ZERO; 3];

@@ -50,7 +50,7 @@ impl<T: Real> SpinQuotient<T> {
         divisor * divisor + divisor.like(0.25) * dividend * dividend
     }
 
-    /// Returns cosine and sine of the rotation, as [`rotation_of_spin`].
+    /// Returns cosine and sine of the rotation, as [`rotation_of_spin`]. Equation (5.5).
     #[inline(always)]
     pub fn rotation(&self) -> [T; 2] {
         let (square, quarter) = (self.divisor * self.divisor, self.dividend.like(0.25) * self.dividend * self.dividend);

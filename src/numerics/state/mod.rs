@@ -230,7 +230,7 @@ impl BodyState {
     }
 
     /// Returns the work of a generalised force over the previous increment, given its values at the start and the end;
-    /// after an increment that ended in a jump, the value at the start is used.
+    /// after an increment that ended in a jump, the value at the start is used. Equation (14.3).
     #[inline]
     pub fn work(&self, coordinate: u32, [before, now]: [f64; 2], jump: bool) -> f64 {
         if let Some(spatial) = &self.spatial {

@@ -178,7 +178,7 @@ impl RigidBody3d {
         self.shown = RigidMotion { velocity: times(factor, motion.velocity), turning: times(factor, motion.turning) };
     }
 
-    /// Computes velocity and angular momentum at the current instant, `dt` after the previous one.
+    /// Computes velocity and angular momentum at the current instant, `dt` after the previous one. Equation (13.3).
     pub fn complete_velocity(&mut self, dt: f64) {
         let [velocity, momentum] = self.half;
         self.velocity = plus(velocity, 0.5 * dt / self.mass, self.total.force);
