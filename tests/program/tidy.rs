@@ -462,7 +462,8 @@ fn equations_of(page: &str) -> BTreeMap<String, BTreeSet<FunctionPlace>> {
             let name = name.rsplit("::").next().unwrap_or(name);
             Some((file.split(')').next()?.to_owned(), name.to_owned()))
         };
-        equations.insert(number.to_owned(), functions.split("[`").skip(1).filter_map(place).collect());
+        let functions = functions.split("[`").skip(1).filter_map(place).collect();
+        assert!(equations.insert(number.to_owned(), functions).is_none(), "equation ({number}) occurs twice");
     }
     equations
 }
