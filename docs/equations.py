@@ -2,7 +2,8 @@
 
 mdBook calls it ([preprocessor.equations] in book.toml). It requires the Python package latex2mathml. Code blocks, code
 spans and escaped dollars are left alone. `\\tag{4.2}` in a displayed equation sets its number, at the right, and its
-anchor `#eq-4.2`. Links to source files, which are not part of the book, become their paths.
+anchor `#eq-4.2`. A line `Function: ...` after it names the functions that evaluate it. Links to source files, which are
+not part of the book, become their paths.
 """
 
 import json
@@ -17,11 +18,14 @@ PARTS = re.compile(
     r"|^(?: {4}|\t)[^\n]*$"
     r"|(?P<ticks>`+)(?!`).+?(?<!`)(?P=ticks)(?!`)"
     r"|\\\$"
+    r"|^(?P<indent> *)(?P<functions>Functions?: \[[^\n]*)$"
     r"|\[[^\[\]\n]*\]\((?:\.\./)+(?P<file>(?:src|tests|input|examples)/[^)\s]*)\)"
     r"|\$\$(?P<display>.+?)\$\$"
     r"|(?<![\w$])\$(?P<inline>[^\s$](?:[^$\n]*[^\s$\\])?)\$(?![\w$])",
     re.DOTALL | re.MULTILINE,
 )
+# A function that evaluates an equation, with its file.
+FUNCTION_LINK = re.compile(r"\[`([^`]*)`\]\((?:\.\./)+([^)\s]*)\)")
 TAG = re.compile(r"\\tag\{([^}]*)\}")
 # Characters of text, not of tags, that Markdown would interpret.
 MARKUP = re.compile(r"[*_\[\]`\\|~'\"!-](?=[^<>]*(?:<|$))")
@@ -73,6 +77,9 @@ def replacement(convert, found: re.Match) -> str:
     """Returns the replacement of a part of a page."""
     if found["file"] is not None:
         return f"`{found['file']}`"
+    if found["functions"] is not None:
+        functions = FUNCTION_LINK.sub(r"<code>\1</code> (<code>\2</code>)", found["functions"])
+        return f'{found["indent"]}<p class="equation-functions">{functions}</p>'
     if found["inline"] is not None:
         return mathml(convert, found["inline"], "inline")
     if found["display"] is None:

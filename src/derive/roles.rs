@@ -16,20 +16,20 @@ impl FieldRoles {
     /// # Errors
     /// A role that is not allowed, or a field that does not exist or is listed twice.
     pub fn read(input: &DeriveInput, name: &str, allowed: &[&str]) -> Result<FieldRoles> {
-        let mut found = FieldRoles { roles: Vec::new(), then: None };
+        let mut roles = FieldRoles { roles: Vec::new(), then: None };
         for attribute in input.attrs.iter().filter(|a| a.path().is_ident(name)) {
-            found.read_attribute(attribute, allowed)?;
+            roles.read_attribute(attribute, allowed)?;
         }
         let fields: Vec<_> = fields(input).filter_map(|(_, field)| field.ident.as_ref()).collect();
-        for (i, (field, _)) in found.roles.iter().enumerate() {
+        for (i, (field, _)) in roles.roles.iter().enumerate() {
             if !fields.contains(&field) {
                 return Err(Error::new(field.span(), format!("`{}` has no field `{field}`", input.ident)));
             }
-            if found.roles[..i].iter().any(|(other, _)| other == field) {
+            if roles.roles[..i].iter().any(|(other, _)| other == field) {
                 return Err(Error::new(field.span(), format!("the field `{field}` is listed twice")));
             }
         }
-        Ok(found)
+        Ok(roles)
     }
 
     fn read_attribute(&mut self, attribute: &Attribute, allowed: &[&str]) -> Result<()> {

@@ -94,9 +94,10 @@ impl Diagnostic {
     /// write; `None` if it describes one in words.
     pub fn correction(&self, sources: &Sources) -> Option<Correction> {
         let label = self.labels.first()?;
+        let in_place = |text: String| Some(Correction { span: label.span, text });
         let texts = [self.help.as_deref().unwrap_or_default(), label.text.as_str()];
         if let Some(meant) = texts.iter().find_map(|text| meant_word(text)) {
-            return Some(Correction { span: label.span, text: meant.to_owned() });
+            return in_place(meant.to_owned());
         }
         let written = sources.text(label.span);
         if let Some(meant) = texts[0].strip_prefix("if this is a decimal comma, write ") {
@@ -105,27 +106,18 @@ impl Diagnostic {
             let span = Span { start: label.span.start.checked_sub(more)?, ..label.span };
             return Some(Correction { span, text: meant.to_owned() });
         }
-        if let Some(meant) = texts[0].strip_prefix("write ").filter(|text| text.parse::<i64>().is_ok()) {
-            return Some(Correction { span: label.span, text: meant.to_owned() });
-        }
-        let is_longer = |text: &&str| text.get(..written.len()).is_some_and(|head| head.eq_ignore_ascii_case(written));
-        if let Some(meant) = texts[0]
-            .strip_prefix("write ")
-            .filter(|_| written.starts_with('*') && self.code != "D007")
-            .filter(is_longer)
-        {
-            return Some(Correction { span: label.span, text: meant.to_owned() });
+        let begins_alike =
+            |text: &str| text.get(..written.len()).is_some_and(|head| head.eq_ignore_ascii_case(written));
+        let completes = |text: &str| written.starts_with('*') && self.code != "D007" && begins_alike(text);
+        let is_meant = |text: &&str| text.parse::<i64>().is_ok() || completes(text);
+        if let Some(meant) = texts[0].strip_prefix("write ").filter(is_meant) {
+            return in_place(meant.to_owned());
         }
         match self.code {
-            "D108" => Some(Correction { span: label.span, text: format!("{}\"", written.trim_end()) }),
-            "D109" => Some(Correction {
-                span: label.span,
-                text: format!("** {}", written.trim_start_matches('$').trim_start_matches('#').trim_start()),
-            }),
-            "D101" if texts[0].contains("if this is a comment") => {
-                Some(Correction { span: label.span, text: format!("*{written}") })
-            }
-            "D301" => missing_comma(written).map(|text| Correction { span: label.span, text }),
+            "D108" => in_place(format!("{}\"", written.trim_end())),
+            "D109" => in_place(format!("** {}", written.trim_start_matches('$').trim_start_matches('#').trim_start())),
+            "D101" if texts[0].contains("if this is a comment") => in_place(format!("*{written}")),
+            "D301" => missing_comma(written).and_then(in_place),
             _ => None,
         }
     }
@@ -133,8 +125,8 @@ impl Diagnostic {
 
 /// Returns the word of `did you mean WORD?`.
 fn meant_word(text: &str) -> Option<&str> {
-    let (_, rest) = text.split_once("did you mean ")?;
-    let (word, _) = rest.split_once('?')?;
+    let (_, suggestion) = text.split_once("did you mean ")?;
+    let (word, _) = suggestion.split_once('?')?;
     Some(word.trim_matches('`'))
 }
 

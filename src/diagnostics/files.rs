@@ -37,8 +37,8 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     if room.is_none() {
         return Err(io::Error::new(io::ErrorKind::OutOfMemory, format!("no memory for its {length} bytes")));
     }
-    let most = length.saturating_add(SLACK);
-    if file.take(most).read_to_end(&mut bytes)? as u64 == most {
+    let limit = length.saturating_add(SLACK);
+    if file.take(limit).read_to_end(&mut bytes)? as u64 == limit {
         return Err(io::Error::new(io::ErrorKind::InvalidData, "the file is longer than its reported length"));
     }
     Ok(bytes)

@@ -2,20 +2,12 @@
 
 /// Splits a list at the commas that are outside parentheses. Blanks around the parts are kept.
 pub fn split(list: &str) -> Vec<&str> {
-    let (mut depth, mut start, mut parts) = (0, 0, Vec::new());
-    for (i, c) in list.char_indices() {
-        match c {
-            '(' => depth += 1,
-            ')' => depth -= 1,
-            ',' if depth == 0 => {
-                parts.push(&list[start..i]);
-                start = i + 1;
-            }
-            _ => {}
-        }
-    }
-    parts.push(&list[start..]);
-    parts
+    let mut depth = 0;
+    let ends_part = |c| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        c == ',' && depth == 0
+    };
+    list.split(ends_part).collect()
 }
 
 #[cfg(test)]

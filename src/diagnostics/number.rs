@@ -22,8 +22,8 @@ pub fn parse_number(text: &str) -> Result<f64, NumberError> {
     if number_length(strip_sign(text)) != Some(strip_sign(text).len()) {
         return Err(explain(text));
     }
-    let plain = !text.bytes().any(|b| matches!(b, b'd' | b'D'));
-    let value: Result<f64, _> = if plain { text.parse() } else { text.replace(['d', 'D'], "e").parse() };
+    let has_rust_exponent = !text.bytes().any(|b| matches!(b, b'd' | b'D'));
+    let value: Result<f64, _> = if has_rust_exponent { text.parse() } else { text.replace(['d', 'D'], "e").parse() };
     let value = value.map_err(|_| NumberError::Malformed(None))?;
     if value.is_finite() { Ok(value) } else { Err(NumberError::NotFinite) }
 }
@@ -83,8 +83,8 @@ fn parse_plain(text: &str) -> Result<(), ()> {
 
 /// Suggests `1.0e-5` for `1.0-5`, an exponent without its letter.
 fn missing_exponent(text: &str) -> Option<String> {
-    let at = text.rfind(['+', '-']).filter(|&i| i > 0)?;
-    let guess = format!("{}e{}", &text[..at], &text[at..]);
+    let sign = text.rfind(['+', '-']).filter(|&i| i > 0)?;
+    let guess = format!("{}e{}", &text[..sign], &text[sign..]);
     parse_plain(&guess).ok().map(|()| guess)
 }
 

@@ -13,15 +13,15 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     if !text.contains(steers) {
         return Cow::Borrowed(text);
     }
-    let mut shown = String::with_capacity(text.len() + 16);
+    let mut printable = String::with_capacity(text.len() + 16);
     for c in text.chars() {
         if steers(c) {
-            let _ = write!(shown, "{}", c.escape_unicode());
+            let _ = write!(printable, "{}", c.escape_unicode());
         } else {
-            shown.push(c);
+            printable.push(c);
         }
     }
-    Cow::Owned(shown)
+    Cow::Owned(printable)
 }
 
 fn steers(c: char) -> bool {

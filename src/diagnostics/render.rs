@@ -19,13 +19,14 @@ pub fn render(list: &[Diagnostic], sources: &Sources, styled: bool) -> String {
     let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
     let mut text = String::new();
     for severity in [Severity::Error, Severity::Warning, Severity::Note] {
-        let all: Vec<&Diagnostic> = list.iter().filter(|d| d.severity == severity).collect();
-        for diagnostic in all.iter().take(MOST) {
+        let of_severity: Vec<&Diagnostic> = list.iter().filter(|d| d.severity == severity).collect();
+        for diagnostic in of_severity.iter().take(MOST) {
             text += &renderer.render(&[group(diagnostic, sources)]);
             text += "\n\n";
         }
-        if all.len() > MOST {
-            text += &format!("… and {} more {}\n\n", all.len() - MOST, plural(severity, all.len() - MOST));
+        if of_severity.len() > MOST {
+            text +=
+                &format!("… and {} more {}\n\n", of_severity.len() - MOST, plural(severity, of_severity.len() - MOST));
         }
     }
     text
@@ -123,11 +124,7 @@ fn annotation<'a>(index: usize, label: &'a SourceLabel, source: &str, offset: us
 
 /// Returns the last character boundary at or before `at`.
 fn boundary(text: &str, at: usize) -> usize {
-    let mut at = at.min(text.len());
-    while !text.is_char_boundary(at) {
-        at -= 1;
-    }
-    at
+    (0..=at.min(text.len())).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0)
 }
 
 /// Returns the places of the `*INCLUDE`s that lead to the file of a diagnostic, innermost first.

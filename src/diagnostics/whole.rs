@@ -179,9 +179,9 @@ fn unique<T>(make: impl Fn(&str) -> io::Result<T>) -> io::Result<T> {
         let time = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| u64::from(t.subsec_nanos()));
         let mut mixed = (u64::from(std::process::id()) << 32 ^ count << 20 ^ time).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let letter = |_| {
-            let at = mixed >> 59;
+            let rotation = mixed >> 59;
             mixed = mixed.wrapping_mul(0xd129_42a7_5f8d_6bd5).wrapping_add(count | 1);
-            char::from(b'a' + (at % 26) as u8)
+            char::from(b'a' + (rotation % 26) as u8)
         };
         let letters: String = (0..RANDOM).map(letter).collect();
         match make(&letters) {

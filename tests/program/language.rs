@@ -1,4 +1,5 @@
-//! The language of the project: banned idioms, type names, length of sentences and paragraphs in the manual.
+//! The language of the project: banned idioms, names of types and variables, tuples in signatures, length of sentences
+//! and paragraphs in the manual.
 //!
 //! Source: the Markdown pages and the Rust sources. Code spans, formulas and link targets are not prose and are left
 //! out.
@@ -53,6 +54,16 @@ const SAME_NAME: usize = 2;
 /// Most words of a paragraph of the manual, and of 95 % of its sentences.
 const PARAGRAPH_WORDS: usize = 120;
 const SENTENCE_WORDS: usize = 30;
+
+/// Words that do not say what a variable is.
+const VAGUE_NAMES: &str = "own at before found all place given kept rest most held wanted cause asked look good left plain \
+    applied one done to of by here there behind told shown took goes comes stands bears";
+/// Largest share of variables with such a name.
+const VAGUE_VARIABLES: f64 = 0.02;
+/// Most files that a failure lists.
+const MOST_LISTED: usize = 40;
+/// Most values of a tuple in the signature of a function; more values are the fields of a struct.
+const TUPLE_VALUES: usize = 2;
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum TextKind {
@@ -323,6 +334,100 @@ fn type_names_are_noun_phrases_and_searchable() {
     assert!(share <= ONE_WORD_NAMES, "{:.0} % of the type names are one word: {short:?}", 100.0 * share);
 }
 
+/// Returns the names that the `let` statements of a code bind, alone or in a tuple.
+fn variables(code: &str) -> Vec<&str> {
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    let starts = code.match_indices("let ").filter(|(at, _)| !code[..*at].ends_with(is_part));
+    let patterns = starts.filter_map(|(at, head)| {
+        let pattern = code[at + head.len()..].trim_start();
+        let pattern = pattern.strip_prefix("mut ").unwrap_or(pattern);
+        let end = if pattern.starts_with('(') { pattern.find(')')? } else { pattern.find(|c| !is_part(c))? };
+        Some(&pattern[..end]).filter(|pattern| !pattern.contains(['=', ';']))
+    });
+    let is_name = |name: &&str| name.starts_with(|c: char| c.is_lowercase() || c == '_') && *name != "_";
+    let words = patterns.flat_map(|pattern| pattern.split(|c| !is_part(c)));
+    words.filter(is_name).filter(|name| !["mut", "ref"].contains(name)).collect()
+}
+
+#[test]
+fn variables_say_what_they_are() {
+    let vague: BTreeSet<&str> = VAGUE_NAMES.split_whitespace().collect();
+    let (mut count, mut files) = (0, Vec::new());
+    for (path, text) in texts("src", ".rs") {
+        let source = RustSource::read(&text);
+        let names = variables(&source.code);
+        count += names.len();
+        let names: Vec<_> = names.into_iter().filter(|name| vague.contains(name)).map(str::to_owned).collect();
+        files.push((names.len(), path, names.join(" ")));
+    }
+    files.sort_by_key(|file| std::cmp::Reverse(file.0));
+    files.truncate(files.partition_point(|file| file.0 > 0));
+    let share = files.iter().map(|file| file.0).sum::<usize>() as f64 / count as f64;
+    println!("{count} variables, {:.2} % with a vague name", 100.0 * share);
+    assert!(count > 1000, "{count} variables");
+    assert!(
+        share <= VAGUE_VARIABLES,
+        "{:.2} % of the variables have a name that does not say what they are, at most {:.0} % are allowed: {:#?}",
+        100.0 * share,
+        100.0 * VAGUE_VARIABLES,
+        &files[..files.len().min(MOST_LISTED)]
+    );
+}
+
+/// Returns the signatures of the functions of a code: name, parameters and return type.
+fn signatures(code: &str) -> Vec<&str> {
+    let starts = code.match_indices("fn ").filter(|(at, _)| code[..*at].ends_with([' ', '\n']) || *at == 0);
+    let signature = |(at, head): (usize, &str)| {
+        let rest = &code[at + head.len()..];
+        let mut depth = 0;
+        let end = rest.find(|c| {
+            depth += i32::from(['(', '['].contains(&c)) - i32::from([')', ']'].contains(&c));
+            depth == 0 && ['{', ';'].contains(&c)
+        });
+        &rest[..end.unwrap_or(rest.len())]
+    };
+    starts.map(signature).collect()
+}
+
+/// Returns the number of values of the largest tuple in the parameters and the return type of a signature. Parentheses
+/// after a word hold parameters.
+fn largest_tuple(signature: &str) -> usize {
+    let (mut largest, mut open) = (0, Vec::new());
+    for (i, c) in signature.char_indices() {
+        match c {
+            '(' | '[' | '<' | '{' => {
+                let is_tuple = c == '(' && !signature[..i].ends_with(|c: char| c.is_alphanumeric() || "_>".contains(c));
+                open.push((is_tuple, 1));
+            }
+            ')' | ']' | '}' => _ = open.pop(),
+            '>' if !signature[..i].ends_with('-') => _ = open.pop(),
+            ',' => {
+                if let Some((is_tuple, values)) = open.last_mut() {
+                    *values += 1;
+                    let has_value = !signature[i + 1..].trim_start().starts_with(')');
+                    largest = if *is_tuple && has_value { largest.max(*values) } else { largest };
+                }
+            }
+            _ => {}
+        }
+    }
+    largest
+}
+
+#[test]
+fn signatures_have_small_tuples() {
+    let mut large = BTreeSet::new();
+    for (path, text) in texts("src", ".rs") {
+        let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+        for signature in signatures(&RustSource::read(text).code) {
+            if largest_tuple(signature) > TUPLE_VALUES {
+                large.insert(format!("{path}: {}", signature.split_whitespace().collect::<Vec<_>>().join(" ")));
+            }
+        }
+    }
+    assert!(large.is_empty(), "tuples of more than {TUPLE_VALUES} values: make structs of these: {large:#?}");
+}
+
 /// Returns the paragraphs and list items of a page, each with its first line. Tables, headings and formulas are left
 /// out.
 fn paragraphs(page: &str) -> Vec<(usize, String)> {
@@ -425,5 +530,8 @@ fn texts_of_a_source_are_found() {
     };
     assert_eq!(matched("It is told; reckoned by the parts of\nit, `told` [here](told.md), $told$, stand-alone"), 3);
     assert_eq!(matched("a list of. It has a name"), 0);
+    assert_eq!(variables("let mut a: T = b; outlet c; let (d, e) = f; if let Some(g) = h {}"), ["a", "d", "e"]);
+    let code = "fn a<T: F<(B, C)>>(x: (A, [B; 2]), y: &G<A, B, C>) -> (A, B) { fn b(f: impl Fn(A, B, C)) -> Option<(A, B, C)>;";
+    assert_eq!(signatures(code).into_iter().map(largest_tuple).collect::<Vec<_>>(), [2, 3]);
     assert_eq!(sentence_lengths("A sentence. Another, see `a b. c` (e.g. here)."), [2, 5]);
 }

@@ -1,5 +1,5 @@
 //! The structure that `docs/architecture.md` describes: imports point downwards, import cycles within a folder are
-//! small, and files and tests that the documentation names exist.
+//! small, and files, tests and equations that the documentation names exist.
 //!
 //! Imports are read from the paths in `src/`, in `use` lines and elsewhere; unit tests are left out.
 
@@ -169,20 +169,12 @@ fn branches(tree: &str) -> Vec<(String, String)> {
 
 /// Splits a list at commas outside braces.
 fn split_list(list: &str) -> Vec<&str> {
-    let (mut depth, mut start, mut parts) = (0, 0, Vec::new());
-    for (i, c) in list.char_indices() {
-        match c {
-            '{' => depth += 1,
-            '}' => depth -= 1,
-            ',' if depth == 0 => {
-                parts.push(&list[start..i]);
-                start = i + 1;
-            }
-            _ => {}
-        }
-    }
-    parts.push(&list[start..]);
-    parts
+    let mut depth = 0;
+    list.split(|c| {
+        depth += i32::from(c == '{') - i32::from(c == '}');
+        c == ',' && depth == 0
+    })
+    .collect()
 }
 
 /// Returns the crate of the project that a word names in a module.
@@ -419,4 +411,110 @@ fn files_and_tests_named_in_the_documentation_exist() {
         }
     }
     assert!(absent.is_empty(), "{absent:#?}");
+}
+
+/// A function of the project: its file and its name.
+type FunctionPlace = (String, String);
+
+/// A comment of a source. The comment of a function has its name.
+struct SourceComment {
+    function: Option<String>,
+    text: String,
+}
+
+impl SourceComment {
+    /// Returns all comments of a source, each as one line.
+    fn all(source: &str) -> Vec<SourceComment> {
+        let (mut comments, mut text) = (Vec::new(), String::new());
+        for line in source.lines().map(str::trim) {
+            if let Some(words) = line.strip_prefix("//") {
+                text += words.trim_start_matches(['/', '!']);
+            } else if !line.starts_with("#[") {
+                let function = line.split("fn ").nth(1).and_then(|rest| rest.split(['(', '<']).next());
+                let text = std::mem::take(&mut text);
+                comments.push(SourceComment { function: function.map(str::to_owned), text });
+            }
+        }
+        comments
+    }
+
+    /// Returns the numbers in parentheses that follow `Equation` or `Equations`, separated by commas.
+    fn equations(&self) -> impl Iterator<Item = String> {
+        let lists = ["Equation (", "Equations ("].iter().flat_map(|head| self.text.split(head).skip(1));
+        lists.flat_map(|list| {
+            let list = list.split_once(").").map_or(list, |(list, _)| list);
+            list.split("), (").map(str::to_owned)
+        })
+    }
+}
+
+/// Returns the functions that the line `Function: ...` after each numbered equation of a page names.
+fn equations_of(page: &str) -> BTreeMap<String, BTreeSet<FunctionPlace>> {
+    let mut equations: BTreeMap<String, BTreeSet<FunctionPlace>> = BTreeMap::new();
+    for part in page.split("\\tag{").skip(1) {
+        let (number, rest) = part.split_once('}').expect("the number of an equation");
+        let line = rest.lines().skip(1).find(|line| !line.is_empty()).unwrap_or_default().trim_start();
+        let functions = if line.starts_with("Function: ") || line.starts_with("Functions: ") { line } else { "" };
+        let place = |link: &str| {
+            let (name, file) = link.split_once("`](../../")?;
+            let name = name.rsplit("::").next().unwrap_or(name);
+            Some((file.split(')').next()?.to_owned(), name.to_owned()))
+        };
+        let functions = functions.split("[`").skip(1).filter_map(place).collect();
+        assert!(equations.insert(number.to_owned(), functions).is_none(), "equation ({number}) occurs twice");
+    }
+    equations
+}
+
+/// Returns the numbers in parentheses to which a page refers: `(4.7)`, `(10.5a)`.
+fn equations_referred_to(page: &str) -> impl Iterator<Item = &str> {
+    let inside = page.split('(').skip(1).filter_map(|rest| rest.split_once(')').map(|(inside, _)| inside));
+    inside.filter(|number| {
+        let parts = number.split_once('.').map(|(chapter, rest)| (chapter, rest.trim_end_matches(['a', 'b'])));
+        parts.is_some_and(|parts| [parts.0, parts.1].iter().all(|part| part.parse::<u8>().is_ok_and(|n| n > 0)))
+    })
+}
+
+#[test]
+fn equations_and_functions_name_each_other() {
+    let mut equations = BTreeMap::new();
+    for (page, text) in texts("docs/theory", ".md") {
+        for (number, functions) in equations_of(&text) {
+            let is_new = equations.insert(number.clone(), functions).is_none();
+            assert!(is_new, "{page}: equation ({number}) occurs twice");
+        }
+    }
+    assert!(equations.len() > 150, "{} equations", equations.len());
+    let mut named: BTreeMap<String, BTreeSet<FunctionPlace>> = BTreeMap::new();
+    let mut wrong = BTreeSet::new();
+    for (page, text) in texts("docs/theory", ".md") {
+        let unknown = equations_referred_to(&text).filter(|number| !equations.contains_key(*number));
+        wrong.extend(unknown.map(|number| format!("{page}: ({number}) is unknown")));
+    }
+    for (path, text) in ["src", "tests"].iter().flat_map(|folder| texts(folder, ".rs")) {
+        for comment in SourceComment::all(&text) {
+            for number in comment.equations() {
+                match &comment.function {
+                    Some(name) => _ = named.entry(number).or_default().insert((path.clone(), name.clone())),
+                    None if !equations.contains_key(&number) => {
+                        _ = wrong.insert(format!("{path}: ({number}) is unknown"))
+                    }
+                    None => {}
+                }
+            }
+        }
+    }
+    for number in equations.keys().chain(named.keys()) {
+        let [by_page, by_sources] = [&equations, &named].map(|map| map.get(number).cloned().unwrap_or_default());
+        if by_page.is_empty() {
+            wrong.insert(format!("equation ({number}) has no line `Function: ...` in docs/theory"));
+        }
+        let absent = by_page.difference(&by_sources);
+        wrong.extend(
+            absent.map(|(file, name)| format!("{file}: the comment of `{name}` has no `Equation ({number}).`")),
+        );
+        let unnamed = by_sources.difference(&by_page);
+        wrong.extend(unnamed.map(|(file, name)| format!("equation ({number}) does not name `{name}` of {file}")));
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

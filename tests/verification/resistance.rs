@@ -69,6 +69,7 @@ fn incompressible_at_rest(young: f64, y: f64, n: f64) -> f64 {
     2.0 / 3.0 * (1.0 + (2.0 * young / (3.0 * y)).powf(n) * inner)
 }
 
+/// Equation (2.11).
 #[test]
 fn incompressible_perfectly_plastic_pressure_matches_closed_form() {
     for velocity in [0.0, 1e-3, 1.0, 300.0, 2000.0] {
@@ -409,6 +410,7 @@ fn invalid_target_materials_are_errors() {
 
 /// Cylindrical cavity at rest in an incompressible target: `(1 + (E / (sqrt(3) Y))^n I) / sqrt(3)` with the integral I of
 /// `(-ln x)^n / (1 - x)` from 0 to `1 - sqrt(3) Y / E` (Forrestal and Warren 2009, Int. J. Impact Eng. 36, 220).
+/// Equation (2.15).
 #[test]
 fn quasi_static_cylindrical_pressure_matches_closed_form() {
     for (young, y, n) in [(YOUNG, Y, 0.0), (YOUNG, Y, 0.051), (73.1e9, 448e6, 0.089), (200e9, 400e6, 0.4)] {

@@ -204,6 +204,7 @@ fn layers_and_perforation_match_quadrature() {
     }
 }
 
+/// Equation (2.5).
 #[test]
 fn other_noses_match_closed_forms() {
     // Fully embedded: depth (m / 2 beta) ln(1 + beta V^2 / alpha) with alpha = pi a^2 A Y and beta = pi a^2 C rho N2.

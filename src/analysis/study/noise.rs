@@ -113,7 +113,7 @@ pub fn perturbations(runs: usize) -> Vec<ModelEdit> {
     (0..runs).map(|run| perturbation(SIZES[run % SIZES.len()], run as u64)).collect()
 }
 
-/// Estimates the noise from the unperturbed value and the values of [`perturbations`].
+/// Estimates the noise from the unperturbed value and the values of [`perturbations`]. Equation (15.5).
 pub fn of_runs(plain: f64, perturbed: impl Iterator<Item = Option<f64>>) -> NoiseEstimate {
     let perturbed: Vec<Option<f64>> = perturbed.collect();
     let of_size = |k: usize| perturbed.iter().copied().skip(k).step_by(SIZES.len()).flatten().chain([plain]);

@@ -198,7 +198,7 @@ fn behaviour_of(
 
 /// Returns the estimate by Richardson extrapolation. Unless the order is confirmed, the previous difference, reduced
 /// with the formal order, is also a bound, because the last one may be small by chance. The order of close levels
-/// is taken as at most 1.
+/// is taken as at most 1. Equations (15.3), (15.4).
 fn extrapolated(
     [coarse, middle, fine]: [RefinementLevel; 3],
     order: f64,
@@ -238,7 +238,7 @@ fn is_rounding(levels: &[RefinementLevel]) -> bool {
 }
 
 /// Returns the order p observed on three levels: (h1^p - h2^p) / (h2^p - h3^p) equals the ratio of their differences.
-/// `None` if no positive order gives that ratio. The left side increases with p, so bisection finds p.
+/// `None` if no positive order gives that ratio. The left side increases with p, so bisection finds p. Equation (15.2).
 pub fn observed_order(coarse: RefinementLevel, middle: RefinementLevel, fine: RefinementLevel) -> Option<f64> {
     let ratio = (middle.value - coarse.value) / (fine.value - middle.value);
     let of = |p: f64| {
@@ -256,7 +256,7 @@ pub fn observed_order(coarse: RefinementLevel, middle: RefinementLevel, fine: Re
     Some(0.5 * (low + high))
 }
 
-/// Returns the order of convergence from two errors; `None` if an error is zero.
+/// Returns the order of convergence from two errors; `None` if an error is zero. Equation (15.1).
 pub fn order_of_errors(coarse: RefinementLevel, fine: RefinementLevel) -> Option<f64> {
     let ratio = (coarse.value / fine.value).abs();
     let order = libm::log(ratio) / libm::log(coarse.size / fine.size);

@@ -412,7 +412,7 @@ impl QuantityRuns<'_> {
     }
 
     /// Returns the smallest uncertainty from two meshes: two values can agree by chance, while the energies at the end show
-    /// that the solutions differ.
+    /// that the solutions differ. Equation (15.4a).
     fn least_of_two(&self, coarse: &MeshLevel, fine: &MeshLevel) -> f64 {
         let run = self.meshes.iter().flat_map(|mesh| &mesh.1).find_map(|run| run.as_ref().ok());
         let Some([coarse_energies, fine_energies]) = run.map(|run| [run.energies, self.plain.energies]) else {

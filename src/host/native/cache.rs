@@ -259,8 +259,8 @@ fn shadowing_files(read: &[PathBuf], folder: &Path) -> BTreeSet<PathBuf> {
     let mut absent = BTreeSet::new();
     for path in read {
         let parts: Vec<_> = path.components().skip(1).collect();
-        let most = if is_systems(path) { 3 } else { parts.len() };
-        for count in 1..=most.min(parts.len()) {
+        let depth = if is_systems(path) { 3 } else { parts.len() };
+        for count in 1..=depth.min(parts.len()) {
             let name: PathBuf = parts[parts.len() - count..].iter().collect();
             absent.extend(folders.iter().map(|folder| folder.join(&name)).filter(|rival| !rival.exists()));
         }

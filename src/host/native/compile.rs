@@ -244,9 +244,9 @@ impl CompilerSet {
         let mut find = |language, variable, name: &str, install| {
             let program = std::env::var_os(variable).unwrap_or_else(|| name.into());
             let missing = || {
-                let shown = program.display();
+                let program_path = program.display();
                 format!(
-                    "no {language} compiler: `{shown}` was not found. Install {install}, or set another \
+                    "no {language} compiler: `{program_path}` was not found. Install {install}, or set another \
                      compiler in {variable}"
                 )
             };
@@ -268,14 +268,14 @@ impl CompilerSet {
 /// does not exist.
 fn tool_version(tool: &OsString) -> Option<String> {
     let program = |path: PathBuf| path.is_file().then_some(path);
-    let found = if Path::new(tool).components().count() > 1 {
+    let path = if Path::new(tool).components().count() > 1 {
         program(PathBuf::from(tool))
     } else {
         std::env::split_paths(&std::env::var_os("PATH")?).find_map(|folder| program(folder.join(tool)))
     }?;
-    let found = found.canonicalize().ok()?;
-    let metadata = found.metadata().ok()?;
-    Some(format!("{} {} {:?}", found.display(), metadata.len(), metadata.modified().ok()?))
+    let path = path.canonicalize().ok()?;
+    let metadata = path.metadata().ok()?;
+    Some(format!("{} {} {:?}", path.display(), metadata.len(), metadata.modified().ok()?))
 }
 
 /// Returns the hash of the inputs known before compilation: sources, their includes, flags, compilers; independent of
@@ -621,10 +621,10 @@ impl LibraryBuilder<'_> {
 
     /// Records the subroutines that reach an undefined symbol.
     fn note_missing(&mut self, missing: &str) {
-        let plain = missing.trim_end_matches('_');
+        let name = missing.trim_end_matches('_');
         for routine in super::ROUTINES {
             if self.calls.reaches(&format!("{routine}_"), missing) || self.calls.reaches(routine, missing) {
-                let message = format!("{routine} calls `{plain}`, which is not defined");
+                let message = format!("{routine} calls `{name}`, which is not defined");
                 self.uncallable.push(UncallableRoutine {
                     routine: (*routine).to_owned(),
                     code: "U005".into(),
@@ -639,9 +639,9 @@ impl LibraryBuilder<'_> {
         let compiler = self.tools.fortran.as_ref()?;
         let (file, object) =
             (self.scratch.join(format!("stub{index}.f90")), self.scratch.join(format!("stub{index}.o")));
-        let plain = symbol.trim_end_matches('_');
+        let name = symbol.trim_end_matches('_');
         let text = format!(
-            "subroutine stub() bind(C, name=\"{symbol}\")\n  external rvmissing\n  call rvmissing('{plain}')\nend subroutine\n"
+            "subroutine stub() bind(C, name=\"{symbol}\")\n  external rvmissing\n  call rvmissing('{name}')\nend subroutine\n"
         );
         std::fs::write(&file, text).ok()?;
         let arguments: Vec<OsString> =
@@ -706,12 +706,14 @@ fn remove_included_files(sources: &mut Vec<(&Path, SourceLanguage)>, notes: &mut
         add_with_includes(file, file, &mut seen, &mut |_| {});
         seen.iter().filter(|other| *other != file).map(|other| real(other)).collect::<Vec<_>>()
     };
-    let all: Vec<(&Path, Vec<PathBuf>)> = sources.iter().map(|(file, _)| (*file, includes(file))).collect();
+    let included_files: Vec<(&Path, Vec<PathBuf>)> = sources.iter().map(|(file, _)| (*file, includes(file))).collect();
     sources.retain(|(file, _)| {
-        let own = real(file);
+        let source_file = real(file);
         // Of two files that include each other, the first is kept.
-        let earlier = |other: &Path| !all.iter().any(|(f, list)| f == file && list.contains(&real(other)));
-        let Some((other, _)) = all.iter().find(|(other, list)| list.contains(&own) && earlier(other)) else {
+        let earlier = |other: &Path| !included_files.iter().any(|(f, list)| f == file && list.contains(&real(other)));
+        let Some((other, _)) =
+            included_files.iter().find(|(other, list)| list.contains(&source_file) && earlier(other))
+        else {
             return true;
         };
         let message = format!("`{}` is included by `{}`, and compiled with it", file.display(), other.display());

@@ -281,11 +281,11 @@ pub unsafe extern "C" fn pthread_create(
     };
     let Some(real) = real else { return libc::EAGAIN };
     let routine = super::call::routine().filter(|_| !is_of_runtime(body));
-    let before = routine.map(|_| threads()).unwrap_or_default();
+    let threads_before = routine.map(|_| threads()).unwrap_or_default();
     // SAFETY: the caller fulfils the contract of the C function.
     let failed = unsafe { real(thread, attributes, body, argument) };
     if let Some(routine) = routine {
-        let new = threads().into_iter().filter(|number| !before.contains(number));
+        let new = threads().into_iter().filter(|number| !threads_before.contains(number));
         STARTED.with_borrow_mut(|list| list.extend(new.map(|number| (number, routine))));
     }
     failed
@@ -295,9 +295,9 @@ pub unsafe extern "C" fn pthread_create(
 fn is_of_runtime(body: ThreadBody) -> bool {
     // SAFETY: zeros are a valid Dl_info; the loader fills in names that live as long as the library.
     let name = unsafe {
-        let mut place: libc::Dl_info = std::mem::zeroed();
-        let found = libc::dladdr(body as *const c_void, &raw mut place) != 0 && !place.dli_fname.is_null();
-        if found { CStr::from_ptr(place.dli_fname).to_string_lossy().into_owned() } else { String::new() }
+        let mut object: libc::Dl_info = std::mem::zeroed();
+        let is_known = libc::dladdr(body as *const c_void, &raw mut object) != 0 && !object.dli_fname.is_null();
+        if is_known { CStr::from_ptr(object.dli_fname).to_string_lossy().into_owned() } else { String::new() }
     };
     ["libgomp", "libopenblas", "libmkl"].iter().any(|runtime| name.contains(runtime))
 }

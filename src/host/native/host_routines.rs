@@ -243,9 +243,9 @@ host_routines! {
         internal: *const i32, kind: *const i32, part: *mut c_char, local: *mut i32, code: *mut i32, capacity: usize
     ) {
         host::with_job(|job| {
-            let found = host::part_of(job.names(*kind), *internal);
-            *code = i32::from(found.is_none());
-            if let Some((name, number)) = found {
+            let name_in_part = host::part_of(job.names(*kind), *internal);
+            *code = i32::from(name_in_part.is_none());
+            if let Some((name, number)) = name_in_part {
                 write_text(name, part, std::ptr::null_mut(), capacity);
                 *local = number;
             }
@@ -260,21 +260,21 @@ host_routines! {
         flag: usize
     ) {
         let variable = words(variable, length).to_uppercase();
-        let given = current(|call| {
+        let components = current(|call| {
             let (count, values) = call?.points?;
             values.give(&variable, &mut |component, point, value| {
-                let at = component * count + point;
-                *reals.add(at) = value;
+                let index = component * count + point;
+                *reals.add(index) = value;
                 if !integers.is_null() {
-                    *integers.add(at) = 0;
+                    *integers.add(index) = 0;
                 }
                 if !flags.is_null() {
-                    write_text("YES", flags.add(flag * at), std::ptr::null_mut(), flag);
+                    write_text("YES", flags.add(flag * index), std::ptr::null_mut(), flag);
                 }
             })
         });
-        *status = i32::from(given.is_none());
-        if given.is_none() {
+        *status = i32::from(components.is_none());
+        if components.is_none() {
             let known = "S, LE, PE, ER, PEEQ, TEMP and SDV";
             let text = format!("vgetvrm: `{variable}` is not available; supported are {known}, if the material has them");
             host::report_message(MessageLevel::Warning, text);
@@ -472,10 +472,10 @@ unsafe fn printed(format: *const c_char, values: [usize; 4]) -> String {
     let format = unsafe { CStr::from_ptr(format) }.to_string_lossy().into_owned();
     let mut values = values.into_iter();
     let mut text = String::new();
-    let mut rest = format.as_str();
-    while let Some(at) = rest.find('%') {
-        text += &rest[..at];
-        let tail = &rest[at + 1..];
+    let mut remaining = format.as_str();
+    while let Some(at) = remaining.find('%') {
+        text += &remaining[..at];
+        let tail = &remaining[at + 1..];
         let Some(end) = tail.find(|c: char| c.is_alphabetic() && c != 'l' && c != 'z' || c == '%') else { break };
         match (tail.as_bytes()[end], values.next()) {
             // SAFETY: guaranteed by the caller.
@@ -486,7 +486,7 @@ unsafe fn printed(format: *const c_char, values: [usize; 4]) -> String {
             }
             _ => text.push('%'),
         }
-        rest = &tail[end + 1..];
+        remaining = &tail[end + 1..];
     }
-    text + rest
+    text + remaining
 }

@@ -83,8 +83,8 @@ fn nothing_to_call(unsupported: &[&str], given: &[PathBuf]) -> Diagnostic {
 fn subroutines(file: &Path) -> Vec<String> {
     let text = files::read(file).map(|bytes| String::from_utf8_lossy(&bytes).to_lowercase()).unwrap_or_default();
     let name = |line: &str| {
-        let rest = line.trim_start().strip_prefix("subroutine ")?.trim_start();
-        let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        let declaration = line.trim_start().strip_prefix("subroutine ")?.trim_start();
+        let name: String = declaration.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
         (!name.is_empty()).then_some(name)
     };
     text.lines().filter_map(name).take(12).collect()
@@ -171,21 +171,21 @@ fn open_copy(library: &SharedLibrary) -> Result<(Library, Vec<LibraryMemory>), D
     let scratch = ScratchFolder::within(&std::env::temp_dir()).map_err(|e| fault(e.to_string()))?;
     let copy = scratch.path().join("user.so");
     std::fs::write(&copy, &library.bytes).map_err(|e| fault(e.to_string()))?;
-    let before = bases();
+    let bases_before = bases();
     // SAFETY: the initialisers of the user's library run here, as requested by the user.
     let opened = guard::opening(|| unsafe { Library::open(Some(&copy), RTLD_NOW | RTLD_LOCAL) });
     guard::restore(|what| host::report_opening(format!("an initialiser of `{}` {what}", file.display())));
     let opened = opened.map_err(|e| fault(undefined(loader_message(&e, &copy, file))))?;
     keep_runtimes();
-    Ok((opened, LibraryMemory::of(&copy, file, &library.bytes, &before)))
+    Ok((opened, LibraryMemory::of(&copy, file, &library.bytes, &bases_before)))
 }
 
 /// Keeps the Fortran and OpenMP runtimes loaded; otherwise every run of a sweep would load them again.
 fn keep_runtimes() {
     for name in ["libgfortran.so.5", "libgfortran.so.4", "libgfortran.so.3", "libgomp.so.1"] {
         // SAFETY: RTLD_NOLOAD only affects loaded libraries, so no initialiser runs.
-        let kept = unsafe { Library::open(Some(name), RTLD_NOW | libc::RTLD_NOLOAD | libc::RTLD_NODELETE) };
-        drop(kept);
+        let runtime = unsafe { Library::open(Some(name), RTLD_NOW | libc::RTLD_NOLOAD | libc::RTLD_NODELETE) };
+        drop(runtime);
     }
 }
 
@@ -202,10 +202,10 @@ fn undefined(words: String) -> String {
 
 fn loader_message(error: &libloading::Error, copy: &Path, file: &Path) -> String {
     let mut words = error.to_string();
-    let mut cause: Option<&dyn std::error::Error> = std::error::Error::source(error);
-    while let Some(inner) = cause {
+    let mut source: Option<&dyn std::error::Error> = std::error::Error::source(error);
+    while let Some(inner) = source {
         words = format!("{words}: {inner}");
-        cause = inner.source();
+        source = inner.source();
     }
     words.replace(&*copy.display().to_string(), &file.display().to_string())
 }

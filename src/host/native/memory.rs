@@ -149,8 +149,8 @@ impl PersistentMemory for RoutineMemory {
         }
         host::persist_arrays(&mut archive);
         let memory = bound.is_empty().then_some(bytes);
-        let before = self.open.lock().unwrap_or_else(PoisonError::into_inner);
-        let files = open_files().into_iter().filter(|file| !before.contains(file));
+        let open_before = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        let files = open_files().into_iter().filter(|file| !open_before.contains(file));
         let files = files.map(|(_, path)| format!("the file {} is open", path.display())).collect();
         let threads = guard::threads_running().into_iter();
         let threads = threads.map(|(routine, _)| format!("a thread that {routine} started still runs")).collect();
@@ -194,8 +194,8 @@ impl LibraryMemory {
     pub fn of(path: &Path, name: &Path, bytes: &[u8], before: &[usize]) -> Vec<LibraryMemory> {
         let loaded = loaded();
         let mut parts: Vec<LibraryMemory> = Vec::new();
-        let own = loaded.iter().find(|object| Path::new(&object.name) == path);
-        parts.extend(own.map(|object| LibraryMemory::new(object, name, bytes, false)));
+        let object_of_path = loaded.iter().find(|object| Path::new(&object.name) == path);
+        parts.extend(object_of_path.map(|object| LibraryMemory::new(object, name, bytes, false)));
         let mut next = 0;
         while let Some(part) = parts.get(next) {
             for needed in part.symbols.needed.clone() {
@@ -238,10 +238,10 @@ impl LibraryMemory {
                     continue;
                 }
                 for (i, (cell, _)) in cells(now).zip(cells(initial)).enumerate().filter(|(_, (a, b))| a != b) {
-                    let at = page + i * CELL;
-                    match changes.last_mut().filter(|last| last.area == index && last.at + last.bytes.len() == at) {
+                    let start = page + i * CELL;
+                    match changes.last_mut().filter(|last| last.area == index && last.at + last.bytes.len() == start) {
                         Some(last) => last.bytes.extend(cell),
-                        None => changes.push(ChangedBytes { area: index, at, bytes: cell.to_vec() }),
+                        None => changes.push(ChangedBytes { area: index, at: start, bytes: cell.to_vec() }),
                     }
                 }
             }
@@ -255,23 +255,23 @@ impl LibraryMemory {
         let is_address = |word: u64| {
             word >= lowest && used.get(used.partition_point(|range| range.1 <= word)).is_some_and(|r| r.0 <= word)
         };
-        let mut found = BTreeSet::new();
+        let mut areas = BTreeSet::new();
         for change in changes {
             let area = &self.areas[change.area];
             // Including one cell before and one after the change.
             let from = change.at.saturating_sub(CELL);
-            let to = (change.at + change.bytes.len() + CELL).min(area.length);
-            let mut bytes = vec![0; to - from];
+            let end_of_change = (change.at + change.bytes.len() + CELL).min(area.length);
+            let mut bytes = vec![0; end_of_change - from];
             area.copy(self.base, from, &mut bytes);
             let windows = bytes.windows(2 * CELL).step_by(CELL).enumerate();
             for (i, window) in windows {
                 let word = window.try_into().map_or(0, u64::from_le_bytes);
                 if is_address(word) {
-                    found.insert(self.place((area.at + from + i * CELL).max(area.at + change.at), false));
+                    areas.insert(self.place((area.at + from + i * CELL).max(area.at + change.at), false));
                 }
             }
         }
-        found.into_iter().map(|place| format!("{place} holds an address (allocated memory, a pointer)")).collect()
+        areas.into_iter().map(|place| format!("{place} holds an address (allocated memory, a pointer)")).collect()
     }
 
     /// Returns the description of a thread-local variable that this thread has changed, if any.
@@ -281,8 +281,8 @@ impl LibraryMemory {
         let (mut first, mut values) = (vec![0; length], vec![0; length]);
         copy(self.base + image, &mut first[..filled]);
         copy(now, &mut values);
-        let at = first.iter().zip(&values).position(|(a, b)| a != b)?;
-        Some(format!("{} is a thread-local variable", self.place(at, true)))
+        let first_difference = first.iter().zip(&values).position(|(a, b)| a != b)?;
+        Some(format!("{} is a thread-local variable", self.place(first_difference, true)))
     }
 
     /// Returns the name of a memory location in messages.
@@ -379,8 +379,8 @@ impl LoadedObject {
         let mut list = Vec::new();
         for &(at, size) in &self.written {
             let end = (at + size).next_multiple_of(2 * CELL);
-            let (before, after) = ((at, from.clamp(at, end)), ((from + length).clamp(at, end), end));
-            let ranges = if length == 0 { [(at, end), (end, end)] } else { [before, after] };
+            let (first, last) = ((at, from.clamp(at, end)), ((from + length).clamp(at, end), end));
+            let ranges = if length == 0 { [(at, end), (end, end)] } else { [first, last] };
             let aligned = ranges.map(|(start, end)| (start.next_multiple_of(2 * CELL), end));
             list.extend(
                 aligned.into_iter().filter(|(start, end)| start < end).map(|(start, end)| (start, end - start)),
@@ -421,11 +421,11 @@ unsafe extern "C" fn add_loaded(info: *mut libc::dl_phdr_info, _size: usize, lis
         threads_own: (!info.dlpi_tls_data.is_null()).then_some(info.dlpi_tls_data as usize),
     };
     for header in headers {
-        let (at, length) = (header.p_vaddr as usize, header.p_memsz as usize);
+        let (address, length) = (header.p_vaddr as usize, header.p_memsz as usize);
         match header.p_type {
-            libc::PT_LOAD if header.p_flags & MAY_WRITE != 0 => object.written.push((at, length)),
-            libc::PT_GNU_RELRO => object.read_only = Some((at, length)),
-            libc::PT_TLS => object.of_thread = Some([at, header.p_filesz as usize, length]),
+            libc::PT_LOAD if header.p_flags & MAY_WRITE != 0 => object.written.push((address, length)),
+            libc::PT_GNU_RELRO => object.read_only = Some((address, length)),
+            libc::PT_TLS => object.of_thread = Some([address, header.p_filesz as usize, length]),
             _ => {}
         }
     }
@@ -437,8 +437,8 @@ unsafe extern "C" fn add_loaded(info: *mut libc::dl_phdr_info, _size: usize, lis
 fn mappings() -> Option<Vec<(u64, u64)>> {
     let text = std::fs::read_to_string("/proc/self/maps").ok()?;
     let range = |line: &str| {
-        let (from, to) = line.split(' ').next()?.split_once('-')?;
-        Some((u64::from_str_radix(from, 16).ok()?, u64::from_str_radix(to, 16).ok()?))
+        let (from, end) = line.split(' ').next()?.split_once('-')?;
+        Some((u64::from_str_radix(from, 16).ok()?, u64::from_str_radix(end, 16).ok()?))
     };
     text.lines().map(range).collect()
 }
@@ -471,10 +471,10 @@ mod tests {
 
     #[test]
     fn memory_of_this_process_is_among_its_mappings() {
-        let here = 7_u64;
-        let at = (&raw const here) as u64;
+        let local = 7_u64;
+        let address = (&raw const local) as u64;
         let ranges = mappings().expect("the system shows it");
-        assert!(ranges.iter().any(|(from, to)| (*from..*to).contains(&at)));
+        assert!(ranges.iter().any(|(from, to)| (*from..*to).contains(&address)));
         assert!(ranges.is_sorted());
     }
 }

@@ -9,19 +9,19 @@ use std::ffi::{CStr, c_void};
 /// # Errors
 /// The loader's message.
 pub fn show_symbols() -> Result<(), String> {
-    let mut own = libc::Dl_info {
+    let mut program = libc::Dl_info {
         dli_fname: std::ptr::null(),
         dli_fbase: std::ptr::null_mut(),
         dli_sname: std::ptr::null(),
         dli_saddr: std::ptr::null_mut(),
     };
     // SAFETY: an address of this library, and a valid Dl_info for the result.
-    let found = unsafe { libc::dladdr(show_symbols as *const c_void, &mut own) };
-    if found == 0 || own.dli_fname.is_null() {
+    let is_known = unsafe { libc::dladdr(show_symbols as *const c_void, &mut program) };
+    if is_known == 0 || program.dli_fname.is_null() {
         return Err("the loader does not know the file of this library".into());
     }
     // SAFETY: the library is already loaded, so no initialiser runs. It stays open.
-    let opened = unsafe { libc::dlopen(own.dli_fname, libc::RTLD_NOW | libc::RTLD_NOLOAD | libc::RTLD_GLOBAL) };
+    let opened = unsafe { libc::dlopen(program.dli_fname, libc::RTLD_NOW | libc::RTLD_NOLOAD | libc::RTLD_GLOBAL) };
     if !opened.is_null() {
         return Ok(());
     }

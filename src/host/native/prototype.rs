@@ -22,9 +22,9 @@ pub fn has_single_precision(prototypes: &str) -> bool {
 
 /// Returns name and arguments of a line `void name_ (int *a, ...);`, without the hidden text lengths at the end.
 fn prototype(line: &str) -> Option<(String, Vec<String>)> {
-    let (head, rest) = line.trim().split_once('(')?;
+    let (head, parameters) = line.trim().split_once('(')?;
     let name = head.split_whitespace().last()?.strip_suffix('_')?.to_owned();
-    let list = rest.trim_end().strip_suffix(");")?;
+    let list = parameters.trim_end().strip_suffix(");")?;
     // An argument may be a procedure, whose arguments are separated by commas.
     let arguments = lists::split(list).into_iter().map(|a| a.trim().to_owned());
     Some((name, arguments.filter(|a| !a.is_empty() && !a.starts_with("size_t ")).collect()))
@@ -33,9 +33,9 @@ fn prototype(line: &str) -> Option<(String, Vec<String>)> {
 fn check_one(name: &str, arguments: &[String]) -> Option<String> {
     let expected = interface(name)?.arguments;
     if arguments.len() != expected.len() {
-        let given: Vec<&str> = arguments.iter().map(|a| argument_name(a)).collect();
+        let names_given: Vec<&str> = arguments.iter().map(|a| argument_name(a)).collect();
         let missing: Vec<&str> =
-            expected.iter().map(|e| e.0).filter(|e| !given.iter().any(|g| g.eq_ignore_ascii_case(e))).collect();
+            expected.iter().map(|e| e.0).filter(|e| !names_given.iter().any(|g| g.eq_ignore_ascii_case(e))).collect();
         let names: Vec<&str> = expected.iter().map(|e| e.0).collect();
         let hint = if arguments.len() < expected.len() && missing.len() == expected.len() - arguments.len() {
             format!("; missing: {}", missing.join(", "))
@@ -50,12 +50,12 @@ fn check_one(name: &str, arguments: &[String]) -> Option<String> {
         ));
     }
     let wrong = arguments.iter().zip(expected).position(|(given, (_, kind))| !fits(given, *kind))?;
-    let (given, (expected_name, kind)) = (&arguments[wrong], expected[wrong]);
+    let (argument, (expected_name, kind)) = (&arguments[wrong], expected[wrong]);
     Some(format!(
         "argument {} of {name}, `{}` ({expected_name}), is {}; it must be {}",
         wrong + 1,
-        argument_name(given),
-        describe(given),
+        argument_name(argument),
+        describe(argument),
         match kind {
             ArgumentKind::Integer | ArgumentKind::IntegerResult => "a default integer (4 bytes)",
             ArgumentKind::Real | ArgumentKind::RealResult =>

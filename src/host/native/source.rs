@@ -73,12 +73,12 @@ impl PreparedSource {
             std::fs::create_dir_all(path.parent().unwrap_or(folder))?;
             std::fs::write(path, text)?;
         }
-        let own = match self.changed.get("") {
+        let own_text = match self.changed.get("") {
             Some(text) => text.clone(),
             None => marker(file) + &String::from_utf8_lossy(&files::read(file)?),
         };
         let path = folder.join(file.file_name().unwrap_or_default());
-        std::fs::write(&path, own)?;
+        std::fs::write(&path, own_text)?;
         Ok(path)
     }
 }
@@ -86,10 +86,10 @@ impl PreparedSource {
 /// Returns the file name in an `include 'name'` or `#include "name"` line.
 pub fn included(line: &str) -> Option<&str> {
     let line = line.trim().trim_start_matches('#').trim_start();
-    let rest = line.get(..7).filter(|w| w.eq_ignore_ascii_case("include")).map(|_| line[7..].trim_start())?;
-    let quote = rest.chars().next().filter(|c| matches!(c, '\'' | '"' | '<'))?;
+    let quoted = line.get(..7).filter(|w| w.eq_ignore_ascii_case("include")).map(|_| line[7..].trim_start())?;
+    let quote = quoted.chars().next().filter(|c| matches!(c, '\'' | '"' | '<'))?;
     let end = if quote == '<' { '>' } else { quote };
-    rest[1..].split(end).next()
+    quoted[1..].split(end).next()
 }
 
 /// Returns the folder of a file, empty for the working folder.
@@ -143,14 +143,14 @@ fn bring_header_inside(lines: &mut Vec<String>, file: &Path) {
 fn include_line(line: &str, place: IncludePlace<'_>) -> String {
     let line = line.strip_suffix('\r').unwrap_or(line);
     let Some(name) = included(line) else { return line.to_owned() };
-    let found = found(name, place).unwrap_or_else(|| name.to_owned());
+    let file = found(name, place).unwrap_or_else(|| name.to_owned());
     if line.trim_start().starts_with('#') {
         // The preprocessor's `#include` allows double quotes and angle brackets only.
         let angle = line.contains('<');
         let (open, close) = if angle { ('<', '>') } else { ('"', '"') };
-        return format!("#include {open}{found}{close}");
+        return format!("#include {open}{file}{close}");
     }
-    line.replacen(name, &found, 1)
+    line.replacen(name, &file, 1)
 }
 
 /// Returns the line with `.eqv.` in place of `==` next to `.true.` or `.false.`, as gfortran requires.
@@ -163,11 +163,11 @@ fn logical(line: String) -> String {
     let mut changes = Vec::new();
     for (operator, instead) in [("==", ".eqv."), (".eq.", ".eqv."), ("/=", ".neqv."), (".ne.", ".neqv.")] {
         for (at, _) in lower.match_indices(operator) {
-            let (before, after) = (&lower[..at], lower[at + operator.len()..].trim_start());
-            let next_to = |word: &str| after.starts_with(word) || before[..end(before)].ends_with(word);
+            let (left_side, after) = (&lower[..at], lower[at + operator.len()..].trim_start());
+            let next_to = |word: &str| after.starts_with(word) || left_side[..end(left_side)].ends_with(word);
             // Not inside a string or a comment.
-            let is_code = before.matches('\'').count() % 2 == 0 && before.matches('"').count() % 2 == 0;
-            if is_code && !before.contains('!') && (next_to(".true.") || next_to(".false.")) {
+            let is_code = left_side.matches('\'').count() % 2 == 0 && left_side.matches('"').count() % 2 == 0;
+            if is_code && !left_side.contains('!') && (next_to(".true.") || next_to(".false.")) {
                 changes.push((at, operator.len(), instead));
             }
         }

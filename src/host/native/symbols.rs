@@ -132,9 +132,9 @@ fn number(bytes: &[u8], at: usize, count: usize) -> Option<usize> {
 }
 
 fn text(names: &[u8], at: usize) -> String {
-    let rest = names.get(at..).unwrap_or_default();
-    let end = rest.iter().position(|b| *b == 0).unwrap_or(rest.len());
-    String::from_utf8_lossy(&rest[..end]).into_owned()
+    let tail = names.get(at..).unwrap_or_default();
+    let end = tail.iter().position(|b| *b == 0).unwrap_or(tail.len());
+    String::from_utf8_lossy(&tail[..end]).into_owned()
 }
 
 /// Returns the needed library of an entry of the dynamic section.

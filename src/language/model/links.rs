@@ -151,7 +151,7 @@ fn coupled_degrees(context: &mut Context<'_>, card: &Card) -> Option<LinkKind> {
 }
 
 /// Returns the weights, which decrease with the distance from the reference node relative to the largest distance
-/// (ABAQUS Analysis User's Guide, "Coupling constraints", "Specifying the weighting method").
+/// (ABAQUS Analysis User's Guide, "Coupling constraints", "Specifying the weighting method"). Equation (11.3).
 fn distributing(context: &mut Context<'_>, card: &Card, coupling: &PendingCoupling) -> Option<LinkKind> {
     let points = &context.model.mesh.points;
     let [r, z] = points[coupling.reference];

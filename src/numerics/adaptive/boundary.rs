@@ -18,7 +18,7 @@ pub(super) fn entering<'a>(
 }
 
 /// Adds the flow through the edges with the velocities of their nodes: mass that enters has the velocity of the
-/// material at the boundary, as mass that leaves.
+/// material at the boundary, as mass that leaves. Equation (18.15).
 pub(super) fn add_flow(total: &mut BoundaryFlow, domain: &DomainTopology, fluxes: &[EdgeFlux], velocity: &[[f64; 2]]) {
     for edge in &domain.open {
         let mass = fluxes[*edge as usize].mass;

@@ -4,7 +4,7 @@ use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
 
 /// Returns the volume of the ring that an edge sweeps when its ends move, positive if the element on its left grows,
-/// and the centre of the swept ring `[r, z]`.
+/// and the centre of the swept ring `[r, z]`. Equation (18.4).
 pub(super) fn swept(before: [[f64; 2]; 2], after: [[f64; 2]; 2]) -> (f64, [f64; 2]) {
     let ([a0, b0], [a1, b1]) = (before, after);
     let volume = quad::volume([a1, b1, b0, a0]);

@@ -74,7 +74,7 @@ impl HeldPlaces {
         }
     }
 
-    /// Advances the prescribed places by an increment from the time of the clock on.
+    /// Advances the prescribed places by an increment from the time of the clock on. Equation (18.13).
     pub fn advance(&mut self, clock: &AmplitudeClock<'_>, dt: f64) {
         for MeshMotion { dofs, is_velocity, magnitude } in &self.motions {
             let by = if *is_velocity {

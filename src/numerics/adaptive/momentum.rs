@@ -58,6 +58,7 @@ impl MomentumTransport {
     }
 
     /// Finds the masses that pass between nodes, from those between elements and from the corner masses before and after.
+    /// Equation (18.6).
     pub fn measure(
         &mut self,
         loops: ChunkLoops,
@@ -125,7 +126,7 @@ impl MomentumTransport {
         values.copy_from_slice(&self.moved);
     }
 
-    /// Finds the corrections of second order, and the range of each node.
+    /// Finds the corrections of second order, and the range of each node. Equation (18.7).
     fn limit(
         &mut self,
         loops: ChunkLoops,

@@ -31,7 +31,7 @@ pub struct MeshGrading {
 }
 
 impl MeshGrading {
-    /// Finds the weights nearest to equal ones that reproduce the places at the start.
+    /// Finds the weights nearest to equal ones that reproduce the places at the start. Equation (18.3).
     pub fn new(domain: &DomainTopology, places: &[[f64; 2]]) -> MeshGrading {
         let mut adjacent = Vec::new();
         for (node, place) in places.iter().enumerate() {
@@ -570,6 +570,7 @@ impl MeshSmoothing {
 }
 
 impl SmoothingWeights {
+    /// Equation (18.1).
     fn smoothed(&self, domain: &DomainTopology, (places, parts): (&[[f64; 2]], &[[f64; 3]]), node: usize) -> [f64; 2] {
         let SmoothingWeights { volumetric, laplacian, equipotential } = *self;
         let mut place = [0.0; 2];
@@ -618,7 +619,7 @@ fn mean_of_adjacent(domain: &DomainTopology, places: &[[f64; 2]], node: usize) -
 }
 
 /// Returns the place of a node with four elements in an equipotential mesh: alpha x_ξξ - 2 beta x_ξη + gamma x_ηη = 0
-/// with differences of the eight nodes around it.
+/// with differences of the eight nodes around it. Equation (18.2).
 fn equipotential_place(domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
     let Some(ring) = ring(domain, node) else { return mean_of_adjacent(domain, places, node) };
     let at = ring.inline_map(|n| places[n as usize]);

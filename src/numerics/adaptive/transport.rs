@@ -102,7 +102,7 @@ impl ElementTransport {
     }
 
     /// Measures the rings that edges sweep from the places `before` to `after`. Returns the largest share of its volume
-    /// that an element loses.
+    /// that an element loses. Equation (18.14).
     pub fn measure(
         &mut self,
         loops: ChunkLoops,
@@ -192,7 +192,7 @@ impl ElementTransport {
 
     /// Moves a quantity of the elements, given before the motion, through the measured rings. [`EdgeFlux::mass`] is then
     /// the part of the quantity that passes. Equal fractions of masses and of another quantity move where both have the same ratio
-    /// in all elements. Precedes [`Self::move_masses`].
+    /// in all elements. Precedes [`Self::move_masses`]. Equation (18.5).
     pub fn move_content(
         &mut self,
         loops: ChunkLoops,
@@ -230,7 +230,7 @@ impl ElementTransport {
         });
     }
 
-    /// Moves variables, per mass, with the masses that [`Self::move_masses`] has moved.
+    /// Moves variables, per mass, with the masses that [`Self::move_masses`] has moved. Equation (18.5).
     pub fn move_variables(
         &mut self,
         loops: ChunkLoops,

@@ -83,6 +83,7 @@ struct ContactPoint {
 
 impl ContactPoint {
     /// Completes the point with the contact geometry at the start and the gap at the end of the motion without contact.
+    /// Equation (13.7).
     fn complete(self, body: &RigidBody3d, start: WallDistance, gap: f64) -> ContactPoint {
         let (arm, depth) = (start.arm, (-start.gap).max(0.0));
         let axes = basis(start.normal);

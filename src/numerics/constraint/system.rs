@@ -174,7 +174,7 @@ impl EquationSystem {
 
     /// Computes the impulse on each unknown that makes `value` satisfy the equations, and stores it in `change`. The
     /// value of a shared unknown is the mass-weighted mean of its members; `forced` adds the forces on members without
-    /// mass.
+    /// mass. Equation (11.2).
     pub(super) fn solve(&mut self, dofs: &Dofs, value: impl Fn(usize, usize) -> f64, forced: bool) {
         for f in &mut self.unknowns {
             f.value = value(f.members[0], f.axis);
@@ -226,7 +226,7 @@ impl EquationSystem {
         }
     }
 
-    /// Solves for the multipliers of the equations and for the impulse on each unknown.
+    /// Solves for the multipliers of the equations and for the impulse on each unknown. Equation (11.1).
     fn multiply(&mut self) {
         let n = self.rows.len();
         for i in 0..n {

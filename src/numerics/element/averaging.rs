@@ -50,7 +50,7 @@ impl DilationAveraging {
     }
 
     /// Returns the averaged minus own volumetric strain of the previous increment, block by block. A third of a
-    /// triangle's volume belongs to each of its nodes.
+    /// triangle's volume belongs to each of its nodes. Equation (5.15).
     pub fn measure(&mut self, group: &dyn ElementGroup, nodes: &Nodes) -> &[Lanes] {
         self.around.fill([0.0; 2]);
         for (&(element, corners), own) in self.triangles.iter().zip(&mut self.own) {

@@ -42,7 +42,7 @@ impl TaskWorkspace {
     }
 
     /// Completes the correction with the corner forces of the end of the increment: adds the missing work to the
-    /// internal energy, and counts it and the hourglass work as heat.
+    /// internal energy, and counts it and the hourglass work as heat. Equation (7.10).
     #[inline(always)]
     pub(super) fn apply_energy_correction(
         &mut self,

@@ -47,7 +47,7 @@ pub struct HourglassControl {
 }
 
 /// Returns the factor by which a fraction ξ of critical damping divides the stable time increment: 1 + ξ + ξ²/2, never
-/// below sqrt(1 + ξ²) + ξ (ABAQUS Analysis User's Guide, "Explicit dynamic analysis").
+/// below sqrt(1 + ξ²) + ξ (ABAQUS Analysis User's Guide, "Explicit dynamic analysis"). Equation (4.6).
 #[inline(always)]
 pub(super) fn damped<T: Real>(xi: T) -> T {
     let unity = xi.like(1.0);
@@ -74,7 +74,7 @@ impl ElementConstants {
     }
 
     /// Returns one over the stable time increment of an element with these corners `[r, z]` and corner masses. Uses the
-    /// frequency bound of the inner loop, with linear bulk viscosity only.
+    /// frequency bound of the inner loop, with linear bulk viscosity only. Equation (4.7).
     pub(super) fn own_rate(&self, corners: [[f64; 2]; 4], masses: &[f64; 4]) -> f64 {
         let g = quad::gradient(corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
         let corner = |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) / masses[i];
@@ -98,7 +98,7 @@ impl ElementConstants {
 
     /// Returns the largest factor by which assumed strains raise the highest frequency of a skewed element above the
     /// bound of the uniform strains. The factor is 1 for rectangles, whose patterns are orthogonal to the uniform
-    /// strains, and tends to 1 for a nearly incompressible material.
+    /// strains, and tends to 1 for a nearly incompressible material. Equation (5.13).
     fn raises(&self) -> f64 {
         if self.hourglass.enhanced == 0.0 {
             return 1.0;

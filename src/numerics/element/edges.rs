@@ -28,7 +28,7 @@ pub(super) struct EdgeFlow<T> {
 
 impl<T: Real> EdgeFlow<T> {
     /// Returns the stresses of both fields after plastic flow. The edge flows along the deviator at the centre, and not
-    /// more than the centre does.
+    /// more than the centre does. Equation (5.12).
     #[inline(always)]
     pub fn apply(&self, stress: EdgeStress<T>) -> EdgeStress<T> {
         let ([along, transverse], s_h, cap) = (self.modulus, self.hoop, self.most);

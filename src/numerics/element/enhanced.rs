@@ -97,6 +97,7 @@ struct PackModuli<T> {
 }
 
 impl HourglassScheme for AssumedStrains<'_> {
+    /// Equation (5.10).
     #[inline(always)]
     fn resist<S: Simd, const VARY: bool, const EOS: bool>(
         &mut self,

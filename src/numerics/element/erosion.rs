@@ -154,7 +154,7 @@ impl Elements {
 
     /// Deletes an element. Its forces have acted over the first half of the previous increment only; their work is
     /// added to its energy. Its stored energy counts as dissipated; energy that it has released, for example by the
-    /// expansion of a gas, does not.
+    /// expansion of a gas, does not. Equation (12.3).
     fn delete(&mut self, group: usize, element: usize, dofs: &mut Dofs) {
         let nodes_of_element = self.groups[group].nodes(element);
         let nodes = &dofs.nodes;

@@ -98,7 +98,7 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
         at.store_all([scaled(r3), scaled(z3)], fourth);
     }
 
-    /// Returns the bulk viscosity of a pack, and adds its work to the sums.
+    /// Returns the bulk viscosity of a pack, and adds its work to the sums. Equation (7.6).
     #[inline(always)]
     fn bulk_viscosity<S: Simd>(
         &mut self,
@@ -169,7 +169,7 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
 
     /// Updates the largest rate (two over the stable time increment) with that of a pack. With damping 1/dt = ω/2
     /// (sqrt(1 + ξ²) + ξ) (ABAQUS Analysis User's Guide 6.3.3, "Explicit dynamic analysis"); 1 + ξ²/2 replaces the root
-    /// and is never smaller.
+    /// and is never smaller. Equations (4.6), (4.9).
     #[inline(always)]
     fn add_rate<S: Simd>(
         &mut self,
@@ -267,7 +267,7 @@ struct LaneViscosity<T> {
 
 /// Returns the forces of stress and hourglass control along r and z at the corners. With area weighting the
 /// equation of motion is integrated over the section, including its terms with 1/r; `RingFactors` then scale the nodal
-/// forces to full rings.
+/// forces to full rings. Equations (5.6), (5.14).
 #[inline(always)]
 fn corner_forces<T: Real, const AREA: bool>(
     g: &QuadOperators<T>,
@@ -340,7 +340,8 @@ pub(super) struct PatternSpring;
 
 impl HourglassScheme for PatternSpring {
     /// Computes the hourglass stresses along r and z (Flanagan and Belytschko 1981, eqs. 25 to 45) for the pattern
-    /// orthogonal to linear fields. The elastic part may be scaled back with the stress in plastic flow.
+    /// orthogonal to linear fields. The elastic part may be scaled back with the stress in plastic flow. Equation
+    /// (5.8).
     #[inline(always)]
     fn resist<S: Simd, const VARY: bool, const EOS: bool>(
         &mut self,

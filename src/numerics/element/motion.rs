@@ -73,7 +73,7 @@ impl BlockMotion {
     }
 
     /// Computes the operators of a pack, the bound of its highest frequency and its hourglass pattern, from combined
-    /// coordinates along r and z and combined inverse masses. `modulus` is that of longitudinal waves.
+    /// coordinates along r and z and combined inverse masses. `modulus` is that of longitudinal waves. Equation (4.7).
     ///
     /// A root and a division take long and are not needed before the corner forces: the earlier this is called, the more
     /// work a core has meanwhile.

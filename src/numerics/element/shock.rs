@@ -5,7 +5,7 @@ use crate::kernel::real::Real;
 /// Returns the rate that replaces the volumetric rate in the quadratic viscosity: s²/`shrinking`. Here s is the
 /// strongest principal compression rate in the plane section (rates rr, zz, rz), and `shrinking` ≥ 0 is the compression
 /// rate of the volume. In a shock the result is the volumetric rate. In smoothly converging flow it vanishes, so that a
-/// cold gas is not heated ahead of the shock.
+/// cold gas is not heated ahead of the shock. Equation (7.7).
 #[inline(always)]
 pub(super) fn principal_compression<T: Real>([rr, zz, rz]: [T; 3], shrinking: T) -> T {
     let (half, zero) = (rr.like(0.5), rr.like(0.0));
@@ -21,7 +21,7 @@ pub(super) const BY_DIRECTION: f64 = 0.1;
 
 /// Returns the stress rr, zz, hoop, rz that turns a viscous pressure into a viscosity by direction, which resists the
 /// rates rr, zz, rz separately. In a plane shock the stress along its direction is unchanged and the transverse stress
-/// vanishes.
+/// vanishes. Equation (7.8).
 #[inline(always)]
 pub(super) fn by_direction<T: Real>([rr, zz, rz]: [T; 3], dilation: T, viscosity: T) -> [T; 4] {
     let along = |rate: T| viscosity * (rate - dilation);

@@ -46,7 +46,7 @@ impl<'a, const AREA: bool> StrainMeasurement<'a, AREA> {
         StrainMeasurement { stress, constants, dt, nodes, spin, mises, scratch }
     }
 
-    /// Returns the velocity gradient of a pack of quadrilaterals.
+    /// Returns the velocity gradient of a pack of quadrilaterals. Equation (5.4).
     #[inline(always)]
     fn gradient<S: Simd>(&self, at: PackPosition<S>) -> PackGradient<S> {
         let TaskWorkspace { r, z, v_r, v_z, .. } = &*self.scratch;
@@ -70,7 +70,8 @@ impl<'a, const AREA: bool> StrainMeasurement<'a, AREA> {
         PackGradient { rates: at.load_all(&strain.strain), spin: SpinQuotient::new(at.load(turned), at.load(middle)) }
     }
 
-    /// Stores strain increments, rotated stress, mean and deviator of the elastic trial stress of a pack.
+    /// Stores strain increments, rotated stress, mean and deviator of the elastic trial stress of a pack. Equations
+    /// (5.4), (6.1).
     #[inline(always)]
     fn store_trial<S: Simd>(&mut self, at: PackPosition<S>, PackGradient { rates, spin }: PackGradient<S>) {
         let ElementConstants { bulk, shear, .. } = *self.constants;

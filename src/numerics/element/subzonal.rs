@@ -7,7 +7,7 @@ use pulp::{Simd, WithSimd};
 
 use super::block::{CornerNodes, TaskWorkspace, is_larger};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, dispatch_outlined};
-use crate::kernel::quad::{UNIT, at_corners, volume_gradient};
+use crate::kernel::quad::{UNIT, VolumeGradient, at_corners, volume_gradient};
 use crate::state::archive::Persist;
 use crate::state::nodes::Node;
 
@@ -26,22 +26,15 @@ pub(super) struct SubzonalPressures {
     pressure: [Lanes; 4],
 }
 
-/// Volume of a quarter in [`UNIT`], and its derivatives with respect to r and z of the element's corners.
-struct SubzoneVolume {
-    volume: f64,
-    by_r: [f64; 4],
-    by_z: [f64; 4],
-}
-
 /// Returns the quarter at a corner; its other corners are the midpoints of the two sides and the centre of the element.
 #[inline(always)]
-fn quarter(corner: usize, r: &[f64; 4], z: &[f64; 4]) -> SubzoneVolume {
+fn quarter(corner: usize, r: &[f64; 4], z: &[f64; 4]) -> VolumeGradient {
     let (next, previous) = ((corner + 1) % 4, (corner + 3) % 4);
     let corners = |x: &[f64; 4]| {
         let middle = 0.25 * ((x[0] + x[1]) + (x[2] + x[3]));
         [x[corner], 0.5 * (x[corner] + x[next]), middle, 0.5 * (x[previous] + x[corner])]
     };
-    let (by_r, by_z, volume) = volume_gradient(corners(r), corners(z));
+    let VolumeGradient { volume, by_r, by_z } = volume_gradient(corners(r), corners(z));
     let spread = |d: [f64; 4]| {
         let mut terms = [0.25 * d[2]; 4];
         terms[corner] += d[0] + 0.5 * (d[1] + d[3]);
@@ -49,7 +42,7 @@ fn quarter(corner: usize, r: &[f64; 4], z: &[f64; 4]) -> SubzoneVolume {
         terms[previous] += 0.5 * d[3];
         terms
     };
-    SubzoneVolume { volume, by_r: spread(by_r), by_z: spread(by_z) }
+    VolumeGradient { volume, by_r: spread(by_r), by_z: spread(by_z) }
 }
 
 /// Returns the inverse masses of the corners from their combination by base vectors.
@@ -132,6 +125,7 @@ impl TaskWorkspace {
         dispatch_outlined(arch, SubzonalUpdate { scratch: self, zones, increment, nodes, inverse_mass, corners });
     }
 
+    /// Equation (7.12).
     #[inline(always)]
     fn add_subzonal_forces(
         &mut self,
@@ -148,7 +142,7 @@ impl TaskWorkspace {
         // highest frequency.
         for l in 0..LANES {
             let [r, z] = nodes.places(l);
-            let (by_r, by_z, volume) = volume_gradient(r, z);
+            let VolumeGradient { volume, by_r, by_z } = volume_gradient(r, z);
             let light = |i: usize| (by_r[i] * by_r[i] + by_z[i] * by_z[i]) * inverse_mass[i][l];
             whole[l] = volume;
             answers.stiff[l] = -((light(0) + light(1)) + (light(2) + light(3))) / volume;
@@ -178,7 +172,7 @@ impl TaskWorkspace {
         }
     }
 
-    /// Adds the pressure forces of the quarters at one corner.
+    /// Adds the pressure forces of the quarters at one corner. Equation (7.11).
     #[inline(always)]
     fn add_quarter<const CORNER: usize>(
         &self,
@@ -189,7 +183,7 @@ impl TaskWorkspace {
     ) {
         for l in 0..LANES {
             let ([r, z], [v_r, v_z]) = (nodes.places(l), nodes.velocities(l));
-            let SubzoneVolume { volume, by_r, by_z } = quarter(CORNER, &r, &z);
+            let VolumeGradient { volume, by_r, by_z } = quarter(CORNER, &r, &z);
             let nominal = zones.share[CORNER][l] * whole[l];
             let bounded = if volume > LEAST * nominal { volume } else { LEAST * nominal };
             let pressure = limited(self.stress.bulk[l] * (nominal / bounded - 1.0), self.stress.tension_excess[l]);
@@ -209,8 +203,8 @@ impl TaskWorkspace {
 
 #[cfg(test)]
 mod tests {
-    use super::{SubzoneVolume, limited, quarter};
-    use crate::kernel::quad::gradient;
+    use super::{limited, quarter};
+    use crate::kernel::quad::{VolumeGradient, gradient};
 
     const R: [f64; 4] = [1.0, 3.2, 2.9, 0.8];
     const Z: [f64; 4] = [0.1, -0.2, 1.7, 2.0];
@@ -249,7 +243,7 @@ mod tests {
     fn quarter_derivatives_match_finite_differences() {
         let step = 1e-6;
         for c in 0..4 {
-            let SubzoneVolume { by_r, by_z, .. } = quarter(c, &R, &Z);
+            let VolumeGradient { by_r, by_z, .. } = quarter(c, &R, &Z);
             for i in 0..4 {
                 let moved = |x: [f64; 4], by: f64| {
                     let mut x = x;

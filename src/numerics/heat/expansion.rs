@@ -24,7 +24,7 @@ pub struct GroupExpansion {
 }
 
 impl GroupExpansion {
-    /// Returns the thermal strain relative to T0.
+    /// Returns the thermal strain relative to T0. Equation (6.7).
     fn strain(&self, temperature: f64) -> f64 {
         at(&self.coefficient, temperature) * (temperature - self.reference)
     }
@@ -45,10 +45,10 @@ pub struct ThermalStrains {
 impl ThermalStrains {
     /// Creates the strains from groups with the initial temperatures of their elements.
     pub fn new(list: Vec<(GroupExpansion, Vec<f64>)>) -> Self {
-        let most = list.iter().map(|l| l.1.len()).max().unwrap_or(0);
+        let largest = list.iter().map(|l| l.1.len()).max().unwrap_or(0);
         let strains = list.iter().map(|(e, start)| start.iter().map(|t| e.strain(*t)).collect()).collect();
         let list = Arc::new(list.into_iter().map(|l| l.0).collect());
-        ThermalStrains { list, strains, scratch: [vec![0.0; most], vec![0.0; most]] }
+        ThermalStrains { list, strains, scratch: [vec![0.0; largest], vec![0.0; largest]] }
     }
 
     /// Applies the increments of thermal strain at the current temperatures, and adds the stress work that the element

@@ -134,9 +134,9 @@ impl TemperatureField {
     /// Begins a step, counted from 0. Returns whether its conditions differ from those of the previous step.
     pub fn begin(&mut self, step: usize) -> bool {
         let Some(conditions) = &self.steps[step] else { return false };
-        let before = std::mem::replace(&mut self.now, conditions.clone());
+        let previous = std::mem::replace(&mut self.now, conditions.clone());
         for node in self.now.held.iter_mut().flat_map(|h| &mut h.nodes) {
-            let known = before.held.iter().flat_map(|h| &h.nodes).find(|n| n.node == node.node);
+            let known = previous.held.iter().flat_map(|h| &h.nodes).find(|n| n.node == node.node);
             *node = known.copied().unwrap_or(*node);
         }
         true
@@ -243,7 +243,7 @@ impl TemperatureField {
         exchange.fill(0.0);
         self.given = 0.0;
         for source in &self.now.sources {
-            self.given += source.add_heat((conductors, dofs, temperature), clock, power, exchange);
+            self.given += source.add_heat((conductors, dofs), temperature, clock, power, exchange);
         }
         let mut exchange = std::mem::take(&mut self.exchange);
         if !exchange.is_empty() {
@@ -251,16 +251,16 @@ impl TemperatureField {
             exchanges.for_each(|heat| heat.largest_exchange(&mut |n, most| exchange[n] += BESIDE * most));
         }
         let rates = exchange.iter().enumerate().filter(|(n, e)| **e > 0.0 && self.capacity[*n] > 0.0);
-        let most = rates.map(|(n, e)| e / self.capacity(n, self.temperature[n])).fold(0.0, f64::max);
+        let largest_rate = rates.map(|(n, e)| e / self.capacity(n, self.temperature[n])).fold(0.0, f64::max);
         self.exchange = exchange;
         // The highest eigenvalue of a sum is at most the sum of the highest eigenvalues.
-        self.rate.0 += most;
+        self.rate.0 += largest_rate;
     }
 
     /// Adds heat exchanges between nodes such that the temperatures after the time `dt` satisfy the linear equations,
     /// with prescribed temperatures from the clock, or the current ones without a clock. The exchanges are Lagrange
     /// multipliers as in [`crate::constraint::equation`]. Returns their sum, which is external heat; it is zero if the
-    /// coefficients of each equation sum to zero, as for ties.
+    /// coefficients of each equation sum to zero, as for ties. Equation (9.3).
     ///
     /// Capacities that depend on the temperature are evaluated at the middle of the rise, by Newton's method: each pass
     /// squares the error of the equations. The exchange conserves heat for any remaining error.
@@ -311,27 +311,27 @@ impl TemperatureField {
         }
     }
 
-    /// Advances temperatures over an increment; the clock is at its start.
+    /// Advances temperatures over an increment; the clock is at its start. Equation (9.1).
     pub fn advance(&mut self, clock: &AmplitudeClock<'_>, dt: f64) {
         let later = clock.later(dt);
         self.energies.external += dt * self.given;
         self.satisfy_equations(dt, Some(&later));
-        let mut held = std::mem::take(&mut self.now.held);
-        for held in &mut held {
-            let value = held.magnitude.at(&later);
-            for held in &mut held.nodes {
-                let n = held.node;
+        let mut prescribed = std::mem::take(&mut self.now.held);
+        for PrescribedTemperature { magnitude, nodes, .. } in &mut prescribed {
+            let value = magnitude.at(&later);
+            for node in nodes {
+                let n = node.node;
                 let change = value - self.temperature[n];
                 let heat = change * self.capacity(n, 0.5 * (value + self.temperature[n]));
-                let reaction = heat - std::mem::take(&mut held.made) - dt * self.power[n];
-                held.reaction = reaction / dt;
+                let reaction = heat - std::mem::take(&mut node.made) - dt * self.power[n];
+                node.reaction = reaction / dt;
                 self.energies.external += reaction;
                 self.energies.internal += heat;
                 self.temperature[n] = value;
                 self.power[n] = 0.0;
             }
         }
-        self.now.held = held;
+        self.now.held = prescribed;
         for n in 0..self.power.len() {
             let heat = dt * self.power[n];
             if heat != 0.0 {
@@ -341,7 +341,7 @@ impl TemperatureField {
         }
     }
 
-    /// Returns the stable time increment; infinite without heat exchange.
+    /// Returns the stable time increment; infinite without heat exchange. Equation (9.2).
     pub fn stable_increment(&self) -> f64 {
         2.0 / self.rate.0
     }
@@ -375,8 +375,8 @@ impl TemperatureField {
 
     /// Returns the reaction heat rate of a prescribed temperature in the previous increment; 0 at other nodes.
     pub fn reaction(&self, node: usize) -> f64 {
-        let own = self.now.held.iter().flat_map(|h| &h.nodes).find(|n| n.node == node);
-        own.map_or(0.0, |n| n.reaction)
+        let prescribed = self.now.held.iter().flat_map(|h| &h.nodes).find(|n| n.node == node);
+        prescribed.map_or(0.0, |n| n.reaction)
     }
 
     /// Returns the current mean temperature of an element; `None` if it does not conduct.
@@ -547,8 +547,15 @@ impl TemperatureField {
         let conditions = self.steps.iter().flatten().chain([&self.now]);
         let sources: usize = conditions.clone().flat_map(|s| &s.sources).map(|s| size_of_val(s) + s.bytes()).sum();
         let bonds: usize = conditions.clone().map(|s| s.bonds.bytes()).sum();
-        let held: usize = conditions.flat_map(|s| &s.held).map(|h| size_of_val(&*h.nodes) + h.magnitude.bytes()).sum();
-        singles + size_of_val(&**corners) + size_of_val(&**largest) + self.conductors.bytes() + sources + held + bonds
+        let prescribed: usize =
+            conditions.flat_map(|s| &s.held).map(|h| size_of_val(&*h.nodes) + h.magnitude.bytes()).sum();
+        singles
+            + size_of_val(&**corners)
+            + size_of_val(&**largest)
+            + self.conductors.bytes()
+            + sources
+            + prescribed
+            + bonds
     }
 }
 
@@ -568,8 +575,8 @@ fn masses(conductors: &ConductingElements, nodes: usize) -> Vec<Vec<f64>> {
 }
 
 fn capacities(conductors: &ConductingElements, masses: &[Vec<f64>], temperature: &[f64]) -> Vec<f64> {
-    let of = |(n, t): (usize, &f64)| {
+    let capacity_at = |(n, t): (usize, &f64)| {
         conductors.parts.iter().zip(masses).map(|(p, m)| m[n] * at(&p.properties.capacity, *t)).sum()
     };
-    temperature.iter().enumerate().map(of).collect()
+    temperature.iter().enumerate().map(capacity_at).collect()
 }

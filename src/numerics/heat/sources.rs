@@ -45,7 +45,8 @@ impl HeatSource {
     /// heat rate.
     pub(super) fn add_heat(
         &self,
-        (conductors, dofs, nodal): (&ConductingElements, &Dofs, &[f64]),
+        (conductors, dofs): (&ConductingElements, &Dofs),
+        nodal: &[f64],
         clock: &AmplitudeClock<'_>,
         power: &mut [f64],
         exchange: &mut [f64],

@@ -19,6 +19,7 @@ impl AmplitudeCurve {
         AmplitudeCurve { points, smooth, total_time }
     }
 
+    /// Equation (4.10).
     pub fn value(&self, time: f64) -> f64 {
         let after = self.points.partition_point(|p| p[0] <= time);
         let (Some(from), Some(to)) = (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after)) else {
@@ -84,17 +85,17 @@ impl SampledAmplitude {
     }
 
     pub fn value(&self, time: f64) -> f64 {
-        let (before, last) = (self.before, self.last);
-        if time >= last[0] || before[0] == f64::NEG_INFINITY {
+        let (previous, last) = (self.before, self.last);
+        if time >= last[0] || previous[0] == f64::NEG_INFINITY {
             return last[1];
         }
-        if time <= before[0] { before[1] } else { last[1] - (last[0] - time) * self.slope() }
+        if time <= previous[0] { previous[1] } else { last[1] - (last[0] - time) * self.slope() }
     }
 
     /// Returns the slope between the last two samples.
     pub fn slope(&self) -> f64 {
-        let (before, last) = (self.before, self.last);
-        if before[0] == f64::NEG_INFINITY { 0.0 } else { (last[1] - before[1]) / (last[0] - before[0]) }
+        let (previous, last) = (self.before, self.last);
+        if previous[0] == f64::NEG_INFINITY { 0.0 } else { (last[1] - previous[1]) / (last[0] - previous[0]) }
     }
 }
 

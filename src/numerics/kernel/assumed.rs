@@ -47,14 +47,14 @@ impl<T: Real> AssumedDirections<T> {
         }
     }
 
-    /// Returns the strains in both directions from the pattern's displacement `[r, z]`.
+    /// Returns the strains in both directions from the pattern's displacement `[r, z]`. Equation (5.9).
     #[inline(always)]
     pub fn along(&self, [q_r, q_z]: [T; 2]) -> [T; 2] {
         let [a, c] = self.dual;
         [a[0] * q_r + a[1] * q_z, c[0] * q_r + c[1] * q_z]
     }
 
-    /// Returns the hoop strains of both fields from displacements along r, combined by [`hoop`].
+    /// Returns the hoop strains of both fields from displacements along r, combined by [`hoop`]. Equation (5.9).
     #[inline(always)]
     pub fn around(&self, [x, y]: [T; 2]) -> [T; 2] {
         let [a, c] = self.across;
@@ -73,7 +73,7 @@ impl<T: Real> AssumedDirections<T> {
     }
 
     /// Returns the generalised forces of stresses in both directions and hoop stresses: on the hourglass pattern `[r,
-    /// z]`, and on the operators of [`hoop`].
+    /// z]`, and on the operators of [`hoop`]. Equation (5.11).
     #[inline(always)]
     pub fn forces(&self, along: [T; 2], around: [T; 2]) -> [[T; 2]; 2] {
         let sum = |[x, y]: [T; 2], [a, c]: [[T; 2]; 2]| [x * a[0] + y * c[0], x * a[1] + y * c[1]];
@@ -89,7 +89,7 @@ impl<T: Real> AssumedDirections<T> {
         let [a, c] = self.across;
         let (n_a, n_c) = (ratio * self.dual[0][0], ratio * self.dual[1][0]);
         // There is no hoop strain along z.
-        let rest = (self.per[0] + self.per[1]) - (n_a * n_a + n_c * n_c);
+        let remainder = (self.per[0] + self.per[1]) - (n_a * n_a + n_c * n_c);
         let [first, second] = [(a, n_a), (c, n_c)].inline_map(
             #[inline(always)]
             |([b_r, b_z], n)| {
@@ -102,7 +102,7 @@ impl<T: Real> AssumedDirections<T> {
             },
         );
         let both = first.plus(second);
-        both.weighted(inverse) + rest * SquareSums::of_gradient(shape).weighted(inverse)
+        both.weighted(inverse) + remainder * SquareSums::of_gradient(shape).weighted(inverse)
     }
 
     /// Returns an upper bound of the [trace](Self::trace), divided by 1 + |n|, that needs less arithmetic: the

@@ -121,7 +121,7 @@ pub struct PrincipalInertia {
 
 impl PrincipalInertia {
     /// Returns the global angular velocity for an axis of symmetry and an angular momentum: L/I_t + (1/I_a - 1/I_t) (L
-    /// . e) e.
+    /// . e) e. Equation (13.1).
     #[inline]
     pub fn angular_velocity(self, axis: SpatialVector, momentum: SpatialVector) -> SpatialVector {
         let along = dot(momentum, axis);
@@ -141,15 +141,15 @@ impl PrincipalInertia {
 
     /// Returns the attitude after torque-free motion over a time, exactly: a symmetric top precesses about its angular
     /// momentum at L/I_t, and in addition spins about its own axis at L_a (1/I_a - 1/I_t) (Goldstein, Poole and Safko,
-    /// Classical Mechanics, 5.6).
+    /// Classical Mechanics, 5.6). Equation (13.2).
     pub fn free_motion(self, attitude: Attitude, momentum: SpatialVector, time: f64) -> Attitude {
         if momentum == [0.0; 3] {
             return attitude;
         }
         let along = dot(momentum, attitude.axis());
-        let own = [0.0, time * along * (1.0 / self.axial - 1.0 / self.transverse), 0.0];
+        let spin = [0.0, time * along * (1.0 / self.axial - 1.0 / self.transverse), 0.0];
         let precession = Attitude::turned(times(time / self.transverse, momentum));
-        precession.after(attitude).after(Attitude::turned(own)).normalized()
+        precession.after(attitude).after(Attitude::turned(spin)).normalized()
     }
 }
 

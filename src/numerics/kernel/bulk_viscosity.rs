@@ -65,11 +65,11 @@ impl BulkViscosity {
 }
 
 /// Returns the slow part of a rate after an increment over which the highest frequency turns by the angle `turn`, from
-/// the slow part before. `filter` is that of [`BulkViscosity::filter`].
+/// the slow part before. `filter` is that of [`BulkViscosity::filter`]. Equation (7.6).
 #[inline(always)]
 pub fn slow_rate<T: Real>(before: T, rate: T, turn: T, filter: T) -> T {
-    let one = turn.like(1.0);
-    let x = (turn * filter).at_most(one);
+    let unit = turn.like(1.0);
+    let x = (turn * filter).at_most(unit);
     // 1 - exp(-x) to second order.
-    before + x * (one - one.like(0.5) * x) * (rate - before)
+    before + x * (unit - unit.like(0.5) * x) * (rate - before)
 }

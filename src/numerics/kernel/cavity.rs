@@ -16,12 +16,12 @@ impl CavityResistance {
     /// No resistance: all coefficients are zero.
     pub const NONE: CavityResistance = CavityResistance { c0: 0.0, c1: 0.0, c2: 0.0 };
 
-    /// Creates the resistance from yield stress Y, density ρ and the dimensionless A, B, C.
+    /// Creates the resistance from yield stress Y, density ρ and the dimensionless A, B, C. Equation (2.1).
     pub fn new(yield_stress: f64, density: f64, [a, b, c]: [f64; 3]) -> Self {
         CavityResistance { c0: a * yield_stress, c1: b * (density * yield_stress).sqrt(), c2: c * density }
     }
 
-    /// Returns the normal stress c0 + c1 v + c2 v² at a normal velocity v ≥ 0.
+    /// Returns the normal stress c0 + c1 v + c2 v² at a normal velocity v ≥ 0. Equation (2.2).
     #[inline]
     pub fn stress(&self, normal_velocity: f64) -> f64 {
         self.c0 + normal_velocity * (self.c1 + normal_velocity * self.c2)

@@ -30,7 +30,7 @@ fn middles(corners: [[f64; 2]; 4]) -> [[f64; 2]; 2] {
     })
 }
 
-/// Returns the areas of both integration points.
+/// Returns the areas of both integration points. Equation (17.2).
 pub fn areas(corners: [[f64; 2]; 4]) -> [f64; 2] {
     ring_areas(middles(corners))
 }
@@ -54,7 +54,7 @@ impl MidSurface {
         [-self.t[1], self.t[0]]
     }
 
-    /// Returns the vectors from the bottom to the top face at both points, along n and t.
+    /// Returns the vectors from the bottom to the top face at both points, along n and t. Equation (17.1).
     pub fn jumps(&self, corners: [[f64; 2]; 4]) -> [[f64; 2]; 2] {
         let n = self.n();
         PAIRS.inline_map(|[bottom, top]: [usize; 2]| {
@@ -65,7 +65,7 @@ impl MidSurface {
 
     /// Returns the forces on the nodes of forces (traction times area) along n and t between the faces, for the vectors
     /// between the faces. They are minus the gradient of the energy: as the normal turns with the mid-surface, tractions
-    /// between distant faces have a moment, which a couple at both ends balances.
+    /// between distant faces have a moment, which a couple at both ends balances. Equation (17.3).
     pub fn forces(&self, between: [[f64; 2]; 2], jumps: [[f64; 2]; 2]) -> [[f64; 2]; 4] {
         let n = self.n();
         let mut forces = [[0.0; 2]; 4];
@@ -117,9 +117,9 @@ mod tests {
     fn separations_do_not_depend_on_a_rotation() {
         let (sin, cos) = 0.7_f64.sin_cos();
         let turned = CORNERS.map(|[r, z]| [3.0 + cos * r - sin * z, sin * r + cos * z]);
-        let before = MidSurface::new(CORNERS).jumps(CORNERS);
+        let jumps_at_start = MidSurface::new(CORNERS).jumps(CORNERS);
         let after = MidSurface::new(turned).jumps(turned);
-        for (a, b) in before.as_flattened().iter().zip(after.as_flattened()) {
+        for (a, b) in jumps_at_start.as_flattened().iter().zip(after.as_flattened()) {
             assert!((a - b).abs() < 1e-15);
         }
     }

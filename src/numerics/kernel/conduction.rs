@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 const POINT: f64 = 0.577_350_269_189_625_8;
 
 /// Returns the conductance of a full ring with these corners `[r, z]`, heat per time and temperature: `int k grad N_I .
-/// grad N_J dV`. The conductivity is evaluated at the temperature of each Gauss point.
+/// grad N_J dV`. The conductivity is evaluated at the temperature of each Gauss point. Equation (9.1).
 pub fn conductance(corners: [[f64; 2]; 4], temperatures: [f64; 4], conductivity: impl Fn(f64) -> f64) -> [[f64; 4]; 4] {
     let (r, z) = (corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
     let dot = |a: &[f64; 4], b: &[f64; 4]| (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]);
@@ -43,7 +43,7 @@ pub fn conductance(corners: [[f64; 2]; 4], temperatures: [f64; 4], conductivity:
 }
 
 /// Returns the highest eigenvalue of a conductance over lumped capacities, 1/time, never below the exact value. Forward
-/// differences are stable up to two over this rate. For a triangle the last two corners coincide.
+/// differences are stable up to two over this rate. For a triangle the last two corners coincide. Equation (9.2).
 pub fn highest_rate(conductance: &[[f64; 4]; 4], capacities: [f64; 4], triangle: bool) -> f64 {
     let (mut k, mut m) = (*conductance, capacities);
     if triangle {
@@ -125,8 +125,8 @@ mod tests {
                 rate = y.iter().map(|y| y * y).sum::<f64>().sqrt();
                 x = y.map(|y| y / rate);
             }
-            let found = highest_rate(&k, m, folded);
-            assert!(found >= rate && found < 1.001 * rate, "{corners:?}: {found} and {rate}");
+            let bound = highest_rate(&k, m, folded);
+            assert!(bound >= rate && bound < 1.001 * rate, "{corners:?}: {bound} and {rate}");
         }
         // Squares far from the axis: 4 k/(ρ c h²), so that the stable increment is h² ρ c/(2 k).
         let k = conductance(square, [0.0; 4], |_| 1.0);

@@ -12,7 +12,7 @@ fn corner_products(at: [f64; 2], next: [f64; 2], before: [f64; 2]) -> [f64; 2] {
 /// Returns the scaled Jacobian of an element: the smallest sine of its corner angles, for triangles divided by that of
 /// the equilateral triangle. It is 1 for a rectangle, 0 if a corner is on the line between its neighbours, and negative
 /// for an inverted element (P. Knupp 2000, Int. J. Numer. Meth. Eng. 48, 401). Corners run counter-clockwise;
-/// coincident corners count once. NaN for fewer than three corners.
+/// coincident corners count once. NaN for fewer than three corners. Equation (12.1).
 pub fn scaled_jacobian(places: [[f64; 2]; 4]) -> f64 {
     let mut corners = [[0.0; 2]; 4];
     let mut count = 0;
@@ -57,7 +57,7 @@ fn spans(places: [[f64; 2]; 4]) -> [[f64; 2]; 2] {
 }
 
 /// Returns the largest principal logarithmic strain at the centre of an element with initial corners `start`: the
-/// larger of the in-plane and the hoop strain.
+/// larger of the in-plane and the hoop strain. Equation (12.2).
 pub fn largest_strain(places: [[f64; 2]; 4], start: [[f64; 2]; 4]) -> f64 {
     let (now, then) = (spans(places), spans(start));
     let per = 1.0 / (then[0][0] * then[1][1] - then[0][1] * then[1][0]);
@@ -135,10 +135,10 @@ mod tests {
             if shape % 5 == 0 {
                 places[3] = places[2];
             }
-            let own = scaled_jacobian(places);
-            for least in [-0.5, 0.0, 0.05, 0.4, own] {
-                assert_eq!(is_distorted(places, least), own <= least, "{places:?} {least}");
-                distorted += usize::from(own <= least);
+            let jacobian = scaled_jacobian(places);
+            for least in [-0.5, 0.0, 0.05, 0.4, jacobian] {
+                assert_eq!(is_distorted(places, least), jacobian <= least, "{places:?} {least}");
+                distorted += usize::from(jacobian <= least);
             }
         }
         assert!(distorted > 4000);

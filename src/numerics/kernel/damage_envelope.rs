@@ -70,10 +70,10 @@ impl DamageEnvelope<'_> {
             EnvelopeShape::Linear(end) => 0.5 * onset * end * (separation.min(end) - onset) / (end - onset),
             EnvelopeShape::Exponential(end, rate) => {
                 // The work along the envelope less the energy stored at its end.
-                let at = separation.min(end);
-                let x = (at - onset) / (end - onset);
+                let reached = separation.min(end);
+                let x = (reached - onset) / (end - onset);
                 let integral = x - (x + libm::expm1(-rate * x) / rate) / -libm::expm1(-rate);
-                elastic + onset * (end - onset) * integral - 0.5 * (1.0 - self.damage(at)) * at * at
+                elastic + onset * (end - onset) * integral - 0.5 * (1.0 - self.damage(reached)) * reached * reached
             }
             EnvelopeShape::EnergyExponential(0.0) => elastic,
             EnvelopeShape::EnergyExponential(energy) => {
@@ -84,9 +84,9 @@ impl DamageEnvelope<'_> {
             EnvelopeShape::Tabular(rows) => {
                 let cube = |x: f64| x * x * x;
                 let part = |pair: &[[f64; 2]]| {
-                    let (from, to) = (onset + pair[0][1], (onset + pair[1][1]).min(separation));
+                    let (from, until) = (onset + pair[0][1], (onset + pair[1][1]).min(separation));
                     let slope = (pair[1][0] - pair[0][0]) / (pair[1][1] - pair[0][1]);
-                    if to > from { slope * (cube(to) - cube(from)) / 6.0 } else { 0.0 }
+                    if until > from { slope * (cube(until) - cube(from)) / 6.0 } else { 0.0 }
                 };
                 rows.windows(2).map(part).sum()
             }
@@ -137,13 +137,14 @@ mod tests {
     fn dissipation_is_the_integral_of_the_damage() {
         for envelope in envelopes() {
             let (steps, mut sum) = (200_000, 0.0);
-            let at = |i: usize| 1.0 + 3.0 * i as f64 / steps as f64;
+            let separation_of = |i: usize| 1.0 + 3.0 * i as f64 / steps as f64;
             for i in 0..steps {
-                let middle = 0.5 * (at(i) + at(i + 1));
-                sum += 0.5 * middle * middle * (envelope.damage(at(i + 1)) - envelope.damage(at(i)));
+                let middle = 0.5 * (separation_of(i) + separation_of(i + 1));
+                sum +=
+                    0.5 * middle * middle * (envelope.damage(separation_of(i + 1)) - envelope.damage(separation_of(i)));
             }
-            let found = envelope.dissipated(4.0);
-            assert!((found / sum - 1.0).abs() < 1e-9, "{envelope:?}: {found} {sum}");
+            let dissipated = envelope.dissipated(4.0);
+            assert!((dissipated / sum - 1.0).abs() < 1e-9, "{envelope:?}: {dissipated} {sum}");
         }
     }
 
@@ -151,8 +152,8 @@ mod tests {
     fn separation_is_the_inverse_of_the_damage() {
         for envelope in envelopes() {
             for separation in [1.01, 1.4, 2.0, 3.7] {
-                let found = envelope.separation_at(envelope.damage(separation));
-                assert!((found - separation).abs() < 1e-12, "{envelope:?}: {found} {separation}");
+                let inverse = envelope.separation_at(envelope.damage(separation));
+                assert!((inverse - separation).abs() < 1e-12, "{envelope:?}: {inverse} {separation}");
             }
         }
     }

@@ -37,7 +37,7 @@ mod tests {
     fn united_numbers_have_one_representative() {
         let mut sets = DisjointSets::new(6);
         [(0, 1), (2, 3), (1, 3), (4, 4)].into_iter().for_each(|(a, b)| sets.unite(a, b));
-        let found: Vec<usize> = (0..6).map(|number| sets.representative(number)).collect();
-        assert_eq!(found, [0, 0, 0, 0, 4, 5]);
+        let representatives: Vec<usize> = (0..6).map(|number| sets.representative(number)).collect();
+        assert_eq!(representatives, [0, 0, 0, 0, 4, 5]);
     }
 }

@@ -29,7 +29,7 @@ pub struct FacetPart {
 impl Facet {
     /// Creates the facet between two nodes. Its positive normal is the direction from the first to the second node
     /// rotated 90 degrees counter-clockwise in (r, z); `positive` selects this side as outward, otherwise the other
-    /// side. `None` if the nodes coincide.
+    /// side. `None` if the nodes coincide. Equation (1.3).
     pub fn new(first: [f64; 2], second: [f64; 2], positive: bool) -> Option<Facet> {
         let along = [second[0] - first[0], second[1] - first[1]];
         let length = along[0].portable_hypot(along[1]);
@@ -57,7 +57,7 @@ impl Facet {
     }
 
     /// Returns the area of the part with `from <= z <= to`, for a facet that is not horizontal. Exact: the part is a
-    /// frustum too.
+    /// frustum too. Equation (1.3).
     pub fn area_between(&self, from: f64, to: f64) -> f64 {
         if from <= self.low[1] && to >= self.high[1] {
             // The whole facet, with the arithmetic of an uncut part: the same bits without its divisions.
@@ -94,10 +94,10 @@ impl Facet {
         if start.is_nan() || end.is_nan() || end <= start {
             return None;
         }
-        let at = |s: f64| [self.low[0] + s * widening, self.low[1] + s * height];
-        let (low, high) = (at(start), at(end));
+        let point = |s: f64| [self.low[0] + s * widening, self.low[1] + s * height];
+        let (low, high) = (point(start), point(end));
         let area = self.area * (end - start) * (low[0] + high[0]) / (self.low[0] + self.high[0]);
-        Some(FacetPart { area, middle: at(0.5 * (start + end)) })
+        Some(FacetPart { area, middle: point(0.5 * (start + end)) })
     }
 
     /// Returns the parts into which a facet is divided, of equal length, from its low end on.
@@ -117,12 +117,12 @@ impl Facet {
 
     /// Returns the facet displaced by `shift` along z.
     pub fn shifted(&self, shift: f64) -> Facet {
-        let at = |[r, z]: [f64; 2]| [r, z + shift];
-        Facet { low: at(self.low), high: at(self.high), ..*self }
+        let moved = |[r, z]: [f64; 2]| [r, z + shift];
+        Facet { low: moved(self.low), high: moved(self.high), ..*self }
     }
 
     /// Returns the masses of a shell with this thickness and density, lumped by row sums, at the low and the high end:
-    /// ρ t 2πL (2 r1 + r2)/6 and ρ t 2πL (r1 + 2 r2)/6.
+    /// ρ t 2πL (2 r1 + r2)/6 and ρ t 2πL (r1 + 2 r2)/6. Equation (1.4).
     pub fn lumped_mass(&self, density: f64, thickness: f64) -> [f64; 2] {
         let (low, high) = (self.low[0], self.high[0]);
         let length = (high - low).portable_hypot(self.height());
@@ -160,7 +160,7 @@ pub fn shell_pressure([a, b]: [[f64; 2]; 2], pressure: f64) -> [[f64; 2]; 2] {
 }
 
 /// Returns the areas of a facet that the two nodes carry, for the consistent forces of a uniform traction:
-/// 2πL (2 r1 + r2)/6 for the first node.
+/// 2πL (2 r1 + r2)/6 for the first node. Equation (16.1).
 #[inline]
 pub fn ring_areas([a, b]: [[f64; 2]; 2]) -> [f64; 2] {
     let third = PI / 3.0 * length(a, b);

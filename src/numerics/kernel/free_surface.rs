@@ -28,6 +28,7 @@ impl FiniteSphere {
     }
 
     /// Returns the factor for a distance ≥ 0 from the cavity wall to the free surface, and the radius of the cavity.
+    /// Equation (3.1).
     #[inline]
     pub fn factor(&self, radius: f64, distance: f64) -> f64 {
         let ratio = 1.0 + distance / radius;

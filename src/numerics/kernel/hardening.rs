@@ -15,16 +15,20 @@ pub struct LinearTable {
     pub rows: Vec<[f64; 2]>,
 }
 
+/// Returns the value at an abscissa in rows `[value, abscissa]`, constant beyond the ends; 0 without rows.
+pub fn interpolate(rows: &[[f64; 2]], at: f64) -> f64 {
+    let next = rows.partition_point(|row| row[1] <= at);
+    match (next.checked_sub(1).map(|i| rows[i]), rows.get(next)) {
+        (Some(a), Some(b)) => a[0] + (b[0] - a[0]) * (at - a[1]) / (b[1] - a[1]),
+        (Some(row), None) | (None, Some(&row)) => row[0],
+        (None, None) => 0.0,
+    }
+}
+
 impl LinearTable {
     /// Returns the interpolated value at an abscissa.
     pub fn value(&self, at: f64) -> f64 {
-        let after = self.rows.partition_point(|r| r[1] <= at);
-        match (after.checked_sub(1).map(|i| self.rows[i]), self.rows.get(after)) {
-            (Some(a), Some(b)) => a[0] + (b[0] - a[0]) * (at - a[1]) / (b[1] - a[1]),
-            (None, Some(b)) => b[0],
-            (Some(a), None) => a[0],
-            (None, None) => 0.0,
-        }
+        interpolate(&self.rows, at)
     }
 
     /// Returns the integral of the value from the first abscissa, or from zero if there is only one row.
@@ -33,9 +37,9 @@ impl LinearTable {
             return self.rows.first().map_or(0.0, |row| row[0] * at);
         };
         let part = |pair: &[[f64; 2]]| {
-            let ([from, start], [to, end]) = (pair[0], pair[1]);
+            let ([from, start], [last_value, end]) = (pair[0], pair[1]);
             let within = at.clamp(start, end) - start;
-            let value = from + (to - from) * within / (end - start);
+            let value = from + (last_value - from) * within / (end - start);
             0.5 * (from + value) * within
         };
         let outside = first[0] * (at - first[1]).min(0.0) + last[0] * (at - last[1]).max(0.0);
@@ -88,6 +92,7 @@ pub struct JohnsonCook {
 }
 
 impl YieldStress for JohnsonCook {
+    /// Equation (6.5).
     fn at(&self, strain: f64, _rate: f64, temperature: f64) -> f64 {
         let hardened = self.a + self.b * power(strain, self.n);
         let theta = (temperature - self.transition) / (self.melt - self.transition);
@@ -167,7 +172,7 @@ const MOST_SECANTS: usize = 4000;
 
 /// Returns the increment dp of plastic strain for which `trial - 3 G dp` equals the yield stress at `strain + dp` and
 /// `dp/dt`. The residual decreases with dp and has one root, which is found by bracketed secants. Returns NaN, which halts
-/// the run at the element, if no root is found.
+/// the run at the element, if no root is found. Equation (6.2).
 pub fn plastic_increment(
     law: &dyn YieldStress,
     trial: f64,
@@ -205,15 +210,15 @@ pub(super) fn bracketed_root(
     enough: f64,
 ) -> f64 {
     // Secants through the last two points inside the bracket; bisection if two secants do not halve the bracket.
-    let (mut before, mut at_before) = (low, at_low);
+    let (mut previous, mut at_before) = (low, at_low);
     let (mut x, mut value) = (high, at_high);
     let (mut width, mut slow) = (high - low, 0);
     for _ in 0..MOST_SECANTS {
         if value.abs() <= enough || high - low <= 1e-15 * high || value.is_nan() {
             return x;
         }
-        let secant = x - value * (x - before) / (value - at_before);
-        (before, at_before) = (x, value);
+        let secant = x - value * (x - previous) / (value - at_before);
+        (previous, at_before) = (x, value);
         x = if slow < 2 && secant > low && secant < high { secant } else { 0.5 * (low + high) };
         value = residual(x);
         if value > 0.0 {

@@ -24,7 +24,7 @@ impl PlasticHeating {
     }
 
     /// Returns the temperature rise from `temperature` by a work per volume, given as a product of factors. The
-    /// specific heat is that at the middle of the rise, which is second-order accurate.
+    /// specific heat is that at the middle of the rise, which is second-order accurate. Equation (6.6).
     #[inline]
     pub fn rise<const N: usize>(&self, temperature: f64, work: [f64; N]) -> f64 {
         match self {

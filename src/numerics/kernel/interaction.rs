@@ -28,7 +28,7 @@ impl PressureOverclosure {
     /// start. With t = 1, no slope limits the increment and oscillations are damped most. t = 1/2 is the smallest value
     /// that is stable for any slope s: x(n+1) - 2 x(n) + x(n-1) = -s ((1 - t) x(n) + t x(n+1)) has no growing root if
     /// (1 - 2 t) s <= 4. While a spring is closed, its work with t = 1/2 is the change of its energy; where it closes, it
-    /// would be less.
+    /// would be less. Equation (10.8).
     pub fn evaluation_point(&self, at_start: f64) -> f64 {
         if matches!(self, PressureOverclosure::Spring(_)) && at_start >= 0.0 { 0.5 } else { 1.0 }
     }
@@ -61,7 +61,8 @@ impl PressureOverclosure {
         [slope * (overlap + self.onset_gap()), slope]
     }
 
-    /// Returns the energy per area at an overclosure: the integral of the pressure over the overclosure.
+    /// Returns the energy per area at an overclosure: the integral of the pressure over the overclosure. Equation
+    /// (10.11).
     pub fn energy(&self, overlap: f64) -> f64 {
         match self {
             PressureOverclosure::Hard => 0.0,
@@ -76,9 +77,9 @@ impl PressureOverclosure {
             PressureOverclosure::Table(rows) => {
                 let ends = rows.windows(2).enumerate().map(|(at, row)| (at + 2 == rows.len(), row[0][1], row[1][1]));
                 let parts = ends.map(|(is_last, from, to)| {
-                    let to = if is_last { overlap } else { to.min(overlap) };
-                    let pressures = self.pressure(from)[0] + self.pressure(to)[0];
-                    0.5 * pressures * (to - from).max(0.0)
+                    let until = if is_last { overlap } else { to.min(overlap) };
+                    let pressures = self.pressure(from)[0] + self.pressure(until)[0];
+                    0.5 * pressures * (until - from).max(0.0)
                 });
                 parts.sum()
             }
@@ -87,6 +88,7 @@ impl PressureOverclosure {
 
     /// Returns the change of a weighted gap, per area, if the area of a point with the mean overclosure `mean` grows at an
     /// edge with the overclosure `at_edge`. With the pressure of the mean, this change does the work `W(at_edge)` per area.
+    /// Equation (10.12).
     pub fn change_by_cover(&self, mean: f64, at_edge: f64) -> f64 {
         let ([pressure, _], whole) = (self.pressure(mean), at_edge + self.onset_gap());
         if pressure > 0.0 { -(self.energy(at_edge) / pressure).min(whole) } else { -whole }
@@ -191,7 +193,7 @@ impl CoulombFriction {
         self.is_active() && self.at_rest.is_finite() && self.damping > 0.0
     }
 
-    /// Returns the coefficient at a slip rate.
+    /// Returns the coefficient at a slip rate. Equation (10.5).
     pub fn coefficient(&self, rate: f64) -> f64 {
         if self.decay == 0.0 {
             return self.at_rest;

@@ -10,7 +10,7 @@ pub struct ElasticModuli {
 }
 
 impl ElasticModuli {
-    /// Converts Young's modulus and Poisson's ratio.
+    /// Converts Young's modulus and Poisson's ratio. Equation (1.2).
     pub fn from_young(young: f64, ratio: f64) -> ElasticModuli {
         ElasticModuli { bulk: young / (3.0 * (1.0 - 2.0 * ratio)), shear: young / (2.0 * (1.0 + ratio)) }
     }

@@ -60,7 +60,7 @@ struct YieldResidual {
 }
 
 impl PlaneYield<'_> {
-    /// Returns the von Mises stress and its derivative with respect to x.
+    /// Returns the von Mises stress and its derivative with respect to x. Equation (8.4).
     #[inline(always)]
     fn mises(&self, x: &Lanes) -> [Lanes; 2] {
         let ([a, b], [p, d]) = (self.rates, &self.squares);
@@ -110,17 +110,17 @@ impl PlaneElastic {
         let per_dt = if trial.dt > 0.0 { 1.0 / trial.dt } else { 0.0 };
         let yields = PlaneYield { law, trial, softening, squares, rates, per_dt };
         let x = self.unknowns(&yields, count);
-        let mut found = PlaneReturns { stress: *trial.stress, flow: ZERO, plastic: [ZERO; 2] };
+        let mut returned = PlaneReturns { stress: *trial.stress, flow: ZERO, plastic: [ZERO; 2] };
         for l in 0..LANES {
             let flowed = self.flowed([s[l], h[l]], x[l]);
             let flows = x[l] > 0.0 || x[l].is_nan();
             for axis in 0..2 {
-                found.stress[axis][l] = if flows { flowed.stress[axis] } else { trial.stress[axis][l] };
-                found.plastic[axis][l] = if flows { flowed.plastic[axis] } else { 0.0 };
+                returned.stress[axis][l] = if flows { flowed.stress[axis] } else { trial.stress[axis][l] };
+                returned.plastic[axis][l] = if flows { flowed.plastic[axis] } else { 0.0 };
             }
-            found.flow[l] = if flows { flowed.flow } else { 0.0 };
+            returned.flow[l] = if flows { flowed.flow } else { 0.0 };
         }
-        found
+        returned
     }
 
     /// Returns the unknown x of each lane; 0 for elastic lanes.
@@ -142,7 +142,7 @@ impl PlaneElastic {
         }
         for _ in 0..ROUNDS {
             let YieldResidual { value, slopes: [falls, rises] } = yields.residual(&x);
-            let mut left = false;
+            let mut is_open = false;
             for l in 0..LANES {
                 open[l] &= value[l].abs() > ENOUGH * stress[l] || value[l].is_nan();
                 let change = value[l] / (rises[l] - falls[l]);
@@ -151,9 +151,9 @@ impl PlaneElastic {
                 let next = if next > LEAST * x[l] { next } else { LEAST * x[l] };
                 x[l] = if open[l] { next } else { x[l] };
                 open[l] &= change.abs() > SHORT * x[l] || change.is_nan();
-                left |= open[l];
+                is_open |= open[l];
             }
-            if !left {
+            if !is_open {
                 return x;
             }
         }
@@ -193,18 +193,18 @@ mod tests {
                         })
                     });
                     let trial = PlaneTrial { stress: &stress, strain: &strains, temperature: &temperature, dt };
-                    let found = STEEL.returned_lanes(&law, trial, LANES);
-                    assert_eq!(found.flow[2], 0.0);
+                    let returned = STEEL.returned_lanes(&law, trial, LANES);
+                    assert_eq!(returned.flow[2], 0.0);
                     for l in (0..LANES).filter(|l| *l != 2) {
-                        let own = stress.map(|list| list[l]);
-                        let alone = STEEL.returned(&law, own, [strain, temperature[l]], dt);
-                        let per_dt = if dt > 0.0 { found.flow[l] / dt } else { 0.0 };
-                        let off = mises(found.stress.map(|list| list[l]))
-                            - law.at(strain + found.flow[l], per_dt, temperature[l]);
-                        let off = off.abs() / mises(own);
+                        let stress_of_lane = stress.map(|list| list[l]);
+                        let alone = STEEL.returned(&law, stress_of_lane, [strain, temperature[l]], dt);
+                        let per_dt = if dt > 0.0 { returned.flow[l] / dt } else { 0.0 };
+                        let off = mises(returned.stress.map(|list| list[l]))
+                            - law.at(strain + returned.flow[l], per_dt, temperature[l]);
+                        let off = off.abs() / mises(stress_of_lane);
                         assert!(off < 1e-10, "{off:e} {law:?} {past} {dt} {strain} {l}");
-                        let apart = (0..2).map(|i| (found.stress[i][l] - alone.stress[i]).abs()).fold(0.0, f64::max);
-                        assert!(apart < 1e-9 * mises(own), "{apart:e} {law:?} {past} {dt} {strain} {l}");
+                        let apart = (0..2).map(|i| (returned.stress[i][l] - alone.stress[i]).abs()).fold(0.0, f64::max);
+                        assert!(apart < 1e-9 * mises(stress_of_lane), "{apart:e} {law:?} {past} {dt} {strain} {l}");
                         worst = worst.max(off);
                     }
                 }

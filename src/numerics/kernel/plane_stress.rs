@@ -73,6 +73,7 @@ impl PlaneElastic {
     }
 
     /// Returns the result of a return to the yield surface with the unknown x. Associated flow: dp_i = x (2 s_i - s_j)/3.
+    /// Equation (8.4).
     #[inline(always)]
     pub(super) fn flowed(&self, trial: [f64; 2], x: f64) -> PlaneReturn {
         let stress = self.scaled(trial, x);
@@ -153,10 +154,10 @@ mod tests {
         // Strains of a bar at the plastic strain 0.01: the stress is 210.
         let (stress, plastic) = (210.0, 0.01);
         let strain = [stress / STEEL.young + plastic, -0.3 * stress / STEEL.young - 0.5 * plastic];
-        let found = STEEL.returned(&law, STEEL.trial([0.0; 2], strain), [0.0; 2], 0.0);
-        assert!((found.stress[0] - stress).abs() < 1e-8 && found.stress[1].abs() < 1e-8, "{found:?}");
-        assert!((found.flow - plastic).abs() < 1e-13);
-        assert!((found.plastic[0] - plastic).abs() < 1e-13 && (found.plastic[1] + 0.5 * plastic).abs() < 1e-13);
+        let returned = STEEL.returned(&law, STEEL.trial([0.0; 2], strain), [0.0; 2], 0.0);
+        assert!((returned.stress[0] - stress).abs() < 1e-8 && returned.stress[1].abs() < 1e-8, "{returned:?}");
+        assert!((returned.flow - plastic).abs() < 1e-13);
+        assert!((returned.plastic[0] - plastic).abs() < 1e-13 && (returned.plastic[1] + 0.5 * plastic).abs() < 1e-13);
     }
 
     #[test]
@@ -165,12 +166,12 @@ mod tests {
         let factor = Some(RateFactor::JohnsonCook { c: 0.0089, reference: 1.0 });
         let law = FlowStress { base: StaticYield::JohnsonCook(base), factor };
         for trial in [[5000.0, -300.0], [2500.0, 2500.0], [-2000.0, 1.0], [0.0, 1e5]] {
-            let found = STEEL.returned(&law, trial, [0.02, 300.0], 1e-6);
-            let yields = law.at(0.02 + found.flow, found.flow / 1e-6, 300.0);
-            assert!((found.mises / yields - 1.0).abs() < 1e-9, "{trial:?} {found:?}");
+            let returned = STEEL.returned(&law, trial, [0.02, 300.0], 1e-6);
+            let yields = law.at(0.02 + returned.flow, returned.flow / 1e-6, 300.0);
+            assert!((returned.mises / yields - 1.0).abs() < 1e-9, "{trial:?} {returned:?}");
             // The remaining elastic strain gives the same stress.
-            let back = STEEL.trial(trial, found.plastic.map(|p| -p));
-            assert!((0..2).all(|i| (back[i] - found.stress[i]).abs() < 1e-8 * mises(trial)), "{trial:?} {back:?}");
+            let back = STEEL.trial(trial, returned.plastic.map(|p| -p));
+            assert!((0..2).all(|i| (back[i] - returned.stress[i]).abs() < 1e-8 * mises(trial)), "{trial:?} {back:?}");
         }
         let melted = STEEL.returned(&law, [900.0, 0.0], [0.0, 1600.0], 1e-6);
         assert!(melted.mises < 1e-6);

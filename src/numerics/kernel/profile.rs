@@ -108,20 +108,20 @@ impl ProfileSegment {
     pub fn side_of(&self, point: [f64; 2], lift: f64) -> i8 {
         let [a, b] = self.ends();
         let p = [point[0], point[1] - lift];
-        let (before, beyond_end) = match *self {
+        let (before_start, beyond_end) = match *self {
             ProfileSegment::Line(_) => {
                 let t = minus(b, a);
                 (dot(minus(p, a), t) < 0.0, dot(minus(p, b), t) > 0.0)
             }
             ProfileSegment::Arc(_, c, _, turn) => {
                 let (u, v, w) = (minus(a, c), minus(b, c), minus(p, c));
-                let (before, beyond_end) = (turn * cross(u, w) < 0.0, turn * cross(w, v) < 0.0);
+                let (before_start, beyond_end) = (turn * cross(u, w) < 0.0, turn * cross(w, v) < 0.0);
                 // On the opposite side of the circle the nearer end point decides.
                 let nearer_start = dot(w, u) > dot(w, v);
-                (before && (!beyond_end || nearer_start), beyond_end && (!before || !nearer_start))
+                (before_start && (!beyond_end || nearer_start), beyond_end && (!before_start || !nearer_start))
             }
         };
-        i8::from(beyond_end) - i8::from(before)
+        i8::from(beyond_end) - i8::from(before_start)
     }
 
     /// Returns the lower and upper corner of the bounding box.
@@ -166,35 +166,35 @@ impl SurfaceProfile {
     pub fn nearest(&self, point: [f64; 2], lift: f64) -> NearestPlace {
         // A node on the axis without boundary condition may be slightly at r < 0; its mirror image is used.
         let point = [point[0].abs(), point[1]];
-        let mut found = NearestPlace { segment: 0, gap: f64::INFINITY, beyond: true };
+        let mut nearest = NearestPlace { segment: 0, gap: f64::INFINITY, beyond: true };
         let (count, last) = (self.segments.len(), self.segments.len() - 1);
         let open = self.segments[0].ends()[0] != self.segments[last].ends()[1];
         for (k, segment) in self.segments.iter().enumerate() {
             let mut side = segment.side_of(point, lift);
-            let own = segment.gap(point, lift);
+            let gap = segment.gap(point, lift);
             let end = segment.ends()[usize::from(side > 0)];
             if end[0].abs() <= ON_AXIS * end[1].abs() && point[0] <= ON_AXIS * point[1].abs() {
                 // A surface that ends on the axis continues as its mirror image; the axis is not an edge.
                 side = 0;
             }
             if side == 0 {
-                if own.abs() < found.gap.abs() {
-                    found = NearestPlace { segment: k, gap: own, beyond: false };
+                if gap.abs() < nearest.gap.abs() {
+                    nearest = NearestPlace { segment: k, gap, beyond: false };
                 }
                 continue;
             }
             let corner = segment.ends()[usize::from(side > 0)];
             let distance = length([point[0] - corner[0], point[1] - (corner[1] + lift)]);
-            if distance >= found.gap.abs() {
+            if distance >= nearest.gap.abs() {
                 continue;
             }
             let beyond = open && (side < 0 && k == 0 || side > 0 && k == last);
-            let (before, after) = if side > 0 { (k, (k + 1) % count) } else { ((k + last) % count, k) };
-            let turn = || cross(self.segments[before].direction(1), self.segments[after].direction(0));
-            let sign = if beyond { own } else { Some(-turn()).filter(|t| t.abs() > SMOOTH).unwrap_or(own) };
-            found = NearestPlace { segment: k, gap: if sign < 0.0 { -distance } else { distance }, beyond };
+            let (previous, after) = if side > 0 { (k, (k + 1) % count) } else { ((k + last) % count, k) };
+            let turn = || cross(self.segments[previous].direction(1), self.segments[after].direction(0));
+            let sign = if beyond { gap } else { Some(-turn()).filter(|t| t.abs() > SMOOTH).unwrap_or(gap) };
+            nearest = NearestPlace { segment: k, gap: if sign < 0.0 { -distance } else { distance }, beyond };
         }
-        found
+        nearest
     }
 
     /// Returns the profile with the front on the other side.
@@ -216,9 +216,9 @@ impl SurfaceProfile {
         let (count, last) = (self.segments.len(), self.segments.len() - 1);
         let closed = self.segments[0].ends()[0] == self.segments[last].ends()[1];
         let turns = |a: usize, b: usize| cross(self.segments[a].direction(1), self.segments[b].direction(0)) > SMOOTH;
-        let before = (segment > 0 || closed && count > 1).then_some((segment + last) % count);
+        let previous = (segment > 0 || closed && count > 1).then_some((segment + last) % count);
         let after = (segment < last || closed && count > 1).then_some((segment + 1) % count);
-        [before.filter(|&b| turns(b, segment)), after.filter(|&a| turns(segment, a))]
+        [previous.filter(|&b| turns(b, segment)), after.filter(|&a| turns(segment, a))]
     }
 
     /// Returns z if the whole profile is one plane z = constant.
@@ -254,16 +254,15 @@ impl SurfaceProfile {
     pub fn fillet(&self, radius: f64) -> Result<SurfaceProfile, usize> {
         let mut segments: Vec<ProfileSegment> = vec![self.segments[0]];
         for (k, next) in self.segments.iter().enumerate().skip(1) {
-            let before = segments[segments.len() - 1];
-            let (t, u) = (before.direction(1), next.direction(0));
+            let previous = segments[segments.len() - 1];
+            let (t, u) = (previous.direction(1), next.direction(0));
             let turn = cross(t, u);
             if turn.abs() < SMOOTH && dot(t, u) > 0.0 {
                 segments.push(*next);
                 continue;
             }
-            let (before, arc, next) = rounded(before, *next, radius, turn.signum()).ok_or(k)?;
             segments.pop();
-            segments.extend([before, arc, next]);
+            segments.extend(rounded(previous, *next, radius, turn.signum()).ok_or(k)?);
         }
         Ok(SurfaceProfile { segments })
     }
@@ -271,12 +270,7 @@ impl SurfaceProfile {
 
 /// Trims two segments that form a corner, and inserts an arc tangent to both. `side` is 1 for a left turn, -1 for a
 /// right turn.
-fn rounded(
-    a: ProfileSegment,
-    b: ProfileSegment,
-    radius: f64,
-    side: f64,
-) -> Option<(ProfileSegment, ProfileSegment, ProfileSegment)> {
+fn rounded(a: ProfileSegment, b: ProfileSegment, radius: f64, side: f64) -> Option<[ProfileSegment; 3]> {
     let corner = a.ends()[1];
     let (a_off, b_off) = (offset(a, side * radius)?, offset(b, side * radius)?);
     let centre = crossings(a_off, b_off).into_iter().flatten().min_by(|p, q| {
@@ -296,7 +290,7 @@ fn rounded(
         ProfileSegment::Arc(_, c, r, turn) => ProfileSegment::Arc([from, to], c, r, turn),
     };
     let arc = ProfileSegment::Arc([p, q], centre, radius, side);
-    Some((cut(a, a.ends()[0], p), arc, cut(b, q, b.ends()[1])))
+    Some([cut(a, a.ends()[0], p), arc, cut(b, q, b.ends()[1])])
 }
 
 /// Returns the line or circle offset to the left of a segment by a distance.
@@ -320,20 +314,20 @@ fn crossings(a: ProfileSegment, b: ProfileSegment) -> [Option<[f64; 2]>; 2] {
         (ProfileSegment::Line([p, q]), ProfileSegment::Line([r, s])) => {
             let (t, u) = (minus(q, p), minus(s, r));
             let whole = cross(t, u);
-            let at = cross(minus(r, p), u) / whole;
-            [(whole != 0.0).then_some([p[0] + at * t[0], p[1] + at * t[1]]), None]
+            let position = cross(minus(r, p), u) / whole;
+            [(whole != 0.0).then_some([p[0] + position * t[0], p[1] + position * t[1]]), None]
         }
         (ProfileSegment::Line([p, q]), ProfileSegment::Arc(_, c, radius, _))
         | (ProfileSegment::Arc(_, c, radius, _), ProfileSegment::Line([p, q])) => {
             let t = unit(minus(q, p));
             let along = dot(minus(c, p), t);
             let closest = [p[0] + along * t[0], p[1] + along * t[1]];
-            let rest = radius * radius - dot(minus(c, closest), minus(c, closest));
-            if rest < 0.0 {
+            let square = radius * radius - dot(minus(c, closest), minus(c, closest));
+            if square < 0.0 {
                 return [None, None];
             }
             [1.0, -1.0].inline_map(|sign| {
-                Some([closest[0] + sign * rest.sqrt() * t[0], closest[1] + sign * rest.sqrt() * t[1]])
+                Some([closest[0] + sign * square.sqrt() * t[0], closest[1] + sign * square.sqrt() * t[1]])
             })
         }
         (ProfileSegment::Arc(_, c, r1, _), ProfileSegment::Arc(_, d, r2, _)) => {
@@ -343,13 +337,13 @@ fn crossings(a: ProfileSegment, b: ProfileSegment) -> [Option<[f64; 2]>; 2] {
                 return [None, None];
             }
             let along = 0.5 * (distance + (r1 * r1 - r2 * r2) / distance);
-            let rest = r1 * r1 - along * along;
-            if rest < 0.0 {
+            let square = r1 * r1 - along * along;
+            if square < 0.0 {
                 return [None, None];
             }
             let e = unit(way);
             [1.0, -1.0].inline_map(|sign| {
-                let h = sign * rest.sqrt();
+                let h = sign * square.sqrt();
                 Some([c[0] + along * e[0] - h * e[1], c[1] + along * e[1] + h * e[0]])
             })
         }

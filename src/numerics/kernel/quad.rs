@@ -18,12 +18,12 @@ pub const UNIT: f64 = PI / 8.0;
 /// Returns the sums of the values at four corners with the signs of the base vectors Sigma, Lambda_1, Lambda_2 and
 /// Gamma: the total, the differences along the first and the second direction of the parent square, and the hourglass
 /// pattern (Flanagan and Belytschko 1981, eq. 6). They are computed from differences, so that a large common value does
-/// not reduce the accuracy of the last three.
+/// not reduce the accuracy of the last three. Equation (5.2).
 #[inline(always)]
 pub fn sums<T: Real>(x: [T; 4]) -> [T; 4] {
     let (below, above) = (x[1] - x[0], x[2] - x[3]);
-    let (left, right) = (x[3] - x[0], x[2] - x[1]);
-    [(x[0] + x[1]) + (x[2] + x[3]), below + above, left + right, above - below]
+    let (left_side, right_side) = (x[3] - x[0], x[2] - x[1]);
+    [(x[0] + x[1]) + (x[2] + x[3]), below + above, left_side + right_side, above - below]
 }
 
 /// Returns the values at the corners from their components in the four base vectors.
@@ -53,7 +53,7 @@ impl<T: Real> QuadOperators<T> {
     /// Computes the operators from the [`sums`] of r and z, with volume or area weighting. With volume weighting they
     /// are the derivatives of the ring volume, minus the hoop part along r. Area weighting (Goudreau and Hallquist
     /// 1982, Comput. Meth. Appl. Mech. Eng. 33, 725) uses the gradients at the centre of the plane section times 2π
-    /// times the radius there, so that ratios to the volume are those of the plane.
+    /// times the radius there, so that ratios to the volume are those of the plane. Equations (5.1), (5.3).
     #[inline(always)]
     pub fn of<const AREA: bool>(r: [T; 4], z: [T; 4]) -> Self {
         let section = r[1] * z[2] - r[2] * z[1];
@@ -79,7 +79,8 @@ impl<T: Real> QuadOperators<T> {
     }
 
     /// Returns the hourglass pattern orthogonal to linear fields (Flanagan and Belytschko 1981, eqs. 25 to 45), times
-    /// the volume: components in Lambda_1, Lambda_2 and Gamma, from the last of the [`sums`] of r and z.
+    /// the volume: components in Lambda_1, Lambda_2 and Gamma, from the last of the [`sums`] of r and z. Equation
+    /// (5.7).
     #[inline(always)]
     pub fn pattern(&self, [r, z]: [T; 2]) -> [T; 3] {
         let linear = |i: usize| r * self.r[i] + z * self.z[i];
@@ -165,11 +166,19 @@ pub fn gradient(r: [f64; 4], z: [f64; 4]) -> CornerGradient {
     QuadOperators::of::<false>(sums(r), sums(z)).gradient()
 }
 
-/// Returns the derivatives of the volume of a ring with respect to r and z of its corners, and the volume, in [`UNIT`].
+/// Volume of a ring in [`UNIT`], and its derivatives with respect to r and z of the corners of an element.
+pub struct VolumeGradient {
+    pub volume: f64,
+    pub by_r: [f64; 4],
+    pub by_z: [f64; 4],
+}
+
+/// Returns the volume of a ring with these corners, and its derivatives.
 #[inline(always)]
-pub fn volume_gradient(r: [f64; 4], z: [f64; 4]) -> ([f64; 4], [f64; 4], f64) {
+pub fn volume_gradient(r: [f64; 4], z: [f64; 4]) -> VolumeGradient {
     let QuadOperators { r: [a, b, c], z: [d, e, f], hoop, volume } = QuadOperators::of::<false>(sums(r), sums(z));
-    (at_corners([hoop[0], a + hoop[1], b + hoop[2], c]), at_corners([0.0, d, e, f]), volume)
+    let by_r = at_corners([hoop[0], a + hoop[1], b + hoop[2], c]);
+    VolumeGradient { volume, by_r, by_z: at_corners([0.0, d, e, f]) }
 }
 
 /// Returns the area of the plane section, positive for corners that run counter-clockwise.

@@ -58,7 +58,8 @@ const SMALL: f64 = 1.0 / 64.0;
 /// Smallest ratio of successive plastic strain increments in an iteration.
 const LEAST: f64 = 0.02;
 
-/// Returns the increments of equivalent plastic strain of the first `count` lanes; zero for elastic lanes.
+/// Returns the increments of equivalent plastic strain of the first `count` lanes; zero for elastic lanes. Equation
+/// (6.2).
 #[inline(always)]
 pub fn plastic_increments(law: &FlowStress, trial: TrialState<'_>, count: usize) -> Lanes {
     let TrialState { stress, strain, temperature, rate, shear3, dt } = trial;
@@ -108,7 +109,7 @@ fn iterate(
     increment: &mut Lanes,
     open: &mut Flags,
 ) {
-    let (mut residuals, mut before, mut steep) = (ZERO, *increment, [0; LANES]);
+    let (mut residuals, mut previous, mut steep) = (ZERO, *increment, [0; LANES]);
     for l in 0..LANES {
         let dp = increment[l];
         let residual = stress[l] - shear3 * dp - yields[l];
@@ -128,16 +129,16 @@ fn iterate(
     }
     if any(&steep) {
         for l in 0..LANES {
-            let dp = before[l];
+            let dp = previous[l];
             let newton = residuals[l] / (shear3 + slope[l]);
             // From above the root: 1/(1 - x) is not below exp(x).
             let next = if residuals[l] < 0.0 { dp * dp / (dp - newton) } else { increment[l] };
             let next = limited(next, dp, highest[l]);
-            before[l] = if steep[l] == 1 { next } else { increment[l] };
+            previous[l] = if steep[l] == 1 { next } else { increment[l] };
             let goes_on = u64::from(newton.abs() > SHORT * dp);
             open[l] = if steep[l] == 1 { goes_on } else { open[l] };
         }
-        *increment = before;
+        *increment = previous;
     }
 }
 
@@ -241,15 +242,16 @@ impl JohnsonCook {
             theta[l] = if t < 1.0 { t } else { 1.0 };
             warm |= u64::from(t > 0.0);
         }
-        let mut left = [1.0; LANES];
+        let mut factors = [1.0; LANES];
         if warm != 0 {
             for l in 0..LANES {
-                left[l] = 1.0 - power_of(theta[l], self.m);
+                factors[l] = 1.0 - power_of(theta[l], self.m);
             }
         }
-        left
+        factors
     }
 
+    /// Equation (6.5).
     #[inline(always)]
     fn lanes(&self, strain: &Lanes, softening: &Lanes) -> CurveLanes {
         let [mut value, mut slope, mut bend] = [ZERO; 3];
@@ -434,8 +436,9 @@ pub(super) mod tests {
                         let temperatures = [20.0, 0.0, 21.0, 100.0, 300.0, 450.0, 640.0, 900.0];
                         let temperature = std::array::from_fn(|l| temperatures[l % 8]);
                         let strains = [strain; LANES];
-                        let rest: Lanes = std::array::from_fn(|l| law.at(strain, 0.0, temperature[l]));
-                        let stress = std::array::from_fn(|l| (rest[l] + 1e-3) * (1.0 + past) * f64::from(l != 2));
+                        let static_yield: Lanes = std::array::from_fn(|l| law.at(strain, 0.0, temperature[l]));
+                        let stress =
+                            std::array::from_fn(|l| (static_yield[l] + 1e-3) * (1.0 + past) * f64::from(l != 2));
                         let rate = std::array::from_fn(|l| [0.0, 1.0, 1e3, 1e9][(l + i) % 4]);
                         let trial = TrialState {
                             stress: &stress,
@@ -445,14 +448,17 @@ pub(super) mod tests {
                             shear3: 240_000.0,
                             dt,
                         };
-                        let found = plastic_increments(&law, trial, LANES);
-                        assert_eq!(found[2], 0.0);
+                        let increments = plastic_increments(&law, trial, LANES);
+                        assert_eq!(increments[2], 0.0);
                         for l in (0..LANES).filter(|l| *l != 2) {
-                            let per_dt = if dt > 0.0 { found[l] / dt } else { 0.0 };
-                            let yields = law.at(strain + found[l], per_dt, temperature[l]);
-                            let off = ((stress[l] - 240_000.0 * found[l] - yields) / stress[l]).abs();
-                            assert!(found[l] > 0.0 || stress[l] <= rest[l] * (1.0 + 1e-13), "{law:?} {trial:?}");
-                            assert!(off < 1e-10, "{off:e} {law:?} {trial:?} {found:?}");
+                            let per_dt = if dt > 0.0 { increments[l] / dt } else { 0.0 };
+                            let yields = law.at(strain + increments[l], per_dt, temperature[l]);
+                            let off = ((stress[l] - 240_000.0 * increments[l] - yields) / stress[l]).abs();
+                            assert!(
+                                increments[l] > 0.0 || stress[l] <= static_yield[l] * (1.0 + 1e-13),
+                                "{law:?} {trial:?}"
+                            );
+                            assert!(off < 1e-10, "{off:e} {law:?} {trial:?} {increments:?}");
                             worst = worst.max(off);
                             tried += 1;
                         }

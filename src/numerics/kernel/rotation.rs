@@ -9,13 +9,14 @@ pub fn rotated<T: Real>(tensor: [T; 4], spin: T) -> [T; 4] {
 }
 
 /// Returns cosine and sine of the rotation of a spin increment (Hughes and Winget 1980, Int. J. Numer. Meth. Eng. 15,
-/// 1862): the tangent of half the angle is half the spin increment, which is orthogonal for any increment.
+/// 1862): the tangent of half the angle is half the spin increment, which is orthogonal for any increment. Equation
+/// (5.5).
 #[inline(always)]
 pub fn rotation_of_spin<T: Real>(spin: T) -> [T; 2] {
-    let one = spin.like(1.0);
+    let unit = spin.like(1.0);
     let quarter = spin.like(0.25) * spin * spin;
-    let inverse = one / (one + quarter);
-    [(one - quarter) * inverse, spin * inverse]
+    let inverse = unit / (unit + quarter);
+    [(unit - quarter) * inverse, spin * inverse]
 }
 
 /// A spin increment given as a quotient; one common inverse yields its rotation and one over the divisor.
@@ -49,7 +50,7 @@ impl<T: Real> SpinQuotient<T> {
         divisor * divisor + divisor.like(0.25) * dividend * dividend
     }
 
-    /// Returns cosine and sine of the rotation, as [`rotation_of_spin`].
+    /// Returns cosine and sine of the rotation, as [`rotation_of_spin`]. Equation (5.5).
     #[inline(always)]
     pub fn rotation(&self) -> [T; 2] {
         let (square, quarter) = (self.divisor * self.divisor, self.dividend.like(0.25) * self.dividend * self.dividend);

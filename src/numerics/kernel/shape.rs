@@ -11,19 +11,21 @@ const FOUR_ROOT_THREE: f64 = 6.928_203_230_275_509;
 /// triangle 4 √3 times its area over the sum of the squares of its sides, 1 if they are equal. Negative for elements that
 /// overlap.
 pub fn corner_shape(corners: &[u32; 4], places: &[[f64; 2]]) -> f64 {
-    let at = corners.inline_map(|n| places[n as usize]);
-    let area = quad::section(at.inline_map(|c| c[0]), at.inline_map(|c| c[1]));
+    let positions = corners.inline_map(|n| places[n as usize]);
+    let area = quad::section(positions.inline_map(|c| c[0]), positions.inline_map(|c| c[1]));
     if area <= 0.0 {
         return -1.0;
     }
     if is_triangle(corners) {
         let square = |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]);
-        let sides = square(at[0], at[1]) + square(at[1], at[2]) + square(at[2], at[0]);
+        let sides = square(positions[0], positions[1])
+            + square(positions[1], positions[2])
+            + square(positions[2], positions[0]);
         return FOUR_ROOT_THREE * area / sides;
     }
     let smallest = |a: f64, b: f64| if b < a { b } else { a };
     let twice = |list: &[usize; 3]| {
-        let [a, b, c] = list.inline_map(|i| at[i]);
+        let [a, b, c] = list.inline_map(|i| positions[i]);
         twice_area([b, c, a])
     };
     corner_lists(corners).iter().map(twice).fold(f64::INFINITY, smallest) / area
@@ -31,9 +33,9 @@ pub fn corner_shape(corners: &[u32; 4], places: &[[f64; 2]]) -> f64 {
 
 /// Returns the smallest angle of an element, radians.
 pub fn smallest_angle(corners: &[u32; 4], place: impl Fn(u32) -> [f64; 2]) -> f64 {
-    let at = corners.inline_map(&place);
+    let positions = corners.inline_map(&place);
     let angle = |list: &[usize; 3]| {
-        let [a, b, c] = list.inline_map(|i| at[i]);
+        let [a, b, c] = list.inline_map(|i| positions[i]);
         let ([p, q], [s, t]) = ([c[0] - b[0], c[1] - b[1]], [a[0] - b[0], a[1] - b[1]]);
         let angle = libm::atan2(p * t - q * s, p * s + q * t);
         if angle < 0.0 { angle + 2.0 * std::f64::consts::PI } else { angle }
@@ -43,9 +45,9 @@ pub fn smallest_angle(corners: &[u32; 4], place: impl Fn(u32) -> [f64; 2]) -> f6
 
 /// Returns the smallest sine of the angles of an element; negative if it is not convex.
 pub fn smallest_sine(corners: &[u32; 4], place: impl Fn(u32) -> [f64; 2]) -> f64 {
-    let at = corners.inline_map(place);
+    let positions = corners.inline_map(place);
     let sine = |list: &[usize; 3]| {
-        let [a, b, c] = list.inline_map(|i| at[i]);
+        let [a, b, c] = list.inline_map(|i| positions[i]);
         twice_area([b, c, a]) / (distance(a, b) * distance(b, c))
     };
     corner_lists(corners).iter().map(sine).fold(1.0, f64::min)

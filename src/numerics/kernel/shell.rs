@@ -61,7 +61,7 @@ impl<T: Real> ShellFrame<T> {
         self.length.like(2.0 * PI) * self.radius * self.length
     }
 
-    /// Returns the strains for displacements `[r, z]` and a rotation of each node.
+    /// Returns the strains for displacements `[r, z]` and a rotation of each node. Equations (8.1), (8.2).
     #[inline(always)]
     pub fn strains(&self, [a, b]: [[T; 3]; 2]) -> SectionComponents<T> {
         let (along, n) = ([b[0] - a[0], b[1] - a[1]], self.n());
@@ -77,6 +77,7 @@ impl<T: Real> ShellFrame<T> {
     }
 
     /// Returns forces and moments of the stress resultants on both nodes; their power is minus that of the strains.
+    /// Equation (8.5).
     #[inline(always)]
     pub fn forces(&self, [n_s, n_h, m_s, m_h, q]: &SectionComponents<T>) -> [[T; 3]; 2] {
         let (area, n, half) = (self.area(), self.n(), self.length.like(0.5));
@@ -92,7 +93,7 @@ impl<T: Real> ShellFrame<T> {
 
     /// Returns a bound of the highest frequency of the single element, radians per time. The eigenvalues of the
     /// operator of the five strains are real, so that the eighth root of the trace of its eighth power bounds the
-    /// largest one.
+    /// largest one. Equation (8.7).
     #[inline(always)]
     pub fn frequency(&self, masses: &[T; 4], thickness: T, shear_stiffness: f64, elastic: &PlaneElastic) -> T {
         let operator = self.operator(masses, thickness, shear_stiffness, elastic);
@@ -152,7 +153,7 @@ impl<T: Real> ShellFrame<T> {
 
 impl ShellFrame {
     /// Returns the lumped masses of both nodes, each for its half of the meridian, and their rotary inertias, from the
-    /// mass per area and the initial thickness.
+    /// mass per area and the initial thickness. Equation (8.6).
     ///
     /// Rotary inertias are scaled with the initial geometry, so that the frequency of transverse shear is not above
     /// that of the membrane (ABAQUS Theory Guide 3.6.5, "Rotary inertia scaling for explicit dynamics"): with the

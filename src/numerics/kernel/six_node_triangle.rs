@@ -80,7 +80,7 @@ impl TriangleOperators {
         g.project(&products)
     }
 
-    /// Converts integrals weighted by the linear corner functions to values at the points.
+    /// Converts integrals weighted by the linear corner functions to values at the points. Equation (5.16).
     #[inline(always)]
     fn project(&self, m: &[[f64; POINTS]; POINTS]) -> TriangleOperators {
         let minor = |p: usize, q: usize| {
@@ -143,7 +143,7 @@ impl TriangleOperators {
     }
 
     /// Returns bounds of squared frequencies over a modulus and 2π, for given nodal masses: of volumetric strain, and
-    /// of deviatoric strain with twice the shear modulus.
+    /// of deviatoric strain with twice the shear modulus. Equation (5.18).
     ///
     /// The energy density of an elastic element is K/2 (tr e)² + G |dev e|². For displacements u with u . M u = 1 the
     /// volumetric part is at most K/2 times the largest eigenvalue of the products of the operators of tr e at the
@@ -207,7 +207,7 @@ pub fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     sum
 }
 
-/// Returns the square of a bound of the highest frequency for these moduli and inverse masses.
+/// Returns the square of a bound of the highest frequency for these moduli and inverse masses. Equation (5.17).
 #[inline(always)]
 pub fn frequency_squared(g: &TriangleOperators, [bulk, shear]: [f64; 2], inverse_mass: &[f64; NODES]) -> f64 {
     let [volume, shape] = g.bounds(inverse_mass);

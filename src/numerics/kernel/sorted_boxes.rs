@@ -70,19 +70,19 @@ mod tests {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (seed >> 40) as f64 / (1_u64 << 24) as f64
         };
-        let all: Vec<BoundingBox> = (0..300)
+        let boxes: Vec<BoundingBox> = (0..300)
             .map(|_| bounding_box([[next(), 3.0 * next()], [next(), 3.0 * next()]].map(|p| [0.2 * p[0], p[1]])))
             .collect();
-        let mut sorted = SortedBoxes::with_capacity(all.len());
-        sorted.sort(all.iter().copied().zip(0..));
-        for (query, margin) in all.iter().zip([0.0, 0.01, 0.3].into_iter().cycle()) {
-            let mut found = Vec::new();
-            sorted.near(*query, margin, |index| found.push(index));
-            found.sort_unstable();
+        let mut sorted = SortedBoxes::with_capacity(boxes.len());
+        sorted.sort(boxes.iter().copied().zip(0..));
+        for (query, margin) in boxes.iter().zip([0.0, 0.01, 0.3].into_iter().cycle()) {
+            let mut hits = Vec::new();
+            sorted.near(*query, margin, |index| hits.push(index));
+            hits.sort_unstable();
             let apart =
                 |b: &BoundingBox| (0..2).any(|i| b[0][i] > query[1][i] + margin || b[1][i] < query[0][i] - margin);
-            let right: Vec<u32> = (0..).zip(&all).filter(|b| !apart(b.1)).map(|b| b.0).collect();
-            assert_eq!(found, right);
+            let right: Vec<u32> = (0..).zip(&boxes).filter(|b| !apart(b.1)).map(|b| b.0).collect();
+            assert_eq!(hits, right);
         }
     }
 }

@@ -2,14 +2,14 @@
 
 use super::lanes::InlineMap;
 
-/// Returns the von Mises stress, sqrt(3/2 s:s).
+/// Returns the von Mises stress, sqrt(3/2 s:s). Equation (1.1).
 #[inline(always)] // Into loops over lanes, compiled for the instruction set of the machine.
 pub fn mises([rr, zz, hoop, rz]: [f64; 4]) -> f64 {
     let [a, b, c] = [rr - zz, zz - hoop, hoop - rr].inline_map(|d| d * d);
     (0.5 * (a + b + c) + 3.0 * rz * rz).sqrt()
 }
 
-/// Returns the pressure, positive in compression: minus a third of the trace.
+/// Returns the pressure, positive in compression: minus a third of the trace. Equation (1.1).
 #[inline(always)] // Likewise.
 pub fn pressure([rr, zz, hoop, _]: [f64; 4]) -> f64 {
     -(rr + zz + hoop) / 3.0
@@ -18,9 +18,9 @@ pub fn pressure([rr, zz, hoop, _]: [f64; 4]) -> f64 {
 /// Returns the principal stresses, ascending: two in the plane of r and z, and the hoop stress.
 pub fn principal([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 3] {
     let (centre, radius) = (0.5 * (rr + zz), (0.25 * (rr - zz) * (rr - zz) + rz * rz).sqrt());
-    let mut all = [centre - radius, centre + radius, hoop];
-    all.sort_by(f64::total_cmp);
-    all
+    let mut values = [centre - radius, centre + radius, hoop];
+    values.sort_by(f64::total_cmp);
+    values
 }
 
 /// Returns the Tresca stress: the largest difference of principal stresses.
@@ -50,10 +50,10 @@ mod tests {
         assert_eq!(principal([300.0, 0.0, 0.0, 0.0]), [0.0, 0.0, 300.0]);
         assert_eq!(principal([0.0, 0.0, 0.0, 100.0]), [-100.0, 0.0, 100.0]);
         assert_eq!((tresca([0.0, 0.0, 0.0, 100.0]), tresca([0.0, 0.0, -70.0, 0.0])), (200.0, 70.0));
-        let one = |stress, expected: f64| assert!((triaxiality(stress) - expected).abs() < 1e-15, "{expected}");
-        one([0.0, 300.0, 0.0, 0.0], 1.0 / 3.0);
-        one([-300.0, -300.0, 0.0, 0.0], -2.0 / 3.0);
-        one([0.0; 4], 0.0);
+        let check = |stress, expected: f64| assert!((triaxiality(stress) - expected).abs() < 1e-15, "{expected}");
+        check([0.0, 300.0, 0.0, 0.0], 1.0 / 3.0);
+        check([-300.0, -300.0, 0.0, 0.0], -2.0 / 3.0);
+        check([0.0; 4], 0.0);
         let stress: [f64; 4] = [120.0, -35.0, 60.0, 44.0];
         let [a, b, c] = principal(stress);
         assert!((a + b + c + 3.0 * pressure(stress)).abs() < 1e-12);

@@ -10,6 +10,7 @@
 //! is Kn e. Damage reduces both terms, except the first in compression, e < 0.
 
 use super::damage_envelope::{DamageEnvelope, EnvelopeShape};
+use super::hardening::interpolate;
 use super::lanes::InlineMap;
 use crate::platform::PortableMath as _;
 use revolve_derive::Persist;
@@ -35,7 +36,7 @@ pub struct DamageInitiationLaw {
 
 impl DamageInitiationLaw {
     /// Returns the criterion for an opening (not negative) and a shear separation, or for the tractions over the stiffness of
-    /// their mode. It is homogeneous of degree one; damage begins at 1.
+    /// their mode. It is homogeneous of degree one; damage begins at 1. Equation (17.5).
     fn value(&self, [open, shear]: [f64; 2]) -> f64 {
         let parts = [open / self.limits[0], shear.abs() / self.limits[1]];
         if self.quadratic { parts[0].portable_hypot(parts[1]) } else { parts[0].max(parts[1]) }
@@ -135,11 +136,6 @@ pub struct DissipatedEnergy {
 }
 
 impl DissipatedEnergy {
-    /// Returns the energy dissipated by damage.
-    fn of_damage(by_damage: f64) -> DissipatedEnergy {
-        DissipatedEnergy { by_damage, by_viscosity: 0.0 }
-    }
-
     /// Returns both energies times a factor.
     #[must_use]
     pub fn times(self, factor: f64) -> DissipatedEnergy {
@@ -227,23 +223,23 @@ impl TractionSeparationLaw {
         let mut dissipated = DissipatedEnergy::default();
         if let Some(initiation) = &self.initiation {
             let value = initiation.value(self.initiation_measures(initiation, separation));
-            let most = if self.softening.is_some() { 1.0 } else { f64::INFINITY };
-            history.criterion = history.criterion.max(initiation.shown(value).min(most));
+            let limit = if self.softening.is_some() { 1.0 } else { f64::INFINITY };
+            history.criterion = history.criterion.max(initiation.shown(value).min(limit));
             if let Some(softening) = self.softening.as_ref().filter(|_| value > 1.0) {
                 let ray = self.ray(separation);
                 let envelope = softening.envelope(&ray, ray.size / value);
-                dissipated = DissipatedEnergy::of_damage(ray.stiffness * self.grow(history, &envelope, ray.size));
+                dissipated.by_damage = ray.stiffness * self.grow(history, &envelope, ray.size);
             }
         }
         InterfaceResponse { traction: self.traction(history.damage, separation), dissipated }
     }
 
-    /// Returns the tractions at a separation for a damage.
+    /// Returns the tractions at a separation for a damage. Equations (17.4), (17.9).
     pub fn traction(&self, damage: f64, [normal, shear]: [f64; 2]) -> [f64; 2] {
-        let (kept, ratio) = (1.0 - damage, self.coupling_ratio());
+        let (undamaged, ratio) = (1.0 - damage, self.coupling_ratio());
         let (elongation, [of_normal, of_shear]) = (normal + ratio * shear, self.degradable_stiffness());
-        let normal = if elongation > 0.0 { kept * of_normal * elongation } else { of_normal * elongation };
-        [normal, ratio * normal + kept * of_shear * shear]
+        let normal = if elongation > 0.0 { undamaged * of_normal * elongation } else { of_normal * elongation };
+        [normal, ratio * normal + undamaged * of_shear * shear]
     }
 
     /// Returns the normal separation that has the same normal traction as a unit of shear separation.
@@ -288,7 +284,7 @@ impl TractionSeparationLaw {
         0.5 * (normal + shear) + (0.5 * (normal - shear)).portable_hypot(self.coupling)
     }
 
-    /// Returns the energy per area that is released if the tractions at a separation vanish.
+    /// Returns the energy per area that is released if the tractions at a separation vanish. Equation (17.9).
     pub fn stored(&self, damage: f64, separation: [f64; 2]) -> f64 {
         let [normal, shear] = self.traction(damage, separation);
         0.5 * (normal * separation[0] + shear * separation[1])
@@ -308,19 +304,19 @@ impl TractionSeparationLaw {
     /// Returns the stiffness that limits the time increment over that without damage, for a pair of points with these
     /// states. `leverage` holds, for each point, the normal and the shear vector between the faces over the length of the
     /// mid-surface, whose rotation they turn into shear and normal separations. Damage reduces the stiffness of open
-    /// points; a closed point has the full normal stiffness.
+    /// points; a closed point has the full normal stiffness. Equation (17.12).
     pub fn stiffness_ratio(&self, points: [InterfaceStiffness; 2]) -> f64 {
         let largest = self.largest_stiffness(1.0);
         let [of_normal, of_shear] = self.stiffness.inline_map(|k| if self.coupling == 0.0 { k / largest } else { 1.0 });
         let (mut direct, mut turned): (f64, f64) = (1.0, 0.0);
         for InterfaceStiffness { damage, closes, leverage } in points {
-            let kept = 1.0 - damage;
-            let normal = if closes { 1.0 } else { kept };
+            let undamaged = 1.0 - damage;
+            let normal = if closes { 1.0 } else { undamaged };
             if closes {
                 direct = direct.max((1.0 + damage) * of_normal);
             }
             let [across, along] = leverage;
-            turned += 0.5 * (normal * of_normal * along * along + kept * of_shear * across * across);
+            turned += 0.5 * (normal * of_normal * along * along + undamaged * of_shear * across * across);
         }
         if turned < SMALL_LEVERAGE * SMALL_LEVERAGE {
             return direct;
@@ -379,26 +375,28 @@ impl TractionSeparationLaw {
         if reached <= history.damage {
             return 0.0;
         }
-        let before = history.damage;
-        let from = match before {
+        let previous = history.damage;
+        let from = match previous {
             0.0 => envelope.onset,
             // The ratio of the modes has changed: the same damage is at another separation.
-            _ if (envelope.damage(history.separation) - before).abs() > ON_ENVELOPE => envelope.separation_at(before),
+            _ if (envelope.damage(history.separation) - previous).abs() > ON_ENVELOPE => {
+                envelope.separation_at(previous)
+            }
             _ => history.separation,
         };
-        let (damage, to) = if reached > self.largest_damage {
+        let (damage, separation) = if reached > self.largest_damage {
             (self.largest_damage, envelope.separation_at(self.largest_damage))
         } else {
             (reached, size)
         };
-        history.damage = damage.max(before);
-        history.separation = to;
-        (envelope.dissipated(to) - envelope.dissipated(from)).max(0.0)
+        history.damage = damage.max(previous);
+        history.separation = separation;
+        (envelope.dissipated(separation) - envelope.dissipated(from)).max(0.0)
     }
 }
 
 /// Returns the growth of a damage that follows another one, which changes linearly from one value to the next in this
-/// time, over the viscosity.
+/// time, over the viscosity. Equations (17.10), (17.11).
 fn relaxed(time: f64, [before, after]: [f64; 2], damage: f64) -> f64 {
     if time <= 0.0 {
         return 0.0;
@@ -429,6 +427,7 @@ impl InterfaceSoftening {
 }
 
 impl ModeDependence {
+    /// Equation (17.6).
     fn value(&self, ray: &SeparationRay) -> f64 {
         let [normal, shear] = ray.energies;
         match self {
@@ -444,16 +443,6 @@ impl ModeDependence {
                 energies[0] + (energies[1] - energies[0]) * libm::pow(shear, *power)
             }
         }
-    }
-}
-
-/// Returns the value in rows of value and argument; constant beyond the ends.
-fn interpolate(rows: &[[f64; 2]], at: f64) -> f64 {
-    let next = rows.partition_point(|row| row[1] <= at);
-    match (rows.get(next.wrapping_sub(1)), rows.get(next)) {
-        (Some(a), Some(b)) => a[0] + (b[0] - a[0]) * (at - a[1]) / (b[1] - a[1]),
-        (Some(row), None) | (None, Some(row)) => row[0],
-        (None, None) => 0.0,
     }
 }
 
@@ -515,8 +504,8 @@ mod tests {
                         ModeDependence::Table(..) => 0.7 + 0.4 * (part - 0.5),
                     };
                     for steps in [7, 100, 3001] {
-                        let (found, history) = separate(&law, [open, shear], steps);
-                        assert!((found / expected - 1.0).abs() < 1e-12, "{mode:?} {found} {expected}");
+                        let (energy, history) = separate(&law, [open, shear], steps);
+                        assert!((energy / expected - 1.0).abs() < 1e-12, "{mode:?} {energy} {expected}");
                         assert!(history.damage > 1.0 - 1e-15 && history.criterion == 1.0);
                     }
                 }
@@ -528,23 +517,23 @@ mod tests {
     fn dissipated_energy_of_displacement_laws_is_the_area_below_the_curve() {
         // ½ K δ0 δf for the triangle; the table is a triangle with a drop at its end.
         let triangle = law(InterfaceSoftening::Displacement(ModeDependence::Independent(0.09)));
-        let (found, _) = separate(&triangle, [0.2, 0.0], 12);
-        assert!((found / (0.5 * 2000.0 * 0.01 * 0.1) - 1.0).abs() < 1e-13);
+        let (energy, _) = separate(&triangle, [0.2, 0.0], 12);
+        assert!((energy / (0.5 * 2000.0 * 0.01 * 0.1) - 1.0).abs() < 1e-13);
         for softening in [
             InterfaceSoftening::ExponentialDisplacement(ModeDependence::Independent(0.09), 3.0),
             InterfaceSoftening::Tabular(vec![[0.0, 0.0], [0.6, 0.02], [0.9, 0.04], [1.0, 0.09]]),
         ] {
             let law = law(softening);
-            let (found, history) = separate(&law, [0.2, 0.0], 40);
+            let (energy, history) = separate(&law, [0.2, 0.0], 40);
             assert_eq!(history.damage, 1.0);
             let (mut state, mut area, steps) = (InterfaceHistory::default(), 0.0, 400_000);
-            let mut before = 0.0;
+            let mut previous = 0.0;
             for i in 1..=steps {
                 let traction = law.update(&mut state, [0.2 * f64::from(i) / f64::from(steps), 0.0]).traction[0];
-                area += 0.5 * (before + traction) * 0.2 / f64::from(steps);
-                before = traction;
+                area += 0.5 * (previous + traction) * 0.2 / f64::from(steps);
+                previous = traction;
             }
-            assert!((found / area - 1.0).abs() < 1e-8, "{found} {area}");
+            assert!((energy / area - 1.0).abs() < 1e-8, "{energy} {area}");
         }
     }
 
@@ -600,14 +589,14 @@ mod tests {
     /// Moves along a path of separations over the share of the path. Returns the dissipated energy and the work.
     fn separate_along(law: &TractionSeparationLaw, path: impl Fn(f64) -> [f64; 2]) -> (f64, f64, InterfaceHistory) {
         let (mut history, mut sum, mut work, steps) = (InterfaceHistory::default(), 0.0, 0.0, 200_000);
-        let (mut from, mut before) = (path(0.0), [0.0; 2]);
+        let (mut from, mut previous) = (path(0.0), [0.0; 2]);
         for i in 1..=steps {
-            let to = path(f64::from(i) / f64::from(steps));
-            let response = law.update(&mut history, to);
+            let next = path(f64::from(i) / f64::from(steps));
+            let response = law.update(&mut history, next);
             for axis in 0..2 {
-                work += 0.5 * (before[axis] + response.traction[axis]) * (to[axis] - from[axis]);
+                work += 0.5 * (previous[axis] + response.traction[axis]) * (next[axis] - from[axis]);
             }
-            (from, before) = (to, response.traction);
+            (from, previous) = (next, response.traction);
             sum += response.dissipated.by_damage + response.dissipated.by_viscosity;
         }
         (sum, work, history)
@@ -672,9 +661,12 @@ mod tests {
         for damage in [0.0, 0.4] {
             for [open, shear] in [[0.02, 0.01], [0.02, -0.03], [-0.001, 0.01]] {
                 let expected = [2000.0 * open + 700.0 * shear, 700.0 * open + 800.0 * shear];
-                let found = law.traction(damage, [open, shear]);
+                let traction = law.traction(damage, [open, shear]);
                 for mode in 0..2 {
-                    assert!((found[mode] - (1.0 - damage) * expected[mode]).abs() < 1e-13, "{found:?} {expected:?}");
+                    assert!(
+                        (traction[mode] - (1.0 - damage) * expected[mode]).abs() < 1e-13,
+                        "{traction:?} {expected:?}"
+                    );
                 }
             }
         }
@@ -691,9 +683,9 @@ mod tests {
             {
                 for axis in 0..2 {
                     let moved = |by: f64| {
-                        let mut at = at;
-                        at[axis] += by;
-                        law.stored(damage, at)
+                        let mut separation = at;
+                        separation[axis] += by;
+                        law.stored(damage, separation)
                     };
                     let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
                     assert!((law.traction(damage, at)[axis] - slope).abs() < 1e-8, "{coupling} {damage} {at:?} {axis}");
@@ -710,8 +702,8 @@ mod tests {
                 for end in
                     [[1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [0.6, 0.8], [0.6, -0.8], [-0.1, 0.8 * coupling.signum()]]
                 {
-                    let (found, history) = separate(&law, end, 300);
-                    assert!((found / 2.0 - 1.0).abs() < 1e-12 && history.damage > 1.0 - 1e-15, "{end:?} {found}");
+                    let (energy, history) = separate(&law, end, 300);
+                    assert!((energy / 2.0 - 1.0).abs() < 1e-12 && history.damage > 1.0 - 1e-15, "{end:?} {energy}");
                 }
             }
         }
@@ -721,14 +713,14 @@ mod tests {
     fn coupled_damage_begins_at_the_given_tractions() {
         for coupling in COUPLINGS {
             let law = coupled(InterfaceSoftening::Energy(ModeDependence::Independent(0.5)), coupling);
-            let at = [0.012, 0.016];
-            let tractions = law.traction(0.0, at);
+            let separation = [0.012, 0.016];
+            let tractions = law.traction(0.0, separation);
             assert!(tractions[0] > 0.0);
             let expected = (tractions[0] / 20.0).powi(2) + (tractions[1] / 24.0).powi(2);
             let mut history = InterfaceHistory::default();
-            law.update(&mut history, at.map(|x| 0.99 * x / expected.sqrt()));
+            law.update(&mut history, separation.map(|x| 0.99 * x / expected.sqrt()));
             assert!((history.criterion - 0.99 * 0.99).abs() < 1e-14 && history.damage == 0.0);
-            law.update(&mut history, at.map(|x| 1.01 * x / expected.sqrt()));
+            law.update(&mut history, separation.map(|x| 1.01 * x / expected.sqrt()));
             assert!(history.damage > 0.0);
         }
     }
@@ -774,9 +766,9 @@ mod tests {
         steps: usize,
     ) -> (f64, f64, f64, InterfaceHistory) {
         let (mut history, mut last, mut work, mut sum) = (InterfaceHistory::default(), 0.0, 0.0, 0.0);
-        let at = |i: usize| [end * i as f64 / steps as f64, 0.0];
+        let place_of = |i: usize| [end * i as f64 / steps as f64, 0.0];
         for i in 1..=steps {
-            let response = law.advance(&mut history, [at(i - 1), at(i)], time / steps as f64);
+            let response = law.advance(&mut history, [place_of(i - 1), place_of(i)], time / steps as f64);
             work += 0.5 * (last + response.traction[0]) * end / steps as f64;
             sum += response.dissipated.by_damage + response.dissipated.by_viscosity;
             last = response.traction[0];
@@ -791,8 +783,8 @@ mod tests {
         for viscosity in [0.02, 0.3, 5.0] {
             let law = TractionSeparationLaw { viscosity, ..law(softening.clone()) };
             let inviscid = |time: f64| {
-                let at = 0.08 * time;
-                if at > 0.01 { 0.1 * (at - 0.01) / (at * 0.09) } else { 0.0 }
+                let separation = 0.08 * time;
+                if separation > 0.01 { 0.1 * (separation - 0.01) / (separation * 0.09) } else { 0.0 }
             };
             // Reference by the rule of Runge and Kutta with many small steps.
             let (mut expected, count) = (0.0, 400_000);

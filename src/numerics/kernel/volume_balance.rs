@@ -38,7 +38,7 @@ impl VolumeBalance {
     }
 
     /// Finds flows through `links` between elements that provide the `missing` volumes. Returns whether there are any.
-    /// Elements without a link have no flows.
+    /// Elements without a link have no flows. Equation (18.18).
     pub fn solve(
         &mut self,
         links: impl Iterator<Item = [usize; 2]> + Clone,

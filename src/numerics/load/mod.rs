@@ -324,7 +324,7 @@ impl<'a> LastIncrement<'a> {
     }
 
     /// Returns the work of a force on a node over the increment by the trapezoidal rule, from its current and previous
-    /// values.
+    /// values. Equation (14.3).
     pub fn work(&self, node: usize, now: [f64; 2], before: [f64; 2]) -> f64 {
         let (n, a) = (&self.dofs.nodes[node], self.dofs.nodes.acceleration[node]);
         self.half * ((now[0] + before[0]) * n.v_r + (now[1] + before[1]) * n.v_z)

@@ -38,7 +38,7 @@ impl EosLines {
 /// An equation of state that is linear in the specific energy.
 pub trait EosLaw: Send + Sync + 'static {
     /// Returns the pressure line at a density, given with its inverse, the specific volume: a division takes as long as
-    /// ten multiplications.
+    /// ten multiplications. Equation (7.1).
     fn curve(&self, density: f64, specific_volume: f64) -> EosLine;
     /// Returns the ambient pressure: it is not part of the stress, but the gas works against it.
     fn ambient(&self) -> f64 {
@@ -226,7 +226,8 @@ pub(super) fn specific_volume(update: &PressureUpdate, l: usize) -> f64 {
 
 /// Updates pressure, bulk modulus and specific energy of a lane. The energy balance m de = -(p + p')/2 dV + deviatoric
 /// and viscous work, with p' = a + b e' at the end of the increment, is linear in e' and solved in closed form. The
-/// viscous work is estimated with the viscous stress of the previous increment. Returns the specific energy.
+/// viscous work is estimated with the viscous stress of the previous increment. Returns the specific energy. Equations
+/// (7.2), (7.3), (7.4).
 #[inline(always)]
 pub(super) fn advance(
     update: &mut PressureUpdate,

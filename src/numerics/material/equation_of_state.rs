@@ -95,6 +95,7 @@ impl VolumetricLaw for EquationOfState {
         }
     }
 
+    /// Equation (18.17).
     #[inline(always)]
     fn update_pressure(&self, state: &mut EosState, update: &mut PressureUpdate) {
         if let Some(factors) = &state.mass_factors {

@@ -84,7 +84,7 @@ pub struct BurnState {
 }
 
 impl BurnState {
-    /// Updates the burn fractions for a total time.
+    /// Updates the burn fractions for a total time. Equation (7.5).
     pub(super) fn advance(&mut self, now: f64) {
         for l in 0..LANES {
             let share = (now - self.lit[l]) * self.pace[l];

@@ -160,7 +160,7 @@ fn by_lane(input: &FailureInput, strain: impl Fn(f64, f64, f64) -> f64) -> Lanes
     strains
 }
 
-/// Returns the Johnson-Cook failure strains of all lanes.
+/// Returns the Johnson-Cook failure strains of all lanes. Equation (6.17).
 #[inline(always)]
 fn johnson_cook(d: &[f64; 5], [melt, transition, reference]: [f64; 3], input: &FailureInput) -> Lanes {
     let (mut exponents, mut rates, mut strains) = ([0.0; LANES], [1.0; LANES], [0.0; LANES]);
@@ -351,6 +351,7 @@ impl MaterialFailure {
 
 impl StrainCriterion {
     /// Advances this criterion for elements with plastic flow. A NaN does not delete an element, so that the run halts.
+    /// Equation (6.16).
     #[inline(always)]
     fn grow(&self, state: &mut DamageState, c: usize, input: &FailureInput) {
         let strains = self.strain.strains(input);
@@ -371,7 +372,7 @@ impl StrainCriterion {
         }
     }
 
-    /// Advances the damage of an element; `begun` is whether damage began before this increment.
+    /// Advances the damage of an element; `begun` is whether damage began before this increment. Equation (6.18).
     fn evolve(&self, state: &mut DamageState, (c, l): (usize, usize), begun: bool, input: &FailureInput) {
         if !begun {
             state.at_failure[c][l] = match self.evolution {

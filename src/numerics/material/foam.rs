@@ -91,7 +91,7 @@ impl FoamSurface<'_> {
     }
 
     /// Returns the centre of the yield surface on the pressure axis and its half axis along the von Mises stress, for a
-    /// yield stress in uniaxial compression.
+    /// yield stress in uniaxial compression. Equation (6.14).
     fn axes(&self, uniaxial: f64) -> [f64; 2] {
         let FoamSurface { alpha2, half, drawn, .. } = *self;
         match self.law.growth {
@@ -106,7 +106,7 @@ impl FoamSurface<'_> {
     }
 
     /// Returns the state for a ratio `share` of the von Mises stress to that of the trial, and its yield function:
-    /// positive outside the surface.
+    /// positive outside the surface. Equations (6.13), (6.15).
     fn at(&self, share: f64, [pressure, mises]: [f64; 2], before: f64, dt: f64) -> (FoamReturn, f64) {
         let FoamSurface { law, beta2, alpha2, half, .. } = *self;
         let [bulk, shear] = law.moduli;

@@ -34,7 +34,7 @@ impl DeformationState {
     }
 
     /// Updates the deformation gradient by (1 + h/2)(1 - h/2)^-1 F with the displacement gradient h in the middle of
-    /// the increment. The update is exact, since the middle configuration is the mean of both ends.
+    /// the increment. The update is exact, since the middle configuration is the mean of both ends. Equation (6.9).
     #[inline(always)]
     fn advance(&mut self, increment: &StrainIncrement) {
         let mut averaged = [[0.0; LANES]; 4];
@@ -86,6 +86,7 @@ impl Material for NeoHooke {
         2.0 / self.d1
     }
 
+    /// Equation (6.10).
     #[inline(always)]
     fn update(
         &self,
@@ -145,7 +146,7 @@ impl<E: StrainEnergy> Material for HyperelasticMaterial<E> {
     }
 
     /// Computes the stress from the left Cauchy-Green tensor B. The principal directions are those of B: two in the (r,
-    /// z) plane and the hoop direction.
+    /// z) plane and the hoop direction. Equation (6.12).
     #[inline(always)]
     fn update(
         &self,

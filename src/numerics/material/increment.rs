@@ -96,7 +96,7 @@ impl StressUpdate {
         *self = StressUpdate { returned: [1.0; LANES], tension_excess, ..StressUpdate::default() };
     }
 
-    /// Computes the factor that returns the deviator to the yield surface from [`StressUpdate::flow`].
+    /// Computes the factor that returns the deviator to the yield surface from [`StressUpdate::flow`]. Equation (6.3).
     #[inline(always)]
     pub(super) fn return_to_yield_surface(&mut self, strain: &StrainIncrement) {
         let shear3 = 3.0 * strain.moduli.shear;

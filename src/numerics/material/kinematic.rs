@@ -36,7 +36,7 @@ impl HardeningLaw for KinematicHardening {
     }
 
     /// Computes the plastic increment by radial return: the trial stress relative to the back stress minus (3 G + C) dp
-    /// equals the yield stress.
+    /// equals the yield stress. Equation (6.8).
     #[inline(always)]
     fn flow(&self, state: &mut BackStress, flow: &mut FlowUpdate<'_>) {
         let per = 1.0 / (flow.shear3 + self.slope);
@@ -54,7 +54,7 @@ impl HardeningLaw for KinematicHardening {
     }
 
     /// Adds the increment of the back stress, along the plastic strain increment. The plastic strain increment is 3/2
-    /// dp times the direction of the relative stress.
+    /// dp times the direction of the relative stress. Equation (6.8).
     #[inline(always)]
     fn update_back_stress(
         &self,

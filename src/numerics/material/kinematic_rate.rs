@@ -68,7 +68,7 @@ impl HardeningLaw for RateKinematicHardening {
 
     /// Adds the increment of the back stress, along the plastic strain increment. The plastic strain increment is 3/2
     /// dp times the direction of the relative stress. The work against the back stress also heats the material: this is
-    /// the part of the new stress; the previous stress includes its back stress.
+    /// the part of the new stress; the previous stress includes its back stress. Equation (6.8).
     fn update_back_stress(
         &self,
         state: &mut RateBackStress,

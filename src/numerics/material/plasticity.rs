@@ -140,7 +140,7 @@ impl HardeningLaw for PiecewiseLinearHardening {
     }
 
     /// Computes the plastic increment by radial return: the trial stress minus 3 G dp equals the minimum of the lines
-    /// at p + dp, so dp is the maximum over the lines.
+    /// at p + dp, so dp is the maximum over the lines. Equation (6.4).
     #[inline(always)]
     fn flow(&self, strain: &mut Lanes, flow: &mut FlowUpdate<'_>) {
         let (initial, mut increment, mut sum) = (*strain, [0.0; LANES], *strain);

@@ -71,6 +71,7 @@ impl PolynomialEnergy {
 }
 
 impl StrainEnergy for PolynomialEnergy {
+    /// Equation (6.11).
     #[inline(always)]
     fn respond(&self, squares: &[Lanes; 3]) -> PrincipalResponse {
         let (mut inverse, mut i1, mut i2) = ([[0.0; LANES]; 3], [0.0; LANES], [0.0; LANES]);
@@ -106,6 +107,7 @@ pub struct OgdenEnergy {
 }
 
 impl StrainEnergy for OgdenEnergy {
+    /// Equation (6.11).
     #[inline(always)]
     fn respond(&self, squares: &[Lanes; 3]) -> PrincipalResponse {
         let logarithms = [ln(&squares[0]), ln(&squares[1]), ln(&squares[2])];

@@ -334,6 +334,7 @@ fn limited_fraction(excess: f64, growth: f64) -> f64 {
 impl StressUpdate {
     /// Returns the work per volume of the tension while it is limited, which is dissipated, from the mean stress of the
     /// equation of state and its limit. The specific energy, which has the work of the unlimited tension, is corrected.
+    /// Equation (6.19).
     #[inline(always)]
     fn limit_tension(&mut self, strain: &StrainIncrement, l: usize, (mean, limit): (f64, f64)) -> f64 {
         let dilation: f64 = (0..3).map(|i| strain.strain[i][l]).sum();
@@ -344,7 +345,7 @@ impl StressUpdate {
 
     /// Sets the deviator to 2 η times the rate of the deviatoric strain (Newtonian fluid; ABAQUS Analysis User's Guide
     /// 25.2.1, "Viscous shear behavior"), with the strain rate of the increment. The work of the deviator is viscous
-    /// dissipation instead of internal energy.
+    /// dissipation instead of internal energy. Equation (7.9).
     #[inline(always)]
     fn set_viscous_deviator(&mut self, strain: &StrainIncrement) {
         let twice = 2.0 * strain.viscosity / strain.dt;

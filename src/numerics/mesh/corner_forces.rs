@@ -36,9 +36,9 @@ impl Clone for CornerForces {
 impl CornerForces {
     /// Creates zero forces for a number of blocks.
     pub fn new(blocks: usize) -> Self {
-        let most = LINE / size_of::<f64>();
-        let mut list = vec![0.0; blocks * BLOCK + most];
-        let start = list.as_ptr().align_offset(LINE).min(most);
+        let per_line = LINE / size_of::<f64>();
+        let mut list = vec![0.0; blocks * BLOCK + per_line];
+        let start = list.as_ptr().align_offset(LINE).min(per_line);
         list.truncate(start + blocks * BLOCK);
         CornerForces { list, start }
     }

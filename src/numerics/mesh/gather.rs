@@ -60,9 +60,9 @@ impl NodalAssembly {
         let empty = CornerForces::index(blocks, 0, 0) as u32;
         let mut part = NodalAssembly { slots: vec![[empty; SLOTS]; nodes.len()], more: Vec::new(), empty };
         for (at, (&node, slots)) in nodes.iter().zip(&mut part.slots).enumerate() {
-            let mut own = self.slots(node as usize).map(&map);
-            slots.iter_mut().zip(&mut own).for_each(|(to, slot)| *to = slot);
-            part.more.extend(own.map(|slot| (at as u32, slot)));
+            let mut slots_of_node = self.slots(node as usize).map(&map);
+            slots.iter_mut().zip(&mut slots_of_node).for_each(|(to, slot)| *to = slot);
+            part.more.extend(slots_of_node.map(|slot| (at as u32, slot)));
         }
         part
     }

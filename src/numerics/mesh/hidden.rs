@@ -22,6 +22,16 @@ pub struct InteriorFaces {
     exposed: Vec<u32>,
 }
 
+/// A face that was inside.
+#[derive(Debug, PartialEq)]
+pub struct ExposedFace {
+    /// Index among all faces that are hidden at the start.
+    pub index: usize,
+    pub nodes: [usize; 2],
+    /// Mesh index of its element.
+    pub element: usize,
+}
+
 impl InteriorFaces {
     /// Creates the interior faces from nodes and element indices in any order; duplicates are removed.
     pub fn new(mut list: Vec<([usize; 2], usize)>) -> Self {
@@ -49,10 +59,10 @@ impl InteriorFaces {
         self.exposed.len()
     }
 
-    /// Returns the exposed face with a number in order of exposure: its index, nodes and element.
-    pub fn exposed_face(&self, at: usize) -> (usize, [usize; 2], usize) {
-        let i = self.exposed[at] as usize;
-        (i, self.faces[i], self.elements[i])
+    /// Returns the exposed face with a number in order of exposure.
+    pub fn exposed_face(&self, at: usize) -> ExposedFace {
+        let index = self.exposed[at] as usize;
+        ExposedFace { index, nodes: self.faces[index], element: self.elements[index] }
     }
 
     /// Deletes elements: their own faces will not be exposed, and the opposite faces of elements that remain become
@@ -103,7 +113,7 @@ impl Persist for InteriorFaces {
 
 #[cfg(test)]
 mod tests {
-    use super::InteriorFaces;
+    use super::{ExposedFace, InteriorFaces};
     use crate::kernel::topology::ElementNodes;
 
     /// Two stacked squares with nodes 0 to 5; the face between them has two sides.
@@ -114,7 +124,7 @@ mod tests {
         let mut hidden = both();
         assert_eq!(hidden.len(), 2);
         let came: Vec<_> = hidden.remove_elements(&[upper]).map(|at| hidden.exposed_face(at)).collect();
-        assert_eq!(came, [(1, [3, 2], 7)]);
+        assert_eq!(came, [ExposedFace { index: 1, nodes: [3, 2], element: 7 }]);
         assert_eq!(hidden.remove_elements(&[lower]).len(), 0);
         assert_eq!(both().remove_elements(&[lower, upper]).len(), 0);
     }

@@ -166,8 +166,8 @@ impl DeformableFaces {
         }
         let Some(mut hidden) = self.hidden.take() else { return };
         hidden.remove_elements(deleted).for_each(|at| {
-            let (_, face, element) = hidden.exposed_face(at);
-            self.push(face, element);
+            let face = hidden.exposed_face(at);
+            self.push(face.nodes, face.element);
         });
         self.hidden = Some(hidden);
     }
@@ -212,8 +212,8 @@ impl Persist for DeformableFaces {
             if archive.reads() {
                 self.truncate(first);
                 (0..hidden.exposed_count()).for_each(|at| {
-                    let (_, face, element) = hidden.exposed_face(at);
-                    self.push(face, element);
+                    let face = hidden.exposed_face(at);
+                    self.push(face.nodes, face.element);
                 });
             }
             self.hidden = Some(hidden);

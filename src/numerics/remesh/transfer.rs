@@ -122,7 +122,7 @@ impl<'a> MeshTransfer<'a> {
         self.new.quads.iter().zip(sums).map(corners).collect()
     }
 
-    /// Returns the values per mass of the new elements; those of an element without mass are zero.
+    /// Returns the values per mass of the new elements; those of an element without mass are zero. Equation (18.10).
     pub fn values(&self, values: &[Pack]) -> Vec<Pack> {
         let mut sums = vec![Pack::default(); self.new.quads.len()];
         let mut total = vec![0.0; sums.len()];
@@ -185,7 +185,7 @@ impl<'a> MeshTransfer<'a> {
     }
 
     /// Returns the velocities of the new nodes: those of the old mesh at their places, corrected in each new element so
-    /// that it has the momentum of its parts. Components that are `held` are not corrected.
+    /// that it has the momentum of its parts. Components that are `held` are not corrected. Equation (18.11).
     pub fn velocities(&self, motion: &BodyMotion, masses: &[[f64; 4]], held: &[[bool; 2]]) -> Vec<[f64; 2]> {
         let momentum = self.momentum_of_elements(motion);
         let mut velocities = interpolated(self.old, &motion.velocities, &self.new.points);

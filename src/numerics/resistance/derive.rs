@@ -57,11 +57,11 @@ pub fn derive(target: &ScaledTarget, request: &FitRequest) -> Result<DerivedResi
     let expansion = ExpandingCavity::new(target)?;
     let still = expansion.pressure(0.0)?.stress;
     let step = (to - from) / (request.points - 1) as f64;
-    let at = |i: usize| if i + 1 == request.points { to } else { from + step * i as f64 };
+    let velocity = |i: usize| if i + 1 == request.points { to } else { from + step * i as f64 };
     // The highest velocity first: if it is too high, the error names the limit.
     expansion.pressure(to)?;
     let points: Vec<CavityPressure> =
-        (0..request.points).map(|i| expansion.pressure(at(i))).collect::<Result<_, _>>()?;
+        (0..request.points).map(|i| expansion.pressure(velocity(i))).collect::<Result<_, _>>()?;
     let pairs: Vec<[f64; 2]> = points.iter().map(|p| [p.velocity / target.velocity, p.stress]).collect();
     let pinned = request.pinned.then_some(still);
     let fit = fit::fit(&pairs, FitForm { linear: request.linear, pinned, weight: request.weight })?;

@@ -112,14 +112,14 @@ fn free_fit(points: &[[f64; 2]], form: FitForm, free: [bool; 3]) -> Result<Resis
 
 /// Returns weights with a mean of one.
 fn weights(points: &[[f64; 2]], weight: FitWeight) -> Vec<f64> {
-    let of = |p: &[f64; 2]| match weight {
+    let weight_of = |p: &[f64; 2]| match weight {
         FitWeight::Even => 1.0,
         FitWeight::Relative => 1.0 / (p[1] * p[1]),
         FitWeight::Velocity => p[0],
     };
-    let all: Vec<f64> = points.iter().map(of).collect();
-    let mean = all.iter().sum::<f64>() / all.len() as f64;
-    all.iter().map(|w| w / mean).collect()
+    let raw: Vec<f64> = points.iter().map(weight_of).collect();
+    let mean = raw.iter().sum::<f64>() / raw.len() as f64;
+    raw.iter().map(|w| w / mean).collect()
 }
 
 #[cfg(test)]

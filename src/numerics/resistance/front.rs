@@ -35,10 +35,10 @@ impl ElasticZone {
 
 /// Returns the state at the front for m; `None` if the front is too fast.
 pub fn front(target: &ScaledTarget, m: f64) -> Option<PlasticFront> {
-    let plain = elastic(target, m)?;
-    match target.tension.filter(|tension| -plain.hoop > *tension) {
-        Some(tension) => Some(cracked::front(target, m, tension).unwrap_or(plain.front)),
-        None => Some(plain.front),
+    let elastic_front = elastic(target, m)?;
+    match target.tension.filter(|tension| -elastic_front.hoop > *tension) {
+        Some(tension) => Some(cracked::front(target, m, tension).unwrap_or(elastic_front.front)),
+        None => Some(elastic_front.front),
     }
 }
 
@@ -50,7 +50,7 @@ struct ElasticFront {
 
 /// Evaluates the elastic wave whose Mises stress equals the yield stress at r = c t. Velocity and radial stress are
 /// continuous at the front. The convective acceleration, which the small-strain wave neglects, reduces the stress by rho
-/// v^2/2.
+/// v^2/2. Equations (2.9), (2.14).
 ///
 /// Spherical: u = a0 (s^3/r^2 - 3 s + 2 r), s = c_d t; an incompressible target then has exactly 3/2 rho
 /// V^2. Cylindrical: u = a0 (s sinh T - r T), cosh T = s/r.
@@ -77,7 +77,7 @@ fn elastic(target: &ScaledTarget, m: f64) -> Option<ElasticFront> {
 
 /// Returns the mean in-plane stress of the cylindrical wave divided by the Mises stress. With S = sinh T and C = cosh T =
 /// 1/M, the strains are k (C S - T) along the hoop and -k (C S + T) along the radius, so the ratio is (K + G/3) T / (sqrt(3)
-/// G C S). `inertia` is M^2 K / G.
+/// G C S). `inertia` is M^2 K / G. Equation (2.14).
 fn plane_pressure(inertia: f64, mach: f64) -> f64 {
     let root = (1.0 - mach * mach).sqrt();
     let angle = if mach > 0.0 { libm::log((1.0 + root) / mach) } else { 0.0 };

@@ -27,17 +27,17 @@ pub fn integrate<const N: usize>(
     target: &ScaledTarget,
     mut y: [f64; N],
 ) -> Result<[f64; N], ResistanceError> {
-    let mut at = from;
+    let mut start = from;
     for next in target.kinks([from, to]).chain([to]) {
         // Rounding must not move q across a kink.
-        let smooth = |log_q: f64, y: &[f64; N]| slope(libm::exp(log_q).clamp(at, next.next_down()), y);
-        y = integrate_smooth(&smooth, [libm::log(at), libm::log(next)], y).ok_or_else(|| {
-            let [from, to] = [at, next].map(|q| q / target.young);
+        let smooth = |log_q: f64, y: &[f64; N]| slope(libm::exp(log_q).clamp(start, next.next_down()), y);
+        y = integrate_smooth(&smooth, [libm::log(start), libm::log(next)], y).ok_or_else(|| {
+            let [from, to] = [start, next].map(|q| q / target.young);
             ResistanceError::Lost(format!(
                 "the step size becomes too small between the strains {from:.3e} and {to:.3e}"
             ))
         })?;
-        at = next;
+        start = next;
     }
     Ok(y)
 }
@@ -111,12 +111,12 @@ fn midpoint_rule<const N: usize>(
         y.iter_mut().zip(slope).for_each(|(y, slope)| *y += length * slope);
         y
     };
-    let (mut before, mut here) = (*y, ahead(y, length, first));
+    let (mut previous, mut current) = (*y, ahead(y, length, first));
     for part in 1..parts {
-        let next = ahead(&before, 2.0 * length, &slope(x + part as f64 * length, &here));
-        (before, here) = (here, next);
+        let next = ahead(&previous, 2.0 * length, &slope(x + part as f64 * length, &current));
+        (previous, current) = (current, next);
     }
-    here
+    current
 }
 
 #[cfg(test)]

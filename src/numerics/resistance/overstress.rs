@@ -9,7 +9,7 @@ use super::target::ScaledTarget;
 /// Returns the increase of the pressure, divided by Y, due to the strain rates around a cavity that opens at
 /// `velocity`. The motion is that of an incompressible target, v = V (a/r)^g (Warren and Forrestal 1998, Int. J. Solids
 /// Struct. 35, 3737). With x = (a/r)^(g + 1) the strain rate is f (g + 1) V x / a, and the pressure increases by f times
-/// the integral of the yield stress increase over ln x, from the wall to the front at x = Y / (f E).
+/// the integral of the yield stress increase over ln x, from the wall to the front at x = Y / (f E). Equation (2.10).
 pub fn gain(target: &ScaledTarget, rate: &StrainRateEffect, velocity: f64) -> Result<f64, ResistanceError> {
     if velocity == 0.0 {
         return Ok(0.0);

@@ -46,12 +46,12 @@ impl StrainRateEffect {
             StrainRateFactor::Power { reference, exponent } => [reference, exponent],
             StrainRateFactor::JohnsonCook { c, reference } => [reference, c],
         };
-        let good = numbers.iter().chain([&self.radius]).all(|v| *v > 0.0 && v.is_finite());
+        let are_positive = numbers.iter().chain([&self.radius]).all(|v| *v > 0.0 && v.is_finite());
         let wrong = || {
             ResistanceError::Target(
                 "the constants of strain-rate dependence and the cavity radius must be above zero".into(),
             )
         };
-        good.then_some(()).ok_or_else(wrong)
+        are_positive.then_some(()).ok_or_else(wrong)
     }
 }

@@ -156,6 +156,7 @@ struct PlasticState {
 }
 
 impl PlasticZone<'_> {
+    /// Equation (2.7).
     fn state(&self, q: f64, [log_x, stress]: [f64; 2]) -> PlasticState {
         let target = self.target;
         let [flow, slope] = target.flow(q);
@@ -185,22 +186,22 @@ impl PlasticZone<'_> {
         self.pressure_factor() + self.target.shape.deviator() * at.hardening * k - at.density * self.m * at.square * k
     }
 
-    /// Returns the slopes of ln x and s over ln q; NaN where there is no solution.
+    /// Returns the slopes of ln x and s over ln q; NaN where there is no solution. Equations (2.6), (2.12).
     fn slope(&self, q: f64, y: [f64; 2]) -> [f64; 2] {
-        let at = self.state(q, y);
-        let stiffness = self.stiffness(&at);
-        let inertia = at.density * self.m * at.square;
+        let state = self.state(q, y);
+        let stiffness = self.stiffness(&state);
+        let inertia = state.density * self.m * state.square;
         let (hoops, divergence) = (self.target.shape.hoops(), self.target.shape.divergence());
-        let softens = -divergence * at.shear * at.velocity_ratio;
-        let load = softens - hoops * inertia * at.opens + divergence * at.hardening * at.opens;
+        let softens = -divergence * state.shear * state.velocity_ratio;
+        let load = softens - hoops * inertia * state.opens + divergence * state.hardening * state.opens;
         let pressure = load / stiffness;
-        let denser = at.density * self.target.compressibility * pressure;
-        let strained = denser - (hoops + 1.0) * at.opens;
-        let stress = softens + inertia * (denser - hoops * at.opens);
-        if !(stiffness > 0.0 && at.density > 0.0 && strained < 0.0) {
+        let denser = state.density * self.target.compressibility * pressure;
+        let strained = denser - (hoops + 1.0) * state.opens;
+        let stress = softens + inertia * (denser - hoops * state.opens);
+        if !(stiffness > 0.0 && state.density > 0.0 && strained < 0.0) {
             return [f64::NAN; 2];
         }
-        let per_strain = at.straining / strained;
-        [at.velocity_ratio * per_strain, stress * per_strain]
+        let per_strain = state.straining / strained;
+        [state.velocity_ratio * per_strain, stress * per_strain]
     }
 }

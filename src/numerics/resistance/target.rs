@@ -182,7 +182,8 @@ impl ScaledTarget {
         self.shear_strain_of(q, self.flow(q))
     }
 
-    /// Returns the same as [`shear_strain`](Self::shear_strain) for a known result of [`ScaledTarget::flow`].
+    /// Returns the same as [`shear_strain`](Self::shear_strain) for a known result of [`ScaledTarget::flow`]. Equations
+    /// (2.8), (2.13).
     pub fn shear_strain_of(&self, q: f64, [stress, slope]: [f64; 2]) -> [f64; 2] {
         let scale = 1.0 / (self.shape.deviator() * self.young);
         [scale * (q - self.lateral * stress), scale * (1.0 - self.lateral * slope)]

@@ -278,58 +278,106 @@ pub trait UserEvents: Send {
 /// Largest number of material points of one call.
 pub const MAX_MATERIAL_BLOCK: usize = 136;
 
-/// Arguments of a user material for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.17 "VUMAT"). Arrays
-/// hold all points of one component, then of the next; symmetric tensors have the components rr, zz, hoop, rz (tensor
-/// shear). Stresses, strain increments and stretches are in axes that rotate by R of the polar decomposition F = R U of
-/// the deformation gradient (Green-Naghdi rate), so tensors among the state variables need no rotation. F is in global
-/// axes.
-#[derive(Debug)]
-pub struct MaterialCall<'a> {
-    /// Name of the material, upper case (`cmname`).
-    pub name: &'a str,
-    /// Time, step and increment at the end of the increment. In the first call, with small fictitious strains from
-    /// which the elastic moduli are determined, step and total time are 0.
-    pub now: Instant,
-    /// Length of the increment.
-    pub dt: f64,
-    /// Points (`nblock`).
-    pub count: usize,
-    /// Number of the integration points in their elements, from 1 (entry 2 of `jblock`).
-    pub integration_point: usize,
-    /// State variables of a point (`nstatev`).
-    pub variables: usize,
-    /// Constants of the material (`props`).
-    pub properties: &'a [f64],
-    /// `coordMp`: r, z, then NaN in place of a third coordinate.
-    pub coordinates: &'a [f64],
-    /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
-    pub length: &'a [f64],
-    /// Mass per volume at the middle of the increment.
-    pub density: &'a [f64],
-    /// Strain increments (`strainInc`).
-    pub strain: &'a [f64],
-    /// `relSpinInc`: spin increment (zr) relative to the rotation of the axes.
-    pub spin: &'a [f64],
-    /// Element numbers of the user.
-    pub elements: &'a [i32],
-    /// Temperatures at the start and at the end of the increment (`tempOld`, `tempNew`).
-    pub temperature: [&'a [f64]; 2],
-    /// Field variables (`nfieldv`).
-    pub fields: usize,
-    /// Field variables at the start and at the end of the increment (`fieldOld`, `fieldNew`).
-    pub field: [&'a [f64]; 2],
-    /// Stretch tensors at the start and at the end of the increment (`stretchOld`, `stretchNew`).
-    pub stretch: [&'a [f64]; 2],
-    /// `defgradOld` and `defgradNew`, in global axes: rr, zz, hoop, rz, zr.
-    pub gradient: [&'a [f64]; 2],
-    /// Stresses at the start of the increment (`stressOld`).
-    pub stress: &'a [f64],
-    /// State variables at the start of the increment (`stateOld`).
-    pub state: &'a [f64],
-    /// `enerInternOld`, energy per mass.
-    pub internal: &'a [f64],
-    /// `enerInelasOld`, energy per mass.
-    pub inelastic: &'a [f64],
+/// Declares the arguments of subroutines for a block of material points: what all of them have, and their own fields.
+macro_rules! point_calls {
+    ($($(#[$about:meta])* $call:ident { $($(#[$doc:meta])* $field:ident: $type:ty,)* })*) => {$(
+        $(#[$about])*
+        pub struct $call<'a> {
+            /// Name of the material, upper case (`cmname`).
+            pub name: &'a str,
+            /// Time, step and increment at the end of the increment. In the first call of VUMAT, with small fictitious
+            /// strains from which the elastic moduli are determined, step and total time are 0.
+            pub now: Instant,
+            /// Length of the increment; 0 for lengths when the analysis begins.
+            pub dt: f64,
+            /// Points (`nblock`).
+            pub count: usize,
+            /// Number of the integration points in their elements, from 1 (`kIntPt`; entry 2 of `jblock` of VUMAT).
+            pub integration_point: usize,
+            /// State variables of a point (`nstatev`).
+            pub variables: usize,
+            /// Field variables (`nfieldv`).
+            pub fields: usize,
+            /// Constants (`props`).
+            pub properties: &'a [f64],
+            /// Element numbers of the user (`jElem`; at the end of `jblock` of VUMAT).
+            pub elements: &'a [i32],
+            /// State variables at the start of the increment (`stateOld`).
+            pub state: &'a [f64],
+            $($(#[$doc])* pub $field: $type,)*
+        }
+    )*};
+}
+
+point_calls! {
+    /// Arguments of a user material for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.17 "VUMAT"). Arrays
+    /// hold all points of one component, then of the next; symmetric tensors have the components rr, zz, hoop, rz (tensor
+    /// shear). Stresses, strain increments and stretches are in axes that rotate by R of the polar decomposition F = R U of
+    /// the deformation gradient (Green-Naghdi rate), so tensors among the state variables need no rotation. F is in global
+    /// axes.
+    #[derive(Debug)]
+    MaterialCall {
+        /// `coordMp`: r, z, then NaN in place of a third coordinate.
+        coordinates: &'a [f64],
+        /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
+        length: &'a [f64],
+        /// Mass per volume at the middle of the increment.
+        density: &'a [f64],
+        /// Strain increments (`strainInc`).
+        strain: &'a [f64],
+        /// `relSpinInc`: spin increment (zr) relative to the rotation of the axes.
+        spin: &'a [f64],
+        /// Temperatures at the start and at the end of the increment (`tempOld`, `tempNew`).
+        temperature: [&'a [f64]; 2],
+        /// Field variables at the start and at the end of the increment (`fieldOld`, `fieldNew`).
+        field: [&'a [f64]; 2],
+        /// Stretch tensors at the start and at the end of the increment (`stretchOld`, `stretchNew`).
+        stretch: [&'a [f64]; 2],
+        /// `defgradOld` and `defgradNew`, in global axes: rr, zz, hoop, rz, zr.
+        gradient: [&'a [f64]; 2],
+        /// Stresses at the start of the increment (`stressOld`).
+        stress: &'a [f64],
+        /// `enerInternOld`, energy per mass.
+        internal: &'a [f64],
+        /// `enerInelasOld`, energy per mass.
+        inelastic: &'a [f64],
+    }
+
+    /// Arguments of a user hardening for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.15 "VUHARD").
+    #[derive(Debug)]
+    HardeningCall {
+        /// `tempOld` and `tempNew`: both at the beginning of the increment, as for built-in laws.
+        temperature: [&'a [f64]; 2],
+        /// Field variables at the start and at the end of the increment (`fieldOld`, `fieldNew`).
+        field: [&'a [f64]; 2],
+        /// Trial equivalent plastic strain (`eqps`).
+        strain: &'a [f64],
+        /// Trial equivalent plastic strain rate, 1/time (`eqpsRate`).
+        rate: &'a [f64],
+    }
+
+    /// Arguments of user-defined fields for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.20 "VUSDFLD").
+    FieldCall {
+        /// `coordMp`: r, z, then NaN in place of a third coordinate.
+        coordinates: &'a [f64],
+        /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
+        length: &'a [f64],
+        /// Values of the points (`vgetvrm`).
+        values: &'a dyn PointValues,
+    }
+
+    /// Arguments of user characteristic lengths for a block of points (ABAQUS 2016 User Subroutines Reference, 1.2.11
+    /// "VUCHARLENGTH").
+    LengthCall {
+        /// Nodes of an element (`nnode`): 3, 4, or 6 for CAX6M; a triangle among quadrilaterals has its last node twice.
+        corners: usize,
+        /// `coordMp`: r, and then z, of each point.
+        coordinates: &'a [f64],
+        /// `coordNode`: r of the first node of each element, then of the second, and so on; then z.
+        nodes: &'a [f64],
+        /// Field variables (`field`).
+        field: &'a [f64],
+    }
 }
 
 /// Result of a user material. On entry, stresses are NaN, state variables and energies the previous ones.
@@ -353,39 +401,6 @@ pub trait UserMaterial: Send {
     /// # Errors
     /// Any failure; the run halts.
     fn stress(&mut self, call: &MaterialCall<'_>, answer: &mut MaterialAnswer<'_>) -> Result<(), LoadFailure>;
-}
-
-/// Arguments of a user hardening for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.15 "VUHARD").
-#[derive(Debug)]
-pub struct HardeningCall<'a> {
-    /// Name of the material, upper case (`cmname`).
-    pub name: &'a str,
-    /// Clock, step and increment at the end of the increment.
-    pub now: Instant,
-    /// Length of the increment.
-    pub dt: f64,
-    /// Points (`nblock`).
-    pub count: usize,
-    /// Number of the integration points in their elements, from 1 (`kIntPt`).
-    pub integration_point: usize,
-    /// State variables of a point (`nstatev`).
-    pub variables: usize,
-    /// Field variables (`nfieldv`).
-    pub fields: usize,
-    /// Constants of the hardening (`props`).
-    pub properties: &'a [f64],
-    /// Element numbers of the user (`jElem`).
-    pub elements: &'a [i32],
-    /// `tempOld` and `tempNew`: both at the beginning of the increment, as for built-in laws.
-    pub temperature: [&'a [f64]; 2],
-    /// Field variables at the start and at the end of the increment (`fieldOld`, `fieldNew`).
-    pub field: [&'a [f64]; 2],
-    /// State variables at the start of the increment (`stateOld`).
-    pub state: &'a [f64],
-    /// Trial equivalent plastic strain (`eqps`).
-    pub strain: &'a [f64],
-    /// Trial equivalent plastic strain rate, 1/time (`eqpsRate`).
-    pub rate: &'a [f64],
 }
 
 /// Result of a user hardening. On entry, yield stresses are NaN, slopes zero, state variables the previous ones.
@@ -419,36 +434,6 @@ pub trait PointValues {
     fn give(&self, variable: &str, to: &mut dyn FnMut(usize, usize, f64)) -> Option<usize>;
 }
 
-/// Arguments of user-defined fields for a block of points (ABAQUS 6.14 User Subroutines Reference, 1.2.20 "VUSDFLD").
-pub struct FieldCall<'a> {
-    /// Name of the material, upper case (`cmname`).
-    pub name: &'a str,
-    /// Clock, step and increment at the end of the increment that begins.
-    pub now: Instant,
-    /// Length of the increment.
-    pub dt: f64,
-    /// Points (`nblock`).
-    pub count: usize,
-    /// Number of the integration points in their elements, from 1 (`kIntPt`).
-    pub integration_point: usize,
-    /// State variables of a point (`nstatev`).
-    pub variables: usize,
-    /// Field variables (`nfieldv`).
-    pub fields: usize,
-    /// Constants (`props`).
-    pub properties: &'a [f64],
-    /// Element numbers of the user (`jElem`).
-    pub elements: &'a [i32],
-    /// `coordMp`: r, z, then NaN in place of a third coordinate.
-    pub coordinates: &'a [f64],
-    /// `charLength`: square root of the element's area in the (r, z) plane, or the value of VUCHARLENGTH; length.
-    pub length: &'a [f64],
-    /// State variables at the start of the increment (`stateOld`).
-    pub state: &'a [f64],
-    /// Values of the points (`vgetvrm`).
-    pub values: &'a dyn PointValues,
-}
-
 /// Result of user-defined fields; on entry the previous values.
 #[derive(Debug)]
 pub struct FieldAnswer<'a> {
@@ -465,39 +450,6 @@ pub trait UserFields: Send {
     /// # Errors
     /// Any failure; the run halts.
     fn fields(&mut self, call: &FieldCall<'_>, answer: &mut FieldAnswer<'_>) -> Result<(), LoadFailure>;
-}
-
-/// Arguments of user characteristic lengths for a block of points (ABAQUS 2016 User Subroutines Reference, 1.2.11
-/// "VUCHARLENGTH").
-pub struct LengthCall<'a> {
-    /// Name of the material, upper case (`cmname`).
-    pub name: &'a str,
-    /// Clock, step and increment.
-    pub now: Instant,
-    /// Length of the increment; 0 when the analysis begins.
-    pub dt: f64,
-    /// Points (`nblock`).
-    pub count: usize,
-    /// Number of the integration points in their elements, from 1 (`kIntPt`).
-    pub integration_point: usize,
-    /// State variables of a point (`nstatev`).
-    pub variables: usize,
-    /// Field variables (`nfieldv`).
-    pub fields: usize,
-    /// Nodes of an element (`nnode`): 3, 4, or 6 for CAX6M; a triangle among quadrilaterals has its last node twice.
-    pub corners: usize,
-    /// Constants (`props`).
-    pub properties: &'a [f64],
-    /// Element numbers of the user (`jElem`).
-    pub elements: &'a [i32],
-    /// `coordMp`: r, and then z, of each point.
-    pub coordinates: &'a [f64],
-    /// `coordNode`: r of the first node of each element, then of the second, and so on; then z.
-    pub nodes: &'a [f64],
-    /// Field variables (`field`).
-    pub field: &'a [f64],
-    /// State variables at the start of the increment (`stateOld`).
-    pub state: &'a [f64],
 }
 
 /// User characteristic lengths (`*CHARACTERISTIC LENGTH, DEFINITION=USER`).
@@ -594,7 +546,7 @@ macro_rules! routines {
 
         /// The user subroutines of a job; each at most once, as in ABAQUS.
         #[derive(Clone, Default)]
-                pub struct Routines {
+        pub struct Routines {
             $($(#[$doc])* pub $field: Option<SharedRoutine<dyn $routine>>,)*
             /// Material laws in Rust, by the upper-case name of their material.
             pub laws: Vec<(String, Arc<dyn MaterialLaw>)>,

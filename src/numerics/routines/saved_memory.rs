@@ -36,9 +36,9 @@ impl SavedMemory {
 impl Persist for SavedMemory {
     fn persist(&mut self, archive: &mut StateArchive<'_>) {
         let SavedMemory { memory, lost } = self;
-        let mut there = memory.is_some();
-        persist_fields!(archive; lost, &mut there);
-        if there {
+        let mut is_saved = memory.is_some();
+        persist_fields!(archive; lost, &mut is_saved);
+        if is_saved {
             archive.blob(memory.get_or_insert_default());
         } else {
             *memory = None;

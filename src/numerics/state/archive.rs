@@ -66,9 +66,9 @@ impl<'a> StateArchive<'a> {
 
     /// Writes a name, or checks that it was written here, so that errors can be located.
     pub fn mark(&mut self, name: &str) {
-        let mut found = name.to_owned();
-        found.persist(self);
-        if found != name {
+        let mut read = name.to_owned();
+        read.persist(self);
+        if read != name {
             self.reject(|| format!("the data of `{name}` are missing"));
         }
     }
@@ -143,23 +143,23 @@ impl<'a> StateArchive<'a> {
 
     /// Writes or checks the length of a list whose length the plan determines.
     fn fixed_length(&mut self, length: usize) -> bool {
-        let mut found = length;
-        found.persist(self);
-        if found != length {
-            self.reject(|| format!("a list has {found} entries, the deck requires {length}"));
+        let mut read = length;
+        read.persist(self);
+        if read != length {
+            self.reject(|| format!("a list has {read} entries, the deck requires {length}"));
         }
-        found == length
+        read == length
     }
 
     /// Writes or reads the length of a list whose length varies during the run.
     fn free_length(&mut self, length: usize) -> usize {
-        let mut found = length;
-        found.persist(self);
-        if self.reads() && found > self.remaining() {
-            self.reject(|| format!("a list of {found} entries exceeds the remaining data"));
+        let mut read = length;
+        read.persist(self);
+        if self.reads() && read > self.remaining() {
+            self.reject(|| format!("a list of {read} entries exceeds the remaining data"));
             return 0;
         }
-        found
+        read
     }
 }
 
@@ -279,9 +279,9 @@ impl<T: Persist + Default + Clone> Persist for Vec<T> {
 
 impl<T: Persist + Default> Persist for Option<T> {
     fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let mut there = self.is_some();
-        there.persist(archive);
-        match (there, self.is_some()) {
+        let mut is_present = self.is_some();
+        is_present.persist(archive);
+        match (is_present, self.is_some()) {
             (true, false) => *self = Some(T::default()),
             (false, true) => *self = None,
             _ => {}

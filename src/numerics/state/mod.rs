@@ -151,7 +151,7 @@ impl BodyState {
         rests
     }
 
-    /// Computes the velocity at the current instant, `dt` after the previous one.
+    /// Computes the velocity at the current instant, `dt` after the previous one. Equation (4.3).
     #[inline]
     pub fn complete_velocity(&mut self, dt: f64) {
         self.velocity = self.velocity_half + 0.5 * dt * self.acceleration;
@@ -161,7 +161,7 @@ impl BodyState {
         }
     }
 
-    /// Advances velocity and displacement over an increment `dt` by central differences.
+    /// Advances velocity and displacement over an increment `dt` by central differences. Equation (4.1).
     #[inline]
     pub fn advance(&mut self, dt: f64) {
         self.before.displacement = self.displacement;
@@ -230,7 +230,7 @@ impl BodyState {
     }
 
     /// Returns the work of a generalised force over the previous increment, given its values at the start and the end;
-    /// after an increment that ended in a jump, the value at the start is used.
+    /// after an increment that ended in a jump, the value at the start is used. Equation (14.3).
     #[inline]
     pub fn work(&self, coordinate: u32, [before, now]: [f64; 2], jump: bool) -> f64 {
         if let Some(spatial) = &self.spatial {

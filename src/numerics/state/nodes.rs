@@ -126,7 +126,7 @@ impl Nodes {
     }
 
     /// Returns the velocity of a node at `part` times the previous increment after its middle; 0.5 is the current
-    /// instant.
+    /// instant. Equation (4.4).
     pub fn velocity_after(&self, node: usize, part: f64) -> [f64; 2] {
         let (n, a, time) = (&self.list[node], self.acceleration[node], part * self.previous_dt);
         [n.v_r + time * a[0], n.v_z + time * a[1]]

@@ -178,7 +178,7 @@ impl RigidBody3d {
         self.shown = RigidMotion { velocity: times(factor, motion.velocity), turning: times(factor, motion.turning) };
     }
 
-    /// Computes velocity and angular momentum at the current instant, `dt` after the previous one.
+    /// Computes velocity and angular momentum at the current instant, `dt` after the previous one. Equation (13.3).
     pub fn complete_velocity(&mut self, dt: f64) {
         let [velocity, momentum] = self.half;
         self.velocity = plus(velocity, 0.5 * dt / self.mass, self.total.force);
@@ -190,7 +190,8 @@ impl RigidBody3d {
         Pose { centre: self.centre, attitude: self.attitude, moving: [self.velocity, self.momentum] }
     }
 
-    /// Advances over an increment `dt`: half-step velocities from the current forces, then torque-free motion.
+    /// Advances over an increment `dt`: half-step velocities from the current forces, then torque-free motion. Equation
+    /// (13.3).
     pub fn advance(&mut self, dt: f64) {
         (self.energy_before, self.contact) = (self.kinetic(), Default::default());
         self.previous = self.pose();
@@ -363,9 +364,9 @@ impl RigidBody3d {
         total.add(&self.contact.0);
         let difference = 1.0 / self.inertia.axial - 1.0 / self.inertia.transverse;
         let moving = cross(turning, axis);
-        let own = self.inertia.angular_velocity(axis, total.moment);
+        let of_moment = self.inertia.angular_velocity(axis, total.moment);
         let carried = dot(self.momentum, moving);
-        let angular = plus(plus(own, difference * carried, axis), difference * dot(self.momentum, axis), moving);
+        let angular = plus(plus(of_moment, difference * carried, axis), difference * dot(self.momentum, axis), moving);
         [total.force.inline_map(|f| f / self.mass), angular]
     }
 
@@ -405,14 +406,14 @@ mod tests {
         let momentum = inertia.momentum(attitude.axis(), turning);
         let body =
             RigidBody3d { mass: 2.0, inertia, attitude, momentum, velocity: [1.0, 2.0, 3.0], ..RigidBody3d::default() };
-        let place = [0.7, -0.3];
+        let point = [0.7, -0.3];
         let dt = 1e-6;
         let mut later = body.clone();
         later.centre = plus(later.centre, dt, later.velocity);
         later.attitude = inertia.free_motion(attitude, momentum, dt);
-        let expected = plus(later.place(place, 0.8), -1.0, body.place(place, 0.8)).map(|x| x / dt);
-        assert!(norm(plus(body.velocity_at(body.arm(place, 0.8)), -1.0, expected)) < 1e-5);
-        let change = plus(later.velocity_at(later.arm(place, 0.8)), -1.0, body.velocity_at(body.arm(place, 0.8)));
-        assert!(norm(plus(body.acceleration_at(body.arm(place, 0.8)), -1.0 / dt, change)) < 1e-4);
+        let expected = plus(later.place(point, 0.8), -1.0, body.place(point, 0.8)).map(|x| x / dt);
+        assert!(norm(plus(body.velocity_at(body.arm(point, 0.8)), -1.0, expected)) < 1e-5);
+        let change = plus(later.velocity_at(later.arm(point, 0.8)), -1.0, body.velocity_at(body.arm(point, 0.8)));
+        assert!(norm(plus(body.acceleration_at(body.arm(point, 0.8)), -1.0 / dt, change)) < 1e-4);
     }
 }

@@ -131,30 +131,30 @@ variables! {
     Reaction: node("RF", &["RF1", "RF2"], "Reaction force of prescribed motions; of a rigid body at its reference node")
         .preselected(PreselectRule::Deformable).dimension(FORCE),
     Coordinate: node("COORD", &["COOR1", "COOR2"], "Current coordinates, which frames have as their points").dimension(LENGTH),
-    NodalTemperature: node("NT", &["NT11"], "Nodal temperature, if it is solved for").with_conduction().dimension(TEMPERATURE),
-    ReactionFlux: node("RFL", &["RFL11"], "Reaction heat rate of prescribed temperatures, positive into the body").with_conduction().dimension(POWER),
+    NodalTemperature: node("NT", &["NT11"], "Nodal temperature, if it is solved for").with(PreselectRule::HeatConduction).dimension(TEMPERATURE),
+    ReactionFlux: node("RFL", &["RFL11"], "Reaction heat rate of prescribed temperatures, positive into the body").with(PreselectRule::HeatConduction).dimension(POWER),
     Rotation: node("UR", &["UR3"], "Rotation of nodes of shells in the r-z plane, counter-clockwise, radians")
         .preselected(PreselectRule::Always),
     RotationalVelocity: node("VR", &["VR3"], "Rotational velocity of nodes of shells").dimension(PER_TIME),
     RotationalAcceleration: node("AR", &["AR3"], "Rotational acceleration of nodes of shells").dimension([0, 0, -2, 0]),
     ReactionMoment: node("RM", &["RM3"], "Reaction moment of prescribed rotations of shells").dimension(ENERGY),
-    ContactPressure: node("CPRESS", &[], "Contact pressure at the nodes of one surface of a pair").with_contact().dimension(STRESS),
-    ContactShear: node("CSHEAR", &["CSHEAR1"], "Frictional shear stress at these nodes, positive to the left of the outward normal").with_contact().dimension(STRESS),
-    ContactOpening: node("COPEN", &[], "Contact opening at these nodes, negative for an overlap, if a surface is near").with_contact().dimension(LENGTH),
-    ContactSlip: node("CSLIP", &["CSLIP1"], "Accumulated slip at these nodes while in contact").with_contact().dimension(LENGTH),
-    SurfaceDamage: node("CSDMG", &[], "Damage of cohesive surfaces at these nodes, 0 to 1").with_cohesion(),
-    LargestTractionInitiation: node("CSMAXSCRT", &[], "Maximum nominal stress criterion of cohesive surfaces").with_cohesion(),
-    QuadraticTractionInitiation: node("CSQUADSCRT", &[], "Quadratic nominal stress criterion of cohesive surfaces").with_cohesion(),
-    LargestSeparationInitiation: node("CSMAXUCRT", &[], "Maximum separation criterion of cohesive surfaces").with_cohesion(),
-    QuadraticSeparationInitiation: node("CSQUADUCRT", &[], "Quadratic separation criterion of cohesive surfaces").with_cohesion(),
-    ThirdDisplacement: node("U3", &[], "Displacement along 3 of bodies with six degrees of freedom").with_six_dofs().dimension(LENGTH),
-    ThirdVelocity: node("V3", &[], "Velocity along 3 of bodies with six degrees of freedom").with_six_dofs().dimension(VELOCITY),
-    ThirdAcceleration: node("A3", &[], "Acceleration along 3 of bodies with six degrees of freedom").with_six_dofs().dimension(ACCELERATION),
-    OutwardRotation: node("UROUT", &["UR1", "UR2"], "Rotation about 1 and 2 of bodies with six degrees of freedom: with UR3 the rotation vector, radians").with_six_dofs(),
-    OutwardRotationalVelocity: node("VROUT", &["VR1", "VR2"], "Rotational velocity about 1 and 2 of bodies with six degrees of freedom").with_six_dofs().dimension(PER_TIME),
-    OutwardRotationalAcceleration: node("AROUT", &["AR1", "AR2"], "Rotational acceleration about 1 and 2 of bodies with six degrees of freedom").with_six_dofs().dimension([0, 0, -2, 0]),
-    Yaw: node("YAW", &[], "Angle between the axis of a body with six degrees of freedom and its velocity, degrees, 0 to 90").with_six_dofs(),
-    Tilt: node("TILT", &[], "Angle between the axis of a body with six degrees of freedom and direction 2, degrees").with_six_dofs(),
+    ContactPressure: node("CPRESS", &[], "Contact pressure at the nodes of one surface of a pair").with(PreselectRule::SurfaceContact).dimension(STRESS),
+    ContactShear: node("CSHEAR", &["CSHEAR1"], "Frictional shear stress at these nodes, positive to the left of the outward normal").with(PreselectRule::SurfaceContact).dimension(STRESS),
+    ContactOpening: node("COPEN", &[], "Contact opening at these nodes, negative for an overlap, if a surface is near").with(PreselectRule::SurfaceContact).dimension(LENGTH),
+    ContactSlip: node("CSLIP", &["CSLIP1"], "Accumulated slip at these nodes while in contact").with(PreselectRule::SurfaceContact).dimension(LENGTH),
+    SurfaceDamage: node("CSDMG", &[], "Damage of cohesive surfaces at these nodes, 0 to 1").with(PreselectRule::CohesiveContact),
+    LargestTractionInitiation: node("CSMAXSCRT", &[], "Maximum nominal stress criterion of cohesive surfaces").with(PreselectRule::CohesiveContact),
+    QuadraticTractionInitiation: node("CSQUADSCRT", &[], "Quadratic nominal stress criterion of cohesive surfaces").with(PreselectRule::CohesiveContact),
+    LargestSeparationInitiation: node("CSMAXUCRT", &[], "Maximum separation criterion of cohesive surfaces").with(PreselectRule::CohesiveContact),
+    QuadraticSeparationInitiation: node("CSQUADUCRT", &[], "Quadratic separation criterion of cohesive surfaces").with(PreselectRule::CohesiveContact),
+    ThirdDisplacement: node("U3", &[], "Displacement along 3 of bodies with six degrees of freedom").preselected(PreselectRule::SixDofBody).as_extension().dimension(LENGTH),
+    ThirdVelocity: node("V3", &[], "Velocity along 3 of bodies with six degrees of freedom").preselected(PreselectRule::SixDofBody).as_extension().dimension(VELOCITY),
+    ThirdAcceleration: node("A3", &[], "Acceleration along 3 of bodies with six degrees of freedom").preselected(PreselectRule::SixDofBody).as_extension().dimension(ACCELERATION),
+    OutwardRotation: node("UROUT", &["UR1", "UR2"], "Rotation about 1 and 2 of bodies with six degrees of freedom: with UR3 the rotation vector, radians").preselected(PreselectRule::SixDofBody).as_extension(),
+    OutwardRotationalVelocity: node("VROUT", &["VR1", "VR2"], "Rotational velocity about 1 and 2 of bodies with six degrees of freedom").preselected(PreselectRule::SixDofBody).as_extension().dimension(PER_TIME),
+    OutwardRotationalAcceleration: node("AROUT", &["AR1", "AR2"], "Rotational acceleration about 1 and 2 of bodies with six degrees of freedom").preselected(PreselectRule::SixDofBody).as_extension().dimension([0, 0, -2, 0]),
+    Yaw: node("YAW", &[], "Angle between the axis of a body with six degrees of freedom and its velocity, degrees, 0 to 90").preselected(PreselectRule::SixDofBody).as_extension(),
+    Tilt: node("TILT", &[], "Angle between the axis of a body with six degrees of freedom and direction 2, degrees").preselected(PreselectRule::SixDofBody).as_extension(),
     Stress: point("S", &["S11", "S22", "S33", "S12"], "Stress: radial, axial, hoop, shear; of shells at the middle section point: meridian, hoop; of cohesive elements: S22 normal, S12 shear traction").preselected(PreselectRule::Deformable).dimension(STRESS),
     Mises: point("MISES", &[], "Mises equivalent stress").preselected(PreselectRule::Deformable)
         .by(|e, _| Some(stress::mises(tensor(e, Variable::Stress)?))).dimension(STRESS),
@@ -167,7 +167,7 @@ variables! {
         .by(|e, _| Some(stress::triaxiality(tensor(e, Variable::Stress)?))),
     PlasticStrain: point("PEEQ", &[], "Equivalent plastic strain").preselected(PreselectRule::Deformable),
     Temperature: point("TEMP", &[], "Temperature, if the material computes it").dimension(TEMPERATURE),
-    HeatFlux: point("HFL", &["HFL1", "HFL2"], "Heat flux along r and z, if temperatures are solved for").with_conduction().dimension([0, 1, -3, 0]),
+    HeatFlux: point("HFL", &["HFL1", "HFL2"], "Heat flux along r and z, if temperatures are solved for").with(PreselectRule::HeatConduction).dimension([0, 1, -3, 0]),
     LogarithmicStrain: point("LE", &["LE11", "LE22", "LE33", "LE12"], "Logarithmic strain; LE12 is the engineering shear")
         .preselected(PreselectRule::Deformable).followed(None),
     PrincipalStrain: point("LEP", &["LEP1", "LEP2", "LEP3"], "Principal logarithmic strains, ascending").followed(None)
@@ -259,33 +259,33 @@ variables! {
     InternalEnergy: energy("ALLIE", "Internal energy: ALLSE + ALLPD + ALLAE + ALLDMD").deformable_only(),
     AllStrainEnergy: energy("ALLSE", "Recoverable strain energy").deformable_only(),
     AllPlasticEnergy: energy("ALLPD", "Energy dissipated by plastic flow").deformable_only(),
-    AllDamageEnergy: energy("ALLDMD", "Elastic energy lost by damage and failure of materials").with_damage(),
+    AllDamageEnergy: energy("ALLDMD", "Elastic energy lost by damage and failure of materials").with(PreselectRule::Damage),
     ViscousEnergy: energy("ALLVD", "Energy dissipated by bulk viscosity, dashpots and damping").deformable_only(),
     ArtificialEnergy: energy("ALLAE", "Artificial strain energy of hourglass control").deformable_only(),
     ConstraintWork: energy("ALLCW", "Constraint work: energy lost in contact").deformable_only(),
-    PenaltyWork: energy("ALLPW", "Energy stored and lost by penalty springs of contact").with_penalty_contact(),
-    MassScalingWork: energy("ALLMW", "Work done in propelling mass added by mass scaling").with_mass_scaling(),
+    PenaltyWork: energy("ALLPW", "Energy stored and lost by penalty springs of contact").with(PreselectRule::PenaltyContact),
+    MassScalingWork: energy("ALLMW", "Work done in propelling mass added by mass scaling").with(PreselectRule::MassScaling),
     DistortionEnergy: energy("ALLDC", "Energy dissipated by distortion control").deformable_only(),
-    AdvectionEnergy: energy("ALLADV", "Kinetic energy lost in the transport through adaptive meshes").with_adaptive_mesh().as_extension(),
-    FlowKineticEnergy: energy("ALLFKE", "Kinetic energy that has entered through Eulerian boundaries of adaptive meshes less that which has left").with_flow().as_extension(),
-    MassIn: energy("MASSIN", "Mass that has entered through Eulerian boundaries").with_flow().as_extension().dimension(MASS),
-    MassOut: energy("MASSOUT", "Mass that has left through Eulerian boundaries").with_flow().as_extension().dimension(MASS),
-    FlowMomentum: energy("MOMFLOW", "Momentum along z that has entered through Eulerian boundaries less that which has left").with_flow().as_extension().dimension([1, 1, -1, 0]),
-    ExternalHeat: energy("ALLHF", "External heat through fluxes, films, prescribed temperatures and Eulerian boundaries").with_conduction(),
-    InternalHeat: energy("ALLIHE", "Internal heat energy: ALLHF plus the heat generated by plastic work and friction").with_conduction(),
-    RemovedMass: energy("EROMASS", "Mass of deleted elements").with_deletion().dimension(MASS),
-    RemovedEnergy: energy("EROIE", "Internal energy of deleted elements, part of ALLIE").with_deletion(),
-    PointMass: energy("EROPMASS", "Mass of nodes whose elements are all deleted; they remain as point masses").with_deletion().dimension(MASS),
-    PointKineticEnergy: energy("EROPKE", "Kinetic energy of the point masses, part of ALLKE").with_deletion(),
-    PointMomentum: energy("EROPMOM", "Momentum of the point masses along z").with_deletion().dimension([1, 1, -1, 0]),
+    AdvectionEnergy: energy("ALLADV", "Kinetic energy lost in the transport through adaptive meshes").with(PreselectRule::AdaptiveMesh).as_extension(),
+    FlowKineticEnergy: energy("ALLFKE", "Kinetic energy that has entered through Eulerian boundaries of adaptive meshes less that which has left").with(PreselectRule::EulerianBoundary).as_extension(),
+    MassIn: energy("MASSIN", "Mass that has entered through Eulerian boundaries").with(PreselectRule::EulerianBoundary).as_extension().dimension(MASS),
+    MassOut: energy("MASSOUT", "Mass that has left through Eulerian boundaries").with(PreselectRule::EulerianBoundary).as_extension().dimension(MASS),
+    FlowMomentum: energy("MOMFLOW", "Momentum along z that has entered through Eulerian boundaries less that which has left").with(PreselectRule::EulerianBoundary).as_extension().dimension([1, 1, -1, 0]),
+    ExternalHeat: energy("ALLHF", "External heat through fluxes, films, prescribed temperatures and Eulerian boundaries").with(PreselectRule::HeatConduction),
+    InternalHeat: energy("ALLIHE", "Internal heat energy: ALLHF plus the heat generated by plastic work and friction").with(PreselectRule::HeatConduction),
+    RemovedMass: energy("EROMASS", "Mass of deleted elements").with(PreselectRule::ElementDeletion).as_extension().dimension(MASS),
+    RemovedEnergy: energy("EROIE", "Internal energy of deleted elements, part of ALLIE").with(PreselectRule::ElementDeletion).as_extension(),
+    PointMass: energy("EROPMASS", "Mass of nodes whose elements are all deleted; they remain as point masses").with(PreselectRule::ElementDeletion).as_extension().dimension(MASS),
+    PointKineticEnergy: energy("EROPKE", "Kinetic energy of the point masses, part of ALLKE").with(PreselectRule::ElementDeletion).as_extension(),
+    PointMomentum: energy("EROPMOM", "Momentum of the point masses along z").with(PreselectRule::ElementDeletion).as_extension().dimension([1, 1, -1, 0]),
     TotalEnergy: energy("ETOTAL", "Energy balance, constant: ALLKE + ALLIE + ALLVD + ALLFD + ALLCW + ALLPW + ALLDC + ALLADV + ALLCAV - ALLWK - ALLMW - ALLFKE"),
     TimeIncrement: VariableRow { place: VariablePlace::Increment, ..energy("DT", "Time increment") }.dimension(TIME),
     MeshChanges: VariableRow { place: VariablePlace::Increment, ..energy("NADAPT", "Number of changes of adaptive meshes") }
-        .with_adaptive_mesh().as_extension().dimension([0; 4]),
+        .with(PreselectRule::AdaptiveMesh).as_extension().dimension([0; 4]),
     SmallestAngle: VariableRow { place: VariablePlace::Increment, ..energy("ADANGLE", "Smallest angle of elements in adaptive meshes, degrees") }
-        .with_adaptive_mesh().as_extension().dimension([0; 4]),
+        .with(PreselectRule::AdaptiveMesh).as_extension().dimension([0; 4]),
     AddedMass: VariableRow { place: VariablePlace::Increment, ..energy("DMASS", "Mass added by mass scaling, percent of the original mass of the deformable bodies") }
-        .with_mass_scaling().dimension([0; 4]),
+        .with(PreselectRule::MassScaling).dimension([0; 4]),
 }
 
 const fn node(name: &'static str, labels: &'static [&'static str], words: &'static str) -> VariableRow {
@@ -339,6 +339,11 @@ impl VariableRow {
         VariableRow { preselected, ..self }
     }
 
+    /// Marks a variable of deformable bodies that is preselected under a condition.
+    const fn with(self, preselected: PreselectRule) -> VariableRow {
+        VariableRow { preselected, deforming: true, ..self }
+    }
+
     const fn by(self, formula: VariableFormula) -> VariableRow {
         VariableRow { formula: Some(formula), ..self }
     }
@@ -357,49 +362,6 @@ impl VariableRow {
 
     const fn as_extension(self) -> VariableRow {
         VariableRow { extension: true, ..self }
-    }
-
-    const fn with_conduction(self) -> VariableRow {
-        VariableRow { preselected: PreselectRule::HeatConduction, deforming: true, ..self }
-    }
-
-    const fn with_deletion(self) -> VariableRow {
-        VariableRow { preselected: PreselectRule::ElementDeletion, deforming: true, extension: true, ..self }
-    }
-
-    const fn with_penalty_contact(self) -> VariableRow {
-        VariableRow { preselected: PreselectRule::PenaltyContact, deforming: true, ..self }
-    }
-
-    const fn with_mass_scaling(self) -> VariableRow {
-        VariableRow { preselected: PreselectRule::MassScaling, deforming: true, ..self }
-    }
-
-    const fn with_adaptive_mesh(self) -> VariableRow {
-        VariableRow { preselected: PreselectRule::AdaptiveMesh, deforming: true, ..self }
-    }
-
-    const fn with_flow(self) -> VariableRow {
-        VariableRow { preselected: PreselectRule::EulerianBoundary, deforming: true, ..self }
-    }
-
-    const fn with_damage(self) -> VariableRow {
-        VariableRow { preselected: PreselectRule::Damage, deforming: true, ..self }
-    }
-
-    /// Marks a variable of rigid bodies with six degrees of freedom.
-    const fn with_six_dofs(self) -> VariableRow {
-        VariableRow { preselected: PreselectRule::SixDofBody, extension: true, ..self }
-    }
-
-    /// Marks a variable that is preselected in models with contact of surfaces.
-    const fn with_contact(self) -> VariableRow {
-        VariableRow { preselected: PreselectRule::SurfaceContact, deforming: true, ..self }
-    }
-
-    /// Marks a variable of cohesive surfaces.
-    const fn with_cohesion(self) -> VariableRow {
-        VariableRow { preselected: PreselectRule::CohesiveContact, deforming: true, ..self }
     }
 
     const fn deformable_only(self) -> VariableRow {

@@ -36,7 +36,7 @@ impl VariableRequest {
     /// Returns the request at a section point; `None` for a component that is zero there. Variables without section
     /// points are unchanged.
     pub fn at(self, point: SectionPoint) -> Option<VariableRequest> {
-        let there = |variable| {
+        let at_point = |variable| {
             Some(match (variable, point) {
                 (_, SectionPoint::Middle) => return None,
                 (Variable::Stress, SectionPoint::Bottom) => Variable::BottomStress,
@@ -53,8 +53,8 @@ impl VariableRequest {
             })
         };
         match self {
-            VariableRequest::Whole(variable) => Some(there(variable).map_or(self, VariableRequest::Whole)),
-            VariableRequest::One(part) => match there(part.variable) {
+            VariableRequest::Whole(variable) => Some(at_point(variable).map_or(self, VariableRequest::Whole)),
+            VariableRequest::One(part) => match at_point(part.variable) {
                 None => Some(self),
                 Some(variable) => {
                     let count = variable.row().labels.len().max(1);
@@ -378,14 +378,14 @@ impl VariableComponent {
     /// Returns the component, scalar or numbered variable with this upper-case label.
     pub fn parse(label: &str) -> Option<VariableComponent> {
         let numbered = || {
-            let of = |v: &Variable| {
+            let component_of = |v: &Variable| {
                 let number: usize = label.strip_prefix(v.name())?.parse().ok()?;
                 Some(VariableComponent { variable: *v, component: number.checked_sub(1)? })
             };
-            Variable::ALL.iter().filter(|v| v.row().numbered).find_map(of)
+            Variable::ALL.iter().filter(|v| v.row().numbered).find_map(component_of)
         };
-        let plain = Variable::ALL.iter().filter(|v| !v.row().numbered);
-        plain.flat_map(|v| v.parts()).find(|p| p.label() == label).or_else(numbered)
+        let unnumbered = Variable::ALL.iter().filter(|v| !v.row().numbered);
+        unnumbered.flat_map(|v| v.parts()).find(|p| p.label() == label).or_else(numbered)
     }
 }
 
@@ -399,8 +399,8 @@ pub fn help(word: &str, places: &[VariablePlace]) -> String {
             if labels.is_empty() { "no components".into() } else { format!("the components {}", labels.join(", ")) };
         return format!("{stem} has {what}");
     }
-    let there: Vec<_> = Variable::ALL.iter().filter(|v| places.contains(&v.place())).map(|v| v.name()).collect();
-    let list = format!("available variables: {}", there.join(", "));
+    let available: Vec<_> = Variable::ALL.iter().filter(|v| places.contains(&v.place())).map(|v| v.name()).collect();
+    let list = format!("available variables: {}", available.join(", "));
     match nearest_name(word) {
         Some(near) => format!("did you mean {near}? {}{}", list[..1].to_uppercase(), &list[1..]),
         None => list,
@@ -461,11 +461,11 @@ mod tests {
         let vectors =
             Variable::ALL.iter().filter(|v| v.parts().count() > 1 || v.row().numbered).map(|v| v.name().into());
         let known = NOT_SIMULATED.iter().map(|k| k.name.into());
-        let mut all: Vec<String> =
+        let mut names: Vec<String> =
             labels.chain(vectors).chain(known).chain(FAMILIES.iter().map(|f| f.name.into())).collect();
-        let count = all.len();
-        all.sort();
-        all.dedup();
-        assert_eq!(all.len(), count);
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), count);
     }
 }

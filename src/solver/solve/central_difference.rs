@@ -42,7 +42,7 @@ struct NodePass<'a> {
 
 impl NodePass<'_> {
     /// Computes accelerations of nodes from index `first` on and returns their kinetic energy. Forces of a few nodes
-    /// are gathered first, so that the arithmetic can be vectorised.
+    /// are gathered first, so that the arithmetic can be vectorised. Equation (14.2).
     #[inline(always)]
     fn accelerate(&self, first: usize, accelerations: &mut [[f64; 2]]) -> f64 {
         let mut parts = [0.0; 4];
@@ -83,14 +83,15 @@ impl NodePass<'_> {
 }
 
 /// Corrects the work of forces in the first increment: the trapezoidal rule overestimates it by f a dt^2/8 (reason:
-/// [`LastIncrement::new`](crate::load::LastIncrement::new)).
+/// [`LastIncrement::new`](crate::load::LastIncrement::new)). Equation (14.4).
 fn correct_first_work(dofs: &mut Dofs, dt: f64) {
     let forces = dofs.nodes.forces[0].iter().zip(&dofs.nodes.acceleration);
     let power: f64 = forces.map(|(f, a)| f[0] * a[0] + f[1] * a[1]).sum();
     dofs.energies.external -= 0.125 * dt * dt * power;
 }
 
-/// Advances nodes over an increment. The first increment starts central differences with a half step.
+/// Advances nodes over an increment. The first increment starts central differences with a half step. Equations (4.1),
+/// (4.2).
 pub(super) fn advance_nodes(elements: &Elements, dofs: &mut Dofs, dt: f64) {
     if dofs.nodes.previous_dt == 0.0 {
         correct_first_work(dofs, dt);

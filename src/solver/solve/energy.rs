@@ -111,7 +111,7 @@ pub struct EnergyTerms {
 
 impl EnergyTerms {
     /// Returns the amounts by which a term is below zero, and above the energy put in. Elements that release energy have
-    /// internal energies below zero; the transport in adaptive meshes should lose none.
+    /// internal energies below zero; the transport in adaptive meshes should lose none. Equation (14.6).
     #[inline(always)]
     pub fn excess(&self, term: usize) -> [f64; 2] {
         let value = self.values[term];
@@ -424,7 +424,7 @@ impl EnergyBalance {
         }
     }
 
-    /// Returns the energies at this instant.
+    /// Returns the energies at this instant. Equation (14.1).
     pub fn energy(&self) -> Energy {
         let mut energy = Energy { kinetic: self.kinetic, ..self.previous_steps };
         self.entries.iter().for_each(|entry| entry.add_to(&mut energy));

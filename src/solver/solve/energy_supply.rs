@@ -89,7 +89,8 @@ impl EnergySupply {
         }
     }
 
-    /// Adds what bodies and loads have put in, and the energy that deformable bodies can release at this time.
+    /// Adds what bodies and loads have put in, and the energy that deformable bodies can release at this time. Equation
+    /// (14.5).
     pub fn take_with_elements(&mut self, given: f64, energies: &EnergyTotals, total_time: f64) {
         let passed = self.available.partition_point(|entry| entry[0] <= total_time);
         let available = self.available[..passed].last().map_or(0.0, |entry| entry[1]);

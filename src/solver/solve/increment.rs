@@ -250,7 +250,7 @@ impl IncrementController {
     }
 
     /// Returns the increment from error control: velocity and acceleration may change only by a small fraction. The
-    /// previous increment is 0 if central differences of bodies start again.
+    /// previous increment is 0 if central differences of bodies start again. Equation (4.5).
     fn automatic(&mut self, bodies: &[BodyState], previous_dt: f64) -> f64 {
         let grown = GROWTH * self.free;
         self.free = if grown < self.largest { grown } else { self.largest };

@@ -7,7 +7,7 @@
 use crate::state::archive::Persist;
 use crate::state::nodes::Nodes;
 
-/// Returns the change κ a of the velocity that conserves energy, for the velocity before the release.
+/// Returns the change κ a of the velocity that conserves energy, for the velocity before the release. Equation (14.7).
 fn velocity_change(velocity: f64, acceleration: f64, dt: f64) -> f64 {
     let (change, twice) = (dt * acceleration.abs(), 2.0 * velocity.abs());
     let root = (twice * twice + change * change).sqrt();

@@ -22,7 +22,7 @@ const RESAMPLED: usize = 1000;
 struct IndexSums(Vec<f64>);
 
 /// Computes the indices from rows f(A), f(B), f(A with input 1 of B), f(A with input 2 of B), …; rows with values that
-/// are not finite are ignored. `None` if the variance is zero or there are fewer than two rows.
+/// are not finite are ignored. `None` if the variance is zero or there are fewer than two rows. Equation (15.8).
 ///
 /// First order by Saltelli et al. (Comput. Phys. Commun. 181 (2010) 259, equation (b) of table 2), total by Jansen
 /// (Comput. Phys. Commun. 117 (1999) 35). Confidence intervals: percentile bootstrap over rows.

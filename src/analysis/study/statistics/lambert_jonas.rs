@@ -17,7 +17,7 @@ pub struct LambertJonasFit {
     pub converged: bool,
 }
 
-/// Returns the residual velocity at a striking velocity for a, p and the limit velocity.
+/// Returns the residual velocity at a striking velocity for a, p and the limit velocity. Equation (15.7).
 pub fn residual([a, p, limit]: [f64; 3], velocity: f64) -> f64 {
     if velocity <= limit { 0.0 } else { a * velocity * libm::pow(1.0 - libm::pow(limit / velocity, p), 1.0 / p) }
 }

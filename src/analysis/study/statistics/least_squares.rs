@@ -46,7 +46,7 @@ impl ParameterFit {
 
     /// Returns the parameters with confidence intervals by Student's t and the covariance of the linearised model
     /// (Seber and Wild, Nonlinear Regression, section 5.1); intervals are infinite if the residuals do not determine
-    /// the parameters.
+    /// the parameters. Equation (15.6).
     pub fn estimates(&self) -> Vec<IntervalEstimate> {
         let size = self.values.len();
         let error = |i: usize| match &self.covariance {

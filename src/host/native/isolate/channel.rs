@@ -33,16 +33,16 @@ impl RoutineChannel {
             return Err(io::Error::other("this process already has other threads"));
         }
         let memory = SharedMemory::new()?;
-        let (here, there) = UnixStream::pair()?;
+        let (run_end, routine_end) = UnixStream::pair()?;
         io::stdout().flush()?;
         // SAFETY: this process has one thread, so its copy is complete.
         let (run, process) = unsafe { (libc::getpid(), libc::fork()) };
         match process {
             0 => {
-                drop(here);
-                child::live(memory, there, run, open)
+                drop(run_end);
+                child::live(memory, routine_end, run, open)
             }
-            1.. => Ok(RoutineChannel { memory, stream: Mutex::new(here), process, ended: Mutex::new(None) }),
+            1.. => Ok(RoutineChannel { memory, stream: Mutex::new(run_end), process, ended: Mutex::new(None) }),
             _ => Err(io::Error::last_os_error()),
         }
     }

@@ -88,9 +88,9 @@ fn answer_request(stream: &mut UnixStream, routines: &Routines) -> Option<()> {
         }
         KEEP => send(stream, 0, &mut (memory.save(), host::take_messages())),
         TAKE_UP => {
-            let mut kept = SavedMemory::default();
-            kept.persist(&mut StateArchive::reader(&bytes));
-            send(stream, 0, &mut memory.restore(&kept).err().map(|why| why.reason))
+            let mut saved = SavedMemory::default();
+            saved.persist(&mut StateArchive::reader(&bytes));
+            send(stream, 0, &mut memory.restore(&saved).err().map(|why| why.reason))
         }
         _ => {
             memory.end();

@@ -34,10 +34,10 @@ impl RoutineClient {
         let memory = &self.channel.memory;
         memory.with(|exchange| {
             exchange.purpose = purpose as u32;
-            let mut to = exchange.call.write();
-            write(&mut to);
-            answer.iter().for_each(|list| to.list(list));
-            to.end()
+            let mut writer = exchange.call.write();
+            write(&mut writer);
+            answer.iter().for_each(|list| writer.list(list));
+            writer.end()
         })?;
         if self.channel.turn().is_none() {
             return Err(LoadFailure::new(format!("{} {}", purpose.routine(), self.channel.failure_reason())));

@@ -85,8 +85,8 @@ impl MessageWriter<'_> {
         // SAFETY: plain values have no padding bytes.
         let from = unsafe { values.align_to::<u8>() }.1;
         let words = from.len().div_ceil(size_of::<f64>());
-        let place = self.message.data.get_mut(self.at..self.at + words);
-        let (Some(place), Some(length)) = (place, self.message.lengths.get_mut(self.list)) else {
+        let target = self.message.data.get_mut(self.at..self.at + words);
+        let (Some(target), Some(length)) = (target, self.message.lengths.get_mut(self.list)) else {
             self.full = true;
             return;
         };
@@ -94,15 +94,15 @@ impl MessageWriter<'_> {
             *length = from.len() as u32;
         }
         // SAFETY: as above.
-        let to = &mut unsafe { place.align_to_mut::<u8>() }.1[..from.len()];
-        let ((to, last), (from, rest)) = (to.as_chunks_mut::<64>(), from.as_chunks::<64>());
-        for (to, from) in to.iter_mut().zip(from) {
-            if to != from {
-                *to = *from;
+        let target = &mut unsafe { target.align_to_mut::<u8>() }.1[..from.len()];
+        let ((lines, tail), (new_lines, new_tail)) = (target.as_chunks_mut::<64>(), from.as_chunks::<64>());
+        for (line, new_line) in lines.iter_mut().zip(new_lines) {
+            if line != new_line {
+                *line = *new_line;
             }
         }
-        if last != rest {
-            last.copy_from_slice(rest);
+        if tail != new_tail {
+            tail.copy_from_slice(new_tail);
         }
         self.list += 1;
         self.at = next_list_start(self.at, words);
@@ -129,11 +129,11 @@ impl<'t> MessageReader<'t> {
     pub fn list<T: PlainValue>(&mut self) -> &'t [T] {
         let bytes = self.message.lengths.get(self.list).map_or(0, |bytes| *bytes as usize);
         let words = bytes.div_ceil(size_of::<f64>());
-        let place = self.message.data.get(self.at..self.at + words).unwrap_or_default();
+        let words_of_list = self.message.data.get(self.at..self.at + words).unwrap_or_default();
         self.list += 1;
         self.at = next_list_start(self.at, words);
         // SAFETY: every bit pattern is a plain value, and the alignment is at most that of an f64.
-        unsafe { place.align_to::<T>() }.1.get(..bytes / size_of::<T>()).unwrap_or_default()
+        unsafe { words_of_list.align_to::<T>() }.1.get(..bytes / size_of::<T>()).unwrap_or_default()
     }
 
     /// Reads a list into `to`.
@@ -216,32 +216,32 @@ pub struct AnswerLists {
 impl AnswerLists {
     /// Returns the buffers, filled with the lists of a message.
     pub fn take<const N: usize>(&mut self, from: &mut MessageReader<'_>) -> [&mut [f64]; N] {
-        let before: [&[f64]; N] = MessageField::get(from);
+        let previous: [&[f64]; N] = MessageField::get(from);
         self.lengths.clear();
-        self.lengths.extend(before.iter().map(|list| list.len()));
-        let all: usize = self.lengths.iter().map(|length| length + LINE).sum();
-        self.data.resize(self.data.len().max(all), 0.0);
-        let mut rest = &mut self.data[..all];
-        before.map(|before| {
-            let (list, after) = std::mem::take(&mut rest).split_at_mut(before.len());
+        self.lengths.extend(previous.iter().map(|list| list.len()));
+        let size: usize = self.lengths.iter().map(|length| length + LINE).sum();
+        self.data.resize(self.data.len().max(size), 0.0);
+        let mut unused = &mut self.data[..size];
+        previous.map(|previous| {
+            let (list, after) = std::mem::take(&mut unused).split_at_mut(previous.len());
             let (guard, after) = after.split_at_mut(LINE);
-            list.copy_from_slice(before);
+            list.copy_from_slice(previous);
             guard.fill(f64::from_bits(GUARD));
-            rest = after;
+            unused = after;
             list
         })
     }
 
     /// Writes all lists; returns the index of the first list that was exceeded.
     pub fn write(&self, writer: &mut MessageWriter<'_>) -> Option<usize> {
-        let (mut at, mut overrun) = (0, None);
+        let (mut start, mut overrun) = (0, None);
         for (place, length) in self.lengths.iter().enumerate() {
-            let (list, guard) = (&self.data[at..at + length], &self.data[at + length..at + length + LINE]);
+            let (list, guard) = (&self.data[start..start + length], &self.data[start + length..start + length + LINE]);
             if guard.iter().any(|number| number.to_bits() != GUARD) {
                 overrun.get_or_insert(place);
             }
             writer.list(list);
-            at += length + LINE;
+            start += length + LINE;
         }
         overrun
     }
@@ -279,9 +279,9 @@ mod tests {
                 (reader.list::<f64>().len(), <&str>::get(&mut reader), reader.list()),
                 (0, "PLATE", &[1_i32, -2, 3][..])
             );
-            let mut to = [7.0; 4];
-            reader.take(&mut to);
-            assert_eq!((to[0], to[3], u64::get(&mut reader)), (1.0, 7.0, u64::MAX));
+            let mut values = [7.0; 4];
+            reader.take(&mut values);
+            assert_eq!((values[0], values[3], u64::get(&mut reader)), (1.0, 7.0, u64::MAX));
         }
         message.write().list(&numbers);
         message.write().list(&[3.0]);

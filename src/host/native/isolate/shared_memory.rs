@@ -115,11 +115,11 @@ impl SharedMemory {
         let shared = libc::MAP_SHARED | libc::MAP_ANONYMOUS | libc::MAP_NORESERVE;
         let (protection, flags) = (libc::PROT_READ | libc::PROT_WRITE, shared);
         // SAFETY: new memory at an address chosen by the system.
-        let at = unsafe { libc::mmap(std::ptr::null_mut(), size_of::<MemoryLayout>(), protection, flags, -1, 0) };
-        if at == libc::MAP_FAILED {
+        let address = unsafe { libc::mmap(std::ptr::null_mut(), size_of::<MemoryLayout>(), protection, flags, -1, 0) };
+        if address == libc::MAP_FAILED {
             Err(io::Error::last_os_error())
         } else {
-            Ok(SharedMemory(NonNull::new(at.cast()).ok_or(io::ErrorKind::OutOfMemory)?))
+            Ok(SharedMemory(NonNull::new(address.cast()).ok_or(io::ErrorKind::OutOfMemory)?))
         }
     }
 
@@ -186,8 +186,8 @@ fn futex(number: &AtomicU32, operation: i32, value: u32, nanoseconds: Option<i64
     let time = nanoseconds.map(|tv_nsec| libc::timespec { tv_sec: 0, tv_nsec });
     let time = time.as_ref().map_or(std::ptr::null(), std::ptr::from_ref);
     // SAFETY: the number is in memory that both processes have mapped; the time outlives the call.
-    let done = unsafe { libc::syscall(libc::SYS_futex, number.as_ptr(), operation, value, time) };
-    done >= 0 || io::Error::last_os_error().raw_os_error() != Some(libc::ETIMEDOUT)
+    let result = unsafe { libc::syscall(libc::SYS_futex, number.as_ptr(), operation, value, time) };
+    result >= 0 || io::Error::last_os_error().raw_os_error() != Some(libc::ETIMEDOUT)
 }
 
 #[cfg(test)]
@@ -228,10 +228,10 @@ mod tests {
         let memory = SharedMemory::new().expect("memory");
         memory.hand_to(ProcessSide::Routines);
         let mut checks = 0;
-        let there = memory.wait(ProcessSide::Caller, || {
+        let waiting = memory.wait(ProcessSide::Caller, || {
             checks += 1;
             checks < 3
         });
-        assert!(!there && checks == 3);
+        assert!(!waiting && checks == 3);
     }
 }

@@ -96,7 +96,7 @@ impl FacetCurve {
 }
 
 /// Returns the distance at which the gap begins, from the ratio of the gaps of the second and third open point. `at_points`
-/// states whether they are the gaps of points instead of means over hat functions.
+/// states whether they are the gaps of points instead of means over hat functions. Equation (10.16).
 fn distance_of_edge(open: OpenPoints, at_points: bool) -> f64 {
     let [first, near, far, last] = open;
     let law = |[left, middle, right]: [f64; 3], edge: f64| match at_points {
@@ -121,7 +121,7 @@ fn power(x: f64) -> f64 {
     x.max(0.0).sqrt()
 }
 
-/// Returns the mean of `x^(3/2)` over the hat function between positions, up to a constant factor.
+/// Returns the mean of `x^(3/2)` over the hat function between positions, up to a constant factor. Equation (10.17).
 fn mean_over_hat([left, middle, right]: [f64; 3]) -> f64 {
     let [l, m, r] = [left, middle, right].inline_map(|x| x * x * x * power(x));
     ((r - m) / (right - middle) - (m - l) / (middle - left)) / (right - left)

@@ -115,7 +115,7 @@ impl FootVector {
 
     /// Returns the forces on the point and on both ends of the facet, for normal and shear tractions times area. They are
     /// minus the gradient of the energy: as the frame turns with the facet, a couple on its ends balances the moment of
-    /// tractions between distant surfaces.
+    /// tractions between distant surfaces. Equation (17.8).
     pub(super) fn forces(&self, part: f64, [normal, shear]: [f64; 2]) -> [[f64; 2]; 3] {
         let FootVector { normal: n, tangent: t, length, components: [apart, aside] } = *self;
         let couple = (shear * apart - normal * aside) / length;

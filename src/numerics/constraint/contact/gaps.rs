@@ -353,6 +353,7 @@ impl GapIntegrator {
     }
 
     /// Integrates over a piece of the facet with one nearest facet. Returns this facet if the piece is opposite it.
+    /// Equation (10.1).
     fn piece(
         &mut self,
         [from, to]: [f64; 2],

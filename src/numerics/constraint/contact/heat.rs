@@ -153,6 +153,7 @@ impl ContactHeat {
 }
 
 impl HeatExchange for ContactHeat {
+    /// Equation (9.4).
     fn exchange(&self, temperature: &[f64], dt: f64, into: &mut dyn FnMut(usize, f64)) -> f64 {
         let mut friction_heat = 0.0;
         for row in &self.rows {

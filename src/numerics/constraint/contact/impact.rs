@@ -28,7 +28,7 @@ impl ContactConstraint {
     }
 
     /// Limits the next increments by the surfaces that are about to touch after an increment of length `dt`; with 0, by all
-    /// surfaces closer than the thickness of their elements.
+    /// surfaces closer than the thickness of their elements. Equation (10.18).
     pub(super) fn limit_impacts(&mut self, dt: f64) {
         let open = (0..self.pairs.len()).filter(|&at| !self.touched[at]);
         let thinnest = open.fold(f64::INFINITY, |thinnest, at| thinnest.min(SOFT * self.pairs[at].thickness));

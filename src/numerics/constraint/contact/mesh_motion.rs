@@ -42,7 +42,7 @@ impl MeshContinuation {
     }
 
     /// Corrects new places by the smallest displacements of both surfaces that keep the gaps of rows under pressure and
-    /// cause no overlap elsewhere: sweeps over the rows (Kaczmarz 1937).
+    /// cause no overlap elsewhere: sweeps over the rows (Kaczmarz 1937). Equation (18.8).
     fn correct(&mut self, contact: &ContactConstraint, mesh: &mut dyn MeshMotion) {
         self.shifts.fill(0.0);
         self.is_free.fill(false);
@@ -162,7 +162,7 @@ impl MeshContinuation {
 }
 
 /// Replaces stored energies by others in proportion, so that their sum does not change. Energies that are not known yet
-/// remain.
+/// remain. Equation (18.12).
 fn replace_energies(energies: &mut [f64], others: &[f64]) {
     let sum = |list: &[f64]| list.iter().filter(|energy| !energy.is_nan()).sum::<f64>();
     let [before, after] = [sum(energies), sum(others)];

@@ -689,7 +689,7 @@ impl ContactConstraint {
     }
 
     /// Applies the impulses to velocities and positions, and adds their work: the impulse times the mean of the
-    /// velocities before and after it. The work on a prescribed motion is external work.
+    /// velocities before and after it. The work on a prescribed motion is external work. Equations (10.2), (10.6).
     fn apply_impulses(&mut self, dofs: &mut Dofs, dt: f64) {
         let half = self.half;
         let Dofs { bodies, nodes, energies, .. } = dofs;
@@ -957,7 +957,7 @@ impl CornerRow<'_> {
 
 /// Adds the row of a single point: its area is one, its multiplier an impulse. `corner` is `None` for points that are
 /// not corners. The row of a corner acts if it pressed in the previous increment, or if its overlap is larger than
-/// [`CORNER_OVERLAP`].
+/// [`CORNER_OVERLAP`]. Equation (10.10).
 fn add_point_row(
     rows: &mut ContactRows,
     gaps: &mut GapIntegrator,

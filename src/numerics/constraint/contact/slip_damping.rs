@@ -106,7 +106,7 @@ impl SlipDamping {
         }
     }
 
-    /// Updates the slow parts of the pressures; `half` is the time over which the impulses act.
+    /// Updates the slow parts of the pressures; `half` is the time over which the impulses act. Equation (10.5b).
     fn update_pressures(&mut self, rows: &ContactRows, laws: &[InteractionLaw], half: f64) {
         self.next_pressure.fill([f64::NAN; 2]);
         let is_damped = |row: &&ContactRow| !row.is_single_point && laws[row.law as usize].friction.damps();
@@ -123,6 +123,7 @@ impl SlipDamping {
 
     /// Updates the slip rates and pressures after the solution, and computes the impulses of the next increment. The rows
     /// of a pair (`pair_of` a key) have no resultant: a body that slides as a whole decelerates by friction alone.
+    /// Equation (10.5a).
     pub(super) fn update(
         &mut self,
         rows: &ContactRows,

@@ -86,7 +86,7 @@ impl StoredEnergy {
     }
 
     /// Returns the overlap of a soft row that work has been done for. The overlap at the start is given, and its energy
-    /// is added to `initial`.
+    /// is added to `initial`. Equation (10.13).
     fn paid(&mut self, key: usize, law: &PressureOverclosure, [area, overlap]: [f64; 2], initial: &mut f64) -> f64 {
         let closed = overlap > -law.onset_gap();
         let needed = if closed { area * law.energy(overlap) } else { 0.0 };

@@ -100,7 +100,8 @@ impl ContactRow {
         self.bias = if self.closest_point.is_some() { open } else { open.max(0.0) } / span.dt;
     }
 
-    /// Changes the normal impulse to that which the rate of the gap needs. Returns the size of the change.
+    /// Changes the normal impulse to that which the rate of the gap needs. Returns the size of the change. Equation
+    /// (10.3).
     fn press(
         &mut self,
         own: &[GapTerm],
@@ -513,7 +514,7 @@ impl ContactRows {
     }
 
     /// Sets the damping of soft contact, which acts while surfaces overlap at the start of the increment. The mass per
-    /// area is that which a uniform pressure on all rows moves.
+    /// area is that which a uniform pressure on all rows moves. Equation (10.15).
     fn set_dashpots(&mut self, motion: &ContactVelocities, laws: &[InteractionLaw]) {
         let law_of = |row: &ContactRow| &laws[row.law as usize];
         let is_damped = |row: &ContactRow| law_of(row).damping.is_some() && law_of(row).is_soft();
@@ -586,13 +587,13 @@ pub(super) fn closed_overlap(row: &ContactRow, law: &PressureOverclosure, rate: 
 }
 
 /// Returns the pressure of a soft law with its damping, if the gap changes at this rate, and the slope of the law. Surfaces
-/// do not attract each other.
+/// do not attract each other. Equation (10.14).
 pub(super) fn soft_pressure(row: &ContactRow, law: &PressureOverclosure, rate: f64, span: ContactInterval) -> [f64; 2] {
     let [pressure, slope] = law.pressure(closed_overlap(row, law, rate, span));
     [(pressure - row.dashpot * (rate / row.area)).max(0.0), slope]
 }
 
-/// Returns the largest possible impulse along the surface.
+/// Returns the largest possible impulse along the surface. Equation (10.4).
 pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> f64 {
     let most = if row.normal_impulse > 0.0 { row.coefficient * row.limiting_impulse()[0] } else { 0.0 };
     most.min(law.friction.largest * half)

@@ -49,7 +49,7 @@ impl InterfaceBounds {
         InterfaceBounds { springs, sums }
     }
 
-    /// Sets one over the stable time increment of each element for the current masses.
+    /// Sets one over the stable time increment of each element for the current masses. Equation (17.7).
     ///
     /// K = Bᵀ k B has the eigenvalues of √k B M⁻¹ Bᵀ √k; these are at most the largest row sum (Gershgorin). The two
     /// points of an element have their own nodes, so that rows of one axis contain all couplings; along other axes of

@@ -285,7 +285,7 @@ impl ShellLanes {
         }
     }
 
-    /// Returns forces and moments of the stress per length.
+    /// Returns forces and moments of the stress per length. Equation (8.3).
     #[inline(always)]
     fn resultants<S: Simd>(&self, at: PackPosition<S>) -> SectionComponents<Pack<S>> {
         let thickness = at.load(&self.thickness);

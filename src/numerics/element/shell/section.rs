@@ -90,7 +90,7 @@ impl ShellProperties {
     /// Returns force and moment per length of the bulk viscosity, equal in both directions, for the rates of area and
     /// of curvature (sums over both directions) and their slow parts. The force is linear, and also quadratic if the
     /// area shrinks (ABAQUS Theory Guide 2.4.5); the moment is linear only (ABAQUS Theory Guide 3.6.5, "Rotational bulk
-    /// viscosity for explicit dynamics").
+    /// viscosity for explicit dynamics"). Equation (8.8).
     #[inline(always)]
     pub fn viscosity<T: Real>(
         &self,

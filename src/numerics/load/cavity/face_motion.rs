@@ -66,7 +66,8 @@ impl FaceMotion {
 
     /// Returns the largest velocity that resistance can take from the face, as a sum over its nodes; negative if the
     /// face moves away from the resistance. A larger one would reverse the motion or do work on the body: the force of
-    /// an increment acts with the mean of the velocities in the middle of the increments before and after it.
+    /// an increment acts with the mean of the velocities in the middle of the increments before and after it. Equation
+    /// (2.17).
     pub(super) fn velocity_to_rest(&self) -> f64 {
         self.after.min(self.after + self.before)
     }

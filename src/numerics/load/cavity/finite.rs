@@ -41,6 +41,7 @@ pub struct EntryCrater {
 }
 
 impl EntryCrater {
+    /// Equation (3.2).
     fn share(&self, z: f64) -> f64 {
         (self.direction * (z - self.front) / self.depth).clamp(0.0, 1.0)
     }

@@ -44,6 +44,7 @@ fn plates(stack: &LayerStack) -> impl Iterator<Item = Range<usize>> + '_ {
     firsts.map(move |first| first..(first..).find(|&l| !solid(l)).unwrap_or(count))
 }
 
+/// Equation (3.3).
 fn plate_force(
     stack: &LayerStack,
     plate: &Range<usize>,

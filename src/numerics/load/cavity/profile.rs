@@ -45,7 +45,7 @@ impl FacetSums {
     }
 
     /// Returns the magnitudes of the axial normal force and the axial tangential force (for a friction coefficient of
-    /// 1) at speed V.
+    /// 1) at speed V. Equation (2.3).
     #[inline]
     pub(super) fn forces(&self, law: &CavityResistance, speed: f64) -> [f64; 2] {
         let sum = |s: &[f64; 3]| law.c0 * s[0] + speed * (law.c1 * s[1] + speed * (law.c2 * s[2]));

@@ -128,6 +128,7 @@ struct RingHarmonics {
 }
 
 impl RingHarmonics {
+    /// Equation (13.4).
     fn new(ring: &FacetRing, scene: &RingKinematics) -> RingHarmonics {
         let ([n_r, n_z], lever) = (ring.normal, ring.lever);
         let (v, w, up) = (scene.velocity, scene.turning, scene.up);
@@ -237,7 +238,7 @@ impl pulp::NullaryFnOnce for RingForceKernel<'_> {
 }
 
 /// Adds the resistance on a ring that is inside one layer and moves into it along its whole circumference. The means of
-/// p, p cos and p sin over the circle have closed forms.
+/// p, p cos and p sin over the circle have closed forms. Equation (13.5).
 #[inline(always)]
 fn add_closed_form(
     ring: &FacetRing,
@@ -331,7 +332,7 @@ fn above_zero(v: f64) -> f64 {
     if v > 0.0 { v } else { 0.0 }
 }
 
-/// Returns the regularisation factor at a normal velocity of at least zero.
+/// Returns the regularisation factor at a normal velocity of at least zero. Equation (13.6).
 #[inline(always)]
 fn ramp(v: f64, per_onset: f64) -> f64 {
     let share = v * per_onset;

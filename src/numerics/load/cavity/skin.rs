@@ -209,7 +209,7 @@ fn add_forces(nodes: [usize; 2], parts: &FaceForces, sign: f64, forces: &mut [[f
 /// Returns the resistance of a face: the pressure at the normal velocity of its midpoint, weighted by area over the
 /// layers, and friction against the tangential velocity. Both are limited to what stops the face, given the previous
 /// motion of its nodes and the forces of other loads and faces. A face at rest has the pressure that keeps it at rest,
-/// at most that of the law for vanishing velocity.
+/// at most that of the law for vanishing velocity. Equations (2.16), (2.17).
 fn on_face(
     stack: &LayerStack,
     friction: f64,

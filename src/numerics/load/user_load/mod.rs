@@ -112,8 +112,9 @@ impl SubroutineLoad {
 
     /// Appends a face that has become exposed.
     fn add_face(&mut self, at: usize) {
-        let (i, face, element) = self.hidden.exposed_face(at);
-        self.blocks[(self.first_hidden + at) / MAX_BLOCK].add_face((face, element), self.middles[i]);
+        let face = self.hidden.exposed_face(at);
+        let middle = self.middles[face.index];
+        self.blocks[(self.first_hidden + at) / MAX_BLOCK].add_face((face.nodes, face.element), middle);
     }
 
     fn on_nodes(

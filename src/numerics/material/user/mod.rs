@@ -361,7 +361,7 @@ impl UserState {
         self.stretch.iter_mut().zip(stretch).for_each(|(list, value)| list[l] = value);
     }
 
-    /// Returns the deformation gradient of a lane from the corners of its element.
+    /// Returns the deformation gradient of a lane from the corners of its element. Equation (18.9).
     fn gradient_of_corners(&self, l: usize, r: [f64; 4], z: [f64; 4]) -> [f64; 5] {
         let start = self.transported.as_ref().map_or(&self.start[l], |reference| &reference.start[l]);
         let per = 1.0 / start.volume;

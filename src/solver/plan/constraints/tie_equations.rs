@@ -74,7 +74,7 @@ fn nodes_of_rigid_bodies(model: &Model) -> HashSet<usize> {
     of_elements.chain(others).copied().collect()
 }
 
-/// Returns the equations in which each node follows the nearest point of the master surface.
+/// Returns the equations in which each node follows the nearest point of the master surface. Equation (11.7).
 fn node_equations(attached: &[AttachedNode], taken: &HashSet<usize>) -> Vec<TiedNode> {
     let tied = attached.iter().filter(|a| !a.is_shared && !taken.contains(&a.node));
     tied.map(|a| TiedNode { node: a.node, element: a.element, shares: a.shares.clone(), next: None }).collect()

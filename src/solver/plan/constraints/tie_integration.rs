@@ -186,7 +186,7 @@ impl TiedPair<'_> {
         nodes.filter(|n| can_depend(n) && is_attached(n)).collect()
     }
 
-    /// Integrates the products of the weights of dependent nodes and the hat functions of both sides.
+    /// Integrates the products of the weights of dependent nodes and the hat functions of both sides. Equation (11.4).
     fn weights(&self, side: usize, dependent: &HashSet<usize>, points: &[GaussPoint]) -> IndexMap<usize, WeightRow> {
         let mut masses: IndexMap<usize, [f64; 3]> = IndexMap::new();
         for point in points {
@@ -304,7 +304,7 @@ impl WeightRow {
         }
     }
 
-    /// Returns the weights of the nodes that the node follows, without those that are rounding errors.
+    /// Returns the weights of the nodes that the node follows, without those that are rounding errors. Equation (11.6).
     fn shares(&self) -> Vec<(usize, f64)> {
         let terms = || self.terms.iter().filter(|t| t.1.abs() > ROUNDING * self.area);
         let sum: f64 = terms().map(|t| t.1).sum();
@@ -317,7 +317,8 @@ fn hats(s: f64) -> [f64; 2] {
 }
 
 /// Returns the weights of a facet's nodes at a point with the hat functions `hats`. The weights are the dual functions for
-/// the facet's `mass` (integrals of products of hat functions). If one node only has a weight, it is 1.
+/// the facet's `mass` (integrals of products of hat functions). If one node only has a weight, it is 1. Equation
+/// (11.5).
 fn dual([a, b, c]: [f64; 3], has_row: [bool; 2], hats: [f64; 2]) -> [f64; 2] {
     if has_row != [true; 2] {
         return [1.0; 2];

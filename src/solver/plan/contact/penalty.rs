@@ -97,7 +97,7 @@ fn height(element: &Element, points: &[[f64; 2]], length: f64) -> f64 {
 }
 
 /// Returns the laws of springs of each point of a curve. The stiffness is `factor` times 2 / (sum of the compliances of
-/// both surfaces): for two equal bodies and a factor of 1 the stiffness of one layer of elements.
+/// both surfaces): for two equal bodies and a factor of 1 the stiffness of one layer of elements. Equation (10.7).
 pub fn spring_laws(
     input: StepInput,
     contact: &SurfaceContact,
