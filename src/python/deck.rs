@@ -93,7 +93,7 @@ impl Deck {
         let (routines, _) = routines(py, user, load.as_ref())?;
         let prepared = py.detach(|| self.prepare(&settings, &routines));
         let sources = &prepared.deck.sources;
-        let found = serde_json::json!({
+        let summary = serde_json::json!({
             "findings": prepared.diagnostics.findings(sources),
             "text": prepared.diagnostics.render(sources),
             "ledger": prepared.plan.ledger,
@@ -102,7 +102,7 @@ impl Deck {
             "title": prepared.title,
             "columns": prepared.plan.column_names(),
         });
-        Ok(found.to_string())
+        Ok(summary.to_string())
     }
 
     /// Runs the deck in memory, or with result files if `out` is given.
@@ -118,8 +118,8 @@ impl Deck {
         out: Option<PathBuf>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Run> {
-        let (own, exception) = routines(py, user, load.as_ref())?;
-        let prepared = py.detach(|| self.prepared(settings, &own));
+        let (run_routines, exception) = routines(py, user, load.as_ref())?;
+        let prepared = py.detach(|| self.prepared(settings, &run_routines));
         if prepared.diagnostics.has_errors() {
             return Err(errors::refused(py, &prepared.diagnostics, &prepared.deck.sources));
         }

@@ -19,9 +19,9 @@ pub fn refused(py: Python<'_>, found: &Diagnostics, sources: &Sources) -> PyErr 
 
 /// Creates the exception for a single diagnostic.
 pub fn finding(py: Python<'_>, finding: Diagnostic) -> PyErr {
-    let mut found = Diagnostics::default();
-    found.push(finding);
-    refused(py, &found, &Sources::default())
+    let mut diagnostics = Diagnostics::default();
+    diagnostics.push(finding);
+    refused(py, &diagnostics, &Sources::default())
 }
 
 /// Creates the exception for an error of a study or an evaluation.

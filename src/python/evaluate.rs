@@ -40,9 +40,10 @@ impl Evaluator {
         let mut table = Array2::from_elem((count, self.width), f64::NAN);
         let waiting = PythonWait::new(progress);
         let out = table.as_slice_mut().unwrap_or_default();
-        let mut look =
+        let mut report_progress =
             |done: usize| waiting.look(done as f64 / count.max(1) as f64, &format!("{done} of {count} samples"));
-        let failures = py.detach(|| self.evaluator.run(samples, out, threads, &waiting.interrupt, &mut look));
+        let failures =
+            py.detach(|| self.evaluator.run(samples, out, threads, &waiting.interrupt, &mut report_progress));
         waiting.end()?;
         raised(&self.raised)?;
         let failures = failures.map_err(|why| errors::study(py, &why))?;

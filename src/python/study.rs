@@ -30,11 +30,11 @@ type NamedPoints = (String, Vec<f64>, Vec<f64>, bool);
 /// Draws a chart as SVG text.
 #[pyfunction]
 pub fn chart(py: Python<'_>, title: String, x: String, y: String, series: Vec<NamedPoints>) -> PyResult<String> {
-    let of = |(name, x, y, marks): NamedPoints| {
+    let series_of = |(name, x, y, marks): NamedPoints| {
         let points = x.into_iter().zip(y).filter(|p| p.1.is_finite()).collect();
         ChartSeries::new(name, if marks { SeriesForm::Marks } else { SeriesForm::Line }, points)
     };
-    let series = series.into_iter().map(of).collect();
+    let series = series.into_iter().map(series_of).collect();
     Chart::new(&title, [&x, &y], series).svg().map_err(|why| errors::study(py, &why.into()))
 }
 
@@ -97,8 +97,8 @@ pub fn uncertainty(
         };
         uncertainties::run_and_estimate(&request)
     };
-    let found = py.detach(estimate).map_err(|why| errors::study(py, &why))?;
-    Ok(serde_json::json!(found).to_string())
+    let certificate = py.detach(estimate).map_err(|why| errors::study(py, &why))?;
+    Ok(serde_json::json!(certificate).to_string())
 }
 
 /// Finds a ballistic limit and returns its record as JSON.
@@ -141,10 +141,10 @@ impl Deck {
             ));
         }
         let source = |overrides: &job::ParameterOverrides| self.source.read(overrides);
-        let done = std::cell::Cell::new(0_usize);
+        let finished_runs = std::cell::Cell::new(0_usize);
         let count = || {
-            done.set(done.get() + 1);
-            waiting.look((done.get() as f64 / runs as f64).min(1.0), &format!("{} runs", done.get()));
+            finished_runs.set(finished_runs.get() + 1);
+            waiting.look((finished_runs.get() as f64 / runs as f64).min(1.0), &format!("{} runs", finished_runs.get()));
         };
         let compiled = user.map(|user| &*user.compiled);
         let mut bench = StudyRunner::new(&source, &request.settings, compiled, &quantity, request.repeat, &count);

@@ -91,9 +91,9 @@ impl IdentifyCommand {
             .into());
         }
         let routines = self.search.routines()?;
-        let all: Vec<String> = data.names.iter().chain(&names).cloned().collect();
-        let labels = self.search.labels(&all.iter().chain(&data.series).cloned().collect::<Vec<_>>())?;
-        let evaluator = self.search.evaluator(all, data.parsed_quantities()?, &routines)?;
+        let parameters: Vec<String> = data.names.iter().chain(&names).cloned().collect();
+        let labels = self.search.labels(&parameters.iter().chain(&data.series).cloned().collect::<Vec<_>>())?;
+        let evaluator = self.search.evaluator(parameters, data.parsed_quantities()?, &routines)?;
         let (job, _lock) = self.search.job()?;
         let problem = IdentificationProblem::new(evaluator, &data, &unknowns, self.search.threads());
         let fits = problem.fit(self.starts as usize)?;
@@ -121,9 +121,9 @@ impl IdentifyCommand {
             seed: self.seed,
             model_error: self.model_error,
         };
-        let found = posterior(problem, fit, request, &|runs| bar.set_position(runs as u64))?;
+        let posterior = posterior(problem, fit, request, &|runs| bar.set_position(runs as u64))?;
         bar.finish_and_clear();
-        Ok(found)
+        Ok(posterior)
     }
 
     fn unknowns(&self) -> Result<Vec<UnknownParameter>, String> {
@@ -164,9 +164,9 @@ impl IdentifyCommand {
         if self.deviation.len() > measured + self.curve.len()
             || (!self.deviation.is_empty() && self.deviation.len() < measured)
         {
-            let given = self.deviation.len();
+            let deviations = self.deviation.len();
             return Err(format!(
-                "{given} options --deviation for {measured} options --measured and {} options --curve: give one for each",
+                "{deviations} options --deviation for {measured} options --measured and {} options --curve: give one for each",
                 self.curve.len()
             ));
         }
@@ -176,7 +176,7 @@ impl IdentifyCommand {
             let parts = parts.ok_or(format!("--curve {text}: expected COLUMN=EXPR with {{x}} for the abscissa"))?;
             Ok(((parts.0.trim().to_owned(), parts.1.to_owned()), true))
         });
-        let all = scalars.chain(curves).enumerate().map(|(i, request)| {
+        let series = scalars.chain(curves).enumerate().map(|(i, request)| {
             request.map(|((column, quantity), is_curve)| SeriesRequest {
                 column,
                 quantity,
@@ -184,7 +184,7 @@ impl IdentifyCommand {
                 deviation: self.deviation.get(i).cloned(),
             })
         });
-        all.collect()
+        series.collect()
     }
 
     fn lines(&self, results: &IdentificationResults<'_>, job: &JobFiles) -> Vec<String> {

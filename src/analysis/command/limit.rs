@@ -87,29 +87,29 @@ impl LimitCommand {
         let labels = self.search.labels(&limit::AXES.map(str::to_owned))?;
         let evaluator = self.evaluator(&[], routines)?;
         let (job, _lock) = self.search.job()?;
-        let found = limit::find(request, &mut |velocities| {
+        let limit_velocity = limit::find(request, &mut |velocities| {
             limit::fire(request, &evaluator, velocities, &[], self.search.threads())
         })?;
-        let Some(bracket) = found.bracket else { return Err(no_limit(&found).into()) };
+        let Some(bracket) = limit_velocity.bracket else { return Err(no_limit(&limit_velocity).into()) };
         let drawn = match inputs.names.is_empty() {
             true => None,
             false => Some(self.scatter(request, inputs, &self.evaluator(&inputs.names, routines)?)?),
         };
         let scattered = drawn.as_ref().map(|drawn| &drawn.0);
-        let table = |format| table(&found, bracket, scattered, format);
-        let mut object = record(&found, scattered);
-        let mut others = vec![shots_file(None, &[(0.0, &found)])];
+        let table = |format| table(&limit_velocity, bracket, scattered, format);
+        let mut object = record(&limit_velocity, scattered);
+        let mut others = vec![shots_file(None, &[(0.0, &limit_velocity)])];
         if let Some((scattered, shots)) = drawn.as_ref().filter(|_| self.count <= MOST_WRITTEN) {
             object["draws"] = shots.record(scattered);
             others.push(draws_file(shots));
         }
         others.push(search::json_file("limit", &object)?);
-        let mut charts = vec![(String::new(), limit::chart(&job.name, &found, scattered))];
+        let mut charts = vec![(String::new(), limit::chart(&job.name, &limit_velocity, scattered))];
         charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
         write_results(&job, "limit", &table(NumberFormat::Exact), others, &charts, &labels)?;
-        self.search.print(&table(NumberFormat::Rounded), &lines(&found, bracket, scattered, &job));
+        self.search.print(&table(NumberFormat::Rounded), &lines(&limit_velocity, bracket, scattered, &job));
         self.search.print_json(&object)?;
-        let whole = is_decided(&found) && scattered.is_none_or(|s| s.lost == 0);
+        let whole = is_decided(&limit_velocity) && scattered.is_none_or(|s| s.lost == 0);
         Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
     }
 
@@ -130,20 +130,20 @@ impl LimitCommand {
             let fire = &mut |velocities: &[f64]| limit::fire(request, &evaluator, velocities, &[value], threads);
             Ok((value, limit::find(request, fire)?))
         };
-        let found = values.into_iter().map(find).collect::<Result<Vec<_>, StudyError>>()?;
-        let object = record_over(&name, &found);
-        let each: Vec<_> = found.iter().map(|(value, found)| (*value, found)).collect();
+        let limits = values.into_iter().map(find).collect::<Result<Vec<_>, StudyError>>()?;
+        let object = record_over(&name, &limits);
+        let each: Vec<_> = limits.iter().map(|(value, limits)| (*value, limits)).collect();
         let others = vec![search::json_file("limit", &object)?, shots_file(Some(&name), &each)];
-        let charts = [(String::new(), limit::map_chart(&job.name, &name, &found))];
-        write_results(&job, "limit", &table_over(&name, &found, NumberFormat::Exact), others, &charts, &labels)?;
-        let files = files_line(found.iter().map(|(_, found)| found.shots.len()).sum(), &job);
-        let more = found.iter().flat_map(|(value, found)| {
-            warnings(found).into_iter().map(|line| format!("{name} = {}: {line}", number(*value)))
+        let charts = [(String::new(), limit::map_chart(&job.name, &name, &limits))];
+        write_results(&job, "limit", &table_over(&name, &limits, NumberFormat::Exact), others, &charts, &labels)?;
+        let files = files_line(limits.iter().map(|(_, limits)| limits.shots.len()).sum(), &job);
+        let more = limits.iter().flat_map(|(value, limits)| {
+            warnings(limits).into_iter().map(|line| format!("{name} = {}: {line}", number(*value)))
         });
-        let table = table_over(&name, &found, NumberFormat::Rounded);
+        let table = table_over(&name, &limits, NumberFormat::Rounded);
         self.search.print(&table, &more.chain([files]).collect::<Vec<_>>());
         self.search.print_json(&object)?;
-        let whole = found.iter().all(|(_, found)| is_decided(found));
+        let whole = limits.iter().all(|(_, limits)| is_decided(limits));
         Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
     }
 
@@ -193,8 +193,8 @@ impl LimitCommand {
             }
             Ok(judged)
         };
-        let found = limit::scatter(request, count, fire)?;
-        Ok((found, DrawnShots { names: inputs.names.clone(), values: drawn, shots: fired_shots }))
+        let scattered = limit::scatter(request, count, fire)?;
+        Ok((scattered, DrawnShots { names: inputs.names.clone(), values: drawn, shots: fired_shots }))
     }
 }
 
@@ -256,9 +256,12 @@ fn lines(found: &LimitVelocity, bracket: [f64; 2], scattered: Option<&LimitScatt
     }
     lines.extend(warnings(found));
     if let Some(scattered) = scattered {
-        let all = scattered.members.len() + scattered.lost;
+        let draw_count = scattered.members.len() + scattered.lost;
         let outside = scattered.members.iter().filter(|m| m.0.is_infinite() || m.1.is_infinite()).count();
-        lines.push(format!("{all} draws: {outside} have their limit outside --between, {} failed", scattered.lost));
+        lines.push(format!(
+            "{draw_count} draws: {outside} have their limit outside --between, {} failed",
+            scattered.lost
+        ));
         if scattered.scatter.is_none() {
             lines.push("no scatter can be estimated: the intervals of all limits overlap; decrease --tolerance or use more draws".into());
         }
@@ -300,12 +303,12 @@ fn record(found: &LimitVelocity, scattered: Option<&LimitScatter>) -> Value {
 
 /// Returns the JSON object of the limits for the values of another parameter.
 fn record_over(name: &str, found: &[(f64, LimitVelocity)]) -> Value {
-    let of = |(value, found): &(f64, LimitVelocity)| {
+    let record_of = |(value, found): &(f64, LimitVelocity)| {
         let mut object = found.record();
         object["value"] = json!(value);
         object
     };
-    json!({"over": name, "limits": found.iter().map(of).collect::<Vec<_>>()})
+    json!({"over": name, "limits": found.iter().map(record_of).collect::<Vec<_>>()})
 }
 
 /// Returns the CSV file of all shots, with the value of the parameter `over` if there is one.

@@ -101,8 +101,8 @@ impl MaterialCommand {
 
     fn model(&self) -> Result<Model, Box<dyn Error>> {
         let (deck, mut diagnostics) = deck::read(&self.deck, &pairs(&self.set)?);
-        let (model, found) = model::build(&deck);
-        diagnostics.append(found);
+        let (model, findings) = model::build(&deck);
+        diagnostics.append(findings);
         if diagnostics.has_errors() {
             print_findings(&diagnostics, &deck.sources);
             return Err(AlreadyPrinted.into());
@@ -115,10 +115,10 @@ impl MaterialCommand {
 
     /// Returns the materials to compute.
     fn chosen(&self, model: &Model) -> Result<Vec<MaterialId>, String> {
-        let all = || (0..model.materials.len()).map(MaterialId::new);
-        let Some(name) = &self.material else { return Ok(all().collect()) };
+        let material_ids = || (0..model.materials.len()).map(MaterialId::new);
+        let Some(name) = &self.material else { return Ok(material_ids().collect()) };
         let chosen: Vec<MaterialId> =
-            all().filter(|&id| model.materials[id].name.eq_ignore_ascii_case(name.trim())).collect();
+            material_ids().filter(|&id| model.materials[id].name.eq_ignore_ascii_case(name.trim())).collect();
         if !chosen.is_empty() {
             return Ok(chosen);
         }
@@ -134,11 +134,11 @@ impl MaterialCommand {
         let mut named = Vec::new();
         for &id in chosen {
             let material = &model.materials[id];
-            let found = match material::obstacle(material) {
+            let computed = match material::obstacle(material) {
                 Some(reason) => Err(reason.to_owned()),
                 None => material::curves(model, id, &self.request(model, id), routines).map_err(|e| e.to_string()),
             };
-            match found {
+            match computed {
                 Ok(curves) => named.push((material.name.clone(), curves)),
                 Err(_) if self.output.is_silent() => {}
                 Err(reason) => print_err!("note: material {} has no curve: {reason}", material.name),

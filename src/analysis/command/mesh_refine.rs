@@ -38,9 +38,9 @@ impl RefineArguments {
         let (deck, mut findings) = deck::read(&self.deck, &settings);
         let mut text = String::new();
         if !findings.has_errors() {
-            let (written, found) = model::relisting::write(&deck);
+            let (written, write_findings) = model::relisting::write(&deck);
             text = written;
-            findings.append(found);
+            findings.append(write_findings);
         }
         if findings.has_errors() {
             print_findings(&findings, &deck.sources);

@@ -258,8 +258,8 @@ impl RunCommand {
         }
         let is_unknown = estimate.frames.is_none() || estimate.rows.is_none();
         if untrusted::is_restricted() && (is_unknown || estimate.largest_bytes() > untrusted::MAX_OUTPUT) {
-            let (needed, most) = (overview::size(estimate.largest_bytes()), overview::size(untrusted::MAX_OUTPUT));
-            let message = format!("the results can need {needed}; with --untrusted at most {most} are permitted");
+            let (needed, permitted) = (overview::size(estimate.largest_bytes()), overview::size(untrusted::MAX_OUTPUT));
+            let message = format!("the results can need {needed}; with --untrusted at most {permitted} are permitted");
             return Err(Box::new(
                 Diagnostic::error("K012", message).help("request fewer frames, rows or variables, or use --no-frames"),
             ));

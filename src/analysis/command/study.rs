@@ -110,12 +110,12 @@ impl StudyCommand {
         let (job, _lock) = lock_job(&self.deck, self.folder.out.clone())?;
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.output.quiet.quiet);
-        let done = || bar.inc(1);
+        let count_run = || bar.inc(1);
         // The thread pool is created here, where a failure can be reported.
         let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads.count());
         pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
         let mut bench =
-            StudyRunner::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &done);
+            StudyRunner::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &count_run);
         if self.ablate {
             let effects = effects::leave_out(&mut bench, &axes, &model)?;
             bar.finish_and_clear();

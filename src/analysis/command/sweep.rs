@@ -185,15 +185,16 @@ impl SweepCommand {
             bar.inc(known.len() as u64);
         }
         let log = listed.map(|job| part.begin_log(job, &known)).transpose()?;
-        let done = |index: usize, case: &sweep::CaseResult| {
+        let record_case = |index: usize, case: &sweep::CaseResult| {
             log.iter().for_each(|log| log.add(index, case));
             bar.inc(1);
         };
-        let left: Vec<usize> = cases.clone().filter(|index| !known.contains_key(index)).collect();
-        let run = pool.install(|| sweep::run(&self.deck, (grid, &left), quantities, compiled.as_ref(), kept, &done));
+        let open_cases: Vec<usize> = cases.clone().filter(|index| !known.contains_key(index)).collect();
+        let run = pool
+            .install(|| sweep::run(&self.deck, (grid, &open_cases), quantities, compiled.as_ref(), kept, &record_case));
         bar.finish_and_clear();
         log.map_or(Ok(()), cases::SweepLog::finish)?;
-        known.extend(left.into_iter().zip(run));
+        known.extend(open_cases.into_iter().zip(run));
         let mut results = sweep::SweepResults::default();
         for (index, mut case) in known {
             if let Err(error) = &mut case.values {
@@ -301,8 +302,10 @@ impl CaseOrigin {
     /// Replaces the option `--set` in a message on a value by the file, row (from 1) and column.
     fn place(&self, case: usize, message: &str) -> String {
         let replace = |message: String, name: &String| {
-            let place = |end: char| format!("{}, row {}, column {name}: `{name}{end}", self.file, case + 1);
-            ['=', '`'].into_iter().fold(message, |text, end| text.replace(&format!("`--set {name}{end}"), &place(end)))
+            let location = |end: char| format!("{}, row {}, column {name}: `{name}{end}", self.file, case + 1);
+            ['=', '`']
+                .into_iter()
+                .fold(message, |text, end| text.replace(&format!("`--set {name}{end}"), &location(end)))
         };
         self.names.iter().fold(message.to_owned(), replace)
     }
@@ -326,9 +329,9 @@ impl PreparedSweep {
     fn identity(&self) -> String {
         let user = self.compiled.as_ref().map(Compiled::identity).unwrap_or_default();
         let quantities: Vec<&str> = self.quantities.iter().map(|q| q.text.as_str()).collect();
-        let own =
+        let description =
             format!("{:?} {:?} {quantities:?} {}", self.first.identity(&user), self.grid, env!("CARGO_PKG_VERSION"));
-        output::checkpoint::hash([own.as_bytes()])
+        output::checkpoint::hash([description.as_bytes()])
     }
 
     fn part<'a>(&'a self, sweep: &'a str) -> SweepPart<'a> {
@@ -363,8 +366,8 @@ fn print_json(
     compared: &sweep::ComparedTable,
 ) -> Result<(), Box<dyn Error>> {
     let names = grid.names();
-    let all = results.parameters.iter().zip(&results.values).zip(&results.warnings);
-    let runs: Vec<SweepRunRecord<'_>> = all
+    let each_run = results.parameters.iter().zip(&results.values).zip(&results.warnings);
+    let runs: Vec<SweepRunRecord<'_>> = each_run
         .map(|((parameters, values), doubts)| SweepRunRecord {
             parameters: names.iter().copied().zip(parameters.iter().map(String::as_str)).collect(),
             values: values

@@ -153,7 +153,7 @@ impl UncertaintyOptions {
             inputs,
             budget,
         };
-        let plain = PlainRun {
+        let plain_run = PlainRun {
             values,
             elements: element_count(prepared),
             increments: summary.timing.increments,
@@ -161,8 +161,8 @@ impl UncertaintyOptions {
         };
         let (deck, digest) = (prepared.identity("").deck, summary.digest.clone());
         let certificate = match chosen {
-            Some(chosen) => of_chosen(chosen, &plain, deck, digest),
-            None => estimate_run(&request, &plain, deck, digest),
+            Some(chosen) => of_chosen(chosen, &plain_run, deck, digest),
+            None => estimate_run(&request, &plain_run, deck, digest),
         };
         let text = serde_json::to_string_pretty(&certificate)? + "\n";
         output::write_with_sums(job, &[(CERTIFICATE.into(), text.into_bytes())], "_certificate.sfv")?;

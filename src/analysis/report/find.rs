@@ -68,12 +68,12 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<ReportPage, ReportEr
         }
     }
     let searched = page.searches.iter().map(|search| &search.table.name);
-    let all: BTreeSet<&String> =
+    let job_names: BTreeSet<&String> =
         jobs.iter().chain(&sweeps).chain(&unfinished).chain(&studies).chain(searched).collect();
-    if all.is_empty() {
+    if job_names.is_empty() {
         return Err(nothing_found(folder).into());
     }
-    page.title = all.into_iter().cloned().collect::<Vec<_>>().join(", ");
+    page.title = job_names.into_iter().cloned().collect::<Vec<_>>().join(", ");
     if let Some(file) = &options.compare {
         compare_runs(folder, file, &mut page)?;
     }
@@ -95,9 +95,9 @@ pub fn only_run(folder: &Path) -> Result<String, String> {
     let names = file_names(folder)?;
     let runs: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix(HISTORY)).collect();
     let series: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix(".pvd")).collect();
-    let all: BTreeSet<&str> = runs.into_iter().chain(series).collect();
-    let mut all = all.into_iter();
-    match (all.next(), all.next()) {
+    let run_names: BTreeSet<&str> = runs.into_iter().chain(series).collect();
+    let mut remaining_names = run_names.into_iter();
+    match (remaining_names.next(), remaining_names.next()) {
         (Some(name), None) => Ok(name.to_owned()),
         (None, _) => Err(format!("{} contains no run", folder.display())),
         _ => Err(format!("{} contains several runs; use a separate result folder for each run", folder.display())),
@@ -215,13 +215,14 @@ fn column(name: &str, values: &Value) -> ColumnSummaryRow {
 
 fn histories(path: &Path, run: &mut ReportRun) -> Result<(), String> {
     let choice = history::choose(&history::names(path)?, &run.columns);
-    let mut wanted: Vec<String> = choice.charts.iter().flat_map(|c| c.1.clone()).collect();
-    wanted.extend(balance::columns().map(str::to_owned).filter(|c| !wanted.contains(c)).collect::<Vec<_>>());
-    let history = history::read(path, &wanted)?;
+    let mut drawn_columns: Vec<String> = choice.charts.iter().flat_map(|c| c.1.clone()).collect();
+    drawn_columns
+        .extend(balance::columns().map(str::to_owned).filter(|c| !drawn_columns.contains(c)).collect::<Vec<_>>());
+    let history = history::read(path, &drawn_columns)?;
     let units = UnitNames::of(&run.summary);
     if history.times.len() > 1 {
-        let of = |(title, columns): &(String, Vec<String>)| history::chart(title, columns, &history, &units);
-        run.charts = balance::chart(&history, &units).into_iter().chain(choice.charts.iter().map(of)).collect();
+        let chart_of = |(title, columns): &(String, Vec<String>)| history::chart(title, columns, &history, &units);
+        run.charts = balance::chart(&history, &units).into_iter().chain(choice.charts.iter().map(chart_of)).collect();
     }
     if choice.left_out > 0 {
         run.notes.push(format!(

@@ -103,8 +103,8 @@ pub fn read_arrays(
     let shift = |i: usize| moved.map_or([0.0; 2], |(_, values)| [values[3 * i], values[3 * i + 1]]);
     let places = mesh.points.iter().enumerate().map(|(i, p)| [p[0] + shift(i)[0], p[1] + shift(i)[1]]).collect();
     let labels = |label: &str| {
-        let found = mesh.cell_arrays.iter().find(|(name, _)| name == label);
-        found.map_or_else(Vec::new, |(_, values)| values.iter().map(|v| *v as i32).collect::<Vec<_>>())
+        let array = mesh.cell_arrays.iter().find(|(name, _)| name == label);
+        array.map_or_else(Vec::new, |(_, values)| values.iter().map(|v| *v as i32).collect::<Vec<_>>())
     };
     let (elements, materials) = (labels("ELEMENT"), labels("MATERIAL"));
     let cells = mesh.cells.into_iter().map(around).collect();
@@ -178,8 +178,8 @@ pub fn pack(
         notes.push(format!("the mesh is drawn coarser, with {} of {} cells", mesh.cells.len(), first.cells.len()));
     }
     let fields = chosen_fields(&first, notes);
-    let most = FRAMES.min(BYTES / bytes_of_frame(&mesh, &fields)).max(2);
-    let chosen = spread(files.len(), most);
+    let frame_limit = FRAMES.min(BYTES / bytes_of_frame(&mesh, &fields)).max(2);
+    let chosen = spread(files.len(), frame_limit);
     if chosen.len() < files.len() {
         notes.push(format!("{} of {} frames are shown", chosen.len(), files.len()));
     }
@@ -217,8 +217,8 @@ pub fn is_same_mesh(first: &FrameData, frame: &FrameData) -> bool {
 /// Chooses the fields that are packed: name, and whether on cells.
 fn chosen_fields(first: &FrameData, notes: &mut Vec<String>) -> Vec<(String, bool)> {
     let has_mises = first.scalars.iter().any(|s| s.0 == "MISES");
-    let all = first.scalars.iter().filter(|s| !(has_mises && s.0 == "S_MISES"));
-    let mut fields: Vec<(String, bool)> = all.map(|s| (s.0.clone(), s.1)).collect();
+    let shown_scalars = first.scalars.iter().filter(|s| !(has_mises && s.0 == "S_MISES"));
+    let mut fields: Vec<(String, bool)> = shown_scalars.map(|s| (s.0.clone(), s.1)).collect();
     fields.sort_by_key(|f| rank(&f.0));
     if fields.len() > FIELDS {
         let left_out: Vec<&str> = fields[FIELDS..].iter().map(|f| f.0.as_str()).collect();
@@ -231,8 +231,8 @@ fn chosen_fields(first: &FrameData, notes: &mut Vec<String>) -> Vec<(String, boo
 /// Returns the size of a frame in bytes; base64 needs four bytes for three.
 fn bytes_of_frame(mesh: &DrawnMesh, fields: &[(String, bool)]) -> usize {
     let numbers = |f: &(String, bool)| if f.1 { mesh.cells.len() } else { mesh.points.len() };
-    let all = 2 * mesh.points.len() + fields.iter().map(numbers).sum::<usize>();
-    (all * 2 * 4 / 3).max(1)
+    let number_count = 2 * mesh.points.len() + fields.iter().map(numbers).sum::<usize>();
+    (number_count * 2 * 4 / 3).max(1)
 }
 
 /// Returns at most `most` of `count` indices, equally spaced, including the first and the last.
@@ -255,8 +255,8 @@ impl DrawnFrame {
         let values = |(name, on_cells): &(String, bool)| {
             let scalar = frame.scalars.iter().find(|s| s.0 == *name && s.1 == *on_cells);
             let places = if *on_cells { &mesh.cells } else { &mesh.points };
-            let at = |p: &usize| scalar.and_then(|s| s.2.get(*p)).copied().unwrap_or(f64::NAN);
-            places.iter().map(at).collect()
+            let value_at = |p: &usize| scalar.and_then(|s| s.2.get(*p)).copied().unwrap_or(f64::NAN);
+            places.iter().map(value_at).collect()
         };
         let points = mesh.points.iter().map(|&p| frame.points[p]).collect();
         DrawnFrame { time: frame.time, points, values: fields.iter().map(values).collect() }
@@ -264,9 +264,9 @@ impl DrawnFrame {
 }
 
 fn meridian(frames: &[DrawnFrame], mesh: &DrawnMesh, fields: &[(String, bool)], scene: &Value) -> MeridianFrames {
-    let all: Vec<[f64; 2]> = frames.iter().flat_map(|f| &f.points).copied().collect();
-    let [low, high] = bounds(&all);
-    let places = all.iter().flat_map(|p| [0, 1].map(|i| scale(p[i], low[i], high[i])));
+    let all_points: Vec<[f64; 2]> = frames.iter().flat_map(|f| &f.points).copied().collect();
+    let [low, high] = bounds(&all_points);
+    let places = all_points.iter().flat_map(|p| [0, 1].map(|i| scale(p[i], low[i], high[i])));
     // Six-node triangles are drawn by their corners.
     let step = |c: &[usize]| if c.len() == 6 { 2 } else { 1 };
     let corners = mesh.corners.iter().flat_map(|c| (0..4).map(move |i| c.get(step(c) * i).map_or(NONE, |&p| p as u16)));

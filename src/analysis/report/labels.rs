@@ -27,8 +27,8 @@ impl QuantityLabels {
 
     /// Checks that each label belongs to a known quantity.
     pub fn check(&self, known: &[String]) -> Result<(), String> {
-        let there = |column: &str| known.iter().any(|k| k.eq_ignore_ascii_case(column));
-        match self.0.iter().find(|(column, _)| !there(column)) {
+        let is_known = |column: &str| known.iter().any(|k| k.eq_ignore_ascii_case(column));
+        match self.0.iter().find(|(column, _)| !is_known(column)) {
             None => Ok(()),
             Some((column, text)) => {
                 let like = nearest(column, known.iter().map(String::as_str));

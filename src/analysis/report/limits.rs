@@ -27,13 +27,13 @@ pub fn chart(limits: &Value, units: &UnitNames) -> Option<Chart> {
         }
     }
     names.sort_by_key(|n| std::cmp::Reverse(n.1));
-    let own: Vec<&str> =
+    let named: Vec<&str> =
         names.iter().take(if names.len() > NAMES + 1 { NAMES } else { NAMES + 1 }).map(|n| n.0).collect();
     let mut series = vec![points("shortest increment of each time span", SeriesForm::Guide, spans.iter())];
-    series.extend(own.iter().map(|name| points(name, SeriesForm::Marks, spans.iter().filter(|s| s.2 == *name))));
-    if own.len() < names.len() {
-        let others = format!("{} others", names.len() - own.len());
-        series.push(points(&others, SeriesForm::Marks, spans.iter().filter(|s| !own.contains(&s.2.as_str()))));
+    series.extend(named.iter().map(|name| points(name, SeriesForm::Marks, spans.iter().filter(|s| s.2 == *name))));
+    if named.len() < names.len() {
+        let others = format!("{} others", names.len() - named.len());
+        series.push(points(&others, SeriesForm::Marks, spans.iter().filter(|s| !named.contains(&s.2.as_str()))));
     }
     let words = "with the element or contact that limits it".into();
     Some(Chart { units: units.over_time(TITLE), words, ..Chart::new(TITLE, ["time", "increment"], series) })
@@ -71,9 +71,9 @@ mod tests {
         let count = 12;
         let names: Vec<String> = (0..count).map(|i| format!("element {i}")).collect();
         let time: Vec<usize> = (0..2 * count).collect();
-        let by: Vec<usize> = (0..2 * count).map(|i| if i < count { i } else { 0 }).collect();
+        let limit_indices: Vec<usize> = (0..2 * count).map(|i| if i < count { i } else { 0 }).collect();
         let increment = vec![1e-7; 2 * count];
-        let steps = serde_json::json!([{"time": time, "increment": increment, "by": by, "names": names}]);
+        let steps = serde_json::json!([{"time": time, "increment": increment, "by": limit_indices, "names": names}]);
         let chart = chart(&steps, &UnitNames::default()).expect("a chart");
         assert_eq!(chart.series.len(), 1 + NAMES + 1);
         assert_eq!((chart.series[1].name.as_str(), chart.series[1].points.len()), ("element 0", count + 1));

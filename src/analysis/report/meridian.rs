@@ -175,8 +175,8 @@ impl RunFrames {
         let range = if let ColourRange::Given(range) = options.range { range } else { range };
         let [length, time] = self.units.length_and_time();
         let unit = if time.is_empty() { String::new() } else { format!(" {time}") };
-        let (at, count) = (digits(picture.time, 4), self.series.len());
-        let title = format!("{}: {} at time {at}{unit}, frame {number} of {count}", self.name, picture.field);
+        let (shown_time, count) = (digits(picture.time, 4), self.series.len());
+        let title = format!("{}: {} at time {shown_time}{unit}, frame {number} of {count}", self.name, picture.field);
         let canvas = FrameCanvas { view, range, scene: &self.scene };
         let mut drawing = canvas.begin(&title);
         picture.cells.iter().for_each(|cell| canvas.draw_cell(&mut drawing, cell));
@@ -201,28 +201,33 @@ struct FramePicture {
 impl FramePicture {
     fn of(frame: &FrameData, options: &FieldOptions) -> Result<FramePicture, ReportError> {
         let names: Vec<String> = frame.scalars.iter().map(|s| s.0.clone()).collect();
-        let at = names.iter().position(|n| n.eq_ignore_ascii_case(&options.field));
-        let (field, on_cells, values) = &frame.scalars[at.ok_or_else(|| missing("field", &options.field, &names))?];
+        let position = names.iter().position(|n| n.eq_ignore_ascii_case(&options.field));
+        let (field, on_cells, values) =
+            &frame.scalars[position.ok_or_else(|| missing("field", &options.field, &names))?];
         let mesh = drawn(&frame.points, &frame.cells, CELLS);
-        let there = |cell: usize| !frame.deleted.get(cell).copied().unwrap_or(false);
+        let is_present = |cell: usize| !frame.deleted.get(cell).copied().unwrap_or(false);
         let mean = |corners: &[usize]| corners.iter().map(|&p| values[p]).sum::<f64>() / corners.len() as f64;
         // Element fields are zero on the facets of rigid bodies, and facet fields on deformable elements.
         let of_facets = is_facet_field(field);
         let belongs = |corners: usize| !on_cells || (corners == 2) == of_facets;
         let at_nodes = (options.smooth && *on_cells)
-            .then(|| node_means(frame, values, |cell| there(cell) && belongs(frame.cells[cell].len())));
+            .then(|| node_means(frame, values, |cell| is_present(cell) && belongs(frame.cells[cell].len())));
         let cell = |(corners, &index): (&Vec<usize>, &usize)| {
             let nodes: Vec<usize> = corners.iter().map(|&p| mesh.points[p]).collect();
-            let one = if *on_cells { values[index] } else { mean(&frame.cells[index]) };
-            let found: Vec<f64> = match (options.smooth, &at_nodes) {
+            let cell_value = if *on_cells { values[index] } else { mean(&frame.cells[index]) };
+            let corner_values: Vec<f64> = match (options.smooth, &at_nodes) {
                 (true, Some(means)) => nodes.iter().map(|&n| means[n]).collect(),
                 (true, None) => nodes.iter().map(|&n| values[n]).collect(),
-                (false, _) => vec![one; nodes.len()],
+                (false, _) => vec![cell_value; nodes.len()],
             };
-            let is_shown = belongs(corners.len()) && one.is_finite() && found.iter().all(|v| v.is_finite());
-            DrawnCell { corners: nodes.iter().map(|&n| frame.points[n]).collect(), values: is_shown.then_some(found) }
+            let is_shown =
+                belongs(corners.len()) && cell_value.is_finite() && corner_values.iter().all(|v| v.is_finite());
+            DrawnCell {
+                corners: nodes.iter().map(|&n| frame.points[n]).collect(),
+                values: is_shown.then_some(corner_values),
+            }
         };
-        let cells = mesh.corners.iter().zip(&mesh.cells).filter(|c| there(*c.1)).map(cell).collect();
+        let cells = mesh.corners.iter().zip(&mesh.cells).filter(|c| is_present(*c.1)).map(cell).collect();
         Ok(FramePicture { field: field.clone(), time: frame.time, cells })
     }
 
@@ -409,12 +414,12 @@ impl FrameCanvas<'_> {
         let on_r = rs.into_iter().map(|r| (self.view.place([r, low]), r.abs(), !self.view.z_is_horizontal));
         for ([x, y], value, is_level) in on_z.chain(on_r) {
             let label = axis::label(value, exponent);
-            let (at, anchor) = if is_level {
+            let (position, anchor) = if is_level {
                 ([x, bottom + 22.0], TextAnchor::Middle)
             } else {
                 ([MARGIN[0] - 8.0, y + 5.0], TextAnchor::End)
             };
-            drawing.label(TextLabel::new(at, anchor, label));
+            drawing.label(TextLabel::new(position, anchor, label));
         }
     }
 

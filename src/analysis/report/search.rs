@@ -65,8 +65,8 @@ mod tests {
 
     #[test]
     fn numbers_are_rounded_and_words_are_not() {
-        let found = table("job", "what,value,to\n\"V50, limit\",417.33245849609375,-\n").expect("a table");
-        assert_eq!(found.rows, [["V50, limit", "417.3325", "-"]]);
+        let parsed = table("job", "what,value,to\n\"V50, limit\",417.33245849609375,-\n").expect("a table");
+        assert_eq!(parsed.rows, [["V50, limit", "417.3325", "-"]]);
         assert!(table("job", "a,b\n1\n").is_err_and(|e| e.contains("row 1 has 1 fields")));
     }
 }

@@ -70,9 +70,9 @@ pub fn choose(request: &TargetRequest<'_>) -> Result<ChosenSetting, StudyError> 
     let begin = Stopwatch::now();
     let model = model::build(&(request.source.deck)(request.overrides).0).0;
     let axes = mesh_axes(request.source.deck, request.overrides)?;
-    let done = || {};
+    let ignore_progress = || {};
     let RunSource { deck, user, .. } = request.source;
-    let mut bench = StudyRunner::new(deck, request.overrides, user, request.quantity, 1, &done);
+    let mut bench = StudyRunner::new(deck, request.overrides, user, request.quantity, 1, &ignore_progress);
     bench.limited_to(request.budget.saturating_sub(begin.elapsed()), request.announce);
     let study_request = RefinementRequest {
         axes: &axes,

@@ -72,10 +72,10 @@ pub struct RefinementRecord<'a> {
 impl<'a> RefinementRecord<'a> {
     fn of(study: &'a RefinementStudy, series: &'a super::refinement::RefinementSeries) -> RefinementRecord<'a> {
         let finest = series.sizes.last().copied().unwrap_or(1.0);
-        let at = series.rows.first().map_or(String::new(), |&r| setting_but(study, r, &series.along));
+        let fixed_setting = series.rows.first().map_or(String::new(), |&r| setting_but(study, r, &series.along));
         RefinementRecord {
             along: &series.along,
-            at,
+            at: fixed_setting,
             runs: &series.rows,
             sizes: series.sizes.iter().map(|size| size / finest).collect(),
             order: series.estimate.and_then(|e| e.order),
@@ -317,15 +317,15 @@ fn error_unit(study: &RefinementStudy) -> String {
 fn family_name(study: &RefinementStudy, row: usize) -> String {
     let mut refined: Vec<&str> = study.series.iter().flat_map(|s| s.along.split(" and ")).collect();
     refined.dedup();
-    let of = study.axes.iter().zip(&study.rows[row].values).filter(|(name, _)| !refined.contains(&name.as_str()));
-    let name = of.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ");
+    let pairs = study.axes.iter().zip(&study.rows[row].values).filter(|(name, _)| !refined.contains(&name.as_str()));
+    let name = pairs.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ");
     if name.is_empty() { "settings".into() } else { name }
 }
 
 fn setting_but(study: &RefinementStudy, row: usize, along: &str) -> String {
     let skip: Vec<&str> = along.split(" and ").collect();
-    let of = study.axes.iter().zip(&study.rows[row].values).filter(|(name, _)| !skip.contains(&name.as_str()));
-    of.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
+    let pairs = study.axes.iter().zip(&study.rows[row].values).filter(|(name, _)| !skip.contains(&name.as_str()));
+    pairs.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
 }
 
 /// Returns the lines below the table of a study of a quantity.

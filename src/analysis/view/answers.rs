@@ -58,8 +58,8 @@ impl RunAnswers {
             }
             "trace" => {
                 let (from, cell, field) = (number("from")?, number("cell")?, number("field")?);
-                let to = number("to")?.min(from.saturating_add(TRACE));
-                Ok(Response::new(BYTES, self.store.trace(cell, field, from..to)?))
+                let end = number("to")?.min(from.saturating_add(TRACE));
+                Ok(Response::new(BYTES, self.store.trace(cell, field, from..end)?))
             }
             "state" => {
                 let state = self.store.state(number("cell")?, number("frame")?)?;

@@ -28,13 +28,13 @@ impl StateBoard {
     /// Replaces a part; nothing happens if its text is unchanged.
     pub fn post(&self, name: &'static str, json: String) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        let place = state.parts.iter().position(|part| part.1.0 == name);
-        if place.is_some_and(|i| *state.parts[i].1.1 == *json) {
+        let position = state.parts.iter().position(|part| part.1.0 == name);
+        if position.is_some_and(|i| *state.parts[i].1.1 == *json) {
             return;
         }
         state.revision += 1;
         let part = (state.revision, (name, json.into()));
-        match place {
+        match position {
             Some(i) => state.parts[i] = part,
             None => state.parts.push(part),
         }

@@ -202,24 +202,24 @@ impl FrameStore {
             return Ok(frame);
         }
         let array = field.map(|field| mesh.fields[field].array.as_str());
-        let wanted = |name: &str| name == Variable::Status.name() || array == Some(name);
-        let (data, generation) = self.read(&mesh, index, &wanted)?;
+        let is_needed = |name: &str| name == Variable::Status.name() || array == Some(name);
+        let (data, generation) = self.read(&mesh, index, &is_needed)?;
         self.keep(&mesh, index, &data, generation);
-        let kept = self.kept(index, field).ok_or_else(|| absent("field in this frame"))?;
-        Ok(ViewFrame { reading: begin.elapsed(), ..kept })
+        let stored_frame = self.kept(index, field).ok_or_else(|| absent("field in this frame"))?;
+        Ok(ViewFrame { reading: begin.elapsed(), ..stored_frame })
     }
 
     fn kept(&self, index: usize, field: Option<usize>) -> Option<ViewFrame> {
         let mut series = self.lock();
         series.uses += 1;
         let uses = series.uses;
-        let kept = series.kept.get_mut(&index)?;
-        kept.used = uses;
+        let stored = series.kept.get_mut(&index)?;
+        stored.used = uses;
         let values = match field {
-            Some(field) => Some(kept.values.get(&field)?.clone()),
+            Some(field) => Some(stored.values.get(&field)?.clone()),
             None => None,
         };
-        Some(ViewFrame { shape: kept.shape.clone(), values, reading: Duration::ZERO })
+        Some(ViewFrame { shape: stored.shape.clone(), values, reading: Duration::ZERO })
     }
 
     fn read(&self, mesh: &ViewMesh, index: usize, wanted: &dyn Fn(&str) -> bool) -> Result<(FrameData, u64), Refusal> {
@@ -239,8 +239,8 @@ impl FrameStore {
     /// Keeps the shape of a frame, and its fields that have been read, unless the run has been restarted.
     fn keep(&self, mesh: &ViewMesh, index: usize, data: &FrameData, generation: u64) {
         let values = |field: &ViewField| {
-            let found = data.scalars.iter().find(|s| s.0 == field.name && s.1 == field.on_cells)?;
-            Some(Arc::new(numbers(mesh, field, &found.2)))
+            let scalar = data.scalars.iter().find(|s| s.0 == field.name && s.1 == field.on_cells)?;
+            Some(Arc::new(numbers(mesh, field, &scalar.2)))
         };
         let read: Vec<_> = mesh.fields.iter().enumerate().filter_map(|(i, field)| Some((i, values(field)?))).collect();
         let shape = shape(mesh, data);
@@ -250,9 +250,9 @@ impl FrameStore {
         }
         series.uses += 1;
         let uses = series.uses;
-        let kept = series.kept.entry(index).or_default();
-        (kept.shape, kept.used) = (Arc::new(shape), uses);
-        kept.values.extend(read);
+        let stored = series.kept.entry(index).or_default();
+        (stored.shape, stored.used) = (Arc::new(shape), uses);
+        stored.values.extend(read);
         series.forget();
     }
 
@@ -284,8 +284,8 @@ impl FrameStore {
         let _one = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
         let (data, _) = self.read(&mesh, index, &|_| true)?;
         let value = |field: &ViewField| {
-            let found = data.scalars.iter().find(|s| s.0 == field.name && s.1 == field.on_cells)?;
-            let value = value_at(field, corners, cell, &numbers(&mesh, field, &found.2))?;
+            let scalar = data.scalars.iter().find(|s| s.0 == field.name && s.1 == field.on_cells)?;
+            let value = value_at(field, corners, cell, &numbers(&mesh, field, &scalar.2))?;
             value.is_finite().then(|| (field.name.clone(), value))
         };
         Ok(mesh.fields.iter().filter_map(value).collect())

@@ -30,10 +30,10 @@ pub fn places_of_name(context: &FeatureContext<'_>, position: TextPosition) -> V
 
 /// Returns the range and text of the name at a position, if it can be renamed.
 pub fn renamed_word(context: &FeatureContext<'_>, position: TextPosition) -> Option<(TextRange, String)> {
-    let one = context.name_at(position)?;
+    let name_use = context.name_at(position)?;
     let outline = &context.root.outline;
-    let (_, range) = outline.locate(one.span, context.encoding)?;
-    Some((range, outline.deck.sources.text(one.span).to_owned()))
+    let (_, range) = outline.locate(name_use.span, context.encoding)?;
+    Some((range, outline.deck.sources.text(name_use.span).to_owned()))
 }
 
 /// Returns the reason why a text cannot be the name of something; `None` for a name.

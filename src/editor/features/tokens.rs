@@ -41,7 +41,7 @@ pub fn semantic_tokens(context: &FeatureContext<'_>, first: u32, last: u32) -> V
 fn add_tokens(context: &FeatureContext<'_>, first: u32, last: u32, tokens: &mut Vec<SemanticToken>) {
     let (buffer, encoding) = (context.text, context.encoding);
     let mut head = buffer.keyword_line_at(first).map(|line| KeywordLine::read(buffer, line, encoding));
-    let (mut row, mut before) = (0, 0);
+    let (mut row, mut values_before) = (0, 0);
     for line in first..last {
         let text = buffer.line(line);
         match kind(text) {
@@ -51,19 +51,19 @@ fn add_tokens(context: &FeatureContext<'_>, first: u32, last: u32, tokens: &mut 
                 let read = KeywordLine::read(buffer, line, encoding);
                 keyword_tokens(&read, tokens);
                 head = Some(read);
-                (row, before) = (0, 0);
+                (row, values_before) = (0, 0);
             }
             LineKind::Data => {
                 let Some(head) = head.as_ref().filter(|head| line >= head.end) else { continue };
                 let fields = split(text, 0..text.len());
                 let shape = head.shape();
                 for (column, bytes) in fields.ranges.iter().enumerate().filter(|(_, bytes)| !bytes.is_empty()) {
-                    let Some(rule) = shape.field(row, column, before) else { continue };
+                    let Some(rule) = shape.field(row, column, values_before) else { continue };
                     if let Some(kind) = field_type(rule, &text[bytes.clone()]) {
                         tokens.push((super::context::range(text, line, bytes.clone(), encoding), kind, 0));
                     }
                 }
-                before = shape.values_after(before, fields.ranges.len());
+                values_before = shape.values_after(values_before, fields.ranges.len());
                 row += 1;
             }
         }

@@ -145,16 +145,16 @@ mod tests {
 
     #[test]
     fn messages_are_read_as_written() {
-        let all = [
+        let messages = [
             ProtocolMessage::Request { id: json!(7), method: "initialize".into(), params: json!({"a": "\u{e4}"}) },
             ProtocolMessage::Notification { method: "exit".into(), params: Value::Null },
             ProtocolMessage::Response { id: json!("x"), result: Ok(json!([1])) },
             ProtocolMessage::Response { id: json!(8), result: Err(ResponseError::new(ErrorCode::InvalidParams, "no")) },
         ];
         let mut bytes = Vec::new();
-        all.iter().for_each(|message| write_message(&mut bytes, message).expect("written"));
+        messages.iter().for_each(|message| write_message(&mut bytes, message).expect("written"));
         let mut input = &bytes[..];
-        for message in &all {
+        for message in &messages {
             assert_eq!(read_message(&mut input).expect("read").as_ref(), Some(message));
         }
         assert!(read_message(&mut input).expect("end").is_none());

@@ -71,8 +71,8 @@ impl DocumentQuestion<'_> {
 }
 
 fn hover_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let found = hover::hover(&question.context, question.params.position);
-    Ok(found.map_or(
+    let documentation = hover::hover(&question.context, question.params.position);
+    Ok(documentation.map_or(
         Value::Null,
         |(text, range)| json!({ "contents": { "kind": "markdown", "value": text }, "range": range }),
     ))
@@ -90,8 +90,8 @@ fn places(question: &DocumentQuestion<'_>) -> Vec<NamePlace> {
 }
 
 fn definition_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let found = places(question);
-    let names = found.iter().filter(|place| place.2).map(|place| question.state.location(place));
+    let name_places = places(question);
+    let names = name_places.iter().filter(|place| place.2).map(|place| question.state.location(place));
     let files = question.context.included_files().filter(|(_, range)| range.touches(question.params.position));
     let files =
         files.map(|(path, _)| FileLocation { uri: question.state.documents.uri(path), range: TextRange::default() });
@@ -100,21 +100,21 @@ fn definition_answer(question: &DocumentQuestion<'_>) -> RequestResult {
 
 fn references_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let with_definitions = question.params.context.include_declaration;
-    let found = places(question);
-    let wanted = found.iter().filter(|place| with_definitions || !place.2);
-    Ok(json!(wanted.map(|place| question.state.location(place)).collect::<Vec<_>>()))
+    let name_places = places(question);
+    let selected = name_places.iter().filter(|place| with_definitions || !place.2);
+    Ok(json!(selected.map(|place| question.state.location(place)).collect::<Vec<_>>()))
 }
 
 fn highlight_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let found = places(question);
-    let here = found.iter().filter(|place| path_key(&place.0) == question.key);
+    let name_places = places(question);
+    let in_this_file = name_places.iter().filter(|place| path_key(&place.0) == question.key);
     let kind = |place: &NamePlace| if place.2 { 3 } else { 2 };
-    Ok(here.map(|place| json!({ "range": place.1, "kind": kind(place) })).collect())
+    Ok(in_this_file.map(|place| json!({ "range": place.1, "kind": kind(place) })).collect())
 }
 
 fn prepare_rename_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let found = renamed_word(&question.context, question.params.position);
-    Ok(found.map_or(Value::Null, |(range, text)| json!({ "range": range, "placeholder": text })))
+    let renamed = renamed_word(&question.context, question.params.position);
+    Ok(renamed.map_or(Value::Null, |(range, text)| json!({ "range": range, "placeholder": text })))
 }
 
 fn rename_answer(question: &DocumentQuestion<'_>) -> RequestResult {
@@ -125,9 +125,9 @@ fn rename_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     if let Some(reason) = invalid_name(one.kind, new_name) {
         return Err(ResponseError::new(ErrorCode::InvalidParams, reason));
     }
-    let found = places(question);
+    let name_places = places(question);
     let mut changes: BTreeMap<String, Vec<TextEdit>> = BTreeMap::new();
-    for place in &found {
+    for place in &name_places {
         let edit = TextEdit { range: place.1, new_text: new_name.to_owned() };
         changes.entry(question.state.documents.uri(&place.0)).or_default().push(edit);
     }
@@ -154,8 +154,8 @@ fn tokens_answer(question: &DocumentQuestion<'_>) -> RequestResult {
 }
 
 fn hints_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let all = TextRange { start: TextPosition::default(), end: TextPosition { line: u32::MAX, character: 0 } };
-    Ok(hints::inlay_hints(&question.context, question.params.range.unwrap_or(all)).into())
+    let whole_text = TextRange { start: TextPosition::default(), end: TextPosition { line: u32::MAX, character: 0 } };
+    Ok(hints::inlay_hints(&question.context, question.params.range.unwrap_or(whole_text)).into())
 }
 
 fn formatting_answer(question: &DocumentQuestion<'_>) -> RequestResult {
@@ -168,12 +168,12 @@ fn formatting_answer(question: &DocumentQuestion<'_>) -> RequestResult {
 }
 
 fn code_action_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let wanted = question.params.range.unwrap_or_default();
+    let selection = question.params.range.unwrap_or_default();
     let uri = |path: &Path| question.state.documents.uri(path);
     let action = |(diagnostic, is_foreign): (&FileDiagnostic, bool)| {
-        let edit = diagnostic.correction.as_ref().filter(|_| diagnostic.range.meets(&wanted))?;
+        let edit = diagnostic.correction.as_ref().filter(|_| diagnostic.range.meets(&selection))?;
         let edit = correction_as_in_line(&question.context, diagnostic.code, edit);
-        let shown = diagnostic.document(diagnostic.level(question.state.options.mode, is_foreign), &uri);
+        let published = diagnostic.document(diagnostic.level(question.state.options.mode, is_foreign), &uri);
         let title = if edit.new_text.contains('\n') {
             "Add the missing line".into()
         } else {
@@ -183,7 +183,7 @@ fn code_action_answer(question: &DocumentQuestion<'_>) -> RequestResult {
         Some(json!({
             "title": title,
             "kind": "quickfix",
-            "diagnostics": [shown],
+            "diagnostics": [published],
             "isPreferred": true,
             "edit": { "changes": changes },
         }))

@@ -125,8 +125,8 @@ fn converted(deck: &Deck, diagnostics: &Diagnostics, locate: &SpanLocator<'_>) -
 fn file_diagnostic(sources: &Sources, diagnostic: &Diagnostic, locate: &SpanLocator<'_>) -> FileDiagnostic {
     let main = || sources.files().first().map_or_else(PathBuf::new, |file| file.path.clone());
     let mut places = diagnostic.labels.iter().map(|label| (locate(label.span), label.text.clone()));
-    let (place, label) = places.next().unwrap_or_default();
-    let (path, range) = place.unwrap_or_else(|| (main(), TextRange::default()));
+    let (main_place, label) = places.next().unwrap_or_default();
+    let (path, range) = main_place.unwrap_or_else(|| (main(), TextRange::default()));
     let mut message = diagnostic.message.clone();
     if !label.is_empty() {
         message += &format!("\n{label}");
@@ -135,7 +135,7 @@ fn file_diagnostic(sources: &Sources, diagnostic: &Diagnostic, locate: &SpanLoca
         message += &format!("\nhelp: {help}");
     }
     message += &format!("\n`revolve explain {}` explains this message", diagnostic.code);
-    let related = places.filter_map(|(place, text)| place.map(|(path, range)| (path, range, text))).collect();
+    let related = places.filter_map(|(main_place, text)| main_place.map(|(path, range)| (path, range, text))).collect();
     let correction = diagnostic
         .correction(sources)
         .and_then(|correction| Some(TextEdit { range: locate(correction.span)?.1, new_text: correction.text }));

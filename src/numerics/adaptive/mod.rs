@@ -265,8 +265,8 @@ impl AdaptiveDomain {
     /// Moves the new place of a node.
     pub fn shift(&mut self, node: usize, [r, z]: [f64; 2]) {
         if let Some(at) = self.position(node) {
-            let place = &mut self.places[1][at];
-            *place = [place[0] + r, place[1] + z];
+            let new_place = &mut self.places[1][at];
+            *new_place = [new_place[0] + r, new_place[1] + z];
         }
     }
 
@@ -290,8 +290,8 @@ impl AdaptiveDomain {
 
     /// Returns the smallest angle of all elements, radians.
     pub fn smallest_angle(&self, nodes: &Nodes) -> f64 {
-        let place = |n: u32| nodes[self.topology.nodes[n as usize] as usize].place();
-        let angles = self.topology.corners.iter().map(|corners| smallest_angle(corners, place));
+        let position = |n: u32| nodes[self.topology.nodes[n as usize] as usize].place();
+        let angles = self.topology.corners.iter().map(|corners| smallest_angle(corners, position));
         angles.fold(f64::INFINITY, f64::min)
     }
 
@@ -309,14 +309,14 @@ impl AdaptiveDomain {
         if let (Some(temperatures), Some(field)) = (&mut self.temperatures, &field) {
             temperatures.read(&self.topology, self.group, field);
         }
-        let before = self.kinetic();
+        let kinetic_before = self.kinetic();
         self.given_velocity.copy_from_slice(&self.velocity);
         let (transports, entered) = (self.limit_displacements(loops), dofs.energies.flow.kinetic);
         for i in 0..transports {
             self.transport_part((i, transports), loops, &mut dofs.energies.flow);
         }
         self.restore_prescribed();
-        dofs.energies.advection += before + (dofs.energies.flow.kinetic - entered) - self.kinetic();
+        dofs.energies.advection += kinetic_before + (dofs.energies.flow.kinetic - entered) - self.kinetic();
         self.write(half, elements, &mut dofs.nodes, changed);
         if let (Some(temperatures), Some(field)) = (&mut self.temperatures, &mut field) {
             field.take_masses(self.group, &*elements.groups[self.group]);
@@ -460,15 +460,15 @@ impl AdaptiveDomain {
     /// Finds the masses of corners and nodes after a part of the displacements.
     fn find_masses(&mut self, loops: ChunkLoops) {
         let [_, _, _, to] = &self.places;
-        let ([before, after], mass, changes) = (&mut self.corner_mass, &self.mass, &self.active.changes);
-        let (topology, before) = (&self.topology, &*before);
+        let ([masses_before, after], mass, changes) = (&mut self.corner_mass, &self.mass, &self.active.changes);
+        let (topology, masses_before) = (&self.topology, &*masses_before);
         loops.each(after, |start, part| {
             for (at, after) in part.iter_mut().enumerate() {
                 let e = start + at;
                 *after = if changes[e] {
                     corner_masses(topology.corners[e].inline_map(|n| to[n as usize]), mass[e])
                 } else {
-                    before[e]
+                    masses_before[e]
                 };
             }
         });
@@ -481,7 +481,7 @@ impl AdaptiveDomain {
                 if nodes[n] {
                     for e in topology.around.list(n).iter().map(|e| *e as usize).filter(|e| changes[*e]) {
                         for (i, corner) in topology.corners[e].iter().enumerate() {
-                            *node_after += if *corner as usize == n { after[e][i] - before[e][i] } else { 0.0 };
+                            *node_after += if *corner as usize == n { after[e][i] - masses_before[e][i] } else { 0.0 };
                         }
                     }
                 }

@@ -131,16 +131,16 @@ impl ElementTransport {
         let ElementTransport { places, fluxes, flows, order, .. } = self;
         let (places, fluxes, second) = (&*places, &*fluxes, *order == TransportOrder::Second);
         loops.combined(flows, (0.0, larger), |start, part| {
-            let mut most = 0.0;
+            let mut largest_share = 0.0;
             for (at, flow) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
                 let (e, sides) = (start + at, &domain.sides[start + at]);
                 if second {
                     flow.slopes = slopes(places, e, sides);
                 }
                 let lost = flow_of_volumes(flow, places, fluxes, (e, sides));
-                most = larger(most, lost / places[e].volume);
+                largest_share = larger(largest_share, lost / places[e].volume);
             }
-            most
+            largest_share
         })
     }
 
@@ -216,9 +216,9 @@ impl ElementTransport {
         loops.each(&mut self.fluxes, |start, part| {
             for (flux, edge) in part.iter_mut().zip(&domain.edges[start..]).filter(|(flux, _)| flux.volume != 0.0) {
                 let donor = if flux.leaves_right() { edge.right } else { edge.left } as usize;
-                let (place, [along_r, along_z]) = (&places[donor], slopes[donor]);
-                let [r, z] = [0, 1].inline_map(|i: usize| flux.middle[i] - place.centre[i]);
-                flux.mass = flux.volume * (place.density + (along_r * r + along_z * z));
+                let (donor_place, [along_r, along_z]) = (&places[donor], slopes[donor]);
+                let [r, z] = [0, 1].inline_map(|i: usize| flux.middle[i] - donor_place.centre[i]);
+                flux.mass = flux.volume * (donor_place.density + (along_r * r + along_z * z));
             }
         });
         let fluxes = &self.fluxes;
@@ -277,10 +277,10 @@ fn measured(edge: &DomainEdge, active: &ActiveParts, [before, after]: [&[[f64; 2
 
 /// Finds the gradients for unit differences to the neighbours by least squares.
 fn slopes(places: &[ElementPlace], e: usize, sides: &[ElementSide; 4]) -> [[f64; 2]; 4] {
-    let own = places[e].centre;
+    let own_centre = places[e].centre;
     let apart = sides.inline_map(|side| {
         let centre = places[side.beside as usize].centre;
-        [centre[0] - own[0], centre[1] - own[1]]
+        [centre[0] - own_centre[0], centre[1] - own_centre[1]]
     });
     let sum = |x: [f64; 4]| (x[0] + x[1]) + (x[2] + x[3]);
     let [rr, zz, rz] = [
@@ -325,17 +325,17 @@ fn flow_of_volumes(
 }
 
 fn flow_of_masses(flow: &mut ElementFlow, fluxes: &[EdgeFlux], sides: &[ElementSide; 4], mass: f64) {
-    let (mut kept, mut moment) = (mass, [0.0; 2]);
+    let (mut remaining_mass, mut moment) = (mass, [0.0; 2]);
     for (i, side) in sides.iter().enumerate() {
         let entering = fluxes[side.edge as usize].entering(side);
         if entering > 0.0 {
-            kept -= entering;
+            remaining_mass -= entering;
         } else {
             moment = [0, 1].inline_map(|k: usize| moment[k] + entering * flow.places[i][k]);
         }
         flow.inflow[i] = entering / mass;
     }
-    flow.rest = centre_of_rest(moment, kept);
+    flow.rest = centre_of_rest(moment, remaining_mass);
 }
 
 fn centre_of_rest(moment: [f64; 2], weight: f64) -> [f64; 2] {
@@ -400,8 +400,8 @@ impl NullaryFnOnce for PackGradients<'_> {
             }
             let [a, b, c, d] = inputs.domain.sides[e];
             let around = [inputs.beside(a), inputs.beside(b), inputs.beside(c), inputs.beside(d)];
-            let (found, [low, high]) = inputs.flows[e].gradient(&inputs.values[e].0, around);
-            *gradient = [Pack(found[0]), Pack(found[1])];
+            let (new_gradient, [low, high]) = inputs.flows[e].gradient(&inputs.values[e].0, around);
+            *gradient = [Pack(new_gradient[0]), Pack(new_gradient[1])];
             range = joined(range, [Pack(low), Pack(high)]);
         }
         range
