@@ -17,7 +17,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::search::{self, NumberFormat, SearchArguments};
-use super::{CommandStatus, HALTED, ResultFile, progress, write_results};
+use super::{CommandStatus, ResultFile, progress, write_results};
 
 /// Largest number of posterior draws that are written.
 const WRITTEN_DRAWS: usize = 4000;
@@ -92,7 +92,7 @@ impl IdentifyCommand {
         }
         let routines = self.search.routines()?;
         let parameters: Vec<String> = data.names.iter().chain(&names).cloned().collect();
-        let labels = self.search.labels(&parameters.iter().chain(&data.series).cloned().collect::<Vec<_>>())?;
+        let labels = self.search.results.labels.checked(parameters.iter().chain(&data.series))?;
         let evaluator = self.search.evaluator(parameters, data.parsed_quantities()?, &routines)?;
         let (job, _lock) = self.search.job()?;
         let problem = IdentificationProblem::new(evaluator, &data, &unknowns, self.search.threads());
@@ -103,9 +103,9 @@ impl IdentifyCommand {
         results.write(&job, &object, &labels)?;
         let lines = self.lines(&results, &job);
         self.search.print(&results.table(NumberFormat::Rounded), &lines);
-        self.search.print_json(&object)?;
+        self.search.output.print_json(&object)?;
         search::warn_still_moving(problem.evaluator());
-        Ok(if results.converged() { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
+        Ok(CommandStatus::of(results.converged()))
     }
 
     fn sample(

@@ -16,7 +16,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::search::{self, CompiledRoutines, NumberFormat, SearchArguments};
-use super::{CommandStatus, HALTED, ResultFile, write_results};
+use super::{CommandStatus, ResultFile, write_results};
 
 /// Largest number of draws whose shots are written.
 const MOST_WRITTEN: u32 = 10_000;
@@ -84,7 +84,7 @@ impl LimitCommand {
         inputs: &RandomInputs,
         routines: &CompiledRoutines,
     ) -> Result<CommandStatus, Box<dyn Error>> {
-        let labels = self.search.labels(&limit::AXES.map(str::to_owned))?;
+        let labels = self.search.results.labels.checked(limit::AXES)?;
         let evaluator = self.evaluator(&[], routines)?;
         let (job, _lock) = self.search.job()?;
         let limit_velocity = limit::find(request, &mut |velocities| {
@@ -108,9 +108,8 @@ impl LimitCommand {
         charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
         write_results(&job, "limit", &table(NumberFormat::Exact), others, &charts, &labels)?;
         self.search.print(&table(NumberFormat::Rounded), &lines(&limit_velocity, bracket, scattered, &job));
-        self.search.print_json(&object)?;
-        let whole = is_decided(&limit_velocity) && scattered.is_none_or(|s| s.lost == 0);
-        Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
+        self.search.output.print_json(&object)?;
+        Ok(CommandStatus::of(is_decided(&limit_velocity) && scattered.is_none_or(|s| s.lost == 0)))
     }
 
     /// Finds the limit for each value of another parameter.
@@ -122,7 +121,7 @@ impl LimitCommand {
     ) -> Result<CommandStatus, Box<dyn Error>> {
         let (name, values) = values_over(over)?;
         self.reject_velocity(std::slice::from_ref(&name), "--over")?;
-        let labels = self.search.labels(&[name.clone(), limit::AXES[0].to_owned()])?;
+        let labels = self.search.results.labels.checked([&name[..], limit::AXES[0]])?;
         let evaluator = self.evaluator(std::slice::from_ref(&name), routines)?;
         let (job, _lock) = self.search.job()?;
         let find = |value: f64| {
@@ -142,9 +141,8 @@ impl LimitCommand {
         });
         let table = table_over(&name, &limits, NumberFormat::Rounded);
         self.search.print(&table, &more.chain([files]).collect::<Vec<_>>());
-        self.search.print_json(&object)?;
-        let whole = limits.iter().all(|(_, limits)| is_decided(limits));
-        Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
+        self.search.output.print_json(&object)?;
+        Ok(CommandStatus::of(limits.iter().all(|(_, limits)| is_decided(limits))))
     }
 
     /// Returns an error if an option gives the striking velocity as another parameter.

@@ -8,8 +8,10 @@ use clap::{Args, ValueEnum};
 
 use super::options::OutputOptions;
 use super::words::{self, print_err, print_out};
-use super::{AlreadyPrinted, CommandStatus, PictureFormat, pairs, print_findings, print_table, print_unit_warnings};
-use crate::deck::{Diagnostic, Sources};
+use super::{
+    AlreadyPrinted, CommandStatus, PictureFormat, pairs, print_findings, print_table, print_unit_warnings, read_model,
+};
+use crate::deck::{Diagnostic, Diagnostics, Sources};
 use crate::model::MaterialDefinition;
 use crate::model::derive::target_of;
 use crate::output::{self, csv};
@@ -19,7 +21,6 @@ use crate::resistance::similarity::ExpandingCavity;
 use crate::resistance::{CavityShape, FitRequest, ResistanceError, ScaledTarget, TargetMaterial, YieldCurve, derive};
 use crate::study::expansion;
 use crate::study::law::ResistanceRecord;
-use crate::{deck, model};
 
 /// Values of `--type`.
 #[derive(Clone, Copy, ValueEnum)]
@@ -201,13 +202,7 @@ impl ResistanceCommand {
     }
 
     fn of_deck(&self, path: &Path) -> Result<TargetMaterial, Box<dyn Error>> {
-        let (deck, mut diagnostics) = deck::read(path, &pairs(&self.set)?);
-        let (model, findings) = model::build(&deck);
-        diagnostics.append(findings);
-        if diagnostics.has_errors() {
-            print_findings(&diagnostics, &deck.sources);
-            return Err(AlreadyPrinted.into());
-        }
+        let (deck, model) = read_model(path, &pairs(&self.set)?)?;
         let names: Vec<&str> = model.materials.iter().map(|m| &m.name[..]).collect();
         let material_name = match (&self.material, &names[..]) {
             (Some(name), _) => name.to_uppercase(),
@@ -230,9 +225,7 @@ impl ResistanceCommand {
             print_err!("warning: *RATE DEPENDENT of {material_name} is ignored without --radius");
         }
         target_of(material, self.radius, self.tension).map_err(|finding| {
-            let mut findings = deck::Diagnostics::default();
-            findings.push(finding);
-            print_findings(&findings, &deck.sources);
+            print_findings(&Diagnostics::from_iter([finding]), &deck.sources);
             AlreadyPrinted.into()
         })
     }
@@ -258,8 +251,7 @@ impl ResistanceCommand {
 
     fn print(&self, record: &ResistanceRecord, similar: &PressureAt<'_>) -> Result<(), Box<dyn Error>> {
         if self.output.json {
-            print_out!("{}", serde_json::to_string_pretty(record)?);
-            return Ok(());
+            return Ok(self.output.print_json(record)?);
         }
         if !self.output.is_silent() {
             print_table(&record.table());
