@@ -133,7 +133,9 @@ impl Deck {
         let quantity = Quantity::parse(&request.quantity)?;
         let exact = convergence::exact(request.exact.as_deref(), &quantity)?;
         let target = request.target.as_deref().map(ErrorTarget::parse).transpose()?;
-        let (axes, model, runs) = self.axes(request, user, &quantity)?;
+        let model = model::build(&self.source.read(&request.settings).0).0;
+        let axes = self.axes(request, user, &quantity, &model)?;
+        let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * request.repeat;
         if exact.is_none() && !axes.iter().any(StudyAxis::is_refinement) {
             return Err(StudyError::Setting(
                 "no error can be estimated from options without levels: give exact=, or refine= with numeric levels"
@@ -158,29 +160,31 @@ impl Deck {
             announce: &|line| waiting.look(1.0, line),
             around: false,
         };
-        let (results, met, timing) = convergence::refine(&mut bench, &request)?;
-        let table = record::table(&results, true);
+        let completed = convergence::refine(&mut bench, &request)?;
+        let results = &completed.study;
+        let table = record::table(results, true);
         let drawn = |chart: Chart| chart.svg().unwrap_or_default();
         let text = serde_json::json!({
             "header": table.header,
             "rows": table.rows,
-            "conclusions": record::conclusions(&results, &quantity.text, met.as_ref()),
+            "conclusions": record::conclusions(&completed, &quantity.text),
             "reference": results.reference,
-            "price_chart": drawn(record::price_chart(&results, &quantity.text)),
-            "order_chart": drawn(record::order_chart(&results, &quantity.text)),
-            "met": met.as_ref().map(|met| met.run.is_some()),
-            "record": record::record(&quantity.text, exact, &results, met.clone(), timing),
+            "price_chart": drawn(record::price_chart(results, &quantity.text)),
+            "order_chart": drawn(record::order_chart(results, &quantity.text)),
+            "met": completed.target.as_ref().map(|met| met.run.is_some()),
+            "record": record::record(&quantity.text, exact, &completed),
         });
         Ok(text.to_string())
     }
 
-    /// Returns the axes of the study, the model and the number of runs.
+    /// Returns the axes of the study.
     fn axes(
         &self,
         request: &StudyRequest,
         user: Option<&User>,
         quantity: &Quantity,
-    ) -> Result<(Vec<StudyAxis>, Model, usize), StudyError> {
+        model: &Model,
+    ) -> Result<Vec<StudyAxis>, StudyError> {
         let routines = revolve::user::compile::Compiled::open_any(user.map(|user| &*user.compiled))?;
         let first = job::prepare_read(self.source.read(&request.settings), &routines);
         if first.diagnostics.has_errors() {
@@ -191,10 +195,8 @@ impl Deck {
         if axes.is_empty() {
             return Err(StudyError::Setting("no parameter to refine: give refine={\"NAME\": [v1, v2, …]}".into()));
         }
-        let model = model::build(&self.source.read(&request.settings).0).0;
-        settings::check(&axes, &model)?;
+        settings::check(&axes, model)?;
         quantity.check(&first.plan)?;
-        let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * request.repeat;
-        Ok((axes, model, runs))
+        Ok(axes)
     }
 }

@@ -7,7 +7,7 @@ use crate::study::StudyError;
 use crate::study::evaluate::SampleEvaluator;
 use crate::study::grid::CaseGrid;
 use crate::study::inputs::RandomInputs;
-use crate::study::limit::{self, DrawnShots, LimitRequest, LimitScatter, LimitVelocity, Shot, VelocityBand};
+use crate::study::limit::{self, DrawnShot, DrawnShots, LimitRequest, LimitScatter, LimitVelocity, Shot, VelocityBand};
 use crate::study::quantity::Quantity;
 use crate::study::shot::{ShotEnd, ShotResult};
 use crate::study::statistics::design::{SampleDesign, SamplingScheme};
@@ -187,7 +187,8 @@ impl LimitCommand {
             let judged: Vec<Option<Shot>> =
                 fired.into_iter().zip(shots).map(judge).map(Option::transpose).collect::<Result<_, _>>()?;
             if written {
-                fired_shots.extend(shots.iter().zip(&judged).map(|((draw, velocity), shot)| (*draw, *velocity, *shot)));
+                let drawn_shot = |(&(draw, velocity), &result)| DrawnShot { draw, velocity, result };
+                fired_shots.extend(shots.iter().zip(&judged).map(drawn_shot));
             }
             Ok(judged)
         };
@@ -327,12 +328,12 @@ fn draws_file(drawn: &DrawnShots) -> ResultFile {
     let header = ["draw"].into_iter().chain(drawn.names.iter().map(String::as_str));
     let mut text = csv::line(header.chain(["velocity", "residual", "end"]));
     let mut shots: Vec<_> = drawn.shots.iter().collect();
-    shots.sort_by_key(|shot| shot.0);
-    for (draw, velocity, shot) in shots {
+    shots.sort_by_key(|shot| shot.draw);
+    for &DrawnShot { draw, velocity, result: shot } in shots {
         let end = shot.map_or(json!(limit::FAILED), |shot| json!(shot.end));
         let residual = shot.map_or(String::new(), |shot| exact(shot.residual));
-        let parameters = drawn.of(*draw).iter().copied().map(exact);
-        let result = [exact(*velocity), residual, end.as_str().unwrap_or_default().to_owned()];
+        let parameters = drawn.of(draw).iter().copied().map(exact);
+        let result = [exact(velocity), residual, end.as_str().unwrap_or_default().to_owned()];
         text += &csv::line([(draw + 1).to_string()].into_iter().chain(parameters).chain(result));
     }
     ("_limit_draws.csv".into(), text.into_bytes())

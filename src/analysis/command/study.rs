@@ -12,11 +12,11 @@ use crate::study::convergence::{self, RefinementRequest};
 use crate::study::effects::{self, EffectAblation};
 use crate::study::jitter::NoiseRequest;
 use crate::study::quantity::Quantity;
-use crate::study::record::{self, StudyTiming};
-use crate::study::refinement::{RefinementStudy as Results, StudyRow};
+use crate::study::record::{self, CompletedStudy};
+use crate::study::refinement::{RefinementStudy, StudyRow};
 use crate::study::runner::StudyRunner;
 use crate::study::settings::{self, StudyAxis};
-use crate::study::target::{ErrorTarget, TargetResult};
+use crate::study::target::ErrorTarget;
 use crate::user::compile::Compiled;
 use crate::{deck, job, model};
 use clap::Args;
@@ -130,17 +130,17 @@ impl StudyCommand {
             announce: &announce,
             around: self.around,
         };
-        let (results, met, timing) = convergence::refine(&mut bench, &request)?;
+        let completed = convergence::refine(&mut bench, &request)?;
         bar.finish_and_clear();
-        let record = write(&job, (&quantity, labels.of(&quantity.text)), exact, &results, met.clone(), timing)?;
+        let record = write(&job, (&quantity, labels.of(&quantity.text)), exact, &completed)?;
         if self.output.json {
             print_out!("{}", record.trim_end());
         } else if !quiet {
-            print(&results, &quantity, met.as_ref(), timing, &job);
+            print(&completed, &quantity, &job);
         }
-        print_run_warnings(&run_warnings(&axes, &results));
-        results.reversed_series().iter().for_each(|sentence| print_err!("warning: {sentence}"));
-        Ok(verdict(&results, met.as_ref()))
+        print_run_warnings(&run_warnings(&axes, &completed.study));
+        completed.study.reversed_series().iter().for_each(|sentence| print_err!("warning: {sentence}"));
+        Ok(verdict(&completed))
     }
 }
 
@@ -183,12 +183,11 @@ fn write(
     job: &JobFiles,
     (quantity, label): (&Quantity, &str),
     exact: Option<f64>,
-    results: &Results,
-    met: Option<TargetResult>,
-    timing: StudyTiming,
+    completed: &CompletedStudy,
 ) -> Result<String, Box<dyn Error>> {
-    let record = record_text(&record::record(&quantity.text, exact, results, met, timing))?;
+    let record = record_text(&record::record(&quantity.text, exact, completed))?;
     let title = format!("{}: {label}", job.name);
+    let results = &completed.study;
     let charts = [
         (String::new(), record::price_chart(results, &title)),
         ("_order".to_owned(), record::order_chart(results, &title)),
@@ -212,9 +211,10 @@ fn record_file(text: String) -> ResultFile {
     ("_study.json".into(), text.into_bytes())
 }
 
-fn print(results: &Results, quantity: &Quantity, met: Option<&TargetResult>, timing: StudyTiming, job: &JobFiles) {
+fn print(completed: &CompletedStudy, quantity: &Quantity, job: &JobFiles) {
+    let (results, timing) = (&completed.study, completed.timing);
     print_table(&record::table(results, false));
-    for line in record::conclusions(results, &quantity.text, met) {
+    for line in record::conclusions(completed, &quantity.text) {
         print_out!("{line}");
     }
     print_out!(
@@ -229,15 +229,15 @@ fn print(results: &Results, quantity: &Quantity, met: Option<&TargetResult>, tim
 }
 
 /// Returns each setting with the warnings of its run.
-fn run_warnings<'a>(axes: &[StudyAxis], results: &'a Results) -> Vec<(String, &'a [String])> {
+fn run_warnings<'a>(axes: &[StudyAxis], results: &'a RefinementStudy) -> Vec<(String, &'a [String])> {
     let names = || axes.iter().map(|axis| &axis.name[..]);
     let of_row =
         |row: &'a StudyRow| Some((settings_text(names().zip(&row.values)), &row.run.as_ref().ok()?.warnings[..]));
     results.rows.iter().filter_map(of_row).collect()
 }
 
-fn verdict(results: &Results, met: Option<&TargetResult>) -> CommandStatus {
+fn verdict(CompletedStudy { study: results, target, .. }: &CompletedStudy) -> CommandStatus {
     let failed: Vec<&StudyError> = results.rows.iter().filter_map(|r| r.run.as_ref().err()).collect();
     let status = report_failures(failed.len(), results.rows.len(), "settings", failed.first().copied());
-    if met.is_some_and(|m| m.run.is_none()) { CommandStatus::HALTED } else { status }
+    if target.as_ref().is_some_and(|target| target.run.is_none()) { CommandStatus::HALTED } else { status }
 }

@@ -40,10 +40,25 @@ pub struct FrameData {
     pub elements: Vec<i32>,
     /// Material number of each cell, counted from 1; empty if the file has none.
     pub materials: Vec<i32>,
-    /// Scalar fields: name, whether on cells, values.
-    pub scalars: Vec<(String, bool, Vec<f64>)>,
-    /// Name of the array of the file from which each scalar field was made.
-    pub arrays: Vec<String>,
+    pub scalars: Vec<ScalarField>,
+}
+
+impl FrameData {
+    /// Returns the values of a scalar field.
+    pub fn values(&self, name: &str, on_cells: bool) -> Option<&[f64]> {
+        let field = self.scalars.iter().find(|field| field.name == name && field.on_cells == on_cells);
+        field.map(|field| &field.values[..])
+    }
+}
+
+/// Scalar field of a frame.
+#[derive(Clone, Debug)]
+pub struct ScalarField {
+    pub name: String,
+    pub on_cells: bool,
+    pub values: Vec<f64>,
+    /// Array of the file from which it was made.
+    pub array: String,
 }
 
 /// Reads the times and files of a series.
@@ -81,19 +96,15 @@ pub fn read_arrays(
     let is_reference = text.contains(REFERENCE);
     let needed = |name: &str| name == BLANKING || name == "U" && is_reference || wanted(name);
     let mesh = vtk_file::read(path, &needed).map_err(wrong)?;
-    let (mut scalars, mut arrays) = (Vec::new(), Vec::new());
-    for (name, values) in mesh.point_arrays.iter().filter(|array| !EntityLabels::is_name(&array.0)) {
-        scalars.extend(split(name, values, mesh.points.len(), &text).into_iter().map(|(n, v)| (n, false, v)));
-        arrays.resize(scalars.len(), name.clone());
-    }
-    let mut deleted = Vec::new();
-    for (name, values) in mesh.cell_arrays.iter().filter(|array| !EntityLabels::is_name(&array.0)) {
-        if name == BLANKING {
-            deleted = values.iter().map(|v| *v != 0.0).collect();
-            continue;
+    let is_field = |name: &str| name != BLANKING && !EntityLabels::is_name(name);
+    let mut scalars = Vec::new();
+    for (on_cells, arrays, count) in
+        [(false, &mesh.point_arrays, mesh.points.len()), (true, &mesh.cell_arrays, mesh.cells.len())]
+    {
+        for (array, values) in arrays.iter().filter(|array| is_field(&array.0)) {
+            let field = |(name, values)| ScalarField { name, on_cells, values, array: array.clone() };
+            scalars.extend(split(array, values, count, &text).into_iter().map(field));
         }
-        scalars.extend(split(name, values, mesh.cells.len(), &text).into_iter().map(|(n, v)| (n, true, v)));
-        arrays.resize(scalars.len(), name.clone());
     }
     let around = |cell: Vec<usize>| match cell[..] {
         [a, b, c, ab, bc, ca] => vec![a, ab, b, bc, c, ca],
@@ -102,13 +113,13 @@ pub fn read_arrays(
     let moved = mesh.point_arrays.iter().find(|(name, _)| name == "U" && is_reference);
     let shift = |i: usize| moved.map_or([0.0; 2], |(_, values)| [values[3 * i], values[3 * i + 1]]);
     let places = mesh.points.iter().enumerate().map(|(i, p)| [p[0] + shift(i)[0], p[1] + shift(i)[1]]).collect();
-    let labels = |label: &str| {
-        let array = mesh.cell_arrays.iter().find(|(name, _)| name == label);
-        array.map_or_else(Vec::new, |(_, values)| values.iter().map(|v| *v as i32).collect::<Vec<_>>())
+    let of_cells = |name: &str| {
+        mesh.cell_arrays.iter().find(|array| array.0 == name).map_or(&[][..], |array| &array.1)
     };
-    let (elements, materials) = (labels("ELEMENT"), labels("MATERIAL"));
+    let [elements, materials] = ["ELEMENT", "MATERIAL"].map(|name| of_cells(name).iter().map(|v| *v as i32).collect());
+    let deleted = of_cells(BLANKING).iter().map(|v| *v != 0.0).collect();
     let cells = mesh.cells.into_iter().map(around).collect();
-    Ok(FrameData { time, points: places, cells, deleted, elements, materials, scalars, arrays })
+    Ok(FrameData { time, points: places, cells, deleted, elements, materials, scalars })
 }
 
 fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
@@ -216,9 +227,9 @@ pub fn is_same_mesh(first: &FrameData, frame: &FrameData) -> bool {
 
 /// Chooses the fields that are packed: name, and whether on cells.
 fn chosen_fields(first: &FrameData, notes: &mut Vec<String>) -> Vec<(String, bool)> {
-    let has_mises = first.scalars.iter().any(|s| s.0 == "MISES");
-    let shown_scalars = first.scalars.iter().filter(|s| !(has_mises && s.0 == "S_MISES"));
-    let mut fields: Vec<(String, bool)> = shown_scalars.map(|s| (s.0.clone(), s.1)).collect();
+    let has_mises = first.scalars.iter().any(|s| s.name == "MISES");
+    let shown_scalars = first.scalars.iter().filter(|s| !(has_mises && s.name == "S_MISES"));
+    let mut fields: Vec<(String, bool)> = shown_scalars.map(|s| (s.name.clone(), s.on_cells)).collect();
     fields.sort_by_key(|f| rank(&f.0));
     if fields.len() > FIELDS {
         let left_out: Vec<&str> = fields[FIELDS..].iter().map(|f| f.0.as_str()).collect();
@@ -253,9 +264,9 @@ struct DrawnFrame {
 impl DrawnFrame {
     fn of(frame: &FrameData, mesh: &DrawnMesh, fields: &[(String, bool)]) -> DrawnFrame {
         let values = |(name, on_cells): &(String, bool)| {
-            let scalar = frame.scalars.iter().find(|s| s.0 == *name && s.1 == *on_cells);
+            let values = frame.values(name, *on_cells).unwrap_or_default();
             let places = if *on_cells { &mesh.cells } else { &mesh.points };
-            let value_at = |p: &usize| scalar.and_then(|s| s.2.get(*p)).copied().unwrap_or(f64::NAN);
+            let value_at = |p: &usize| values.get(*p).copied().unwrap_or(f64::NAN);
             places.iter().map(value_at).collect()
         };
         let points = mesh.points.iter().map(|&p| frame.points[p]).collect();

@@ -200,21 +200,21 @@ struct FramePicture {
 
 impl FramePicture {
     fn of(frame: &FrameData, options: &FieldOptions) -> Result<FramePicture, ReportError> {
-        let names: Vec<String> = frame.scalars.iter().map(|s| s.0.clone()).collect();
+        let names: Vec<String> = frame.scalars.iter().map(|s| s.name.clone()).collect();
         let position = names.iter().position(|n| n.eq_ignore_ascii_case(&options.field));
-        let (field, on_cells, values) =
-            &frame.scalars[position.ok_or_else(|| missing("field", &options.field, &names))?];
+        let scalar = &frame.scalars[position.ok_or_else(|| missing("field", &options.field, &names))?];
+        let (on_cells, values) = (scalar.on_cells, &scalar.values);
         let mesh = drawn(&frame.points, &frame.cells, CELLS);
         let is_present = |cell: usize| !frame.deleted.get(cell).copied().unwrap_or(false);
         let mean = |corners: &[usize]| corners.iter().map(|&p| values[p]).sum::<f64>() / corners.len() as f64;
         // Element fields are zero on the facets of rigid bodies, and facet fields on deformable elements.
-        let of_facets = is_facet_field(field);
+        let of_facets = is_facet_field(&scalar.name);
         let belongs = |corners: usize| !on_cells || (corners == 2) == of_facets;
-        let at_nodes = (options.smooth && *on_cells)
+        let at_nodes = (options.smooth && on_cells)
             .then(|| node_means(frame, values, |cell| is_present(cell) && belongs(frame.cells[cell].len())));
         let cell = |(corners, &index): (&Vec<usize>, &usize)| {
             let nodes: Vec<usize> = corners.iter().map(|&p| mesh.points[p]).collect();
-            let cell_value = if *on_cells { values[index] } else { mean(&frame.cells[index]) };
+            let cell_value = if on_cells { values[index] } else { mean(&frame.cells[index]) };
             let corner_values: Vec<f64> = match (options.smooth, &at_nodes) {
                 (true, Some(means)) => nodes.iter().map(|&n| means[n]).collect(),
                 (true, None) => nodes.iter().map(|&n| values[n]).collect(),
@@ -228,7 +228,7 @@ impl FramePicture {
             }
         };
         let cells = mesh.corners.iter().zip(&mesh.cells).filter(|c| is_present(*c.1)).map(cell).collect();
-        Ok(FramePicture { field: field.clone(), time: frame.time, cells })
+        Ok(FramePicture { field: scalar.name.clone(), time: frame.time, cells })
     }
 
     fn range(&self) -> [f64; 2] {
@@ -320,8 +320,8 @@ impl FrameCanvas<'_> {
 
     fn draw_layers(&self, drawing: &mut Drawing) {
         let [low, high, reach] = self.view.region;
-        for (i, (from, to, name)) in layers(self.scene).iter().enumerate() {
-            let (bottom, top) = (f64::min(*from, *to).max(low), f64::max(*from, *to).min(high));
+        for (i, TargetLayer { ends: [from, to], name }) in layers(self.scene).into_iter().enumerate() {
+            let (bottom, top) = (f64::min(from, to).max(low), f64::max(from, to).min(high));
             if bottom >= top {
                 continue;
             }
@@ -450,8 +450,14 @@ impl FrameCanvas<'_> {
     }
 }
 
-/// Returns the layers of the targets in a summary as intervals of z.
-fn layers(scene: &Value) -> Vec<(f64, f64, String)> {
+/// Layer of a target: z of its ends, and the names of the target and material.
+struct TargetLayer {
+    ends: [f64; 2],
+    name: String,
+}
+
+/// Returns the layers of the targets in a summary.
+fn layers(scene: &Value) -> Vec<TargetLayer> {
     let mut layers = Vec::new();
     for target in scene.get("targets").and_then(Value::as_array).into_iter().flatten() {
         let number = |key: &str| target.get(key).and_then(Value::as_f64).unwrap_or(0.0);
@@ -462,7 +468,7 @@ fn layers(scene: &Value) -> Vec<(f64, f64, String)> {
             let material = layer.get("material").and_then(Value::as_str).unwrap_or_default();
             // Gaps have no material.
             if !material.is_empty() {
-                layers.push((z, z + direction * thickness, format!("{name}: {material}")));
+                layers.push(TargetLayer { ends: [z, z + direction * thickness], name: format!("{name}: {material}") });
             }
             z += direction * thickness;
         }

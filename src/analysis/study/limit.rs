@@ -268,6 +268,17 @@ fn sort(shots: &mut Vec<Shot>) {
     shots.dedup_by_key(|shot| shot.velocity);
 }
 
+/// Shot of a draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnShot {
+    /// Number of the draw.
+    pub draw: usize,
+    /// Striking velocity.
+    pub velocity: f64,
+    /// Result; `None` if the shot failed.
+    pub result: Option<Shot>,
+}
+
 /// Shots of the draws of a scatter, with the parameters of each draw.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrawnShots {
@@ -275,8 +286,8 @@ pub struct DrawnShots {
     pub names: Vec<String>,
     /// Values of the parameters, draw by draw.
     pub values: Vec<f64>,
-    /// Draw, striking velocity and result of each shot, in the order of the search; `None` for a shot that failed.
-    pub shots: Vec<(usize, f64, Option<Shot>)>,
+    /// All shots, in the order of the search.
+    pub shots: Vec<DrawnShot>,
 }
 
 impl DrawnShots {
@@ -289,10 +300,9 @@ impl DrawnShots {
     /// interval, or for a lost draw), and shots.
     pub fn record(&self, scattered: &LimitScatter) -> Value {
         let mut shots = vec![Vec::new(); scattered.brackets.len()];
-        self.shots.iter().for_each(|(draw, velocity, shot)| match shot {
-            Some(shot) => shots[*draw].push(json!(shot)),
-            None => shots[*draw].push(json!({ "velocity": velocity, "end": FAILED })),
-        });
+        for &DrawnShot { draw, velocity, result } in &self.shots {
+            shots[draw].push(result.map_or(json!({ "velocity": velocity, "end": FAILED }), |shot| json!(shot)));
+        }
         let draw = |(draw, shots): (usize, Vec<Value>)| {
             let parameters: serde_json::Map<_, _> =
                 self.names.iter().cloned().zip(self.of(draw).iter().map(|value| json!(value))).collect();

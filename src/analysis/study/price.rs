@@ -105,6 +105,11 @@ pub fn tolerance_in_words(tolerance: f64, relative: bool) -> String {
 
 /// Formats the setting of a row, for example `n = 40, load-velocity = lagged`.
 pub fn setting(study: &RefinementStudy, row: usize) -> String {
-    let pairs = study.axes.iter().zip(&study.rows[row].values);
+    setting_without(study, row, &[])
+}
+
+/// Formats the setting of a row without some axes.
+pub fn setting_without(study: &RefinementStudy, row: usize, axes: &[&str]) -> String {
+    let pairs = study.axes.iter().zip(&study.rows[row].values).filter(|(name, _)| !axes.contains(&name.as_str()));
     pairs.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
 }

@@ -51,7 +51,7 @@ impl ServerState {
     }
 
     fn location(&self, place: &NamePlace) -> FileLocation {
-        FileLocation { uri: self.documents.uri(&place.0), range: place.1 }
+        FileLocation { uri: self.documents.uri(&place.path), range: place.range }
     }
 }
 
@@ -91,7 +91,7 @@ fn places(question: &DocumentQuestion<'_>) -> Vec<NamePlace> {
 
 fn definition_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let name_places = places(question);
-    let names = name_places.iter().filter(|place| place.2).map(|place| question.state.location(place));
+    let names = name_places.iter().filter(|place| place.defines).map(|place| question.state.location(place));
     let files = question.context.included_files().filter(|(_, range)| range.touches(question.params.position));
     let files =
         files.map(|(path, _)| FileLocation { uri: question.state.documents.uri(path), range: TextRange::default() });
@@ -101,15 +101,15 @@ fn definition_answer(question: &DocumentQuestion<'_>) -> RequestResult {
 fn references_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let with_definitions = question.params.context.include_declaration;
     let name_places = places(question);
-    let selected = name_places.iter().filter(|place| with_definitions || !place.2);
+    let selected = name_places.iter().filter(|place| with_definitions || !place.defines);
     Ok(json!(selected.map(|place| question.state.location(place)).collect::<Vec<_>>()))
 }
 
 fn highlight_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let name_places = places(question);
-    let in_this_file = name_places.iter().filter(|place| path_key(&place.0) == question.key);
-    let kind = |place: &NamePlace| if place.2 { 3 } else { 2 };
-    Ok(in_this_file.map(|place| json!({ "range": place.1, "kind": kind(place) })).collect())
+    let in_this_file = name_places.iter().filter(|place| path_key(&place.path) == question.key);
+    let kind = |place: &NamePlace| if place.defines { 3 } else { 2 };
+    Ok(in_this_file.map(|place| json!({ "range": place.range, "kind": kind(place) })).collect())
 }
 
 fn prepare_rename_answer(question: &DocumentQuestion<'_>) -> RequestResult {
@@ -128,8 +128,8 @@ fn rename_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let name_places = places(question);
     let mut changes: BTreeMap<String, Vec<TextEdit>> = BTreeMap::new();
     for place in &name_places {
-        let edit = TextEdit { range: place.1, new_text: new_name.to_owned() };
-        changes.entry(question.state.documents.uri(&place.0)).or_default().push(edit);
+        let edit = TextEdit { range: place.range, new_text: new_name.to_owned() };
+        changes.entry(question.state.documents.uri(&place.path)).or_default().push(edit);
     }
     Ok(json!({ "changes": changes }))
 }

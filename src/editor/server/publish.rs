@@ -20,10 +20,17 @@ pub struct FileDiagnostic {
     pub code: &'static str,
     /// Problem, reason and correction in words.
     pub message: String,
-    /// Related places: path, range, text.
-    pub related: Vec<(PathBuf, TextRange, String)>,
+    pub related: Vec<RelatedText>,
     /// Correction that can be applied.
     pub correction: Option<TextEdit>,
+}
+
+/// Related place of a diagnostic, with its text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RelatedText {
+    pub path: PathBuf,
+    pub range: TextRange,
+    pub text: String,
 }
 
 impl FileDiagnostic {
@@ -53,9 +60,9 @@ impl FileDiagnostic {
 
     /// Converts the diagnostic for the client.
     pub fn document(&self, level: DiagnosticLevel, uri: &dyn Fn(&Path) -> String) -> DocumentDiagnostic {
-        let related = self.related.iter().map(|(path, range, message)| RelatedPlace {
-            location: FileLocation { uri: uri(path), range: *range },
-            message: message.clone(),
+        let related = self.related.iter().map(|related| RelatedPlace {
+            location: FileLocation { uri: uri(&related.path), range: related.range },
+            message: related.text.clone(),
         });
         DocumentDiagnostic {
             range: self.range,
@@ -135,7 +142,9 @@ fn file_diagnostic(sources: &Sources, diagnostic: &Diagnostic, locate: &SpanLoca
         message += &format!("\nhelp: {help}");
     }
     message += &format!("\n`revolve explain {}` explains this message", diagnostic.code);
-    let related = places.filter_map(|(main_place, text)| main_place.map(|(path, range)| (path, range, text))).collect();
+    let related = places
+        .filter_map(|(place, text)| place.map(|(path, range)| RelatedText { path, range, text }))
+        .collect();
     let correction = diagnostic
         .correction(sources)
         .and_then(|correction| Some(TextEdit { range: locate(correction.span)?.1, new_text: correction.text }));

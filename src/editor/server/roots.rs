@@ -55,7 +55,8 @@ impl RootDeck {
                 move_range(&mut diagnostic.range);
                 diagnostic.correction = None;
             }
-            diagnostic.related.iter_mut().filter(|(of, _, _)| of == path).for_each(|(_, range, _)| move_range(range));
+            let of_file = diagnostic.related.iter_mut().filter(|related| related.path == path);
+            of_file.for_each(|related| move_range(&mut related.range));
         }
     }
 }

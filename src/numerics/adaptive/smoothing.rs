@@ -699,6 +699,16 @@ struct FreeSide {
     count: usize,
 }
 
+/// Shape of a part of the boundary at an inner node.
+struct CornerShape {
+    /// Unit vector outwards.
+    normal: [f64; 2],
+    /// Share of the node in the shift.
+    weight: f64,
+    /// Increase of the volume with the shift.
+    gain: f64,
+}
+
 /// Moves the inner nodes of a part of the boundary outwards until its ring volume is that of `before`; those near a line,
 /// from which the part starts, by less. `sign` is 1 if the domain is on the left of the part, otherwise -1.
 fn keep_volume(before: &[[f64; 2]], after: &mut [[f64; 2]], line: [[f64; 2]; 2], sign: f64) {
@@ -710,15 +720,16 @@ fn keep_volume(before: &[[f64; 2]], after: &mut [[f64; 2]], line: [[f64; 2]; 2],
         let [a, b, c] = [list[i - 1], list[i], list[i + 1]];
         let (chord, off) = (vector(a, c), twice_area([line[0], line[1], b]).abs() / length(vector(line[0], line[1])));
         let (l, weight) = (length(chord), (2.0 * off / length(chord)).min(1.0));
-        ([sign * chord[1] / l, -sign * chord[0] / l], weight, weight * l * (a[0] + b[0] + c[0]))
+        let normal = [sign * chord[1] / l, -sign * chord[0] / l];
+        CornerShape { normal, weight, gain: weight * l * (a[0] + b[0] + c[0]) }
     };
-    let gain: f64 = (1..last).map(|i| shape(after, i).2).sum();
+    let gain: f64 = (1..last).map(|i| shape(after, i).gain).sum();
     if gain <= 0.0 {
         return;
     }
     let mut from = after[0];
     for i in 1..last {
-        let ([r, z], weight, _) = shape(&[from, after[i], after[i + 1]], 1);
+        let CornerShape { normal: [r, z], weight, .. } = shape(&[from, after[i], after[i + 1]], 1);
         from = after[i];
         let shift = weight * lost / gain;
         after[i] = [after[i][0] + shift * r, after[i][1] + shift * z];

@@ -131,6 +131,13 @@ fn circumcircle([a, b, c]: [[f64; 2]; 3]) -> ([f64; 2], f64) {
     ([a[0] + r, a[1] + z], (r * r + z * z).sqrt())
 }
 
+/// Point that can be added: the circumcentre of a triangle, its radius relative to the wanted length, and that length.
+struct PointCandidate {
+    centre: [f64; 2],
+    relative_radius: f64,
+    length: f64,
+}
+
 /// Returns circumcentres of large and slender triangles with distances from each other and from all points; the worst
 /// triangles first.
 fn wanted_points(
@@ -139,7 +146,7 @@ fn wanted_points(
     polygon: &Boundary<'_>,
     size: &dyn Fn([f64; 2]) -> f64,
 ) -> Vec<[f64; 2]> {
-    let mut candidates: Vec<(f64, [f64; 2], f64)> = Vec::new();
+    let mut candidates = Vec::new();
     for triangle in triangles(delaunay, points, polygon) {
         let corners = triangle.inline_map(|n| points[n as usize]);
         let (centre, radius) = circumcircle(corners);
@@ -148,12 +155,15 @@ fn wanted_points(
         let shortest = sides[0].min(sides[1]).min(sides[2]);
         let is_bad = radius > LARGE * length || radius > SLENDER * shortest && radius > 0.5 * length;
         if is_bad && centre.iter().all(|x| x.is_finite()) {
-            candidates.push((radius / length, centre, length));
+            candidates.push(PointCandidate { centre, relative_radius: radius / length, length });
         }
     }
-    candidates.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1[0].total_cmp(&b.1[0])).then(a.1[1].total_cmp(&b.1[1])));
+    candidates.sort_by(|a, b| {
+        let by_place = a.centre[0].total_cmp(&b.centre[0]).then(a.centre[1].total_cmp(&b.centre[1]));
+        b.relative_radius.total_cmp(&a.relative_radius).then(by_place)
+    });
     let mut added: Vec<[f64; 2]> = Vec::new();
-    for (_, centre, length) in candidates {
+    for PointCandidate { centre, length, .. } in candidates {
         let is_free = |list: &[[f64; 2]]| list.iter().all(|p| distance(*p, centre) > APART * length);
         if is_free(&added)
             && is_free(points)
