@@ -72,13 +72,7 @@ impl Run {
             let known: Vec<&str> = columns.keys().map(String::as_str).collect();
             return Err(PyKeyError::new_err(format!("no history column {name}; the columns are {}", known.join(", "))));
         };
-        Ok(match which {
-            "final" => column_summary.last,
-            "min" => column_summary.min,
-            "max" => column_summary.max,
-            "time_min" => column_summary.time_min,
-            _ => column_summary.time_max,
-        })
+        Ok(column_summary.value(which))
     }
 
     /// Value of an expression over history columns.

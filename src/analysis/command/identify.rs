@@ -69,7 +69,6 @@ pub struct IdentifyCommand {
     seed: u64,
 }
 
-/// Results of the command.
 struct IdentificationResults<'a> {
     data: &'a MeasuredData,
     names: Vec<String>,

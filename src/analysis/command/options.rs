@@ -43,7 +43,6 @@ pub struct DeckOptions {
 }
 
 impl DeckOptions {
-    /// Returns the settings of the deck.
     pub fn settings(&self) -> Result<Vec<(String, String)>, String> {
         let mut settings = self.set.pairs()?;
         settings.extend(self.mesh_refine.map(|parts| (deck::MESH_SETTINGS[0].to_owned(), parts.to_string())));
@@ -78,7 +77,6 @@ pub struct ThreadOption {
 }
 
 impl ThreadOption {
-    /// Returns the number of threads.
     pub fn count(self) -> usize {
         self.threads.map_or_else(threads::default, Into::into)
     }
@@ -164,7 +162,6 @@ pub struct ResultOptions {
 }
 
 impl ResultOptions {
-    /// Returns the job of a deck.
     pub fn job(&self, deck: &Path) -> Result<JobFiles, JobError> {
         job::default_job(deck, self.folder.out.clone()).map_err(JobError::Checkpoint)
     }

@@ -17,7 +17,7 @@ use crate::overview::{self, StorageEstimate};
 use crate::plan::WriteSchedule;
 use crate::platform::signals::watch_signals;
 use crate::solve::{CheckpointInterval, LOST, Progress, RunPosition};
-use crate::study::quantity::{FinishedRun, Quantity};
+use crate::study::quantity::{self, FinishedRun, Quantity};
 use crate::study::settings::ModelEdit;
 use crate::study::uncertainty::{ModelTraits, RunCertificate};
 use crate::user::{Routines, host};
@@ -120,10 +120,7 @@ impl RunCommand {
         let (mut prepared, traits) = self.prepared(&settings, &[], &routines)?;
         let quantities = self.uncertainty.quantities(&self.quantity, &traits)?;
         self.start_threads(&prepared)?;
-        for quantity in &quantities {
-            quantity.check_without_study()?;
-            quantity.check(&prepared.plan)?;
-        }
+        quantity::check_all(&quantities, &prepared.plan)?;
         let compiled = if self.uncertainty.is_requested() { self.options.user.compiled(true)? } else { None };
         let (deck, overrides, user_files) = (&*self.deck, &settings[..], compiled.as_ref());
         let estimated = EstimatedRun { deck, overrides, user: user_files, traits: &traits, quantities: &quantities };

@@ -100,7 +100,6 @@ pub enum NumberFormat {
 }
 
 impl NumberFormat {
-    /// Formats a number.
     pub fn text(self, value: f64) -> String {
         if self == NumberFormat::Exact { format!("{value:?}") } else { number(value) }
     }

@@ -10,7 +10,7 @@ use crate::study::cases::{self, CaseRange, SweepPart};
 use crate::study::compare::{Agreement, ReferenceTable};
 use crate::study::dakota;
 use crate::study::grid::CaseGrid;
-use crate::study::quantity::Quantity;
+use crate::study::quantity::{self, Quantity};
 use crate::study::{StudyError, sweep};
 use crate::user::compile::Compiled;
 use crate::{job, output};
@@ -154,10 +154,7 @@ impl SweepCommand {
         let mut first = job::prepare(&self.deck, &grid.combination(0), &routines);
         origin.attribute(&mut first.diagnostics);
         accept(&first.diagnostics, &first.deck.sources, self.output.is_silent())?;
-        for quantity in &quantities {
-            quantity.check_without_study()?;
-            quantity.check(&first.plan)?;
-        }
+        quantity::check_all(&quantities, &first.plan)?;
         Ok(PreparedSweep { grid, origin, quantities, compiled, first })
     }
 

@@ -69,7 +69,6 @@ pub struct UncertaintyOptions {
 
 /// A run whose uncertainty is estimated.
 pub struct EstimatedRun<'a> {
-    /// Path of the deck.
     pub deck: &'a Path,
     /// Overrides of the deck.
     pub overrides: &'a ParameterOverrides,
@@ -77,7 +76,6 @@ pub struct EstimatedRun<'a> {
     pub user: Option<&'a Compiled>,
     /// Properties of the model.
     pub traits: &'a ModelTraits,
-    /// Quantities of the run.
     pub quantities: &'a [Quantity],
 }
 

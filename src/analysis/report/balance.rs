@@ -1,6 +1,7 @@
 //! The energy balance as stacked areas: stored energies at the bottom, dissipated energies on top, and the supplied
 //! energy as a line. Energies that the history does not have are one area, so that the areas always add up to the line.
 
+use super::frames::spread;
 use super::history::HistoryColumns;
 use super::shorten;
 use super::units::UnitNames;
@@ -36,7 +37,7 @@ pub fn columns() -> impl Iterator<Item = &'static str> {
 
 /// Returns the balance of a history; `None` if it has fewer than two energies.
 pub fn chart(history: &HistoryColumns, units: &UnitNames) -> Option<Chart> {
-    let rows = rows(history.times.len());
+    let rows = spread(history.times.len(), ROWS);
     let sampled = |column: &str| -> Option<Vec<f64>> {
         history.columns.get(column).map(|values| rows.iter().map(|&i| values[i]).collect())
     };
@@ -63,14 +64,6 @@ pub fn chart(history: &HistoryColumns, units: &UnitNames) -> Option<Chart> {
     }
     let words = "stored energies below, dissipated energies above".into();
     Some(Chart { units: units.over_time("Energy"), words, ..Chart::new(TITLE, ["time", "energy"], all_series) })
-}
-
-/// Returns indices of equally spaced rows, including the first and the last.
-fn rows(count: usize) -> Vec<usize> {
-    if count <= ROWS {
-        return (0..count).collect();
-    }
-    (0..ROWS).map(|i| i * (count - 1) / (ROWS - 1)).collect()
 }
 
 /// Returns the part of ALLIE for which the history has no column.

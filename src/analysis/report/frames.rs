@@ -7,9 +7,10 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
 use super::data::{MeridianFrames, PackedField};
+use super::find;
 use super::mesh::{DrawnMesh, bounds, drawn};
 use super::units::UnitNames;
-use crate::deck::{files, printable};
+use crate::deck::printable;
 use crate::kernel::stress::mises;
 use crate::model::vtk_file;
 use crate::output::EntityLabels;
@@ -51,7 +52,6 @@ impl FrameData {
     }
 }
 
-/// Scalar field of a frame.
 #[derive(Clone, Debug)]
 pub struct ScalarField {
     pub name: String,
@@ -63,7 +63,7 @@ pub struct ScalarField {
 
 /// Reads the times and files of a series.
 pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
-    let text = files::read_text(pvd).map_err(|e| format!("{}: {e}", pvd.display()))?;
+    let text = find::text(pvd)?;
     let folder = pvd.parent().unwrap_or(Path::new(""));
     // Only files of the same folder are read, so that a foreign list cannot refer to other files.
     let entry = |tag: &str| {
@@ -90,12 +90,10 @@ pub fn read_arrays(
     sums: &Checksums,
     wanted: &dyn Fn(&str) -> bool,
 ) -> Result<FrameData, String> {
-    sums.verify(path)?;
-    let wrong = |e: String| format!("{}: {e}", path.display());
-    let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
+    let text = find::verified_text(path, sums)?;
     let is_reference = text.contains(REFERENCE);
     let needed = |name: &str| name == BLANKING || name == "U" && is_reference || wanted(name);
-    let mesh = vtk_file::read(path, &needed).map_err(wrong)?;
+    let mesh = find::in_file(path, vtk_file::read(path, &needed))?;
     let is_field = |name: &str| name != BLANKING && !EntityLabels::is_name(name);
     let mut scalars = Vec::new();
     for (on_cells, arrays, count) in
@@ -113,9 +111,7 @@ pub fn read_arrays(
     let moved = mesh.point_arrays.iter().find(|(name, _)| name == "U" && is_reference);
     let shift = |i: usize| moved.map_or([0.0; 2], |(_, values)| [values[3 * i], values[3 * i + 1]]);
     let places = mesh.points.iter().enumerate().map(|(i, p)| [p[0] + shift(i)[0], p[1] + shift(i)[1]]).collect();
-    let of_cells = |name: &str| {
-        mesh.cell_arrays.iter().find(|array| array.0 == name).map_or(&[][..], |array| &array.1)
-    };
+    let of_cells = |name: &str| mesh.cell_arrays.iter().find(|array| array.0 == name).map_or(&[][..], |array| &array.1);
     let [elements, materials] = ["ELEMENT", "MATERIAL"].map(|name| of_cells(name).iter().map(|v| *v as i32).collect());
     let deleted = of_cells(BLANKING).iter().map(|v| *v != 0.0).collect();
     let cells = mesh.cells.into_iter().map(around).collect();
@@ -247,7 +243,7 @@ fn bytes_of_frame(mesh: &DrawnMesh, fields: &[(String, bool)]) -> usize {
 }
 
 /// Returns at most `most` of `count` indices, equally spaced, including the first and the last.
-fn spread(count: usize, most: usize) -> Vec<usize> {
+pub fn spread(count: usize, most: usize) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();
     }

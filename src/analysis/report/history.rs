@@ -14,6 +14,7 @@ use crate::variables::statistic::Statistic;
 use crate::variables::{VariableComponent, VariablePlace};
 
 use super::data::ColumnSummaryRow;
+use super::find::in_file;
 use super::shorten;
 use super::units::UnitNames;
 
@@ -43,9 +44,8 @@ pub fn hint(wanted: &str, names: &[String]) -> String {
 }
 
 fn header(path: &Path) -> Result<Vec<String>, String> {
-    let file = files::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut header = String::new();
-    BufReader::new(file).read_line(&mut header).map_err(|e| format!("{}: {e}", path.display()))?;
+    in_file(path, files::open(path).and_then(|file| BufReader::new(file).read_line(&mut header)))?;
     Ok(csv::fields(&header))
 }
 
@@ -60,19 +60,15 @@ pub fn read(path: &Path, wanted: &[String]) -> Result<HistoryColumns, String> {
     let first = leading(&file_columns);
     let position_of = |name: &String| Some(first + file_columns[first..].iter().position(|n| n == name)?);
     let places: Vec<usize> = wanted.iter().filter_map(position_of).collect();
-    let file = files::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let file = in_file(path, files::open(path))?;
     let mut history = HistoryColumns::default();
     let mut columns = vec![Vec::new(); places.len()];
     for (i, line) in BufReader::new(file).lines().enumerate().skip(1) {
-        let line = line.map_err(|e| format!("{}: {e}", path.display()))?;
+        let line = in_file(path, line)?;
         let numbers: Vec<f64> = line.split(',').map_while(|f| f.trim().parse().ok()).collect();
         if numbers.len() != file_columns.len() || line.split(',').count() != numbers.len() {
-            let expected = file_columns.len();
-            return Err(format!(
-                "{}: line {}: expected {expected} numbers: the file is damaged",
-                path.display(),
-                i + 1
-            ));
+            let (line, expected) = (i + 1, file_columns.len());
+            return in_file(path, Err(format!("line {line}: expected {expected} numbers: the file is damaged")));
         }
         history.times.push(numbers[0]);
         for (column, position_of) in columns.iter_mut().zip(&places) {

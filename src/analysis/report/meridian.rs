@@ -9,6 +9,7 @@ use super::mesh::{bounds, drawn};
 use super::picture::missing;
 use super::units::UnitNames;
 use super::{ReportError, find};
+use crate::output::HISTORY;
 use crate::output::drawing::{Colour, Drawing, DrawingShape, LineStroke, ShapePaint, TextAnchor, TextLabel};
 use crate::output::sums::Checksums;
 use crate::study::axis::{self, ticks};
@@ -45,7 +46,6 @@ const VIRIDIS: [[f64; 3]; 9] = [
 pub struct FieldOptions {
     /// Name of the field, regardless of case.
     pub field: String,
-    /// Range of the colours.
     pub range: ColourRange,
     /// Whether values of elements are averaged at the nodes and interpolated.
     pub smooth: bool,
@@ -97,11 +97,10 @@ impl RunFrames {
         let (list, sums) = (folder.join(format!("{name}.pvd")), Checksums::of(folder)?);
         sums.verify(&list)?;
         let (series, scene) = (frames::series(&list)?, find::scene(folder, &name, &sums)?);
-        let units = find::units(&folder.join(format!("{name}_history.csv")));
+        let units = find::units(&folder.join(format!("{name}{HISTORY}")));
         Ok(RunFrames { name, sums, series, scene, units })
     }
 
-    /// Returns the number of frames.
     pub fn count(&self) -> usize {
         self.series.len()
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::filter::CutoffFrequency;
 use super::{PageOptions, ReportError, balance, compare};
 use super::{find, history};
+use crate::output::HISTORY;
 use crate::output::sums::Checksums;
 use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 
@@ -61,7 +62,7 @@ pub fn energies(folder: &Path) -> Result<Chart, ReportError> {
 
 fn history_file(folder: &Path) -> Result<(String, std::path::PathBuf), String> {
     let name = find::only_run(folder)?;
-    let path = folder.join(format!("{name}_history.csv"));
+    let path = folder.join(format!("{name}{HISTORY}"));
     if !path.is_file() {
         return Err(format!("{} is missing", path.display()));
     }

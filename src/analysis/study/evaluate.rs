@@ -126,10 +126,7 @@ impl SampleEvaluator {
             let hint = near.unwrap_or_else(|| format!("; it defines {}", known.join(", ")));
             return Err(StudyError::Setting(format!("the deck defines no parameter {name}{hint}")));
         }
-        for quantity in &quantities {
-            quantity.check_without_study()?;
-            quantity.check(&prepared.plan)?;
-        }
+        quantity::check_all(&quantities, &prepared.plan)?;
         let ends_alone = quantities.iter().all(Quantity::needs_last_row_only);
         let (most_threads, idle) = (prepared.most_threads(), Mutex::default());
         let every_quantity = (0..quantities.len()).collect();

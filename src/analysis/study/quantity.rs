@@ -190,6 +190,11 @@ pub struct FinishedRun<'a> {
     pub end: Option<(f64, &'a State)>,
 }
 
+/// Checks that runs of the plan, without a study, can provide all quantities.
+pub fn check_all(quantities: &[Quantity], plan: &Plan) -> Result<(), StudyError> {
+    quantities.iter().try_for_each(|quantity| quantity.check_without_study().and_then(|()| quantity.check(plan)))
+}
+
 /// Creates a history that stores the data needed for all quantities.
 pub fn history(quantities: &[Quantity], plan: &Plan) -> RunHistory {
     let rows = quantities.iter().any(|q| q.rows);
@@ -327,13 +332,7 @@ fn parse_expression(text: &str, functions: &[&str]) -> Result<Expression, StudyE
 fn summary_value(history: &HistorySummary, function: &str, column: &str) -> Result<f64, String> {
     let summary = history.0.iter().find(|(name, _)| name.eq_ignore_ascii_case(column)).map(|(_, s)| s);
     let Some(summary) = summary else { return Err(missing(history, column)) };
-    Ok(match function {
-        "final" => summary.last,
-        "min" => summary.min,
-        "max" => summary.max,
-        "time_min" => summary.time_min,
-        _ => summary.time_max,
-    })
+    Ok(summary.value(function))
 }
 
 fn missing(history: &HistorySummary, column: &str) -> String {

@@ -72,9 +72,10 @@ pub struct RefinementRecord<'a> {
 impl<'a> RefinementRecord<'a> {
     fn of(study: &'a RefinementStudy, series: &'a super::refinement::RefinementSeries) -> RefinementRecord<'a> {
         let finest = series.sizes.last().copied().unwrap_or(1.0);
-        let fixed_setting = series.rows.first().map_or(String::new(), |&r| {
-            setting_without(study, r, &series.along.split(" and ").collect::<Vec<_>>())
-        });
+        let fixed_setting = series
+            .rows
+            .first()
+            .map_or(String::new(), |&r| setting_without(study, r, &series.along.split(" and ").collect::<Vec<_>>()));
         RefinementRecord {
             along: &series.along,
             at: fixed_setting,

@@ -31,7 +31,6 @@ struct Connections {
     pending: VecDeque<(u64, TcpStream)>,
 }
 
-/// Server of a view.
 pub struct ViewServer {
     listener: TcpListener,
     token: AccessToken,

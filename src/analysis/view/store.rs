@@ -246,8 +246,7 @@ impl FrameStore {
     /// Keeps the shape of a frame, and its fields that have been read, unless the run has been restarted.
     fn keep(&self, mesh: &ViewMesh, index: usize, data: &FrameData, generation: u64) {
         let fields = mesh.fields.iter().enumerate();
-        let read: Vec<_> =
-            fields.filter_map(|(i, field)| Some((i, Arc::new(numbers(mesh, field, data)?)))).collect();
+        let read: Vec<_> = fields.filter_map(|(i, field)| Some((i, Arc::new(numbers(mesh, field, data)?)))).collect();
         let shape = shape(mesh, data);
         let mut series = self.lock();
         if series.generation != generation {

@@ -12,29 +12,24 @@ const MOST_LINES: u32 = 4000;
 pub struct CardContext {
     /// Row of the keyword table; `None` for an unknown keyword.
     pub keyword: Option<&'static Keyword>,
-    /// Parameters with their values.
     pub parameters: Vec<WrittenParameter>,
     /// The part of the card at the position.
     pub part: CardPart,
 }
 
-/// A parameter as written.
 #[derive(Clone, Debug)]
 pub struct WrittenParameter {
     /// Rule of the keyword table.
     pub rule: Option<&'static InputRule>,
-    /// Range of the name.
     pub name_range: TextRange,
     /// Value as written, with its range.
     pub value: Option<(String, TextRange)>,
 }
 
-/// Part of a card.
 #[derive(Debug)]
 pub enum CardPart {
     /// The keyword with its star.
     Keyword(TextRange),
-    /// The name of a parameter.
     ParameterName(TextRange),
     /// The value of the parameter with this index.
     ParameterValue(usize, TextRange),
@@ -42,7 +37,6 @@ pub enum CardPart {
     Field {
         /// Its rule; `None` if the card has no such field.
         rule: Option<&'static InputRule>,
-        /// Its range.
         range: TextRange,
     },
     /// A comment, or text before the first keyword.
@@ -55,7 +49,6 @@ pub struct KeywordLine {
     pub keyword: Option<&'static Keyword>,
     /// Range of the keyword with its star.
     pub range: TextRange,
-    /// Parameters.
     pub parameters: Vec<WrittenParameter>,
     /// The line after the last continuation line.
     pub end: u32,

@@ -7,7 +7,6 @@ use crate::job::PreparedJob;
 use crate::model::{AmplitudeDefinition, MaterialDefinition, Model};
 use crate::overview::{DeckOverview, PartOverview};
 
-/// Properties of a model.
 #[derive(Debug, Default)]
 pub struct DeckFacts {
     /// Descriptions of names by kind and upper-case name, `INSTANCE.NAME` for names of instances.

@@ -23,7 +23,6 @@ use crate::text::{ColumnEncoding, TextBuffer, TextPosition, TextRange};
 
 /// A deck as features see it: its outline, and the properties of its model.
 pub struct DeckView<'a> {
-    /// Outline of the deck.
     pub outline: &'a DeckOutline,
     /// Properties of the model at the last check without errors.
     pub facts: Option<&'a DeckFacts>,
@@ -31,18 +30,14 @@ pub struct DeckView<'a> {
 
 /// A file, and the deck to which it belongs.
 pub struct FeatureContext<'a> {
-    /// Text of the file.
     pub text: &'a TextBuffer,
     /// Index of the file in the deck.
     pub file: u32,
-    /// The deck.
     pub root: DeckView<'a>,
-    /// Unit of columns.
     pub encoding: ColumnEncoding,
 }
 
 impl FeatureContext<'_> {
-    /// Returns the name at a position.
     pub fn name_at(&self, position: TextPosition) -> Option<&NameUse> {
         let outline = self.root.outline;
         outline

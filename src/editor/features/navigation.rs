@@ -7,7 +7,6 @@ use crate::deck::is_parameter_name;
 use crate::deck::name_kinds::NameKind;
 use crate::text::{TextPosition, TextRange};
 
-/// A place of a name.
 #[derive(PartialEq, Eq)]
 pub struct NamePlace {
     pub path: PathBuf,

@@ -9,7 +9,6 @@ use crate::deck::{Card, Deck, Span, Word, next_reference};
 /// A place at which a deck defines or uses a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NameUse {
-    /// Kind of object that has the name.
     pub kind: NameKind,
     /// Part in which the name is valid; empty for the assembly and for names of the whole deck.
     pub scope: String,
@@ -17,7 +16,6 @@ pub struct NameUse {
     pub name: String,
     /// The name as written, without its instance.
     pub span: Span,
-    /// Whether the name is defined here.
     pub defines: bool,
 }
 

@@ -14,32 +14,22 @@ const LONGEST: usize = 1 << 30;
 /// A message of the client or of the server.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProtocolMessage {
-    /// A request, which needs a response.
     Request {
         /// Identification that the response repeats.
         id: RequestId,
-        /// Name of the method.
         method: String,
-        /// Arguments.
         params: Value,
     },
-    /// A notification, without a response.
     Notification {
-        /// Name of the method.
         method: String,
-        /// Arguments.
         params: Value,
     },
-    /// Response to a request.
     Response {
-        /// Identification of the request.
         id: RequestId,
-        /// Result or error.
         result: Result<Value, ResponseError>,
     },
 }
 
-/// Error of a request.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ResponseError {
     /// Number of the error, one of [`ErrorCode`].
@@ -51,11 +41,8 @@ pub struct ResponseError {
 /// Numbers of errors that the protocol defines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorCode {
-    /// The message is not a valid request.
     InvalidRequest = -32600,
-    /// The server has no such method.
     MethodNotFound = -32601,
-    /// The arguments are invalid.
     InvalidParams = -32602,
     /// A request before `initialize`.
     ServerNotInitialized = -32002,
@@ -64,7 +51,6 @@ pub enum ErrorCode {
 }
 
 impl ResponseError {
-    /// Creates an error.
     pub fn new(code: ErrorCode, message: impl Into<String>) -> ResponseError {
         ResponseError { code: code as i64, message: message.into() }
     }

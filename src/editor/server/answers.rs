@@ -19,7 +19,7 @@ impl ServerState {
     /// Answers a request about a file.
     pub fn answer_about_document(&self, method: &str, params: Value) -> RequestResult {
         let name = method.strip_prefix("textDocument/").unwrap_or_default();
-        let answer = match name {
+        let answer: fn(&DocumentQuestion<'_>) -> RequestResult = match name {
             "hover" => hover_answer,
             "completion" => completion_answer,
             "definition" => definition_answer,
@@ -27,8 +27,8 @@ impl ServerState {
             "documentHighlight" => highlight_answer,
             "prepareRename" => prepare_rename_answer,
             "rename" => rename_answer,
-            "documentSymbol" => symbols_answer,
-            "foldingRange" => folding_answer,
+            "documentSymbol" => |question| Ok(symbols::document_symbols(&question.context).into()),
+            "foldingRange" => |question| Ok(folding::folding_ranges(question.context.text).into()),
             "semanticTokens/full" | "semanticTokens/range" => tokens_answer,
             "documentLink" => links_answer,
             "codeAction" => code_action_answer,
@@ -55,7 +55,6 @@ impl ServerState {
     }
 }
 
-/// A request about a file.
 struct DocumentQuestion<'a> {
     state: &'a ServerState,
     context: FeatureContext<'a>,
@@ -138,14 +137,6 @@ fn links_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let link =
         |(path, range): (&Path, TextRange)| json!({ "range": range, "target": question.state.documents.uri(path) });
     Ok(question.context.included_files().map(link).collect())
-}
-
-fn symbols_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    Ok(symbols::document_symbols(&question.context).into())
-}
-
-fn folding_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    Ok(folding::folding_ranges(question.context.text).into())
 }
 
 fn tokens_answer(question: &DocumentQuestion<'_>) -> RequestResult {

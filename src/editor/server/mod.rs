@@ -31,11 +31,9 @@ pub enum EditorError {
 
 /// What the loop of the server waits for.
 enum ServerEvent {
-    /// A message of the client.
     Received(ProtocolMessage),
     /// The end of the messages, with its reason if it is an error.
     Closed(Option<io::Error>),
-    /// The result of a check.
     Checked(Box<CheckResult>),
 }
 

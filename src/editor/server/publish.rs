@@ -10,22 +10,17 @@ use crate::text::{ColumnEncoding, TextRange};
 /// A diagnostic with its place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileDiagnostic {
-    /// Path of the file.
     pub path: PathBuf,
-    /// Range in it.
     pub range: TextRange,
     /// Level, as `revolve check` prints it.
     pub severity: Severity,
-    /// Code.
     pub code: &'static str,
     /// Problem, reason and correction in words.
     pub message: String,
     pub related: Vec<RelatedText>,
-    /// Correction that can be applied.
     pub correction: Option<TextEdit>,
 }
 
-/// Related place of a diagnostic, with its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RelatedText {
     pub path: PathBuf,
@@ -142,9 +137,8 @@ fn file_diagnostic(sources: &Sources, diagnostic: &Diagnostic, locate: &SpanLoca
         message += &format!("\nhelp: {help}");
     }
     message += &format!("\n`revolve explain {}` explains this message", diagnostic.code);
-    let related = places
-        .filter_map(|(place, text)| place.map(|(path, range)| RelatedText { path, range, text }))
-        .collect();
+    let related =
+        places.filter_map(|(place, text)| place.map(|(path, range)| RelatedText { path, range, text })).collect();
     let correction = diagnostic
         .correction(sources)
         .and_then(|correction| Some(TextEdit { range: locate(correction.span)?.1, new_text: correction.text }));

@@ -12,7 +12,6 @@ use crate::protocol::{ErrorCode, InitializeParams, ProtocolMessage, RequestId, R
 /// Files of decks: decks, included files and mesh files.
 const WATCHED_FILES: &str = "**/*.{inp,inc,dat,txt,csv,msh,vtk,vtu}";
 
-/// Result of a request.
 pub type RequestResult = Result<Value, ResponseError>;
 
 impl ServerState {

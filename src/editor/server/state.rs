@@ -18,7 +18,6 @@ use crate::protocol::{
 };
 use crate::text::{ColumnEncoding, TextBuffer};
 
-/// Phase of the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SessionPhase {
     /// Before `initialize`.
@@ -28,28 +27,18 @@ pub enum SessionPhase {
     /// After `shutdown`.
     ShutDown,
     /// After `exit`.
-    Exited {
-        /// Whether `shutdown` came before.
-        after_shutdown: bool,
-    },
+    Exited { after_shutdown: bool },
 }
 
 /// Checks that take less time are awaited instead of showing the diagnostics of the syntax first.
 const SHORT_CHECK: Duration = Duration::from_millis(25);
 
-/// State of a session.
 pub struct ServerState {
-    /// Phase of the session.
     pub phase: SessionPhase,
-    /// Messages to send.
     pub outbox: Vec<ProtocolMessage>,
-    /// Open files.
     pub documents: DocumentStore,
-    /// Unit of columns.
     pub encoding: ColumnEncoding,
-    /// Options of the client.
     pub options: InitializationOptions,
-    /// What the client can do.
     pub client: Value,
     /// Checked decks by path.
     pub roots: BTreeMap<PathBuf, RootDeck>,

@@ -52,7 +52,6 @@ impl TextBlock {
         blocks
     }
 
-    /// Returns the text of the block.
     pub fn text(&self) -> &str {
         &self.text
     }

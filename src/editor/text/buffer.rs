@@ -107,7 +107,6 @@ impl TextBuffer {
         lines
     }
 
-    /// Returns the place of a position.
     fn place(&self, position: TextPosition, encoding: ColumnEncoding) -> BlockPlace {
         if position.line >= self.line_count() {
             return self.end_place();

@@ -29,7 +29,7 @@ use crate::state::dofs::Dofs;
 use crate::state::energies::BoundaryFlow;
 use crate::state::magnitude::AmplitudeClock;
 use crate::state::nodes::Nodes;
-use active::ActiveParts;
+use active::{ActiveParts, MeshChange};
 use held_places::{HeldPlaces, MeshMotion};
 use momentum::MomentumTransport;
 use smoothing::{MeshGrading, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
@@ -400,7 +400,8 @@ impl AdaptiveDomain {
     /// Cuts displacements that are too long, and returns the number of transports in which nodes reach the new places.
     fn limit_displacements(&mut self, loops: ChunkLoops) -> usize {
         let [start, end, ..] = &mut self.places;
-        let share = self.transport.measure(loops, (&self.topology, &self.active), [start, end]);
+        let change = MeshChange { domain: &self.topology, active: &self.active, loops };
+        let share = self.transport.measure(change, [start, end]);
         let count = (share / LARGEST_SHARE).ceil().max(1.0);
         if count <= MOST_TRANSPORTS as f64 {
             return count as usize;
@@ -428,31 +429,32 @@ impl AdaptiveDomain {
         // A single part has been measured.
         if parts > 1 {
             let [_, _, from, to] = &self.places;
-            self.transport.measure(loops, (&self.topology, &self.active), [from, to]);
+            let change = MeshChange { domain: &self.topology, active: &self.active, loops };
+            self.transport.measure(change, [from, to]);
         }
     }
 
     /// Transports masses, momentum and variables over one part of the displacements.
     fn transport_part(&mut self, (part, parts): (usize, usize), loops: ChunkLoops, flow: &mut BoundaryFlow) {
         self.begin_part((part, parts), loops);
-        let domain = (&self.topology, &self.active);
+        let change = MeshChange { domain: &self.topology, active: &self.active, loops };
         if !self.material_volume.is_empty() {
-            self.transport.move_content(loops, domain, &mut self.material_volume);
+            self.transport.move_content(change, &mut self.material_volume);
         }
-        self.transport.move_masses(loops, domain, &mut self.mass);
+        self.transport.move_masses(change, &mut self.mass);
         self.find_masses(loops);
-        let domain = (&self.topology, &self.active);
+        let change = MeshChange { domain: &self.topology, active: &self.active, loops };
         let [before, after] = &self.corner_mass;
         boundary::add_flow(flow, &self.topology, self.transport.fluxes(), &self.velocity);
-        self.momentum.measure(loops, domain, self.transport.fluxes(), [before, after]);
-        self.momentum.move_velocity(loops, domain, &mut self.velocity, &self.node_mass[1]);
+        self.momentum.measure(change, self.transport.fluxes(), [before, after]);
+        self.momentum.move_velocity(change, &mut self.velocity, &self.node_mass[1]);
         if let Some(temperatures) = &mut self.temperatures {
             let [before, after] = &self.node_mass;
             temperatures.add_flow(&self.topology, self.transport.fluxes());
-            temperatures.advance(&mut self.momentum, loops, domain, [before, after]);
+            temperatures.advance(&mut self.momentum, change, [before, after]);
         }
         let packs = self.packs.iter_mut().chain(&mut self.mass_shares);
-        packs.for_each(|values| self.transport.move_variables(loops, domain, values));
+        packs.for_each(|values| self.transport.move_variables(change, values));
         self.corner_mass.swap(0, 1);
         self.node_mass.swap(0, 1);
     }

@@ -4,11 +4,10 @@
 //! Shashkov 2014, J. Comput. Phys. 258, 268). Fluxes of second order are limited so that no value leaves the range of its
 //! neighbours (Zalesak 1979, J. Comput. Phys. 31, 335).
 
-use super::active::ActiveParts;
+use super::active::{MeshChange, marked};
 use super::limiter::{larger, smaller};
 use super::topology::{DomainEdge, DomainTopology};
 use super::transport::{EdgeFlux, TransportOrder};
-use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 use crate::kernel::shape::is_triangle;
@@ -58,27 +57,19 @@ impl MomentumTransport {
     }
 
     /// Finds the masses that pass between nodes, from those between elements and from the corner masses before and after.
-    pub fn measure(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        between: &[EdgeFlux],
-        [before, after]: [&[[f64; 4]]; 2],
-    ) {
+    pub fn measure(&mut self, change: MeshChange<'_>, between: &[EdgeFlux], [before, after]: [&[[f64; 4]]; 2]) {
+        let MeshChange { domain, active, loops } = change;
         loops.each(&mut self.passed, |start, part| {
-            for (at, masses) in part.iter_mut().enumerate() {
-                let e = start + at;
-                if active.changes[e] {
-                    let inflow = corner_inflow(domain, between, e);
-                    let gains = [0, 1, 2, 3].inline_map(|i: usize| (after[e][i] - before[e][i]) - inflow[i]);
-                    *masses = if is_triangle(&domain.corners[e]) { passed_in_triangle(gains) } else { passed(gains) };
-                }
+            for (e, masses) in marked(part, start, &active.changes) {
+                let inflow = corner_inflow(domain, between, e);
+                let gains = [0, 1, 2, 3].inline_map(|i: usize| (after[e][i] - before[e][i]) - inflow[i]);
+                *masses = if is_triangle(&domain.corners[e]) { passed_in_triangle(gains) } else { passed(gains) };
             }
         });
         let passed = &self.passed;
         loops.each(&mut self.fluxes, |start, part| {
-            for (at, flux) in part.iter_mut().enumerate().filter(|(at, _)| active.edges[start + at]) {
-                let edge = &domain.edges[start + at];
+            for (i, flux) in marked(part, start, &active.edges) {
+                let edge = &domain.edges[i];
                 let passed_by = |e: u32, side: u8, sign: f64| {
                     let (e, i) = (e as usize, side as usize);
                     let mass = if active.changes[e] { sign * passed[e][i] } else { 0.0 };
@@ -96,29 +87,24 @@ impl MomentumTransport {
     }
 
     /// Moves velocities; `after` are the nodal masses after the motion.
-    pub fn move_velocity(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        values: &mut [[f64; 2]],
-        after: &[f64],
-    ) {
+    pub fn move_velocity(&mut self, change: MeshChange<'_>, values: &mut [[f64; 2]], after: &[f64]) {
+        let MeshChange { active, loops, .. } = change;
         let (fluxes, old_values) = (&self.fluxes, &*values);
         loops.each(&mut self.moved, |start, part| {
             for (at, moved) in part.iter_mut().enumerate() {
                 let n = start + at;
                 *moved = old_values[n];
                 if active.nodes[n] {
-                    *moved = first_order(domain, active, fluxes, (n, old_values), after[n]);
+                    *moved = first_order(change, fluxes, (n, old_values), after[n]);
                 }
             }
         });
         if self.order == TransportOrder::Second {
-            self.limit(loops, (domain, active), old_values, after);
+            self.limit(change, old_values, after);
             let (fluxes, ranges) = (&self.fluxes, &self.ranges);
             loops.each(&mut self.moved, |start, part| {
-                for (at, moved) in part.iter_mut().enumerate().filter(|(at, _)| active.nodes[start + at]) {
-                    correct(moved, (domain, active), (fluxes, ranges), (start + at, after[start + at]));
+                for (n, moved) in marked(part, start, &active.nodes) {
+                    correct(moved, change, (fluxes, ranges), (n, after[n]));
                 }
             });
         }
@@ -126,16 +112,11 @@ impl MomentumTransport {
     }
 
     /// Finds the corrections of second order, and the range of each node.
-    fn limit(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        given: &[[f64; 2]],
-        after: &[f64],
-    ) {
+    fn limit(&mut self, change: MeshChange<'_>, given: &[[f64; 2]], after: &[f64]) {
+        let MeshChange { domain, active, loops } = change;
         loops.each(&mut self.fluxes, |start, part| {
-            for (at, flux) in part.iter_mut().enumerate().filter(|(at, _)| active.edges[start + at]) {
-                let [first, second] = domain.edges[start + at].nodes.inline_map(|n| given[n as usize]);
+            for (i, flux) in marked(part, start, &active.edges) {
+                let [first, second] = domain.edges[i].nodes.inline_map(|n| given[n as usize]);
                 // Mean of the velocity in the mass that moves (Lax and Wendroff).
                 let share = if flux.corners > 0.0 { smaller(flux.mass.abs() / flux.corners, 1.0) } else { 1.0 };
                 let weight = 0.5 * (1.0 - share) * flux.mass.abs();
@@ -144,8 +125,8 @@ impl MomentumTransport {
         });
         let (fluxes, moved) = (&self.fluxes, &self.moved);
         loops.each(&mut self.ranges, |start, part| {
-            for (at, range) in part.iter_mut().enumerate().filter(|(at, _)| active.nodes[start + at]) {
-                *range = node_range((domain, active), fluxes, [given, moved], (start + at, after[start + at]));
+            for (n, range) in marked(part, start, &active.nodes) {
+                *range = node_range(change, fluxes, [given, moved], (n, after[n]));
             }
         });
     }
@@ -169,8 +150,7 @@ fn seen_from(edge: &DomainEdge, node: usize) -> (usize, f64) {
 }
 
 fn first_order(
-    domain: &DomainTopology,
-    active: &ActiveParts,
+    MeshChange { domain, active, .. }: MeshChange<'_>,
     fluxes: &[NodeFlux],
     (node, given): (usize, &[[f64; 2]]),
     after: f64,
@@ -187,7 +167,7 @@ fn first_order(
 }
 
 fn node_range(
-    (domain, active): (&DomainTopology, &ActiveParts),
+    MeshChange { domain, active, .. }: MeshChange<'_>,
     fluxes: &[NodeFlux],
     [given, moved]: [&[[f64; 2]]; 2],
     (node, after): (usize, f64),
@@ -216,7 +196,7 @@ fn node_range(
 /// Adds the limited corrections to the velocity of a node.
 fn correct(
     moved: &mut [f64; 2],
-    (domain, active): (&DomainTopology, &ActiveParts),
+    MeshChange { domain, active, .. }: MeshChange<'_>,
     (fluxes, ranges): (&[NodeFlux], &[NodeRange]),
     (node, after): (usize, f64),
 ) {

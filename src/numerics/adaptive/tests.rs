@@ -1,6 +1,6 @@
 //! Conservation, accuracy and bounds of the transport, on meshes that move through material at rest.
 
-use super::active::ActiveParts;
+use super::active::{ActiveParts, MeshChange};
 use super::corner_masses;
 use super::geometry::centre;
 use super::held_places::HeldPlaces;
@@ -118,11 +118,11 @@ fn turn_with(
     for i in 0..steps {
         let [from, to] = [i, i + 1].map(|i| section.in_vortex(inner, last * i as f64 / steps as f64));
         assert!(active.find(&section.topology, [&from, &to]));
-        let domain = (&section.topology, &active);
-        let share = transport.measure(loops, domain, [&from, &to]);
+        let change = MeshChange { domain: &section.topology, active: &active, loops };
+        let share = transport.measure(change, [&from, &to]);
         assert!(share < 0.5, "{share}");
-        transport.move_masses(loops, domain, &mut mass);
-        transport.move_variables(loops, domain, &mut packs);
+        transport.move_masses(change, &mut mass);
+        transport.move_variables(change, &mut packs);
     }
     values.iter_mut().zip(&packs).for_each(|(value, pack)| *value = pack.0[PACK - 1]);
     let (exact_mass, exact) = section.means(&section.in_vortex(inner, last), density, value);
@@ -149,11 +149,11 @@ fn transport_changes_only_elements_at_nodes_that_move() {
     moved_places[60] = [moved_places[60][0] + 0.02, moved_places[60][1] - 0.01];
     let mut active = ActiveParts::new(&section.topology);
     assert!(active.find(&section.topology, [&section.places, &moved_places]));
-    let (domain, mut transport) =
-        ((&section.topology, &active), ElementTransport::new(&section.topology, TransportOrder::Second));
-    transport.measure(LOOPS, domain, [&section.places, &moved_places]);
-    transport.move_masses(LOOPS, domain, &mut mass);
-    transport.move_variables(LOOPS, domain, &mut packs);
+    let change = MeshChange { domain: &section.topology, active: &active, loops: LOOPS };
+    let mut transport = ElementTransport::new(&section.topology, TransportOrder::Second);
+    transport.measure(change, [&section.places, &moved_places]);
+    transport.move_masses(change, &mut mass);
+    transport.move_variables(change, &mut packs);
     for (e, corners) in section.topology.corners.iter().enumerate() {
         let same = (mass[e], packs[e]) == (initial.0[e], initial.1[e]);
         assert_eq!(same, !corners.contains(&60), "element {e}");
@@ -273,12 +273,12 @@ fn assert_momentum_is_conserved(triangles: bool) {
     for i in 0..80 {
         let [from, to] = [i, i + 1].map(|i| section.in_vortex(0.0, f64::from(i) / 80.0));
         active.find(topology, [&from, &to]);
-        let domain = (topology, &active);
-        transport.measure(LOOPS, domain, [&from, &to]);
-        transport.move_masses(LOOPS, domain, &mut mass);
+        let change = MeshChange { domain: topology, active: &active, loops: LOOPS };
+        transport.measure(change, [&from, &to]);
+        transport.move_masses(change, &mut mass);
         let after = corner(&mass, &to);
-        momentum.measure(LOOPS, domain, transport.fluxes(), [&corners, &after]);
-        momentum.move_velocity(LOOPS, domain, &mut velocity, &nodal(&after));
+        momentum.measure(change, transport.fluxes(), [&corners, &after]);
+        momentum.move_velocity(change, &mut velocity, &nodal(&after));
         corners = after;
     }
     let after = nodal(&corners);

@@ -72,7 +72,6 @@ impl PackedLists {
         packed
     }
 
-    /// Returns a list.
     pub fn list(&self, at: usize) -> &[u32] {
         &self.items[self.range(at)]
     }

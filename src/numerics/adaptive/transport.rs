@@ -4,11 +4,10 @@
 
 use pulp::NullaryFnOnce;
 
-use super::active::ActiveParts;
+use super::active::{ActiveParts, MeshChange, marked};
 use super::geometry::{centre, share_of_first, swept};
 use super::limiter::{ElementFlow, larger, smaller};
 use super::topology::{DomainEdge, DomainTopology, ElementSide};
-use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::lists::Memory;
 use crate::kernel::quad;
@@ -103,18 +102,12 @@ impl ElementTransport {
 
     /// Measures the rings that edges sweep from the places `before` to `after`. Returns the largest share of its volume
     /// that an element loses.
-    pub fn measure(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        [before, after]: [&[[f64; 2]]; 2],
-    ) -> f64 {
+    pub fn measure(&mut self, change: MeshChange<'_>, [before, after]: [&[[f64; 2]]; 2]) -> f64 {
+        let MeshChange { domain, active, loops } = change;
         loops.each(&mut self.places, |start, part| {
-            for (at, place) in part.iter_mut().enumerate() {
-                if active.reads[start + at] {
-                    let corners = domain.corners[start + at].inline_map(|n| before[n as usize]);
-                    (place.volume, place.centre) = (quad::volume(corners), centre(corners));
-                }
+            for (e, place) in marked(part, start, &active.reads) {
+                let corners = domain.corners[e].inline_map(|n| before[n as usize]);
+                (place.volume, place.centre) = (quad::volume(corners), centre(corners));
             }
         });
         let places = &self.places;
@@ -127,13 +120,13 @@ impl ElementTransport {
                 }
             }
         });
-        self.provide_swept_rings((domain, active), [before, after]);
+        self.provide_swept_rings(change, [before, after]);
         let ElementTransport { places, fluxes, flows, order, .. } = self;
         let (places, fluxes, second) = (&*places, &*fluxes, *order == TransportOrder::Second);
         loops.combined(flows, (0.0, larger), |start, part| {
             let mut largest_share = 0.0;
-            for (at, flow) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
-                let (e, sides) = (start + at, &domain.sides[start + at]);
+            for (e, flow) in marked(part, start, &active.changes) {
+                let sides = &domain.sides[e];
                 if second {
                     flow.slopes = slopes(places, e, sides);
                 }
@@ -146,11 +139,8 @@ impl ElementTransport {
 
     /// Adds flows between elements that provide the rings which edges on closed boundaries sweep: a node that slides along
     /// a bent outline gives one element a volume, and takes it from the next one, without material.
-    fn provide_swept_rings(
-        &mut self,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        [before, after]: [&[[f64; 2]]; 2],
-    ) {
+    fn provide_swept_rings(&mut self, change: MeshChange<'_>, [before, after]: [&[[f64; 2]]; 2]) {
+        let MeshChange { domain, active, .. } = change;
         let Some(SweptRings { volumes, balance }) = &mut self.swept_rings else { return };
         volumes.fill(0.0);
         let moves = |edge: &DomainEdge| edge.nodes.iter().any(|n| active.moves[*n as usize]);
@@ -175,17 +165,12 @@ impl ElementTransport {
     }
 
     /// Moves masses, given before the motion, through the measured rings.
-    pub fn move_masses(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        masses: &mut [f64],
-    ) {
-        self.move_content(loops, (domain, active), masses);
+    pub fn move_masses(&mut self, change: MeshChange<'_>, masses: &mut [f64]) {
+        self.move_content(change, masses);
         let (masses, fluxes) = (&*masses, &self.fluxes);
-        loops.each(&mut self.flows, |start, part| {
-            for (at, flow) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
-                flow_of_masses(flow, fluxes, &domain.sides[start + at], masses[start + at]);
+        change.loops.each(&mut self.flows, |start, part| {
+            for (e, flow) in marked(part, start, &change.active.changes) {
+                flow_of_masses(flow, fluxes, &change.domain.sides[e], masses[e]);
             }
         });
     }
@@ -193,22 +178,18 @@ impl ElementTransport {
     /// Moves a quantity of the elements, given before the motion, through the measured rings. [`EdgeFlux::mass`] is then
     /// the part of the quantity that passes. Equal fractions of masses and of another quantity move where both have the same ratio
     /// in all elements. Precedes [`Self::move_masses`].
-    pub fn move_content(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        content: &mut [f64],
-    ) {
+    pub fn move_content(&mut self, change: MeshChange<'_>, content: &mut [f64]) {
+        let MeshChange { domain, active, loops } = change;
         for ((place, amount), _) in self.places.iter_mut().zip(&*content).zip(&active.reads).filter(|e| *e.1) {
             place.density = amount / place.volume;
         }
         let (places, flows) = (&self.places, &self.flows);
         let density = |e: u32| [places[e as usize].density];
         loops.each(&mut self.density_slopes, |start, part| {
-            for (at, slope) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
-                let around = domain.sides[start + at].inline_map(|side| density(side.beside));
+            for (e, slope) in marked(part, start, &active.changes) {
+                let around = domain.sides[e].inline_map(|side| density(side.beside));
                 let around = [&around[0], &around[1], &around[2], &around[3]];
-                let ([[along_r], [along_z]], _) = flows[start + at].gradient(&density((start + at) as u32), around);
+                let ([[along_r], [along_z]], _) = flows[e].gradient(&density(e as u32), around);
                 *slope = [along_r, along_z];
             }
         });
@@ -223,20 +204,16 @@ impl ElementTransport {
         });
         let fluxes = &self.fluxes;
         loops.each(content, |start, part| {
-            for (at, amount) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
-                let sides = &domain.sides[start + at];
+            for (e, amount) in marked(part, start, &active.changes) {
+                let sides = &domain.sides[e];
                 *amount += sides.iter().map(|side| fluxes[side.edge as usize].entering(side)).sum::<f64>();
             }
         });
     }
 
     /// Moves variables, per mass, with the masses that [`Self::move_masses`] has moved.
-    pub fn move_variables(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        values: &mut [Pack],
-    ) {
+    pub fn move_variables(&mut self, change: MeshChange<'_>, values: &mut [Pack]) {
+        let MeshChange { domain, active, loops } = change;
         let inputs = PackInputs { flows: &self.flows, active, domain, values };
         let range = loops.combined(&mut self.gradients, (EMPTY, joined), |start, part| {
             loops.arch.dispatch(PackGradients { inputs, start, part })
@@ -247,8 +224,8 @@ impl ElementTransport {
         });
         let moved = &self.moved;
         loops.each(values, |start, part| {
-            for (at, value) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
-                *value = moved[start + at];
+            for (e, value) in marked(part, start, &active.changes) {
+                *value = moved[e];
             }
         });
     }
