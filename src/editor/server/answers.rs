@@ -3,16 +3,17 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use lsp_server::ErrorCode;
 use serde_json::{Value, json};
 
 use super::documents::{path_key, path_of_document};
 use super::publish::FileDiagnostic;
-use super::requests::{RequestResult, parameters};
+use super::requests::{RequestResult, error, parameters};
 use super::state::ServerState;
 use crate::features::letter_case::correction_as_in_line;
 use crate::features::navigation::{NamePlace, invalid_name, places_of_name, renamed_word};
 use crate::features::{DeckView, FeatureContext, completion, folding, format, hints, hover, symbols, tokens};
-use crate::protocol::{DocumentParams, ErrorCode, FileLocation, ResponseError, TextEdit};
+use crate::protocol::{DocumentParams, FileLocation, TextEdit};
 use crate::text::{TextPosition, TextRange};
 
 impl ServerState {
@@ -34,12 +35,12 @@ impl ServerState {
             "codeAction" => code_action_answer,
             "inlayHint" => hints_answer,
             "formatting" | "rangeFormatting" => formatting_answer,
-            _ => return Err(ResponseError::new(ErrorCode::MethodNotFound, format!("`{method}` is not supported"))),
+            _ => return Err(error(ErrorCode::MethodNotFound, format!("`{method}` is not supported"))),
         };
         let params: DocumentParams = parameters(params)?;
         let key = path_of_document(&params.text_document.uri);
         let (Some(document), Some((_, root))) = (self.documents.open.get(&key), self.root_of(&key)) else {
-            return Err(ResponseError::new(ErrorCode::InvalidParams, "the file is not open"));
+            return Err(error(ErrorCode::InvalidParams, "the file is not open"));
         };
         let context = FeatureContext {
             text: &document.text,
@@ -119,10 +120,10 @@ fn prepare_rename_answer(question: &DocumentQuestion<'_>) -> RequestResult {
 fn rename_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let new_name = question.params.new_name.trim();
     let Some(one) = question.context.name_at(question.params.position) else {
-        return Err(ResponseError::new(ErrorCode::RequestFailed, "there is no name at this position"));
+        return Err(error(ErrorCode::RequestFailed, "there is no name at this position"));
     };
     if let Some(reason) = invalid_name(one.kind, new_name) {
-        return Err(ResponseError::new(ErrorCode::InvalidParams, reason));
+        return Err(error(ErrorCode::InvalidParams, reason));
     }
     let name_places = places(question);
     let mut changes: BTreeMap<String, Vec<TextEdit>> = BTreeMap::new();
@@ -153,7 +154,7 @@ fn formatting_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let (first, last) = question.lines();
     if last.saturating_sub(first) > format::MOST_LINES {
         let message = format!("more than {} lines: select the lines to format", format::MOST_LINES);
-        return Err(ResponseError::new(ErrorCode::RequestFailed, message));
+        return Err(error(ErrorCode::RequestFailed, message));
     }
     Ok(json!(format::formatting_edits(question.context.text, first, last, question.context.encoding)))
 }

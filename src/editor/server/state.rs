@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
+use lsp_server::{Message, Notification};
 use serde_json::{Value, json};
 
 use super::checks::{CheckRequest, CheckResult, DeckChecker};
@@ -13,9 +14,7 @@ use super::documents::{DocumentStore, OpenDocument, may_read, path_key, path_of_
 use super::publish::{FileDiagnostic, is_foreign, outline_diagnostics};
 use super::roots::{RootDeck, find_including_deck};
 use crate::outline::DeckOutline;
-use crate::protocol::{
-    ChangeParams, DocumentDiagnostic, DocumentParams, InitializationOptions, OpenParams, ProtocolMessage,
-};
+use crate::protocol::{ChangeParams, DocumentDiagnostic, DocumentParams, InitializationOptions, OpenParams};
 use crate::text::{ColumnEncoding, TextBuffer};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +34,7 @@ const SHORT_CHECK: Duration = Duration::from_millis(25);
 
 pub struct ServerState {
     pub phase: SessionPhase,
-    pub outbox: Vec<ProtocolMessage>,
+    pub outbox: Vec<Message>,
     pub documents: DocumentStore,
     pub encoding: ColumnEncoding,
     pub options: InitializationOptions,
@@ -70,7 +69,7 @@ impl ServerState {
 
     /// Adds a notification to the messages to send.
     pub fn notify(&mut self, method: &str, params: Value) {
-        self.outbox.push(ProtocolMessage::Notification { method: method.to_owned(), params });
+        self.outbox.push(Notification { method: method.to_owned(), params }.into());
     }
 
     /// Opens a file.
