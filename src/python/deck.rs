@@ -9,7 +9,8 @@ use revolve::deck::{Sources, files, source};
 use revolve::job::{self, FrameOutput, JobOptions, PreparedJob};
 use revolve::output::{FramePoints, JobFiles};
 use revolve::solve::Progress;
-use revolve::study::evaluate::DeckSource;
+use revolve::study::evaluate::{DeckSource, SampleEvaluator, UserRoutines};
+use revolve::study::quantity::Quantity;
 use revolve::user::Routines;
 use revolve::user::compile::Compiled;
 
@@ -142,7 +143,20 @@ impl Deck {
         user: Option<Py<User>>,
         load: Option<PythonLoad>,
     ) -> PyResult<Evaluator> {
-        Evaluator::make(py, self.source.clone(), names, fixed, quantities, user, load)
+        let parsed = quantities.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>();
+        let parsed = parsed.map_err(|why| errors::study(py, &why))?;
+        let (width, raised) = (parsed.len(), RaisedException::default());
+        let routines = match (user, load) {
+            (None, None) => UserRoutines::Absent,
+            (Some(user), None) => UserRoutines::Files(Arc::clone(&user.get().compiled)),
+            (_, Some(load)) => {
+                let exception = raised.clone();
+                UserRoutines::Stateless(Box::new(move || load.routines(&exception)))
+            }
+        };
+        let source = self.source.clone();
+        let evaluator = py.detach(|| SampleEvaluator::new(source, fixed, names, parsed, routines));
+        Ok(Evaluator { evaluator: evaluator.map_err(|why| errors::study(py, &why))?, width, raised })
     }
 }
 
