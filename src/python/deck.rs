@@ -9,7 +9,8 @@ use revolve::deck::{Sources, files, source};
 use revolve::job::{self, FrameOutput, JobOptions, PreparedJob};
 use revolve::output::{FramePoints, JobFiles};
 use revolve::solve::Progress;
-use revolve::study::evaluate::DeckSource;
+use revolve::study::evaluate::{DeckSource, SampleEvaluator, UserRoutines};
+use revolve::study::quantity::Quantity;
 use revolve::user::Routines;
 use revolve::user::compile::Compiled;
 
@@ -93,7 +94,7 @@ impl Deck {
         let (routines, _) = routines(py, user, load.as_ref())?;
         let prepared = py.detach(|| self.prepare(&settings, &routines));
         let sources = &prepared.deck.sources;
-        let found = serde_json::json!({
+        let summary = serde_json::json!({
             "findings": prepared.diagnostics.findings(sources),
             "text": prepared.diagnostics.render(sources),
             "ledger": prepared.plan.ledger,
@@ -102,7 +103,7 @@ impl Deck {
             "title": prepared.title,
             "columns": prepared.plan.column_names(),
         });
-        Ok(found.to_string())
+        Ok(summary.to_string())
     }
 
     /// Runs the deck in memory, or with result files if `out` is given.
@@ -118,8 +119,8 @@ impl Deck {
         out: Option<PathBuf>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Run> {
-        let (own, exception) = routines(py, user, load.as_ref())?;
-        let prepared = py.detach(|| self.prepared(settings, &own));
+        let (run_routines, exception) = routines(py, user, load.as_ref())?;
+        let prepared = py.detach(|| self.prepared(settings, &run_routines));
         if prepared.diagnostics.has_errors() {
             return Err(errors::refused(py, &prepared.diagnostics, &prepared.deck.sources));
         }
@@ -142,7 +143,20 @@ impl Deck {
         user: Option<Py<User>>,
         load: Option<PythonLoad>,
     ) -> PyResult<Evaluator> {
-        Evaluator::make(py, self.source.clone(), names, fixed, quantities, user, load)
+        let parsed = quantities.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>();
+        let parsed = parsed.map_err(|why| errors::study(py, &why))?;
+        let (width, raised) = (parsed.len(), RaisedException::default());
+        let routines = match (user, load) {
+            (None, None) => UserRoutines::Absent,
+            (Some(user), None) => UserRoutines::Files(Arc::clone(&user.get().compiled)),
+            (_, Some(load)) => {
+                let exception = raised.clone();
+                UserRoutines::Stateless(Box::new(move || load.routines(&exception)))
+            }
+        };
+        let source = self.source.clone();
+        let evaluator = py.detach(|| SampleEvaluator::new(source, fixed, names, parsed, routines));
+        Ok(Evaluator { evaluator: evaluator.map_err(|why| errors::study(py, &why))?, width, raised })
     }
 }
 

@@ -19,9 +19,7 @@ pub fn refused(py: Python<'_>, found: &Diagnostics, sources: &Sources) -> PyErr 
 
 /// Creates the exception for a single diagnostic.
 pub fn finding(py: Python<'_>, finding: Diagnostic) -> PyErr {
-    let mut found = Diagnostics::default();
-    found.push(finding);
-    refused(py, &found, &Sources::default())
+    refused(py, &Diagnostics::from_iter([finding]), &Sources::default())
 }
 
 /// Creates the exception for an error of a study or an evaluation.

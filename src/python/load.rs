@@ -51,13 +51,13 @@ struct LoadArrays {
 
 impl LoadArrays {
     fn new(py: Python<'_>, count: usize) -> PyResult<LoadArrays> {
-        let given = PyArray2::<f64>::zeros(py, [6, count], false);
+        let inputs = PyArray2::<f64>::zeros(py, [6, count], false);
         let view = |first: isize| -> PyResult<Py<PyAny>> {
-            let rows = given.get_item(PySlice::new(py, first, first + 2, 1))?;
+            let rows = inputs.get_item(PySlice::new(py, first, first + 2, 1))?;
             Ok(rows.getattr("T")?.unbind())
         };
         let views = [view(0)?, view(2)?, view(4)?];
-        Ok(LoadArrays { count, views, pressures: PyArray1::zeros(py, count, false).unbind(), given: given.unbind() })
+        Ok(LoadArrays { count, views, pressures: PyArray1::zeros(py, count, false).unbind(), given: inputs.unbind() })
     }
 }
 
@@ -71,19 +71,19 @@ struct PythonFunction {
 impl PythonFunction {
     fn call(&mut self, py: Python<'_>, points: &LoadPoints<'_>, pressure: &mut [f64]) -> PyResult<()> {
         let count = points.r.len();
-        let at = match self.sets.iter().position(|set| set.count == count) {
+        let index = match self.sets.iter().position(|set| set.count == count) {
             Some(at) => at,
             None => {
                 self.sets.push(LoadArrays::new(py, count)?);
                 self.sets.len() - 1
             }
         };
-        let set = &self.sets[at];
+        let set = &self.sets[index];
         {
-            let mut given: PyReadwriteArray2<'_, f64> = set.given.bind(py).try_readwrite()?;
+            let mut inputs: PyReadwriteArray2<'_, f64> = set.given.bind(py).try_readwrite()?;
             let mut pressures: PyReadwriteArray1<'_, f64> = set.pressures.bind(py).try_readwrite()?;
             let rows = [points.r, points.z, points.velocity_r, points.velocity_z, points.normal_r, points.normal_z];
-            for (row, values) in given.as_slice_mut()?.chunks_exact_mut(count.max(1)).zip(rows) {
+            for (row, values) in inputs.as_slice_mut()?.chunks_exact_mut(count.max(1)).zip(rows) {
                 row.copy_from_slice(values);
             }
             pressures.as_slice_mut()?.copy_from_slice(pressure);

@@ -67,18 +67,12 @@ impl Run {
     /// Value of a history column: `final`, `min`, `max`, `time_min` or `time_max`.
     fn column(&self, name: &str, which: &str) -> PyResult<f64> {
         let columns = &self.summary.history.summary.0;
-        let found = columns.iter().find(|c| c.0.eq_ignore_ascii_case(name)).map(|c| c.1);
-        let Some(found) = found else {
+        let column_summary = columns.iter().find(|c| c.0.eq_ignore_ascii_case(name)).map(|c| c.1);
+        let Some(column_summary) = column_summary else {
             let known: Vec<&str> = columns.keys().map(String::as_str).collect();
             return Err(PyKeyError::new_err(format!("no history column {name}; the columns are {}", known.join(", "))));
         };
-        Ok(match which {
-            "final" => found.last,
-            "min" => found.min,
-            "max" => found.max,
-            "time_min" => found.time_min,
-            _ => found.time_max,
-        })
+        Ok(column_summary.value(which))
     }
 
     /// Value of an expression over history columns.
@@ -120,19 +114,19 @@ impl Run {
         });
         let starts: Vec<i64> = starts.collect();
         let corners: Vec<i64> = frame.cells.corners().iter().map(|&n| i64::from(n)).collect();
-        let shown = PyDict::new(py);
-        shown.set_item("time", frame.time)?;
-        shown.set_item("increment", frame.increment)?;
-        shown.set_item(
+        let frame_dict = PyDict::new(py);
+        frame_dict.set_item("time", frame.time)?;
+        frame_dict.set_item("increment", frame.increment)?;
+        frame_dict.set_item(
             "points",
             points.into_pyarray(py).reshape([frame.points.len(), if frame.third.is_empty() { 2 } else { 3 }])?,
         )?;
-        shown.set_item("starts", starts.into_pyarray(py))?;
-        shown.set_item("corners", corners.into_pyarray(py))?;
-        shown.set_item("deleted", frame.deleted.clone().into_pyarray(py))?;
-        shown.set_item("point_fields", fields(py, &frame.point_fields)?)?;
-        shown.set_item("cell_fields", fields(py, &frame.cell_fields)?)?;
-        Ok(shown)
+        frame_dict.set_item("starts", starts.into_pyarray(py))?;
+        frame_dict.set_item("corners", corners.into_pyarray(py))?;
+        frame_dict.set_item("deleted", frame.deleted.clone().into_pyarray(py))?;
+        frame_dict.set_item("point_fields", fields(py, &frame.point_fields)?)?;
+        frame_dict.set_item("cell_fields", fields(py, &frame.cell_fields)?)?;
+        Ok(frame_dict)
     }
 }
 

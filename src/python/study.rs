@@ -30,11 +30,11 @@ type NamedPoints = (String, Vec<f64>, Vec<f64>, bool);
 /// Draws a chart as SVG text.
 #[pyfunction]
 pub fn chart(py: Python<'_>, title: String, x: String, y: String, series: Vec<NamedPoints>) -> PyResult<String> {
-    let of = |(name, x, y, marks): NamedPoints| {
+    let series_of = |(name, x, y, marks): NamedPoints| {
         let points = x.into_iter().zip(y).filter(|p| p.1.is_finite()).collect();
         ChartSeries::new(name, if marks { SeriesForm::Marks } else { SeriesForm::Line }, points)
     };
-    let series = series.into_iter().map(of).collect();
+    let series = series.into_iter().map(series_of).collect();
     Chart::new(&title, [&x, &y], series).svg().map_err(|why| errors::study(py, &why.into()))
 }
 
@@ -97,8 +97,8 @@ pub fn uncertainty(
         };
         uncertainties::run_and_estimate(&request)
     };
-    let found = py.detach(estimate).map_err(|why| errors::study(py, &why))?;
-    Ok(serde_json::json!(found).to_string())
+    let certificate = py.detach(estimate).map_err(|why| errors::study(py, &why))?;
+    Ok(serde_json::json!(certificate).to_string())
 }
 
 /// Finds a ballistic limit and returns its record as JSON.
@@ -133,7 +133,9 @@ impl Deck {
         let quantity = Quantity::parse(&request.quantity)?;
         let exact = convergence::exact(request.exact.as_deref(), &quantity)?;
         let target = request.target.as_deref().map(ErrorTarget::parse).transpose()?;
-        let (axes, model, runs) = self.axes(request, user, &quantity)?;
+        let model = model::build(&self.source.read(&request.settings).0).0;
+        let axes = self.axes(request, user, &quantity, &model)?;
+        let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * request.repeat;
         if exact.is_none() && !axes.iter().any(StudyAxis::is_refinement) {
             return Err(StudyError::Setting(
                 "no error can be estimated from options without levels: give exact=, or refine= with numeric levels"
@@ -141,10 +143,10 @@ impl Deck {
             ));
         }
         let source = |overrides: &job::ParameterOverrides| self.source.read(overrides);
-        let done = std::cell::Cell::new(0_usize);
+        let finished_runs = std::cell::Cell::new(0_usize);
         let count = || {
-            done.set(done.get() + 1);
-            waiting.look((done.get() as f64 / runs as f64).min(1.0), &format!("{} runs", done.get()));
+            finished_runs.set(finished_runs.get() + 1);
+            waiting.look((finished_runs.get() as f64 / runs as f64).min(1.0), &format!("{} runs", finished_runs.get()));
         };
         let compiled = user.map(|user| &*user.compiled);
         let mut bench = StudyRunner::new(&source, &request.settings, compiled, &quantity, request.repeat, &count);
@@ -158,29 +160,31 @@ impl Deck {
             announce: &|line| waiting.look(1.0, line),
             around: false,
         };
-        let (results, met, timing) = convergence::refine(&mut bench, &request)?;
-        let table = record::table(&results, true);
+        let completed = convergence::refine(&mut bench, &request)?;
+        let results = &completed.study;
+        let table = record::table(results, true);
         let drawn = |chart: Chart| chart.svg().unwrap_or_default();
         let text = serde_json::json!({
             "header": table.header,
             "rows": table.rows,
-            "conclusions": record::conclusions(&results, &quantity.text, met.as_ref()),
+            "conclusions": record::conclusions(&completed, &quantity.text),
             "reference": results.reference,
-            "price_chart": drawn(record::price_chart(&results, &quantity.text)),
-            "order_chart": drawn(record::order_chart(&results, &quantity.text)),
-            "met": met.as_ref().map(|met| met.run.is_some()),
-            "record": record::record(&quantity.text, exact, &results, met.clone(), timing),
+            "price_chart": drawn(record::price_chart(results, &quantity.text)),
+            "order_chart": drawn(record::order_chart(results, &quantity.text)),
+            "met": completed.target.as_ref().map(|met| met.run.is_some()),
+            "record": record::record(&quantity.text, exact, &completed),
         });
         Ok(text.to_string())
     }
 
-    /// Returns the axes of the study, the model and the number of runs.
+    /// Returns the axes of the study.
     fn axes(
         &self,
         request: &StudyRequest,
         user: Option<&User>,
         quantity: &Quantity,
-    ) -> Result<(Vec<StudyAxis>, Model, usize), StudyError> {
+        model: &Model,
+    ) -> Result<Vec<StudyAxis>, StudyError> {
         let routines = revolve::user::compile::Compiled::open_any(user.map(|user| &*user.compiled))?;
         let first = job::prepare_read(self.source.read(&request.settings), &routines);
         if first.diagnostics.has_errors() {
@@ -191,10 +195,8 @@ impl Deck {
         if axes.is_empty() {
             return Err(StudyError::Setting("no parameter to refine: give refine={\"NAME\": [v1, v2, …]}".into()));
         }
-        let model = model::build(&self.source.read(&request.settings).0).0;
-        settings::check(&axes, &model)?;
+        settings::check(&axes, model)?;
         quantity.check(&first.plan)?;
-        let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * request.repeat;
-        Ok((axes, model, runs))
+        Ok(axes)
     }
 }

@@ -125,6 +125,19 @@ pub struct ColumnSummary {
     pub time_max: f64,
 }
 
+impl ColumnSummary {
+    /// Returns the value of the function `final`, `min`, `max`, `time_min` or `time_max`.
+    pub fn value(&self, function: &str) -> f64 {
+        match function {
+            "final" => self.last,
+            "min" => self.min,
+            "max" => self.max,
+            "time_min" => self.time_min,
+            _ => self.time_max,
+        }
+    }
+}
+
 /// Summary of each history column, by the name of the column.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(transparent)]

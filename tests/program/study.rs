@@ -231,8 +231,8 @@ fn deck_study(
         announce: &|_| {},
         around: false,
     };
-    let (study, met, _) = convergence::refine(&mut bench, &request).expect("a study");
-    (study, met.and_then(|met| met.run))
+    let completed = convergence::refine(&mut bench, &request).expect("a study");
+    (completed.study, completed.target.and_then(|target| target.run))
 }
 
 /// Estimates the uncertainty of one run of a deck text.

@@ -12,9 +12,8 @@ use crate::plan::ledger::Ledger;
 use clap::Args;
 use serde::Serialize;
 
-use super::options::{CurvedOption, OutputOptions, QuietOption};
-use super::words::print_out;
-use super::{CommandStatus, REFUSED, UserFiles, accept, deck_settings, words};
+use super::options::{DeckOptions, OutputOptions, QuietOption};
+use super::{CommandStatus, accept, words};
 
 /// Wall-clock time of the trial run from which the run time of the whole analysis is estimated.
 const TRIAL_TIME: Duration = Duration::from_millis(500);
@@ -24,16 +23,8 @@ const TRIAL_TIME: Duration = Duration::from_millis(500);
 pub struct CheckCommand {
     /// Input deck; `-` reads from standard input.
     deck: PathBuf,
-    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
-    #[arg(short, long = "set", value_name = "NAME=VALUE")]
-    set: Vec<String>,
-    /// Divide each edge of the mesh into N equal parts. Sets, surfaces, loads and constraints follow.
-    #[arg(long, value_name = "N")]
-    mesh_refine: Option<u32>,
     #[command(flatten)]
-    curved: CurvedOption,
-    #[command(flatten)]
-    user: UserFiles,
+    options: DeckOptions,
     /// Skip the short trial run that estimates increments and run time.
     #[arg(long)]
     no_look: bool,
@@ -57,10 +48,9 @@ struct CheckReport<'a> {
 
 impl CheckCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
-        let (routines, _) = self.user.routines(self.output.is_silent(), false)?;
+        let (routines, _) = self.options.user.routines(self.output.is_silent(), false)?;
         let OutputOptions { quiet: QuietOption { quiet }, json } = self.output;
-        let settings = deck_settings(&self.set, self.mesh_refine, &self.curved)?;
-        let (mut prepared, mut overview) = job::examine(&self.deck, &settings, &routines);
+        let (mut prepared, mut overview) = job::examine(&self.deck, &self.options.settings()?, &routines);
         let free = job::default_job(&self.deck, None).ok().and_then(|job| super::free_space(&job.folder));
         if let Some(overview) = overview.as_mut().filter(|_| !quiet) {
             let (plan, state) = (&prepared.plan, std::mem::take(&mut prepared.state));
@@ -73,9 +63,9 @@ impl CheckCommand {
             overview.output = Some(sizes.with_effort(plan, overview.effort.as_ref()));
         }
         if json {
-            return print_json(&prepared, overview.as_ref());
+            return self.print_json(&prepared, overview.as_ref());
         }
-        accept(&prepared, quiet)?;
+        accept(&prepared.diagnostics, &prepared.deck.sources, quiet)?;
         if quiet {
             return Ok(CommandStatus::SUCCESS);
         }
@@ -87,16 +77,16 @@ impl CheckCommand {
         words::write(format_args!("{}", prepared.plan.ledger.render(self.bytes)), false);
         Ok(super::output_status())
     }
-}
 
-fn print_json(prepared: &PreparedJob, overview: Option<&DeckOverview>) -> Result<CommandStatus, Box<dyn Error>> {
-    let accepted = overview.is_some();
-    let report = CheckReport {
-        accepted,
-        diagnostics: prepared.diagnostics.findings(&prepared.deck.sources),
-        overview,
-        ledger: accepted.then_some(&prepared.plan.ledger),
-    };
-    print_out!("{}", serde_json::to_string_pretty(&report)?);
-    Ok(if accepted { super::output_status() } else { CommandStatus::from(REFUSED) })
+    fn print_json(
+        &self,
+        prepared: &PreparedJob,
+        overview: Option<&DeckOverview>,
+    ) -> Result<CommandStatus, Box<dyn Error>> {
+        let accepted = overview.is_some();
+        let diagnostics = prepared.diagnostics.findings(&prepared.deck.sources);
+        let ledger = accepted.then_some(&prepared.plan.ledger);
+        self.output.print_json(&CheckReport { accepted, diagnostics, overview, ledger })?;
+        Ok(if accepted { super::output_status() } else { CommandStatus::REFUSED })
+    }
 }

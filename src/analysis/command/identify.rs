@@ -17,7 +17,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::search::{self, NumberFormat, SearchArguments};
-use super::{CommandStatus, HALTED, ResultFile, progress, write_results};
+use super::{CommandStatus, ResultFile, progress, write_results};
 
 /// Largest number of posterior draws that are written.
 const WRITTEN_DRAWS: usize = 4000;
@@ -69,7 +69,6 @@ pub struct IdentifyCommand {
     seed: u64,
 }
 
-/// Results of the command.
 struct IdentificationResults<'a> {
     data: &'a MeasuredData,
     names: Vec<String>,
@@ -91,9 +90,9 @@ impl IdentifyCommand {
             .into());
         }
         let routines = self.search.routines()?;
-        let all: Vec<String> = data.names.iter().chain(&names).cloned().collect();
-        let labels = self.search.labels(&all.iter().chain(&data.series).cloned().collect::<Vec<_>>())?;
-        let evaluator = self.search.evaluator(all, data.parsed_quantities()?, &routines)?;
+        let parameters: Vec<String> = data.names.iter().chain(&names).cloned().collect();
+        let labels = self.search.results.labels.checked(parameters.iter().chain(&data.series))?;
+        let evaluator = self.search.evaluator(parameters, data.parsed_quantities()?, &routines)?;
         let (job, _lock) = self.search.job()?;
         let problem = IdentificationProblem::new(evaluator, &data, &unknowns, self.search.threads());
         let fits = problem.fit(self.starts as usize)?;
@@ -103,9 +102,9 @@ impl IdentifyCommand {
         results.write(&job, &object, &labels)?;
         let lines = self.lines(&results, &job);
         self.search.print(&results.table(NumberFormat::Rounded), &lines);
-        self.search.print_json(&object)?;
+        self.search.output.print_json(&object)?;
         search::warn_still_moving(problem.evaluator());
-        Ok(if results.converged() { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
+        Ok(CommandStatus::of(results.converged()))
     }
 
     fn sample(
@@ -121,9 +120,9 @@ impl IdentifyCommand {
             seed: self.seed,
             model_error: self.model_error,
         };
-        let found = posterior(problem, fit, request, &|runs| bar.set_position(runs as u64))?;
+        let posterior = posterior(problem, fit, request, &|runs| bar.set_position(runs as u64))?;
         bar.finish_and_clear();
-        Ok(found)
+        Ok(posterior)
     }
 
     fn unknowns(&self) -> Result<Vec<UnknownParameter>, String> {
@@ -164,9 +163,9 @@ impl IdentifyCommand {
         if self.deviation.len() > measured + self.curve.len()
             || (!self.deviation.is_empty() && self.deviation.len() < measured)
         {
-            let given = self.deviation.len();
+            let deviations = self.deviation.len();
             return Err(format!(
-                "{given} options --deviation for {measured} options --measured and {} options --curve: give one for each",
+                "{deviations} options --deviation for {measured} options --measured and {} options --curve: give one for each",
                 self.curve.len()
             ));
         }
@@ -176,7 +175,7 @@ impl IdentifyCommand {
             let parts = parts.ok_or(format!("--curve {text}: expected COLUMN=EXPR with {{x}} for the abscissa"))?;
             Ok(((parts.0.trim().to_owned(), parts.1.to_owned()), true))
         });
-        let all = scalars.chain(curves).enumerate().map(|(i, request)| {
+        let series = scalars.chain(curves).enumerate().map(|(i, request)| {
             request.map(|((column, quantity), is_curve)| SeriesRequest {
                 column,
                 quantity,
@@ -184,7 +183,7 @@ impl IdentifyCommand {
                 deviation: self.deviation.get(i).cloned(),
             })
         });
-        all.collect()
+        series.collect()
     }
 
     fn lines(&self, results: &IdentificationResults<'_>, job: &JobFiles) -> Vec<String> {

@@ -7,7 +7,7 @@ use crate::study::StudyError;
 use crate::study::evaluate::SampleEvaluator;
 use crate::study::grid::CaseGrid;
 use crate::study::inputs::RandomInputs;
-use crate::study::limit::{self, DrawnShots, LimitRequest, LimitScatter, LimitVelocity, Shot, VelocityBand};
+use crate::study::limit::{self, DrawnShot, DrawnShots, LimitRequest, LimitScatter, LimitVelocity, Shot, VelocityBand};
 use crate::study::quantity::Quantity;
 use crate::study::shot::{ShotEnd, ShotResult};
 use crate::study::statistics::design::{SampleDesign, SamplingScheme};
@@ -16,7 +16,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::search::{self, CompiledRoutines, NumberFormat, SearchArguments};
-use super::{CommandStatus, HALTED, ResultFile, write_results};
+use super::{CommandStatus, ResultFile, write_results};
 
 /// Largest number of draws whose shots are written.
 const MOST_WRITTEN: u32 = 10_000;
@@ -84,33 +84,32 @@ impl LimitCommand {
         inputs: &RandomInputs,
         routines: &CompiledRoutines,
     ) -> Result<CommandStatus, Box<dyn Error>> {
-        let labels = self.search.labels(&limit::AXES.map(str::to_owned))?;
+        let labels = self.search.results.labels.checked(limit::AXES)?;
         let evaluator = self.evaluator(&[], routines)?;
         let (job, _lock) = self.search.job()?;
-        let found = limit::find(request, &mut |velocities| {
+        let limit_velocity = limit::find(request, &mut |velocities| {
             limit::fire(request, &evaluator, velocities, &[], self.search.threads())
         })?;
-        let Some(bracket) = found.bracket else { return Err(no_limit(&found).into()) };
+        let Some(bracket) = limit_velocity.bracket else { return Err(no_limit(&limit_velocity).into()) };
         let drawn = match inputs.names.is_empty() {
             true => None,
             false => Some(self.scatter(request, inputs, &self.evaluator(&inputs.names, routines)?)?),
         };
         let scattered = drawn.as_ref().map(|drawn| &drawn.0);
-        let table = |format| table(&found, bracket, scattered, format);
-        let mut object = record(&found, scattered);
-        let mut others = vec![shots_file(None, &[(0.0, &found)])];
+        let table = |format| table(&limit_velocity, bracket, scattered, format);
+        let mut object = record(&limit_velocity, scattered);
+        let mut others = vec![shots_file(None, &[(0.0, &limit_velocity)])];
         if let Some((scattered, shots)) = drawn.as_ref().filter(|_| self.count <= MOST_WRITTEN) {
             object["draws"] = shots.record(scattered);
             others.push(draws_file(shots));
         }
         others.push(search::json_file("limit", &object)?);
-        let mut charts = vec![(String::new(), limit::chart(&job.name, &found, scattered))];
+        let mut charts = vec![(String::new(), limit::chart(&job.name, &limit_velocity, scattered))];
         charts.extend(scattered.iter().map(|s| ("_scatter".to_owned(), limit::scatter_chart(&job.name, s))));
         write_results(&job, "limit", &table(NumberFormat::Exact), others, &charts, &labels)?;
-        self.search.print(&table(NumberFormat::Rounded), &lines(&found, bracket, scattered, &job));
-        self.search.print_json(&object)?;
-        let whole = is_decided(&found) && scattered.is_none_or(|s| s.lost == 0);
-        Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
+        self.search.print(&table(NumberFormat::Rounded), &lines(&limit_velocity, bracket, scattered, &job));
+        self.search.output.print_json(&object)?;
+        Ok(CommandStatus::of(is_decided(&limit_velocity) && scattered.is_none_or(|s| s.lost == 0)))
     }
 
     /// Finds the limit for each value of another parameter.
@@ -122,7 +121,7 @@ impl LimitCommand {
     ) -> Result<CommandStatus, Box<dyn Error>> {
         let (name, values) = values_over(over)?;
         self.reject_velocity(std::slice::from_ref(&name), "--over")?;
-        let labels = self.search.labels(&[name.clone(), limit::AXES[0].to_owned()])?;
+        let labels = self.search.results.labels.checked([&name[..], limit::AXES[0]])?;
         let evaluator = self.evaluator(std::slice::from_ref(&name), routines)?;
         let (job, _lock) = self.search.job()?;
         let find = |value: f64| {
@@ -130,21 +129,20 @@ impl LimitCommand {
             let fire = &mut |velocities: &[f64]| limit::fire(request, &evaluator, velocities, &[value], threads);
             Ok((value, limit::find(request, fire)?))
         };
-        let found = values.into_iter().map(find).collect::<Result<Vec<_>, StudyError>>()?;
-        let object = record_over(&name, &found);
-        let each: Vec<_> = found.iter().map(|(value, found)| (*value, found)).collect();
+        let limits = values.into_iter().map(find).collect::<Result<Vec<_>, StudyError>>()?;
+        let object = record_over(&name, &limits);
+        let each: Vec<_> = limits.iter().map(|(value, limits)| (*value, limits)).collect();
         let others = vec![search::json_file("limit", &object)?, shots_file(Some(&name), &each)];
-        let charts = [(String::new(), limit::map_chart(&job.name, &name, &found))];
-        write_results(&job, "limit", &table_over(&name, &found, NumberFormat::Exact), others, &charts, &labels)?;
-        let files = files_line(found.iter().map(|(_, found)| found.shots.len()).sum(), &job);
-        let more = found.iter().flat_map(|(value, found)| {
-            warnings(found).into_iter().map(|line| format!("{name} = {}: {line}", number(*value)))
+        let charts = [(String::new(), limit::map_chart(&job.name, &name, &limits))];
+        write_results(&job, "limit", &table_over(&name, &limits, NumberFormat::Exact), others, &charts, &labels)?;
+        let files = files_line(limits.iter().map(|(_, limits)| limits.shots.len()).sum(), &job);
+        let more = limits.iter().flat_map(|(value, limits)| {
+            warnings(limits).into_iter().map(|line| format!("{name} = {}: {line}", number(*value)))
         });
-        let table = table_over(&name, &found, NumberFormat::Rounded);
+        let table = table_over(&name, &limits, NumberFormat::Rounded);
         self.search.print(&table, &more.chain([files]).collect::<Vec<_>>());
-        self.search.print_json(&object)?;
-        let whole = found.iter().all(|(_, found)| is_decided(found));
-        Ok(if whole { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
+        self.search.output.print_json(&object)?;
+        Ok(CommandStatus::of(limits.iter().all(|(_, limits)| is_decided(limits))))
     }
 
     /// Returns an error if an option gives the striking velocity as another parameter.
@@ -189,12 +187,13 @@ impl LimitCommand {
             let judged: Vec<Option<Shot>> =
                 fired.into_iter().zip(shots).map(judge).map(Option::transpose).collect::<Result<_, _>>()?;
             if written {
-                fired_shots.extend(shots.iter().zip(&judged).map(|((draw, velocity), shot)| (*draw, *velocity, *shot)));
+                let drawn_shot = |(&(draw, velocity), &result)| DrawnShot { draw, velocity, result };
+                fired_shots.extend(shots.iter().zip(&judged).map(drawn_shot));
             }
             Ok(judged)
         };
-        let found = limit::scatter(request, count, fire)?;
-        Ok((found, DrawnShots { names: inputs.names.clone(), values: drawn, shots: fired_shots }))
+        let scattered = limit::scatter(request, count, fire)?;
+        Ok((scattered, DrawnShots { names: inputs.names.clone(), values: drawn, shots: fired_shots }))
     }
 }
 
@@ -256,9 +255,12 @@ fn lines(found: &LimitVelocity, bracket: [f64; 2], scattered: Option<&LimitScatt
     }
     lines.extend(warnings(found));
     if let Some(scattered) = scattered {
-        let all = scattered.members.len() + scattered.lost;
+        let draw_count = scattered.members.len() + scattered.lost;
         let outside = scattered.members.iter().filter(|m| m.0.is_infinite() || m.1.is_infinite()).count();
-        lines.push(format!("{all} draws: {outside} have their limit outside --between, {} failed", scattered.lost));
+        lines.push(format!(
+            "{draw_count} draws: {outside} have their limit outside --between, {} failed",
+            scattered.lost
+        ));
         if scattered.scatter.is_none() {
             lines.push("no scatter can be estimated: the intervals of all limits overlap; decrease --tolerance or use more draws".into());
         }
@@ -300,12 +302,12 @@ fn record(found: &LimitVelocity, scattered: Option<&LimitScatter>) -> Value {
 
 /// Returns the JSON object of the limits for the values of another parameter.
 fn record_over(name: &str, found: &[(f64, LimitVelocity)]) -> Value {
-    let of = |(value, found): &(f64, LimitVelocity)| {
+    let record_of = |(value, found): &(f64, LimitVelocity)| {
         let mut object = found.record();
         object["value"] = json!(value);
         object
     };
-    json!({"over": name, "limits": found.iter().map(of).collect::<Vec<_>>()})
+    json!({"over": name, "limits": found.iter().map(record_of).collect::<Vec<_>>()})
 }
 
 /// Returns the CSV file of all shots, with the value of the parameter `over` if there is one.
@@ -326,12 +328,12 @@ fn draws_file(drawn: &DrawnShots) -> ResultFile {
     let header = ["draw"].into_iter().chain(drawn.names.iter().map(String::as_str));
     let mut text = csv::line(header.chain(["velocity", "residual", "end"]));
     let mut shots: Vec<_> = drawn.shots.iter().collect();
-    shots.sort_by_key(|shot| shot.0);
-    for (draw, velocity, shot) in shots {
+    shots.sort_by_key(|shot| shot.draw);
+    for &DrawnShot { draw, velocity, result: shot } in shots {
         let end = shot.map_or(json!(limit::FAILED), |shot| json!(shot.end));
         let residual = shot.map_or(String::new(), |shot| exact(shot.residual));
-        let parameters = drawn.of(*draw).iter().copied().map(exact);
-        let result = [exact(*velocity), residual, end.as_str().unwrap_or_default().to_owned()];
+        let parameters = drawn.of(draw).iter().copied().map(exact);
+        let result = [exact(velocity), residual, end.as_str().unwrap_or_default().to_owned()];
         text += &csv::line([(draw + 1).to_string()].into_iter().chain(parameters).chain(result));
     }
     ("_limit_draws.csv".into(), text.into_bytes())

@@ -1,5 +1,6 @@
 //! Parsing of the command line and dispatch to the commands, for the program and the Python package.
 
+use std::error::Error;
 use std::ffi::OsString;
 
 use crate::deck::untrusted;
@@ -7,14 +8,14 @@ use clap::{Parser, Subcommand};
 
 use super::words::print_err;
 use super::{
-    CommandStatus, HALTED, REFUSED, chart, check, explain, identify, limit, lsp, material, mesh, new, print_error,
-    report, resistance, run, scatter, shell, study, sweep, view,
+    CommandStatus, chart, check, explain, identify, limit, lsp, material, mesh, new, print_error, report, resistance,
+    run, scatter, shell, study, sweep, view,
 };
 
 /// Axisymmetric explicit finite-element code for ABAQUS-style decks with user subroutines.
 #[derive(Parser)]
 #[command(name = "revolve", bin_name = "revolve", version, long_version = shell::version(), arg_required_else_help = true)]
-struct ProgramArguments {
+pub struct ProgramArguments {
     /// Restrict what a deck can do, for decks from unknown sources: no user subroutines, no files outside the folder of
     /// the deck, no lines of included files in messages, limits on elements, results and time. REVOLVE_UNTRUSTED=1 does
     /// the same.
@@ -24,26 +25,43 @@ struct ProgramArguments {
     command: ProgramCommand,
 }
 
-#[derive(Subcommand)]
-enum ProgramCommand {
-    Run(run::RunCommand),
-    Study(study::StudyCommand),
-    Check(check::CheckCommand),
-    Explain(explain::ExplainCommand),
-    Sweep(sweep::SweepCommand),
-    Scatter(scatter::ScatterCommand),
-    Limit(limit::LimitCommand),
-    Identify(identify::IdentifyCommand),
-    Report(report::ReportCommand),
-    Resistance(resistance::ResistanceCommand),
-    Material(material::MaterialCommand),
-    Chart(chart::ChartCommand),
-    View(view::ViewCommand),
-    New(new::NewCommand),
-    Mesh(mesh::MeshCommand),
-    Lsp(lsp::LspCommand),
-    Completions(shell::CompletionsCommand),
-    Man(shell::ManCommand),
+/// Defines the commands and their dispatch.
+macro_rules! program_commands {
+    ($($name:ident: $command:ty,)*) => {
+        #[derive(Subcommand)]
+        enum ProgramCommand {
+            $($name($command),)*
+        }
+
+        impl ProgramCommand {
+            fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
+                match self {
+                    $(ProgramCommand::$name(command) => command.execute(),)*
+                }
+            }
+        }
+    };
+}
+
+program_commands! {
+    Run: run::RunCommand,
+    Study: study::StudyCommand,
+    Check: check::CheckCommand,
+    Explain: explain::ExplainCommand,
+    Sweep: sweep::SweepCommand,
+    Scatter: scatter::ScatterCommand,
+    Limit: limit::LimitCommand,
+    Identify: identify::IdentifyCommand,
+    Report: report::ReportCommand,
+    Resistance: resistance::ResistanceCommand,
+    Material: material::MaterialCommand,
+    Chart: chart::ChartCommand,
+    View: view::ViewCommand,
+    New: new::NewCommand,
+    Mesh: mesh::MeshCommand,
+    Lsp: lsp::LspCommand,
+    Completions: shell::CompletionsCommand,
+    Man: shell::ManCommand,
 }
 
 /// Runs a command line, whose first argument is the program name, with the output of the program, and returns its exit
@@ -55,7 +73,7 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandSta
                 && let Err(error) = restrict()
             {
                 print_err!("error: {error}");
-                return CommandStatus(REFUSED);
+                return CommandStatus::REFUSED;
             }
             arguments.command
         }
@@ -67,29 +85,9 @@ pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandSta
     };
     crate::model::silence_caught_panics();
     crate::platform::signals::outlive_limits();
-    let result = match command {
-        ProgramCommand::Run(run) => run.execute(),
-        ProgramCommand::Study(study) => study.execute(),
-        ProgramCommand::Check(check) => check.execute(),
-        ProgramCommand::Explain(explain) => explain.execute(),
-        ProgramCommand::Sweep(sweep) => sweep.execute(),
-        ProgramCommand::Scatter(scatter) => scatter.execute(),
-        ProgramCommand::Limit(limit) => limit.execute(),
-        ProgramCommand::Identify(identify) => identify.execute(),
-        ProgramCommand::Report(report) => report.execute(),
-        ProgramCommand::Resistance(resistance) => resistance.execute(),
-        ProgramCommand::Material(material) => material.execute(),
-        ProgramCommand::Chart(chart) => chart.execute(),
-        ProgramCommand::View(view) => view.execute(),
-        ProgramCommand::New(new) => new.execute(),
-        ProgramCommand::Mesh(mesh) => mesh.execute(),
-        ProgramCommand::Lsp(lsp) => lsp.execute(),
-        ProgramCommand::Completions(completions) => completions.execute::<ProgramArguments>(),
-        ProgramCommand::Man(man) => man.execute::<ProgramArguments>(),
-    };
-    result.unwrap_or_else(|error| {
+    command.execute().unwrap_or_else(|error| {
         print_error(&*error);
-        CommandStatus(REFUSED)
+        CommandStatus::REFUSED
     })
 }
 
@@ -100,7 +98,7 @@ fn restrict() -> Result<(), String> {
     std::thread::spawn(move || {
         std::thread::sleep(limit);
         print_err!("error: the time limit of --untrusted, {} s, is reached", limit.as_secs_f64());
-        std::process::exit(i32::from(HALTED));
+        std::process::exit(i32::from(CommandStatus::HALTED.0));
     });
     Ok(())
 }

@@ -5,19 +5,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::options::{FolderOption, LabelOption, OutputOptions, ThreadOption};
+use super::options::{OutputOptions, ResultOptions, SetOption};
 use super::words::{print_err, print_out};
-use super::{
-    AlreadyPrinted, CommandStatus, PictureFormat, UserFiles, lock_job, pairs, print_findings, print_table,
-    print_unit_warnings, write_results,
-};
+use super::{CommandStatus, PictureFormat, UserFiles, print_table, print_unit_warnings, read_model, write_results};
 use crate::deck::names::nearest;
 use crate::job;
 use crate::model::{MaterialId, Model};
 use crate::output;
 use crate::study::material::{self, TensionCurve, TensionRequest};
 use crate::user::Routines;
-use crate::{deck, model};
 
 /// Compute the true stress over the true strain of the materials of a deck in uniaxial tension, with one element.
 #[derive(Args)]
@@ -46,16 +42,11 @@ pub struct MaterialCommand {
     #[arg(long, value_name = "FILE")]
     plot: Option<PathBuf>,
     #[command(flatten)]
-    folder: FolderOption,
-    #[command(flatten)]
-    threads: ThreadOption,
-    #[command(flatten)]
-    labels: LabelOption,
+    results: ResultOptions,
     #[command(flatten)]
     output: OutputOptions,
-    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
-    #[arg(short, long = "set", value_name = "NAME=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    set: SetOption,
     #[command(flatten)]
     user: UserFiles,
 }
@@ -74,8 +65,7 @@ impl MaterialCommand {
             let names = names(&model).join(", ");
             return Err(format!("--plot draws one material: give --material with one of {names}").into());
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads.count());
-        pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
+        self.results.threads.start()?;
         let named = self.all_curves(&model, &chosen, &routines);
         if named.is_empty() {
             return Err("no material of the deck has a stress-strain curve".into());
@@ -100,13 +90,7 @@ impl MaterialCommand {
     }
 
     fn model(&self) -> Result<Model, Box<dyn Error>> {
-        let (deck, mut diagnostics) = deck::read(&self.deck, &pairs(&self.set)?);
-        let (model, found) = model::build(&deck);
-        diagnostics.append(found);
-        if diagnostics.has_errors() {
-            print_findings(&diagnostics, &deck.sources);
-            return Err(AlreadyPrinted.into());
-        }
+        let (deck, model) = read_model(&self.deck, &self.set.pairs()?)?;
         if !self.output.is_silent() {
             print_unit_warnings(&model.materials, model.settings.units.as_ref(), &deck.sources);
         }
@@ -115,10 +99,10 @@ impl MaterialCommand {
 
     /// Returns the materials to compute.
     fn chosen(&self, model: &Model) -> Result<Vec<MaterialId>, String> {
-        let all = || (0..model.materials.len()).map(MaterialId::new);
-        let Some(name) = &self.material else { return Ok(all().collect()) };
+        let material_ids = || (0..model.materials.len()).map(MaterialId::new);
+        let Some(name) = &self.material else { return Ok(material_ids().collect()) };
         let chosen: Vec<MaterialId> =
-            all().filter(|&id| model.materials[id].name.eq_ignore_ascii_case(name.trim())).collect();
+            material_ids().filter(|&id| model.materials[id].name.eq_ignore_ascii_case(name.trim())).collect();
         if !chosen.is_empty() {
             return Ok(chosen);
         }
@@ -134,11 +118,11 @@ impl MaterialCommand {
         let mut named = Vec::new();
         for &id in chosen {
             let material = &model.materials[id];
-            let found = match material::obstacle(material) {
+            let computed = match material::obstacle(material) {
                 Some(reason) => Err(reason.to_owned()),
                 None => material::curves(model, id, &self.request(model, id), routines).map_err(|e| e.to_string()),
             };
-            match found {
+            match computed {
                 Ok(curves) => named.push((material.name.clone(), curves)),
                 Err(_) if self.output.is_silent() => {}
                 Err(reason) => print_err!("note: material {} has no curve: {reason}", material.name),
@@ -180,16 +164,14 @@ impl MaterialCommand {
         let ending = |name: &str| if named.len() == 1 { String::new() } else { format!("_{}", file_word(name)) };
         let charts: Vec<_> =
             named.iter().map(|(name, curves)| (ending(name), material::chart(name, curves, units))).collect();
-        let (job, _lock) = lock_job(&self.deck, self.folder.out.clone())?;
+        let (job, _lock) = self.results.lock_job(&self.deck)?;
         job::make_folder(&job)?;
-        let labels = self.labels.checked(material::AXES)?;
+        let labels = self.results.labels.checked(material::AXES)?;
         write_results(&job, "material", &material::point_table(named), Vec::new(), &charts, &labels)?;
         if let (Some(path), Some(format), Some((_, chart))) = (&self.plot, format, charts.first()) {
             output::write_whole(path, &format.bytes(&labels.applied(chart.clone()).drawing()?)?)?;
         }
-        if self.output.json {
-            print_out!("{}", serde_json::to_string_pretty(&material::record(named))?);
-        }
+        self.output.print_json(&material::record(named))?;
         if self.output.is_silent() {
             return Ok(super::output_status());
         }

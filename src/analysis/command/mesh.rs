@@ -197,13 +197,13 @@ impl MeshArguments {
 
     /// Returns the lines that are printed and written as comments at the top of the mesh file.
     fn lines(&self, measure: &MeshMeasure, order: Option<f64>) -> Result<Vec<String>, Diagnostic> {
-        let place = |[r, z]: MeridianPoint| format!("at r = {r:.4e}, z = {z:.4e}");
+        let location = |[r, z]: MeridianPoint| format!("at r = {r:.4e}, z = {z:.4e}");
         let [nodes, elements] = measure.counts;
         let mut lines = vec![
             format!("{elements} elements, {nodes} nodes"),
-            format!("smallest scaled Jacobian {:.3} {}", measure.jacobian.0, place(measure.jacobian.1)),
-            format!("largest aspect ratio {:.2} {}", measure.aspect.0, place(measure.aspect.1)),
-            format!("smallest element height {:.4e} {}", measure.height.0, place(measure.height.1)),
+            format!("smallest scaled Jacobian {:.3} {}", measure.jacobian.0, location(measure.jacobian.1)),
+            format!("largest aspect ratio {:.2} {}", measure.aspect.0, location(measure.aspect.1)),
+            format!("smallest element height {:.4e} {}", measure.height.0, location(measure.height.1)),
             volume_line("volume", &measure.case, order),
         ];
         if measure.fill.exact > 0.0 {

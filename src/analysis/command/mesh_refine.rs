@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::options::{CurvedOption, QuietOption};
+use super::options::{CurvedOption, QuietOption, SetOption};
 use super::words::print_out;
-use super::{AlreadyPrinted, CommandStatus, pairs, print_findings};
+use super::{CommandStatus, accept};
 use crate::{deck, model};
 
 /// Arguments of `revolve mesh refine`.
@@ -20,9 +20,8 @@ pub struct RefineArguments {
     parts: String,
     #[command(flatten)]
     curved: CurvedOption,
-    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
-    #[arg(short, long = "set", value_name = "NAME=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    set: SetOption,
     /// Deck to write. It contains all included files.
     #[arg(short, long, value_name = "FILE")]
     out: PathBuf,
@@ -32,20 +31,17 @@ pub struct RefineArguments {
 
 impl RefineArguments {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
-        let mut settings = pairs(&self.set)?;
+        let mut settings = self.set.pairs()?;
         settings.push((deck::MESH_SETTINGS[0].to_owned(), self.parts));
         settings.extend(self.curved.setting());
         let (deck, mut findings) = deck::read(&self.deck, &settings);
         let mut text = String::new();
         if !findings.has_errors() {
-            let (written, found) = model::relisting::write(&deck);
+            let (written, write_findings) = model::relisting::write(&deck);
             text = written;
-            findings.append(found);
+            findings.append(write_findings);
         }
-        if findings.has_errors() {
-            print_findings(&findings, &deck.sources);
-            return Err(AlreadyPrinted.into());
-        }
+        accept(&findings, &deck.sources, true)?;
         super::mesh::write(&self.out, text.as_bytes())?;
         if !self.quiet.quiet {
             print_out!("wrote {}", self.out.display());

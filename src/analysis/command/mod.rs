@@ -33,21 +33,20 @@ pub mod words;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use crate::deck::{self, Diagnostic, Diagnostics, Sources, untrusted};
-use crate::job::{self, JobError, PreparedJob};
-use crate::model::{DeckUnits, MaterialDefinition};
+use crate::deck::{self, Deck, Diagnostic, Diagnostics, Sources, untrusted};
+use crate::job::JobError;
+use crate::model::{self, DeckUnits, MaterialDefinition, Model};
 use crate::output::drawing::Drawing;
-use crate::output::lock::FolderLock;
 use crate::output::{self, JobFiles};
 use crate::plan::unit_warning;
 use crate::report::QuantityLabels;
+use crate::study::StudyError;
 use crate::study::chart::Chart;
 use crate::study::grid::SettingForm;
 use crate::study::table::TextTable;
 use crate::user::Routines;
 use crate::user::compile::{Compiled, compile};
 use clap::Args;
-use options::CurvedOption;
 use words::print_err;
 
 /// Exit status of a command.
@@ -57,18 +56,16 @@ pub struct CommandStatus(pub u8);
 impl CommandStatus {
     /// The command completed without errors.
     const SUCCESS: CommandStatus = CommandStatus(0);
-}
+    /// A run halted or some runs gave no result.
+    const HALTED: CommandStatus = CommandStatus(1);
+    /// The deck or the arguments are invalid.
+    const REFUSED: CommandStatus = CommandStatus(2);
 
-impl From<u8> for CommandStatus {
-    fn from(number: u8) -> CommandStatus {
-        CommandStatus(number)
+    /// Returns the status of a command whose runs all completed, or did not.
+    fn of(is_complete: bool) -> CommandStatus {
+        if is_complete { CommandStatus::SUCCESS } else { CommandStatus::HALTED }
     }
 }
-
-/// Exit status if the deck or the arguments are invalid.
-pub const REFUSED: u8 = 2;
-/// Exit status if a run halted or some runs gave no result.
-pub const HALTED: u8 = 1;
 
 /// Error of a command whose diagnostics have already been printed.
 #[derive(Debug, thiserror::Error)]
@@ -129,18 +126,6 @@ pub fn pairs(settings: &[String]) -> Result<Vec<(String, String)>, String> {
     settings.iter().map(pair).collect()
 }
 
-/// Parses `--set NAME=VALUE` settings, and adds those of `--mesh-refine` and `--curved`.
-fn deck_settings(
-    settings: &[String],
-    mesh: Option<u32>,
-    curved: &CurvedOption,
-) -> Result<Vec<(String, String)>, String> {
-    let mut settings = pairs(settings)?;
-    settings.extend(mesh.map(|parts| (deck::MESH_SETTINGS[0].to_owned(), parts.to_string())));
-    settings.extend(curved.setting());
-    Ok(settings)
-}
-
 fn print_findings(found: &Diagnostics, sources: &Sources) {
     if found.is_empty() {
         return;
@@ -158,15 +143,8 @@ fn print_unit_warnings<'a>(
     units: Option<&DeckUnits>,
     sources: &Sources,
 ) {
-    let mut warnings = Diagnostics::default();
-    materials.into_iter().filter_map(|m| unit_warning(m, units)).for_each(|warning| warnings.push(warning));
+    let warnings: Diagnostics = materials.into_iter().filter_map(|m| unit_warning(m, units)).collect();
     print_findings(&warnings, sources);
-}
-
-fn print_finding(finding: Diagnostic) {
-    let mut findings = Diagnostics::default();
-    findings.push(finding);
-    print_findings(&findings, &Sources::default());
 }
 
 /// Prints the error of a command: a diagnostic with its code and help, or one line.
@@ -179,7 +157,7 @@ fn print_error(error: &(dyn Error + 'static)) {
             JobError::Folder(_) => None,
         });
     match finding {
-        Some(finding) => print_finding(finding.clone()),
+        Some(finding) => print_findings(&Diagnostics::from_iter([finding.clone()]), &Sources::default()),
         None if error.is::<AlreadyPrinted>() => {}
         None => print_err!("error: {error}"),
     }
@@ -191,23 +169,28 @@ fn free_space(folder: &Path) -> Option<u64> {
     crate::platform::free_space(places.find(|place| place.is_dir())?)
 }
 
-/// Returns the job of a deck and locks its output folder against other jobs.
-pub fn lock_job(deck: &Path, out: Option<PathBuf>) -> Result<(JobFiles, FolderLock), JobError> {
-    let job = job::default_job(deck, out).map_err(JobError::Checkpoint)?;
-    let lock = job::lock_folder(&job)?;
-    Ok((job, lock))
-}
-
-/// Prints the diagnostics of a deck.
+/// Prints the diagnostics of a deck; `quiet` suppresses them if none is an error.
 ///
 /// # Errors
 /// If the diagnostics contain an error.
-pub fn accept(prepared: &PreparedJob, quiet: bool) -> Result<(), AlreadyPrinted> {
-    let errors = prepared.diagnostics.has_errors();
+fn accept(diagnostics: &Diagnostics, sources: &Sources, quiet: bool) -> Result<(), AlreadyPrinted> {
+    let errors = diagnostics.has_errors();
     if errors || !quiet {
-        print_findings(&prepared.diagnostics, &prepared.deck.sources);
+        print_findings(diagnostics, sources);
     }
     if errors { Err(AlreadyPrinted) } else { Ok(()) }
+}
+
+/// Reads a deck and builds its model.
+///
+/// # Errors
+/// If the deck has errors, which are printed.
+fn read_model(path: &Path, settings: &[(String, String)]) -> Result<(Deck, Model), AlreadyPrinted> {
+    let (deck, mut diagnostics) = deck::read(path, settings);
+    let (model, findings) = model::build(&deck);
+    diagnostics.append(findings);
+    accept(&diagnostics, &deck.sources, true)?;
+    Ok((deck, model))
 }
 
 /// Prints a table with aligned columns.
@@ -263,7 +246,7 @@ impl PictureFormat {
 
 /// Returns the exit status of a command that only prints: failure if standard output could not be written.
 fn output_status() -> CommandStatus {
-    if words::output_succeeded() { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) }
+    CommandStatus::of(words::output_succeeded())
 }
 
 /// Formats the parameters of a run, for example `V = 600, n = 20`.
@@ -282,4 +265,13 @@ fn print_run_warnings(runs: &[(String, &[String])]) {
     if with_warnings.len() > SHOWN {
         print_err!("warning: {} more runs have warnings", with_warnings.len() - SHOWN);
     }
+}
+
+/// Prints the number of runs or settings (`what`) without a result and the error of the first one. Returns the exit
+/// status.
+fn report_failures(failed: usize, total: usize, what: &str, first: Option<&StudyError>) -> CommandStatus {
+    if let Some(reason) = first {
+        print_err!("{failed} of {total} {what} gave no result; the first:\n{reason}");
+    }
+    CommandStatus::of(first.is_none())
 }

@@ -1,12 +1,55 @@
 //! Options that several commands have. Each is defined once.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde::Serialize;
 
-use super::threads;
-use crate::deck::CURVE_SETTING;
+use super::words::print_out;
+use super::{UserFiles, pairs, threads};
+use crate::deck::{self, CURVE_SETTING};
+use crate::job::{self, JobError};
+use crate::output::JobFiles;
+use crate::output::lock::FolderLock;
 use crate::report::QuantityLabels;
+
+/// Values of deck parameters.
+#[derive(Args)]
+pub struct SetOption {
+    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
+    #[arg(short, long = "set", value_name = "NAME=VALUE")]
+    set: Vec<String>,
+}
+
+impl SetOption {
+    /// Returns names and values; several values and distributions are errors.
+    pub fn pairs(&self) -> Result<Vec<(String, String)>, String> {
+        pairs(&self.set)
+    }
+}
+
+/// Options of a deck that is run or checked once.
+#[derive(Args)]
+pub struct DeckOptions {
+    #[command(flatten)]
+    set: SetOption,
+    /// Divide each edge of the mesh into N equal parts. Sets, surfaces, loads and constraints follow.
+    #[arg(long, value_name = "N")]
+    mesh_refine: Option<u32>,
+    #[command(flatten)]
+    curved: CurvedOption,
+    #[command(flatten)]
+    pub user: UserFiles,
+}
+
+impl DeckOptions {
+    pub fn settings(&self) -> Result<Vec<(String, String)>, String> {
+        let mut settings = self.set.pairs()?;
+        settings.extend(self.mesh_refine.map(|parts| (deck::MESH_SETTINGS[0].to_owned(), parts.to_string())));
+        settings.extend(self.curved.setting());
+        Ok(settings)
+    }
+}
 
 /// Option for curved boundaries of a refined mesh.
 #[derive(Args)]
@@ -34,10 +77,19 @@ pub struct ThreadOption {
 }
 
 impl ThreadOption {
-    /// Returns the number of threads.
     pub fn count(self) -> usize {
         self.threads.map_or_else(threads::default, Into::into)
     }
+
+    /// Starts the threads of all later parallel loops.
+    pub fn start(self) -> Result<(), String> {
+        start_threads(rayon::ThreadPoolBuilder::new().num_threads(self.count()))
+    }
+}
+
+/// Starts a thread pool for all later parallel loops.
+pub fn start_threads(pool: rayon::ThreadPoolBuilder) -> Result<(), String> {
+    pool.build_global().map_err(|e| format!("cannot start threads: {e}"))
 }
 
 /// Result folder of a command that writes several files.
@@ -71,6 +123,14 @@ impl OutputOptions {
     pub fn is_silent(self) -> bool {
         self.quiet.quiet || self.json
     }
+
+    /// Prints a JSON object if `--json` is given.
+    pub fn print_json(self, object: &impl Serialize) -> Result<(), serde_json::Error> {
+        if self.json {
+            print_out!("{}", serde_json::to_string_pretty(object)?);
+        }
+        Ok(())
+    }
 }
 
 /// Labels of quantities in pictures.
@@ -87,5 +147,29 @@ impl LabelOption {
         let labels = QuantityLabels::parse(&self.label)?;
         labels.check(&known.into_iter().map(Into::into).collect::<Vec<_>>())?;
         Ok(labels)
+    }
+}
+
+/// Options of a command that runs decks and writes tables and pictures.
+#[derive(Args)]
+pub struct ResultOptions {
+    #[command(flatten)]
+    folder: FolderOption,
+    #[command(flatten)]
+    pub threads: ThreadOption,
+    #[command(flatten)]
+    pub labels: LabelOption,
+}
+
+impl ResultOptions {
+    pub fn job(&self, deck: &Path) -> Result<JobFiles, JobError> {
+        job::default_job(deck, self.folder.out.clone()).map_err(JobError::Checkpoint)
+    }
+
+    /// Returns the job of a deck and locks its output folder against other jobs.
+    pub fn lock_job(&self, deck: &Path) -> Result<(JobFiles, FolderLock), JobError> {
+        let job = self.job(deck)?;
+        let lock = job::lock_folder(&job)?;
+        Ok((job, lock))
     }
 }

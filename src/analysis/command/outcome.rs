@@ -50,10 +50,10 @@ pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
 }
 
 fn verdict(summary: &RunSummary) -> String {
-    let took = seconds(summary.timing.seconds);
+    let run_time = seconds(summary.timing.seconds);
     let how = if summary.ended_by_user { "ended by a user subroutine" } else { summary.status };
     let resumed = summary.timing.resumed_at.map_or(String::new(), |at| format!(", restarted from increment {at}"));
-    format!("{how}: {} increments in {took}{resumed}", summary.timing.increments)
+    format!("{how}: {} increments in {run_time}{resumed}", summary.timing.increments)
 }
 
 fn warnings(summary: &RunSummary) {
@@ -85,9 +85,9 @@ fn histories(summary: &RunSummary, job: &output::JobFiles) {
 fn increments(summary: &RunSummary) {
     for step in &summary.steps {
         let Some(element) = &step.limiting_element else { continue };
-        let by = step.global_estimates.map_or(String::new(), |count| format!(", {count} global estimates"));
+        let estimates = step.global_estimates.map_or(String::new(), |count| format!(", {count} global estimates"));
         print_out!(
-            "{}: smallest stable time increment {:.3e} (element {element}){by}",
+            "{}: smallest stable time increment {:.3e} (element {element}){estimates}",
             step.name,
             step.smallest_increment
         );

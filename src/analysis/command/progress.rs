@@ -52,8 +52,8 @@ impl RunBar {
             return;
         }
         self.bar.set_position((PARTS as f64 * progress.fraction) as u64);
-        let left = self.left.after(self.bar.elapsed(), progress.fraction, progress.now.increment);
-        self.bar.set_message(sentence(progress, left));
+        let time_left = self.left.after(self.bar.elapsed(), progress.fraction, progress.now.increment);
+        self.bar.set_message(sentence(progress, time_left));
     }
 
     /// Returns the bar, for messages that are printed above it.
@@ -67,9 +67,9 @@ impl RunBar {
 }
 
 fn sentence(progress: &Progress<'_>, left: Option<Duration>) -> String {
-    let left = left.map_or(String::new(), |time| format!(", {} left", span(time)));
+    let time_left = left.map_or(String::new(), |time| format!(", {} left", span(time)));
     format!(
-        "{}: t {:.3e}{left}, dt {:.2e}, drift {:.1e}",
+        "{}: t {:.3e}{time_left}, dt {:.2e}, drift {:.1e}",
         printable(progress.step),
         progress.now.total_time,
         progress.increment,
@@ -130,26 +130,28 @@ mod tests {
     /// The time increment becomes a hundred times shorter at half of the run, at 1000 increments a second.
     #[test]
     fn remaining_time_follows_the_time_increment() {
-        let mut left = TimeLeft::default();
-        let at = |second: u64| if second <= 50 { second as f64 / 100.0 } else { 0.5 + (second - 50) as f64 / 1e4 };
-        let mut estimate = |second: u64| left.after(Duration::from_secs(second), at(second), 1000 * second);
+        let mut time_left = TimeLeft::default();
+        let fraction_at =
+            |second: u64| if second <= 50 { second as f64 / 100.0 } else { 0.5 + (second - 50) as f64 / 1e4 };
+        let mut estimate =
+            |second: u64| time_left.after(Duration::from_secs(second), fraction_at(second), 1000 * second);
         assert_eq!(estimate(0), None);
         for second in 1..200 {
             let truth = if second <= 50 { 100 - second } else { 5050 - second } as f64;
-            let found = estimate(second).expect("a time").as_secs_f64();
-            assert!((found / truth - 1.0).abs() < 0.01, "{second}: {found} {truth}");
+            let remaining = estimate(second).expect("a time").as_secs_f64();
+            assert!((remaining / truth - 1.0).abs() < 0.01, "{second}: {remaining} {truth}");
         }
     }
 
     /// Increments take twice the time from the middle of the run on.
     #[test]
     fn remaining_time_follows_a_change_of_speed() {
-        let mut left = TimeLeft::default();
+        let mut time_left = TimeLeft::default();
         let fraction = |second: u64| if second < 50 { second as f64 / 100.0 } else { 0.25 + second as f64 / 200.0 };
         let mut estimate = None;
         for second in 0..=130 {
-            let done = fraction(second);
-            estimate = left.after(Duration::from_secs(second), done, (1e4 * done) as u64);
+            let completed = fraction(second);
+            estimate = time_left.after(Duration::from_secs(second), completed, (1e4 * completed) as u64);
         }
         let truth = 150.0 - 130.0;
         let estimate = estimate.expect("a time").as_secs_f64();

@@ -39,13 +39,8 @@ impl ReportCommand {
         output::write_whole(&out, html.as_bytes())?;
         if !self.quiet.quiet {
             let runs = page.runs.iter().map(|r| (r.name.as_str(), &r.notes));
-            let tables = page
-                .sweeps
-                .iter()
-                .chain(page.studies.iter().map(|s| &s.table))
-                .chain(page.searches.iter().map(|s| &s.table));
             page.runs.iter().flat_map(|r| &r.deviations).for_each(|line| print_out!("{line}"));
-            for (name, notes) in runs.chain(tables.map(|t| (t.name.as_str(), &t.notes))) {
+            for (name, notes) in runs.chain(page.tables().map(|t| (t.name.as_str(), &t.notes))) {
                 notes.iter().for_each(|note| print_out!("{name}: {note}"));
             }
             page.notes.iter().for_each(|note| print_out!("{note}"));

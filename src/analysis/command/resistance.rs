@@ -8,8 +8,10 @@ use clap::{Args, ValueEnum};
 
 use super::options::OutputOptions;
 use super::words::{self, print_err, print_out};
-use super::{AlreadyPrinted, CommandStatus, PictureFormat, pairs, print_findings, print_table, print_unit_warnings};
-use crate::deck::{Diagnostic, Sources};
+use super::{
+    AlreadyPrinted, CommandStatus, PictureFormat, pairs, print_findings, print_table, print_unit_warnings, read_model,
+};
+use crate::deck::{Diagnostic, Diagnostics, Sources};
 use crate::model::MaterialDefinition;
 use crate::model::derive::target_of;
 use crate::output::{self, csv};
@@ -19,7 +21,6 @@ use crate::resistance::similarity::ExpandingCavity;
 use crate::resistance::{CavityShape, FitRequest, ResistanceError, ScaledTarget, TargetMaterial, YieldCurve, derive};
 use crate::study::expansion;
 use crate::study::law::ResistanceRecord;
-use crate::{deck, model};
 
 /// Values of `--type`.
 #[derive(Clone, Copy, ValueEnum)]
@@ -201,15 +202,9 @@ impl ResistanceCommand {
     }
 
     fn of_deck(&self, path: &Path) -> Result<TargetMaterial, Box<dyn Error>> {
-        let (deck, mut diagnostics) = deck::read(path, &pairs(&self.set)?);
-        let (model, found) = model::build(&deck);
-        diagnostics.append(found);
-        if diagnostics.has_errors() {
-            print_findings(&diagnostics, &deck.sources);
-            return Err(AlreadyPrinted.into());
-        }
+        let (deck, model) = read_model(path, &pairs(&self.set)?)?;
         let names: Vec<&str> = model.materials.iter().map(|m| &m.name[..]).collect();
-        let wanted = match (&self.material, &names[..]) {
+        let material_name = match (&self.material, &names[..]) {
             (Some(name), _) => name.to_uppercase(),
             (None, [only]) => (*only).to_owned(),
             (None, _) => {
@@ -220,17 +215,17 @@ impl ResistanceCommand {
                 .into());
             }
         };
-        let Some(material) = model.materials.iter().find(|m| m.name == wanted) else {
-            return Err(format!("--material {wanted}: no such material; the deck defines {}", names.join(", ")).into());
+        let Some(material) = model.materials.iter().find(|m| m.name == material_name) else {
+            return Err(
+                format!("--material {material_name}: no such material; the deck defines {}", names.join(", ")).into()
+            );
         };
         print_unit_warnings([material], model.settings.units.as_ref(), &deck.sources);
         if material.rate.is_some() && self.radius.is_none() {
-            print_err!("warning: *RATE DEPENDENT of {wanted} is ignored without --radius");
+            print_err!("warning: *RATE DEPENDENT of {material_name} is ignored without --radius");
         }
         target_of(material, self.radius, self.tension).map_err(|finding| {
-            let mut findings = deck::Diagnostics::default();
-            findings.push(finding);
-            print_findings(&findings, &deck.sources);
+            print_findings(&Diagnostics::from_iter([finding]), &deck.sources);
             AlreadyPrinted.into()
         })
     }
@@ -243,8 +238,8 @@ impl ResistanceCommand {
         similar: &PressureAt<'_>,
     ) -> Result<(), Box<dyn Error>> {
         if let (Some(path), Some(format)) = (&self.chart, format) {
-            let at = |i: u32| self.from + (self.to - self.from) * f64::from(i) / f64::from(DRAWN);
-            let points: Vec<(f64, f64)> = (0..=DRAWN).map(at).filter_map(|v| Some((v, similar(v)?))).collect();
+            let velocity_at = |i: u32| self.from + (self.to - self.from) * f64::from(i) / f64::from(DRAWN);
+            let points: Vec<(f64, f64)> = (0..=DRAWN).map(velocity_at).filter_map(|v| Some((v, similar(v)?))).collect();
             let chart = record.chart("Pressure on an expanding cavity", target, &points);
             output::write_whole(path, &format.bytes(&chart.drawing()?)?)?;
         }
@@ -256,8 +251,7 @@ impl ResistanceCommand {
 
     fn print(&self, record: &ResistanceRecord, similar: &PressureAt<'_>) -> Result<(), Box<dyn Error>> {
         if self.output.json {
-            print_out!("{}", serde_json::to_string_pretty(record)?);
-            return Ok(());
+            return Ok(self.output.print_json(record)?);
         }
         if !self.output.is_silent() {
             print_table(&record.table());
@@ -297,12 +291,12 @@ impl MaterialArguments {
             (None, None) => (YieldCurve::Perfect, f64::NAN),
         };
         // Without a deck clap requires these arguments.
-        let there = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
         Ok(TargetMaterial {
             shape: CavityShape::Spherical,
-            young: there(self.young),
-            poisson: there(self.poisson),
-            density: there(self.density),
+            young: or_nan(self.young),
+            poisson: or_nan(self.poisson),
+            density: or_nan(self.density),
             yield_stress: self.yield_stress.unwrap_or(first),
             curve,
             pressure_slope: self.pressure_slope,

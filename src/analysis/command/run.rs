@@ -17,7 +17,7 @@ use crate::overview::{self, StorageEstimate};
 use crate::plan::WriteSchedule;
 use crate::platform::signals::watch_signals;
 use crate::solve::{CheckpointInterval, LOST, Progress, RunPosition};
-use crate::study::quantity::{FinishedRun, Quantity};
+use crate::study::quantity::{self, FinishedRun, Quantity};
 use crate::study::settings::ModelEdit;
 use crate::study::uncertainty::{ModelTraits, RunCertificate};
 use crate::user::{Routines, host};
@@ -26,13 +26,13 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::options::{CurvedOption, FolderOption, OutputOptions, ThreadOption};
+use super::options::{DeckOptions, FolderOption, OutputOptions, ThreadOption, start_threads};
 use super::progress::{self, RunBar};
 use super::uncertainty::{EstimatedRun, UncertaintyOptions};
 use super::view::{self, ViewOption};
 use super::watchdog::Watchdog;
 use super::words::{self, print_err, print_out};
-use super::{CommandStatus, HALTED, UserFiles, accept, deck_settings, outcome, print_findings};
+use super::{CommandStatus, accept, outcome, print_findings};
 
 /// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
 const STACK: usize = 64 << 20;
@@ -45,16 +45,8 @@ const COUNTING_TIME: Duration = Duration::from_millis(30);
 pub struct RunCommand {
     /// Input deck.
     deck: PathBuf,
-    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
-    #[arg(short, long = "set", value_name = "NAME=VALUE")]
-    set: Vec<String>,
-    /// Divide each edge of the mesh into N equal parts. Sets, surfaces, loads and constraints follow.
-    #[arg(long, value_name = "N")]
-    mesh_refine: Option<u32>,
     #[command(flatten)]
-    curved: CurvedOption,
-    #[command(flatten)]
-    user: UserFiles,
+    options: DeckOptions,
     /// Run the user subroutines in a separate process: if they crash, the run still writes its results. Not available
     /// for VUSDFLD.
     #[arg(long, requires = "files")]
@@ -122,17 +114,14 @@ pub fn duration(text: &str) -> Option<Duration> {
 impl RunCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         // Before any thread starts: with --isolate the process is forked here.
-        let (routines, user) = self.user.routines(self.is_silent(), self.isolate)?;
+        let (routines, user) = self.options.user.routines(self.is_silent(), self.isolate)?;
         let inputs = self.uncertainty.inputs()?;
-        let settings = deck_settings(&self.set, self.mesh_refine, &self.curved)?;
+        let settings = self.options.settings()?;
         let (mut prepared, traits) = self.prepared(&settings, &[], &routines)?;
         let quantities = self.uncertainty.quantities(&self.quantity, &traits)?;
         self.start_threads(&prepared)?;
-        for quantity in &quantities {
-            quantity.check_without_study()?;
-            quantity.check(&prepared.plan)?;
-        }
-        let compiled = if self.uncertainty.is_requested() { self.user.compiled(true)? } else { None };
+        quantity::check_all(&quantities, &prepared.plan)?;
+        let compiled = if self.uncertainty.is_requested() { self.options.user.compiled(true)? } else { None };
         let (deck, overrides, user_files) = (&*self.deck, &settings[..], compiled.as_ref());
         let estimated = EstimatedRun { deck, overrides, user: user_files, traits: &traits, quantities: &quantities };
         let chosen = self.uncertainty.chosen(&estimated, self.is_silent())?;
@@ -163,7 +152,7 @@ impl RunCommand {
             frames,
             ..JobOptions::default()
         };
-        let summary = run(&prepared, &job, options, (&signal, self.is_silent(), view.as_mut()))?;
+        let summary = self.carry_out(&prepared, &job, options, &signal, view.as_mut())?;
         print_messages(&summary.messages, self.is_silent());
         if !self.is_silent() {
             outcome::print(&summary, &job, frames, self.profile);
@@ -178,7 +167,9 @@ impl RunCommand {
             None
         };
         if self.output.json {
-            print_json(&summary, &values, certificate.as_ref())?;
+            let quantities = values.iter().map(|(text, value)| (text.as_str(), value.as_ref().ok().copied())).collect();
+            let certificate = certificate.as_ref();
+            self.output.print_json(&RunReport { summary: &summary, quantities, certificate })?;
         } else if let Some(certificate) = &certificate {
             certificate.conclusions.iter().for_each(|line| print_out!("{line}"));
         } else {
@@ -190,11 +181,11 @@ impl RunCommand {
         let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
         let end = print_end(&summary, &job, frames, signal);
         if summary.reason.as_ref().is_some_and(|reason| reason.starts_with("R201")) {
-            crate::user::crash::leave(HALTED);
+            crate::user::crash::leave(CommandStatus::HALTED.0);
         }
         // Libraries are never unloaded: a thread started by a user subroutine may still run in one.
         std::mem::forget((prepared, routines));
-        Ok(if missed && end == CommandStatus::SUCCESS { CommandStatus::from(HALTED) } else { end })
+        Ok(if missed && end == CommandStatus::SUCCESS { CommandStatus::HALTED } else { end })
     }
 
     /// Reads and plans the deck, and returns the properties of its model.
@@ -212,17 +203,16 @@ impl RunCommand {
         };
         let prepared = job::prepare_edited(deck::read(&self.deck, settings), &mut edit, routines);
         reading.finish_and_clear();
-        accept(&prepared, self.is_silent())?;
+        accept(&prepared.diagnostics, &prepared.deck.sources, self.is_silent())?;
         fault?;
         Ok((prepared, traits))
     }
 
     /// Starts one thread per core or as many as requested, but not more than the run can use: idle threads would still
     /// be woken in each pass.
-    fn start_threads(&self, prepared: &PreparedJob) -> Result<(), Box<dyn Error>> {
+    fn start_threads(&self, prepared: &PreparedJob) -> Result<(), String> {
         let count = self.threads.count().min(prepared.most_threads());
-        let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count);
-        Ok(pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?)
+        start_threads(rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count))
     }
 
     fn frames(&self) -> FrameOutput {
@@ -258,8 +248,8 @@ impl RunCommand {
         }
         let is_unknown = estimate.frames.is_none() || estimate.rows.is_none();
         if untrusted::is_restricted() && (is_unknown || estimate.largest_bytes() > untrusted::MAX_OUTPUT) {
-            let (needed, most) = (overview::size(estimate.largest_bytes()), overview::size(untrusted::MAX_OUTPUT));
-            let message = format!("the results can need {needed}; with --untrusted at most {most} are permitted");
+            let (needed, permitted) = (overview::size(estimate.largest_bytes()), overview::size(untrusted::MAX_OUTPUT));
+            let message = format!("the results can need {needed}; with --untrusted at most {permitted} are permitted");
             return Err(Box::new(
                 Diagnostic::error("K012", message).help("request fewer frames, rows or variables, or use --no-frames"),
             ));
@@ -277,6 +267,40 @@ impl RunCommand {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Runs the job with a progress bar and a watchdog.
+    fn carry_out(
+        &self,
+        prepared: &PreparedJob,
+        job: &output::JobFiles,
+        options: JobOptions<'_>,
+        signal: &AtomicUsize,
+        mut view: Option<&mut JobView>,
+    ) -> Result<RunSummary, JobError> {
+        let quiet = self.is_silent();
+        let mut bar = RunBar::new(quiet);
+        let above = bar.handle();
+        let warn = |text: &str| {
+            if !quiet {
+                above.suspend(|| print_err!("warning: {text}"));
+            }
+        };
+        let mut follow = |progress: &Progress<'_>| {
+            bar.follow(progress);
+            if let Some(view) = view.as_deref_mut() {
+                view.report_progress(progress);
+            }
+        };
+        // Run as one thread of the pool: calls from outside the pool would wait in each pass over the elements.
+        let position = RunPosition::default();
+        let options = JobOptions { warn: Some(&warn), position: Some(&position), ..options };
+        let work = || job::run_with(prepared, job, options, &mut follow);
+        let watchdog = Watchdog { plan: &prepared.plan, position: &position, signal, quiet };
+        let summary =
+            watchdog.during(|| if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() });
+        bar.finish();
+        summary
     }
 
     /// Returns the checkpoint for a restart if one is requested and exists, and prints notes on it.
@@ -327,45 +351,6 @@ struct RunReport<'a> {
     certificate: Option<&'a RunCertificate>,
 }
 
-fn print_json(
-    summary: &RunSummary,
-    values: &QuantityValues,
-    certificate: Option<&RunCertificate>,
-) -> Result<(), Box<dyn Error>> {
-    let quantities = values.iter().map(|(text, value)| (text.as_str(), value.as_ref().ok().copied())).collect();
-    print_out!("{}", serde_json::to_string_pretty(&RunReport { summary, quantities, certificate })?);
-    Ok(())
-}
-
-fn run(
-    prepared: &PreparedJob,
-    job: &output::JobFiles,
-    options: JobOptions<'_>,
-    (signal, quiet, mut view): (&AtomicUsize, bool, Option<&mut JobView>),
-) -> Result<RunSummary, JobError> {
-    let mut bar = RunBar::new(quiet);
-    let above = bar.handle();
-    let warn = |text: &str| {
-        if !quiet {
-            above.suspend(|| print_err!("warning: {text}"));
-        }
-    };
-    let mut follow = |progress: &Progress<'_>| {
-        bar.follow(progress);
-        if let Some(view) = view.as_deref_mut() {
-            view.report_progress(progress);
-        }
-    };
-    // Run as one thread of the pool: calls from outside the pool would wait in each pass over the elements.
-    let position = RunPosition::default();
-    let options = JobOptions { warn: Some(&warn), position: Some(&position), ..options };
-    let work = || job::run_with(prepared, job, options, &mut follow);
-    let watchdog = Watchdog { plan: &prepared.plan, position: &position, signal, quiet };
-    let summary = watchdog.during(|| if rayon::current_num_threads() > 1 { rayon::scope(|_| work()) } else { work() });
-    bar.finish();
-    summary
-}
-
 /// Prints the reason of a halt. Returns 0, the status of a halted run, or 128 plus the signal number, as shells do.
 fn print_end(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, signal: usize) -> CommandStatus {
     let Some(reason) = &summary.reason else { return CommandStatus::SUCCESS };
@@ -378,13 +363,13 @@ fn print_end(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
     };
     print_err!("halted: {reason}{last}");
     if !summary.interrupted {
-        return CommandStatus::from(HALTED);
+        return CommandStatus::HALTED;
     }
     match &summary.lost[..] {
         [] => print_err!("continue with --resume"),
         lost => print_err!("{LOST}: {}\n--resume-anyway continues without it", lost.join("; ")),
     }
-    CommandStatus::from(128 + signal as u8)
+    CommandStatus(128 + signal as u8)
 }
 
 /// Prints the messages of user subroutines.

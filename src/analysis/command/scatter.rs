@@ -14,7 +14,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::search::{self, NumberFormat, SearchArguments};
-use super::{CommandStatus, HALTED, progress, write_results};
+use super::{CommandStatus, progress, report_failures, write_results};
 
 /// Monte Carlo study: draw deck parameters from distributions and estimate the statistics and sensitivities of
 /// quantities.
@@ -61,7 +61,7 @@ impl ScatterCommand {
             return Err(format!("--quantiles {part}: expected numbers between 0 and 1").into());
         }
         let known: Vec<String> = inputs.names.iter().chain(&self.quantity).cloned().collect();
-        let labels = self.search.labels(&known)?;
+        let labels = self.search.results.labels.checked(known.clone())?;
         let routines = self.search.routines()?;
         let evaluator = self.search.evaluator(inputs.names.clone(), quantities, &routines)?;
         let (job, _lock) = self.search.job()?;
@@ -87,11 +87,10 @@ impl ScatterCommand {
             let others = vec![search::json_file("scatter", &object)?];
             write_results(&job, "scatter", &exact, others, &self.charts(&job.name, &results), &labels)?;
             self.search.print(&self.table(&inputs, &results, NumberFormat::Rounded), &self.lines(runs, &job));
-            self.search.print_json(&object)?;
+            self.search.output.print_json(&object)?;
         }
         search::warn_still_moving(&evaluator);
-        search::report_failures(results.failed, runs, results.reason.as_ref());
-        Ok(if results.failed == 0 { CommandStatus::SUCCESS } else { CommandStatus::from(HALTED) })
+        Ok(report_failures(results.failed, runs, "runs", results.reason.as_ref()))
     }
 
     /// Returns a table with one row per quantity and statistic or Sobol index.

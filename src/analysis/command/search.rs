@@ -7,8 +7,6 @@ use std::sync::Arc;
 use crate::job::JobError;
 use crate::output::JobFiles;
 use crate::output::lock::FolderLock;
-use crate::report::QuantityLabels;
-use crate::study::StudyError;
 use crate::study::evaluate::{DeckSource, SampleEvaluator, UserRoutines};
 use crate::study::quantity::Quantity;
 use crate::study::statistics::IntervalEstimate;
@@ -16,35 +14,31 @@ use crate::study::table::{TextTable, number};
 use crate::user::compile::Compiled;
 use clap::Args;
 
-use super::options::{FolderOption, LabelOption, OutputOptions, ThreadOption};
+use super::options::{OutputOptions, ResultOptions, SetOption};
 use super::words::{print_err, print_out};
-use super::{AlreadyPrinted, ResultFile, UserFiles, lock_job, pairs, print_table};
+use super::{AlreadyPrinted, ResultFile, UserFiles, print_table};
 
 /// Options for the deck, its fixed parameters, threads and output.
 #[derive(Args)]
 pub struct SearchArguments {
     /// Input deck.
     deck: PathBuf,
-    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
-    #[arg(short, long = "set", value_name = "NAME=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    set: SetOption,
     #[command(flatten)]
     user: UserFiles,
     #[command(flatten)]
-    folder: FolderOption,
+    pub results: ResultOptions,
     #[command(flatten)]
-    threads: ThreadOption,
-    #[command(flatten)]
-    labels: LabelOption,
-    #[command(flatten)]
-    output: OutputOptions,
+    pub output: OutputOptions,
 }
 
-pub struct CompiledRoutines(Option<Arc<Compiled>>);
+/// Compiled user subroutines; `None` without any.
+pub type CompiledRoutines = Option<Arc<Compiled>>;
 
 impl SearchArguments {
     pub fn threads(&self) -> usize {
-        self.threads.count()
+        self.results.threads.count()
     }
 
     /// Returns whether informational output is suppressed.
@@ -52,19 +46,14 @@ impl SearchArguments {
         self.output.is_silent()
     }
 
-    /// Returns the labels of the `known` names in pictures.
-    pub fn labels(&self, known: &[String]) -> Result<QuantityLabels, String> {
-        self.labels.checked(known)
-    }
-
     /// Compiles the user subroutines.
     pub fn routines(&self) -> Result<CompiledRoutines, AlreadyPrinted> {
-        Ok(CompiledRoutines(self.user.compiled(self.is_silent())?.map(Arc::new)))
+        Ok(self.user.compiled(self.is_silent())?.map(Arc::new))
     }
 
     /// Returns the job of the deck and the lock of its output folder.
     pub fn job(&self) -> Result<(JobFiles, FolderLock), JobError> {
-        lock_job(&self.deck, self.folder.out.clone())
+        self.results.lock_job(&self.deck)
     }
 
     /// Creates the evaluator of `quantities` over the parameters `names`.
@@ -74,11 +63,11 @@ impl SearchArguments {
         quantities: Vec<Quantity>,
         routines: &CompiledRoutines,
     ) -> Result<SampleEvaluator, Box<dyn Error>> {
-        let fixed = pairs(&self.set)?;
+        let fixed = self.set.pairs()?;
         if let Some((name, _)) = fixed.iter().find(|pair| names.contains(&pair.0)) {
             return Err(format!("--set {name}: another option gives the values of this parameter").into());
         }
-        let user = routines.0.clone().map_or(UserRoutines::Absent, UserRoutines::Files);
+        let user = routines.clone().map_or(UserRoutines::Absent, UserRoutines::Files);
         Ok(SampleEvaluator::new(DeckSource::File(self.deck.clone()), fixed, names, quantities, user)?)
     }
 
@@ -88,14 +77,6 @@ impl SearchArguments {
             print_table(table);
             lines.iter().for_each(|line| print_out!("{line}"));
         }
-    }
-
-    /// Prints the JSON object if `--json` is given.
-    pub fn print_json(&self, object: &serde_json::Value) -> Result<(), Box<dyn Error>> {
-        if self.output.json {
-            print_out!("{}", serde_json::to_string_pretty(object)?);
-        }
-        Ok(())
     }
 }
 
@@ -109,13 +90,6 @@ pub fn warn_still_moving(evaluator: &SampleEvaluator) {
     }
 }
 
-/// Prints the number of runs without a result and the error of the first one.
-pub fn report_failures(failed: usize, runs: usize, reason: Option<&StudyError>) {
-    if let Some(reason) = reason {
-        print_err!("{failed} of {runs} runs gave no result; the first:\n{reason}");
-    }
-}
-
 /// Number format of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NumberFormat {
@@ -126,7 +100,6 @@ pub enum NumberFormat {
 }
 
 impl NumberFormat {
-    /// Formats a number.
     pub fn text(self, value: f64) -> String {
         if self == NumberFormat::Exact { format!("{value:?}") } else { number(value) }
     }

@@ -7,6 +7,7 @@ use crate::job::Instructions;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
+use super::line::ProgramArguments;
 use super::{CommandStatus, words};
 
 /// Print completions for a shell; `source <(revolve completions bash)` activates them.
@@ -21,9 +22,9 @@ pub struct CompletionsCommand {
 pub struct ManCommand {}
 
 impl CompletionsCommand {
-    pub fn execute<A: CommandFactory>(self) -> Result<CommandStatus, Box<dyn Error>> {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         let mut bytes = Vec::new();
-        clap_complete::generate(self.shell, &mut A::command(), "revolve", &mut bytes);
+        clap_complete::generate(self.shell, &mut ProgramArguments::command(), "revolve", &mut bytes);
         words::write(format_args!("{}", String::from_utf8(bytes)?), false);
         Ok(super::output_status())
     }
@@ -31,8 +32,8 @@ impl CompletionsCommand {
 
 impl ManCommand {
     /// Prints the manual page of the program, followed by those of its commands.
-    pub fn execute<A: CommandFactory>(self) -> Result<CommandStatus, Box<dyn Error>> {
-        let mut program = A::command();
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
+        let mut program = ProgramArguments::command();
         program.build();
         let mut bytes = Vec::new();
         clap_mangen::Man::new(program.clone()).render(&mut bytes)?;

@@ -12,19 +12,19 @@ use crate::study::convergence::{self, RefinementRequest};
 use crate::study::effects::{self, EffectAblation};
 use crate::study::jitter::NoiseRequest;
 use crate::study::quantity::Quantity;
-use crate::study::record::{self, StudyTiming};
-use crate::study::refinement::{RefinementStudy as Results, StudyRow};
+use crate::study::record::{self, CompletedStudy};
+use crate::study::refinement::{RefinementStudy, StudyRow};
 use crate::study::runner::StudyRunner;
 use crate::study::settings::{self, StudyAxis};
-use crate::study::target::{ErrorTarget, TargetResult};
+use crate::study::target::ErrorTarget;
 use crate::user::compile::Compiled;
 use crate::{deck, job, model};
 use clap::Args;
 
-use super::options::{CurvedOption, FolderOption, LabelOption, OutputOptions, ThreadOption};
+use super::options::{CurvedOption, OutputOptions, ResultOptions, SetOption};
 use super::words::{print_err, print_out};
 use super::{
-    CommandStatus, HALTED, ResultFile, UserFiles, accept, lock_job, pairs, print_run_warnings, print_table, progress,
+    CommandStatus, ResultFile, UserFiles, accept, print_run_warnings, print_table, progress, report_failures,
     settings_text, write_results,
 };
 
@@ -59,19 +59,14 @@ pub struct StudyCommand {
     /// controls the error estimate (default: increment=1,0.5).
     #[arg(long, conflicts_with_all = ["exact", "target"])]
     ablate: bool,
-    /// Override a *PARAMETER of the deck: NAME=VALUE; can be repeated.
-    #[arg(short, long = "set", value_name = "NAME=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    set: SetOption,
     #[command(flatten)]
     curved: CurvedOption,
     #[command(flatten)]
     user: UserFiles,
     #[command(flatten)]
-    folder: FolderOption,
-    #[command(flatten)]
-    threads: ThreadOption,
-    #[command(flatten)]
-    labels: LabelOption,
+    results: ResultOptions,
     /// Number of runs of each setting; the reported time is the median.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
@@ -87,13 +82,13 @@ impl StudyCommand {
             return Err("--ablate needs a number as quantity: give the norm an expression, norm(VARIABLE, EXPR)".into());
         }
         let target = self.target.as_deref().map(ErrorTarget::parse).transpose()?;
-        let mut overrides = pairs(&self.set)?;
+        let mut overrides = self.set.pairs()?;
         overrides.extend(self.curved.setting());
-        let labels = self.labels.checked([quantity.text.as_str()])?;
+        let labels = self.results.labels.checked([quantity.text.as_str()])?;
         let compiled = self.user.compiled(self.output.is_silent())?;
         let routines = Compiled::open_any(compiled.as_ref())?;
         let first = job::prepare(&self.deck, &overrides, &routines);
-        accept(&first, self.output.is_silent())?;
+        accept(&first.diagnostics, &first.deck.sources, self.output.is_silent())?;
         let parameters: Vec<String> = first.deck.parameters.iter().map(|p| p.0.clone()).collect();
         let axes = settings::axes(&self.refine, &parameters)?;
         let source = |overrides: &job::ParameterOverrides| deck::read(&self.deck, overrides);
@@ -107,15 +102,14 @@ impl StudyCommand {
         settings::check(&axes, &model)?;
         quantity.check(&first.plan)?;
         drop(first);
-        let (job, _lock) = lock_job(&self.deck, self.folder.out.clone())?;
+        let (job, _lock) = self.results.lock_job(&self.deck)?;
         let runs = axes.iter().map(|a| a.values.len()).product::<usize>() * self.repeat as usize;
         let bar = progress::over_runs(runs as u64, self.output.quiet.quiet);
-        let done = || bar.inc(1);
+        let count_run = || bar.inc(1);
         // The thread pool is created here, where a failure can be reported.
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads.count());
-        pool.build_global().map_err(|e| format!("cannot start threads: {e}"))?;
+        self.results.threads.start()?;
         let mut bench =
-            StudyRunner::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &done);
+            StudyRunner::new(&source, &overrides, compiled.as_ref(), &quantity, self.repeat as usize, &count_run);
         if self.ablate {
             let effects = effects::leave_out(&mut bench, &axes, &model)?;
             bar.finish_and_clear();
@@ -136,17 +130,17 @@ impl StudyCommand {
             announce: &announce,
             around: self.around,
         };
-        let (results, met, timing) = convergence::refine(&mut bench, &request)?;
+        let completed = convergence::refine(&mut bench, &request)?;
         bar.finish_and_clear();
-        let record = write(&job, (&quantity, labels.of(&quantity.text)), exact, &results, met.clone(), timing)?;
+        let record = write(&job, (&quantity, labels.of(&quantity.text)), exact, &completed)?;
         if self.output.json {
             print_out!("{}", record.trim_end());
         } else if !quiet {
-            print(&results, &quantity, met.as_ref(), timing, &job);
+            print(&completed, &quantity, &job);
         }
-        print_run_warnings(&run_warnings(&axes, &results));
-        results.reversed_series().iter().for_each(|sentence| print_err!("warning: {sentence}"));
-        Ok(verdict(&results, met.as_ref()))
+        print_run_warnings(&run_warnings(&axes, &completed.study));
+        completed.study.reversed_series().iter().for_each(|sentence| print_err!("warning: {sentence}"));
+        Ok(verdict(&completed))
     }
 }
 
@@ -189,12 +183,11 @@ fn write(
     job: &JobFiles,
     (quantity, label): (&Quantity, &str),
     exact: Option<f64>,
-    results: &Results,
-    met: Option<TargetResult>,
-    timing: StudyTiming,
+    completed: &CompletedStudy,
 ) -> Result<String, Box<dyn Error>> {
-    let record = record_text(&record::record(&quantity.text, exact, results, met, timing))?;
+    let record = record_text(&record::record(&quantity.text, exact, completed))?;
     let title = format!("{}: {label}", job.name);
+    let results = &completed.study;
     let charts = [
         (String::new(), record::price_chart(results, &title)),
         ("_order".to_owned(), record::order_chart(results, &title)),
@@ -218,9 +211,10 @@ fn record_file(text: String) -> ResultFile {
     ("_study.json".into(), text.into_bytes())
 }
 
-fn print(results: &Results, quantity: &Quantity, met: Option<&TargetResult>, timing: StudyTiming, job: &JobFiles) {
+fn print(completed: &CompletedStudy, quantity: &Quantity, job: &JobFiles) {
+    let (results, timing) = (&completed.study, completed.timing);
     print_table(&record::table(results, false));
-    for line in record::conclusions(results, &quantity.text, met) {
+    for line in record::conclusions(completed, &quantity.text) {
         print_out!("{line}");
     }
     print_out!(
@@ -235,18 +229,15 @@ fn print(results: &Results, quantity: &Quantity, met: Option<&TargetResult>, tim
 }
 
 /// Returns each setting with the warnings of its run.
-fn run_warnings<'a>(axes: &[StudyAxis], results: &'a Results) -> Vec<(String, &'a [String])> {
+fn run_warnings<'a>(axes: &[StudyAxis], results: &'a RefinementStudy) -> Vec<(String, &'a [String])> {
     let names = || axes.iter().map(|axis| &axis.name[..]);
     let of_row =
         |row: &'a StudyRow| Some((settings_text(names().zip(&row.values)), &row.run.as_ref().ok()?.warnings[..]));
     results.rows.iter().filter_map(of_row).collect()
 }
 
-fn verdict(results: &Results, met: Option<&TargetResult>) -> CommandStatus {
+fn verdict(CompletedStudy { study: results, target, .. }: &CompletedStudy) -> CommandStatus {
     let failed: Vec<&StudyError> = results.rows.iter().filter_map(|r| r.run.as_ref().err()).collect();
-    if let Some(reason) = failed.first() {
-        print_err!("{} of {} settings gave no result; the first:\n{reason}", failed.len(), results.rows.len());
-        return CommandStatus::from(HALTED);
-    }
-    if met.is_some_and(|m| m.run.is_none()) { CommandStatus::from(HALTED) } else { CommandStatus::SUCCESS }
+    let status = report_failures(failed.len(), results.rows.len(), "settings", failed.first().copied());
+    if target.as_ref().is_some_and(|target| target.run.is_none()) { CommandStatus::HALTED } else { status }
 }

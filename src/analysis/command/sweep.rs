@@ -10,7 +10,7 @@ use crate::study::cases::{self, CaseRange, SweepPart};
 use crate::study::compare::{Agreement, ReferenceTable};
 use crate::study::dakota;
 use crate::study::grid::CaseGrid;
-use crate::study::quantity::Quantity;
+use crate::study::quantity::{self, Quantity};
 use crate::study::{StudyError, sweep};
 use crate::user::compile::Compiled;
 use crate::{job, output};
@@ -18,10 +18,10 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::options::{FolderOption, LabelOption, OutputOptions, ThreadOption};
+use super::options::{OutputOptions, ResultOptions};
 use super::words::{self, print_err, print_out};
 use super::{
-    CommandStatus, HALTED, UserFiles, accept, lock_job, print_run_warnings, print_table, progress, settings_text,
+    CommandStatus, UserFiles, accept, print_run_warnings, print_table, progress, report_failures, settings_text,
     write_results,
 };
 
@@ -78,11 +78,7 @@ pub struct SweepCommand {
     #[command(flatten)]
     user: UserFiles,
     #[command(flatten)]
-    folder: FolderOption,
-    #[command(flatten)]
-    threads: ThreadOption,
-    #[command(flatten)]
-    labels: LabelOption,
+    results: ResultOptions,
     #[command(flatten)]
     output: OutputOptions,
 }
@@ -157,11 +153,8 @@ impl SweepCommand {
         let routines = Compiled::open_any(compiled.as_ref())?;
         let mut first = job::prepare(&self.deck, &grid.combination(0), &routines);
         origin.attribute(&mut first.diagnostics);
-        accept(&first, self.output.is_silent())?;
-        for quantity in &quantities {
-            quantity.check_without_study()?;
-            quantity.check(&first.plan)?;
-        }
+        accept(&first.diagnostics, &first.deck.sources, self.output.is_silent())?;
+        quantity::check_all(&quantities, &first.plan)?;
         Ok(PreparedSweep { grid, origin, quantities, compiled, first })
     }
 
@@ -173,8 +166,10 @@ impl SweepCommand {
         kept: Option<&output::JobFiles>,
         listed: Option<&output::JobFiles>,
     ) -> Result<sweep::SweepResults, Box<dyn Error>> {
-        let threads = self.threads.count();
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| e.to_string())?;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(self.results.threads.count())
+            .build()
+            .map_err(|e| e.to_string())?;
         let bar = progress::over_runs(cases.len() as u64, self.output.quiet.quiet);
         let PreparedSweep { grid, origin, quantities, compiled, .. } = prepared;
         let identity = prepared.identity();
@@ -185,15 +180,16 @@ impl SweepCommand {
             bar.inc(known.len() as u64);
         }
         let log = listed.map(|job| part.begin_log(job, &known)).transpose()?;
-        let done = |index: usize, case: &sweep::CaseResult| {
+        let record_case = |index: usize, case: &sweep::CaseResult| {
             log.iter().for_each(|log| log.add(index, case));
             bar.inc(1);
         };
-        let left: Vec<usize> = cases.clone().filter(|index| !known.contains_key(index)).collect();
-        let run = pool.install(|| sweep::run(&self.deck, (grid, &left), quantities, compiled.as_ref(), kept, &done));
+        let open_cases: Vec<usize> = cases.clone().filter(|index| !known.contains_key(index)).collect();
+        let run = pool
+            .install(|| sweep::run(&self.deck, (grid, &open_cases), quantities, compiled.as_ref(), kept, &record_case));
         bar.finish_and_clear();
         log.map_or(Ok(()), cases::SweepLog::finish)?;
-        known.extend(left.into_iter().zip(run));
+        known.extend(open_cases.into_iter().zip(run));
         let mut results = sweep::SweepResults::default();
         for (index, mut case) in known {
             if let Err(error) = &mut case.values {
@@ -211,8 +207,8 @@ impl SweepCommand {
     ) -> Result<CommandStatus, Box<dyn Error>> {
         let PreparedSweep { grid, quantities, first, .. } = prepared;
         let known = grid.names().into_iter().chain(quantities.iter().map(|q| q.text.as_str()));
-        let labels = self.labels.checked(known)?;
-        let (job, _lock) = lock_job(&self.deck, self.folder.out.clone())?;
+        let labels = self.results.labels.checked(known)?;
+        let (job, _lock) = self.results.lock_job(&self.deck)?;
         let results = if self.gather {
             prepared.part(&prepared.identity()).gather(&job)?
         } else {
@@ -235,26 +231,24 @@ impl SweepCommand {
             let _ = std::fs::remove_file(job.path(cases::LOG));
         }
         if self.output.json {
-            print_json(grid, quantities, &results, &compared)?;
+            self.output.print_json(&json_object(grid, quantities, &results, &compared))?;
         } else if !self.output.is_silent() {
             print_sweep(&compared, &job);
         }
-        print_run_warnings(&run_warnings(grid, &results));
-        Ok(report_failures(&results))
+        Ok(report(grid, &results))
     }
 
     /// Runs the given range of cases and writes them as a part for `--gather`. Other processes may write parts to the
     /// same folder at the same time, so the folder is not locked.
     fn run_part(&self, prepared: &PreparedSweep, cases: Range<usize>) -> Result<CommandStatus, Box<dyn Error>> {
-        let whole = job::default_job(&self.deck, self.folder.out.clone())?;
+        let whole = self.results.job(&self.deck)?;
         job::make_folder(&whole)?;
         let results = self.run(prepared, cases.clone(), self.keep.then_some(&whole), None)?;
         let path = prepared.part(&prepared.identity()).write(&whole, &cases, &results)?;
         if !self.output.is_silent() {
             print_out!("cases {}-{} of {}: {}", cases.start + 1, cases.end, prepared.grid.count(), path.display());
         }
-        print_run_warnings(&run_warnings(&prepared.grid, &results));
-        Ok(report_failures(&results))
+        Ok(report(&prepared.grid, &results))
     }
 
     /// Runs the evaluations that Dakota requests. Failed evaluations are marked in the results file, as Dakota
@@ -275,8 +269,7 @@ impl SweepCommand {
         };
         let results = self.run(&prepared, 0..prepared.grid.count(), None, None)?;
         output::write_whole(answers, evaluations.answer(&results).as_bytes())?;
-        print_run_warnings(&run_warnings(&prepared.grid, &results));
-        report_failures(&results);
+        report(&prepared.grid, &results);
         Ok(CommandStatus::SUCCESS)
     }
 }
@@ -301,8 +294,10 @@ impl CaseOrigin {
     /// Replaces the option `--set` in a message on a value by the file, row (from 1) and column.
     fn place(&self, case: usize, message: &str) -> String {
         let replace = |message: String, name: &String| {
-            let place = |end: char| format!("{}, row {}, column {name}: `{name}{end}", self.file, case + 1);
-            ['=', '`'].into_iter().fold(message, |text, end| text.replace(&format!("`--set {name}{end}"), &place(end)))
+            let location = |end: char| format!("{}, row {}, column {name}: `{name}{end}", self.file, case + 1);
+            ['=', '`']
+                .into_iter()
+                .fold(message, |text, end| text.replace(&format!("`--set {name}{end}"), &location(end)))
         };
         self.names.iter().fold(message.to_owned(), replace)
     }
@@ -326,9 +321,9 @@ impl PreparedSweep {
     fn identity(&self) -> String {
         let user = self.compiled.as_ref().map(Compiled::identity).unwrap_or_default();
         let quantities: Vec<&str> = self.quantities.iter().map(|q| q.text.as_str()).collect();
-        let own =
+        let description =
             format!("{:?} {:?} {quantities:?} {}", self.first.identity(&user), self.grid, env!("CARGO_PKG_VERSION"));
-        output::checkpoint::hash([own.as_bytes()])
+        output::checkpoint::hash([description.as_bytes()])
     }
 
     fn part<'a>(&'a self, sweep: &'a str) -> SweepPart<'a> {
@@ -356,15 +351,15 @@ struct SweepRunRecord<'a> {
     doubts: &'a [String],
 }
 
-fn print_json(
+fn json_object(
     grid: &CaseGrid,
     quantities: &[Quantity],
     results: &sweep::SweepResults,
     compared: &sweep::ComparedTable,
-) -> Result<(), Box<dyn Error>> {
+) -> serde_json::Value {
     let names = grid.names();
-    let all = results.parameters.iter().zip(&results.values).zip(&results.warnings);
-    let runs: Vec<SweepRunRecord<'_>> = all
+    let each_run = results.parameters.iter().zip(&results.values).zip(&results.warnings);
+    let runs: Vec<SweepRunRecord<'_>> = each_run
         .map(|((parameters, values), doubts)| SweepRunRecord {
             parameters: names.iter().copied().zip(parameters.iter().map(String::as_str)).collect(),
             values: values
@@ -377,9 +372,7 @@ fn print_json(
         .collect();
     let agreement: IndexMap<&str, Agreement> = compared.agreement.iter().map(|(c, a)| (c.as_str(), *a)).collect();
     let rms: IndexMap<&str, f64> = agreement.iter().map(|(column, agreement)| (*column, agreement.rms)).collect();
-    let object = serde_json::json!({ "runs": runs, "rms": rms, "agreement": agreement });
-    print_out!("{}", serde_json::to_string_pretty(&object)?);
-    Ok(())
+    serde_json::json!({ "runs": runs, "rms": rms, "agreement": agreement })
 }
 
 fn print_sweep(compared: &sweep::ComparedTable, job: &output::JobFiles) {
@@ -393,20 +386,12 @@ fn print_sweep(compared: &sweep::ComparedTable, job: &output::JobFiles) {
     print_out!("table {}, picture {}", job.path("_sweep.csv").display(), job.path("_sweep.png").display());
 }
 
-/// Returns the parameters of each run with its warnings.
-fn run_warnings<'a>(grid: &CaseGrid, results: &'a sweep::SweepResults) -> Vec<(String, &'a [String])> {
+/// Prints the warnings of the runs with their parameters, and the number of runs without a result.
+fn report(grid: &CaseGrid, results: &sweep::SweepResults) -> CommandStatus {
     let names = grid.names();
     let runs = results.parameters.iter().zip(&results.warnings);
-    runs.map(|(values, doubts)| (settings_text(names.iter().copied().zip(values)), &doubts[..])).collect()
-}
-
-fn report_failures(results: &sweep::SweepResults) -> CommandStatus {
-    let failed: Vec<_> = results.values.iter().filter_map(|v| v.as_ref().err()).collect();
-    match failed.first() {
-        None => CommandStatus::SUCCESS,
-        Some(reason) => {
-            print_err!("{} of {} runs gave no result; the first:\n{reason}", failed.len(), results.values.len());
-            CommandStatus::from(HALTED)
-        }
-    }
+    let with_settings = runs.map(|(values, doubts)| (settings_text(names.iter().copied().zip(values)), &doubts[..]));
+    print_run_warnings(&with_settings.collect::<Vec<_>>());
+    let failed: Vec<&StudyError> = results.values.iter().filter_map(|v| v.as_ref().err()).collect();
+    report_failures(failed.len(), results.values.len(), "runs", failed.first().copied())
 }

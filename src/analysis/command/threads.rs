@@ -17,13 +17,13 @@ pub fn default() -> usize {
 
 /// Returns the number of threads in a scheduler task; `None` outside one.
 fn of(variable: &dyn Fn(&str) -> Option<String>) -> Option<usize> {
-    let given = GIVEN.iter().find_map(|name| {
+    let assigned = GIVEN.iter().find_map(|name| {
         let text = variable(name)?;
         // HyperQueue lists processors by their numbers.
         if *name == "HQ_CPUS" { Some(text.split(',').count()) } else { text.trim().parse().ok() }
     });
     let worker = || WORKER.iter().any(|name| variable(name).is_some()).then_some(1);
-    given.filter(|count| *count > 0).or_else(worker)
+    assigned.filter(|count| *count > 0).or_else(worker)
 }
 
 #[cfg(test)]

@@ -69,7 +69,6 @@ pub struct UncertaintyOptions {
 
 /// A run whose uncertainty is estimated.
 pub struct EstimatedRun<'a> {
-    /// Path of the deck.
     pub deck: &'a Path,
     /// Overrides of the deck.
     pub overrides: &'a ParameterOverrides,
@@ -77,7 +76,6 @@ pub struct EstimatedRun<'a> {
     pub user: Option<&'a Compiled>,
     /// Properties of the model.
     pub traits: &'a ModelTraits,
-    /// Quantities of the run.
     pub quantities: &'a [Quantity],
 }
 
@@ -153,7 +151,7 @@ impl UncertaintyOptions {
             inputs,
             budget,
         };
-        let plain = PlainRun {
+        let plain_run = PlainRun {
             values,
             elements: element_count(prepared),
             increments: summary.timing.increments,
@@ -161,8 +159,8 @@ impl UncertaintyOptions {
         };
         let (deck, digest) = (prepared.identity("").deck, summary.digest.clone());
         let certificate = match chosen {
-            Some(chosen) => of_chosen(chosen, &plain, deck, digest),
-            None => estimate_run(&request, &plain, deck, digest),
+            Some(chosen) => of_chosen(chosen, &plain_run, deck, digest),
+            None => estimate_run(&request, &plain_run, deck, digest),
         };
         let text = serde_json::to_string_pretty(&certificate)? + "\n";
         output::write_with_sums(job, &[(CERTIFICATE.into(), text.into_bytes())], "_certificate.sfv")?;

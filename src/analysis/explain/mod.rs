@@ -43,9 +43,9 @@ pub fn search(words: &str) -> Option<String> {
         .filter_map(|name| Some((name.to_owned(), crate::variables::manual::explain_variable(name)?)));
     let topics = TOPICS.iter().map(|topic| (topic.words[0].to_owned(), topic.text.to_owned()));
     let codes = codes().map(|code| (code.code.to_owned(), format!("{}\n{}", code.title, code.text)));
-    let found =
+    let matches =
         keywords.chain(codes).chain(variables).chain(topics).filter(|(name, text)| contains(&format!("{name} {text}")));
-    let mut found: Vec<(bool, String)> = found
+    let mut ranked: Vec<(bool, String)> = matches
         .map(|(name, text)| {
             let first = text.lines().next().unwrap_or_default();
             let first = first.strip_prefix(&name).unwrap_or(first).trim_start_matches([':', ' ']);
@@ -53,9 +53,9 @@ pub fn search(words: &str) -> Option<String> {
             (!contains(&line), line)
         })
         .collect();
-    found.sort_by_key(|(below, _)| *below);
-    let more = found.len().saturating_sub(MOST_MATCHES);
-    let lines: Vec<String> = found.into_iter().take(MOST_MATCHES).map(|(_, line)| line).collect();
+    ranked.sort_by_key(|(below, _)| *below);
+    let more = ranked.len().saturating_sub(MOST_MATCHES);
+    let lines: Vec<String> = ranked.into_iter().take(MOST_MATCHES).map(|(_, line)| line).collect();
     let more = if more > 0 { format!("\n  and {more} more") } else { String::new() };
     (!lines.is_empty()).then(|| {
         format!("texts with `{}`; `revolve explain NAME` prints one:\n{}{more}", words.join(" "), lines.join("\n"))
@@ -65,8 +65,8 @@ pub fn search(words: &str) -> Option<String> {
 /// Returns the known word that is most similar to an unknown one.
 pub fn nearest_word(word: &str) -> Option<&'static str> {
     let topics = TOPICS.iter().flat_map(|topic| topic.words.iter().copied());
-    let all = manual::keyword_names().chain(crate::variables::manual::variable_names()).chain(topics);
-    nearest(word.trim().trim_start_matches('*'), all)
+    let known_words = manual::keyword_names().chain(crate::variables::manual::variable_names()).chain(topics);
+    nearest(word.trim().trim_start_matches('*'), known_words)
 }
 
 /// Returns the diagnostic codes of all modules.
@@ -90,8 +90,8 @@ mod tests {
         for (words, name) in
             [("johnson cook", "*PLASTIC"), ("JWL", "*EOS"), ("drift", "R208"), ("hourglass energy", "ALLAE")]
         {
-            let found = search(words).unwrap_or_default();
-            assert!(found.lines().any(|line| line.trim_start().starts_with(name)), "{words}: {found}");
+            let listed = search(words).unwrap_or_default();
+            assert!(listed.lines().any(|line| line.trim_start().starts_with(name)), "{words}: {listed}");
         }
         assert_eq!(search("no such words"), None);
     }

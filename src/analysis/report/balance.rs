@@ -1,6 +1,7 @@
 //! The energy balance as stacked areas: stored energies at the bottom, dissipated energies on top, and the supplied
 //! energy as a line. Energies that the history does not have are one area, so that the areas always add up to the line.
 
+use super::frames::spread;
 use super::history::HistoryColumns;
 use super::shorten;
 use super::units::UnitNames;
@@ -36,15 +37,17 @@ pub fn columns() -> impl Iterator<Item = &'static str> {
 
 /// Returns the balance of a history; `None` if it has fewer than two energies.
 pub fn chart(history: &HistoryColumns, units: &UnitNames) -> Option<Chart> {
-    let rows = rows(history.times.len());
-    let of = |column: &str| -> Option<Vec<f64>> {
+    let rows = spread(history.times.len(), ROWS);
+    let sampled = |column: &str| -> Option<Vec<f64>> {
         history.columns.get(column).map(|values| rows.iter().map(|&i| values[i]).collect())
     };
-    let stored = STORED.into_iter().filter_map(|(column, name)| Some((name, of(column)?)));
-    let dissipated = DISSIPATED.into_iter().filter_map(|(column, name)| Some((name, of(column)?)));
-    let mut parts: Vec<(&str, Vec<f64>)> =
-        stored.chain(unlisted_internal_energy(&of).map(|rest| ("other internal", rest))).chain(dissipated).collect();
-    parts.extend(unlisted_energy(&of, &parts).map(|rest| ("energies without a column", rest)));
+    let stored = STORED.into_iter().filter_map(|(column, name)| Some((name, sampled(column)?)));
+    let dissipated = DISSIPATED.into_iter().filter_map(|(column, name)| Some((name, sampled(column)?)));
+    let mut parts: Vec<(&str, Vec<f64>)> = stored
+        .chain(unlisted_internal_energy(&sampled).map(|rest| ("other internal", rest)))
+        .chain(dissipated)
+        .collect();
+    parts.extend(unlisted_energy(&sampled, &parts).map(|rest| ("energies without a column", rest)));
     let largest = parts.iter().flat_map(|p| &p.1).fold(0.0_f64, |m, v| m.max(v.abs()));
     parts.retain(|(_, values)| values.iter().any(|v| v.abs() > VISIBLE * largest));
     if parts.len() < 2 || rows.len() < 2 {
@@ -54,30 +57,22 @@ pub fn chart(history: &HistoryColumns, units: &UnitNames) -> Option<Chart> {
     let series = |name: &str, values: Vec<f64>, form: SeriesForm| {
         ChartSeries::new(name, form, times.iter().copied().zip(values.into_iter().map(shorten)).collect())
     };
-    let mut all: Vec<ChartSeries> =
+    let mut all_series: Vec<ChartSeries> =
         parts.into_iter().map(|(name, values)| series(name, values, SeriesForm::Area)).collect();
-    if let Some(supplied) = supplied(&of) {
-        all.push(series("initial energy + work of loads", supplied, SeriesForm::Guide));
+    if let Some(supplied) = supplied(&sampled) {
+        all_series.push(series("initial energy + work of loads", supplied, SeriesForm::Guide));
     }
     let words = "stored energies below, dissipated energies above".into();
-    Some(Chart { units: units.over_time("Energy"), words, ..Chart::new(TITLE, ["time", "energy"], all) })
-}
-
-/// Returns indices of equally spaced rows, including the first and the last.
-fn rows(count: usize) -> Vec<usize> {
-    if count <= ROWS {
-        return (0..count).collect();
-    }
-    (0..ROWS).map(|i| i * (count - 1) / (ROWS - 1)).collect()
+    Some(Chart { units: units.over_time("Energy"), words, ..Chart::new(TITLE, ["time", "energy"], all_series) })
 }
 
 /// Returns the part of ALLIE for which the history has no column.
 fn unlisted_internal_energy(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
-    let mut rest = of("ALLIE")?;
+    let mut remainder = of("ALLIE")?;
     for part in INTERNAL.into_iter().filter_map(of) {
-        rest.iter_mut().zip(part).for_each(|(rest, part)| *rest -= part);
+        remainder.iter_mut().zip(part).for_each(|(remainder, part)| *remainder -= part);
     }
-    Some(rest)
+    Some(remainder)
 }
 
 /// Returns the energy from outside: work of loads and prescribed motions, and kinetic energy through Eulerian boundaries.
@@ -90,12 +85,12 @@ fn from_outside(of: &impl Fn(&str) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
 /// Returns the part of the total energy for which the history has no column; `None` without ETOTAL and ALLWK.
 fn unlisted_energy(of: &impl Fn(&str) -> Option<Vec<f64>>, parts: &[(&str, Vec<f64>)]) -> Option<Vec<f64>> {
     // ETOTAL is the sum of all stored and dissipated energies minus the energy from outside.
-    let mut rest = of("ETOTAL")?;
-    rest.iter_mut().zip(from_outside(of)?).for_each(|(rest, work)| *rest += work);
+    let mut remainder = of("ETOTAL")?;
+    remainder.iter_mut().zip(from_outside(of)?).for_each(|(remainder, work)| *remainder += work);
     for (_, part) in parts {
-        rest.iter_mut().zip(part).for_each(|(rest, part)| *rest -= part);
+        remainder.iter_mut().zip(part).for_each(|(remainder, part)| *remainder -= part);
     }
-    Some(rest)
+    Some(remainder)
 }
 
 /// Returns the total energy at the start plus the energy from outside; the areas must add up to it.
@@ -128,8 +123,8 @@ mod tests {
             assert_eq!((with.len(), with[1].1), (3, 1.1), "{name}: {with:?}");
             assert!(with[1].0 != "energies without a column" && with[1].0 != "other internal", "{with:?}");
             let without = series_of(&known);
-            let rest = if INTERNAL.contains(name) { "other internal" } else { "energies without a column" };
-            assert!(without[1].0 == rest && (without[1].1 - 1.1).abs() < 1e-6, "{name}: {without:?}");
+            let expected_name = if INTERNAL.contains(name) { "other internal" } else { "energies without a column" };
+            assert!(without[1].0 == expected_name && (without[1].1 - 1.1).abs() < 1e-6, "{name}: {without:?}");
         }
     }
 

@@ -20,6 +20,14 @@ pub struct ReportPage {
     pub notes: Vec<String>,
 }
 
+impl ReportPage {
+    /// Iterates over the tables of sweeps, studies and searches.
+    pub fn tables(&self) -> impl Iterator<Item = &ReportTable> {
+        let (studies, searches) = (self.studies.iter().map(|s| &s.table), self.searches.iter().map(|s| &s.table));
+        self.sweeps.iter().chain(studies).chain(searches)
+    }
+}
+
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ReportRun {
     pub name: String,

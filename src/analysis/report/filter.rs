@@ -86,8 +86,8 @@ impl CutoffFrequency {
         }
         let times: Vec<f64> = (0..rows).map(|row| begin + interval * row as f64).collect();
         for values in history.columns.values_mut() {
-            let at = |time: &f64| between(&history.times, |row| values[row], time.min(end));
-            let even: Vec<f64> = times.iter().filter_map(at).collect();
+            let value_at = |time: &f64| between(&history.times, |row| values[row], time.min(end));
+            let even: Vec<f64> = times.iter().filter_map(value_at).collect();
             *values = filtered(&even, frequency * interval);
         }
         history.times = times;
@@ -153,11 +153,11 @@ mod tests {
             let force = |t: &f64| 25.0 * libm::exp(-t / 0.05) + if *t > 0.25 { 40.0 } else { 3.0 };
             let forces: Vec<f64> = times.iter().map(force).collect();
             let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-            let before = mean(&forces);
+            let mean_before = mean(&forces);
             let mut history = HistoryColumns { times, columns: [("CFN2".to_owned(), forces)].into_iter().collect() };
             CutoffFrequency::Frequency(frequency).filter(&mut history, &UnitNames::default()).expect("rows");
             let after = mean(&history.columns["CFN2"]);
-            assert!((after / before - 1.0).abs() < 1e-4, "{frequency}: {after} {before}");
+            assert!((after / mean_before - 1.0).abs() < 1e-4, "{frequency}: {after} {mean_before}");
         }
     }
 

@@ -1,6 +1,7 @@
 //! Collects the result files of a folder into the data of a report page.
 
 use std::collections::BTreeSet;
+use std::fmt::Display;
 use std::path::Path;
 
 use serde_json::Value;
@@ -42,15 +43,14 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<ReportPage, ReportEr
     }
     for name in &sweeps {
         let path = folder.join(format!("{name}_sweep.csv"));
-        sums.verify(&path)?;
-        page.sweeps.push(sweep::table(name, &text(&path)?).map_err(|e| format!("{}: {e}", path.display()))?);
+        page.sweeps.push(in_file(&path, sweep::table(name, &verified_text(&path, &sums)?))?);
     }
     let unfinished = with(LOG);
     for name in &unfinished {
         let path = folder.join(format!("{name}{LOG}"));
         let (table, [count, failed]) =
             finished_table(&text(&path)?).ok_or_else(|| format!("{}: the table is damaged", path.display()))?;
-        let mut table = sweep::table(name, &table).map_err(|e| format!("{}: {e}", path.display()))?;
+        let mut table = in_file(&path, sweep::table(name, &table))?;
         table.notes.push(format!(
             "the sweep is running or was interrupted: {count} cases have finished, {failed} of them without a result; \
              --resume continues it"
@@ -58,9 +58,7 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<ReportPage, ReportEr
         page.sweeps.push(table);
     }
     for name in &studies {
-        let path = folder.join(format!("{name}_study.json"));
-        sums.verify(&path)?;
-        page.studies.push(study::read(name, &json(&path)?));
+        page.studies.push(study::read(name, &verified_json(&folder.join(format!("{name}_study.json")), &sums)?));
     }
     for kind in search::KINDS {
         for name in with(&format!("_{}.csv", kind.0)) {
@@ -68,12 +66,12 @@ pub fn page(folder: &Path, options: &PageOptions) -> Result<ReportPage, ReportEr
         }
     }
     let searched = page.searches.iter().map(|search| &search.table.name);
-    let all: BTreeSet<&String> =
+    let job_names: BTreeSet<&String> =
         jobs.iter().chain(&sweeps).chain(&unfinished).chain(&studies).chain(searched).collect();
-    if all.is_empty() {
+    if job_names.is_empty() {
         return Err(nothing_found(folder).into());
     }
-    page.title = all.into_iter().cloned().collect::<Vec<_>>().join(", ");
+    page.title = job_names.into_iter().cloned().collect::<Vec<_>>().join(", ");
     if let Some(file) = &options.compare {
         compare_runs(folder, file, &mut page)?;
     }
@@ -95,9 +93,9 @@ pub fn only_run(folder: &Path) -> Result<String, String> {
     let names = file_names(folder)?;
     let runs: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix(HISTORY)).collect();
     let series: Vec<&str> = names.iter().filter_map(|n| n.strip_suffix(".pvd")).collect();
-    let all: BTreeSet<&str> = runs.into_iter().chain(series).collect();
-    let mut all = all.into_iter();
-    match (all.next(), all.next()) {
+    let run_names: BTreeSet<&str> = runs.into_iter().chain(series).collect();
+    let mut remaining_names = run_names.into_iter();
+    match (remaining_names.next(), remaining_names.next()) {
         (Some(name), None) => Ok(name.to_owned()),
         (None, _) => Err(format!("{} contains no run", folder.display())),
         _ => Err(format!("{} contains several runs; use a separate result folder for each run", folder.display())),
@@ -110,21 +108,36 @@ pub fn scene(folder: &Path, name: &str, sums: &Checksums) -> Result<Value, Strin
     if !path.is_file() {
         return Ok(Value::Null);
     }
-    sums.verify(&path)?;
-    Ok(json(&path)?.get("scene").cloned().unwrap_or_default())
+    Ok(verified_json(&path, sums)?.get("scene").cloned().unwrap_or_default())
 }
 
 fn file_names(folder: &Path) -> Result<Vec<String>, String> {
-    let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let entries = in_file(folder, std::fs::read_dir(folder))?;
     Ok(entries.filter_map(|e| e.ok()?.file_name().into_string().ok()).collect())
 }
 
-fn text(path: &Path) -> Result<String, String> {
-    files::read_text(path).map_err(|e| format!("{}: {e}", path.display()))
+/// Adds the path of a file to an error.
+pub(super) fn in_file<T>(path: &Path, result: Result<T, impl Display>) -> Result<T, String> {
+    result.map_err(|e| format!("{}: {e}", path.display()))
+}
+
+pub(super) fn text(path: &Path) -> Result<String, String> {
+    in_file(path, files::read_text(path))
+}
+
+/// Reads a file whose checksum, if it is listed, is right.
+pub(super) fn verified_text(path: &Path, sums: &Checksums) -> Result<String, String> {
+    sums.verify(path)?;
+    text(path)
 }
 
 fn json(path: &Path) -> Result<Value, String> {
-    serde_json::from_str(&text(path)?).map_err(|e| format!("{}: {e}", path.display()))
+    in_file(path, serde_json::from_str(&text(path)?))
+}
+
+fn verified_json(path: &Path, sums: &Checksums) -> Result<Value, String> {
+    sums.verify(path)?;
+    json(path)
 }
 
 /// Returns whether a JSON file is the summary of a run.
@@ -156,8 +169,7 @@ pub(crate) fn run_without_frames(folder: &Path, name: &str, sums: &Checksums) ->
         run.notes.push("there is no list of checksums (.sfv): the files cannot be verified".into());
     }
     if file(".json").is_file() {
-        sums.verify(&file(".json"))?;
-        run.summary = json(&file(".json"))?;
+        run.summary = verified_json(&file(".json"), sums)?;
     } else {
         run.notes.push("there is no summary: the run has not finished".into());
     }
@@ -165,8 +177,7 @@ pub(crate) fn run_without_frames(folder: &Path, name: &str, sums: &Checksums) ->
         run.columns = history.iter().map(|(name, values)| column(name, values)).collect();
     }
     if file(CERTIFICATE).is_file() {
-        sums.verify(&file(CERTIFICATE))?;
-        run.uncertainties = certificate_lines(&json(&file(CERTIFICATE))?);
+        run.uncertainties = certificate_lines(&verified_json(&file(CERTIFICATE), sums)?);
     }
     if file(HISTORY).is_file() {
         sums.verify(&file(HISTORY))?;
@@ -189,7 +200,7 @@ fn compare_runs(folder: &Path, file: &Path, page: &mut ReportPage) -> Result<(),
     let [run] = &mut page.runs[..] else {
         return Err(format!("--compare {}: the folder must contain exactly one run", file.display()));
     };
-    for curve in compare::curves(file, &folder.join(format!("{}_history.csv", run.name)))? {
+    for curve in compare::curves(file, &folder.join(format!("{}{HISTORY}", run.name)))? {
         run.deviations.push(curve.sentence());
         let has = |chart: &&mut Chart| chart.series.iter().any(|s| s.name == curve.column);
         let Some(chart) = run.charts.iter_mut().find(has) else {
@@ -215,13 +226,14 @@ fn column(name: &str, values: &Value) -> ColumnSummaryRow {
 
 fn histories(path: &Path, run: &mut ReportRun) -> Result<(), String> {
     let choice = history::choose(&history::names(path)?, &run.columns);
-    let mut wanted: Vec<String> = choice.charts.iter().flat_map(|c| c.1.clone()).collect();
-    wanted.extend(balance::columns().map(str::to_owned).filter(|c| !wanted.contains(c)).collect::<Vec<_>>());
-    let history = history::read(path, &wanted)?;
+    let mut drawn_columns: Vec<String> = choice.charts.iter().flat_map(|c| c.1.clone()).collect();
+    drawn_columns
+        .extend(balance::columns().map(str::to_owned).filter(|c| !drawn_columns.contains(c)).collect::<Vec<_>>());
+    let history = history::read(path, &drawn_columns)?;
     let units = UnitNames::of(&run.summary);
     if history.times.len() > 1 {
-        let of = |(title, columns): &(String, Vec<String>)| history::chart(title, columns, &history, &units);
-        run.charts = balance::chart(&history, &units).into_iter().chain(choice.charts.iter().map(of)).collect();
+        let chart_of = |(title, columns): &(String, Vec<String>)| history::chart(title, columns, &history, &units);
+        run.charts = balance::chart(&history, &units).into_iter().chain(choice.charts.iter().map(chart_of)).collect();
     }
     if choice.left_out > 0 {
         run.notes.push(format!(

@@ -7,9 +7,10 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
 use super::data::{MeridianFrames, PackedField};
+use super::find;
 use super::mesh::{DrawnMesh, bounds, drawn};
 use super::units::UnitNames;
-use crate::deck::{files, printable};
+use crate::deck::printable;
 use crate::kernel::stress::mises;
 use crate::model::vtk_file;
 use crate::output::EntityLabels;
@@ -40,15 +41,29 @@ pub struct FrameData {
     pub elements: Vec<i32>,
     /// Material number of each cell, counted from 1; empty if the file has none.
     pub materials: Vec<i32>,
-    /// Scalar fields: name, whether on cells, values.
-    pub scalars: Vec<(String, bool, Vec<f64>)>,
-    /// Name of the array of the file from which each scalar field was made.
-    pub arrays: Vec<String>,
+    pub scalars: Vec<ScalarField>,
+}
+
+impl FrameData {
+    /// Returns the values of a scalar field.
+    pub fn values(&self, name: &str, on_cells: bool) -> Option<&[f64]> {
+        let field = self.scalars.iter().find(|field| field.name == name && field.on_cells == on_cells);
+        field.map(|field| &field.values[..])
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct ScalarField {
+    pub name: String,
+    pub on_cells: bool,
+    pub values: Vec<f64>,
+    /// Array of the file from which it was made.
+    pub array: String,
 }
 
 /// Reads the times and files of a series.
 pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
-    let text = files::read_text(pvd).map_err(|e| format!("{}: {e}", pvd.display()))?;
+    let text = find::text(pvd)?;
     let folder = pvd.parent().unwrap_or(Path::new(""));
     // Only files of the same folder are read, so that a foreign list cannot refer to other files.
     let entry = |tag: &str| {
@@ -75,25 +90,19 @@ pub fn read_arrays(
     sums: &Checksums,
     wanted: &dyn Fn(&str) -> bool,
 ) -> Result<FrameData, String> {
-    sums.verify(path)?;
-    let wrong = |e: String| format!("{}: {e}", path.display());
-    let text = files::read_text(path).map_err(|e| wrong(e.to_string()))?;
+    let text = find::verified_text(path, sums)?;
     let is_reference = text.contains(REFERENCE);
     let needed = |name: &str| name == BLANKING || name == "U" && is_reference || wanted(name);
-    let mesh = vtk_file::read(path, &needed).map_err(wrong)?;
-    let (mut scalars, mut arrays) = (Vec::new(), Vec::new());
-    for (name, values) in mesh.point_arrays.iter().filter(|array| !EntityLabels::is_name(&array.0)) {
-        scalars.extend(split(name, values, mesh.points.len(), &text).into_iter().map(|(n, v)| (n, false, v)));
-        arrays.resize(scalars.len(), name.clone());
-    }
-    let mut deleted = Vec::new();
-    for (name, values) in mesh.cell_arrays.iter().filter(|array| !EntityLabels::is_name(&array.0)) {
-        if name == BLANKING {
-            deleted = values.iter().map(|v| *v != 0.0).collect();
-            continue;
+    let mesh = find::in_file(path, vtk_file::read(path, &needed))?;
+    let is_field = |name: &str| name != BLANKING && !EntityLabels::is_name(name);
+    let mut scalars = Vec::new();
+    for (on_cells, arrays, count) in
+        [(false, &mesh.point_arrays, mesh.points.len()), (true, &mesh.cell_arrays, mesh.cells.len())]
+    {
+        for (array, values) in arrays.iter().filter(|array| is_field(&array.0)) {
+            let field = |(name, values)| ScalarField { name, on_cells, values, array: array.clone() };
+            scalars.extend(split(array, values, count, &text).into_iter().map(field));
         }
-        scalars.extend(split(name, values, mesh.cells.len(), &text).into_iter().map(|(n, v)| (n, true, v)));
-        arrays.resize(scalars.len(), name.clone());
     }
     let around = |cell: Vec<usize>| match cell[..] {
         [a, b, c, ab, bc, ca] => vec![a, ab, b, bc, c, ca],
@@ -102,13 +111,11 @@ pub fn read_arrays(
     let moved = mesh.point_arrays.iter().find(|(name, _)| name == "U" && is_reference);
     let shift = |i: usize| moved.map_or([0.0; 2], |(_, values)| [values[3 * i], values[3 * i + 1]]);
     let places = mesh.points.iter().enumerate().map(|(i, p)| [p[0] + shift(i)[0], p[1] + shift(i)[1]]).collect();
-    let labels = |label: &str| {
-        let found = mesh.cell_arrays.iter().find(|(name, _)| name == label);
-        found.map_or_else(Vec::new, |(_, values)| values.iter().map(|v| *v as i32).collect::<Vec<_>>())
-    };
-    let (elements, materials) = (labels("ELEMENT"), labels("MATERIAL"));
+    let of_cells = |name: &str| mesh.cell_arrays.iter().find(|array| array.0 == name).map_or(&[][..], |array| &array.1);
+    let [elements, materials] = ["ELEMENT", "MATERIAL"].map(|name| of_cells(name).iter().map(|v| *v as i32).collect());
+    let deleted = of_cells(BLANKING).iter().map(|v| *v != 0.0).collect();
     let cells = mesh.cells.into_iter().map(around).collect();
-    Ok(FrameData { time, points: places, cells, deleted, elements, materials, scalars, arrays })
+    Ok(FrameData { time, points: places, cells, deleted, elements, materials, scalars })
 }
 
 fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
@@ -178,8 +185,8 @@ pub fn pack(
         notes.push(format!("the mesh is drawn coarser, with {} of {} cells", mesh.cells.len(), first.cells.len()));
     }
     let fields = chosen_fields(&first, notes);
-    let most = FRAMES.min(BYTES / bytes_of_frame(&mesh, &fields)).max(2);
-    let chosen = spread(files.len(), most);
+    let frame_limit = FRAMES.min(BYTES / bytes_of_frame(&mesh, &fields)).max(2);
+    let chosen = spread(files.len(), frame_limit);
     if chosen.len() < files.len() {
         notes.push(format!("{} of {} frames are shown", chosen.len(), files.len()));
     }
@@ -216,9 +223,9 @@ pub fn is_same_mesh(first: &FrameData, frame: &FrameData) -> bool {
 
 /// Chooses the fields that are packed: name, and whether on cells.
 fn chosen_fields(first: &FrameData, notes: &mut Vec<String>) -> Vec<(String, bool)> {
-    let has_mises = first.scalars.iter().any(|s| s.0 == "MISES");
-    let all = first.scalars.iter().filter(|s| !(has_mises && s.0 == "S_MISES"));
-    let mut fields: Vec<(String, bool)> = all.map(|s| (s.0.clone(), s.1)).collect();
+    let has_mises = first.scalars.iter().any(|s| s.name == "MISES");
+    let shown_scalars = first.scalars.iter().filter(|s| !(has_mises && s.name == "S_MISES"));
+    let mut fields: Vec<(String, bool)> = shown_scalars.map(|s| (s.name.clone(), s.on_cells)).collect();
     fields.sort_by_key(|f| rank(&f.0));
     if fields.len() > FIELDS {
         let left_out: Vec<&str> = fields[FIELDS..].iter().map(|f| f.0.as_str()).collect();
@@ -231,12 +238,12 @@ fn chosen_fields(first: &FrameData, notes: &mut Vec<String>) -> Vec<(String, boo
 /// Returns the size of a frame in bytes; base64 needs four bytes for three.
 fn bytes_of_frame(mesh: &DrawnMesh, fields: &[(String, bool)]) -> usize {
     let numbers = |f: &(String, bool)| if f.1 { mesh.cells.len() } else { mesh.points.len() };
-    let all = 2 * mesh.points.len() + fields.iter().map(numbers).sum::<usize>();
-    (all * 2 * 4 / 3).max(1)
+    let number_count = 2 * mesh.points.len() + fields.iter().map(numbers).sum::<usize>();
+    (number_count * 2 * 4 / 3).max(1)
 }
 
 /// Returns at most `most` of `count` indices, equally spaced, including the first and the last.
-fn spread(count: usize, most: usize) -> Vec<usize> {
+pub fn spread(count: usize, most: usize) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();
     }
@@ -253,10 +260,10 @@ struct DrawnFrame {
 impl DrawnFrame {
     fn of(frame: &FrameData, mesh: &DrawnMesh, fields: &[(String, bool)]) -> DrawnFrame {
         let values = |(name, on_cells): &(String, bool)| {
-            let scalar = frame.scalars.iter().find(|s| s.0 == *name && s.1 == *on_cells);
+            let values = frame.values(name, *on_cells).unwrap_or_default();
             let places = if *on_cells { &mesh.cells } else { &mesh.points };
-            let at = |p: &usize| scalar.and_then(|s| s.2.get(*p)).copied().unwrap_or(f64::NAN);
-            places.iter().map(at).collect()
+            let value_at = |p: &usize| values.get(*p).copied().unwrap_or(f64::NAN);
+            places.iter().map(value_at).collect()
         };
         let points = mesh.points.iter().map(|&p| frame.points[p]).collect();
         DrawnFrame { time: frame.time, points, values: fields.iter().map(values).collect() }
@@ -264,9 +271,9 @@ impl DrawnFrame {
 }
 
 fn meridian(frames: &[DrawnFrame], mesh: &DrawnMesh, fields: &[(String, bool)], scene: &Value) -> MeridianFrames {
-    let all: Vec<[f64; 2]> = frames.iter().flat_map(|f| &f.points).copied().collect();
-    let [low, high] = bounds(&all);
-    let places = all.iter().flat_map(|p| [0, 1].map(|i| scale(p[i], low[i], high[i])));
+    let all_points: Vec<[f64; 2]> = frames.iter().flat_map(|f| &f.points).copied().collect();
+    let [low, high] = bounds(&all_points);
+    let places = all_points.iter().flat_map(|p| [0, 1].map(|i| scale(p[i], low[i], high[i])));
     // Six-node triangles are drawn by their corners.
     let step = |c: &[usize]| if c.len() == 6 { 2 } else { 1 };
     let corners = mesh.corners.iter().flat_map(|c| (0..4).map(move |i| c.get(step(c) * i).map_or(NONE, |&p| p as u16)));

@@ -14,6 +14,7 @@ use crate::variables::statistic::Statistic;
 use crate::variables::{VariableComponent, VariablePlace};
 
 use super::data::ColumnSummaryRow;
+use super::find::in_file;
 use super::shorten;
 use super::units::UnitNames;
 
@@ -43,9 +44,8 @@ pub fn hint(wanted: &str, names: &[String]) -> String {
 }
 
 fn header(path: &Path) -> Result<Vec<String>, String> {
-    let file = files::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut header = String::new();
-    BufReader::new(file).read_line(&mut header).map_err(|e| format!("{}: {e}", path.display()))?;
+    in_file(path, files::open(path).and_then(|file| BufReader::new(file).read_line(&mut header)))?;
     Ok(csv::fields(&header))
 }
 
@@ -56,30 +56,26 @@ fn leading(names: &[String]) -> usize {
 
 /// Reads the requested columns.
 pub fn read(path: &Path, wanted: &[String]) -> Result<HistoryColumns, String> {
-    let all = header(path)?;
-    let first = leading(&all);
-    let place = |name: &String| Some(first + all[first..].iter().position(|n| n == name)?);
-    let places: Vec<usize> = wanted.iter().filter_map(place).collect();
-    let file = files::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let file_columns = header(path)?;
+    let first = leading(&file_columns);
+    let position_of = |name: &String| Some(first + file_columns[first..].iter().position(|n| n == name)?);
+    let places: Vec<usize> = wanted.iter().filter_map(position_of).collect();
+    let file = in_file(path, files::open(path))?;
     let mut history = HistoryColumns::default();
     let mut columns = vec![Vec::new(); places.len()];
     for (i, line) in BufReader::new(file).lines().enumerate().skip(1) {
-        let line = line.map_err(|e| format!("{}: {e}", path.display()))?;
+        let line = in_file(path, line)?;
         let numbers: Vec<f64> = line.split(',').map_while(|f| f.trim().parse().ok()).collect();
-        if numbers.len() != all.len() || line.split(',').count() != numbers.len() {
-            let expected = all.len();
-            return Err(format!(
-                "{}: line {}: expected {expected} numbers: the file is damaged",
-                path.display(),
-                i + 1
-            ));
+        if numbers.len() != file_columns.len() || line.split(',').count() != numbers.len() {
+            let (line, expected) = (i + 1, file_columns.len());
+            return in_file(path, Err(format!("line {line}: expected {expected} numbers: the file is damaged")));
         }
         history.times.push(numbers[0]);
-        for (column, place) in columns.iter_mut().zip(&places) {
-            column.push(numbers[*place]);
+        for (column, position_of) in columns.iter_mut().zip(&places) {
+            column.push(numbers[*position_of]);
         }
     }
-    history.columns = places.iter().map(|p| all[*p].clone()).zip(columns).collect();
+    history.columns = places.iter().map(|p| file_columns[*p].clone()).zip(columns).collect();
     Ok(history)
 }
 
@@ -160,22 +156,22 @@ pub fn chart(title: &str, columns: &[String], history: &HistoryColumns, units: &
 
 /// Reduces a curve to the smallest and largest value of each of `INTERVALS` intervals, and the end points.
 fn thin(times: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
-    let mut kept: Vec<usize> = Vec::new();
+    let mut drawn_rows: Vec<usize> = Vec::new();
     if values.len() <= 2 * INTERVALS {
-        kept.extend(0..values.len());
+        drawn_rows.extend(0..values.len());
     } else {
-        kept.push(0);
+        drawn_rows.push(0);
         let width = values.len().div_ceil(INTERVALS);
         for start in (0..values.len()).step_by(width) {
             let part = start..(start + width).min(values.len());
             let low = part.clone().min_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(start);
             let high = part.max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(start);
-            kept.extend([low.min(high), low.max(high)]);
+            drawn_rows.extend([low.min(high), low.max(high)]);
         }
-        kept.push(values.len() - 1);
-        kept.dedup();
+        drawn_rows.push(values.len() - 1);
+        drawn_rows.dedup();
     }
-    kept.iter().filter(|&&i| values[i].is_finite()).map(|&i| (shorten(times[i]), shorten(values[i]))).collect()
+    drawn_rows.iter().filter(|&&i| values[i].is_finite()).map(|&i| (shorten(times[i]), shorten(values[i]))).collect()
 }
 
 #[cfg(test)]

@@ -27,8 +27,8 @@ impl QuantityLabels {
 
     /// Checks that each label belongs to a known quantity.
     pub fn check(&self, known: &[String]) -> Result<(), String> {
-        let there = |column: &str| known.iter().any(|k| k.eq_ignore_ascii_case(column));
-        match self.0.iter().find(|(column, _)| !there(column)) {
+        let is_known = |column: &str| known.iter().any(|k| k.eq_ignore_ascii_case(column));
+        match self.0.iter().find(|(column, _)| !is_known(column)) {
             None => Ok(()),
             Some((column, text)) => {
                 let like = nearest(column, known.iter().map(String::as_str));
@@ -59,7 +59,6 @@ impl QuantityLabels {
         Ok(())
     }
 
-    /// Returns a chart with the labels.
     pub fn applied(&self, mut chart: Chart) -> Chart {
         self.name(&mut chart);
         chart
@@ -88,8 +87,7 @@ fn names(page: &ReportPage) -> Vec<String> {
         names.extend(run.columns.iter().map(|c| c.name.clone()));
         names.extend(run.meridian.iter().flat_map(|m| &m.fields).map(|f| f.name.clone()));
     }
-    let (studies, searches) = (page.studies.iter().map(|s| &s.table), page.searches.iter().map(|s| &s.table));
-    names.extend(page.sweeps.iter().chain(studies).chain(searches).flat_map(of_table));
+    names.extend(page.tables().flat_map(of_table));
     names
 }
 

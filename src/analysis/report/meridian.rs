@@ -9,6 +9,7 @@ use super::mesh::{bounds, drawn};
 use super::picture::missing;
 use super::units::UnitNames;
 use super::{ReportError, find};
+use crate::output::HISTORY;
 use crate::output::drawing::{Colour, Drawing, DrawingShape, LineStroke, ShapePaint, TextAnchor, TextLabel};
 use crate::output::sums::Checksums;
 use crate::study::axis::{self, ticks};
@@ -45,7 +46,6 @@ const VIRIDIS: [[f64; 3]; 9] = [
 pub struct FieldOptions {
     /// Name of the field, regardless of case.
     pub field: String,
-    /// Range of the colours.
     pub range: ColourRange,
     /// Whether values of elements are averaged at the nodes and interpolated.
     pub smooth: bool,
@@ -97,11 +97,10 @@ impl RunFrames {
         let (list, sums) = (folder.join(format!("{name}.pvd")), Checksums::of(folder)?);
         sums.verify(&list)?;
         let (series, scene) = (frames::series(&list)?, find::scene(folder, &name, &sums)?);
-        let units = find::units(&folder.join(format!("{name}_history.csv")));
+        let units = find::units(&folder.join(format!("{name}{HISTORY}")));
         Ok(RunFrames { name, sums, series, scene, units })
     }
 
-    /// Returns the number of frames.
     pub fn count(&self) -> usize {
         self.series.len()
     }
@@ -175,8 +174,8 @@ impl RunFrames {
         let range = if let ColourRange::Given(range) = options.range { range } else { range };
         let [length, time] = self.units.length_and_time();
         let unit = if time.is_empty() { String::new() } else { format!(" {time}") };
-        let (at, count) = (digits(picture.time, 4), self.series.len());
-        let title = format!("{}: {} at time {at}{unit}, frame {number} of {count}", self.name, picture.field);
+        let (shown_time, count) = (digits(picture.time, 4), self.series.len());
+        let title = format!("{}: {} at time {shown_time}{unit}, frame {number} of {count}", self.name, picture.field);
         let canvas = FrameCanvas { view, range, scene: &self.scene };
         let mut drawing = canvas.begin(&title);
         picture.cells.iter().for_each(|cell| canvas.draw_cell(&mut drawing, cell));
@@ -200,30 +199,35 @@ struct FramePicture {
 
 impl FramePicture {
     fn of(frame: &FrameData, options: &FieldOptions) -> Result<FramePicture, ReportError> {
-        let names: Vec<String> = frame.scalars.iter().map(|s| s.0.clone()).collect();
-        let at = names.iter().position(|n| n.eq_ignore_ascii_case(&options.field));
-        let (field, on_cells, values) = &frame.scalars[at.ok_or_else(|| missing("field", &options.field, &names))?];
+        let names: Vec<String> = frame.scalars.iter().map(|s| s.name.clone()).collect();
+        let position = names.iter().position(|n| n.eq_ignore_ascii_case(&options.field));
+        let scalar = &frame.scalars[position.ok_or_else(|| missing("field", &options.field, &names))?];
+        let (on_cells, values) = (scalar.on_cells, &scalar.values);
         let mesh = drawn(&frame.points, &frame.cells, CELLS);
-        let there = |cell: usize| !frame.deleted.get(cell).copied().unwrap_or(false);
+        let is_present = |cell: usize| !frame.deleted.get(cell).copied().unwrap_or(false);
         let mean = |corners: &[usize]| corners.iter().map(|&p| values[p]).sum::<f64>() / corners.len() as f64;
         // Element fields are zero on the facets of rigid bodies, and facet fields on deformable elements.
-        let of_facets = is_facet_field(field);
+        let of_facets = is_facet_field(&scalar.name);
         let belongs = |corners: usize| !on_cells || (corners == 2) == of_facets;
-        let at_nodes = (options.smooth && *on_cells)
-            .then(|| node_means(frame, values, |cell| there(cell) && belongs(frame.cells[cell].len())));
+        let at_nodes = (options.smooth && on_cells)
+            .then(|| node_means(frame, values, |cell| is_present(cell) && belongs(frame.cells[cell].len())));
         let cell = |(corners, &index): (&Vec<usize>, &usize)| {
             let nodes: Vec<usize> = corners.iter().map(|&p| mesh.points[p]).collect();
-            let one = if *on_cells { values[index] } else { mean(&frame.cells[index]) };
-            let found: Vec<f64> = match (options.smooth, &at_nodes) {
+            let cell_value = if on_cells { values[index] } else { mean(&frame.cells[index]) };
+            let corner_values: Vec<f64> = match (options.smooth, &at_nodes) {
                 (true, Some(means)) => nodes.iter().map(|&n| means[n]).collect(),
                 (true, None) => nodes.iter().map(|&n| values[n]).collect(),
-                (false, _) => vec![one; nodes.len()],
+                (false, _) => vec![cell_value; nodes.len()],
             };
-            let is_shown = belongs(corners.len()) && one.is_finite() && found.iter().all(|v| v.is_finite());
-            DrawnCell { corners: nodes.iter().map(|&n| frame.points[n]).collect(), values: is_shown.then_some(found) }
+            let is_shown =
+                belongs(corners.len()) && cell_value.is_finite() && corner_values.iter().all(|v| v.is_finite());
+            DrawnCell {
+                corners: nodes.iter().map(|&n| frame.points[n]).collect(),
+                values: is_shown.then_some(corner_values),
+            }
         };
-        let cells = mesh.corners.iter().zip(&mesh.cells).filter(|c| there(*c.1)).map(cell).collect();
-        Ok(FramePicture { field: field.clone(), time: frame.time, cells })
+        let cells = mesh.corners.iter().zip(&mesh.cells).filter(|c| is_present(*c.1)).map(cell).collect();
+        Ok(FramePicture { field: scalar.name.clone(), time: frame.time, cells })
     }
 
     fn range(&self) -> [f64; 2] {
@@ -315,8 +319,8 @@ impl FrameCanvas<'_> {
 
     fn draw_layers(&self, drawing: &mut Drawing) {
         let [low, high, reach] = self.view.region;
-        for (i, (from, to, name)) in layers(self.scene).iter().enumerate() {
-            let (bottom, top) = (f64::min(*from, *to).max(low), f64::max(*from, *to).min(high));
+        for (i, TargetLayer { ends: [from, to], name }) in layers(self.scene).into_iter().enumerate() {
+            let (bottom, top) = (f64::min(from, to).max(low), f64::max(from, to).min(high));
             if bottom >= top {
                 continue;
             }
@@ -409,12 +413,12 @@ impl FrameCanvas<'_> {
         let on_r = rs.into_iter().map(|r| (self.view.place([r, low]), r.abs(), !self.view.z_is_horizontal));
         for ([x, y], value, is_level) in on_z.chain(on_r) {
             let label = axis::label(value, exponent);
-            let (at, anchor) = if is_level {
+            let (position, anchor) = if is_level {
                 ([x, bottom + 22.0], TextAnchor::Middle)
             } else {
                 ([MARGIN[0] - 8.0, y + 5.0], TextAnchor::End)
             };
-            drawing.label(TextLabel::new(at, anchor, label));
+            drawing.label(TextLabel::new(position, anchor, label));
         }
     }
 
@@ -445,8 +449,14 @@ impl FrameCanvas<'_> {
     }
 }
 
-/// Returns the layers of the targets in a summary as intervals of z.
-fn layers(scene: &Value) -> Vec<(f64, f64, String)> {
+/// Layer of a target: z of its ends, and the names of the target and material.
+struct TargetLayer {
+    ends: [f64; 2],
+    name: String,
+}
+
+/// Returns the layers of the targets in a summary.
+fn layers(scene: &Value) -> Vec<TargetLayer> {
     let mut layers = Vec::new();
     for target in scene.get("targets").and_then(Value::as_array).into_iter().flatten() {
         let number = |key: &str| target.get(key).and_then(Value::as_f64).unwrap_or(0.0);
@@ -457,7 +467,7 @@ fn layers(scene: &Value) -> Vec<(f64, f64, String)> {
             let material = layer.get("material").and_then(Value::as_str).unwrap_or_default();
             // Gaps have no material.
             if !material.is_empty() {
-                layers.push((z, z + direction * thickness, format!("{name}: {material}")));
+                layers.push(TargetLayer { ends: [z, z + direction * thickness], name: format!("{name}: {material}") });
             }
             z += direction * thickness;
         }

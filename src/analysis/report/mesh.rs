@@ -59,13 +59,13 @@ fn clustered(leader: &[usize], cells: &[Vec<usize>]) -> DrawnMesh {
         if corners.len() < cell.len().min(3) || corners.len() > 6 || cell.len() < 2 {
             continue;
         }
-        let place = |p: usize| {
+        let drawn_index = |p: usize| {
             *number.entry(p).or_insert_with(|| {
                 drawn.points.push(p);
                 drawn.points.len() - 1
             })
         };
-        drawn.corners.push(corners.into_iter().map(place).collect());
+        drawn.corners.push(corners.into_iter().map(drawn_index).collect());
         drawn.cells.push(index);
     }
     drawn
@@ -97,10 +97,10 @@ mod tests {
         let (points, cells) = square(200);
         let drawn = drawn(&points, &cells, 3000);
         assert!((300..=3000).contains(&drawn.cells.len()), "{}", drawn.cells.len());
-        let place = |p: usize| points[drawn.points[p]];
+        let point_of = |p: usize| points[drawn.points[p]];
         let area = |corners: &Vec<usize>| {
             let shifted = corners.iter().skip(1).chain(corners.first());
-            let cross = |(&a, &b): (&usize, &usize)| place(a)[0] * place(b)[1] - place(b)[0] * place(a)[1];
+            let cross = |(&a, &b): (&usize, &usize)| point_of(a)[0] * point_of(b)[1] - point_of(b)[0] * point_of(a)[1];
             0.5 * corners.iter().zip(shifted).map(cross).sum::<f64>()
         };
         let sum: f64 = drawn.corners.iter().map(area).sum();

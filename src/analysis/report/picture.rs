@@ -5,6 +5,7 @@ use std::path::Path;
 use super::filter::CutoffFrequency;
 use super::{PageOptions, ReportError, balance, compare};
 use super::{find, history};
+use crate::output::HISTORY;
 use crate::output::sums::Checksums;
 use crate::study::chart::{Chart, ChartSeries, SeriesForm};
 
@@ -21,9 +22,9 @@ pub fn columns(
         let known = names.iter().find(|n| n.eq_ignore_ascii_case(wanted)).cloned();
         known.ok_or_else(|| missing("column", wanted, &names))
     };
-    let wanted = wanted.iter().map(find).collect::<Result<Vec<_>, _>>()?;
-    options.labels.check(&wanted)?;
-    let mut chart = chart(&name, &path, &wanted, options, filter)?;
+    let columns = wanted.iter().map(find).collect::<Result<Vec<_>, _>>()?;
+    options.labels.check(&columns)?;
+    let mut chart = chart(&name, &path, &columns, options, filter)?;
     let curves = options.compare.as_ref().map_or(Ok(Vec::new()), |file| compare::curves(file, &path))?;
     for curve in &curves {
         chart.series.push(ChartSeries::new(curve.name(), SeriesForm::Marks, curve.points.clone()));
@@ -46,8 +47,8 @@ pub fn energies(folder: &Path) -> Result<Chart, ReportError> {
     let choice = history::choose(&history::names(&path)?, &[]);
     match choice.charts.into_iter().find(|c| c.0 == "Energy") {
         Some((_, columns)) => {
-            let wanted: Vec<String> = balance::columns().map(str::to_owned).collect();
-            if let Some(balance) = balance::chart(&history::read(&path, &wanted)?, &find::units(&path)) {
+            let balance_columns: Vec<String> = balance::columns().map(str::to_owned).collect();
+            if let Some(balance) = balance::chart(&history::read(&path, &balance_columns)?, &find::units(&path)) {
                 return Ok(titled(&name, balance));
             }
             Ok(chart(&name, &path, &columns, &PageOptions::default(), None)?)
@@ -61,7 +62,7 @@ pub fn energies(folder: &Path) -> Result<Chart, ReportError> {
 
 fn history_file(folder: &Path) -> Result<(String, std::path::PathBuf), String> {
     let name = find::only_run(folder)?;
-    let path = folder.join(format!("{name}_history.csv"));
+    let path = folder.join(format!("{name}{HISTORY}"));
     if !path.is_file() {
         return Err(format!("{} is missing", path.display()));
     }

@@ -6,7 +6,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::data::{ReportPicture, ReportSearch, ReportTable};
-use crate::deck::files;
+use super::find::{in_file, verified_text};
 use crate::output::sums::Checksums;
 use crate::study::table::digits;
 
@@ -22,9 +22,7 @@ const GROUND: &str = "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
 /// Reads the results of a command for a job in a folder.
 pub fn read(folder: &Path, name: &str, kind: (&str, &'static str), sums: &Checksums) -> Result<ReportSearch, String> {
     let path = folder.join(format!("{name}_{}.csv", kind.0));
-    sums.verify(&path)?;
-    let text = files::read_text(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-    let table = table(name, &text).map_err(|e| format!("{}: {e}", path.display()))?;
+    let table = in_file(&path, table(name, &verified_text(&path, sums)?))?;
     let numbered = (2..=PICTURES).map(|i| format!("_{i}"));
     let endings = std::iter::once(String::new()).chain(numbered).chain(["_scatter", "_corner"].map(str::to_owned));
     let mut pictures = Vec::new();
@@ -32,8 +30,7 @@ pub fn read(folder: &Path, name: &str, kind: (&str, &'static str), sums: &Checks
         let picture = folder.join(format!("{name}_{}{ending}.svg", kind.0));
         // A picture of an earlier command is not in the list of checksums of the table.
         if picture.is_file() && sums.has(&picture) == sums.has(&path) {
-            sums.verify(&picture)?;
-            pictures.push(self::picture(&picture)?);
+            pictures.push(self::picture(&picture, sums)?);
         }
     }
     Ok(ReportSearch { title: kind.1, table, pictures })
@@ -52,10 +49,9 @@ fn cell(text: String) -> String {
 }
 
 /// Reads an SVG picture without its background as an address that contains the picture.
-fn picture(path: &Path) -> Result<ReportPicture, String> {
-    let text = files::read_text(path).map_err(|e| format!("{}: {e}", path.display()))?;
+fn picture(path: &Path, sums: &Checksums) -> Result<ReportPicture, String> {
+    let svg = verified_text(path, sums)?.replacen(GROUND, "", 1);
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let svg = text.replacen(GROUND, "", 1);
     Ok(ReportPicture { name, source: format!("data:image/svg+xml;base64,{}", STANDARD.encode(svg)) })
 }
 
@@ -65,8 +61,8 @@ mod tests {
 
     #[test]
     fn numbers_are_rounded_and_words_are_not() {
-        let found = table("job", "what,value,to\n\"V50, limit\",417.33245849609375,-\n").expect("a table");
-        assert_eq!(found.rows, [["V50, limit", "417.3325", "-"]]);
+        let parsed = table("job", "what,value,to\n\"V50, limit\",417.33245849609375,-\n").expect("a table");
+        assert_eq!(parsed.rows, [["V50, limit", "417.3325", "-"]]);
         assert!(table("job", "a,b\n1\n").is_err_and(|e| e.contains("row 1 has 1 fields")));
     }
 }

@@ -87,8 +87,8 @@ fn fill_table(runs: &[&JsonObject], table: &mut ReportTable) {
     }
     for run in runs.iter().take(ROWS) {
         let values = flat(run);
-        let of = |key: &String| values.iter().find(|v| v.0 == *key).map_or(String::new(), |v| cell(&v.1));
-        table.rows.push(table.header.iter().map(of).collect());
+        let cell_of = |key: &String| values.iter().find(|v| v.0 == *key).map_or(String::new(), |v| cell(&v.1));
+        table.rows.push(table.header.iter().map(cell_of).collect());
     }
 }
 
@@ -103,24 +103,24 @@ fn cell(value: &Value) -> String {
 
 /// Returns the chart of error, or its bound if there is one, against run time; the Pareto front is a line.
 fn price_chart(runs: &[&JsonObject], best: &[bool]) -> Option<Chart> {
-    let mut all = ChartSeries::new("all settings", SeriesForm::Marks, Vec::new());
+    let mut settings = ChartSeries::new("all settings", SeriesForm::Marks, Vec::new());
     let mut front: Vec<(f64, f64)> = Vec::new();
     for (run, best) in runs.iter().zip(best) {
         let columns = flat(run);
         let number = |keys: &[&str]| {
-            let of = |key: &&str| columns.iter().find(|c| c.0 == *key)?.1.as_f64().map(f64::abs);
-            keys.iter().find_map(of).filter(|v| *v > 0.0)
+            let magnitude_of = |key: &&str| columns.iter().find(|c| c.0 == *key)?.1.as_f64().map(f64::abs);
+            keys.iter().find_map(magnitude_of).filter(|v| *v > 0.0)
         };
         let (Some(x), Some(y)) = (number(&["seconds"]), number(&["bound", "error"])) else { continue };
-        all.points.push((x, y));
+        settings.points.push((x, y));
         let words = columns.iter().filter(|c| !c.1.is_null());
-        all.words.push(words.take(6).map(|(k, v)| format!("{k} {}", cell(v))).collect::<Vec<_>>().join(", "));
+        settings.words.push(words.take(6).map(|(k, v)| format!("{k} {}", cell(v))).collect::<Vec<_>>().join(", "));
         if *best {
             front.push((x, y));
         }
     }
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let series = vec![all, ChartSeries::new("Pareto front", SeriesForm::Line, front)];
+    let series = vec![settings, ChartSeries::new("Pareto front", SeriesForm::Line, front)];
     logarithmic(Chart::new("Error against time", ["seconds", "error"], series))
 }
 

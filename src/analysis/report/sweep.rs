@@ -74,7 +74,7 @@ fn charts(header: &[String], rows: &[Vec<String>]) -> Vec<Chart> {
 
 /// Returns the agreement of the predictions with each reference, whose column precedes the column of its differences.
 fn deviations(header: &[String], rows: &[Vec<String>]) -> Vec<(String, String)> {
-    let of = |(i, name): (usize, &String)| {
+    let agreement_of = |(i, name): (usize, &String)| {
         name.strip_prefix("difference from ")?;
         let pair = |row: &Vec<String>| {
             let [known, difference] = [i.checked_sub(1)?, i].map(|column| row[column].parse::<f64>());
@@ -83,7 +83,7 @@ fn deviations(header: &[String], rows: &[Vec<String>]) -> Vec<(String, String)> 
         let pairs: Vec<(f64, f64)> = rows.iter().filter_map(pair).collect();
         Some((name.clone(), Agreement::of(&pairs)?.text()))
     };
-    header.iter().enumerate().filter_map(of).collect()
+    header.iter().enumerate().filter_map(agreement_of).collect()
 }
 
 fn lines(header: &[String], rows: &[Vec<String>], parameters: usize, quantity: usize) -> Vec<ChartSeries> {

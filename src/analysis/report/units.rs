@@ -14,7 +14,6 @@ const ENERGY: DimensionPowers = [2, 1, -2, 0];
 pub struct UnitNames(Option<DeckUnits>);
 
 impl UnitNames {
-    /// Reads the unit names of a summary.
     pub fn of(summary: &Value) -> UnitNames {
         UnitNames(summary.get("units").and_then(|units| serde_json::from_value(units.clone()).ok()))
     }

@@ -15,14 +15,14 @@ pub fn limits_of_order(model: &Model) -> Vec<&'static str> {
     let deforms = deforms(model);
     let point_loads = deforms && model.steps.iter().flat_map(|s| &s.loads).any(|l| concentrated(&l.kind));
     let viscosity = deforms && model.steps.iter().any(|s| s.bulk_viscosity.linear > 0.0);
-    let all = [
+    let candidates = [
         (has_contact(model), "contact (first touch)"),
         (has_failure(model), "failure or element deletion"),
         (has_new_meshes(model), "new meshes (*REMESH)"),
         (point_loads, "concentrated forces"),
         (viscosity, "linear bulk viscosity at discontinuities (order 0.5)"),
     ];
-    all.into_iter().filter(|cause| cause.0).map(|cause| cause.1).collect()
+    candidates.into_iter().filter(|cause| cause.0).map(|cause| cause.1).collect()
 }
 
 fn has_contact(model: &Model) -> bool {

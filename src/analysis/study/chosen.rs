@@ -70,9 +70,9 @@ pub fn choose(request: &TargetRequest<'_>) -> Result<ChosenSetting, StudyError> 
     let begin = Stopwatch::now();
     let model = model::build(&(request.source.deck)(request.overrides).0).0;
     let axes = mesh_axes(request.source.deck, request.overrides)?;
-    let done = || {};
+    let ignore_progress = || {};
     let RunSource { deck, user, .. } = request.source;
-    let mut bench = StudyRunner::new(deck, request.overrides, user, request.quantity, 1, &done);
+    let mut bench = StudyRunner::new(deck, request.overrides, user, request.quantity, 1, &ignore_progress);
     bench.limited_to(request.budget.saturating_sub(begin.elapsed()), request.announce);
     let study_request = RefinementRequest {
         axes: &axes,
@@ -83,24 +83,24 @@ pub fn choose(request: &TargetRequest<'_>) -> Result<ChosenSetting, StudyError> 
         announce: request.announce,
         around: false,
     };
-    let (study, met, timing) = convergence::refine(&mut bench, &study_request)?;
-    let named = met.as_ref().and_then(|met| met.run);
+    let completed = convergence::refine(&mut bench, &study_request)?;
+    let study = &completed.study;
+    let named = completed.target.as_ref().and_then(|target| target.run);
     let row = named.or_else(|| (0..study.rows.len()).rev().find(|&row| study.rows[row].run.is_ok()));
-    let row = row.ok_or_else(|| first_error(&study))?;
-    let increment = if deforms(&model) { increment_change(&mut bench, &axes, &study)? } else { None };
-    let allowed = request.target.bound(&study).unwrap_or(0.0);
-    let quantity = quantity(request, &study, row, increment);
+    let row = row.ok_or_else(|| first_error(study))?;
+    let increment = if deforms(&model) { increment_change(&mut bench, &axes, study)? } else { None };
+    let allowed = request.target.bound(study).unwrap_or(0.0);
+    let quantity = quantity(request, study, row, increment);
     let too_long = quantity.increment.is_some_and(|error| error > INCREMENT_SHARE * allowed);
-    let text = record::conclusions(&study, &request.quantity.text, met.as_ref());
     Ok(ChosenSetting {
         target: request.target,
         reached: named.is_some(),
         mesh: study.rows[row].values[0].clone(),
         increment: if too_long { 0.5 } else { 1.0 },
         element_cycles: study.rows.iter().flat_map(|r| &r.run).map(|run| run.element_cycles()).sum(),
-        study: serde_json::json!(record::record(&request.quantity.text, None, &study, met, timing)),
+        study: serde_json::json!(record::record(&request.quantity.text, None, &completed)),
         quantity,
-        conclusions: text,
+        conclusions: record::conclusions(&completed, &request.quantity.text),
     })
 }
 

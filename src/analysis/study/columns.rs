@@ -113,9 +113,9 @@ mod parquet_file {
             let mut group = writer.next_row_group()?;
             let mut column = 0;
             while let Some(mut next) = group.next_column()? {
-                let all = || rows.iter().skip(column).step_by(width).copied();
-                let values: Vec<f64> = all().filter(|v| v.is_finite()).collect();
-                let present: Vec<i16> = all().map(|v| i16::from(v.is_finite())).collect();
+                let column_values = || rows.iter().skip(column).step_by(width).copied();
+                let values: Vec<f64> = column_values().filter(|v| v.is_finite()).collect();
+                let present: Vec<i16> = column_values().map(|v| i16::from(v.is_finite())).collect();
                 next.typed::<DoubleType>().write_batch(&values, Some(&present), None)?;
                 next.close()?;
                 column += 1;

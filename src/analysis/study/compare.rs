@@ -158,11 +158,13 @@ mod tests {
 
     #[test]
     fn agreement_counts_relative_differences() {
-        let found = Agreement::of(&[(110.0, 100.0), (-80.0, -100.0), (150.0, 100.0), (1.0, 0.0)]).expect("rows");
-        assert_eq!((found.count, found.bias, found.within), (4, 20.25, [0.25, 0.5]));
-        assert!((found.relative_bias - 0.8 / 3.0).abs() < 1e-12 && (found.rms - 750.25_f64.sqrt()).abs() < 1e-12);
-        assert!((found.relative_rms - (0.3_f64 / 3.0).sqrt()).abs() < 1e-12, "{found:?}");
-        assert!(found.text().contains("25 % of the rows within 10 %, 50 % within 20 %"), "{}", found.text());
+        let agreement = Agreement::of(&[(110.0, 100.0), (-80.0, -100.0), (150.0, 100.0), (1.0, 0.0)]).expect("rows");
+        assert_eq!((agreement.count, agreement.bias, agreement.within), (4, 20.25, [0.25, 0.5]));
+        assert!(
+            (agreement.relative_bias - 0.8 / 3.0).abs() < 1e-12 && (agreement.rms - 750.25_f64.sqrt()).abs() < 1e-12
+        );
+        assert!((agreement.relative_rms - (0.3_f64 / 3.0).sqrt()).abs() < 1e-12, "{agreement:?}");
+        assert!(agreement.text().contains("25 % of the rows within 10 %, 50 % within 20 %"), "{}", agreement.text());
         assert_eq!(Agreement::of(&[]), None);
         assert!(!Agreement::of(&[(1.0, 0.0)]).expect("a row").text().contains('%'));
     }

@@ -5,7 +5,7 @@ use std::time::Instant as Stopwatch;
 use super::StudyError;
 use super::jitter::{self, NoiseRequest};
 use super::quantity::Quantity;
-use super::record::StudyTiming;
+use super::record::{CompletedStudy, StudyTiming};
 use super::refinement::{self, RefinementStudy, StudyRow};
 use super::richardson::{ConvergenceBehaviour, LimitEstimate};
 use super::runner::StudyRunner;
@@ -45,31 +45,27 @@ pub struct RefinementRequest<'a> {
     pub announce: &'a dyn Fn(&str),
 }
 
-/// Runs all levels, or refines until the error target is reached, then measures the noise. Returns the study, the result
-/// of the target and the time spent.
-pub fn refine(
-    bench: &mut StudyRunner<'_>,
-    request: &RefinementRequest<'_>,
-) -> Result<(RefinementStudy, Option<TargetResult>, StudyTiming), StudyError> {
+/// Runs all levels, or refines until the error target is reached, then measures the noise.
+pub fn refine(bench: &mut StudyRunner<'_>, request: &RefinementRequest<'_>) -> Result<CompletedStudy, StudyError> {
     let begin = Stopwatch::now();
     let (axes, exact) = (request.axes, request.exact);
-    let (mut results, mut met) = match request.target {
+    let (mut study, mut target) = match request.target {
         Some(target) => {
-            let (results, met) = target::refine_to_target(bench, axes, exact, target)?;
-            (results, Some(met))
+            let (study, result) = target::refine_to_target(bench, axes, exact, target)?;
+            (study, Some(result))
         }
         None if request.around => (around(bench, axes, exact)?, None),
         None => (refinement::grid(bench, axes, exact)?, None),
     };
-    results.causes.clone_from(&request.causes);
-    if let Some(row) = jitter::level(&results, request.noise, bench.repeat()) {
-        (request.announce)(&jitter::announcement(&results, row, request.noise.runs));
-        results.noise = Some(jitter::measure(bench, axes, &results, row, request.noise)?);
-        refinement::evaluate_errors(&mut results, exact, bench.measure().is_norm());
-        met = request.target.map(|target| TargetResult::of(target, &results));
+    study.causes.clone_from(&request.causes);
+    if let Some(row) = jitter::level(&study, request.noise, bench.repeat()) {
+        (request.announce)(&jitter::announcement(&study, row, request.noise.runs));
+        study.noise = Some(jitter::measure(bench, axes, &study, row, request.noise)?);
+        refinement::evaluate_errors(&mut study, exact, bench.measure().is_norm());
+        target = request.target.map(|target| TargetResult::of(target, &study));
     }
     let timing = StudyTiming { runs: bench.spent(), total: begin.elapsed().as_secs_f64(), repeat: bench.repeat() };
-    Ok((results, met, timing))
+    Ok(CompletedStudy { study, target, timing })
 }
 
 /// Runs the levels of the mesh, and a finer one if their order is not confirmed.

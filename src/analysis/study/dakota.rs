@@ -75,9 +75,9 @@ impl DakotaRequest {
         }
         for DakotaEvaluation { responses, id, metadata, .. } in &self.evaluations {
             if responses.len() != quantities.len() {
-                let (requested, given) = (responses.len(), quantities.len());
+                let (requested, quantity_count) = (responses.len(), quantities.len());
                 return Err(format!(
-                    "evaluation {id} requests {requested} responses, but --quantity is given {given} times"
+                    "evaluation {id} requests {requested} responses, but --quantity is given {quantity_count} times"
                 ));
             }
             if let Some(DakotaResponse { label, .. }) = responses.iter().find(|r| r.active_set & 6 != 0) {
@@ -107,9 +107,10 @@ impl DakotaRequest {
 
     /// Formats the results file: values in the requested order with all digits, FAIL for evaluations without values.
     pub fn answer(&self, results: &SweepResults) -> String {
-        let all = self.evaluations.iter().zip(&results.values);
+        let answered = self.evaluations.iter().zip(&results.values);
         if self.form != FileFormat::Text {
-            let objects: Vec<Value> = all.map(|(request, values)| request.object(values.as_deref().ok())).collect();
+            let objects: Vec<Value> =
+                answered.map(|(request, values)| request.object(values.as_deref().ok())).collect();
             let value = if self.form == FileFormat::Json {
                 objects.into_iter().next().unwrap_or_default()
             } else {
@@ -119,7 +120,7 @@ impl DakotaRequest {
         }
         // In a batch each evaluation begins with a line `#`.
         let batch = self.evaluations[0].id.contains(':');
-        let blocks = all.map(|(request, values)| {
+        let blocks = answered.map(|(request, values)| {
             let begin = if batch { "#\n" } else { "" };
             format!("{begin}{}", request.lines(values.as_deref().ok()))
         });
@@ -131,8 +132,8 @@ impl DakotaEvaluation {
     /// Returns the labels and values of the requested responses; `None` if a value is not finite.
     fn wanted<'a>(&'a self, values: Option<&'a [f64]>) -> Option<Vec<(&'a str, f64)>> {
         let pairs = self.responses.iter().zip(values?).filter(|(response, _)| response.active_set & 1 != 0);
-        let wanted: Vec<_> = pairs.map(|(response, value)| (response.label.as_str(), *value)).collect();
-        wanted.iter().all(|pair| pair.1.is_finite()).then_some(wanted)
+        let requested: Vec<_> = pairs.map(|(response, value)| (response.label.as_str(), *value)).collect();
+        requested.iter().all(|pair| pair.1.is_finite()).then_some(requested)
     }
 
     fn lines(&self, values: Option<&[f64]>) -> String {
@@ -203,8 +204,8 @@ impl<'a> PairReader<'a> {
         if count > self.rest.len() {
             return Err(format!("line {}: the file ends before {count} {}", head.at, head.tag));
         }
-        let (block, rest) = self.rest.split_at(count);
-        self.rest = rest;
+        let (block, following) = self.rest.split_at(count);
+        self.rest = following;
         Ok(block)
     }
 }
@@ -235,8 +236,8 @@ fn evaluation(pairs: &mut PairReader<'_>) -> Result<DakotaEvaluation, String> {
     // Versions before 6.16 write no metadata, the oldest no evaluation number either.
     let begins =
         |tags: [&str; 2], pairs: &PairReader<'_>| pairs.rest.first().is_some_and(|p| tags.contains(&p.tag.as_str()));
-    let (own, more) = (["eval_id", "DAKOTA_EVAL_ID"], ["metadata", "DAKOTA_METADATA"]);
-    let id = if begins(own, pairs) { pairs.expect(own)?.value.clone() } else { String::new() };
+    let (id_tags, more) = (["eval_id", "DAKOTA_EVAL_ID"], ["metadata", "DAKOTA_METADATA"]);
+    let id = if begins(id_tags, pairs) { pairs.expect(id_tags)?.value.clone() } else { String::new() };
     let metadata = if begins(more, pairs) { pairs.block(more)? } else { &[] };
     Ok(DakotaEvaluation {
         variables: variables.iter().map(|p| DakotaVariable { label: p.tag.clone(), value: p.value.clone() }).collect(),

@@ -82,12 +82,12 @@ pub fn leave_out(bench: &mut StudyRunner<'_>, axes: &[StudyAxis], model: &Model)
 
 /// Returns the row that effects are removed from: the finest levels, with the increment of the deck.
 fn base(study: &RefinementStudy, axes: &[StudyAxis]) -> Option<usize> {
-    let wanted = |a: &StudyAxis| match a.parameter {
+    let base_value = |a: &StudyAxis| match a.parameter {
         StudyParameter::Increment => a.values.iter().find(|v| v.parse() == Ok(1.0)).or(a.values.last()).cloned(),
         _ if a.is_refinement() => a.values.last().cloned(),
         _ => a.values.first().cloned(),
     };
-    let values: Vec<String> = axes.iter().filter_map(wanted).collect();
+    let values: Vec<String> = axes.iter().filter_map(base_value).collect();
     study.rows.iter().position(|r| r.values == values)
 }
 
@@ -98,21 +98,21 @@ fn effect(
     with: &StudyRun,
     [value, error]: [f64; 2],
 ) -> AblatedEffect {
-    let mut found = AblatedEffect { effect, instead, matters: true, ..AblatedEffect::default() };
+    let mut ablated = AblatedEffect { effect, instead, matters: true, ..AblatedEffect::default() };
     match run {
-        Err(reason) => found.failure = Some(reason.to_string()),
+        Err(reason) => ablated.failure = Some(reason.to_string()),
         Ok(run) => {
             if let QuantityValue::Number(without) = run.found {
                 let change = without - value;
-                (found.value, found.change) = (Some(without), Some(change));
-                found.relative_change = (value != 0.0).then(|| change / value.abs());
-                found.matters = change.abs() > error;
+                (ablated.value, ablated.change) = (Some(without), Some(change));
+                ablated.relative_change = (value != 0.0).then(|| change / value.abs());
+                ablated.matters = change.abs() > error;
             }
-            found.time_ratio = Some(run.loop_seconds.median / with.loop_seconds.median);
-            found.cycle_ratio = Some(run.element_cycles() / with.element_cycles());
+            ablated.time_ratio = Some(run.loop_seconds.median / with.loop_seconds.median);
+            ablated.cycle_ratio = Some(run.element_cycles() / with.element_cycles());
         }
     }
-    found
+    ablated
 }
 
 impl EffectAblation {

@@ -123,16 +123,13 @@ impl SampleEvaluator {
         let known: Vec<&str> = prepared.deck.definitions.iter().map(|d| d.name.as_str()).collect();
         if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
             let near = nearest(name, known.iter().copied()).map(|near| format!("; did you mean {near}?"));
-            let there = near.unwrap_or_else(|| format!("; it defines {}", known.join(", ")));
-            return Err(StudyError::Setting(format!("the deck defines no parameter {name}{there}")));
+            let hint = near.unwrap_or_else(|| format!("; it defines {}", known.join(", ")));
+            return Err(StudyError::Setting(format!("the deck defines no parameter {name}{hint}")));
         }
-        for quantity in &quantities {
-            quantity.check_without_study()?;
-            quantity.check(&prepared.plan)?;
-        }
+        quantity::check_all(&quantities, &prepared.plan)?;
         let ends_alone = quantities.iter().all(Quantity::needs_last_row_only);
         let (most_threads, idle) = (prepared.most_threads(), Mutex::default());
-        let all = (0..quantities.len()).collect();
+        let every_quantity = (0..quantities.len()).collect();
         let (shots, still_moving) = (None, AtomicUsize::new(0));
         Ok(SampleEvaluator {
             source,
@@ -145,7 +142,7 @@ impl SampleEvaluator {
             idle,
             shots,
             still_moving,
-            selections: vec![all],
+            selections: vec![every_quantity],
         })
     }
 
@@ -244,8 +241,8 @@ impl SampleEvaluator {
 
     /// Returns the parameter values of a sample as text, as on the command line.
     fn overrides(&self, sample: &[f64]) -> Vec<(String, String)> {
-        let given = self.names.iter().zip(sample).map(|(name, value)| (name.clone(), format!("{value:?}")));
-        self.fixed.iter().cloned().chain(given).collect()
+        let sampled = self.names.iter().zip(sample).map(|(name, value)| (name.clone(), format!("{value:?}")));
+        self.fixed.iter().cloned().chain(sampled).collect()
     }
 
     /// Removes frames and unused history rows from the output requests of a plan.
@@ -292,13 +289,13 @@ impl SampleEvaluator {
         let least = rule.least.unwrap_or(0.0);
         let is_slow = |passed: &PassageEnd| passed.end == ShotEnd::Moving && passed.speed <= least;
         let of_passage = |passed: PassageEnd| (if is_slow(&passed) { ShotEnd::Slow } else { passed.end }, passed.speed);
-        let found = recorded.or(passed.map(of_passage));
-        let residual = self.quantities.first().filter(|_| found.is_none());
+        let end_and_speed = recorded.or(passed.map(of_passage));
+        let residual = self.quantities.first().filter(|_| end_and_speed.is_none());
         let is_moving = residual.is_some_and(|residual| rule.may_fall(residual, history, out[0]));
-        let found = if is_moving { Some((ShotEnd::Moving, out[0])) } else { found };
-        out[self.quantities.len()..].copy_from_slice(&shot::encode(found));
+        let end_and_speed = if is_moving { Some((ShotEnd::Moving, out[0])) } else { end_and_speed };
+        out[self.quantities.len()..].copy_from_slice(&shot::encode(end_and_speed));
         let is_late = passed.is_some_and(|passed| passed.end == ShotEnd::NotMet);
-        let has_ended = !is_late && found.is_none_or(|(end, _)| end != ShotEnd::Moving);
+        let has_ended = !is_late && end_and_speed.is_none_or(|(end, _)| end != ShotEnd::Moving);
         Ok(if has_ended { 0.0 } else { passed.map_or(f64::INFINITY, |passed| passed.remaining) })
     }
 }
@@ -355,11 +352,11 @@ impl SampleBatch<'_> {
         let chunks = Mutex::new(table.chunks_mut(size * width).enumerate());
         // A separate call, so that the lock is released before the chunk is run.
         let take = || lock(&chunks).next();
-        let (done, failures) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+        let (finished, failures) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
         let (ended, ends) = std::sync::mpsc::channel();
         pool.in_place_scope(|scope| {
             for _ in 0..threads {
-                let (ended, take, done, failures) = (ended.clone(), &take, &done, &failures);
+                let (ended, take, finished, failures) = (ended.clone(), &take, &finished, &failures);
                 scope.spawn(move |_| {
                     let mut worker = self.evaluator.worker();
                     while let Some((chunk, out)) = take().filter(|_| !self.is_interrupted()) {
@@ -367,7 +364,7 @@ impl SampleBatch<'_> {
                             if let Some(failure) = self.row(&mut worker, chunk * size + i, out, &mut || {}) {
                                 lock(failures).push(failure);
                             }
-                            done.fetch_add(1, Ordering::Relaxed);
+                            finished.fetch_add(1, Ordering::Relaxed);
                             if self.is_interrupted() {
                                 break;
                             }
@@ -382,7 +379,7 @@ impl SampleBatch<'_> {
             while working > 0 {
                 match ends.recv_timeout(POLL_INTERVAL) {
                     Ok(()) => working -= 1,
-                    Err(_) => look(done.load(Ordering::Relaxed)),
+                    Err(_) => look(finished.load(Ordering::Relaxed)),
                 }
             }
         });

@@ -52,14 +52,14 @@ pub fn measure(target: &TargetMaterial, velocities: &[f64]) -> Result<Vec<Measur
     check(target, velocities)?;
     let pairs: Vec<(f64, f64)> = velocities.iter().flat_map(|&v| LEVELS.map(|step| (v, step))).collect();
     let runs: Vec<[f64; 2]> = pairs.par_iter().map(|&(v, step)| run(target, v, step)).collect::<Result<_, _>>()?;
-    let of = |(velocity, runs): (&f64, &[[f64; 2]])| {
+    let measured = |(velocity, runs): (&f64, &[[f64; 2]])| {
         let series: Vec<RefinementLevel> =
             LEVELS.iter().zip(runs).map(|(&size, r)| RefinementLevel { size, value: r[0] }).collect();
         let estimate = richardson::estimate(&series)?;
         let levels = runs.iter().map(|r| r[0]).collect();
         Some(MeasuredPressure { velocity: *velocity, levels, estimate, drift: runs.last()?[1] })
     };
-    Ok(velocities.iter().zip(runs.chunks(LEVELS.len())).filter_map(of).collect())
+    Ok(velocities.iter().zip(runs.chunks(LEVELS.len())).filter_map(measured).collect())
 }
 
 fn check(target: &TargetMaterial, velocities: &[f64]) -> Result<(), StudyError> {

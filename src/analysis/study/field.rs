@@ -15,8 +15,8 @@ pub struct FieldName(VariableComponent);
 impl FieldName {
     /// Parses the name of a variable, regardless of case.
     pub(super) fn parse(name: &str) -> Result<FieldName, String> {
-        let wanted = name.trim().to_ascii_uppercase();
-        let known = VariableComponent::parse(&wanted).filter(|p| has_norm(p.variable)).map(FieldName);
+        let upper_name = name.trim().to_ascii_uppercase();
+        let known = VariableComponent::parse(&upper_name).filter(|p| has_norm(p.variable)).map(FieldName);
         known.ok_or_else(|| {
             let names =
                 Variable::ALL.iter().filter(|v| has_norm(**v)).flat_map(|v| v.parts()).map(VariableComponent::label);
@@ -107,11 +107,11 @@ impl NormField {
         let buckets = ElementGrid::new(fine);
         let mut cells = self.cells.iter();
         self.relative_norm(|point| {
-            let found = match (self.on_elements, cells.next()) {
+            let reference_value = match (self.on_elements, cells.next()) {
                 (true, Some(cell)) => buckets.mean_inside(cell, point.start),
                 _ => buckets.interpolate(point.start),
             };
-            found
+            reference_value
                 .ok_or_else(|| format!("the finest mesh does not cover r = {}, z = {}", point.start[0], point.start[1]))
         })
     }
@@ -121,13 +121,13 @@ impl NormField {
 /// quadrilateral of its thickness; its nodes occur on both sides.
 fn cells_of(state: &State, group: &dyn ElementGroup, element: usize) -> Vec<([u32; 4], [[f64; 2]; 4])> {
     let nodes = &state.dofs.nodes;
-    let place = |n: u32| nodes.start[n as usize];
+    let start_of = |n: u32| nodes.start[n as usize];
     let Some(thickness) = values::value(group, nodes.as_slice(), element, Variable::Thickness.into()) else {
-        return group.cells(element).map(|cell| (cell, cell.map(place))).collect();
+        return group.cells(element).map(|cell| (cell, cell.map(start_of))).collect();
     };
     let boundary = group.boundary(element);
     let [first, second] = [boundary[0], boundary[1]];
-    let (a, b) = (place(first), place(second));
+    let (a, b) = (start_of(first), start_of(second));
     let along = [b[0] - a[0], b[1] - a[1]];
     let half = 0.5 * thickness / along[0].portable_hypot(along[1]);
     let offset_point =
@@ -146,14 +146,15 @@ fn of_elements(
     cells: &[[[f64; 2]; 4]],
 ) -> Vec<FieldPoint> {
     let (groups, nodes) = (&state.elements.groups, &state.dofs.nodes);
-    let all = elements.iter().zip(cells.iter().zip(corners));
-    all.map(|(&(g, e), (cell, corners))| FieldPoint {
-        start: middle(cell),
-        now: middle(&corners.map(|n| nodes[n as usize].place())),
-        weight: quad::volume(*cell),
-        value: values::value(&*groups[g], nodes.as_slice(), e, part).unwrap_or(f64::NAN),
-    })
-    .collect()
+    let element_cells = elements.iter().zip(cells.iter().zip(corners));
+    element_cells
+        .map(|(&(g, e), (cell, corners))| FieldPoint {
+            start: middle(cell),
+            now: middle(&corners.map(|n| nodes[n as usize].place())),
+            weight: quad::volume(*cell),
+            value: values::value(&*groups[g], nodes.as_slice(), e, part).unwrap_or(f64::NAN),
+        })
+        .collect()
 }
 
 fn of_nodes(state: &State, part: VariableComponent, corners: &[[u32; 4]], cells: &[[[f64; 2]; 4]]) -> Vec<FieldPoint> {
@@ -186,9 +187,9 @@ struct ElementGrid<'a> {
 
 impl<'a> ElementGrid<'a> {
     fn new(field: &'a NormField) -> Self {
-        let all = || field.cells.iter().flatten();
-        let low = [0, 1].map(|axis| all().map(|c| c[axis]).fold(f64::INFINITY, f64::min));
-        let high = [0, 1].map(|axis| all().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max));
+        let all_corners = || field.cells.iter().flatten();
+        let low = [0, 1].map(|axis| all_corners().map(|c| c[axis]).fold(f64::INFINITY, f64::min));
+        let high = [0, 1].map(|axis| all_corners().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max));
         let count = (field.cells.len() as f64).sqrt().ceil().clamp(1.0, 1000.0) as usize;
         let width = [0, 1].map(|axis| ((high[axis] - low[axis]) / count as f64).max(f64::MIN_POSITIVE));
         let mut buckets = ElementGrid {
@@ -204,8 +205,8 @@ impl<'a> ElementGrid<'a> {
             for bucket in buckets.between(from, to) {
                 buckets.touching[bucket].push(e as u32);
             }
-            let place = middle(cell);
-            for bucket in buckets.between(place, place) {
+            let centre = middle(cell);
+            for bucket in buckets.between(centre, centre) {
                 buckets.middles[bucket].push(e as u32);
             }
         }
@@ -286,7 +287,7 @@ fn local_coordinates(cell: &[[f64; 2]; 4], place: [f64; 2]) -> Option<[f64; 2]> 
     let mut local = [0.0_f64; 2];
     for _ in 0..20 {
         let n = shapes(local);
-        let at = [0, 1].map(|axis| (0..4).map(|k| n[k] * cell[k][axis]).sum::<f64>() - place[axis]);
+        let residual = [0, 1].map(|axis| (0..4).map(|k| n[k] * cell[k][axis]).sum::<f64>() - place[axis]);
         let signs = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
         let along = |axis: usize, by: usize| {
             let other = 1 - by;
@@ -294,7 +295,8 @@ fn local_coordinates(cell: &[[f64; 2]; 4], place: [f64; 2]) -> Option<[f64; 2]> 
         };
         let [[a, b], [c, d]] = [[along(0, 0), along(0, 1)], [along(1, 0), along(1, 1)]];
         let determinant = a * d - b * c;
-        let step = [(d * at[0] - b * at[1]) / determinant, (a * at[1] - c * at[0]) / determinant];
+        let step =
+            [(d * residual[0] - b * residual[1]) / determinant, (a * residual[1] - c * residual[0]) / determinant];
         if !(step[0].is_finite() && step[1].is_finite()) {
             return None;
         }
@@ -312,17 +314,17 @@ mod tests {
 
     /// Returns a unit square of n by n elements with values at nodes or element centres.
     fn square(n: usize, on_elements: bool, law: impl Fn([f64; 2]) -> f64) -> NormField {
-        let at = |i: usize, j: usize| [1.0 + i as f64 / n as f64, j as f64 / n as f64];
+        let point = |i: usize, j: usize| [1.0 + i as f64 / n as f64, j as f64 / n as f64];
         let node = |i: usize, j: usize| (i + j * (n + 1)) as u32;
         let mut field = NormField { on_elements, ..NormField::default() };
         for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
-            field.cells.push([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            field.cells.push([point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)]);
             field.corners.push([node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]);
         }
         let places: Vec<[f64; 2]> = if on_elements {
             field.cells.iter().map(middle).collect()
         } else {
-            (0..=n).flat_map(|j| (0..=n).map(move |i| at(i, j))).collect()
+            (0..=n).flat_map(|j| (0..=n).map(move |i| point(i, j))).collect()
         };
         field.points = places.iter().map(|&p| FieldPoint { start: p, now: p, weight: 1.0, value: law(p) }).collect();
         field

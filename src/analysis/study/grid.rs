@@ -198,14 +198,14 @@ impl CaseGrid {
             let values: Vec<String> = self.axes.iter().map(|axis| &axis.1).map(value).collect();
             return self.axes.iter().map(|axis| axis.0.clone()).zip(values).collect();
         }
-        let mut rest = index;
+        let mut remaining = index;
         let mut pairs: Vec<_> = self
             .axes
             .iter()
             .rev()
             .map(|(name, values)| {
-                let value = values[rest % values.len()].clone();
-                rest /= values.len();
+                let value = values[remaining % values.len()].clone();
+                remaining /= values.len();
                 (name.clone(), value)
             })
             .collect();

@@ -22,17 +22,17 @@ impl RandomInputs {
         let mut inputs = RandomInputs { names: Vec::new(), distributions: Vec::new(), correlation_factor: None };
         for text in distributions {
             let wrong = |why: String| StudyError::Setting(format!("--distribution {text}: {why}"));
-            let (name, of) = text
+            let (name, definition) = text
                 .split_once('=')
                 .ok_or_else(|| wrong("expected NAME=DISTRIBUTION, for example V=800..850".into()))?;
             if inputs.names.iter().any(|known| known == name.trim()) {
                 return Err(wrong("the parameter has two distributions".into()));
             }
-            let named = |why| match SettingForm::of(of) {
+            let named = |why| match SettingForm::of(definition) {
                 SettingForm::Values => wrong(format!("expected a distribution; {}", SettingForm::Values.accepted_by())),
                 _ => wrong(why),
             };
-            inputs.distributions.push(ParameterDistribution::parse(of).map_err(named)?);
+            inputs.distributions.push(ParameterDistribution::parse(definition).map_err(named)?);
             inputs.names.push(name.trim().to_owned());
         }
         if !correlations.is_empty() {
@@ -47,10 +47,10 @@ impl RandomInputs {
         for text in correlations {
             let wrong = |why: &str| StudyError::Setting(format!("--correlation {text}: {why}"));
             let parts = text.split_once('=').and_then(|(pair, number)| Some((pair.split_once(':')?, number)));
-            let ((one, other), number) =
+            let ((first_name, second_name), number) =
                 parts.ok_or_else(|| wrong("expected NAME:OTHER=NUMBER, for example V:m=0.5"))?;
-            let place = |name: &str| self.names.iter().position(|known| known == name.trim());
-            let (Some(i), Some(j)) = (place(one), place(other)) else {
+            let position = |name: &str| self.names.iter().position(|known| known == name.trim());
+            let (Some(i), Some(j)) = (position(first_name), position(second_name)) else {
                 return Err(wrong("both parameters need a --distribution"));
             };
             let number = number.trim().parse::<f64>().ok().filter(|r| r.abs() < 1.0);
@@ -111,20 +111,20 @@ mod tests {
         let distributions = words(&["V=normal(800, 20)", "m=normal(0.02, 0.001)", "A=lognormal(4, 1)", "mu=0..0.2"]);
         let inputs = RandomInputs::parse(&distributions, &words(&["V:m=0.6", "m : A=-0.5"])).expect("inputs");
         let count = 1 << 14;
-        let (mut points, mut all) = (vec![0.0; 4 * count], vec![0.0; 4 * count]);
+        let (mut points, mut samples) = (vec![0.0; 4 * count], vec![0.0; 4 * count]);
         SampleDesign::new(SamplingScheme::Sobol, 4, count, 5).expect("a design").fill(&mut points);
-        points.chunks(4).zip(all.chunks_mut(4)).for_each(|(point, values)| inputs.values(point, values));
-        let pair = |i: usize, j: usize| -> Vec<[f64; 2]> { all.chunks(4).map(|v| [v[i], v[j]]).collect() };
+        points.chunks(4).zip(samples.chunks_mut(4)).for_each(|(point, values)| inputs.values(point, values));
+        let pair = |i: usize, j: usize| -> Vec<[f64; 2]> { samples.chunks(4).map(|v| [v[i], v[j]]).collect() };
         assert!((correlation(&pair(0, 1)) - 0.6).abs() < 0.01);
         assert!(correlation(&pair(0, 3)).abs() < 0.01 && correlation(&pair(0, 2)).abs() < 0.01);
-        let ranked: Vec<[f64; 2]> = ranks(all.chunks(4).map(|v| v[1]))
+        let ranked: Vec<[f64; 2]> = ranks(samples.chunks(4).map(|v| v[1]))
             .into_iter()
-            .zip(ranks(all.chunks(4).map(|v| v[2])))
+            .zip(ranks(samples.chunks(4).map(|v| v[2])))
             .map(|(a, b)| [a, b])
             .collect();
         let of_ranks = 6.0 / std::f64::consts::PI * libm::asin(-0.25);
         assert!((correlation(&ranked) - of_ranks).abs() < 0.01);
-        let mean = all.chunks(4).map(|v| v[2]).sum::<f64>() / count as f64;
+        let mean = samples.chunks(4).map(|v| v[2]).sum::<f64>() / count as f64;
         assert!((mean - 4.0).abs() < 0.01, "correlations leave the distributions as they are: {mean}");
     }
 

@@ -73,13 +73,14 @@ pub fn measure(
     let quantities: Vec<Quantity> = std::iter::once(bench.measure().clone()).chain(averaged).collect();
     let values = study.rows[row].values.clone();
     let runs = bench.changed(axes, &values, perturbations(request.runs), &quantities)?;
-    let plain = study.rows[row].value.unwrap_or_default();
-    let mut estimate = NoiseEstimate { row, setting: setting(study, row), ..noise::of_runs(plain, column(&runs, 0)) };
+    let unperturbed = study.rows[row].value.unwrap_or_default();
+    let mut estimate =
+        NoiseEstimate { row, setting: setting(study, row), ..noise::of_runs(unperturbed, column(&runs, 0)) };
     if estimate.relative.is_some_and(|r| r > NOISY) && quantities.len() > 1 {
         let means: Vec<f64> = column(&runs, 1).flatten().collect();
         let relative = noise::deviation(means.iter().copied()) / means.first().map_or(1.0, |m| m.abs());
-        let found = BetterQuantity { quantity: quantities[1].text.clone(), relative };
-        estimate.better = Some(found).filter(|b| estimate.relative.is_some_and(|r| 3.0 * b.relative < r));
+        let better = BetterQuantity { quantity: quantities[1].text.clone(), relative };
+        estimate.better = Some(better).filter(|b| estimate.relative.is_some_and(|r| 3.0 * b.relative < r));
     }
     Ok(estimate)
 }

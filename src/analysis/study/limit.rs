@@ -74,8 +74,8 @@ impl LimitRequest {
     /// Judges a shot by its end. Its first quantity, if there is one, is the residual velocity. Only a shot without an end
     /// is judged by the residual velocity alone.
     pub fn judge(&self, velocity: f64, fired: &FiredShot) -> Result<Shot, StudyError> {
-        let given = fired.values.first().copied();
-        let end = match (fired.end, given, self.least) {
+        let residual_quantity = fired.values.first().copied();
+        let end = match (fired.end, residual_quantity, self.least) {
             (None, Some(_), Some(_)) => ShotEnd::Perforation,
             (None, ..) => return Err(StudyError::Setting(NO_EVENT.into())),
             (Some(end), ..) => end,
@@ -83,7 +83,7 @@ impl LimitRequest {
         if end != ShotEnd::Perforation {
             return Ok(Shot { velocity, residual: fired.speed, end });
         }
-        let residual = given.unwrap_or(fired.speed);
+        let residual = residual_quantity.unwrap_or(fired.speed);
         let is_opposite = if self.least.is_some() { residual < -0.5 * fired.speed } else { residual <= 0.0 };
         if fired.end.is_some() && is_opposite {
             return Err(StudyError::Setting(format!(
@@ -268,6 +268,17 @@ fn sort(shots: &mut Vec<Shot>) {
     shots.dedup_by_key(|shot| shot.velocity);
 }
 
+/// Shot of a draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnShot {
+    /// Number of the draw.
+    pub draw: usize,
+    /// Striking velocity.
+    pub velocity: f64,
+    /// Result; `None` if the shot failed.
+    pub result: Option<Shot>,
+}
+
 /// Shots of the draws of a scatter, with the parameters of each draw.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrawnShots {
@@ -275,8 +286,8 @@ pub struct DrawnShots {
     pub names: Vec<String>,
     /// Values of the parameters, draw by draw.
     pub values: Vec<f64>,
-    /// Draw, striking velocity and result of each shot, in the order of the search; `None` for a shot that failed.
-    pub shots: Vec<(usize, f64, Option<Shot>)>,
+    /// All shots, in the order of the search.
+    pub shots: Vec<DrawnShot>,
 }
 
 impl DrawnShots {
@@ -289,10 +300,9 @@ impl DrawnShots {
     /// interval, or for a lost draw), and shots.
     pub fn record(&self, scattered: &LimitScatter) -> Value {
         let mut shots = vec![Vec::new(); scattered.brackets.len()];
-        self.shots.iter().for_each(|(draw, velocity, shot)| match shot {
-            Some(shot) => shots[*draw].push(json!(shot)),
-            None => shots[*draw].push(json!({ "velocity": velocity, "end": FAILED })),
-        });
+        for &DrawnShot { draw, velocity, result } in &self.shots {
+            shots[draw].push(result.map_or(json!({ "velocity": velocity, "end": FAILED }), |shot| json!(shot)));
+        }
         let draw = |(draw, shots): (usize, Vec<Value>)| {
             let parameters: serde_json::Map<_, _> =
                 self.names.iter().cloned().zip(self.of(draw).iter().map(|value| json!(value))).collect();
@@ -368,9 +378,9 @@ pub fn scatter(request: &LimitRequest, draws: usize, fire: &mut FireDraws<'_>) -
 /// Returns the band of residual velocities between two striking velocities; points are denser at the lower end, where
 /// the curve is steep.
 fn band([low, high]: [f64; 2], draws: usize, fire: &mut FireDraws<'_>) -> Result<Vec<(f64, [f64; 2])>, StudyError> {
-    let place = |i: u32| low + (high - low) * (f64::from(i) / f64::from(ACROSS)).powi(2);
+    let velocity_of = |i: u32| low + (high - low) * (f64::from(i) / f64::from(ACROSS)).powi(2);
     (0..=ACROSS)
-        .map(place)
+        .map(velocity_of)
         .map(|velocity| {
             let shots: Vec<(usize, f64)> = (0..draws).map(|draw| (draw, velocity)).collect();
             let fired = fire(&shots)?.into_iter().flatten();
@@ -399,8 +409,8 @@ pub fn chart(title: &str, found: &LimitVelocity, scattered: Option<&LimitScatter
         let constants = curve.estimates.map(|e| e.value);
         let limit = constants[2];
         // Points are denser near the limit, where the curve is steep.
-        let place = |i: u32| limit + (last.velocity - limit) * (f64::from(i) / 200.0).powi(2);
-        let points = (0..=200).map(place).map(|v| (v, lambert_jonas::residual(constants, v))).collect();
+        let velocity_of = |i: u32| limit + (last.velocity - limit) * (f64::from(i) / 200.0).powi(2);
+        let points = (0..=200).map(velocity_of).map(|v| (v, lambert_jonas::residual(constants, v))).collect();
         series.push(ChartSeries::new("Lambert and Jonas", SeriesForm::Line, points));
     }
     Chart::new(title, AXES, series)
@@ -430,13 +440,14 @@ pub fn scatter_chart(title: &str, found: &LimitScatter) -> Chart {
     let mut limits: Vec<f64> = found.members.iter().map(|m| 0.5 * (m.0 + m.1)).filter(|v| v.is_finite()).collect();
     limits.sort_by(f64::total_cmp);
     let below = found.members.iter().filter(|m| m.0 == f64::NEG_INFINITY).count();
-    let all = found.members.len().max(1) as f64;
-    let step = |(i, v): (usize, &f64)| [(*v, (below + i) as f64 / all), (*v, (below + i + 1) as f64 / all)];
+    let member_count = found.members.len().max(1) as f64;
+    let step =
+        |(i, v): (usize, &f64)| [(*v, (below + i) as f64 / member_count), (*v, (below + i + 1) as f64 / member_count)];
     let points = limits.iter().enumerate().flat_map(step).collect();
     let mut series = vec![ChartSeries::new("draws that perforate", SeriesForm::Line, points)];
     if let (Some(scatter), Some(low), Some(high)) = (&found.scatter, limits.first(), limits.last()) {
-        let place = |i: u32| low + (high - low) * f64::from(i) / 200.0;
-        let points = (0..=200).map(place).map(|v| (v, probit::part_below(scatter, v))).collect();
+        let velocity_of = |i: u32| low + (high - low) * f64::from(i) / 200.0;
+        let points = (0..=200).map(velocity_of).map(|v| (v, probit::part_below(scatter, v))).collect();
         series.push(ChartSeries::new("normal distribution", SeriesForm::Guide, points));
     }
     Chart::new(title, ["striking velocity", "fraction that perforates"], series)
@@ -469,19 +480,19 @@ mod tests {
     #[test]
     fn limit_bands_and_curve_are_found() {
         let mut fired = 0;
-        let found = find(&request(), &mut |velocities| {
+        let outcome = find(&request(), &mut |velocities| {
             fired += velocities.len();
             Ok(velocities.iter().copied().map(on_curve).collect())
         });
-        let found = found.expect("a search");
-        let [low, high] = found.bracket.expect("a limit");
+        let limit_velocity = outcome.expect("a search");
+        let [low, high] = limit_velocity.bracket.expect("a limit");
         assert!(low <= TRUTH[2] && TRUTH[2] <= high && high - low <= 0.1);
         // Two ends, 13 bisections, 12 shots on each side, and 8 of the boundary between ricochet and embedding.
-        assert_eq!((fired, found.gaps().count(), found.undecided()), (2 + 13 + 24 + 8, 0, None));
-        let curve = found.curve.as_ref().expect("a curve");
+        assert_eq!((fired, limit_velocity.gaps().count(), limit_velocity.undecided()), (2 + 13 + 24 + 8, 0, None));
+        let curve = limit_velocity.curve.as_ref().expect("a curve");
         assert!(curve.estimates.iter().zip(TRUTH).all(|(e, truth)| (e.value / truth - 1.0).abs() < 1e-4), "{curve:?}");
-        assert!(found.shots.is_sorted_by(|a, b| a.velocity < b.velocity));
-        let bands = found.bands();
+        assert!(limit_velocity.shots.is_sorted_by(|a, b| a.velocity < b.velocity));
+        let bands = limit_velocity.bands();
         assert_eq!(
             bands.iter().map(|band| band.end).collect::<Vec<_>>(),
             [ShotEnd::Ricochet, ShotEnd::Embedded, ShotEnd::Perforation]
@@ -495,8 +506,8 @@ mod tests {
     fn intervals_without_a_limit_have_no_bracket() {
         for residual in [5.0, 0.0] {
             let fire = &mut |velocities: &[f64]| Ok(velocities.iter().map(|v| shot(*v, true, residual)).collect());
-            let found = find(&request(), fire).expect("a search");
-            assert_eq!((found.bracket, found.bands().len(), found.curve), (None, 1, None));
+            let limit_velocity = find(&request(), fire).expect("a search");
+            assert_eq!((limit_velocity.bracket, limit_velocity.bands().len(), limit_velocity.curve), (None, 1, None));
         }
         for (between, tolerance) in
             [("200", 0.1), ("900,200", 0.1), ("-1,5", 0.1), ("1,x", 0.1), ("1,2", 0.0), ("1,2", f64::NAN)]
@@ -507,20 +518,20 @@ mod tests {
         // No perforation in an interval above the limit.
         let odd = |v: f64| if v > 400.0 && !(600.0..700.0).contains(&v) { v } else { 0.0 };
         let fire = &mut |velocities: &[f64]| Ok(velocities.iter().map(|v| shot(*v, true, odd(*v))).collect());
-        let found = find(&request(), fire).expect("a search");
-        assert!(found.gaps().all(|v| (600.0..700.0).contains(&v)) && found.gaps().count() > 0);
+        let limit_velocity = find(&request(), fire).expect("a search");
+        assert!(limit_velocity.gaps().all(|v| (600.0..700.0).contains(&v)) && limit_velocity.gaps().count() > 0);
     }
 
     #[test]
     fn shots_that_still_move_leave_the_limit_undecided() {
         let fire = &mut |velocities: &[f64]| {
             let moving = |v: f64| Shot { end: ShotEnd::Moving, ..on_curve(v) };
-            let of = |v: f64| if (400.0..420.0).contains(&v) { moving(v) } else { on_curve(v) };
-            Ok(velocities.iter().copied().map(of).collect())
+            let shot_at = |v: f64| if (400.0..420.0).contains(&v) { moving(v) } else { on_curve(v) };
+            Ok(velocities.iter().copied().map(shot_at).collect())
         };
-        let found = find(&request(), fire).expect("a search");
-        let [low, high] = found.bracket.expect("a limit");
-        let band = found.undecided().expect("a band");
+        let limit_velocity = find(&request(), fire).expect("a search");
+        let [low, high] = limit_velocity.bracket.expect("a limit");
+        let band = limit_velocity.undecided().expect("a band");
         assert!((low - 420.0).abs() < 0.1 && (high - 420.0).abs() < 0.1 && (band.from - 400.0).abs() < 0.1, "{band:?}");
     }
 
@@ -549,20 +560,20 @@ mod tests {
     #[test]
     fn each_draw_has_its_own_limit() {
         let limits = [150.0, 400.0, 410.0, 420.0, 425.0, f64::NAN, 1000.0];
-        let found = scatter(&request(), limits.len(), &mut |shots| {
-            let of = |(draw, v): &(usize, f64)| (!limits[*draw].is_nan()).then(|| shot(*v, true, v - limits[*draw]));
-            Ok(shots.iter().map(of).collect())
+        let outcome = scatter(&request(), limits.len(), &mut |shots| {
+            let fired = |(draw, v): &(usize, f64)| (!limits[*draw].is_nan()).then(|| shot(*v, true, v - limits[*draw]));
+            Ok(shots.iter().map(fired).collect())
         });
-        let found = found.expect("limits");
-        assert_eq!((found.lost, found.members.len()), (1, 6));
-        assert_eq!(found.brackets.iter().position(Option::is_none), Some(5));
+        let scattered = outcome.expect("limits");
+        assert_eq!((scattered.lost, scattered.members.len()), (1, 6));
+        assert_eq!(scattered.brackets.iter().position(Option::is_none), Some(5));
         let known = limits.iter().filter(|limit| limit.is_finite());
-        assert!(found.members.iter().zip(known).all(|(m, limit)| m.0 <= *limit && *limit <= m.1));
-        assert_eq!([found.members[0].0, found.members[5].1], [f64::NEG_INFINITY, f64::INFINITY]);
-        assert!(found.members[1..5].iter().all(|m| m.1 - m.0 <= 0.1) && found.scatter.is_some());
+        assert!(scattered.members.iter().zip(known).all(|(m, limit)| m.0 <= *limit && *limit <= m.1));
+        assert_eq!([scattered.members[0].0, scattered.members[5].1], [f64::NEG_INFINITY, f64::INFINITY]);
+        assert!(scattered.members[1..5].iter().all(|m| m.1 - m.0 <= 0.1) && scattered.scatter.is_some());
         // At 900 the residual velocity of a draw is 900 minus its limit, or zero; quantiles are of type 7 (Hyndman and
         // Fan).
-        let (velocity, [low, high]) = found.band[ACROSS as usize];
+        let (velocity, [low, high]) = scattered.band[ACROSS as usize];
         assert!((velocity - 900.0).abs() < 1e-9);
         assert!(
             (low - 0.25 * 475.0).abs() < 1e-9 && (high - (0.75 * 750.0 + 0.25 * 500.0)).abs() < 1e-9,

@@ -107,12 +107,12 @@ impl TensionCurve {
     /// Interpolates the stress where an ascending quantity reaches a value.
     fn stress_where(&self, value: f64, quantity: impl Fn(&TensionPoint) -> f64) -> Option<f64> {
         let after = self.points.iter().position(|p| quantity(p) >= value * (1.0 - 1e-9))?;
-        let to = &self.points[after];
+        let upper = &self.points[after];
         let Some(from) = after.checked_sub(1).and_then(|before| self.points.get(before)) else {
-            return Some(to.stress);
+            return Some(upper.stress);
         };
-        let share = ((value - quantity(from)) / (quantity(to) - quantity(from))).clamp(0.0, 1.0);
-        Some(from.stress + share * (to.stress - from.stress))
+        let share = ((value - quantity(from)) / (quantity(upper) - quantity(from))).clamp(0.0, 1.0);
+        Some(from.stress + share * (upper.stress - from.stress))
     }
 
     /// Returns rate and temperature as text, for example `1000 1/s, 298 K`.
@@ -149,18 +149,18 @@ pub fn initial_temperatures(model: &Model, material: MaterialId) -> Vec<Option<f
     }
     let meets = |members: &[usize]| members.iter().any(|&n| is_node.get(n) == Some(&true));
     let conditions = model.initial_conditions.iter().filter(|condition| meets(&condition.members));
-    let mut found: Vec<f64> = conditions.filter_map(|condition| condition.kind.temperature()).collect();
-    found.sort_by(f64::total_cmp);
-    found.dedup();
-    if found.is_empty() { vec![None] } else { found.into_iter().map(Some).collect() }
+    let mut temperatures: Vec<f64> = conditions.filter_map(|condition| condition.kind.temperature()).collect();
+    temperatures.sort_by(f64::total_cmp);
+    temperatures.dedup();
+    if temperatures.is_empty() { vec![None] } else { temperatures.into_iter().map(Some).collect() }
 }
 
 /// Returns the mean characteristic length of the solid elements of a material, the square root of their areas in the
 /// r-z plane; `None` without elements.
 pub fn element_length(model: &Model, material: MaterialId) -> Option<f64> {
     let area = |e: usize| {
-        let at = |&n: &usize| model.mesh.points[n];
-        let corners: Vec<[f64; 2]> = model.mesh.elements[e].nodes.iter().map(at).collect();
+        let point = |&n: &usize| model.mesh.points[n];
+        let corners: Vec<[f64; 2]> = model.mesh.elements[e].nodes.iter().map(point).collect();
         let next = corners.iter().cycle().skip(1);
         0.5 * corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs()
     };
@@ -256,9 +256,9 @@ impl TensionTest<'_> {
     /// Prepares a deck of one element with the material. Lengths in damage evolution are scaled to the element size.
     fn prepared(&self, text: &str, size: f64) -> Result<PreparedJob, StudyError> {
         let (deck, diagnostics) = deck::read_text("tension.inp", text, &[]);
-        let (mut model, mut found) = model::build(&deck);
-        found.append(diagnostics);
-        if let Some(error) = found.iter().find(|d| d.severity == Severity::Error) {
+        let (mut model, mut findings) = model::build(&deck);
+        findings.append(diagnostics);
+        if let Some(error) = findings.iter().find(|d| d.severity == Severity::Error) {
             return Err(StudyError::from(error.clone()));
         }
         let mut material = self.material.clone();

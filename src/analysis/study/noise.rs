@@ -118,8 +118,8 @@ pub fn of_runs(plain: f64, perturbed: impl Iterator<Item = Option<f64>>) -> Nois
     let perturbed: Vec<Option<f64>> = perturbed.collect();
     let of_size = |k: usize| perturbed.iter().copied().skip(k).step_by(SIZES.len()).flatten().chain([plain]);
     let deviations = [0, 1].map(|k| deviation(of_size(k)));
-    let all = deviation(perturbed.iter().copied().flatten().chain([plain]));
-    let deviation = deviations.into_iter().fold(all, f64::max);
+    let deviation_of_all = deviation(perturbed.iter().copied().flatten().chain([plain]));
+    let deviation = deviations.into_iter().fold(deviation_of_all, f64::max);
     let runs = perturbed.iter().flatten().count();
     NoiseEstimate {
         row: 0,
@@ -196,10 +196,10 @@ mod tests {
 
     #[test]
     fn divergence_is_fast_if_small_perturbations_scatter_as_much_as_large_ones() {
-        let of = |values: [f64; 4]| of_runs(1.0, values.into_iter().map(Some));
-        assert_eq!(of([1.0, 1.000_001, 1.0, 0.999_999]).divergence, Divergence::Absent);
-        assert_eq!(of([1.000_1, 1.02, 1.0, 0.98]).divergence, Divergence::Slow);
-        let fast = of([1.02, 1.03, 0.98, 0.99]);
+        let estimate_of = |values: [f64; 4]| of_runs(1.0, values.into_iter().map(Some));
+        assert_eq!(estimate_of([1.0, 1.000_001, 1.0, 0.999_999]).divergence, Divergence::Absent);
+        assert_eq!(estimate_of([1.000_1, 1.02, 1.0, 0.98]).divergence, Divergence::Slow);
+        let fast = estimate_of([1.02, 1.03, 0.98, 0.99]);
         assert_eq!(fast.divergence, Divergence::Fast);
         // 0.02, -0.02 and 0: the variance is 0.0008 / 2. Student's t with 4 degrees of freedom is 2.776.
         assert!((fast.deviations[0] - 0.02).abs() < 1e-12, "{fast:?}");

@@ -131,8 +131,9 @@ impl PieceList {
         }
         let groups = &state.elements.groups;
         let active = || {
-            let all = groups.iter().enumerate().flat_map(|(g, group)| (0..group.len()).map(move |e| (g, e)));
-            all.filter(|(g, e)| !groups[*g].is_deleted(*e))
+            let numbered_elements =
+                groups.iter().enumerate().flat_map(|(g, group)| (0..group.len()).map(move |e| (g, e)));
+            numbered_elements.filter(|(g, e)| !groups[*g].is_deleted(*e))
         };
         for (g, e) in active() {
             let members = groups[g].boundary(e);
@@ -211,8 +212,8 @@ mod tests {
             (50.5, beyond, &[&plate, &loose], ShotEnd::Embedded),
             (90.0, [0.5, 2.0, 3.0], &[], ShotEnd::Perforation),
         ] {
-            let found = end_of(&piece(velocity, &places), obstacles, 100.0);
-            assert_eq!((found.end, found.speed), (expected, velocity.abs()), "{velocity} {places:?}");
+            let passage_end = end_of(&piece(velocity, &places), obstacles, 100.0);
+            assert_eq!((passage_end.end, passage_end.speed), (expected, velocity.abs()), "{velocity} {places:?}");
         }
     }
 }

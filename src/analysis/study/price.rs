@@ -91,11 +91,11 @@ pub fn list(study: &RefinementStudy) -> Vec<AccuracyCost> {
 
 /// Formats the list in one line; empty without entries.
 pub fn sentence(study: &RefinementStudy) -> String {
-    let one = |p: &AccuracyCost| {
+    let cost_text = |p: &AccuracyCost| {
         let tolerance = tolerance_in_words(p.tolerance, study.scale.is_some());
         format!("{tolerance} takes {} ({})", duration(p.seconds), setting(study, p.run))
     };
-    list(study).iter().map(one).collect::<Vec<_>>().join(", ")
+    list(study).iter().map(cost_text).collect::<Vec<_>>().join(", ")
 }
 
 /// Formats an error in per cent if it is relative, otherwise as a number.
@@ -105,6 +105,11 @@ pub fn tolerance_in_words(tolerance: f64, relative: bool) -> String {
 
 /// Formats the setting of a row, for example `n = 40, load-velocity = lagged`.
 pub fn setting(study: &RefinementStudy, row: usize) -> String {
-    let of = study.axes.iter().zip(&study.rows[row].values);
-    of.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
+    setting_without(study, row, &[])
+}
+
+/// Formats the setting of a row without some axes.
+pub fn setting_without(study: &RefinementStudy, row: usize, axes: &[&str]) -> String {
+    let pairs = study.axes.iter().zip(&study.rows[row].values).filter(|(name, _)| !axes.contains(&name.as_str()));
+    pairs.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
 }

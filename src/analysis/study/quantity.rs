@@ -190,6 +190,11 @@ pub struct FinishedRun<'a> {
     pub end: Option<(f64, &'a State)>,
 }
 
+/// Checks that runs of the plan, without a study, can provide all quantities.
+pub fn check_all(quantities: &[Quantity], plan: &Plan) -> Result<(), StudyError> {
+    quantities.iter().try_for_each(|quantity| quantity.check_without_study().and_then(|()| quantity.check(plan)))
+}
+
 /// Creates a history that stores the data needed for all quantities.
 pub fn history(quantities: &[Quantity], plan: &Plan) -> RunHistory {
     let rows = quantities.iter().any(|q| q.rows);
@@ -227,9 +232,9 @@ fn parts<'a, const N: usize>(function: &str, argument: &'a str) -> Result<(&'a s
     let form = if N == 1 { "at(COLUMN, time)" } else { "mean(COLUMN, from, to)" };
     let words: Vec<&str> = argument.split(',').map(str::trim).collect();
     let wrong = || format!("{function}({argument}): expected {form}");
-    let (column, rest) = words.split_first().filter(|w| w.1.len() == N).ok_or_else(wrong)?;
+    let (column, number_texts) = words.split_first().filter(|w| w.1.len() == N).ok_or_else(wrong)?;
     let mut numbers = [0.0; N];
-    for (number, text) in numbers.iter_mut().zip(rest) {
+    for (number, text) in numbers.iter_mut().zip(number_texts) {
         let expression = Expression::parse(text).map_err(|_| wrong())?;
         *number = expression.evaluate(&|_| None, &|_, _| None).map_err(|_| wrong())?;
     }
@@ -245,13 +250,13 @@ fn height(argument: &str) -> Result<f64, String> {
 /// Returns the largest radius of the deformable elements at a height in the current configuration.
 fn outline(state: &State, argument: &str) -> Result<f64, String> {
     let z = height(argument)?;
-    let place = |n: u32| state.dofs.nodes[n as usize].place();
+    let position = |n: u32| state.dofs.nodes[n as usize].place();
     let mut largest: Option<f64> = None;
     for group in &state.elements.groups {
         for element in (0..group.len()).filter(|e| !group.is_deleted(*e)) {
             let boundary = group.boundary(element);
             for (i, node) in boundary.iter().enumerate() {
-                let [a, b] = [place(*node), place(boundary[(i + 1) % boundary.len()])];
+                let [a, b] = [position(*node), position(boundary[(i + 1) % boundary.len()])];
                 if (a[1] - z) * (b[1] - z) <= 0.0 {
                     let part = (z - a[1]) / (b[1] - a[1]);
                     let radius = if a[1] == b[1] { a[0].max(b[0]) } else { a[0] + part * (b[0] - a[0]) };
@@ -270,18 +275,18 @@ fn at(history: &RunHistory, argument: &str) -> Result<f64, String> {
 
 /// Returns the time average by the trapezoidal rule over the rows.
 fn mean(history: &RunHistory, argument: &str) -> Result<f64, String> {
-    let (name, [from, to]) = parts::<2>("mean", argument)?;
+    let (name, [from, until]) = parts::<2>("mean", argument)?;
     let (column, times) = (column(history, name)?, history.times());
-    let mut before = (from, row_between(history, column, from)?);
-    let end = (to, row_between(history, column, to)?);
-    let inside = (0..times.len()).filter(|&i| times[i] > from && times[i] < to);
+    let mut previous = (from, row_between(history, column, from)?);
+    let end = (until, row_between(history, column, until)?);
+    let inside = (0..times.len()).filter(|&i| times[i] > from && times[i] < until);
     let mut sum = 0.0;
     for (time, value) in inside.map(|i| (times[i], history.cell(i, column))).chain([end]) {
-        sum += 0.5 * (value + before.1) * (time - before.0);
-        before = (time, value);
+        sum += 0.5 * (value + previous.1) * (time - previous.0);
+        previous = (time, value);
     }
-    if to > from {
-        Ok(sum / (to - from))
+    if until > from {
+        Ok(sum / (until - from))
     } else {
         Err(format!("mean({argument}): the second time must be greater than the first"))
     }
@@ -327,13 +332,7 @@ fn parse_expression(text: &str, functions: &[&str]) -> Result<Expression, StudyE
 fn summary_value(history: &HistorySummary, function: &str, column: &str) -> Result<f64, String> {
     let summary = history.0.iter().find(|(name, _)| name.eq_ignore_ascii_case(column)).map(|(_, s)| s);
     let Some(summary) = summary else { return Err(missing(history, column)) };
-    Ok(match function {
-        "final" => summary.last,
-        "min" => summary.min,
-        "max" => summary.max,
-        "time_min" => summary.time_min,
-        _ => summary.time_max,
-    })
+    Ok(summary.value(function))
 }
 
 fn missing(history: &HistorySummary, column: &str) -> String {

@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::chart::{AxisScale, Chart, ChartSeries, SeriesForm};
 use super::effects::EffectAblation;
 use super::noise::NoiseEstimate;
-use super::price::{self, AccuracyCost, setting};
+use super::price::{self, AccuracyCost, setting, setting_without};
 use super::refinement::{ErrorReference, RefinementStudy, StudyRow};
 use super::richardson::{FORMAL_ORDER, LimitEstimate};
 use super::runner::TimeSpread;
@@ -45,7 +45,7 @@ pub struct StudyRecord<'a> {
     pub noise: Option<&'a NoiseEstimate>,
     /// Result of `--target`: the error target and the run that meets it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub target: Option<TargetResult>,
+    pub target: Option<&'a TargetResult>,
     /// Time in runs, total time and number of repetitions.
     pub timing: StudyTiming,
     /// Version of the program that wrote the record.
@@ -72,10 +72,13 @@ pub struct RefinementRecord<'a> {
 impl<'a> RefinementRecord<'a> {
     fn of(study: &'a RefinementStudy, series: &'a super::refinement::RefinementSeries) -> RefinementRecord<'a> {
         let finest = series.sizes.last().copied().unwrap_or(1.0);
-        let at = series.rows.first().map_or(String::new(), |&r| setting_but(study, r, &series.along));
+        let fixed_setting = series
+            .rows
+            .first()
+            .map_or(String::new(), |&r| setting_without(study, r, &series.along.split(" and ").collect::<Vec<_>>()));
         RefinementRecord {
             along: &series.along,
-            at,
+            at: fixed_setting,
             runs: &series.rows,
             sizes: series.sizes.iter().map(|size| size / finest).collect(),
             order: series.estimate.and_then(|e| e.order),
@@ -109,6 +112,17 @@ pub struct StudyTiming {
     pub total: f64,
     /// Number of runs of each setting.
     pub repeat: usize,
+}
+
+/// Study with the result of its target and the time spent.
+#[derive(Clone, Debug)]
+pub struct CompletedStudy {
+    /// Settings with their results.
+    pub study: RefinementStudy,
+    /// Result of the error target; `None` without a target.
+    pub target: Option<TargetResult>,
+    /// Time spent.
+    pub timing: StudyTiming,
 }
 
 /// Result of one setting, an entry of `runs`.
@@ -148,13 +162,8 @@ pub struct RunRecord<'a> {
 }
 
 /// Creates the record of a convergence study.
-pub fn record<'a>(
-    quantity: &'a str,
-    exact: Option<f64>,
-    study: &'a RefinementStudy,
-    target: Option<TargetResult>,
-    timing: StudyTiming,
-) -> StudyRecord<'a> {
+pub fn record<'a>(quantity: &'a str, exact: Option<f64>, completed: &'a CompletedStudy) -> StudyRecord<'a> {
+    let CompletedStudy { study, target, timing } = completed;
     StudyRecord {
         quantity,
         exact,
@@ -166,8 +175,8 @@ pub fn record<'a>(
         prices: price::list(study),
         sentence: price::sentence(study),
         noise: study.noise.as_ref(),
-        target,
-        timing,
+        target: target.as_ref(),
+        timing: *timing,
         version: env!("CARGO_PKG_VERSION"),
     }
 }
@@ -315,21 +324,14 @@ fn error_unit(study: &RefinementStudy) -> String {
 }
 
 fn family_name(study: &RefinementStudy, row: usize) -> String {
-    let mut refined: Vec<&str> = study.series.iter().flat_map(|s| s.along.split(" and ")).collect();
-    refined.dedup();
-    let of = study.axes.iter().zip(&study.rows[row].values).filter(|(name, _)| !refined.contains(&name.as_str()));
-    let name = of.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ");
+    let refined: Vec<&str> = study.series.iter().flat_map(|s| s.along.split(" and ")).collect();
+    let name = setting_without(study, row, &refined);
     if name.is_empty() { "settings".into() } else { name }
 }
 
-fn setting_but(study: &RefinementStudy, row: usize, along: &str) -> String {
-    let skip: Vec<&str> = along.split(" and ").collect();
-    let of = study.axes.iter().zip(&study.rows[row].values).filter(|(name, _)| !skip.contains(&name.as_str()));
-    of.map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
-}
-
 /// Returns the lines below the table of a study of a quantity.
-pub fn conclusions(study: &RefinementStudy, quantity: &str, target: Option<&TargetResult>) -> Vec<String> {
+pub fn conclusions(completed: &CompletedStudy, quantity: &str) -> Vec<String> {
+    let study = &completed.study;
     let mut lines = Vec::new();
     if let Some(reference) = study.reference {
         lines.push(match reference.row {
@@ -350,7 +352,7 @@ pub fn conclusions(study: &RefinementStudy, quantity: &str, target: Option<&Targ
     if !sentence.is_empty() {
         lines.push(sentence);
     }
-    lines.extend(target.map(|met| of_target(study, met)));
+    lines.extend(completed.target.as_ref().map(|target| of_target(study, target)));
     lines
 }
 

@@ -147,10 +147,10 @@ pub fn grid(
     let slip = || StudyError::Setting(format!("the study has more than {MOST} settings; reduce the number of values"));
     let count = count.ok_or_else(slip)?;
     let levels = |mut index: usize| {
-        let mut of: Vec<usize> =
+        let mut indices: Vec<usize> =
             axes.iter().rev().map(|a| (index % a.values.len(), index /= a.values.len()).0).collect();
-        of.reverse();
-        of
+        indices.reverse();
+        indices
     };
     let places: Vec<Vec<usize>> = (0..count).map(levels).collect();
     let choices = |place: &[usize]| -> Vec<usize> {
@@ -160,10 +160,10 @@ pub fn grid(
     let mut study = RefinementStudy::empty(axes);
     for place in &places {
         let values: Vec<String> = axes.iter().zip(place).map(|(a, l)| a.values[*l].clone()).collect();
-        let own = choices(place);
-        let family = known.iter().position(|k| *k == own).unwrap_or(known.len());
+        let choice = choices(place);
+        let family = known.iter().position(|k| *k == choice).unwrap_or(known.len());
         if family == known.len() {
-            known.push(own);
+            known.push(choice);
         }
         let run = bench.at(axes, &values, None);
         study.rows.push(StudyRow::new(values, run, family));
@@ -175,15 +175,20 @@ pub fn grid(
 
 /// Returns the series of refinement: rows that differ in the level of one axis only.
 fn series_of(axes: &[StudyAxis], places: &[Vec<usize>]) -> Vec<RefinementSeries> {
-    let mut all = Vec::new();
+    let mut series_list = Vec::new();
     for (k, axis) in axes.iter().enumerate().filter(|(_, a)| a.is_refinement()) {
         for start in places.iter().filter(|p| p[k] == 0) {
             let alike = |p: &&Vec<usize>| p.iter().zip(start).enumerate().all(|(i, (a, b))| i == k || a == b);
             let rows: Vec<usize> = (0..places.len()).filter(|&i| alike(&&places[i])).collect();
-            all.push(RefinementSeries { along: axis.name.clone(), rows, sizes: axis.sizes.clone(), estimate: None });
+            series_list.push(RefinementSeries {
+                along: axis.name.clone(),
+                rows,
+                sizes: axis.sizes.clone(),
+                estimate: None,
+            });
         }
     }
-    all
+    series_list
 }
 
 /// Computes values, orders, uncertainties, the reference and the errors. `norm` states that values are relative errors.
@@ -238,10 +243,10 @@ fn value_against(study: &RefinementStudy, row: usize, finest: Option<usize>) -> 
 
 /// Returns the finest row of a family that has a result.
 fn finest_of(study: &RefinementStudy, family: usize) -> Option<usize> {
-    let place = |i: usize| -> usize { study.series.iter().filter_map(|s| s.rows.iter().position(|r| *r == i)).sum() };
+    let depth = |i: usize| -> usize { study.series.iter().filter_map(|s| s.rows.iter().position(|r| *r == i)).sum() };
     let candidates = (0..study.rows.len()).filter(|&i| study.rows[i].family == family && study.rows[i].run.is_ok());
     let in_series = candidates.filter(|i| study.series.iter().any(|s| s.rows.contains(i)));
-    in_series.max_by_key(|&i| place(i))
+    in_series.max_by_key(|&i| depth(i))
 }
 
 fn estimate_along(rows: &mut [StudyRow], series: &mut RefinementSeries, exact: Option<f64>) {

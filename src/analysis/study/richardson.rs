@@ -143,8 +143,8 @@ fn of_three(
     fine: RefinementLevel,
     previous: Option<RefinementLevel>,
 ) -> LimitEstimate {
-    let (before, last) = (middle.value - coarse.value, fine.value - middle.value);
-    let widest = before.abs().max(last.abs());
+    let (previous_change, last) = (middle.value - coarse.value, fine.value - middle.value);
+    let widest = previous_change.abs().max(last.abs());
     let unextrapolated = |order, behaviour, uncertainty: f64| LimitEstimate {
         order,
         behaviour,
@@ -155,7 +155,7 @@ fn of_three(
     if is_rounding(&[coarse, middle, fine]) {
         return unextrapolated(None, ConvergenceBehaviour::Settled, ASSUMED * widest);
     }
-    if before * last < 0.0 {
+    if previous_change * last < 0.0 {
         return unextrapolated(None, ConvergenceBehaviour::Oscillating, ASSUMED * widest);
     }
     let Some(order) = observed_order(coarse, middle, fine) else {
@@ -204,14 +204,15 @@ fn extrapolated(
     order: f64,
     behaviour: ConvergenceBehaviour,
 ) -> LimitEstimate {
-    let (before, last) = (middle.value - coarse.value, fine.value - middle.value);
+    let (previous_change, last) = (middle.value - coarse.value, fine.value - middle.value);
     let error = last / gain(middle, fine, order.min(FORMAL_ORDER));
     let (factor, bound) = if behaviour == ConvergenceBehaviour::Asymptotic {
         (OBSERVED, error.abs())
     } else {
         let assumed = if behaviour == ConvergenceBehaviour::Close { 1.0 } else { FORMAL_ORDER };
-        let left = before / gain(coarse, middle, assumed) / libm::pow(middle.size / fine.size, assumed);
-        (ASSUMED, (last / gain(middle, fine, order.min(assumed))).abs().max(left.abs()))
+        let remaining_error =
+            previous_change / gain(coarse, middle, assumed) / libm::pow(middle.size / fine.size, assumed);
+        (ASSUMED, (last / gain(middle, fine, order.min(assumed))).abs().max(remaining_error.abs()))
     };
     LimitEstimate {
         order: Some(order),
@@ -241,17 +242,17 @@ fn is_rounding(levels: &[RefinementLevel]) -> bool {
 /// `None` if no positive order gives that ratio. The left side increases with p, so bisection finds p. Equation (15.2).
 pub fn observed_order(coarse: RefinementLevel, middle: RefinementLevel, fine: RefinementLevel) -> Option<f64> {
     let ratio = (middle.value - coarse.value) / (fine.value - middle.value);
-    let of = |p: f64| {
+    let ratio_of_order = |p: f64| {
         let [a, b, c] = [coarse, middle, fine].map(|l| libm::pow(l.size / coarse.size, p));
         (a - b) / (b - c)
     };
     let (mut low, mut high) = (1e-3, 16.0);
-    if !ratio.is_finite() || ratio <= of(low) {
+    if !ratio.is_finite() || ratio <= ratio_of_order(low) {
         return None;
     }
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        *(if of(middle) < ratio { &mut low } else { &mut high }) = middle;
+        *(if ratio_of_order(middle) < ratio { &mut low } else { &mut high }) = middle;
     }
     Some(0.5 * (low + high))
 }
@@ -279,11 +280,14 @@ mod tests {
             (&[1.0, 0.5, 0.25], 1.0, ConvergenceBehaviour::Unconfirmed, 3.0),
             (&[2.0, 1.0, 0.5, 0.25], 0.8, ConvergenceBehaviour::Singular, 3.0),
         ] {
-            let found = estimate(&series(sizes, |h| 7.0 + 0.1 * h.powf(order))).expect("three levels");
-            assert!((found.order.expect("an order") - order).abs() < 1e-6, "{found:?}");
-            assert!((found.limit - 7.0).abs() < 1e-6 && found.behaviour == behaviour, "{found:?}");
+            let limit_estimate = estimate(&series(sizes, |h| 7.0 + 0.1 * h.powf(order))).expect("three levels");
+            assert!((limit_estimate.order.expect("an order") - order).abs() < 1e-6, "{limit_estimate:?}");
+            assert!(
+                (limit_estimate.limit - 7.0).abs() < 1e-6 && limit_estimate.behaviour == behaviour,
+                "{limit_estimate:?}"
+            );
             let error = 0.1 * sizes[sizes.len() - 1].powf(order);
-            assert!((found.uncertainty / (factor * error) - 1.0).abs() < 1e-5, "{found:?}");
+            assert!((limit_estimate.uncertainty / (factor * error) - 1.0).abs() < 1e-5, "{limit_estimate:?}");
         }
     }
 
@@ -295,13 +299,13 @@ mod tests {
         // Slow between the first three levels, then order 2: by chance, or the first credible level.
         let jump = [(1.0, 1.0), (0.5, 1.5), (0.25, 2.0), (0.125, 2.125)];
         let jump = jump.map(|(size, value)| RefinementLevel { size, value });
-        let found = estimate(&jump).expect("four levels");
-        assert_eq!((found.behaviour, found.factor), (ConvergenceBehaviour::Unconfirmed, 3.0));
+        let limit_estimate = estimate(&jump).expect("four levels");
+        assert_eq!((limit_estimate.behaviour, limit_estimate.factor), (ConvergenceBehaviour::Unconfirmed, 3.0));
     }
 
     #[test]
     fn non_asymptotic_series_have_wide_bounds() {
-        let of = |values: [f64; 3]| {
+        let estimate_of = |values: [f64; 3]| {
             let levels = [1.0, 0.5, 0.25].iter().zip(values).map(|(&size, value)| RefinementLevel { size, value });
             estimate(&levels.collect::<Vec<_>>()).expect("three levels")
         };
@@ -312,9 +316,13 @@ mod tests {
             ([1.0, 2.0, 2.01], ConvergenceBehaviour::Fast, 0.01),
             ([1.0, 1.0, 1.0], ConvergenceBehaviour::Settled, 0.0),
         ] {
-            let found = of(values);
-            assert_eq!(found.behaviour, behaviour, "{values:?}");
-            assert!(found.uncertainty >= at_least * (1.0 - 1e-12), "{values:?}: {}", found.uncertainty);
+            let limit_estimate = estimate_of(values);
+            assert_eq!(limit_estimate.behaviour, behaviour, "{values:?}");
+            assert!(
+                limit_estimate.uncertainty >= at_least * (1.0 - 1e-12),
+                "{values:?}: {}",
+                limit_estimate.uncertainty
+            );
         }
         assert_eq!(estimate(&series(&[1.0], |h| h)), None);
         let two = estimate(&series(&[1.0, 0.5], |h| h * h)).expect("two levels");
@@ -328,8 +336,11 @@ mod tests {
         for ratio in [2.0, 3.0, 4.0] {
             for order in [0.5, 1.0, 1.5, 2.0, 4.0] {
                 let levels = series(&[1.0, 1.0 / ratio], |h| 7.0 + 0.3 * h.powf(order));
-                let found = estimate(&levels).expect("two levels");
-                assert!((levels[1].value - 7.0).abs() <= found.uncertainty, "{ratio} {order}: {found:?}");
+                let limit_estimate = estimate(&levels).expect("two levels");
+                assert!(
+                    (levels[1].value - 7.0).abs() <= limit_estimate.uncertainty,
+                    "{ratio} {order}: {limit_estimate:?}"
+                );
             }
         }
     }
@@ -339,7 +350,10 @@ mod tests {
     #[test]
     fn band_of_a_coarse_taylor_bar_contains_the_value_of_a_fine_mesh() {
         let levels = [(3.0, 6.422), (1.0, 6.492)].map(|(size, value)| RefinementLevel { size, value });
-        let found = estimate(&levels).expect("two levels");
-        assert!((6.562 - 6.492_f64).abs() < found.uncertainty && found.uncertainty < 0.3, "{found:?}");
+        let limit_estimate = estimate(&levels).expect("two levels");
+        assert!(
+            (6.562 - 6.492_f64).abs() < limit_estimate.uncertainty && limit_estimate.uncertainty < 0.3,
+            "{limit_estimate:?}"
+        );
     }
 }

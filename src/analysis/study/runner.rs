@@ -136,14 +136,14 @@ impl<'a> StudyRunner<'a> {
     pub fn affords(&self, last: Option<&StudyRun>, values: &[String], cycles: Option<f64>) -> bool {
         let Some((limit, (last, cycles))) = self.limit.as_ref().zip(last.zip(cycles)) else { return true };
         let seconds = last.seconds.median * cycles / last.element_cycles().max(1.0);
-        let left = limit.budget.saturating_sub(limit.begin.elapsed()).as_secs_f64();
-        let affordable = RESERVE * seconds * self.repeat as f64 <= left;
+        let remaining = limit.budget.saturating_sub(limit.begin.elapsed()).as_secs_f64();
+        let affordable = RESERVE * seconds * self.repeat as f64 <= remaining;
         let verdict = if affordable { "" } else { ", outside the budget" };
         (limit.announce)(&format!(
             "level {}: about {} expected, {} of the budget left{verdict}",
             values.join(", "),
             duration(seconds),
-            duration(left)
+            duration(remaining)
         ));
         affordable
     }
@@ -270,10 +270,18 @@ impl RunSource<'_> {
         let elements = element_count(&prepared);
         let seconds = TimeSpread { median: outcome.seconds, ..TimeSpread::default() };
         let result = |quantity: &Quantity| {
-            let found = quantity.evaluate(finished)?;
+            let quantity_value = quantity.evaluate(finished)?;
             let (increments, warnings) = (outcome.increments, warnings.clone());
             let energies = [outcome.energy.kinetic, outcome.energy.internal];
-            Ok(StudyRun { found, warnings, elements, increments, energies, seconds, loop_seconds: seconds })
+            Ok(StudyRun {
+                found: quantity_value,
+                warnings,
+                elements,
+                increments,
+                energies,
+                seconds,
+                loop_seconds: seconds,
+            })
         };
         Ok(quantities.iter().map(result).collect())
     }

@@ -64,17 +64,17 @@ pub fn run(
     };
     // Data of the Sobol indices: f at two points A and B, and at A with one parameter replaced by that of B.
     let mut mixed = vec![Vec::new(); if request.indices { quantities } else { 0 }];
-    let (mut done, mut row) = (0, Vec::new());
-    while done < request.count {
-        let count = BLOCK.min(request.count - done);
+    let (mut finished, mut row) = (0, Vec::new());
+    while finished < request.count {
+        let count = BLOCK.min(request.count - finished);
         let mut points = vec![0.0; dimensions * count];
         design.fill(&mut points);
         let samples = samples(inputs, &points, dimensions, runs);
         let mut table = vec![f64::NAN; quantities * runs * count];
         let block = SampleTable { values: &samples, count: runs * count };
-        let before = done * runs;
+        let finished_runs = finished * runs;
         let never = AtomicUsize::new(0);
-        let failures = evaluator.run(block, &mut table, request.threads, &never, &mut |n| look(before + n))?;
+        let failures = evaluator.run(block, &mut table, request.threads, &never, &mut |n| look(finished_runs + n))?;
         note(&mut results, failures);
         for (sample, found) in samples.chunks_exact(width * runs).zip(table.chunks_exact(quantities * runs)) {
             row.extend_from_slice(&sample[..width]);
@@ -88,8 +88,8 @@ pub fn run(
         }
         keep(&row)?;
         row.clear();
-        done += count;
-        look(done * runs);
+        finished += count;
+        look(finished * runs);
     }
     results.indices = mixed.iter().map(|rows| indices(rows, width, request.seed)).collect();
     Ok(results)
@@ -104,8 +104,8 @@ fn samples(inputs: &RandomInputs, points: &[f64], dimensions: usize, runs: usize
         // A, B, and A with one coordinate of B.
         for (run, row) in rows.by_ref().enumerate() {
             let from = |i: usize| if run == 1 || run == i + 2 { point[width + i] } else { point[i] };
-            let at: Vec<f64> = (0..width).map(from).collect();
-            inputs.values(&at, row);
+            let coordinates: Vec<f64> = (0..width).map(from).collect();
+            inputs.values(&coordinates, row);
         }
     }
     samples

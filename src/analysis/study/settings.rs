@@ -114,9 +114,9 @@ fn unknown(name: &str, parameters: &[String]) -> String {
     let built_in = BUILT_IN.map(|known| known.0);
     let known = parameters.iter().map(String::as_str).chain(built_in);
     let near = nearest(name, known).map(|n| format!("did you mean {n}? ")).unwrap_or_default();
-    let own = if parameters.is_empty() { "none".into() } else { parameters.join(", ") };
+    let deck_parameters = if parameters.is_empty() { "none".into() } else { parameters.join(", ") };
     format!(
-        "--refine {name}: unknown parameter; {near}parameters of the deck: {own}; parameters of every study: {}",
+        "--refine {name}: unknown parameter; {near}parameters of the deck: {deck_parameters}; parameters of every study: {}",
         built_in.join(", ")
     )
 }
@@ -306,12 +306,12 @@ mod tests {
 
     #[test]
     fn levels_must_be_monotonic_and_names_known() {
-        let of = |text: &str| axes(&[text.to_owned()], &["n".to_owned(), "dt".to_owned()]);
-        let n = &of("n=10,20,40").expect("levels")[0];
+        let parsed = |text: &str| axes(&[text.to_owned()], &["n".to_owned(), "dt".to_owned()]);
+        let n = &parsed("n=10,20,40").expect("levels")[0];
         assert_eq!((n.sizes.clone(), n.counts()), (vec![0.1, 0.05, 0.025], true));
-        let dt = &of("dt=1e-6,5e-7").expect("levels")[0];
+        let dt = &parsed("dt=1e-6,5e-7").expect("levels")[0];
         assert_eq!((dt.sizes.clone(), dt.counts()), (vec![1e-6, 5e-7], false));
-        assert!(!of("load-velocity=predicted,lagged").expect("choices")[0].is_refinement());
+        assert!(!parsed("load-velocity=predicted,lagged").expect("choices")[0].is_refinement());
         for wrong in [
             "n=10",
             "n=10,10",
@@ -323,8 +323,8 @@ mod tests {
             "hourglass=no",
             "mesh=1,1.5",
         ] {
-            assert!(of(wrong).is_err(), "{wrong}");
+            assert!(parsed(wrong).is_err(), "{wrong}");
         }
-        assert!(of("N=1,2").is_err_and(|e| e.to_string().contains("did you mean n?")));
+        assert!(parsed("N=1,2").is_err_and(|e| e.to_string().contains("did you mean n?")));
     }
 }

@@ -139,10 +139,10 @@ pub fn refine_to_target(
     let mut whole = RefinementStudy::empty(axes);
     for (index, family) in families(axes).into_iter().enumerate() {
         let climbed = refine_family(bench, &LevelSequence { axes, family }, exact, target, index);
-        let before = whole.rows.len();
+        let row_offset = whole.rows.len();
         whole.rows.extend(climbed.rows);
         whole.series.extend(climbed.series.into_iter().map(|mut s| {
-            s.rows.iter_mut().for_each(|r| *r += before);
+            s.rows.iter_mut().for_each(|r| *r += row_offset);
             s
         }));
     }

@@ -185,8 +185,8 @@ pub fn estimate_run(
     cost += spent(&runs);
     let quantity = |index: usize| {
         let value = plain.values[index]?;
-        let found = QuantityRuns { plain, meshes: &meshes, companions: &companions, runs: &runs, index, value };
-        Some(found.uncertainty(request))
+        let quantity_runs = QuantityRuns { plain, meshes: &meshes, companions: &companions, runs: &runs, index, value };
+        Some(quantity_runs.uncertainty(request))
     };
     let certificate = RunCertificate {
         quantities: (0..request.quantities.len()).filter_map(quantity).collect(),
@@ -231,24 +231,24 @@ pub fn of_chosen(chosen: ChosenSetting, plain: &PlainRun, deck: String, digest: 
 
 /// Runs the deck in memory, then like [`estimate_run`].
 pub fn run_and_estimate(request: &UncertaintyRequest<'_>) -> Result<RunCertificate, StudyError> {
-    let found = run(request, &[], &[]);
-    let first = found.iter().find_map(|run| run.as_ref().ok());
-    let (elements, increments, energies) = match (first, found.first()) {
+    let results = run(request, &[], &[]);
+    let first = results.iter().find_map(|run| run.as_ref().ok());
+    let (elements, increments, energies) = match (first, results.first()) {
         (Some(run), _) => (run.elements, run.increments, run.energies),
         (None, Some(Err(reason))) => return Err(reason.clone()),
         (None, _) => return Err(StudyError::Setting("no quantity is given".into())),
     };
     let value = |run: &Result<StudyRun, StudyError>| run.as_ref().ok()?.found.number();
-    let plain = PlainRun { values: found.iter().map(value).collect(), elements, increments, energies };
-    Ok(estimate_run(request, &plain, String::new(), String::new()))
+    let plain_run = PlainRun { values: results.iter().map(value).collect(), elements, increments, energies };
+    Ok(estimate_run(request, &plain_run, String::new(), String::new()))
 }
 
 /// Runs the deck with further overrides and edits.
 fn run(request: &UncertaintyRequest<'_>, overrides: &[(String, String)], edits: &[ModelEdit]) -> CompanionResult {
     let is_replaced = |name: &String| overrides.iter().any(|(other, _)| other == name);
-    let mut all: Vec<_> = request.overrides.iter().filter(|(name, _)| !is_replaced(name)).cloned().collect();
-    all.extend_from_slice(overrides);
-    request.source.run(&all, &[edits], request.quantities)
+    let mut merged: Vec<_> = request.overrides.iter().filter(|(name, _)| !is_replaced(name)).cloned().collect();
+    merged.extend_from_slice(overrides);
+    request.source.run(&merged, &[edits], request.quantities)
 }
 
 /// Returns the element-cycles of a run; zero if it has no result.
@@ -278,8 +278,8 @@ fn coarser_runs(request: &UncertaintyRequest<'_>, missing: &mut Vec<String>) -> 
 
 /// Returns the setting of a mesh that is coarser by a ratio; `None` if the factor of the deck is not divisible.
 fn mesh_setting(request: &UncertaintyRequest<'_>, ratio: u32) -> Option<(String, String)> {
-    let given = request.overrides.iter().find(|(name, _)| MESH_SETTINGS.contains(&name.as_str()));
-    let (name, factor) = match given {
+    let mesh_override = request.overrides.iter().find(|(name, _)| MESH_SETTINGS.contains(&name.as_str()));
+    let (name, factor) = match mesh_override {
         Some((name, text)) => (name.as_str(), text.parse::<u32>().ok()?),
         None => (MESH_SETTINGS[0], 1),
     };
@@ -294,40 +294,42 @@ fn mesh_setting(request: &UncertaintyRequest<'_>, ratio: u32) -> Option<(String,
 /// Returns the companion runs on the coarsest mesh, the most useful ones first.
 fn companions(request: &UncertaintyRequest<'_>, ratio: u32) -> Vec<CompanionRun> {
     let mesh: Vec<_> = mesh_setting(request, ratio).into_iter().collect();
-    let of = |purpose, edits, cost| CompanionRun { purpose, overrides: mesh.clone(), edits, cost };
-    let mut all = Vec::new();
+    let companion_with = |purpose, edits, cost| CompanionRun { purpose, overrides: mesh.clone(), edits, cost };
+    let mut runs = Vec::new();
     for (index, [low, high]) in request.inputs.map_or(Vec::new(), deviations).into_iter().enumerate() {
         for value in [low, high] {
-            let mut companion = of(CompanionPurpose::Input(index), Vec::new(), 1.0);
+            let mut companion = companion_with(CompanionPurpose::Input(index), Vec::new(), 1.0);
             companion.overrides.push(value);
-            all.push(companion);
+            runs.push(companion);
         }
     }
     if request.traits.sensitive {
-        all.extend(perturbations(NOISE_RUNS).into_iter().map(|edit| of(CompanionPurpose::Noise, vec![edit], 1.0)));
+        runs.extend(
+            perturbations(NOISE_RUNS).into_iter().map(|edit| companion_with(CompanionPurpose::Noise, vec![edit], 1.0)),
+        );
     }
     let change = |parameter: &StudyParameter, value: &str| edit(parameter, value).ok().flatten();
     // Smaller than the stable increment; larger than that of error control, which is cheaper.
     let (factor, text) = if request.traits.deforms { (0.5, "0.5") } else { (2.0, "2") };
-    all.extend(
+    runs.extend(
         change(&StudyParameter::Increment, text)
-            .map(|edit| of(CompanionPurpose::Increment(factor), vec![edit], f64::recip(factor))),
+            .map(|edit| companion_with(CompanionPurpose::Increment(factor), vec![edit], f64::recip(factor))),
     );
-    all
+    runs
 }
 
 /// Returns name and value of each random parameter one standard deviation below and above its median, with the others
 /// at their median.
 fn deviations(inputs: &RandomInputs) -> Vec<[(String, String); 2]> {
     let medians = vec![0.5; inputs.names.len()];
-    let at = |index: usize, sign: f64| {
+    let shifted_value = |index: usize, sign: f64| {
         let mut point = medians.clone();
         point[index] = normal::cumulative(sign);
         let mut values = vec![0.0; point.len()];
         inputs.values(&point, &mut values);
         (inputs.names[index].clone(), format!("{:e}", values[index]))
     };
-    (0..inputs.names.len()).map(|index| [-1.0, 1.0].map(|sign| at(index, sign))).collect()
+    (0..inputs.names.len()).map(|index| [-1.0, 1.0].map(|sign| shifted_value(index, sign))).collect()
 }
 
 /// Returns the first companion runs whose costs, relative to the coarsest mesh, are within the limit; the
@@ -374,7 +376,7 @@ impl QuantityRuns<'_> {
                 let factor = if let CompanionPurpose::Increment(factor) = purpose { factor } else { 1.0 };
                 shortened * change.abs() / (factor - 1.0).abs()
             });
-        let mut found = QuantityUncertainty {
+        let mut uncertainty = QuantityUncertainty {
             quantity: request.quantities[self.index].text.clone(),
             value: self.value,
             levels,
@@ -386,8 +388,8 @@ impl QuantityRuns<'_> {
             input: self.input(),
             dominant: None,
         };
-        found.dominant = found.dominant_part();
-        found
+        uncertainty.dominant = uncertainty.dominant_part();
+        uncertainty
     }
 
     /// Returns the value of the quantity in a run.
@@ -406,9 +408,9 @@ impl QuantityRuns<'_> {
     fn mesh(&self, levels: &[MeshLevel]) -> Option<LimitEstimate> {
         let series: Vec<RefinementLevel> =
             levels.iter().map(|level| RefinementLevel { size: level.size, value: level.value }).collect();
-        let found = estimate(&series)?;
+        let estimated = estimate(&series)?;
         let least = if let [coarse, fine] = levels { self.least_of_two(coarse, fine) } else { 0.0 };
-        Some(LimitEstimate { uncertainty: found.uncertainty.max(least), ..found })
+        Some(LimitEstimate { uncertainty: estimated.uncertainty.max(least), ..estimated })
     }
 
     /// Returns the smallest uncertainty from two meshes: two values can agree by chance, while the energies at the end show

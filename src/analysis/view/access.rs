@@ -1,7 +1,5 @@
 //! Who may use the server of a view: the token in its address, and the names of this machine.
 
-use std::fmt::Write as _;
-
 /// Random bytes of a token.
 const TOKEN_BYTES: usize = 16;
 
@@ -16,12 +14,7 @@ impl AccessToken {
     pub fn random() -> Result<AccessToken, String> {
         let mut bytes = [0; TOKEN_BYTES];
         getrandom::fill(&mut bytes).map_err(|e| format!("the operating system returns no random bytes: {e}"))?;
-        let mut text = String::new();
-        for byte in bytes {
-            // Writing to a text cannot fail.
-            let _ = write!(text, "{byte:02x}");
-        }
-        Ok(AccessToken(text))
+        Ok(AccessToken(format!("{:032x}", u128::from_be_bytes(bytes))))
     }
 
     pub fn text(&self) -> &str {

@@ -3,7 +3,6 @@
 use std::io;
 use std::net::TcpStream;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use serde_json::json;
@@ -35,12 +34,11 @@ pub struct RunAnswers {
     job: JobFiles,
     board: Arc<StateBoard>,
     store: Arc<FrameStore>,
-    streams: AtomicUsize,
 }
 
 impl RunAnswers {
     pub fn new(job: JobFiles, board: Arc<StateBoard>, store: Arc<FrameStore>) -> RunAnswers {
-        RunAnswers { job, board, store, streams: AtomicUsize::new(0) }
+        RunAnswers { job, board, store }
     }
 
     fn response(&self, path: &str, request: &Request) -> Result<Response, Refusal> {
@@ -58,8 +56,8 @@ impl RunAnswers {
             }
             "trace" => {
                 let (from, cell, field) = (number("from")?, number("cell")?, number("field")?);
-                let to = number("to")?.min(from.saturating_add(TRACE));
-                Ok(Response::new(BYTES, self.store.trace(cell, field, from..to)?))
+                let end = number("to")?.min(from.saturating_add(TRACE));
+                Ok(Response::new(BYTES, self.store.trace(cell, field, from..end)?))
             }
             "state" => {
                 let state = self.store.state(number("cell")?, number("frame")?)?;
@@ -84,17 +82,9 @@ impl RunAnswers {
 
     /// Sends events until the page is closed.
     fn send_events(&self, stream: &mut TcpStream) -> io::Result<()> {
-        if self.streams.fetch_add(1, Ordering::SeqCst) >= STREAMS {
-            self.streams.fetch_sub(1, Ordering::SeqCst);
+        let Some(_counted) = self.board.join(STREAMS) else {
             return Response::refused(&Refusal::new(503, "too many pages are open")).write(stream);
-        }
-        let _counted = self.board.join();
-        let sent = self.send_all_events(stream);
-        self.streams.fetch_sub(1, Ordering::SeqCst);
-        sent
-    }
-
-    fn send_all_events(&self, stream: &mut TcpStream) -> io::Result<()> {
+        };
         write_bytes(stream, head(200, "text/event-stream", "").as_bytes())?;
         let mut seen = 0;
         loop {

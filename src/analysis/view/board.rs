@@ -28,13 +28,13 @@ impl StateBoard {
     /// Replaces a part; nothing happens if its text is unchanged.
     pub fn post(&self, name: &'static str, json: String) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        let place = state.parts.iter().position(|part| part.1.0 == name);
-        if place.is_some_and(|i| *state.parts[i].1.1 == *json) {
+        let position = state.parts.iter().position(|part| part.1.0 == name);
+        if position.is_some_and(|i| *state.parts[i].1.1 == *json) {
             return;
         }
         state.revision += 1;
         let part = (state.revision, (name, json.into()));
-        match place {
+        match position {
             Some(i) => state.parts[i] = part,
             None => state.parts.push(part),
         }
@@ -51,11 +51,14 @@ impl StateBoard {
         (state.revision, changed.map(|part| part.1.clone()).collect())
     }
 
-    /// Counts an event stream until the returned guard is dropped.
-    pub fn join(self: &Arc<Self>) -> ReaderGuard {
-        self.readers.fetch_add(1, Ordering::SeqCst);
-        self.all_readers.fetch_add(1, Ordering::SeqCst);
-        ReaderGuard(self.clone())
+    /// Counts an event stream until the returned guard is dropped; `None` if there are `most` already.
+    pub fn join(self: &Arc<Self>, most: usize) -> Option<ReaderGuard> {
+        let has_room = self.readers.fetch_add(1, Ordering::SeqCst) < most;
+        let guard = ReaderGuard(self.clone());
+        has_room.then(|| {
+            self.all_readers.fetch_add(1, Ordering::SeqCst);
+            guard
+        })
     }
 
     /// Returns the number of event streams now, and since the start.
@@ -90,7 +93,8 @@ mod tests {
         let waiting = std::thread::spawn(move || other.changes_after(seen, Duration::from_secs(600)).1);
         board.post("b", "3".into());
         assert_eq!(waiting.join().expect("woken"), [("b", "3".into())]);
-        let guard = board.join();
+        let guard = board.join(1).expect("a stream");
+        assert!(board.join(1).is_none());
         assert_eq!(board.readers(), [1, 1]);
         drop(guard);
         assert_eq!(board.readers(), [0, 1]);

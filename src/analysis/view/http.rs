@@ -94,11 +94,11 @@ pub fn read_request(stream: &mut TcpStream, within: Duration) -> Result<Request,
     let deadline = Instant::now() + within;
     let (mut bytes, mut part) = (Vec::new(), [0; 1024]);
     loop {
-        let left = deadline.saturating_duration_since(Instant::now());
-        if left.is_zero() {
+        let remaining = deadline.saturating_duration_since(Instant::now());
+        if remaining.is_zero() {
             return Err(Some(Refusal::new(408, "the request is incomplete")));
         }
-        stream.set_read_timeout(Some(left)).map_err(|_| None)?;
+        stream.set_read_timeout(Some(remaining)).map_err(|_| None)?;
         match stream.read(&mut part) {
             Ok(0) => return Err(None),
             Ok(count) => bytes.extend_from_slice(&part[..count]),
@@ -131,11 +131,11 @@ pub fn write_bytes(stream: &mut TcpStream, bytes: &[u8]) -> io::Result<()> {
 fn write_within(stream: &mut TcpStream, mut bytes: &[u8], within: Duration) -> io::Result<()> {
     let deadline = Instant::now() + within;
     while !bytes.is_empty() {
-        let left = deadline.saturating_duration_since(Instant::now());
-        if left.is_zero() {
+        let remaining = deadline.saturating_duration_since(Instant::now());
+        if remaining.is_zero() {
             return Err(ErrorKind::TimedOut.into());
         }
-        stream.set_write_timeout(Some(left))?;
+        stream.set_write_timeout(Some(remaining))?;
         match stream.write(&bytes[..bytes.len().min(PART)]) {
             Ok(0) => return Err(ErrorKind::WriteZero.into()),
             Ok(count) => bytes = &bytes[count..],

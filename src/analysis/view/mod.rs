@@ -68,12 +68,12 @@ impl JobView {
             return;
         }
         self.reported = Some(Instant::now());
-        let shown = json!({
+        let event = json!({
             "step": progress.step, "fraction": progress.fraction, "time": progress.now.total_time,
             "increment": progress.now.increment, "stable": progress.increment, "element": progress.limiting,
             "drift": progress.energy.drift,
         });
-        self.board.post("progress", shown.to_string());
+        self.board.post("progress", event.to_string());
     }
 
     /// Returns the number of open pages, and of pages since the start.

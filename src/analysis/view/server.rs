@@ -31,7 +31,6 @@ struct Connections {
     pending: VecDeque<(u64, TcpStream)>,
 }
 
-/// Server of a view.
 pub struct ViewServer {
     listener: TcpListener,
     token: AccessToken,
@@ -145,10 +144,10 @@ impl ViewServer {
             return Err(Refusal::new(403, "requests of pages of other sites are refused"));
         }
         let path = request.path.strip_prefix('/').unwrap_or_default();
-        let (token, rest) = path.split_once('/').unwrap_or((path, ""));
+        let (token, page_path) = path.split_once('/').unwrap_or((path, ""));
         if !self.token.matches(token) {
             return Err(Refusal::new(403, "the address must have the token that `revolve view` has printed"));
         }
-        Ok(rest)
+        Ok(page_path)
     }
 }

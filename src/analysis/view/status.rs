@@ -91,13 +91,13 @@ impl LimitRows {
             return;
         }
         let name = if row.element.is_empty() { "no element".to_owned() } else { format!("element {}", row.element) };
-        let place = self.names.iter().position(|known| *known == name).unwrap_or_else(|| {
+        let position = self.names.iter().position(|known| *known == name).unwrap_or_else(|| {
             self.names.push(name);
             self.names.len() - 1
         });
         self.time.push(row.time);
         self.increment.push(row.stable);
-        self.by.push(place);
+        self.by.push(position);
     }
 
     fn json(&self) -> Value {

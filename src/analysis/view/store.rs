@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use super::http::Refusal;
 use crate::output::sums::Checksums;
-use crate::report::frames::{FrameData, is_facet_field, is_same_mesh, rank, read_arrays};
+use crate::report::frames::{FrameData, ScalarField, is_facet_field, is_same_mesh, rank, read_arrays};
 use crate::variables::Variable;
 
 /// Largest size of the frames in memory, in bytes.
@@ -34,12 +34,12 @@ pub struct ViewMesh {
 
 impl ViewMesh {
     fn of(data: &FrameData) -> ViewMesh {
-        let field = |((name, on_cells, _), array): (&(String, bool, Vec<f64>), &String)| ViewField {
-            name: name.clone(),
-            on_cells: *on_cells,
-            array: array.clone(),
+        let field = |scalar: &ScalarField| ViewField {
+            name: scalar.name.clone(),
+            on_cells: scalar.on_cells,
+            array: scalar.array.clone(),
         };
-        let mut fields: Vec<ViewField> = data.scalars.iter().zip(&data.arrays).map(field).collect();
+        let mut fields: Vec<ViewField> = data.scalars.iter().map(field).collect();
         let has_mises = fields.iter().any(|f| f.name == "MISES");
         fields.retain(|f| f.name != Variable::Status.name() && !(has_mises && f.name == "S_MISES"));
         fields.sort_by_key(|f| rank(&f.name));
@@ -165,16 +165,12 @@ impl FrameStore {
     /// # Errors
     /// If there is no frame, or it cannot be read.
     pub fn mesh(&self) -> Result<Arc<ViewMesh>, Refusal> {
-        let (files, sums, generation) = {
-            let series = self.lock();
-            if let Some(mesh) = &series.mesh {
-                return Ok(mesh.clone());
-            }
-            (series.files.clone(), series.sums.clone(), series.generation)
-        };
-        let (time, path) = files.first().ok_or_else(|| absent("first frame"))?;
+        let mesh = self.lock().mesh.clone();
+        if let Some(mesh) = mesh {
+            return Ok(mesh);
+        }
         let _one = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
-        let data = read_arrays(*time, path, &sums, &|_| true).map_err(|why| Refusal::new(500, why))?;
+        let (data, generation) = self.read(0, "first frame", &|_| true)?;
         let mesh = Arc::new(ViewMesh::of(&data));
         self.keep(&mesh, 0, &data, generation);
         let mut series = self.lock();
@@ -202,47 +198,55 @@ impl FrameStore {
             return Ok(frame);
         }
         let array = field.map(|field| mesh.fields[field].array.as_str());
-        let wanted = |name: &str| name == Variable::Status.name() || array == Some(name);
-        let (data, generation) = self.read(&mesh, index, &wanted)?;
+        let is_needed = |name: &str| name == Variable::Status.name() || array == Some(name);
+        let (data, generation) = self.read_alike(&mesh, index, &is_needed)?;
         self.keep(&mesh, index, &data, generation);
-        let kept = self.kept(index, field).ok_or_else(|| absent("field in this frame"))?;
-        Ok(ViewFrame { reading: begin.elapsed(), ..kept })
+        let stored_frame = self.kept(index, field).ok_or_else(|| absent("field in this frame"))?;
+        Ok(ViewFrame { reading: begin.elapsed(), ..stored_frame })
     }
 
     fn kept(&self, index: usize, field: Option<usize>) -> Option<ViewFrame> {
         let mut series = self.lock();
         series.uses += 1;
         let uses = series.uses;
-        let kept = series.kept.get_mut(&index)?;
-        kept.used = uses;
+        let stored = series.kept.get_mut(&index)?;
+        stored.used = uses;
         let values = match field {
-            Some(field) => Some(kept.values.get(&field)?.clone()),
+            Some(field) => Some(stored.values.get(&field)?.clone()),
             None => None,
         };
-        Some(ViewFrame { shape: kept.shape.clone(), values, reading: Duration::ZERO })
+        Some(ViewFrame { shape: stored.shape.clone(), values, reading: Duration::ZERO })
     }
 
-    fn read(&self, mesh: &ViewMesh, index: usize, wanted: &dyn Fn(&str) -> bool) -> Result<(FrameData, u64), Refusal> {
+    /// Reads a frame and returns it with the generation of the run.
+    fn read(&self, index: usize, what: &str, wanted: &dyn Fn(&str) -> bool) -> Result<(FrameData, u64), Refusal> {
         let (file, sums, generation) = {
             let series = self.lock();
             (series.files.get(index).cloned(), series.sums.clone(), series.generation)
         };
-        let (time, path) = file.ok_or_else(|| absent("frame"))?;
+        let (time, path) = file.ok_or_else(|| absent(what))?;
         let data = read_arrays(time, &path, &sums, wanted).map_err(|why| Refusal::new(500, why))?;
+        Ok((data, generation))
+    }
+
+    /// Reads a frame with the mesh of the first one.
+    fn read_alike(
+        &self,
+        mesh: &ViewMesh,
+        index: usize,
+        wanted: &dyn Fn(&str) -> bool,
+    ) -> Result<(FrameData, u64), Refusal> {
+        let (data, generation) = self.read(index, "frame", wanted)?;
         if is_same_mesh(&mesh.first, &data) {
-            Ok((data, generation))
-        } else {
-            Err(Refusal::new(500, format!("the frame at time {time:e} has a different mesh and is not shown")))
+            return Ok((data, generation));
         }
+        Err(Refusal::new(500, format!("the frame at time {:e} has a different mesh and is not shown", data.time)))
     }
 
     /// Keeps the shape of a frame, and its fields that have been read, unless the run has been restarted.
     fn keep(&self, mesh: &ViewMesh, index: usize, data: &FrameData, generation: u64) {
-        let values = |field: &ViewField| {
-            let found = data.scalars.iter().find(|s| s.0 == field.name && s.1 == field.on_cells)?;
-            Some(Arc::new(numbers(mesh, field, &found.2)))
-        };
-        let read: Vec<_> = mesh.fields.iter().enumerate().filter_map(|(i, field)| Some((i, values(field)?))).collect();
+        let fields = mesh.fields.iter().enumerate();
+        let read: Vec<_> = fields.filter_map(|(i, field)| Some((i, Arc::new(numbers(mesh, field, data)?)))).collect();
         let shape = shape(mesh, data);
         let mut series = self.lock();
         if series.generation != generation {
@@ -250,9 +254,9 @@ impl FrameStore {
         }
         series.uses += 1;
         let uses = series.uses;
-        let kept = series.kept.entry(index).or_default();
-        (kept.shape, kept.used) = (Arc::new(shape), uses);
-        kept.values.extend(read);
+        let stored = series.kept.entry(index).or_default();
+        (stored.shape, stored.used) = (Arc::new(shape), uses);
+        stored.values.extend(read);
         series.forget();
     }
 
@@ -282,10 +286,9 @@ impl FrameStore {
         let mesh = self.mesh()?;
         let corners = mesh.first.cells.get(cell).ok_or_else(|| absent("cell"))?;
         let _one = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
-        let (data, _) = self.read(&mesh, index, &|_| true)?;
+        let (data, _) = self.read_alike(&mesh, index, &|_| true)?;
         let value = |field: &ViewField| {
-            let found = data.scalars.iter().find(|s| s.0 == field.name && s.1 == field.on_cells)?;
-            let value = value_at(field, corners, cell, &numbers(&mesh, field, &found.2))?;
+            let value = value_at(field, corners, cell, &numbers(&mesh, field, &data)?)?;
             value.is_finite().then(|| (field.name.clone(), value))
         };
         Ok(mesh.fields.iter().filter_map(value).collect())
@@ -302,17 +305,17 @@ fn value_at(field: &ViewField, corners: &[usize], cell: usize, values: &[f32]) -
 
 /// Returns the values of a field. Element variables are zero on the facets of rigid bodies, and facet variables on
 /// elements: these are no values.
-fn numbers(mesh: &ViewMesh, field: &ViewField, values: &[f64]) -> Vec<f32> {
+fn numbers(mesh: &ViewMesh, field: &ViewField, data: &FrameData) -> Option<Vec<f32>> {
     let of_facets = is_facet_field(&field.name);
     let belongs = |cell: usize| !field.on_cells || (mesh.first.cells[cell].len() == 2) == of_facets;
     let value = |(i, value): (usize, &f64)| if belongs(i) { *value as f32 } else { f32::NAN };
-    values.iter().enumerate().map(value).collect()
+    Some(data.values(&field.name, field.on_cells)?.iter().enumerate().map(value).collect())
 }
 
 fn shape(mesh: &ViewMesh, data: &FrameData) -> FrameShape {
-    let status = data.scalars.iter().find(|s| s.0 == Variable::Status.name() && s.1);
+    let status = data.values(Variable::Status.name(), true);
     let is_deleted = |cell: usize| {
-        let by_status = status.and_then(|s| s.2.get(cell)).is_some_and(|status| *status < 0.5);
+        let by_status = status.and_then(|values| values.get(cell)).is_some_and(|status| *status < 0.5);
         data.deleted.get(cell).copied().unwrap_or(false) || by_status && mesh.first.cells[cell].len() > 2
     };
     let hidden: Vec<u8> = (0..mesh.first.cells.len()).map(|cell| u8::from(is_deleted(cell))).collect();

@@ -88,8 +88,8 @@ fn keyword_items(context: &FeatureContext<'_>, position: TextPosition, range: Te
     let style = if line.chars().any(char::is_alphabetic) {
         line
     } else {
-        let before = position.line.checked_sub(1).and_then(|line| context.text.keyword_line_at(line));
-        before.map_or("", |line| context.text.line(line))
+        let previous_keyword = position.line.checked_sub(1).and_then(|line| context.text.keyword_line_at(line));
+        previous_keyword.map_or("", |line| context.text.line(line))
     };
     let lower = prefers_lower(style);
     let rank = |keyword: &Keyword| match keyword.tier {
@@ -97,12 +97,12 @@ fn keyword_items(context: &FeatureContext<'_>, position: TextPosition, range: Te
         KeywordTier::Inert(_) | KeywordTier::OutputOnly | KeywordTier::UnsupportedInert => 1,
         KeywordTier::UnsupportedPhysics => 2,
     };
-    let of = |keyword: &'static Keyword| {
+    let keyword_item = |keyword: &'static Keyword| {
         let name = format!("*{}", keyword.name);
         let written = if lower { title_case(&name) } else { name.clone() };
         item(&name, ItemKind::Keyword, range, &written, keyword.summary, rank(keyword))
     };
-    keywords().map(of).collect()
+    keywords().map(keyword_item).collect()
 }
 
 /// Adds the documentation to the completion of a keyword, of which the client shows the summary already.
@@ -121,13 +121,13 @@ fn parameter_items(card: &CardContext, range: TextRange, lower: bool) -> Vec<Val
         others.filter_map(|p| p.rule).any(|given| given.name == rule.name)
     };
     let supported = |rule: &&InputRule| !matches!(rule.usage, InputUsage::Refused(_)) && !is_given(rule);
-    let of = |rule: &'static InputRule| {
+    let parameter_item = |rule: &'static InputRule| {
         let name = if lower { rule.name.to_lowercase() } else { rule.name.to_owned() };
         let written = if rule.value.bare.is_some() { name } else { name + "=" };
         let rank = if rule.usage == InputUsage::Read { u8::from(!rule.value.required) } else { 2 };
         item(rule.name, ItemKind::Property, range, &written, &explain_rule(rule), rank)
     };
-    keyword.parameters.iter().filter(supported).map(of).collect()
+    keyword.parameters.iter().filter(supported).map(parameter_item).collect()
 }
 
 fn value_items(context: &FeatureContext<'_>, card: &CardContext, index: usize, range: TextRange) -> Vec<Value> {
@@ -161,8 +161,10 @@ fn field_items(
     let words = rule.value.words().into_iter().flatten();
     let words = words.map(|word| item(word, ItemKind::EnumMember, range, word, rule.help, 0));
     let variables = variable_places(card.keyword.map_or("", |k| k.name), rule).iter().flat_map(|place| {
-        let all = Variable::ALL.iter().filter(move |variable| variable.place() == *place);
-        all.flat_map(move |variable| variable_words(*variable).into_iter().map(move |word| variable_item(&word, range)))
+        let placed_variables = Variable::ALL.iter().filter(move |variable| variable.place() == *place);
+        placed_variables.flat_map(move |variable| {
+            variable_words(*variable).into_iter().map(move |word| variable_item(&word, range))
+        })
     });
     names.into_iter().chain(words).chain(variables).collect()
 }
@@ -195,13 +197,13 @@ fn variable_places(keyword: &str, rule: &InputRule) -> &'static [VariablePlace] 
 
 /// Returns the parameters of the deck, with the closing bracket unless it is written.
 fn parameter_reference_items(context: &FeatureContext<'_>, range: TextRange, is_closed: bool) -> Vec<Value> {
-    let of = |one: &NameUse| {
+    let reference_item = |one: &NameUse| {
         let written = if is_closed { one.name.clone() } else { format!("{}>", one.name) };
         let value = context.parameter_value(one).map(|value| format!(": {}", short(value)));
         let detail = format!("parameter{}", value.unwrap_or_default());
         item(&one.name, ItemKind::Variable, range, &written, &detail, 0)
     };
-    context.root.outline.names.defined(NameKind::Parameter).into_iter().map(of).collect()
+    context.root.outline.names.defined(NameKind::Parameter).into_iter().map(reference_item).collect()
 }
 
 fn name_items(context: &FeatureContext<'_>, kind: NameKind, range: TextRange) -> Vec<Value> {

@@ -12,29 +12,24 @@ const MOST_LINES: u32 = 4000;
 pub struct CardContext {
     /// Row of the keyword table; `None` for an unknown keyword.
     pub keyword: Option<&'static Keyword>,
-    /// Parameters with their values.
     pub parameters: Vec<WrittenParameter>,
     /// The part of the card at the position.
     pub part: CardPart,
 }
 
-/// A parameter as written.
 #[derive(Clone, Debug)]
 pub struct WrittenParameter {
     /// Rule of the keyword table.
     pub rule: Option<&'static InputRule>,
-    /// Range of the name.
     pub name_range: TextRange,
     /// Value as written, with its range.
     pub value: Option<(String, TextRange)>,
 }
 
-/// Part of a card.
 #[derive(Debug)]
 pub enum CardPart {
     /// The keyword with its star.
     Keyword(TextRange),
-    /// The name of a parameter.
     ParameterName(TextRange),
     /// The value of the parameter with this index.
     ParameterValue(usize, TextRange),
@@ -42,7 +37,6 @@ pub enum CardPart {
     Field {
         /// Its rule; `None` if the card has no such field.
         rule: Option<&'static InputRule>,
-        /// Its range.
         range: TextRange,
     },
     /// A comment, or text before the first keyword.
@@ -55,7 +49,6 @@ pub struct KeywordLine {
     pub keyword: Option<&'static Keyword>,
     /// Range of the keyword with its star.
     pub range: TextRange,
-    /// Parameters.
     pub parameters: Vec<WrittenParameter>,
     /// The line after the last continuation line.
     pub end: u32,
@@ -185,11 +178,11 @@ fn keyword_part(head: &KeywordLine, buffer: &TextBuffer, position: TextPosition,
     }
     // Between words: after an equals sign a value begins, after a comma a name.
     let text = buffer.line(position.line);
-    let before = &text[..encoding.byte(text, position.character)];
-    let here = TextRange { start: position, end: position };
-    let value = before.rsplit(',').next().and_then(|field| field.split_once('='));
+    let text_before = &text[..encoding.byte(text, position.character)];
+    let empty_range = TextRange { start: position, end: position };
+    let value = text_before.rsplit(',').next().and_then(|field| field.split_once('='));
     let of_value = value.and_then(|_| head.parameters.iter().rposition(|p| p.name_range.end <= position));
-    of_value.map_or(CardPart::ParameterName(here), |index| CardPart::ParameterValue(index, here))
+    of_value.map_or(CardPart::ParameterName(empty_range), |index| CardPart::ParameterValue(index, empty_range))
 }
 
 fn field_part(head: &KeywordLine, buffer: &TextBuffer, position: TextPosition, encoding: ColumnEncoding) -> CardPart {
@@ -199,28 +192,28 @@ fn field_part(head: &KeywordLine, buffer: &TextBuffer, position: TextPosition, e
     let commas = split(text, 0..byte);
     let column = commas.ranges.len() - usize::from(!commas.trailing_comma && !commas.ranges.is_empty());
     let fields = split(text, 0..text.len());
-    let here = TextRange { start: position, end: position };
-    let place = fields.ranges.get(column).filter(|range| range.start <= byte && byte <= range.end);
-    let (row, before) = row_of(head, shape, buffer, position.line);
+    let empty_range = TextRange { start: position, end: position };
+    let field_range = fields.ranges.get(column).filter(|range| range.start <= byte && byte <= range.end);
+    let (row, values_before) = row_of(head, shape, buffer, position.line);
     CardPart::Field {
-        rule: shape.field(row, column, before),
-        range: place.map_or(here, |bytes| range(text, position.line, bytes.clone(), encoding)),
+        rule: shape.field(row, column, values_before),
+        range: field_range.map_or(empty_range, |bytes| range(text, position.line, bytes.clone(), encoding)),
     }
 }
 
 /// Returns the number of a data line in its card, and the number of values before it in its record.
 fn row_of(head: &KeywordLine, shape: &DataShape, buffer: &TextBuffer, line: u32) -> (usize, usize) {
-    let (mut row, mut before) = (0, 0);
+    let (mut row, mut values_before) = (0, 0);
     let first = head.end.max(line.saturating_sub(MOST_LINES));
     row += (first - head.end) as usize;
     for at in first..line {
         let text = buffer.line(at);
         if kind(text) == LineKind::Data {
-            before = shape.values_after(before, split(text, 0..text.len()).ranges.len());
+            values_before = shape.values_after(values_before, split(text, 0..text.len()).ranges.len());
             row += 1;
         }
     }
-    (row, before)
+    (row, values_before)
 }
 
 #[cfg(test)]

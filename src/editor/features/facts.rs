@@ -7,7 +7,6 @@ use crate::job::PreparedJob;
 use crate::model::{AmplitudeDefinition, MaterialDefinition, Model};
 use crate::overview::{DeckOverview, PartOverview};
 
-/// Properties of a model.
 #[derive(Debug, Default)]
 pub struct DeckFacts {
     /// Descriptions of names by kind and upper-case name, `INSTANCE.NAME` for names of instances.
@@ -70,10 +69,10 @@ impl DeckFacts {
         let known = self.descriptions.get(&(kind, name.to_owned()));
         let of_instance = || {
             let ends = |full: &str| full.strip_suffix(name).is_some_and(|head| head.ends_with('.'));
-            let mut found: Vec<_> =
+            let mut matches: Vec<_> =
                 self.descriptions.iter().filter(|((k, full), _)| *k == kind && ends(full)).collect();
-            found.sort_by(|a, b| a.0.1.cmp(&b.0.1));
-            found.first().map(|(_, text)| *text)
+            matches.sort_by(|a, b| a.0.1.cmp(&b.0.1));
+            matches.first().map(|(_, text)| *text)
         };
         known.or_else(of_instance).map(String::as_str)
     }

@@ -54,10 +54,10 @@ mod tests {
     #[test]
     fn cards_and_blocks_are_folded() {
         let buffer = TextBuffer::new("*Part, name=P\n*Node\n1, 0.\n2, 0.\n** c\n*End Part\n*Step\n*End Step\n");
-        let found: Vec<(u64, u64)> = folding_ranges(&buffer)
+        let folded: Vec<(u64, u64)> = folding_ranges(&buffer)
             .iter()
             .filter_map(|range| Some((range["startLine"].as_u64()?, range["endLine"].as_u64()?)))
             .collect();
-        assert_eq!(found, [(1, 3), (0, 5), (6, 7)]);
+        assert_eq!(folded, [(1, 3), (0, 5), (6, 7)]);
     }
 }

@@ -3,7 +3,7 @@
 
 use super::context::KeywordLine;
 use crate::deck::keywords::{DataShape, Keyword};
-use crate::deck::lexer::{LineKind, kind, split};
+use crate::deck::lexer::{LineFields, LineKind, kind, split};
 use crate::protocol::TextEdit;
 use crate::text::{ColumnEncoding, TextBuffer, TextRange};
 
@@ -48,27 +48,20 @@ fn has_columns(buffer: &TextBuffer, line: u32, encoding: ColumnEncoding) -> bool
 }
 
 fn format_run(buffer: &TextBuffer, run: &std::ops::Range<u32>, encoding: ColumnEncoding, edits: &mut Vec<TextEdit>) {
-    let rows: Vec<(u32, &str, Vec<&str>, bool)> = run
-        .clone()
-        .map(|line| {
-            let text = buffer.line(line);
-            let fields = split(text, 0..text.len());
-            (line, text, fields.ranges.iter().map(|bytes| &text[bytes.clone()]).collect(), fields.trailing_comma)
-        })
-        .collect();
+    let rows = || run.clone().map(|line| (line, buffer.line(line)));
+    let fields_of = |text: &str| split(text, 0..text.len());
     let mut widths: Vec<usize> = Vec::new();
-    for (_, _, fields, _) in &rows {
-        for (column, field) in fields.iter().enumerate() {
-            let width = field.chars().count();
-            match widths.get_mut(column) {
-                Some(known) => *known = (*known).max(width),
-                None => widths.push(width),
-            }
+    for (_, text) in rows() {
+        let fields = fields_of(text);
+        widths.resize(widths.len().max(fields.ranges.len()), 0);
+        for (width, bytes) in widths.iter_mut().zip(fields.ranges) {
+            *width = (*width).max(text[bytes].chars().count());
         }
     }
-    for (line, text, fields, comma) in rows {
-        let is_foreign = text.trim_start().starts_with(['$', '#']) || split(text, 0..text.len()).unclosed.is_some();
-        let new_text = formatted(&fields, &widths, comma);
+    for (line, text) in rows() {
+        let fields = fields_of(text);
+        let is_foreign = text.trim_start().starts_with(['$', '#']) || fields.unclosed.is_some();
+        let new_text = formatted(text, &fields, &widths);
         if !is_foreign && new_text != text && new_text.chars().count() <= LONGEST {
             edits.push(TextEdit { range: TextRange::on_line(line, 0, encoding.width(text)), new_text });
         }
@@ -76,16 +69,14 @@ fn format_run(buffer: &TextBuffer, run: &std::ops::Range<u32>, encoding: ColumnE
 }
 
 /// Joins fields with commas, right-aligned in their columns.
-fn formatted(fields: &[&str], widths: &[usize], comma: bool) -> String {
+fn formatted(line: &str, fields: &LineFields, widths: &[usize]) -> String {
     let mut text = String::new();
-    for (column, field) in fields.iter().enumerate() {
-        let blanks = widths.get(column).map_or(0, |width| width.saturating_sub(field.chars().count()));
+    for (column, (bytes, width)) in fields.ranges.iter().zip(widths).enumerate() {
         text += if column == 0 { " " } else { ", " };
-        text.extend(std::iter::repeat_n(' ', blanks));
-        text += field;
+        text += &format!("{:>width$}", &line[bytes.clone()]);
     }
     // A field that is empty at the end of the line needs its comma.
-    if comma {
+    if fields.trailing_comma {
         text.push(',');
     }
     text

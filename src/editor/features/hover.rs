@@ -73,11 +73,11 @@ fn name_text(context: &FeatureContext<'_>, one: &NameUse) -> Option<String> {
     let value = context.parameter_value(one).map(|value| format!("value {}", short(value)));
     let about = context.root.facts.and_then(|facts| facts.description(one.kind, &one.name)).map(str::to_owned);
     let about = value.or(about);
-    let place = defined.and_then(|u| outline.locate(u.span, context.encoding)).map(|(path, range)| {
+    let definition_place = defined.and_then(|u| outline.locate(u.span, context.encoding)).map(|(path, range)| {
         let file = path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned());
         format!("defined in {file}, line {}", range.start.line + 1)
     });
-    let parts: Vec<&str> = [about.as_deref(), place.as_deref()].into_iter().flatten().collect();
+    let parts: Vec<&str> = [about.as_deref(), definition_place.as_deref()].into_iter().flatten().collect();
     let text = if parts.is_empty() { "not defined in this deck".to_owned() } else { parts.join("; ") };
     Some(format!("**{}** ({}): {text}", one.name.replace('*', "\\*"), one.kind.words()))
 }

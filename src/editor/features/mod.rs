@@ -23,7 +23,6 @@ use crate::text::{ColumnEncoding, TextBuffer, TextPosition, TextRange};
 
 /// A deck as features see it: its outline, and the properties of its model.
 pub struct DeckView<'a> {
-    /// Outline of the deck.
     pub outline: &'a DeckOutline,
     /// Properties of the model at the last check without errors.
     pub facts: Option<&'a DeckFacts>,
@@ -31,18 +30,14 @@ pub struct DeckView<'a> {
 
 /// A file, and the deck to which it belongs.
 pub struct FeatureContext<'a> {
-    /// Text of the file.
     pub text: &'a TextBuffer,
     /// Index of the file in the deck.
     pub file: u32,
-    /// The deck.
     pub root: DeckView<'a>,
-    /// Unit of columns.
     pub encoding: ColumnEncoding,
 }
 
 impl FeatureContext<'_> {
-    /// Returns the name at a position.
     pub fn name_at(&self, position: TextPosition) -> Option<&NameUse> {
         let outline = self.root.outline;
         outline
@@ -69,14 +64,14 @@ impl FeatureContext<'_> {
     pub fn included_files(&self) -> impl Iterator<Item = (&Path, TextRange)> {
         let outline = self.root.outline;
         let included = outline.deck.sources.files().iter().filter_map(|file| Some((file, file.included_at?)));
-        let here = included.filter(|(_, span)| span.file == self.file);
-        here.filter_map(|(file, span)| Some((file.path.as_path(), outline.locate(span, self.encoding)?.1)))
+        let of_this_file = included.filter(|(_, span)| span.file == self.file);
+        of_this_file.filter_map(|(file, span)| Some((file.path.as_path(), outline.locate(span, self.encoding)?.1)))
     }
 
     /// Returns the part in which a line is, in upper case; empty outside of parts.
     pub fn scope_at(&self, line: u32) -> String {
-        let before = self.cards().take_while(|(at, _)| *at <= line);
-        before.fold(String::new(), |scope, (_, card)| match card.keyword.name {
+        let preceding_cards = self.cards().take_while(|(at, _)| *at <= line);
+        preceding_cards.fold(String::new(), |scope, (_, card)| match card.keyword.name {
             "PART" => card.value("NAME").map_or(String::new(), |word| word.text.trim().to_uppercase()),
             "END PART" => String::new(),
             _ => scope,
@@ -86,8 +81,8 @@ impl FeatureContext<'_> {
     /// Returns the name of the first instance of a part.
     pub fn instance_of(&self, part: &str) -> Option<&str> {
         let mut instances = self.root.outline.deck.cards.iter().filter(|card| card.keyword.name == "INSTANCE");
-        let found = instances
+        let instance = instances
             .find(|card| card.value("PART").is_some_and(|word| word.text.trim().eq_ignore_ascii_case(part)))?;
-        found.value("NAME").map(|word| word.text.trim()).filter(|_| !part.is_empty())
+        instance.value("NAME").map(|word| word.text.trim()).filter(|_| !part.is_empty())
     }
 }

@@ -7,8 +7,13 @@ use crate::deck::is_parameter_name;
 use crate::deck::name_kinds::NameKind;
 use crate::text::{TextPosition, TextRange};
 
-/// A place of a name: path of the file, range, and whether the name is defined there.
-pub type NamePlace = (PathBuf, TextRange, bool);
+#[derive(PartialEq, Eq)]
+pub struct NamePlace {
+    pub path: PathBuf,
+    pub range: TextRange,
+    /// Whether the name is defined there.
+    pub defines: bool,
+}
 
 /// Returns all places of the name at a position, in the order of the deck.
 pub fn places_of_name(context: &FeatureContext<'_>, position: TextPosition) -> Vec<NamePlace> {
@@ -16,7 +21,7 @@ pub fn places_of_name(context: &FeatureContext<'_>, position: TextPosition) -> V
     let outline = &context.root.outline;
     let located = outline.names.same_as(one).filter_map(|u| {
         let (path, range) = outline.locate(u.span, context.encoding)?;
-        Some((path.to_owned(), range, u.defines))
+        Some(NamePlace { path: path.to_owned(), range, defines: u.defines })
     });
     // A file that is included twice has the same place twice.
     let mut places: Vec<NamePlace> = Vec::new();
@@ -30,10 +35,10 @@ pub fn places_of_name(context: &FeatureContext<'_>, position: TextPosition) -> V
 
 /// Returns the range and text of the name at a position, if it can be renamed.
 pub fn renamed_word(context: &FeatureContext<'_>, position: TextPosition) -> Option<(TextRange, String)> {
-    let one = context.name_at(position)?;
+    let name_use = context.name_at(position)?;
     let outline = &context.root.outline;
-    let (_, range) = outline.locate(one.span, context.encoding)?;
-    Some((range, outline.deck.sources.text(one.span).to_owned()))
+    let (_, range) = outline.locate(name_use.span, context.encoding)?;
+    Some((range, outline.deck.sources.text(name_use.span).to_owned()))
 }
 
 /// Returns the reason why a text cannot be the name of something; `None` for a name.

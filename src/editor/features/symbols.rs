@@ -43,19 +43,19 @@ fn symbol_kind(keyword: &str) -> u8 {
 /// Returns the symbols of a file as the protocol has them.
 pub fn document_symbols(context: &FeatureContext<'_>) -> Vec<Value> {
     let mut open: Vec<CardSymbol> = Vec::new();
-    let mut done: Vec<CardSymbol> = Vec::new();
+    let mut closed: Vec<CardSymbol> = Vec::new();
     let mut last = 0;
     for (line, card) in context.cards() {
         last = line;
         let name = card.keyword.name;
         while open.last().is_some_and(|symbol| symbol.closing.is_none() && !is_below(card, symbol)) {
-            close(&mut open, &mut done, line.saturating_sub(1));
+            close(&mut open, &mut closed, line.saturating_sub(1));
         }
         if open.iter().any(|symbol| symbol.closing == Some(name)) {
             while open.last().is_some_and(|symbol| symbol.closing != Some(name)) {
-                close(&mut open, &mut done, line.saturating_sub(1));
+                close(&mut open, &mut closed, line.saturating_sub(1));
             }
-            close(&mut open, &mut done, line);
+            close(&mut open, &mut closed, line);
             continue;
         }
         let in_block = open.last().is_some_and(|symbol| symbol.keyword == "STEP" || symbol.closing.is_none());
@@ -65,9 +65,9 @@ pub fn document_symbols(context: &FeatureContext<'_>) -> Vec<Value> {
     }
     while !open.is_empty() {
         let end = context.text.next_keyword_line(last).saturating_sub(1).max(last);
-        close(&mut open, &mut done, end);
+        close(&mut open, &mut closed, end);
     }
-    done.into_iter().map(|symbol| symbol.value(context)).collect()
+    closed.into_iter().map(|symbol| symbol.value(context)).collect()
 }
 
 fn is_below(card: &Card, symbol: &CardSymbol) -> bool {

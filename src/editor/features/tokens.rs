@@ -22,8 +22,18 @@ const DEFINITION: u32 = 1;
 /// Marks keywords that are unsupported.
 const DEPRECATED: u32 = 2;
 
-/// A token: range on one line, type, modifiers.
-type SemanticToken = (TextRange, u32, u32);
+/// A token on one line.
+struct SemanticToken {
+    range: TextRange,
+    kind: u32,
+    modifiers: u32,
+}
+
+impl SemanticToken {
+    fn new(range: TextRange, kind: u32) -> SemanticToken {
+        SemanticToken { range, kind, modifiers: 0 }
+    }
+}
 
 /// Returns the tokens of the lines from `first` to before `last`, as the protocol encodes them.
 pub fn semantic_tokens(context: &FeatureContext<'_>, first: u32, last: u32) -> Vec<u32> {
@@ -41,29 +51,33 @@ pub fn semantic_tokens(context: &FeatureContext<'_>, first: u32, last: u32) -> V
 fn add_tokens(context: &FeatureContext<'_>, first: u32, last: u32, tokens: &mut Vec<SemanticToken>) {
     let (buffer, encoding) = (context.text, context.encoding);
     let mut head = buffer.keyword_line_at(first).map(|line| KeywordLine::read(buffer, line, encoding));
-    let (mut row, mut before) = (0, 0);
+    let (mut row, mut values_before) = (0, 0);
     for line in first..last {
         let text = buffer.line(line);
         match kind(text) {
             LineKind::Blank => {}
-            LineKind::Comment => tokens.push((TextRange::on_line(line, 0, encoding.width(text)), COMMENT, 0)),
+            LineKind::Comment => {
+                let range = TextRange::on_line(line, 0, encoding.width(text));
+                tokens.push(SemanticToken::new(range, COMMENT));
+            }
             LineKind::Keyword => {
                 let read = KeywordLine::read(buffer, line, encoding);
                 keyword_tokens(&read, tokens);
                 head = Some(read);
-                (row, before) = (0, 0);
+                (row, values_before) = (0, 0);
             }
             LineKind::Data => {
                 let Some(head) = head.as_ref().filter(|head| line >= head.end) else { continue };
                 let fields = split(text, 0..text.len());
                 let shape = head.shape();
                 for (column, bytes) in fields.ranges.iter().enumerate().filter(|(_, bytes)| !bytes.is_empty()) {
-                    let Some(rule) = shape.field(row, column, before) else { continue };
+                    let Some(rule) = shape.field(row, column, values_before) else { continue };
                     if let Some(kind) = field_type(rule, &text[bytes.clone()]) {
-                        tokens.push((super::context::range(text, line, bytes.clone(), encoding), kind, 0));
+                        let range = super::context::range(text, line, bytes.clone(), encoding);
+                        tokens.push(SemanticToken::new(range, kind));
                     }
                 }
-                before = shape.values_after(before, fields.ranges.len());
+                values_before = shape.values_after(values_before, fields.ranges.len());
                 row += 1;
             }
         }
@@ -83,28 +97,29 @@ fn field_type(rule: &InputRule, text: &str) -> Option<u32> {
 
 fn keyword_tokens(head: &KeywordLine, tokens: &mut Vec<SemanticToken>) {
     let unsupported = head.keyword.is_some_and(|keyword| keyword.tier == KeywordTier::UnsupportedPhysics);
-    tokens.push((head.range, KEYWORD, if unsupported { DEPRECATED } else { 0 }));
+    let modifiers = if unsupported { DEPRECATED } else { 0 };
+    tokens.push(SemanticToken { range: head.range, kind: KEYWORD, modifiers });
     for parameter in &head.parameters {
-        tokens.push((parameter.name_range, PROPERTY, 0));
+        tokens.push(SemanticToken::new(parameter.name_range, PROPERTY));
         let Some((text, range)) = parameter.value.as_ref().filter(|(text, _)| !text.is_empty()) else { continue };
         let usage = head.keyword.zip(parameter.rule).and_then(|(keyword, rule)| parameter_name_usage(keyword, rule));
-        let token = match (usage, parameter.rule) {
+        let (kind, modifiers) = match (usage, parameter.rule) {
             (Some(usage), _) => (VARIABLE, if usage.defines { DEFINITION } else { 0 }),
             (None, Some(rule)) if rule.value.words().is_some() => (ENUM_MEMBER, 0),
             _ if text.parse::<f64>().is_ok() => continue,
             _ => (STRING, 0),
         };
-        tokens.push((*range, token.0, token.1));
+        tokens.push(SemanticToken { range: *range, kind, modifiers });
     }
 }
 
 /// Encodes tokens by their distance from the previous one.
 fn encoded(mut tokens: Vec<SemanticToken>) -> Vec<u32> {
-    tokens.sort_by_key(|(range, _, _)| range.start);
-    tokens.dedup_by_key(|(range, _, _)| range.start);
+    tokens.sort_by_key(|token| token.range.start);
+    tokens.dedup_by_key(|token| token.range.start);
     let (mut line, mut column) = (0, 0);
     let mut numbers = Vec::with_capacity(5 * tokens.len());
-    for (range, kind, modifiers) in tokens.into_iter().filter(|(range, _, _)| range.end > range.start) {
+    for SemanticToken { range, kind, modifiers } in tokens.into_iter().filter(|t| t.range.end > t.range.start) {
         let start = range.start;
         let step = if start.line == line { start.character - column } else { start.character };
         numbers.extend([start.line - line, step, range.end.character - start.character, kind, modifiers]);

@@ -11,14 +11,12 @@ use crate::text::{ColumnEncoding, TextBuffer, TextPosition, TextRange};
 pub use names::{NameTable, NameUse};
 pub use reduced::{LineMap, reduced};
 
-/// The outline of a deck with its included files.
 #[derive(Debug, Default)]
 pub struct DeckOutline {
     /// The deck without long tables of numbers.
     pub deck: Deck,
     /// Diagnostics of the syntax.
     pub diagnostics: Diagnostics,
-    /// Names that the deck defines and uses.
     pub names: NameTable,
     /// Paths of the files, in the order of the sources of the deck, with their lines.
     files: Vec<(PathBuf, LineMap)>,

@@ -9,7 +9,6 @@ use crate::deck::{Card, Deck, ParameterReference, Span, Word, next_reference};
 /// A place at which a deck defines or uses a name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NameUse {
-    /// Kind of object that has the name.
     pub kind: NameKind,
     /// Part in which the name is valid; empty for the assembly and for names of the whole deck.
     pub scope: String,
@@ -17,7 +16,6 @@ pub struct NameUse {
     pub name: String,
     /// The name as written, without its instance.
     pub span: Span,
-    /// Whether the name is defined here.
     pub defines: bool,
 }
 
@@ -52,13 +50,13 @@ impl NameTable {
 
     /// Returns the names of a kind that the deck defines, as first written, with the number of the card.
     pub fn defined(&self, kind: NameKind) -> Vec<&NameUse> {
-        let mut found: Vec<&NameUse> = Vec::new();
+        let mut definitions: Vec<&NameUse> = Vec::new();
         for one in self.uses.iter().filter(|u| u.kind == kind && u.defines) {
-            if !found.iter().any(|f| f.name == one.name && f.scope == one.scope) {
-                found.push(one);
+            if !definitions.iter().any(|f| f.name == one.name && f.scope == one.scope) {
+                definitions.push(one);
             }
         }
-        found
+        definitions
     }
 }
 
@@ -96,14 +94,14 @@ impl NameFinder<'_> {
         if !shape.rules().iter().any(|rule| field_name_kind(rule).is_some()) {
             return;
         }
-        let mut before = 0;
+        let mut values_before = 0;
         for (row, line) in card.data(&self.deck.sources).enumerate() {
             for (column, word) in line.fields.iter().enumerate().filter(|(_, word)| !word.text.is_empty()) {
-                if let Some(kind) = shape.field(row, column, before).and_then(field_name_kind) {
+                if let Some(kind) = shape.field(row, column, values_before).and_then(field_name_kind) {
                     self.word(kind, false, word);
                 }
             }
-            before = shape.values_after(before, line.fields.len());
+            values_before = shape.values_after(values_before, line.fields.len());
         }
     }
 
@@ -123,8 +121,8 @@ impl NameFinder<'_> {
             let text = self.deck.sources.text(definition.span);
             let in_quotes = text.starts_with(['"', '\'']);
             for word in text.split(|c| !is_letter(c)).filter(|word| known.contains(word) && !in_quotes) {
-                let at = word.as_ptr() as usize - text.as_ptr() as usize;
-                self.parameter(word, definition.span.file, end + at, false);
+                let offset = word.as_ptr() as usize - text.as_ptr() as usize;
+                self.parameter(word, definition.span.file, end + offset, false);
             }
         }
     }
@@ -134,10 +132,10 @@ impl NameFinder<'_> {
         for (index, file) in self.deck.sources.files().iter().enumerate() {
             let lines = LineIterator::new(&file.text).filter(|line| file.text[line.clone()].contains('<'));
             for line in lines.filter(|line| kind(&file.text[line.clone()]) != LineKind::Comment) {
-                let mut rest = &file.text[line];
-                while let Some(ParameterReference { name, after, .. }) = next_reference(rest) {
+                let mut remaining = &file.text[line];
+                while let Some(ParameterReference { name, after, .. }) = next_reference(remaining) {
                     self.parameter(name, index as u32, name.as_ptr() as usize - file.text.as_ptr() as usize, false);
-                    rest = after;
+                    remaining = after;
                 }
             }
         }
@@ -190,20 +188,23 @@ mod tests {
         let (deck, _) = crate::deck::read_text("a.inp", text, &[]);
         let table = NameTable::of(&deck);
         let sets = table.iter().filter(|u| u.kind == NameKind::NodeSet);
-        let found: Vec<(&str, &str, bool)> =
+        let set_uses: Vec<(&str, &str, bool)> =
             sets.map(|u| (u.scope.as_str(), deck.sources.text(u.span), u.defines)).collect();
-        assert_eq!(found, [("P", "A", true), ("", "A", true), ("P", "A", false), ("", "A", false), ("", "A", false)]);
+        assert_eq!(
+            set_uses,
+            [("P", "A", true), ("", "A", true), ("P", "A", false), ("", "A", false), ("", "A", false)]
+        );
         let text = "*Parameter\nab = 2.; b = 3*ab # ab\n** <ab>\n*Node\n 1, <ab>, <b>\n";
         let (parametric, _) = crate::deck::read_text("a.inp", text, &[]);
         let places: Vec<(String, u32, bool)> =
             NameTable::of(&parametric).iter().map(|u| (u.name.clone(), u.span.start, u.defines)).collect();
-        let at = |piece: &str| text.find(piece).expect("a piece") as u32;
-        let (first, second) = (at("ab = 2"), at("b = 3"));
+        let offset_of = |piece: &str| text.find(piece).expect("a piece") as u32;
+        let (first, second) = (offset_of("ab = 2"), offset_of("b = 3"));
         let uses = [
             (first, true),
             (second, true),
-            (at("ab # "), false),
-            (at("ab>, <b"), false),
+            (offset_of("ab # "), false),
+            (offset_of("ab>, <b"), false),
             (text.len() as u32 - 3, false),
         ];
         assert_eq!(places.iter().map(|p| (p.1, p.2)).collect::<Vec<_>>(), uses);

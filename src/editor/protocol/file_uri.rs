@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 /// Returns the path of a `file:` URI; `None` for other schemes. The drive letter of Windows has no slash before it.
 pub fn path_of_uri(uri: &str) -> Option<PathBuf> {
-    let rest = uri.strip_prefix("file://")?;
-    let at = rest.find('/')?;
-    let (host, path) = rest.split_at(at);
+    let location = uri.strip_prefix("file://")?;
+    let path_start = location.find('/')?;
+    let (host, path) = location.split_at(path_start);
     let path = String::from_utf8(decoded(path)).ok()?;
     let drive = path.as_bytes().get(1).is_some_and(u8::is_ascii_alphabetic) && path.as_bytes().get(2) == Some(&b':');
     Some(match host {

@@ -39,7 +39,6 @@ pub enum ServerMode {
 /// A file by its URI.
 #[derive(Clone, Debug, Deserialize)]
 pub struct DocumentIdentifier {
-    /// URI of the file.
     pub uri: String,
     /// Version of the text; it increases with each change.
     pub version: Option<i64>,
@@ -48,11 +47,8 @@ pub struct DocumentIdentifier {
 /// A file that a client has opened.
 #[derive(Debug, Deserialize)]
 pub struct OpenedDocument {
-    /// URI of the file.
     pub uri: String,
-    /// Version of the text.
     pub version: i64,
-    /// Its text.
     pub text: String,
 }
 
@@ -60,7 +56,6 @@ pub struct OpenedDocument {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct OpenParams {
-    /// The file.
     pub text_document: OpenedDocument,
 }
 
@@ -68,7 +63,6 @@ pub struct OpenParams {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ChangeParams {
-    /// The file.
     pub text_document: DocumentIdentifier,
     /// Changes, in the order in which they are applied.
     pub content_changes: Vec<ContentChange>,
@@ -79,7 +73,6 @@ pub struct ChangeParams {
 pub struct ContentChange {
     /// Replaced range; `None` for the whole text.
     pub range: Option<TextRange>,
-    /// The text in its place.
     pub text: String,
 }
 
@@ -87,18 +80,13 @@ pub struct ContentChange {
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DocumentParams {
-    /// The file.
     pub text_document: DocumentIdentifier,
-    /// Position of requests about one.
     #[serde(default)]
     pub position: TextPosition,
-    /// Range of requests about one.
     #[serde(default)]
     pub range: Option<TextRange>,
-    /// New name of a renaming.
     #[serde(default)]
     pub new_name: String,
-    /// Context of a request for references.
     #[serde(default)]
     pub context: ReferenceContext,
 }
@@ -111,25 +99,18 @@ pub struct ReferenceContext {
     pub include_declaration: bool,
 }
 
-/// A range of a file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FileLocation {
-    /// URI of the file.
     pub uri: String,
-    /// Range in it.
     pub range: TextRange,
 }
 
-/// A place related to a diagnostic.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct RelatedPlace {
-    /// The place.
     pub location: FileLocation,
-    /// Text about it.
     pub message: String,
 }
 
-/// Level of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum DiagnosticLevel {
     /// The deck is invalid.
@@ -152,9 +133,7 @@ impl Serialize for DiagnosticLevel {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DocumentDiagnostic {
-    /// Range that it marks.
     pub range: TextRange,
-    /// Its level.
     pub severity: DiagnosticLevel,
     /// Code, explained by `revolve explain CODE`; empty if the check itself failed.
     #[serde(skip_serializing_if = "str::is_empty")]
@@ -163,17 +142,13 @@ pub struct DocumentDiagnostic {
     pub source: &'static str,
     /// The problem, its reason, and its correction.
     pub message: String,
-    /// Related places.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub related_information: Vec<RelatedPlace>,
 }
 
-/// A replacement of a range.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct TextEdit {
-    /// Replaced range.
     pub range: TextRange,
-    /// The text in its place.
     pub new_text: String,
 }

@@ -3,23 +3,24 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use lsp_server::ErrorCode;
 use serde_json::{Value, json};
 
 use super::documents::{path_key, path_of_document};
 use super::publish::FileDiagnostic;
-use super::requests::{RequestResult, parameters};
+use super::requests::{RequestResult, error, parameters};
 use super::state::ServerState;
 use crate::features::letter_case::correction_as_in_line;
 use crate::features::navigation::{NamePlace, invalid_name, places_of_name, renamed_word};
 use crate::features::{DeckView, FeatureContext, completion, folding, format, hints, hover, symbols, tokens};
-use crate::protocol::{DocumentParams, ErrorCode, FileLocation, ResponseError, TextEdit};
+use crate::protocol::{DocumentParams, FileLocation, TextEdit};
 use crate::text::{TextPosition, TextRange};
 
 impl ServerState {
     /// Answers a request about a file.
     pub fn answer_about_document(&self, method: &str, params: Value) -> RequestResult {
         let name = method.strip_prefix("textDocument/").unwrap_or_default();
-        let answer = match name {
+        let answer: fn(&DocumentQuestion<'_>) -> RequestResult = match name {
             "hover" => hover_answer,
             "completion" => completion_answer,
             "definition" => definition_answer,
@@ -27,19 +28,19 @@ impl ServerState {
             "documentHighlight" => highlight_answer,
             "prepareRename" => prepare_rename_answer,
             "rename" => rename_answer,
-            "documentSymbol" => symbols_answer,
-            "foldingRange" => folding_answer,
+            "documentSymbol" => |question| Ok(symbols::document_symbols(&question.context).into()),
+            "foldingRange" => |question| Ok(folding::folding_ranges(question.context.text).into()),
             "semanticTokens/full" | "semanticTokens/range" => tokens_answer,
             "documentLink" => links_answer,
             "codeAction" => code_action_answer,
             "inlayHint" => hints_answer,
             "formatting" | "rangeFormatting" => formatting_answer,
-            _ => return Err(ResponseError::new(ErrorCode::MethodNotFound, format!("`{method}` is not supported"))),
+            _ => return Err(error(ErrorCode::MethodNotFound, format!("`{method}` is not supported"))),
         };
         let params: DocumentParams = parameters(params)?;
         let key = path_of_document(&params.text_document.uri);
         let (Some(document), Some((_, root))) = (self.documents.open.get(&key), self.root_of(&key)) else {
-            return Err(ResponseError::new(ErrorCode::InvalidParams, "the file is not open"));
+            return Err(error(ErrorCode::InvalidParams, "the file is not open"));
         };
         let context = FeatureContext {
             text: &document.text,
@@ -51,11 +52,10 @@ impl ServerState {
     }
 
     fn location(&self, place: &NamePlace) -> FileLocation {
-        FileLocation { uri: self.documents.uri(&place.0), range: place.1 }
+        FileLocation { uri: self.documents.uri(&place.path), range: place.range }
     }
 }
 
-/// A request about a file.
 struct DocumentQuestion<'a> {
     state: &'a ServerState,
     context: FeatureContext<'a>,
@@ -71,8 +71,8 @@ impl DocumentQuestion<'_> {
 }
 
 fn hover_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let found = hover::hover(&question.context, question.params.position);
-    Ok(found.map_or(
+    let documentation = hover::hover(&question.context, question.params.position);
+    Ok(documentation.map_or(
         Value::Null,
         |(text, range)| json!({ "contents": { "kind": "markdown", "value": text }, "range": range }),
     ))
@@ -90,8 +90,8 @@ fn places(question: &DocumentQuestion<'_>) -> Vec<NamePlace> {
 }
 
 fn definition_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let found = places(question);
-    let names = found.iter().filter(|place| place.2).map(|place| question.state.location(place));
+    let name_places = places(question);
+    let names = name_places.iter().filter(|place| place.defines).map(|place| question.state.location(place));
     let files = question.context.included_files().filter(|(_, range)| range.touches(question.params.position));
     let files =
         files.map(|(path, _)| FileLocation { uri: question.state.documents.uri(path), range: TextRange::default() });
@@ -100,36 +100,36 @@ fn definition_answer(question: &DocumentQuestion<'_>) -> RequestResult {
 
 fn references_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let with_definitions = question.params.context.include_declaration;
-    let found = places(question);
-    let wanted = found.iter().filter(|place| with_definitions || !place.2);
-    Ok(json!(wanted.map(|place| question.state.location(place)).collect::<Vec<_>>()))
+    let name_places = places(question);
+    let selected = name_places.iter().filter(|place| with_definitions || !place.defines);
+    Ok(json!(selected.map(|place| question.state.location(place)).collect::<Vec<_>>()))
 }
 
 fn highlight_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let found = places(question);
-    let here = found.iter().filter(|place| path_key(&place.0) == question.key);
-    let kind = |place: &NamePlace| if place.2 { 3 } else { 2 };
-    Ok(here.map(|place| json!({ "range": place.1, "kind": kind(place) })).collect())
+    let name_places = places(question);
+    let in_this_file = name_places.iter().filter(|place| path_key(&place.path) == question.key);
+    let kind = |place: &NamePlace| if place.defines { 3 } else { 2 };
+    Ok(in_this_file.map(|place| json!({ "range": place.range, "kind": kind(place) })).collect())
 }
 
 fn prepare_rename_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let found = renamed_word(&question.context, question.params.position);
-    Ok(found.map_or(Value::Null, |(range, text)| json!({ "range": range, "placeholder": text })))
+    let renamed = renamed_word(&question.context, question.params.position);
+    Ok(renamed.map_or(Value::Null, |(range, text)| json!({ "range": range, "placeholder": text })))
 }
 
 fn rename_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let new_name = question.params.new_name.trim();
     let Some(one) = question.context.name_at(question.params.position) else {
-        return Err(ResponseError::new(ErrorCode::RequestFailed, "there is no name at this position"));
+        return Err(error(ErrorCode::RequestFailed, "there is no name at this position"));
     };
     if let Some(reason) = invalid_name(one.kind, new_name) {
-        return Err(ResponseError::new(ErrorCode::InvalidParams, reason));
+        return Err(error(ErrorCode::InvalidParams, reason));
     }
-    let found = places(question);
+    let name_places = places(question);
     let mut changes: BTreeMap<String, Vec<TextEdit>> = BTreeMap::new();
-    for place in &found {
-        let edit = TextEdit { range: place.1, new_text: new_name.to_owned() };
-        changes.entry(question.state.documents.uri(&place.0)).or_default().push(edit);
+    for place in &name_places {
+        let edit = TextEdit { range: place.range, new_text: new_name.to_owned() };
+        changes.entry(question.state.documents.uri(&place.path)).or_default().push(edit);
     }
     Ok(json!({ "changes": changes }))
 }
@@ -140,40 +140,32 @@ fn links_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     Ok(question.context.included_files().map(link).collect())
 }
 
-fn symbols_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    Ok(symbols::document_symbols(&question.context).into())
-}
-
-fn folding_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    Ok(folding::folding_ranges(question.context.text).into())
-}
-
 fn tokens_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let (first, last) = question.lines();
     Ok(json!({ "data": tokens::semantic_tokens(&question.context, first, last) }))
 }
 
 fn hints_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let all = TextRange { start: TextPosition::default(), end: TextPosition { line: u32::MAX, character: 0 } };
-    Ok(hints::inlay_hints(&question.context, question.params.range.unwrap_or(all)).into())
+    let whole_text = TextRange { start: TextPosition::default(), end: TextPosition { line: u32::MAX, character: 0 } };
+    Ok(hints::inlay_hints(&question.context, question.params.range.unwrap_or(whole_text)).into())
 }
 
 fn formatting_answer(question: &DocumentQuestion<'_>) -> RequestResult {
     let (first, last) = question.lines();
     if last.saturating_sub(first) > format::MOST_LINES {
         let message = format!("more than {} lines: select the lines to format", format::MOST_LINES);
-        return Err(ResponseError::new(ErrorCode::RequestFailed, message));
+        return Err(error(ErrorCode::RequestFailed, message));
     }
     Ok(json!(format::formatting_edits(question.context.text, first, last, question.context.encoding)))
 }
 
 fn code_action_answer(question: &DocumentQuestion<'_>) -> RequestResult {
-    let wanted = question.params.range.unwrap_or_default();
+    let selection = question.params.range.unwrap_or_default();
     let uri = |path: &Path| question.state.documents.uri(path);
     let action = |(diagnostic, is_foreign): (&FileDiagnostic, bool)| {
-        let edit = diagnostic.correction.as_ref().filter(|_| diagnostic.range.meets(&wanted))?;
+        let edit = diagnostic.correction.as_ref().filter(|_| diagnostic.range.meets(&selection))?;
         let edit = correction_as_in_line(&question.context, diagnostic.code, edit);
-        let shown = diagnostic.document(diagnostic.level(question.state.options.mode, is_foreign), &uri);
+        let published = diagnostic.document(diagnostic.level(question.state.options.mode, is_foreign), &uri);
         let title = if edit.new_text.contains('\n') {
             "Add the missing line".into()
         } else {
@@ -183,7 +175,7 @@ fn code_action_answer(question: &DocumentQuestion<'_>) -> RequestResult {
         Some(json!({
             "title": title,
             "kind": "quickfix",
-            "diagnostics": [shown],
+            "diagnostics": [published],
             "isPreferred": true,
             "edit": { "changes": changes },
         }))

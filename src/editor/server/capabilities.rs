@@ -12,7 +12,6 @@ pub fn chosen_encoding(capabilities: &Value) -> ColumnEncoding {
     if has_utf8 { ColumnEncoding::Utf8 } else { ColumnEncoding::Utf16 }
 }
 
-/// Returns the result of `initialize`.
 pub fn initialize_result(encoding: ColumnEncoding) -> Value {
     let encoding = match encoding {
         ColumnEncoding::Utf8 => "utf-8",

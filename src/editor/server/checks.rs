@@ -22,23 +22,17 @@ const QUICK: Duration = Duration::from_millis(40);
 
 /// A deck with the texts of all open files.
 pub struct CheckRequest {
-    /// Path of the deck.
     pub root: PathBuf,
     /// Number of the request; later requests have larger numbers.
     pub generation: u64,
-    /// Text of the deck.
     pub text: TextBuffer,
     /// Texts of all open files by [`path_key`].
     pub open: Arc<HashMap<PathBuf, TextBuffer>>,
-    /// Unit of columns.
     pub encoding: ColumnEncoding,
 }
 
-/// The result of a check.
 pub struct CheckResult {
-    /// Path of the deck.
     pub root: PathBuf,
-    /// Number of the request.
     pub generation: u64,
     /// All diagnostics of `revolve check`.
     pub diagnostics: Vec<FileDiagnostic>,

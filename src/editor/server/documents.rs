@@ -9,20 +9,16 @@ use crate::deck::{files, source, untrusted};
 use crate::protocol::{path_of_uri, uri_of_path};
 use crate::text::TextBuffer;
 
-/// A file that is open in the editor.
 pub struct OpenDocument {
     /// URI that the client uses.
     pub uri: String,
-    /// Version of the text.
     pub version: i64,
-    /// The text.
     pub text: TextBuffer,
 }
 
 /// Open files by [`path_key`], and texts of files on disk.
 #[derive(Default)]
 pub struct DocumentStore {
-    /// Open files.
     pub open: HashMap<PathBuf, OpenDocument>,
     disk: RefCell<HashMap<PathBuf, DiskText>>,
 }

@@ -12,9 +12,9 @@ mod state;
 use std::io::{self, BufRead, Write};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 
+use lsp_server::Message;
 use thiserror::Error;
 
-use crate::protocol::{ProtocolMessage, read_message, write_message};
 use checks::{CheckResult, DeckChecker};
 use state::{ServerState, SessionPhase};
 
@@ -31,11 +31,9 @@ pub enum EditorError {
 
 /// What the loop of the server waits for.
 enum ServerEvent {
-    /// A message of the client.
-    Received(ProtocolMessage),
+    Received(Message),
     /// The end of the messages, with its reason if it is an error.
     Closed(Option<io::Error>),
-    /// The result of a check.
     Checked(Box<CheckResult>),
 }
 
@@ -49,13 +47,12 @@ pub fn serve(input: impl BufRead + Send + 'static, output: impl Write) -> Result
     std::thread::spawn(move || read_messages(input, &reader));
     let checker = DeckChecker::start(move |result| sender.send(ServerEvent::Checked(Box::new(result))).is_ok());
     let mut state = ServerState::new(Box::new(checker));
-    let mut output = output;
-    run_loop(&mut state, &events, &mut output)
+    run_loop(&mut state, &events, output)
 }
 
 fn read_messages(mut input: impl BufRead, events: &Sender<ServerEvent>) {
     loop {
-        let (event, ends) = match read_message(&mut input) {
+        let (event, ends) = match Message::read(&mut input) {
             Ok(Some(message)) => (ServerEvent::Received(message), false),
             Ok(None) => (ServerEvent::Closed(None), true),
             Err(error) => (ServerEvent::Closed(Some(error)), true),
@@ -69,7 +66,7 @@ fn read_messages(mut input: impl BufRead, events: &Sender<ServerEvent>) {
 fn run_loop(
     state: &mut ServerState,
     events: &Receiver<ServerEvent>,
-    output: &mut dyn Write,
+    mut output: impl Write,
 ) -> Result<(), EditorError> {
     loop {
         // Diagnostics are updated once for all edits that have arrived.
@@ -77,7 +74,7 @@ fn run_loop(
             Ok(event) => Some(event),
             Err(TryRecvError::Empty) => {
                 state.update_diagnostics();
-                send_all(state, output)?;
+                send_all(state, &mut output)?;
                 events.recv().ok()
             }
             Err(TryRecvError::Disconnected) => None,
@@ -90,7 +87,7 @@ fn run_loop(
                 return if state.phase == SessionPhase::Running { Err(EditorError::NotShutDown) } else { Ok(()) };
             }
         }
-        send_all(state, output)?;
+        send_all(state, &mut output)?;
         match state.phase {
             SessionPhase::Exited { after_shutdown: true } => return Ok(()),
             SessionPhase::Exited { after_shutdown: false } => return Err(EditorError::NotShutDown),
@@ -99,6 +96,6 @@ fn run_loop(
     }
 }
 
-fn send_all(state: &mut ServerState, output: &mut dyn Write) -> io::Result<()> {
-    state.outbox.drain(..).try_for_each(|message| write_message(output, &message))
+fn send_all(state: &mut ServerState, output: &mut impl Write) -> io::Result<()> {
+    state.outbox.drain(..).try_for_each(|message| message.write(output))
 }

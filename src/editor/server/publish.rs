@@ -10,20 +10,22 @@ use crate::text::{ColumnEncoding, TextRange};
 /// A diagnostic with its place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileDiagnostic {
-    /// Path of the file.
     pub path: PathBuf,
-    /// Range in it.
     pub range: TextRange,
     /// Level, as `revolve check` prints it.
     pub severity: Severity,
-    /// Code.
     pub code: &'static str,
     /// Problem, reason and correction in words.
     pub message: String,
-    /// Related places: path, range, text.
-    pub related: Vec<(PathBuf, TextRange, String)>,
-    /// Correction that can be applied.
+    pub related: Vec<RelatedText>,
     pub correction: Option<TextEdit>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RelatedText {
+    pub path: PathBuf,
+    pub range: TextRange,
+    pub text: String,
 }
 
 impl FileDiagnostic {
@@ -53,9 +55,9 @@ impl FileDiagnostic {
 
     /// Converts the diagnostic for the client.
     pub fn document(&self, level: DiagnosticLevel, uri: &dyn Fn(&Path) -> String) -> DocumentDiagnostic {
-        let related = self.related.iter().map(|(path, range, message)| RelatedPlace {
-            location: FileLocation { uri: uri(path), range: *range },
-            message: message.clone(),
+        let related = self.related.iter().map(|related| RelatedPlace {
+            location: FileLocation { uri: uri(&related.path), range: related.range },
+            message: related.text.clone(),
         });
         DocumentDiagnostic {
             range: self.range,
@@ -125,8 +127,8 @@ fn converted(deck: &Deck, diagnostics: &Diagnostics, locate: &SpanLocator<'_>) -
 fn file_diagnostic(sources: &Sources, diagnostic: &Diagnostic, locate: &SpanLocator<'_>) -> FileDiagnostic {
     let main = || sources.files().first().map_or_else(PathBuf::new, |file| file.path.clone());
     let mut places = diagnostic.labels.iter().map(|label| (locate(label.span), label.text.clone()));
-    let (place, label) = places.next().unwrap_or_default();
-    let (path, range) = place.unwrap_or_else(|| (main(), TextRange::default()));
+    let (main_place, label) = places.next().unwrap_or_default();
+    let (path, range) = main_place.unwrap_or_else(|| (main(), TextRange::default()));
     let mut message = diagnostic.message.clone();
     if !label.is_empty() {
         message += &format!("\n{label}");
@@ -135,7 +137,8 @@ fn file_diagnostic(sources: &Sources, diagnostic: &Diagnostic, locate: &SpanLoca
         message += &format!("\nhelp: {help}");
     }
     message += &format!("\n`revolve explain {}` explains this message", diagnostic.code);
-    let related = places.filter_map(|(place, text)| place.map(|(path, range)| (path, range, text))).collect();
+    let related =
+        places.filter_map(|(place, text)| place.map(|(path, range)| RelatedText { path, range, text })).collect();
     let correction = diagnostic
         .correction(sources)
         .and_then(|correction| Some(TextEdit { range: locate(correction.span)?.1, new_text: correction.text }));

@@ -1,44 +1,41 @@
 //! Dispatch of the messages of a client: the phases of a session and notifications. Requests about files are answered in
 //! `answers.rs`.
 
+use lsp_server::{ErrorCode, Message, Notification, Request, Response, ResponseError};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 use super::capabilities::{chosen_encoding, initialize_result};
 use super::state::{ServerState, SessionPhase};
 use crate::features::completion::resolved_item;
-use crate::protocol::{ErrorCode, InitializeParams, ProtocolMessage, RequestId, ResponseError};
+use crate::protocol::InitializeParams;
 
 /// Files of decks: decks, included files and mesh files.
 const WATCHED_FILES: &str = "**/*.{inp,inc,dat,txt,csv,msh,vtk,vtu}";
 
-/// Result of a request.
 pub type RequestResult = Result<Value, ResponseError>;
 
 impl ServerState {
     /// Handles a message.
-    pub fn receive(&mut self, message: ProtocolMessage) {
+    pub fn receive(&mut self, message: Message) {
         match message {
-            ProtocolMessage::Request { id, method, params } => {
-                let result = self.answer(&method, params);
-                self.respond(id, result);
+            Message::Request(Request { id, method, params }) => {
+                let (result, error) = match self.answer(&method, params) {
+                    Ok(result) => (Some(result), None),
+                    Err(error) => (None, Some(error)),
+                };
+                self.outbox.push(Response { id, result, error }.into());
             }
-            ProtocolMessage::Notification { method, params } => self.take_notification(&method, params),
+            Message::Notification(Notification { method, params }) => self.take_notification(&method, params),
             // The server sends no requests whose response matters.
-            ProtocolMessage::Response { .. } => {}
+            Message::Response(_) => {}
         }
-    }
-
-    fn respond(&mut self, id: RequestId, result: RequestResult) {
-        self.outbox.push(ProtocolMessage::Response { id, result });
     }
 
     fn answer(&mut self, method: &str, params: Value) -> RequestResult {
         match (self.phase, method) {
             (SessionPhase::Starting, "initialize") => self.initialize(params),
-            (SessionPhase::Starting, _) => {
-                Err(ResponseError::new(ErrorCode::ServerNotInitialized, "send `initialize` first"))
-            }
+            (SessionPhase::Starting, _) => Err(error(ErrorCode::ServerNotInitialized, "send `initialize` first")),
             (SessionPhase::Running, "shutdown") => {
                 self.phase = SessionPhase::ShutDown;
                 Ok(Value::Null)
@@ -48,7 +45,7 @@ impl ServerState {
                 self.update_outlines();
                 self.answer_about_document(method, params)
             }
-            _ => Err(ResponseError::new(ErrorCode::InvalidRequest, "the server has been shut down")),
+            _ => Err(error(ErrorCode::InvalidRequest, "the server has been shut down")),
         }
     }
 
@@ -69,11 +66,8 @@ impl ServerState {
         let method = "workspace/didChangeWatchedFiles";
         let options = json!({ "watchers": [{ "globPattern": WATCHED_FILES }] });
         let registration = json!({ "id": "files", "method": method, "registerOptions": options });
-        self.outbox.push(ProtocolMessage::Request {
-            id: "register-files".into(),
-            method: "client/registerCapability".into(),
-            params: json!({ "registrations": [registration] }),
-        });
+        let (id, method) = ("register-files".to_owned().into(), "client/registerCapability".into());
+        self.outbox.push(Request { id, method, params: json!({ "registrations": [registration] }) }.into());
     }
 
     fn take_notification(&mut self, method: &str, params: Value) {
@@ -96,7 +90,12 @@ impl ServerState {
     }
 }
 
+/// Creates the error of a request.
+pub fn error(code: ErrorCode, message: impl Into<String>) -> ResponseError {
+    ResponseError { code: code as i32, message: message.into(), data: None }
+}
+
 /// Converts the arguments of a message.
 pub fn parameters<T: DeserializeOwned>(params: Value) -> Result<T, ResponseError> {
-    serde_json::from_value(params).map_err(|e| ResponseError::new(ErrorCode::InvalidParams, e.to_string()))
+    serde_json::from_value(params).map_err(|e| error(ErrorCode::InvalidParams, e.to_string()))
 }

@@ -9,7 +9,6 @@ use crate::features::DeckFacts;
 use crate::outline::DeckOutline;
 use crate::text::TextRange;
 
-/// A checked deck.
 #[derive(Default)]
 pub struct RootDeck {
     /// Outline of the newest text.
@@ -24,7 +23,6 @@ pub struct RootDeck {
     pub diagnostics: Vec<FileDiagnostic>,
     /// Properties of the model at the last check without errors.
     pub facts: Option<DeckFacts>,
-    /// Wall-clock time of the last check.
     pub duration: Option<Duration>,
 }
 
@@ -34,7 +32,6 @@ impl RootDeck {
         RootDeck { needs_outline: true, needs_check: true, ..RootDeck::default() }
     }
 
-    /// Marks the deck as edited.
     pub fn mark_edited(&mut self) {
         self.needs_outline = true;
         self.needs_check = true;
@@ -55,7 +52,8 @@ impl RootDeck {
                 move_range(&mut diagnostic.range);
                 diagnostic.correction = None;
             }
-            diagnostic.related.iter_mut().filter(|(of, _, _)| of == path).for_each(|(_, range, _)| move_range(range));
+            let of_file = diagnostic.related.iter_mut().filter(|related| related.path == path);
+            of_file.for_each(|related| move_range(&mut related.range));
         }
     }
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
+use lsp_server::{Message, Notification};
 use serde_json::{Value, json};
 
 use super::checks::{CheckRequest, CheckResult, DeckChecker};
@@ -13,12 +14,9 @@ use super::documents::{DocumentStore, OpenDocument, may_read, path_key, path_of_
 use super::publish::{FileDiagnostic, is_foreign, outline_diagnostics};
 use super::roots::{RootDeck, find_including_deck};
 use crate::outline::DeckOutline;
-use crate::protocol::{
-    ChangeParams, DocumentDiagnostic, DocumentParams, InitializationOptions, OpenParams, ProtocolMessage,
-};
+use crate::protocol::{ChangeParams, DocumentDiagnostic, DocumentParams, InitializationOptions, OpenParams};
 use crate::text::{ColumnEncoding, TextBuffer};
 
-/// Phase of the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SessionPhase {
     /// Before `initialize`.
@@ -28,28 +26,18 @@ pub enum SessionPhase {
     /// After `shutdown`.
     ShutDown,
     /// After `exit`.
-    Exited {
-        /// Whether `shutdown` came before.
-        after_shutdown: bool,
-    },
+    Exited { after_shutdown: bool },
 }
 
 /// Checks that take less time are awaited instead of showing the diagnostics of the syntax first.
 const SHORT_CHECK: Duration = Duration::from_millis(25);
 
-/// State of a session.
 pub struct ServerState {
-    /// Phase of the session.
     pub phase: SessionPhase,
-    /// Messages to send.
-    pub outbox: Vec<ProtocolMessage>,
-    /// Open files.
+    pub outbox: Vec<Message>,
     pub documents: DocumentStore,
-    /// Unit of columns.
     pub encoding: ColumnEncoding,
-    /// Options of the client.
     pub options: InitializationOptions,
-    /// What the client can do.
     pub client: Value,
     /// Checked decks by path.
     pub roots: BTreeMap<PathBuf, RootDeck>,
@@ -81,7 +69,7 @@ impl ServerState {
 
     /// Adds a notification to the messages to send.
     pub fn notify(&mut self, method: &str, params: Value) {
-        self.outbox.push(ProtocolMessage::Notification { method: method.to_owned(), params });
+        self.outbox.push(Notification { method: method.to_owned(), params }.into());
     }
 
     /// Opens a file.
@@ -107,7 +95,7 @@ impl ServerState {
         document.version = params.text_document.version.unwrap_or(document.version);
         let mut moves = Vec::new();
         for change in params.content_changes {
-            let before = i64::from(document.text.line_count());
+            let previous_count = i64::from(document.text.line_count());
             let edited = match change.range {
                 Some(range) => document.text.replace(range, &change.text, encoding),
                 None => {
@@ -115,7 +103,7 @@ impl ServerState {
                     continue;
                 }
             };
-            moves.push((edited, i64::from(document.text.line_count()) - before));
+            moves.push((edited, i64::from(document.text.line_count()) - previous_count));
         }
         for root in self.roots.values_mut() {
             moves.iter().for_each(|(edited, added)| root.move_diagnostics(&key, edited, *added));
@@ -195,9 +183,9 @@ impl ServerState {
             root.generation = self.generation;
             requests.push(path.clone());
             if root.duration.is_none_or(|duration| duration > SHORT_CHECK) {
-                let mut all = outline_diagnostics(&root.outline, encoding);
-                all.extend(root.diagnostics.drain(..).filter(|d| !d.is_of_syntax()));
-                root.diagnostics = all;
+                let mut merged = outline_diagnostics(&root.outline, encoding);
+                merged.extend(root.diagnostics.drain(..).filter(|d| !d.is_of_syntax()));
+                root.diagnostics = merged;
             }
         }
         if !requests.is_empty() {
@@ -234,9 +222,9 @@ impl ServerState {
 
     /// Sends the diagnostics of all files whose diagnostics have changed.
     fn publish(&mut self) {
-        let mut wanted: HashMap<String, Vec<DocumentDiagnostic>> = HashMap::new();
+        let mut by_uri: HashMap<String, Vec<DocumentDiagnostic>> = HashMap::new();
         for document in self.documents.open.values() {
-            wanted.entry(document.uri.clone()).or_default();
+            by_uri.entry(document.uri.clone()).or_default();
         }
         let uris = RefCell::new(HashMap::new());
         let uri = |path: &Path| -> String {
@@ -246,21 +234,21 @@ impl ServerState {
         for root in self.roots.values() {
             let is_foreign = is_foreign(self.options.mode, &root.diagnostics);
             for diagnostic in &root.diagnostics {
-                let shown = diagnostic.document(diagnostic.level(self.options.mode, is_foreign), &uri);
-                let list = wanted.entry(uri(&diagnostic.path)).or_default();
-                if !list.contains(&shown) {
-                    list.push(shown);
+                let document_diagnostic = diagnostic.document(diagnostic.level(self.options.mode, is_foreign), &uri);
+                let list = by_uri.entry(uri(&diagnostic.path)).or_default();
+                if !list.contains(&document_diagnostic) {
+                    list.push(document_diagnostic);
                 }
             }
         }
-        let gone: Vec<String> = self.published.keys().filter(|uri| !wanted.contains_key(*uri)).cloned().collect();
+        let gone: Vec<String> = self.published.keys().filter(|uri| !by_uri.contains_key(*uri)).cloned().collect();
         for uri in gone {
             self.published.remove(&uri);
             self.notify("textDocument/publishDiagnostics", json!({ "uri": uri, "diagnostics": [] }));
         }
-        let mut wanted: Vec<_> = wanted.into_iter().collect();
-        wanted.sort_by(|a, b| a.0.cmp(&b.0));
-        for (uri, diagnostics) in wanted {
+        let mut sorted: Vec<_> = by_uri.into_iter().collect();
+        sorted.sort_by(|a, b| a.0.cmp(&b.0));
+        for (uri, diagnostics) in sorted {
             if self.published.get(&uri) != Some(&diagnostics) {
                 let version = self.documents.open.values().find(|d| d.uri == uri).map(|d| d.version);
                 let mut params = json!({ "uri": uri, "diagnostics": diagnostics });
@@ -275,8 +263,8 @@ impl ServerState {
 
     /// Returns the deck to which a file belongs, and its path.
     pub fn root_of(&self, key: &Path) -> Option<(&PathBuf, &RootDeck)> {
-        let own = self.roots.get_key_value(key);
-        own.or_else(|| self.roots.iter().find(|(_, root)| root.outline.paths().any(|of| path_key(of) == key)))
+        let exact = self.roots.get_key_value(key);
+        exact.or_else(|| self.roots.iter().find(|(_, root)| root.outline.paths().any(|of| path_key(of) == key)))
     }
 
     /// Returns the diagnostics of a file that are shown now.

@@ -35,24 +35,23 @@ impl TextBlock {
     /// Splits a text into blocks of about the target size, at the ends of lines.
     pub(super) fn split(text: &str) -> Vec<TextBlock> {
         let mut blocks = Vec::with_capacity(text.len() / SIZE + 1);
-        let mut rest = text;
-        while rest.len() > 2 * SIZE {
+        let mut remaining = text;
+        while remaining.len() > 2 * SIZE {
             let mut middle = SIZE;
-            while !rest.is_char_boundary(middle) {
+            while !remaining.is_char_boundary(middle) {
                 middle += 1;
             }
-            let end = line_end(rest, middle);
-            let cut = end + break_length(&rest[end..]);
-            blocks.push(TextBlock::new(rest[..cut].to_owned()));
-            rest = &rest[cut..];
+            let end = line_end(remaining, middle);
+            let cut = end + break_length(&remaining[end..]);
+            blocks.push(TextBlock::new(remaining[..cut].to_owned()));
+            remaining = &remaining[cut..];
         }
-        if !rest.is_empty() {
-            blocks.push(TextBlock::new(rest.to_owned()));
+        if !remaining.is_empty() {
+            blocks.push(TextBlock::new(remaining.to_owned()));
         }
         blocks
     }
 
-    /// Returns the text of the block.
     pub fn text(&self) -> &str {
         &self.text
     }

@@ -107,7 +107,6 @@ impl TextBuffer {
         lines
     }
 
-    /// Returns the place of a position.
     fn place(&self, position: TextPosition, encoding: ColumnEncoding) -> BlockPlace {
         if position.line >= self.line_count() {
             return self.end_place();
@@ -163,9 +162,9 @@ mod tests {
         let offset = |position: TextPosition| {
             let mut start = 0;
             for _ in 0..position.line {
-                let rest = &text[start..];
-                let Some(end) = rest.find(['\n', '\r']) else { return text.len() };
-                start += end + if rest[end..].starts_with("\r\n") { 2 } else { 1 };
+                let following = &text[start..];
+                let Some(end) = following.find(['\n', '\r']) else { return text.len() };
+                start += end + if following[end..].starts_with("\r\n") { 2 } else { 1 };
             }
             let line = text[start..].split(['\n', '\r']).next().unwrap_or_default();
             start + encoding.byte(line, position.character)
@@ -181,14 +180,14 @@ mod tests {
 
     fn assert_same(buffer: &TextBuffer, text: &str) {
         assert_eq!(buffer.text(), text);
-        let all = lines(text);
-        assert_eq!(buffer.line_count() as usize, all.len());
-        for (i, line) in all.iter().enumerate() {
+        let expected_lines = lines(text);
+        assert_eq!(buffer.line_count() as usize, expected_lines.len());
+        for (i, line) in expected_lines.iter().enumerate() {
             assert_eq!(buffer.line(i as u32), line, "line {i}");
         }
         let is_keyword = |line: &String| line.trim_start().starts_with('*') && !line.trim_start().starts_with("**");
         let mut last = None;
-        for (i, line) in all.iter().enumerate() {
+        for (i, line) in expected_lines.iter().enumerate() {
             last = if is_keyword(line) { Some(i as u32) } else { last };
             assert_eq!(buffer.keyword_line_at(i as u32), last, "keyword of line {i}");
         }

@@ -1,7 +1,27 @@
 //! Parts of a domain that a change of the mesh concerns: nodes that move, the elements at them, and their neighbours.
 
 use super::topology::DomainTopology;
+use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lists::Memory;
+
+/// A domain, the parts of it that a change of the mesh concerns, and loops over them.
+#[derive(Clone, Copy)]
+pub(super) struct MeshChange<'a> {
+    pub domain: &'a DomainTopology,
+    pub active: &'a ActiveParts,
+    pub loops: ChunkLoops,
+}
+
+/// Iterates over the marked members of a part of a list that begins at `start`.
+#[inline(always)]
+pub(super) fn marked<'a, T>(
+    part: &'a mut [T],
+    start: usize,
+    marks: &'a [bool],
+) -> impl Iterator<Item = (usize, &'a mut T)> {
+    let members = part.iter_mut().enumerate().map(move |(at, member)| (start + at, member));
+    members.filter(|(index, _)| marks[*index])
+}
 
 /// Nodes and elements that a change of the mesh concerns.
 #[derive(Clone, Debug, Default, Memory)]

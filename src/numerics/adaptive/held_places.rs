@@ -42,23 +42,24 @@ impl HeldPlaces {
     /// Creates the places from motions of nodes that are given by their index in the solver.
     pub fn new(domain: &DomainTopology, mut motions: Vec<MeshMotion>, returns: bool) -> HeldPlaces {
         let count = domain.nodes.len();
-        let mut held = vec![[false; 2]; count];
+        let mut is_held = vec![[false; 2]; count];
         for motion in &mut motions {
             let position = |(node, axis)| Some((domain.nodes.binary_search(&(node as u32)).ok()?, axis));
             motion.dofs = motion.dofs.iter().copied().filter_map(position).collect();
-            motion.dofs.iter().for_each(|(node, axis)| held[*node][*axis] = true);
+            motion.dofs.iter().for_each(|(node, axis)| is_held[*node][*axis] = true);
         }
         let size = if returns || !motions.is_empty() { count } else { 0 };
-        HeldPlaces { motions, held, kept: vec![[false; 2]; count], returns, places: vec![[f64::NAN; 2]; size] }
+        HeldPlaces { motions, held: is_held, kept: vec![[false; 2]; count], returns, places: vec![[f64::NAN; 2]; size] }
     }
 
     /// Takes the places of a previous step that continue.
     pub fn continue_from(&mut self, previous: &HeldPlaces) {
         if self.places.len() == previous.places.len() && self.held.len() == previous.held.len() {
             for (n, place) in self.places.iter_mut().enumerate() {
-                let (own, before, from) = (self.held[n], previous.held[n], previous.places[n]);
-                *place =
-                    [0, 1].inline_map(|axis: usize| if own[axis] == before[axis] { from[axis] } else { place[axis] });
+                let (held_now, held_before, from) = (self.held[n], previous.held[n], previous.places[n]);
+                *place = [0, 1].inline_map(
+                    |axis: usize| if held_now[axis] == held_before[axis] { from[axis] } else { place[axis] },
+                );
             }
         }
     }
@@ -77,12 +78,12 @@ impl HeldPlaces {
     /// Advances the prescribed places by an increment from the time of the clock on. Equation (18.13).
     pub fn advance(&mut self, clock: &AmplitudeClock<'_>, dt: f64) {
         for MeshMotion { dofs, is_velocity, magnitude } in &self.motions {
-            let by = if *is_velocity {
+            let displacement = if *is_velocity {
                 dt * magnitude.at(&clock.later(0.5 * dt))
             } else {
                 magnitude.at(&clock.later(dt)) - magnitude.at(clock)
             };
-            dofs.iter().for_each(|(node, axis)| self.places[*node][*axis] += by);
+            dofs.iter().for_each(|(node, axis)| self.places[*node][*axis] += displacement);
         }
     }
 
@@ -106,17 +107,20 @@ impl HeldPlaces {
         surroundings: &dyn Surroundings,
     ) {
         for (n, aim) in self.places.iter().enumerate() {
-            let (held, returns) = (self.held[n], self.returns && smoothing.slides(n));
+            let (held_axes, returns) = (self.held[n], self.returns && smoothing.slides(n));
             if smoothing.is_deleted(n) || !(self.is_held(n) || returns) {
                 continue;
             }
-            let (counts, least) = if self.is_held(n) { (held, -1.0) } else { ([true; 2], smoothing.corner_cosine) };
-            end[n] = match domain.boundary_at(n as u32).filter(|b| follows_surface(b, held)) {
+            let (counts, least) =
+                if self.is_held(n) { (held_axes, -1.0) } else { ([true; 2], smoothing.corner_cosine) };
+            end[n] = match domain.boundary_at(n as u32).filter(|b| follows_surface(b, held_axes)) {
                 Some(node) => {
-                    let place = on_surface(domain, start, node, (*aim, counts), least);
-                    in_contact(domain.nodes[n] as usize, place, surroundings)
+                    let surface_place = on_surface(domain, start, node, (*aim, counts), least);
+                    in_contact(domain.nodes[n] as usize, surface_place, surroundings)
                 }
-                None => [0, 1].inline_map(|axis: usize| if held[axis] || returns { aim[axis] } else { start[n][axis] }),
+                None => {
+                    [0, 1].inline_map(|axis: usize| if held_axes[axis] || returns { aim[axis] } else { start[n][axis] })
+                }
             };
         }
     }
@@ -166,34 +170,34 @@ fn on_surface(
         (0..2).filter(|axis| counts[*axis]).map(|axis| a[axis] * b[axis]).fold(0.0, |sum, x| sum + x)
     };
     let off = |place: [f64; 2]| {
-        let by = [place[0] - aim[0], place[1] - aim[1]];
-        counted(by, by)
+        let offset = [place[0] - aim[0], place[1] - aim[1]];
+        counted(offset, offset)
     };
-    let own = places[node.node as usize];
+    let own_place = places[node.node as usize];
     let around = [node.before, node.node, node.after].inline_map(|n| places[n as usize]);
     if turn_cosine(around) <= corner_cosine {
-        return own;
+        return own_place;
     }
-    let (mut best, is_open) = (own, node.is_open == [true; 2]);
+    let (mut best, is_open) = (own_place, node.is_open == [true; 2]);
     for side in (0..2).filter(|side| node.is_open[*side] == is_open) {
         let mut from = node;
         for edge in 0..REACH {
-            let to = if side == 0 { from.before } else { from.after };
-            let [a, b] = [from.node, to].inline_map(|n| places[n as usize]);
+            let to_node = if side == 0 { from.before } else { from.after };
+            let [a, b] = [from.node, to_node].inline_map(|n| places[n as usize]);
             let along = [b[0] - a[0], b[1] - a[1]];
             let square = counted(along, along);
             let share = if square > 0.0 { counted([aim[0] - a[0], aim[1] - a[1]], along) / square } else { 0.0 };
             let least = if edge == 0 && node.is_open[1 - side] != is_open { -1.0 } else { 0.0 };
             let within = share.clamp(least, 1.0);
-            let mut place = [0, 1].inline_map(|axis: usize| a[axis] + within * along[axis]);
+            let mut candidate = [0, 1].inline_map(|axis: usize| a[axis] + within * along[axis]);
             if within == share && counts != [true; 2] {
                 let axis = usize::from(counts[1]);
-                place[axis] = aim[axis];
+                candidate[axis] = aim[axis];
             }
-            if off(place) < off(best) {
-                best = place;
+            if off(candidate) < off(best) {
+                best = candidate;
             }
-            let next = domain.boundary_at(to).filter(|next| next.is_open[side] == is_open);
+            let next = domain.boundary_at(to_node).filter(|next| next.is_open[side] == is_open);
             let Some(next) = next.filter(|_| share > 1.0) else { break };
             let ends = [next.before, next.node, next.after].inline_map(|n| places[n as usize]);
             if turn_cosine(ends) <= corner_cosine {

@@ -30,7 +30,7 @@ use crate::state::dofs::Dofs;
 use crate::state::energies::BoundaryFlow;
 use crate::state::magnitude::AmplitudeClock;
 use crate::state::nodes::Nodes;
-use active::ActiveParts;
+use active::{ActiveParts, MeshChange};
 use held_places::{HeldPlaces, MeshMotion};
 use momentum::MomentumTransport;
 use smoothing::{MeshGrading, MeshSmoothing, NodeMobility, SmoothingWeights, Surroundings};
@@ -266,8 +266,8 @@ impl AdaptiveDomain {
     /// Moves the new place of a node.
     pub fn shift(&mut self, node: usize, [r, z]: [f64; 2]) {
         if let Some(at) = self.position(node) {
-            let place = &mut self.places[1][at];
-            *place = [place[0] + r, place[1] + z];
+            let new_place = &mut self.places[1][at];
+            *new_place = [new_place[0] + r, new_place[1] + z];
         }
     }
 
@@ -291,8 +291,8 @@ impl AdaptiveDomain {
 
     /// Returns the smallest angle of all elements, radians.
     pub fn smallest_angle(&self, nodes: &Nodes) -> f64 {
-        let place = |n: u32| nodes[self.topology.nodes[n as usize] as usize].place();
-        let angles = self.topology.corners.iter().map(|corners| smallest_angle(corners, place));
+        let position = |n: u32| nodes[self.topology.nodes[n as usize] as usize].place();
+        let angles = self.topology.corners.iter().map(|corners| smallest_angle(corners, position));
         angles.fold(f64::INFINITY, f64::min)
     }
 
@@ -310,14 +310,14 @@ impl AdaptiveDomain {
         if let (Some(temperatures), Some(field)) = (&mut self.temperatures, &field) {
             temperatures.read(&self.topology, self.group, field);
         }
-        let before = self.kinetic();
+        let kinetic_before = self.kinetic();
         self.given_velocity.copy_from_slice(&self.velocity);
         let (transports, entered) = (self.limit_displacements(loops), dofs.energies.flow.kinetic);
         for i in 0..transports {
             self.transport_part((i, transports), loops, &mut dofs.energies.flow);
         }
         self.restore_prescribed();
-        dofs.energies.advection += before + (dofs.energies.flow.kinetic - entered) - self.kinetic();
+        dofs.energies.advection += kinetic_before + (dofs.energies.flow.kinetic - entered) - self.kinetic();
         self.write(half, elements, &mut dofs.nodes, changed);
         if let (Some(temperatures), Some(field)) = (&mut self.temperatures, &mut field) {
             field.take_masses(self.group, &*elements.groups[self.group]);
@@ -401,7 +401,8 @@ impl AdaptiveDomain {
     /// Cuts displacements that are too long, and returns the number of transports in which nodes reach the new places.
     fn limit_displacements(&mut self, loops: ChunkLoops) -> usize {
         let [start, end, ..] = &mut self.places;
-        let share = self.transport.measure(loops, (&self.topology, &self.active), [start, end]);
+        let change = MeshChange { domain: &self.topology, active: &self.active, loops };
+        let share = self.transport.measure(change, [start, end]);
         let count = (share / LARGEST_SHARE).ceil().max(1.0);
         if count <= MOST_TRANSPORTS as f64 {
             return count as usize;
@@ -429,31 +430,32 @@ impl AdaptiveDomain {
         // A single part has been measured.
         if parts > 1 {
             let [_, _, from, to] = &self.places;
-            self.transport.measure(loops, (&self.topology, &self.active), [from, to]);
+            let change = MeshChange { domain: &self.topology, active: &self.active, loops };
+            self.transport.measure(change, [from, to]);
         }
     }
 
     /// Transports masses, momentum and variables over one part of the displacements.
     fn transport_part(&mut self, (part, parts): (usize, usize), loops: ChunkLoops, flow: &mut BoundaryFlow) {
         self.begin_part((part, parts), loops);
-        let domain = (&self.topology, &self.active);
+        let change = MeshChange { domain: &self.topology, active: &self.active, loops };
         if !self.material_volume.is_empty() {
-            self.transport.move_content(loops, domain, &mut self.material_volume);
+            self.transport.move_content(change, &mut self.material_volume);
         }
-        self.transport.move_masses(loops, domain, &mut self.mass);
+        self.transport.move_masses(change, &mut self.mass);
         self.find_masses(loops);
-        let domain = (&self.topology, &self.active);
+        let change = MeshChange { domain: &self.topology, active: &self.active, loops };
         let [before, after] = &self.corner_mass;
         boundary::add_flow(flow, &self.topology, self.transport.fluxes(), &self.velocity);
-        self.momentum.measure(loops, domain, self.transport.fluxes(), [before, after]);
-        self.momentum.move_velocity(loops, domain, &mut self.velocity, &self.node_mass[1]);
+        self.momentum.measure(change, self.transport.fluxes(), [before, after]);
+        self.momentum.move_velocity(change, &mut self.velocity, &self.node_mass[1]);
         if let Some(temperatures) = &mut self.temperatures {
             let [before, after] = &self.node_mass;
             temperatures.add_flow(&self.topology, self.transport.fluxes());
-            temperatures.advance(&mut self.momentum, loops, domain, [before, after]);
+            temperatures.advance(&mut self.momentum, change, [before, after]);
         }
         let packs = self.packs.iter_mut().chain(&mut self.mass_shares);
-        packs.for_each(|values| self.transport.move_variables(loops, domain, values));
+        packs.for_each(|values| self.transport.move_variables(change, values));
         self.corner_mass.swap(0, 1);
         self.node_mass.swap(0, 1);
     }
@@ -461,15 +463,15 @@ impl AdaptiveDomain {
     /// Finds the masses of corners and nodes after a part of the displacements.
     fn find_masses(&mut self, loops: ChunkLoops) {
         let [_, _, _, to] = &self.places;
-        let ([before, after], mass, changes) = (&mut self.corner_mass, &self.mass, &self.active.changes);
-        let (topology, before) = (&self.topology, &*before);
+        let ([masses_before, after], mass, changes) = (&mut self.corner_mass, &self.mass, &self.active.changes);
+        let (topology, masses_before) = (&self.topology, &*masses_before);
         loops.each(after, |start, part| {
             for (at, after) in part.iter_mut().enumerate() {
                 let e = start + at;
                 *after = if changes[e] {
                     corner_masses(topology.corners[e].inline_map(|n| to[n as usize]), mass[e])
                 } else {
-                    before[e]
+                    masses_before[e]
                 };
             }
         });
@@ -482,7 +484,7 @@ impl AdaptiveDomain {
                 if nodes[n] {
                     for e in topology.around.list(n).iter().map(|e| *e as usize).filter(|e| changes[*e]) {
                         for (i, corner) in topology.corners[e].iter().enumerate() {
-                            *node_after += if *corner as usize == n { after[e][i] - before[e][i] } else { 0.0 };
+                            *node_after += if *corner as usize == n { after[e][i] - masses_before[e][i] } else { 0.0 };
                         }
                     }
                 }

@@ -4,11 +4,10 @@
 //! Shashkov 2014, J. Comput. Phys. 258, 268). Fluxes of second order are limited so that no value leaves the range of its
 //! neighbours (Zalesak 1979, J. Comput. Phys. 31, 335).
 
-use super::active::ActiveParts;
+use super::active::{MeshChange, marked};
 use super::limiter::{larger, smaller};
 use super::topology::{DomainEdge, DomainTopology};
 use super::transport::{EdgeFlux, TransportOrder};
-use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 use crate::kernel::shape::is_triangle;
@@ -59,36 +58,28 @@ impl MomentumTransport {
 
     /// Finds the masses that pass between nodes, from those between elements and from the corner masses before and after.
     /// Equation (18.6).
-    pub fn measure(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        between: &[EdgeFlux],
-        [before, after]: [&[[f64; 4]]; 2],
-    ) {
+    pub fn measure(&mut self, change: MeshChange<'_>, between: &[EdgeFlux], [before, after]: [&[[f64; 4]]; 2]) {
+        let MeshChange { domain, active, loops } = change;
         loops.each(&mut self.passed, |start, part| {
-            for (at, masses) in part.iter_mut().enumerate() {
-                let e = start + at;
-                if active.changes[e] {
-                    let inflow = corner_inflow(domain, between, e);
-                    let gains = [0, 1, 2, 3].inline_map(|i: usize| (after[e][i] - before[e][i]) - inflow[i]);
-                    *masses = if is_triangle(&domain.corners[e]) { passed_in_triangle(gains) } else { passed(gains) };
-                }
+            for (e, masses) in marked(part, start, &active.changes) {
+                let inflow = corner_inflow(domain, between, e);
+                let gains = [0, 1, 2, 3].inline_map(|i: usize| (after[e][i] - before[e][i]) - inflow[i]);
+                *masses = if is_triangle(&domain.corners[e]) { passed_in_triangle(gains) } else { passed(gains) };
             }
         });
         let passed = &self.passed;
         loops.each(&mut self.fluxes, |start, part| {
-            for (at, flux) in part.iter_mut().enumerate().filter(|(at, _)| active.edges[start + at]) {
-                let edge = &domain.edges[start + at];
-                let of = |e: u32, side: u8, sign: f64| {
+            for (i, flux) in marked(part, start, &active.edges) {
+                let edge = &domain.edges[i];
+                let passed_by = |e: u32, side: u8, sign: f64| {
                     let (e, i) = (e as usize, side as usize);
                     let mass = if active.changes[e] { sign * passed[e][i] } else { 0.0 };
                     [mass, before[e][i] + before[e][(i + 1) % 4]]
                 };
                 // Masses run from corner i to the next one, which is the first node for the element on the right.
-                let [mut mass, mut corners] = of(edge.left, edge.sides[0], -1.0);
+                let [mut mass, mut corners] = passed_by(edge.left, edge.sides[0], -1.0);
                 if edge.is_inner() {
-                    let right = of(edge.right, edge.sides[1], 1.0);
+                    let right = passed_by(edge.right, edge.sides[1], 1.0);
                     (mass, corners) = (mass + right[0], corners + right[1]);
                 }
                 *flux = NodeFlux { mass, corners, correction: [0.0; 2] };
@@ -97,29 +88,24 @@ impl MomentumTransport {
     }
 
     /// Moves velocities; `after` are the nodal masses after the motion.
-    pub fn move_velocity(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        values: &mut [[f64; 2]],
-        after: &[f64],
-    ) {
-        let (fluxes, given) = (&self.fluxes, &*values);
+    pub fn move_velocity(&mut self, change: MeshChange<'_>, values: &mut [[f64; 2]], after: &[f64]) {
+        let MeshChange { active, loops, .. } = change;
+        let (fluxes, old_values) = (&self.fluxes, &*values);
         loops.each(&mut self.moved, |start, part| {
             for (at, moved) in part.iter_mut().enumerate() {
                 let n = start + at;
-                *moved = given[n];
+                *moved = old_values[n];
                 if active.nodes[n] {
-                    *moved = first_order(domain, active, fluxes, (n, given), after[n]);
+                    *moved = first_order(change, fluxes, (n, old_values), after[n]);
                 }
             }
         });
         if self.order == TransportOrder::Second {
-            self.limit(loops, (domain, active), given, after);
+            self.limit(change, old_values, after);
             let (fluxes, ranges) = (&self.fluxes, &self.ranges);
             loops.each(&mut self.moved, |start, part| {
-                for (at, moved) in part.iter_mut().enumerate().filter(|(at, _)| active.nodes[start + at]) {
-                    correct(moved, (domain, active), (fluxes, ranges), (start + at, after[start + at]));
+                for (n, moved) in marked(part, start, &active.nodes) {
+                    correct(moved, change, (fluxes, ranges), (n, after[n]));
                 }
             });
         }
@@ -127,16 +113,11 @@ impl MomentumTransport {
     }
 
     /// Finds the corrections of second order, and the range of each node. Equation (18.7).
-    fn limit(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        given: &[[f64; 2]],
-        after: &[f64],
-    ) {
+    fn limit(&mut self, change: MeshChange<'_>, given: &[[f64; 2]], after: &[f64]) {
+        let MeshChange { domain, active, loops } = change;
         loops.each(&mut self.fluxes, |start, part| {
-            for (at, flux) in part.iter_mut().enumerate().filter(|(at, _)| active.edges[start + at]) {
-                let [first, second] = domain.edges[start + at].nodes.inline_map(|n| given[n as usize]);
+            for (i, flux) in marked(part, start, &active.edges) {
+                let [first, second] = domain.edges[i].nodes.inline_map(|n| given[n as usize]);
                 // Mean of the velocity in the mass that moves (Lax and Wendroff).
                 let share = if flux.corners > 0.0 { smaller(flux.mass.abs() / flux.corners, 1.0) } else { 1.0 };
                 let weight = 0.5 * (1.0 - share) * flux.mass.abs();
@@ -145,8 +126,8 @@ impl MomentumTransport {
         });
         let (fluxes, moved) = (&self.fluxes, &self.moved);
         loops.each(&mut self.ranges, |start, part| {
-            for (at, range) in part.iter_mut().enumerate().filter(|(at, _)| active.nodes[start + at]) {
-                *range = node_range((domain, active), fluxes, [given, moved], (start + at, after[start + at]));
+            for (n, range) in marked(part, start, &active.nodes) {
+                *range = node_range(change, fluxes, [given, moved], (n, after[n]));
             }
         });
     }
@@ -170,37 +151,37 @@ fn seen_from(edge: &DomainEdge, node: usize) -> (usize, f64) {
 }
 
 fn first_order(
-    domain: &DomainTopology,
-    active: &ActiveParts,
+    MeshChange { domain, active, .. }: MeshChange<'_>,
     fluxes: &[NodeFlux],
     (node, given): (usize, &[[f64; 2]]),
     after: f64,
 ) -> [f64; 2] {
-    let own = given[node];
+    let own_velocity = given[node];
     // A sum of changes, so that a common value stays exact.
     let mut sum = [0.0; 2];
     for edge in domain.edges_at.list(node).iter().map(|i| *i as usize).filter(|i| active.edges[*i]) {
         let (other, sign) = seen_from(&domain.edges[edge], node);
         let entering = larger(sign * fluxes[edge].mass, 0.0);
-        sum = [0, 1].inline_map(|k: usize| sum[k] + entering * (given[other][k] - own[k]));
+        sum = [0, 1].inline_map(|k: usize| sum[k] + entering * (given[other][k] - own_velocity[k]));
     }
-    [0, 1].inline_map(|k: usize| own[k] + sum[k] / after)
+    [0, 1].inline_map(|k: usize| own_velocity[k] + sum[k] / after)
 }
 
 fn node_range(
-    (domain, active): (&DomainTopology, &ActiveParts),
+    MeshChange { domain, active, .. }: MeshChange<'_>,
     fluxes: &[NodeFlux],
     [given, moved]: [&[[f64; 2]]; 2],
     (node, after): (usize, f64),
 ) -> NodeRange {
-    let (own, new) = (given[node], moved[node]);
+    let (own_velocity, new) = (given[node], moved[node]);
     let least = |a: [f64; 2], b: [f64; 2]| [0, 1].inline_map(|k: usize| smaller(a[k], b[k]));
-    let most = |a: [f64; 2], b: [f64; 2]| [0, 1].inline_map(|k: usize| larger(a[k], b[k]));
-    let mut range = NodeRange { low: least(own, new), high: most(own, new), ..NodeRange::default() };
+    let highest = |a: [f64; 2], b: [f64; 2]| [0, 1].inline_map(|k: usize| larger(a[k], b[k]));
+    let mut range =
+        NodeRange { low: least(own_velocity, new), high: highest(own_velocity, new), ..NodeRange::default() };
     for edge in domain.edges_at.list(node).iter().map(|i| *i as usize) {
         let (other, sign) = seen_from(&domain.edges[edge], node);
         range.low = least(range.low, least(given[other], moved[other]));
-        range.high = most(range.high, most(given[other], moved[other]));
+        range.high = highest(range.high, highest(given[other], moved[other]));
         if active.edges[edge] {
             let correction = fluxes[edge].correction.inline_map(|x| sign * x);
             range.raise = [0, 1].inline_map(|k: usize| range.raise[k] + larger(correction[k], 0.0));
@@ -216,11 +197,11 @@ fn node_range(
 /// Adds the limited corrections to the velocity of a node.
 fn correct(
     moved: &mut [f64; 2],
-    (domain, active): (&DomainTopology, &ActiveParts),
+    MeshChange { domain, active, .. }: MeshChange<'_>,
     (fluxes, ranges): (&[NodeFlux], &[NodeRange]),
     (node, after): (usize, f64),
 ) {
-    let own = &ranges[node];
+    let own_range = &ranges[node];
     let mut sum = [0.0; 2];
     for edge in domain.edges_at.list(node).iter().map(|i| *i as usize).filter(|i| active.edges[*i]) {
         let (other, sign) = seen_from(&domain.edges[edge], node);
@@ -228,15 +209,16 @@ fn correct(
         sum = [0, 1].inline_map(|k: usize| {
             let correction = sign * fluxes[edge].correction[k];
             let share = if correction > 0.0 {
-                smaller(own.raise[k], other.lower[k])
+                smaller(own_range.raise[k], other.lower[k])
             } else {
-                smaller(own.lower[k], other.raise[k])
+                smaller(own_range.lower[k], other.raise[k])
             };
             sum[k] + share * correction
         });
     }
     // Rounding may exceed the range by a last bit.
-    *moved = [0, 1].inline_map(|k: usize| larger(smaller(moved[k] + sum[k] / after, own.high[k]), own.low[k]));
+    *moved =
+        [0, 1].inline_map(|k: usize| larger(smaller(moved[k] + sum[k] / after, own_range.high[k]), own_range.low[k]));
 }
 
 /// Returns the masses that pass from each corner of an element to the next one, the smallest that give the corners what
@@ -266,9 +248,9 @@ mod tests {
     fn corners_of_a_triangle_gain_what_passes() {
         let gains = [1.0, -2.5, 0.5, 1.0];
         let [to_second, to_third, within, to_first] = passed_in_triangle(gains);
-        let found = [to_first - to_second, to_second - to_third, to_third - to_first];
-        for (found, expected) in found.into_iter().zip([1.0, -2.5, 1.5]) {
-            assert!((found - expected).abs() < 1e-15);
+        let gained = [to_first - to_second, to_second - to_third, to_third - to_first];
+        for (gained, expected) in gained.into_iter().zip([1.0, -2.5, 1.5]) {
+            assert!((gained - expected).abs() < 1e-15);
         }
         assert!(within == 0.0 && (to_second + to_third + to_first).abs() < 1e-15);
     }

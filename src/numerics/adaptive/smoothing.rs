@@ -52,16 +52,16 @@ impl MeshGrading {
             let equal = 1.0 / list.len() as f64;
             adjacent.extend(list.iter().map(apart).map(|[r, z]| equal + slope[0] * r + slope[1] * z));
         }
-        let mut before = vec![0.5; places.len()];
+        let mut shares_before = vec![0.5; places.len()];
         for BoundaryNode { node, before: a, after: b, .. } in &domain.boundary {
             let length = |n: u32| {
                 let ([r, z], [s, w]) = (places[n as usize], places[*node as usize]);
                 libm::hypot(r - s, z - w)
             };
             let (first, second) = (length(*a), length(*b));
-            before[*node as usize] = first / (first + second);
+            shares_before[*node as usize] = first / (first + second);
         }
-        MeshGrading { adjacent, before }
+        MeshGrading { adjacent, before: shares_before }
     }
 
     fn place(&self, domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
@@ -228,8 +228,9 @@ impl MeshSmoothing {
     /// Reads the contact of the nodes of the boundary.
     pub fn read_contact(&mut self, domain: &DomainTopology, surroundings: &dyn Surroundings) {
         for BoundaryNode { node, .. } in &domain.boundary {
-            let (at, node) = (*node as usize, domain.nodes[*node as usize] as usize);
-            (self.contact[at], self.keeps_gaps[at]) = (surroundings.contact(node), surroundings.keeps_gaps(node));
+            let (position, node) = (*node as usize, domain.nodes[*node as usize] as usize);
+            (self.contact[position], self.keeps_gaps[position]) =
+                (surroundings.contact(node), surroundings.keeps_gaps(node));
         }
     }
 
@@ -261,9 +262,10 @@ impl MeshSmoothing {
         for (now, _) in self.now.iter_mut().zip(prescribed).filter(|n| *n.1 == [true; 2]) {
             *now = NodeMobility::Fixed;
         }
-        let own = |n: u32| prescribed[n as usize];
+        let prescribed_of = |n: u32| prescribed[n as usize];
         for BoundaryNode { node, before, after, .. } in &domain.boundary {
-            let alike = (0..2).all(|i| !own(*node)[i] || (own(*before)[i] && own(*after)[i]));
+            let alike =
+                (0..2).all(|i| !prescribed_of(*node)[i] || (prescribed_of(*before)[i] && prescribed_of(*after)[i]));
             if !alike && !self.slides_at_ends[*node as usize] {
                 self.now[*node as usize] = NodeMobility::Fixed;
             }
@@ -299,9 +301,9 @@ impl MeshSmoothing {
                 let ends = [node.before, node.node, node.after].inline_map(|n: u32| self.target[n as usize]);
                 let share = self.grading.as_ref().map_or(0.5, |grading| grading.before[n]);
                 let part = if self.keeps_gaps[n] { PART } else { 1.0 };
-                let place = keep(held_places.kept[n], ends, slide(ends, (share, part), self.corner_cosine));
-                let on_surface = |place| surroundings.place_on_surface(domain.nodes[n] as usize, place);
-                self.target[n] = self.keep_contact(node, place, &on_surface).unwrap_or(ends[1]);
+                let slid_place = keep(held_places.kept[n], ends, slide(ends, (share, part), self.corner_cosine));
+                let on_surface = |slid_place| surroundings.place_on_surface(domain.nodes[n] as usize, slid_place);
+                self.target[n] = self.keep_contact(node, slid_place, &on_surface).unwrap_or(ends[1]);
             }
         }
         self.take_back(domain, places);
@@ -352,11 +354,11 @@ impl MeshSmoothing {
         }
         let (mut edge, mut spread) = (0, places);
         for i in 1..count {
-            let at = lengths[i] + SPREAD * (lengths[count] * i as f64 / count as f64 - lengths[i]);
-            while edge + 1 < count && lengths[edge + 1] < at {
+            let distance_along = lengths[i] + SPREAD * (lengths[count] * i as f64 / count as f64 - lengths[i]);
+            while edge + 1 < count && lengths[edge + 1] < distance_along {
                 edge += 1;
             }
-            let share = (at - lengths[edge]) / (lengths[edge + 1] - lengths[edge]);
+            let share = (distance_along - lengths[edge]) / (lengths[edge + 1] - lengths[edge]);
             let [from, to] = [places[edge], places[edge + 1]];
             spread[i] = [0, 1].inline_map(|k: usize| from[k] + share * (to[k] - from[k]));
         }
@@ -413,7 +415,7 @@ impl MeshSmoothing {
         }
         let line = [opposite, node].inline_map(|n: u32| self.target[n as usize]);
         let near = POCKET * length(vector(line[0], line[1]));
-        let (mut folded, mut found) = ([INSIDE; FOLDED], None);
+        let (mut folded, mut contact_end) = ([INSIDE; FOLDED], None);
         let [mut last, mut next] = [node, first];
         for (at, place) in folded.iter_mut().enumerate() {
             let gap = match self.contact[next as usize] {
@@ -428,11 +430,11 @@ impl MeshSmoothing {
             *place = next;
             let beyond = self.next_on_boundary(domain, [last, next])?;
             if self.touches([last, next]) {
-                found = Some((at + 1, beyond));
+                contact_end = Some((at + 1, beyond));
             }
             (last, next) = (next, beyond);
         }
-        let (count, free) = found?;
+        let (count, free) = contact_end?;
         folded[count..].fill(INSIDE);
         Some((folded, free))
     }
@@ -573,9 +575,9 @@ impl SmoothingWeights {
     /// Equation (18.1).
     fn smoothed(&self, domain: &DomainTopology, (places, parts): (&[[f64; 2]], &[[f64; 3]]), node: usize) -> [f64; 2] {
         let SmoothingWeights { volumetric, laplacian, equipotential } = *self;
-        let mut place = [0.0; 2];
+        let mut smoothed = [0.0; 2];
         let mut add = |weight: f64, part: [f64; 2]| {
-            for (sum, x) in place.iter_mut().zip(part) {
+            for (sum, x) in smoothed.iter_mut().zip(part) {
                 *sum += weight * x;
             }
         };
@@ -588,7 +590,7 @@ impl SmoothingWeights {
         if equipotential != 0.0 {
             add(equipotential, equipotential_place(domain, places, node));
         }
-        place
+        smoothed
     }
 }
 
@@ -622,9 +624,9 @@ fn mean_of_adjacent(domain: &DomainTopology, places: &[[f64; 2]], node: usize) -
 /// with differences of the eight nodes around it. Equation (18.2).
 fn equipotential_place(domain: &DomainTopology, places: &[[f64; 2]], node: usize) -> [f64; 2] {
     let Some(ring) = ring(domain, node) else { return mean_of_adjacent(domain, places, node) };
-    let at = ring.inline_map(|n| places[n as usize]);
+    let ring_places = ring.inline_map(|n| places[n as usize]);
     let half = |a: [f64; 2], b: [f64; 2]| [0, 1].inline_map(|i: usize| 0.5 * (a[i] - b[i]));
-    let (xi, eta) = (half(at[0], at[4]), half(at[2], at[6]));
+    let (xi, eta) = (half(ring_places[0], ring_places[4]), half(ring_places[2], ring_places[6]));
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
     let (alpha, beta, gamma) = (dot(eta, eta), dot(xi, eta), dot(xi, xi));
     let sum = 2.0 * (alpha + gamma);
@@ -632,8 +634,10 @@ fn equipotential_place(domain: &DomainTopology, places: &[[f64; 2]], node: usize
         return places[node];
     }
     [0, 1].inline_map(|i: usize| {
-        let mixed = 0.25 * (at[1][i] - at[3][i] + at[5][i] - at[7][i]);
-        (alpha * (at[0][i] + at[4][i]) - 2.0 * beta * mixed + gamma * (at[2][i] + at[6][i])) / sum
+        let mixed = 0.25 * (ring_places[1][i] - ring_places[3][i] + ring_places[5][i] - ring_places[7][i]);
+        (alpha * (ring_places[0][i] + ring_places[4][i]) - 2.0 * beta * mixed
+            + gamma * (ring_places[2][i] + ring_places[6][i]))
+            / sum
     })
 }
 
@@ -645,8 +649,8 @@ fn ring(domain: &DomainTopology, node: usize) -> Option<[u32; 8]> {
     }
     let corner = |e: u32| {
         let corners = domain.corners[e as usize];
-        let own = corners.iter().position(|n| *n as usize == node)?;
-        Some([1, 2, 3].inline_map(|i: usize| corners[(own + i) % 4]))
+        let own_corner = corners.iter().position(|n| *n as usize == node)?;
+        Some([1, 2, 3].inline_map(|i: usize| corners[(own_corner + i) % 4]))
     };
     let mut ring = [0; 8];
     let mut next = corner(elements[0])?[0];
@@ -668,17 +672,17 @@ fn slide([before, own, after]: [[f64; 2]; 3], (share, part): (f64, f64), corner_
     }
     let along = chord.inline_map(|x| x / l);
     let step = part * (share * l2 - (1.0 - share) * l1);
-    let place = [own[0] + step * along[0], own[1] + step * along[1]];
+    let moved = [own[0] + step * along[0], own[1] + step * along[1]];
     let ring = |own: [f64; 2]| 0.5 * twice_area([before, own, after]) * (before[0] + own[0] + after[0]);
     let across = [along[1], -along[0]];
-    let (kept, now) = (ring(own), ring(place));
+    let (volume_before, now) = (ring(own), ring(moved));
     // dV/dx of the ring: half the chord times the sum of radii, plus the area times the radial part of x.
-    let slope = 0.5 * l * (before[0] + place[0] + after[0]) + 0.5 * twice_area([before, place, after]) * across[0];
+    let slope = 0.5 * l * (before[0] + moved[0] + after[0]) + 0.5 * twice_area([before, moved, after]) * across[0];
     if slope.abs() <= 1e-3 * l * l {
-        return place;
+        return moved;
     }
-    let lift = (kept - now) / slope;
-    [place[0] + lift * across[0], place[1] + lift * across[1]]
+    let lift = (volume_before - now) / slope;
+    [moved[0] + lift * across[0], moved[1] + lift * across[1]]
 }
 
 /// Returns the squared length of the shortest edge at a node.
@@ -696,6 +700,16 @@ struct FreeSide {
     count: usize,
 }
 
+/// Shape of a part of the boundary at an inner node.
+struct CornerShape {
+    /// Unit vector outwards.
+    normal: [f64; 2],
+    /// Share of the node in the shift.
+    weight: f64,
+    /// Increase of the volume with the shift.
+    gain: f64,
+}
+
 /// Moves the inner nodes of a part of the boundary outwards until its ring volume is that of `before`; those near a line,
 /// from which the part starts, by less. `sign` is 1 if the domain is on the left of the part, otherwise -1.
 fn keep_volume(before: &[[f64; 2]], after: &mut [[f64; 2]], line: [[f64; 2]; 2], sign: f64) {
@@ -707,18 +721,19 @@ fn keep_volume(before: &[[f64; 2]], after: &mut [[f64; 2]], line: [[f64; 2]; 2],
         let [a, b, c] = [list[i - 1], list[i], list[i + 1]];
         let (chord, off) = (vector(a, c), twice_area([line[0], line[1], b]).abs() / length(vector(line[0], line[1])));
         let (l, weight) = (length(chord), (2.0 * off / length(chord)).min(1.0));
-        ([sign * chord[1] / l, -sign * chord[0] / l], weight, weight * l * (a[0] + b[0] + c[0]))
+        let normal = [sign * chord[1] / l, -sign * chord[0] / l];
+        CornerShape { normal, weight, gain: weight * l * (a[0] + b[0] + c[0]) }
     };
-    let gain: f64 = (1..last).map(|i| shape(after, i).2).sum();
+    let gain: f64 = (1..last).map(|i| shape(after, i).gain).sum();
     if gain <= 0.0 {
         return;
     }
     let mut from = after[0];
     for i in 1..last {
-        let ([r, z], weight, _) = shape(&[from, after[i], after[i + 1]], 1);
+        let CornerShape { normal: [r, z], weight, .. } = shape(&[from, after[i], after[i + 1]], 1);
         from = after[i];
-        let by = weight * lost / gain;
-        after[i] = [after[i][0] + by * r, after[i][1] + by * z];
+        let shift = weight * lost / gain;
+        after[i] = [after[i][0] + shift * r, after[i][1] + shift * z];
     }
 }
 
@@ -746,17 +761,17 @@ fn is_straight([before, own, after]: [[f64; 2]; 3]) -> bool {
 /// same coordinate there.
 fn keep(prescribed: [bool; 2], [before, own, after]: [[f64; 2]; 3], place: [f64; 2]) -> [f64; 2] {
     let reach = libm::hypot(after[0] - before[0], after[1] - before[1]);
-    let mut kept = place;
+    let mut new_place = place;
     for i in 0..2 {
         if prescribed[i] {
             let apart = (before[i] - own[i]).abs().max((after[i] - own[i]).abs());
             if apart > 1e-6 * reach {
                 return own;
             }
-            kept[i] = own[i];
+            new_place[i] = own[i];
         }
     }
-    kept
+    new_place
 }
 
 #[cfg(test)]

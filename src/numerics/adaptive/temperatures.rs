@@ -1,13 +1,12 @@
 //! Transport of nodal temperatures. The heat per mass moves with the masses between the nodes as velocities do: the heat
 //! content is conserved to rounding, and no temperature leaves the range of its neighbours.
 
-use super::active::ActiveParts;
+use super::active::{ActiveParts, MeshChange};
 use super::boundary::entering;
 use super::momentum::MomentumTransport;
 use super::topology::DomainTopology;
 use super::transport::EdgeFlux;
 use crate::heat::field::TemperatureField;
-use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lists::Memory;
 
 /// Heat of the nodes of a domain.
@@ -57,18 +56,12 @@ impl TemperatureTransport {
     }
 
     /// Moves heat with the masses that `momentum` has measured, with the masses of all nodes before and after.
-    pub fn advance(
-        &mut self,
-        momentum: &mut MomentumTransport,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        [before, after]: [&[f64]; 2],
-    ) {
-        let changes = before.iter().zip(after).zip(&active.nodes);
+    pub fn advance(&mut self, momentum: &mut MomentumTransport, change: MeshChange<'_>, [before, after]: [&[f64]; 2]) {
+        let changes = before.iter().zip(after).zip(&change.active.nodes);
         for (mass, ((before, after), _)) in self.masses.iter_mut().zip(changes).filter(|node| *node.1.1) {
             *mass += after - before;
         }
-        momentum.move_velocity(loops, (domain, active), &mut self.values, &self.masses);
+        momentum.move_velocity(change, &mut self.values, &self.masses);
     }
 
     /// Writes the temperatures of nodes whose elements have changed; the capacities of the field are those of the new

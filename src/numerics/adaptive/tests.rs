@@ -1,6 +1,6 @@
 //! Conservation, accuracy and bounds of the transport, on meshes that move through material at rest.
 
-use super::active::ActiveParts;
+use super::active::{ActiveParts, MeshChange};
 use super::corner_masses;
 use super::geometry::centre;
 use super::held_places::HeldPlaces;
@@ -33,8 +33,8 @@ impl Section {
 
     fn of(n: usize, inner: f64, triangles: bool) -> Section {
         let side = n + 1;
-        let place = |i: usize| [inner + (i % side) as f64 / n as f64, (i / side) as f64 / n as f64];
-        let places: Vec<[f64; 2]> = (0..side * side).map(place).collect();
+        let place_of = |i: usize| [inner + (i % side) as f64 / n as f64, (i / side) as f64 / n as f64];
+        let places: Vec<[f64; 2]> = (0..side * side).map(place_of).collect();
         let nodes: Vec<Node> = places.iter().map(|[r, z]| Node { r: *r, z: *z, ..Node::default() }).collect();
         let corner = |e: usize| {
             let first = (e / n * side + e % n) as u32;
@@ -79,12 +79,12 @@ impl Section {
         density: impl Fn([f64; 2]) -> f64,
         value: impl Fn([f64; 2]) -> f64,
     ) -> (Vec<f64>, Vec<f64>) {
-        let of = |e: usize| {
+        let mass_and_value = |e: usize| {
             let corners = self.corners(e, places);
-            let at = centre(corners);
-            (density(at) * quad::volume(corners), value(at))
+            let middle = centre(corners);
+            (density(middle) * quad::volume(corners), value(middle))
         };
-        (0..self.topology.corners.len()).map(of).unzip()
+        (0..self.topology.corners.len()).map(mass_and_value).unzip()
     }
 }
 
@@ -118,11 +118,11 @@ fn turn_with(
     for i in 0..steps {
         let [from, to] = [i, i + 1].map(|i| section.in_vortex(inner, last * i as f64 / steps as f64));
         assert!(active.find(&section.topology, [&from, &to]));
-        let domain = (&section.topology, &active);
-        let share = transport.measure(loops, domain, [&from, &to]);
+        let change = MeshChange { domain: &section.topology, active: &active, loops };
+        let share = transport.measure(change, [&from, &to]);
         assert!(share < 0.5, "{share}");
-        transport.move_masses(loops, domain, &mut mass);
-        transport.move_variables(loops, domain, &mut packs);
+        transport.move_masses(change, &mut mass);
+        transport.move_variables(change, &mut packs);
     }
     values.iter_mut().zip(&packs).for_each(|(value, pack)| *value = pack.0[PACK - 1]);
     let (exact_mass, exact) = section.means(&section.in_vortex(inner, last), density, value);
@@ -145,17 +145,17 @@ fn transport_changes_only_elements_at_nodes_that_move() {
     let section = Section::new(10, 1.0);
     let (mut mass, values) = section.means(&section.places, density, smooth);
     let mut packs: Vec<Pack> = values.iter().map(|value| Pack([*value; PACK])).collect();
-    let (mut to, before) = (section.places.clone(), (mass.clone(), packs.clone()));
-    to[60] = [to[60][0] + 0.02, to[60][1] - 0.01];
+    let (mut moved_places, initial) = (section.places.clone(), (mass.clone(), packs.clone()));
+    moved_places[60] = [moved_places[60][0] + 0.02, moved_places[60][1] - 0.01];
     let mut active = ActiveParts::new(&section.topology);
-    assert!(active.find(&section.topology, [&section.places, &to]));
-    let (domain, mut transport) =
-        ((&section.topology, &active), ElementTransport::new(&section.topology, TransportOrder::Second));
-    transport.measure(LOOPS, domain, [&section.places, &to]);
-    transport.move_masses(LOOPS, domain, &mut mass);
-    transport.move_variables(LOOPS, domain, &mut packs);
+    assert!(active.find(&section.topology, [&section.places, &moved_places]));
+    let change = MeshChange { domain: &section.topology, active: &active, loops: LOOPS };
+    let mut transport = ElementTransport::new(&section.topology, TransportOrder::Second);
+    transport.measure(change, [&section.places, &moved_places]);
+    transport.move_masses(change, &mut mass);
+    transport.move_variables(change, &mut packs);
     for (e, corners) in section.topology.corners.iter().enumerate() {
-        let same = (mass[e], packs[e]) == (before.0[e], before.1[e]);
+        let same = (mass[e], packs[e]) == (initial.0[e], initial.1[e]);
         assert_eq!(same, !corners.contains(&60), "element {e}");
     }
 }
@@ -168,8 +168,8 @@ fn triangles_become_regular() {
     let mobility: Vec<NodeMobility> =
         topology.inside.iter().map(|i| if *i { NodeMobility::Inside } else { NodeMobility::Fixed }).collect();
     for (i, place) in places.iter_mut().enumerate().filter(|(i, _)| topology.inside[*i]) {
-        let by = 0.045 * (7.0 * i as f64).sin();
-        *place = [place[0] + by, place[1] - 0.8 * by];
+        let shift = 0.045 * (7.0 * i as f64).sin();
+        *place = [place[0] + shift, place[1] - 0.8 * shift];
     }
     let weights = SmoothingWeights { volumetric: 1.0, laplacian: 0.0, equipotential: 0.0 };
     let cosine = 30f64.to_radians().cos();
@@ -183,14 +183,14 @@ fn triangles_become_regular() {
         let angles = topology.corners.iter().map(|corners| smallest_angle(corners, |n| places[n as usize]));
         angles.fold(f64::INFINITY, f64::min).to_degrees()
     };
-    let before = (least(&places), volume(&places));
+    let initial = (least(&places), volume(&places));
     for _ in 0..100 {
         let die = FlatDie(places.iter().map(|[r, _]| [*r, 0.0]).collect());
         smoothing.restrict(topology, (&held_places.kept, &held_places), |_| false);
         smoothing.sweep(LOOPS, topology, &held_places, &die, &mut places);
     }
-    assert!(before.0 < 30.0 && least(&places) > 38.0, "{before:?} {}", least(&places));
-    assert!((volume(&places) / before.1 - 1.0).abs() < 1e-13);
+    assert!(initial.0 < 30.0 && least(&places) > 38.0, "{initial:?} {}", least(&places));
+    assert!((volume(&places) / initial.1 - 1.0).abs() < 1e-13);
 }
 
 /// Order by the L1 norm; reference: the fields at rest.
@@ -223,13 +223,13 @@ fn transport_of_a_jump_conserves_and_keeps_bounds() {
         [(TransportOrder::First, false), (TransportOrder::Second, false), (TransportOrder::Second, true)]
     {
         let section = Section::of(30, 1.0, triangles);
-        let (mass_before, before) = section.means(&section.places, density, jump);
+        let (mass_before, values_before) = section.means(&section.places, density, jump);
         let [mass, values, ..] = turn(&section, 1.0, order, 1.0, jump);
         let sum = |mass: &[f64], values: &[f64]| mass.iter().zip(values).map(|(m, v)| m * v).sum::<f64>();
         let ones = vec![1.0; mass.len()];
         let apart = |a: f64, b: f64| (a / b - 1.0).abs();
         assert!(apart(sum(&mass, &ones), sum(&mass_before, &ones)) < 1e-13);
-        assert!(apart(sum(&mass, &values), sum(&mass_before, &before)) < 1e-13);
+        assert!(apart(sum(&mass, &values), sum(&mass_before, &values_before)) < 1e-13);
         assert!(values.iter().all(|v| (1.0..=5.0).contains(v)), "{order:?}");
         let densities = (0..mass.len()).map(|e| mass[e] / quad::volume(section.corners(e, &section.places)));
         assert!(densities.into_iter().all(|d| (1.0..=3.0).contains(&d)));
@@ -262,28 +262,28 @@ fn assert_momentum_is_conserved(triangles: bool) {
     let mut velocity: Vec<[f64; 2]> = section.places.iter().map(|p| [smooth(*p) - 1.5, -0.7]).collect();
     let mut active = ActiveParts::new(topology);
     let mut corners = corner(&mass, &section.places);
-    let of = |masses: &[f64], v: &[[f64; 2]], power: i32| {
+    let weighted_sum = |masses: &[f64], v: &[[f64; 2]], power: i32| {
         masses.iter().zip(v).map(|(m, v)| m * v[0].powi(power)).sum::<f64>()
     };
-    let before = nodal(&corners);
-    let [start, energy] = [1, 2].map(|power| of(&before, &velocity, power));
+    let masses_before = nodal(&corners);
+    let [start, energy] = [1, 2].map(|power| weighted_sum(&masses_before, &velocity, power));
     let range =
         |v: &[[f64; 2]]| v.iter().fold([f64::INFINITY, -f64::INFINITY], |[a, b], [x, _]| [a.min(*x), b.max(*x)]);
     let [low, high] = range(&velocity);
     for i in 0..80 {
         let [from, to] = [i, i + 1].map(|i| section.in_vortex(0.0, f64::from(i) / 80.0));
         active.find(topology, [&from, &to]);
-        let domain = (topology, &active);
-        transport.measure(LOOPS, domain, [&from, &to]);
-        transport.move_masses(LOOPS, domain, &mut mass);
+        let change = MeshChange { domain: topology, active: &active, loops: LOOPS };
+        transport.measure(change, [&from, &to]);
+        transport.move_masses(change, &mut mass);
         let after = corner(&mass, &to);
-        momentum.measure(LOOPS, domain, transport.fluxes(), [&corners, &after]);
-        momentum.move_velocity(LOOPS, domain, &mut velocity, &nodal(&after));
+        momentum.measure(change, transport.fluxes(), [&corners, &after]);
+        momentum.move_velocity(change, &mut velocity, &nodal(&after));
         corners = after;
     }
     let after = nodal(&corners);
-    assert!((of(&after, &velocity, 1) / start - 1.0).abs() < 1e-13);
-    let lost = 1.0 - of(&after, &velocity, 2) / energy;
+    assert!((weighted_sum(&after, &velocity, 1) / start - 1.0).abs() < 1e-13);
+    let lost = 1.0 - weighted_sum(&after, &velocity, 2) / energy;
     assert!((0.0..2e-3).contains(&lost), "{lost}");
     assert!(velocity.iter().all(|v| (v[1] + 0.7).abs() < 1e-14));
     let [least, most] = range(&velocity);
@@ -332,7 +332,7 @@ fn corners_follow_the_edge_of_contact() {
         let angles = topology.corners.iter().map(|corners| smallest_angle(corners, |n| places[n as usize]));
         angles.fold(f64::INFINITY, f64::min).to_degrees()
     };
-    let before = least(&places);
+    let initial_angle = least(&places);
     for _ in 0..200 {
         let die = FlatDie(places.clone());
         smoothing.restrict(topology, (&held_places.kept, &held_places), |_| false);
@@ -342,5 +342,5 @@ fn corners_follow_the_edge_of_contact() {
     }
     assert_eq!(places[48], [1.3, 1.0]);
     assert!([41, 34, 27].iter().all(|n| places[*n][1] < 1.0), "{places:?}");
-    assert!(before < 30.0 && least(&places) > 50.0, "{before} {}", least(&places));
+    assert!(initial_angle < 30.0 && least(&places) > 50.0, "{initial_angle} {}", least(&places));
 }

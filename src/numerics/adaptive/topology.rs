@@ -72,7 +72,6 @@ impl PackedLists {
         packed
     }
 
-    /// Returns a list.
     pub fn list(&self, at: usize) -> &[u32] {
         &self.items[self.range(at)]
     }
@@ -116,8 +115,8 @@ impl DomainTopology {
         let corners_of = |e: &u32| [0, 1, 2, 3].inline_map(|c| group.nodes(*e as usize)[c]);
         let global: Vec<[u32; 4]> = elements.iter().map(corners_of).collect();
         let nodes = sorted_unique(global.iter().flatten().copied());
-        let place: HashMap<u32, u32> = nodes.iter().enumerate().map(|(i, n)| (*n, i as u32)).collect();
-        let corners: Vec<[u32; 4]> = global.iter().map(|c| c.inline_map(|n| place[&n])).collect();
+        let positions: HashMap<u32, u32> = nodes.iter().enumerate().map(|(i, n)| (*n, i as u32)).collect();
+        let corners: Vec<[u32; 4]> = global.iter().map(|c| c.inline_map(|n| positions[&n])).collect();
         let around = elements_around(&corners, nodes.len());
         let (mut edges, sides) = edges(&corners);
         let mut inside = vec![true; nodes.len()];

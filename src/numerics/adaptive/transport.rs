@@ -4,11 +4,10 @@
 
 use pulp::NullaryFnOnce;
 
-use super::active::ActiveParts;
+use super::active::{ActiveParts, MeshChange, marked};
 use super::geometry::{centre, share_of_first, swept};
 use super::limiter::{ElementFlow, larger, smaller};
 use super::topology::{DomainEdge, DomainTopology, ElementSide};
-use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::lists::Memory;
 use crate::kernel::quad;
@@ -103,18 +102,12 @@ impl ElementTransport {
 
     /// Measures the rings that edges sweep from the places `before` to `after`. Returns the largest share of its volume
     /// that an element loses. Equation (18.14).
-    pub fn measure(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        [before, after]: [&[[f64; 2]]; 2],
-    ) -> f64 {
+    pub fn measure(&mut self, change: MeshChange<'_>, [before, after]: [&[[f64; 2]]; 2]) -> f64 {
+        let MeshChange { domain, active, loops } = change;
         loops.each(&mut self.places, |start, part| {
-            for (at, place) in part.iter_mut().enumerate() {
-                if active.reads[start + at] {
-                    let corners = domain.corners[start + at].inline_map(|n| before[n as usize]);
-                    (place.volume, place.centre) = (quad::volume(corners), centre(corners));
-                }
+            for (e, place) in marked(part, start, &active.reads) {
+                let corners = domain.corners[e].inline_map(|n| before[n as usize]);
+                (place.volume, place.centre) = (quad::volume(corners), centre(corners));
             }
         });
         let places = &self.places;
@@ -127,30 +120,27 @@ impl ElementTransport {
                 }
             }
         });
-        self.provide_swept_rings((domain, active), [before, after]);
+        self.provide_swept_rings(change, [before, after]);
         let ElementTransport { places, fluxes, flows, order, .. } = self;
         let (places, fluxes, second) = (&*places, &*fluxes, *order == TransportOrder::Second);
         loops.combined(flows, (0.0, larger), |start, part| {
-            let mut most = 0.0;
-            for (at, flow) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
-                let (e, sides) = (start + at, &domain.sides[start + at]);
+            let mut largest_share = 0.0;
+            for (e, flow) in marked(part, start, &active.changes) {
+                let sides = &domain.sides[e];
                 if second {
                     flow.slopes = slopes(places, e, sides);
                 }
                 let lost = flow_of_volumes(flow, places, fluxes, (e, sides));
-                most = larger(most, lost / places[e].volume);
+                largest_share = larger(largest_share, lost / places[e].volume);
             }
-            most
+            largest_share
         })
     }
 
     /// Adds flows between elements that provide the rings which edges on closed boundaries sweep: a node that slides along
     /// a bent outline gives one element a volume, and takes it from the next one, without material.
-    fn provide_swept_rings(
-        &mut self,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        [before, after]: [&[[f64; 2]]; 2],
-    ) {
+    fn provide_swept_rings(&mut self, change: MeshChange<'_>, [before, after]: [&[[f64; 2]]; 2]) {
+        let MeshChange { domain, active, .. } = change;
         let Some(SweptRings { volumes, balance }) = &mut self.swept_rings else { return };
         volumes.fill(0.0);
         let moves = |edge: &DomainEdge| edge.nodes.iter().any(|n| active.moves[*n as usize]);
@@ -175,17 +165,12 @@ impl ElementTransport {
     }
 
     /// Moves masses, given before the motion, through the measured rings.
-    pub fn move_masses(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        masses: &mut [f64],
-    ) {
-        self.move_content(loops, (domain, active), masses);
+    pub fn move_masses(&mut self, change: MeshChange<'_>, masses: &mut [f64]) {
+        self.move_content(change, masses);
         let (masses, fluxes) = (&*masses, &self.fluxes);
-        loops.each(&mut self.flows, |start, part| {
-            for (at, flow) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
-                flow_of_masses(flow, fluxes, &domain.sides[start + at], masses[start + at]);
+        change.loops.each(&mut self.flows, |start, part| {
+            for (e, flow) in marked(part, start, &change.active.changes) {
+                flow_of_masses(flow, fluxes, &change.domain.sides[e], masses[e]);
             }
         });
     }
@@ -193,22 +178,18 @@ impl ElementTransport {
     /// Moves a quantity of the elements, given before the motion, through the measured rings. [`EdgeFlux::mass`] is then
     /// the part of the quantity that passes. Equal fractions of masses and of another quantity move where both have the same ratio
     /// in all elements. Precedes [`Self::move_masses`]. Equation (18.5).
-    pub fn move_content(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        content: &mut [f64],
-    ) {
+    pub fn move_content(&mut self, change: MeshChange<'_>, content: &mut [f64]) {
+        let MeshChange { domain, active, loops } = change;
         for ((place, amount), _) in self.places.iter_mut().zip(&*content).zip(&active.reads).filter(|e| *e.1) {
             place.density = amount / place.volume;
         }
         let (places, flows) = (&self.places, &self.flows);
         let density = |e: u32| [places[e as usize].density];
         loops.each(&mut self.density_slopes, |start, part| {
-            for (at, slope) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
-                let around = domain.sides[start + at].inline_map(|side| density(side.beside));
+            for (e, slope) in marked(part, start, &active.changes) {
+                let around = domain.sides[e].inline_map(|side| density(side.beside));
                 let around = [&around[0], &around[1], &around[2], &around[3]];
-                let ([[along_r], [along_z]], _) = flows[start + at].gradient(&density((start + at) as u32), around);
+                let ([[along_r], [along_z]], _) = flows[e].gradient(&density(e as u32), around);
                 *slope = [along_r, along_z];
             }
         });
@@ -216,27 +197,23 @@ impl ElementTransport {
         loops.each(&mut self.fluxes, |start, part| {
             for (flux, edge) in part.iter_mut().zip(&domain.edges[start..]).filter(|(flux, _)| flux.volume != 0.0) {
                 let donor = if flux.leaves_right() { edge.right } else { edge.left } as usize;
-                let (place, [along_r, along_z]) = (&places[donor], slopes[donor]);
-                let [r, z] = [0, 1].inline_map(|i: usize| flux.middle[i] - place.centre[i]);
-                flux.mass = flux.volume * (place.density + (along_r * r + along_z * z));
+                let (donor_place, [along_r, along_z]) = (&places[donor], slopes[donor]);
+                let [r, z] = [0, 1].inline_map(|i: usize| flux.middle[i] - donor_place.centre[i]);
+                flux.mass = flux.volume * (donor_place.density + (along_r * r + along_z * z));
             }
         });
         let fluxes = &self.fluxes;
         loops.each(content, |start, part| {
-            for (at, amount) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
-                let sides = &domain.sides[start + at];
+            for (e, amount) in marked(part, start, &active.changes) {
+                let sides = &domain.sides[e];
                 *amount += sides.iter().map(|side| fluxes[side.edge as usize].entering(side)).sum::<f64>();
             }
         });
     }
 
     /// Moves variables, per mass, with the masses that [`Self::move_masses`] has moved. Equation (18.5).
-    pub fn move_variables(
-        &mut self,
-        loops: ChunkLoops,
-        (domain, active): (&DomainTopology, &ActiveParts),
-        values: &mut [Pack],
-    ) {
+    pub fn move_variables(&mut self, change: MeshChange<'_>, values: &mut [Pack]) {
+        let MeshChange { domain, active, loops } = change;
         let inputs = PackInputs { flows: &self.flows, active, domain, values };
         let range = loops.combined(&mut self.gradients, (EMPTY, joined), |start, part| {
             loops.arch.dispatch(PackGradients { inputs, start, part })
@@ -247,8 +224,8 @@ impl ElementTransport {
         });
         let moved = &self.moved;
         loops.each(values, |start, part| {
-            for (at, value) in part.iter_mut().enumerate().filter(|(at, _)| active.changes[start + at]) {
-                *value = moved[start + at];
+            for (e, value) in marked(part, start, &active.changes) {
+                *value = moved[e];
             }
         });
     }
@@ -277,10 +254,10 @@ fn measured(edge: &DomainEdge, active: &ActiveParts, [before, after]: [&[[f64; 2
 
 /// Finds the gradients for unit differences to the neighbours by least squares.
 fn slopes(places: &[ElementPlace], e: usize, sides: &[ElementSide; 4]) -> [[f64; 2]; 4] {
-    let own = places[e].centre;
+    let own_centre = places[e].centre;
     let apart = sides.inline_map(|side| {
         let centre = places[side.beside as usize].centre;
-        [centre[0] - own[0], centre[1] - own[1]]
+        [centre[0] - own_centre[0], centre[1] - own_centre[1]]
     });
     let sum = |x: [f64; 4]| (x[0] + x[1]) + (x[2] + x[3]);
     let [rr, zz, rz] = [
@@ -325,17 +302,17 @@ fn flow_of_volumes(
 }
 
 fn flow_of_masses(flow: &mut ElementFlow, fluxes: &[EdgeFlux], sides: &[ElementSide; 4], mass: f64) {
-    let (mut kept, mut moment) = (mass, [0.0; 2]);
+    let (mut remaining_mass, mut moment) = (mass, [0.0; 2]);
     for (i, side) in sides.iter().enumerate() {
         let entering = fluxes[side.edge as usize].entering(side);
         if entering > 0.0 {
-            kept -= entering;
+            remaining_mass -= entering;
         } else {
             moment = [0, 1].inline_map(|k: usize| moment[k] + entering * flow.places[i][k]);
         }
         flow.inflow[i] = entering / mass;
     }
-    flow.rest = centre_of_rest(moment, kept);
+    flow.rest = centre_of_rest(moment, remaining_mass);
 }
 
 fn centre_of_rest(moment: [f64; 2], weight: f64) -> [f64; 2] {
@@ -400,8 +377,8 @@ impl NullaryFnOnce for PackGradients<'_> {
             }
             let [a, b, c, d] = inputs.domain.sides[e];
             let around = [inputs.beside(a), inputs.beside(b), inputs.beside(c), inputs.beside(d)];
-            let (found, [low, high]) = inputs.flows[e].gradient(&inputs.values[e].0, around);
-            *gradient = [Pack(found[0]), Pack(found[1])];
+            let (new_gradient, [low, high]) = inputs.flows[e].gradient(&inputs.values[e].0, around);
+            *gradient = [Pack(new_gradient[0]), Pack(new_gradient[1])];
             range = joined(range, [Pack(low), Pack(high)]);
         }
         range

@@ -36,9 +36,9 @@ pub fn balanced_parts(mut parts: Vec<CommonPart>, volumes: &[f64], new: &BodyMes
         let mut leaving: Vec<Vec<(u32, f64)>> = vec![Vec::new(); sizes.len()];
         for &[a, b] in &links {
             let flow = balance.flow([a, b], |e| sizes[e]);
-            let (from, to) = if flow > 0.0 { (b, a) } else { (a, b) };
+            let (from, receiver) = if flow > 0.0 { (b, a) } else { (a, b) };
             if flow != 0.0 && content[from] > 0.0 {
-                leaving[from].push((to as u32, flow.abs() / content[from]));
+                leaving[from].push((receiver as u32, flow.abs() / content[from]));
             }
         }
         let is_limited = limit(&mut leaving);
@@ -65,15 +65,15 @@ fn limit(leaving: &mut [Vec<(u32, f64)>]) -> bool {
 
 /// Moves shares of all parts of each new element to others. Returns the parts by old element.
 fn moved(parts: &[CommonPart], leaving: &[Vec<(u32, f64)>]) -> Vec<CommonPart> {
-    let mut all = Vec::with_capacity(2 * parts.len());
+    let mut divided = Vec::with_capacity(2 * parts.len());
     for part in parts {
         let list = &leaving[part.new as usize];
-        let left: f64 = list.iter().map(|(_, share)| share).sum();
-        all.push(CommonPart { share: part.share * (1.0 - left), ..*part });
-        all.extend(list.iter().map(|(new, share)| CommonPart { new: *new, share: part.share * share, ..*part }));
+        let share_leaving: f64 = list.iter().map(|(_, share)| share).sum();
+        divided.push(CommonPart { share: part.share * (1.0 - share_leaving), ..*part });
+        divided.extend(list.iter().map(|(new, share)| CommonPart { new: *new, share: part.share * share, ..*part }));
     }
-    all.sort_by_key(|part| (part.old, part.new));
-    all.chunk_by(|a, b| (a.old, a.new) == (b.old, b.new)).map(joined).collect()
+    divided.sort_by_key(|part| (part.old, part.new));
+    divided.chunk_by(|a, b| (a.old, a.new) == (b.old, b.new)).map(joined).collect()
 }
 
 /// Returns the sum of parts of the same pair of elements.

@@ -31,14 +31,15 @@ pub(super) fn repair(mesh: &mut BodyMesh, loops: &mut [Vec<BoundaryEdge>], kept:
 
 /// Moves nodes that are inside the body, and the edges that they have passed, apart. Returns whether any node moved.
 fn move_apart(mesh: &mut BodyMesh, loops: &[Vec<BoundaryEdge>], kept: &[bool]) -> bool {
-    let all: Vec<[u32; 2]> = loops.iter().flatten().map(|edge| edge.ends).collect();
+    let all_ends: Vec<[u32; 2]> = loops.iter().flatten().map(|edge| edge.ends).collect();
     let sizes: Vec<f64> = loops.iter().flatten().map(|edge| mesh.sizes[edge.side.0 as usize]).collect();
     let mut moves = false;
     for edges in loops {
         for at in 0..edges.len() {
-            let before = edges[(at + edges.len() - 1) % edges.len()].ends;
-            for (ends, size) in all.iter().zip(&sizes) {
-                moves |= move_node(&mut mesh.points, [before, edges[at].ends], (*ends, *size), (&all, kept));
+            let previous_ends = edges[(at + edges.len() - 1) % edges.len()].ends;
+            for (ends, size) in all_ends.iter().zip(&sizes) {
+                moves |=
+                    move_node(&mut mesh.points, [previous_ends, edges[at].ends], (*ends, *size), (&all_ends, kept));
             }
         }
     }
@@ -52,8 +53,8 @@ fn move_node(
     (ends, size): ([u32; 2], f64),
     (all, kept): (&[[u32; 2]], &[bool]),
 ) -> bool {
-    let own = [before[0], after[0], after[1]];
-    if ends.iter().any(|n| own.contains(n)) {
+    let own_nodes = [before[0], after[0], after[1]];
+    if ends.iter().any(|n| own_nodes.contains(n)) {
         return false;
     }
     let [a, b] = ends.inline_map(|n| points[n as usize]);
@@ -155,8 +156,8 @@ mod tests {
     }
 
     fn crosses(mesh: &BodyMesh, edges: &[BoundaryEdge]) -> bool {
-        let at = |edge: &BoundaryEdge| edge.ends.map(|n| mesh.points[n as usize]);
-        edges.iter().any(|a| edges.iter().any(|b| crossing(at(a), at(b)).is_some()))
+        let ends_of = |edge: &BoundaryEdge| edge.ends.map(|n| mesh.points[n as usize]);
+        edges.iter().any(|a| edges.iter().any(|b| crossing(ends_of(a), ends_of(b)).is_some()))
     }
 
     /// The two sides of a notch overlap at its tip: the notch ends where they cross.

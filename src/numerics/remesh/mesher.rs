@@ -53,20 +53,21 @@ fn mesh_with(
     field: &SizeField<'_>,
     factor: f64,
 ) -> Option<MeshRevision> {
-    let mut all: Vec<Vec<OutlinePoint>> = loops.iter().map(|edges| divide(graded, edges, rules.kept, factor)).collect();
-    for point in all.iter_mut().flatten().filter(|point| point.parents[0] != point.parents[1]) {
+    let mut outlines: Vec<Vec<OutlinePoint>> =
+        loops.iter().map(|edges| divide(graded, edges, rules.kept, factor)).collect();
+    for point in outlines.iter_mut().flatten().filter(|point| point.parents[0] != point.parents[1]) {
         let share = share_between(point.parents.inline_map(|n| graded.points[n as usize]), point.place);
         point.place = (rules.place)(point.parents, share).unwrap_or(point.place);
     }
-    repair_points(&mut all, &graded.sizes, rules.kept);
+    repair_points(&mut outlines, &graded.sizes, rules.kept);
     let (mut boundary, mut edges) = (Vec::new(), Vec::new());
-    for points in &all {
+    for points in &outlines {
         let (first, count) = (boundary.len() as u32, points.len() as u32);
         boundary.extend(points.iter().map(|p| p.place));
         edges.extend((0..count).map(|i| [first + i, first + (i + 1) % count]));
     }
     let triangles = fill(&boundary, &edges, &|place| factor * field.size(place))?;
-    let mut revision = filled(triangles, &all);
+    let mut revision = filled(triangles, &outlines);
     if has_loose_points(&revision.mesh) {
         return None;
     }
@@ -165,14 +166,14 @@ fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
     for quad in elements() {
         for i in (0..4).filter(|i| quad[*i] as usize == n) {
             for other in [quad[(i + 1) % 4], quad[(i + 3) % 4]].into_iter().filter(|other| *other as usize != n) {
-                let place = points[other as usize];
-                (sum, count) = ([sum[0] + place[0], sum[1] + place[1]], count + 1.0);
+                let neighbour = points[other as usize];
+                (sum, count) = ([sum[0] + neighbour[0], sum[1] + neighbour[1]], count + 1.0);
             }
         }
     }
-    let (before, old) = (worst(points), points[n]);
+    let (worst_before, old) = (worst(points), points[n]);
     points[n] = sum.inline_map(|x| x / count);
-    if worst(points) <= before {
+    if worst(points) <= worst_before {
         points[n] = old;
     }
 }
@@ -215,8 +216,8 @@ mod tests {
     #[test]
     fn a_block_is_filled_with_valid_elements_of_the_wanted_size() {
         let old = block(8, 16, |x, y| [x, 2.0 * y]);
-        let kept = vec![false; old.points.len()];
-        let new = new_mesh(&old, &rules(&kept), None).expect("a mesh");
+        let kept_nodes = vec![false; old.points.len()];
+        let new = new_mesh(&old, &rules(&kept_nodes), None).expect("a mesh");
         assert!((area(&new.mesh) - 2.0).abs() < 1e-12);
         let count = new.mesh.quads.len();
         assert!((100..160).contains(&count), "{count} elements");
@@ -236,8 +237,8 @@ mod tests {
             old.points.extend([[3.0, 0.0], [3.0 + width, 0.0], [3.0 + width, width], [3.0, width]]);
             old.quads.push([0, 1, 2, 3].map(|corner| first + corner));
             old.sizes.push(0.125);
-            let kept = vec![false; old.points.len()];
-            let new = new_mesh(&old, &rules(&kept), None).expect("a mesh");
+            let kept_nodes = vec![false; old.points.len()];
+            let new = new_mesh(&old, &rules(&kept_nodes), None).expect("a mesh");
             let is_used = |n: usize| new.mesh.quads.iter().flatten().any(|corner| *corner as usize == n);
             assert!((0..new.mesh.points.len()).all(is_used), "{width}");
             assert!((area(&new.mesh) - area(&old)).abs() < 1e-12, "{width}");
@@ -251,8 +252,8 @@ mod tests {
             let wide = 1.0 + 2.0 / (1.0 + (60.0 * (y - 0.08)) * (60.0 * (y - 0.08)).abs() + 1.0).abs();
             [x * wide, 4.0 * y]
         });
-        let kept = vec![false; old.points.len()];
-        let new = new_mesh(&old, &rules(&kept), None).expect("a mesh");
+        let kept_nodes = vec![false; old.points.len()];
+        let new = new_mesh(&old, &rules(&kept_nodes), None).expect("a mesh");
         assert!(new.mesh.quads.iter().all(|quad| corner_shape(quad, &new.mesh.points) > 0.1));
         let angle = sharpest(&new.mesh.quads, |n| new.mesh.points[n as usize]).to_degrees();
         assert!(angle > 10.0, "{angle} degrees");

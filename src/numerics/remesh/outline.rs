@@ -50,18 +50,18 @@ pub fn loops(mesh: &BodyMesh) -> Option<Vec<Vec<BoundaryEdge>>> {
         return None;
     }
     let mut used = vec![false; edges.len()];
-    let mut all = Vec::new();
+    let mut all_loops = Vec::new();
     for first in 0..edges.len() {
-        let (mut list, mut at) = (Vec::new(), first);
-        while !std::mem::replace(&mut used[at], true) {
-            list.push(edges[at]);
-            at = edges.binary_search_by_key(&edges[at].ends[1], |edge| edge.ends[0]).ok()?;
+        let (mut list, mut current) = (Vec::new(), first);
+        while !std::mem::replace(&mut used[current], true) {
+            list.push(edges[current]);
+            current = edges.binary_search_by_key(&edges[current].ends[1], |edge| edge.ends[0]).ok()?;
         }
         if !list.is_empty() {
-            all.push(list);
+            all_loops.push(list);
         }
     }
-    Some(all)
+    Some(all_loops)
 }
 
 /// Divides a loop into edges of about `factor` times the sizes of the elements. Corners, and the nodes that are `kept`,
@@ -87,19 +87,19 @@ fn ends_of_runs(mesh: &BodyMesh, edges: &[BoundaryEdge], kept: &[bool]) -> Vec<u
     let is_kept = |at: usize| kept[edges[at].ends[0] as usize];
     let mut corners: Vec<usize> = (0..count).filter(|&at| !is_kept(at) && is_corner(sharpness(at))).collect();
     corners.sort_by(|a, b| sharpness(*a).total_cmp(&sharpness(*b)).then(a.cmp(b)));
-    let mut all: Vec<usize> = (0..count).filter(|&at| is_kept(at)).collect();
+    let mut positions: Vec<usize> = (0..count).filter(|&at| is_kept(at)).collect();
     for corner in corners {
-        let place = |at: usize| mesh.points[edges[at].ends[0] as usize];
+        let point_at = |at: usize| mesh.points[edges[at].ends[0] as usize];
         let size = mesh.sizes[edges[corner].side.0 as usize];
-        if all.iter().all(|&other| distance(place(corner), place(other)) > NEAR * size) {
-            all.push(corner);
+        if positions.iter().all(|&other| distance(point_at(corner), point_at(other)) > NEAR * size) {
+            positions.push(corner);
         }
     }
-    if all.is_empty() {
-        all.push(0);
+    if positions.is_empty() {
+        positions.push(0);
     }
-    all.sort_unstable();
-    all
+    positions.sort_unstable();
+    positions
 }
 
 /// Returns whether two edges with this cosine between their directions have a corner between them.
@@ -136,19 +136,21 @@ fn divide_run(mesh: &BodyMesh, run: &[BoundaryEdge], factor: f64, points: &mut V
     let count = (total.round() as usize).max(1);
     let step = total / count as f64;
     for i in 0..count {
-        let wanted = i as f64 * step;
-        let nearest = sums.partition_point(|sum| *sum < wanted);
+        let target_length = i as f64 * step;
+        let nearest = sums.partition_point(|sum| *sum < target_length);
         let nodes = [nearest.saturating_sub(1), nearest].into_iter().filter(|at| *at < run.len());
-        let snapped = nodes.filter(|&at| (at > 0 || i == 0) && (sums[at] - wanted).abs() <= SNAP * step);
-        if let Some(at) = snapped.min_by(|a, b| (sums[*a] - wanted).abs().total_cmp(&(sums[*b] - wanted).abs())) {
+        let snapped = nodes.filter(|&at| (at > 0 || i == 0) && (sums[at] - target_length).abs() <= SNAP * step);
+        if let Some(at) =
+            snapped.min_by(|a, b| (sums[*a] - target_length).abs().total_cmp(&(sums[*b] - target_length).abs()))
+        {
             points.push(old_node(mesh, &run[at]));
             continue;
         }
-        let at = (sums.partition_point(|sum| *sum <= wanted) - 1).min(run.len() - 1);
-        let share = (wanted - sums[at]) / (sums[at + 1] - sums[at]);
-        let [a, b] = run[at].ends.inline_map(|n| mesh.points[n as usize]);
-        let place = [0, 1].inline_map(|k: usize| a[k] + share * (b[k] - a[k]));
-        points.push(OutlinePoint { place, parents: run[at].ends, side: run[at].side });
+        let edge_index = (sums.partition_point(|sum| *sum <= target_length) - 1).min(run.len() - 1);
+        let share = (target_length - sums[edge_index]) / (sums[edge_index + 1] - sums[edge_index]);
+        let [a, b] = run[edge_index].ends.inline_map(|n| mesh.points[n as usize]);
+        let point = [0, 1].inline_map(|k: usize| a[k] + share * (b[k] - a[k]));
+        points.push(OutlinePoint { place: point, parents: run[edge_index].ends, side: run[edge_index].side });
     }
 }
 
@@ -179,19 +181,19 @@ mod tests {
 
     #[test]
     fn a_uniform_outline_keeps_its_nodes() {
-        let (mesh, kept) = block(4, 6, |_, _| false);
-        let all = loops(&mesh).unwrap_or_default();
-        assert_eq!((all.len(), all[0].len()), (1, 20));
-        let points = divide(&mesh, &all[0], &kept, 1.0);
+        let (mesh, kept_nodes) = block(4, 6, |_, _| false);
+        let all_loops = loops(&mesh).unwrap_or_default();
+        assert_eq!((all_loops.len(), all_loops[0].len()), (1, 20));
+        let points = divide(&mesh, &all_loops[0], &kept_nodes, 1.0);
         assert_eq!(points.len(), 20);
         assert!(points.iter().all(|p| p.parents[0] == p.parents[1]));
     }
 
     #[test]
     fn kept_nodes_remain_and_new_nodes_are_on_old_edges() {
-        let (mesh, kept) = block(5, 8, |i, j| i == 5 && j == 3);
-        let all = loops(&mesh).unwrap_or_default();
-        let points = divide(&mesh, &all[0], &kept, 1.3);
+        let (mesh, kept_nodes) = block(5, 8, |i, j| i == 5 && j == 3);
+        let all_loops = loops(&mesh).unwrap_or_default();
+        let points = divide(&mesh, &all_loops[0], &kept_nodes, 1.3);
         assert!(points.iter().any(|p| p.place == [5.0, 3.0] && p.parents == [23, 23]));
         let is_on_edge = |p: [f64; 2]| p[0] == 0.0 || p[0] == 5.0 || p[1] == 0.0 || p[1] == 8.0;
         assert!(points.iter().all(|p| is_on_edge(p.place)));

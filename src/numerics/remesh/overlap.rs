@@ -30,17 +30,17 @@ pub fn common_parts(old: &BodyMesh, new: &BodyMesh) -> Vec<CommonPart> {
     let mut parts: Vec<CommonPart> = Vec::new();
     let (mut near, mut polygon, mut work) = (Vec::new(), Vec::new(), Vec::new());
     for (e, quad) in (0..).zip(&old.quads) {
-        let (own, first) = (old.corners(quad), parts.len());
+        let (own_corners, first) = (old.corners(quad), parts.len());
         near.clear();
-        boxes.near(box_of(&own), 0.0, |n| near.push(n));
+        boxes.near(box_of(&own_corners), 0.0, |n| near.push(n));
         near.sort_unstable();
         let mut whole = 0.0;
-        for triangle in triangles_of(own) {
+        for triangle in triangles_of(own_corners) {
             whole += ring(&triangle).0;
         }
         for &n in &near {
             let (mut volume, mut moment) = (0.0, [0.0; 2]);
-            for a in triangles_of(own) {
+            for a in triangles_of(own_corners) {
                 for b in triangles_of(cells[n as usize]) {
                     clip(&a, &b, &mut polygon, &mut work);
                     let (part, centre) = ring(&polygon);
@@ -55,7 +55,7 @@ pub fn common_parts(old: &BodyMesh, new: &BodyMesh) -> Vec<CommonPart> {
             }
         }
         if parts.len() == first {
-            let centre = middle(own);
+            let centre = middle(own_corners);
             parts.push(CommonPart { old: e, new: nearest(&cells, centre), share: 1.0, centre });
         }
         let sum: f64 = parts[first..].iter().map(|part| part.share).sum();
@@ -66,8 +66,8 @@ pub fn common_parts(old: &BodyMesh, new: &BodyMesh) -> Vec<CommonPart> {
 
 fn nearest(cells: &[[[f64; 2]; 4]], place: [f64; 2]) -> u32 {
     let apart = |cell: &[[f64; 2]; 4]| distance(middle(*cell), place);
-    let found = (0..).zip(cells).min_by(|a, b| apart(a.1).total_cmp(&apart(b.1)));
-    found.map_or(0, |(index, _)| index)
+    let closest = (0..).zip(cells).min_by(|a, b| apart(a.1).total_cmp(&apart(b.1)));
+    closest.map_or(0, |(index, _)| index)
 }
 
 /// Returns two triangles that make up an element.
@@ -85,12 +85,12 @@ fn clip(triangle: &[[f64; 2]; 3], other: &[[f64; 2]; 3], polygon: &mut Vec<[f64;
         work.clear();
         for k in 0..count {
             let (p, q) = (polygon[k], polygon[(k + 1) % count]);
-            let (own, next) = (inside(p), inside(q));
-            if own >= 0.0 {
+            let (own_side, next) = (inside(p), inside(q));
+            if own_side >= 0.0 {
                 work.push(p);
             }
-            if own * next < 0.0 {
-                let share = own / (own - next);
+            if own_side * next < 0.0 {
+                let share = own_side / (own_side - next);
                 work.push([0, 1].inline_map(|i: usize| p[i] + share * (q[i] - p[i])));
             }
         }

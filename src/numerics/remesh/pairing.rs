@@ -38,10 +38,10 @@ pub(super) fn elements(mesh: &TriangleMesh) -> Vec<[u32; 4]> {
         queue.remove(&(degree[best.triangle as usize], best.triangle));
         quads.push(best.quad);
         for other in [first, best.triangle].iter().flat_map(|t| &partners[*t as usize]) {
-            let at = other.triangle as usize;
-            if is_free[at] && queue.remove(&(degree[at], other.triangle)) {
-                degree[at] -= 1;
-                queue.insert((degree[at], other.triangle));
+            let index = other.triangle as usize;
+            if is_free[index] && queue.remove(&(degree[index], other.triangle)) {
+                degree[index] -= 1;
+                queue.insert((degree[index], other.triangle));
             }
         }
     }
@@ -80,8 +80,8 @@ mod tests {
     #[test]
     fn a_strip_keeps_one_triangle() {
         let points: Vec<[f64; 2]> = (0..9).map(|i| [0.5 * f64::from(i), if i % 2 == 0 { 0.0 } else { 0.8 }]).collect();
-        let own = |i: u32| if i.is_multiple_of(2) { [i, i + 2, i + 1] } else { [i, i + 1, i + 2] };
-        let mesh = TriangleMesh { points, triangles: [3, 0, 6, 1, 5, 2, 4].map(own).to_vec() };
+        let triangle_of = |i: u32| if i.is_multiple_of(2) { [i, i + 2, i + 1] } else { [i, i + 1, i + 2] };
+        let mesh = TriangleMesh { points, triangles: [3, 0, 6, 1, 5, 2, 4].map(triangle_of).to_vec() };
         let elements = elements(&mesh);
         assert_eq!((elements.len(), elements.iter().filter(|quad| is_triangle(quad)).count()), (4, 1));
     }

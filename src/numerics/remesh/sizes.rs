@@ -52,9 +52,9 @@ fn limit_by_curvature(mesh: &BodyMesh, angle: f64, limits: &mut [f64]) {
             let e = edges[at].side.0 as usize;
             let reach = mesh.sizes[e];
             let [before, after] = [false, true].inline_map(|ahead| point_along(mesh, &edges, at, (ahead, reach)));
-            let own = middle_of(mesh, &edges[at]);
-            let sides = distance(before, own) * distance(own, after) * distance(after, before);
-            let radius = sides / (2.0 * twice_area([before, own, after]).abs());
+            let middle_point = middle_of(mesh, &edges[at]);
+            let sides = distance(before, middle_point) * distance(middle_point, after) * distance(after, before);
+            let radius = sides / (2.0 * twice_area([before, middle_point, after]).abs());
             limits[e] = limits[e].min(angle * radius);
         }
     }
@@ -71,18 +71,18 @@ fn point_along(mesh: &BodyMesh, edges: &[BoundaryEdge], mut at: usize, (ahead, m
     let (count, end) = (edges.len(), usize::from(ahead));
     let mut from = middle_of(mesh, &edges[at]);
     for _ in 0..count {
-        let to = mesh.points[edges[at].ends[end] as usize];
-        let length = distance(from, to);
+        let end_point = mesh.points[edges[at].ends[end] as usize];
+        let length = distance(from, end_point);
         if length >= rest {
             let share = rest / length;
-            return [0, 1].inline_map(|i: usize| from[i] + share * (to[i] - from[i]));
+            return [0, 1].inline_map(|i: usize| from[i] + share * (end_point[i] - from[i]));
         }
         let next = if ahead { (at + 1) % count } else { (at + count - 1) % count };
         let pair = if ahead { [at, next] } else { [next, at] };
         if is_corner(cosine_between(mesh, pair.inline_map(|i| &edges[i]))) {
-            return to;
+            return end_point;
         }
-        (from, at, rest) = (to, next, rest - length);
+        (from, at, rest) = (end_point, next, rest - length);
     }
     from
 }
@@ -109,9 +109,9 @@ pub(super) fn graded_sizes(mesh: &BodyMesh, wanted: &[f64], middles: &[[f64; 2]]
         for (e, quad) in mesh.quads.iter().enumerate() {
             for other in quad.iter().flat_map(|n| &around[*n as usize]) {
                 let other = *other as usize;
-                let most = sizes[other] + GRADING * distance(middles[e], middles[other]);
-                if sizes[e] > most * (1.0 + 1e-9) {
-                    (sizes[e], changes) = (most, true);
+                let largest = sizes[other] + GRADING * distance(middles[e], middles[other]);
+                if sizes[e] > largest * (1.0 + 1e-9) {
+                    (sizes[e], changes) = (largest, true);
                 }
             }
         }

@@ -64,8 +64,10 @@ impl<'a> MeshTransfer<'a> {
             (0..=old.quads.len()).map(|e| parts.partition_point(|part| (part.old as usize) < e)).collect();
         let part_mass: Vec<f64> = parts.iter().map(|part| part.share * mass[part.old as usize]).collect();
         let centre = |e: usize| {
-            let own = &parts[first[e]..first[e + 1]];
-            own.iter().fold([0.0; 2], |sum, part| [0, 1].inline_map(|i: usize| sum[i] + part.share * part.centre[i]))
+            let own_parts = &parts[first[e]..first[e + 1]];
+            own_parts
+                .iter()
+                .fold([0.0; 2], |sum, part| [0, 1].inline_map(|i: usize| sum[i] + part.share * part.centre[i]))
         };
         let centres = (0..old.quads.len()).map(centre).collect();
         MeshTransfer { old, new, part_mass, centres, beside: neighbours(old), parts, first, mass }
@@ -147,8 +149,8 @@ impl<'a> MeshTransfer<'a> {
     /// Returns the gradients of an element by least squares over its neighbours, multiplied by the largest share up to 1
     /// for which the field in all parts stays in the range of the element and its neighbours (Barth and Jespersen 1989).
     fn gradient(&self, e: usize, values: &[Pack]) -> [[f64; PACK]; 2] {
-        let own = &values[e].0;
-        let (mut low, mut high, mut sums) = (*own, *own, [[0.0; PACK]; 2]);
+        let own_values = &values[e].0;
+        let (mut low, mut high, mut sums) = (*own_values, *own_values, [[0.0; PACK]; 2]);
         let [mut rr, mut zz, mut rz] = [0.0; 3];
         for other in self.beside[e].iter().map(|other| *other as usize) {
             let [r, z] = [0, 1].inline_map(|i: usize| self.centres[other][i] - self.centres[e][i]);
@@ -156,14 +158,14 @@ impl<'a> MeshTransfer<'a> {
             for l in 0..PACK {
                 let value = values[other].0[l];
                 (low[l], high[l]) = (low[l].min(value), high[l].max(value));
-                let difference = value - own[l];
+                let difference = value - own_values[l];
                 (sums[0][l], sums[1][l]) = (sums[0][l] + r * difference, sums[1][l] + z * difference);
             }
         }
         let mut gradient = [[0.0; PACK]; 2];
         for l in 0..PACK {
             let along = fitted([rr, zz, rz], [sums[0][l], sums[1][l]]);
-            let share = self.share(e, along, [low[l] - own[l], high[l] - own[l]]);
+            let share = self.share(e, along, [low[l] - own_values[l], high[l] - own_values[l]]);
             (gradient[0][l], gradient[1][l]) = (share * along[0], share * along[1]);
         }
         gradient
@@ -194,11 +196,11 @@ impl<'a> MeshTransfer<'a> {
         for ((quad, masses), momentum) in self.new.quads.iter().zip(masses).zip(&momentum) {
             for axis in 0..2 {
                 let corners = || quad.iter().zip(masses);
-                let own: f64 = corners().map(|(n, mass)| mass * velocities[*n as usize][axis]).sum();
+                let own_momentum: f64 = corners().map(|(n, mass)| mass * velocities[*n as usize][axis]).sum();
                 let free = |n: &u32| !held[*n as usize][axis];
                 let able: f64 = corners().filter(|c| free(c.0)).map(|c| c.1).sum();
                 for (n, mass) in corners().filter(|c| free(c.0)) {
-                    added[*n as usize][axis] += mass * (momentum[axis] - own) / able;
+                    added[*n as usize][axis] += mass * (momentum[axis] - own_momentum) / able;
                 }
             }
             quad.iter().zip(masses).for_each(|(n, mass)| node_mass[*n as usize] += mass);
@@ -213,13 +215,14 @@ impl<'a> MeshTransfer<'a> {
     fn momentum_of_elements(&self, motion: &BodyMotion) -> Vec<[f64; 2]> {
         let mut sums = vec![[0.0; 2]; self.new.quads.len()];
         for (e, quad) in self.old.quads.iter().enumerate() {
-            let (at, masses) = (self.old.corners(quad), &motion.masses[e]);
+            let (places, masses) = (self.old.corners(quad), &motion.masses[e]);
             let corners = quad.inline_map(|n| motion.velocities[n as usize]);
             for axis in 0..2 {
-                let of = corners.inline_map(|v| v[axis]);
-                let mean = (0..4).map(|i| masses[i] * of[i]).sum::<f64>() / self.mass[e];
-                let along = slope(at, of);
-                let bounds = [of.iter().copied().fold(mean, f64::min), of.iter().copied().fold(mean, f64::max)];
+                let component = corners.inline_map(|v| v[axis]);
+                let mean = (0..4).map(|i| masses[i] * component[i]).sum::<f64>() / self.mass[e];
+                let along = slope(places, component);
+                let bounds =
+                    [component.iter().copied().fold(mean, f64::min), component.iter().copied().fold(mean, f64::max)];
                 let share = self.share(e, along, bounds.inline_map(|bound| bound - mean));
                 for k in self.first[e]..self.first[e + 1] {
                     let part = &self.parts[k];
@@ -260,8 +263,8 @@ pub fn interpolated(mesh: &BodyMesh, values: &[[f64; 2]], at: &[[f64; 2]]) -> Ve
 
 /// Returns the nodes of the triangles of positive area that make up an element.
 fn triangles_of(mesh: &BodyMesh, quad: &[u32; 4]) -> impl Iterator<Item = ([u32; 3], [[f64; 2]; 3])> {
-    let at = mesh.corners(quad);
-    let pair = halves(at).inline_map(|list| (list.inline_map(|i| quad[i]), list.inline_map(|i| at[i])));
+    let places = mesh.corners(quad);
+    let pair = halves(places).inline_map(|list| (list.inline_map(|i| quad[i]), list.inline_map(|i| places[i])));
     pair.into_iter().filter(|(_, corners)| twice_area(*corners) > 0.0)
 }
 
@@ -340,8 +343,8 @@ mod tests {
                 mesh.sizes.push(1.0 / f64::from(n));
             }
         }
-        let kept = vec![false; mesh.points.len()];
-        let rules = OutlineRules { kept: &kept, place: &|_, _| None };
+        let kept_nodes = vec![false; mesh.points.len()];
+        let rules = OutlineRules { kept: &kept_nodes, place: &|_, _| None };
         let new = new_mesh(&mesh, &rules, None).expect("a mesh");
         [mesh, new.mesh]
     }
@@ -376,8 +379,8 @@ mod tests {
             let (values, motion) = state(&old);
             let transfer = MeshTransfer::new([&old, &new], common_parts(&old, &new), &motion.masses);
             let masses = transfer.masses();
-            let held: Vec<[bool; 2]> = new.points.iter().map(|p| [p[0] == 0.0, false]).collect();
-            let velocities = transfer.velocities(&motion, &masses, &held);
+            let held_axes: Vec<[bool; 2]> = new.points.iter().map(|p| [p[0] == 0.0, false]).collect();
+            let velocities = transfer.velocities(&motion, &masses, &held_axes);
             let moved = transfer.values(&values);
             let whole = |m: &[f64; 4]| m.iter().sum::<f64>();
             let sum = |masses: &[[f64; 4]], values: &[Pack]| {
@@ -387,9 +390,9 @@ mod tests {
             assert!((mass(&masses) / mass(&motion.masses) - 1.0).abs() < 1e-13);
             assert!((sum(&masses, &moved) / sum(&motion.masses, &values) - 1.0).abs() < 1e-12);
             let arrived = BodyMotion { masses, velocities };
-            let (before, after) = (motion.momentum(&old), arrived.momentum(&new));
+            let (momentum_before, after) = (motion.momentum(&old), arrived.momentum(&new));
             for axis in 0..2 {
-                assert!((after[axis] / before[axis] - 1.0).abs() < 1e-12, "{before:?} {after:?}");
+                assert!((after[axis] / momentum_before[axis] - 1.0).abs() < 1e-12, "{momentum_before:?} {after:?}");
             }
             let kinetic = [motion.kinetic(&old), arrived.kinetic(&new)];
             let (mut error, mut fastest) = (0.0, 0.0);

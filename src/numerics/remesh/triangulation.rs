@@ -107,13 +107,14 @@ fn triangulated(points: &[[f64; 2]], edges: &[[u32; 2]]) -> Option<Delaunay> {
 }
 
 fn triangles(delaunay: &Delaunay, points: &[[f64; 2]], polygon: &Boundary<'_>) -> Vec<[u32; 3]> {
-    let all = delaunay.inner_faces().map(|face| face.vertices().map(|v| v.fix().index() as u32));
-    all.filter(|t| {
-        let [a, b, c] = t.inline_map(|n| points[n as usize]);
-        let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
-        twice_area([a, b, c]) > 2.0 * FLATTEST * longest * longest && polygon.encloses(middle([a, b, c]))
-    })
-    .collect()
+    let faces = delaunay.inner_faces().map(|face| face.vertices().map(|v| v.fix().index() as u32));
+    faces
+        .filter(|t| {
+            let [a, b, c] = t.inline_map(|n| points[n as usize]);
+            let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+            twice_area([a, b, c]) > 2.0 * FLATTEST * longest * longest && polygon.encloses(middle([a, b, c]))
+        })
+        .collect()
 }
 
 /// Returns the mean of the corners of a triangle.
@@ -130,6 +131,13 @@ fn circumcircle([a, b, c]: [[f64; 2]; 3]) -> ([f64; 2], f64) {
     ([a[0] + r, a[1] + z], (r * r + z * z).sqrt())
 }
 
+/// Point that can be added: the circumcentre of a triangle, its radius relative to the wanted length, and that length.
+struct PointCandidate {
+    centre: [f64; 2],
+    relative_radius: f64,
+    length: f64,
+}
+
 /// Returns circumcentres of large and slender triangles with distances from each other and from all points; the worst
 /// triangles first.
 fn wanted_points(
@@ -138,7 +146,7 @@ fn wanted_points(
     polygon: &Boundary<'_>,
     size: &dyn Fn([f64; 2]) -> f64,
 ) -> Vec<[f64; 2]> {
-    let mut wanted: Vec<(f64, [f64; 2], f64)> = Vec::new();
+    let mut candidates = Vec::new();
     for triangle in triangles(delaunay, points, polygon) {
         let corners = triangle.inline_map(|n| points[n as usize]);
         let (centre, radius) = circumcircle(corners);
@@ -147,12 +155,15 @@ fn wanted_points(
         let shortest = sides[0].min(sides[1]).min(sides[2]);
         let is_bad = radius > LARGE * length || radius > SLENDER * shortest && radius > 0.5 * length;
         if is_bad && centre.iter().all(|x| x.is_finite()) {
-            wanted.push((radius / length, centre, length));
+            candidates.push(PointCandidate { centre, relative_radius: radius / length, length });
         }
     }
-    wanted.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1[0].total_cmp(&b.1[0])).then(a.1[1].total_cmp(&b.1[1])));
+    candidates.sort_by(|a, b| {
+        let by_place = a.centre[0].total_cmp(&b.centre[0]).then(a.centre[1].total_cmp(&b.centre[1]));
+        b.relative_radius.total_cmp(&a.relative_radius).then(by_place)
+    });
     let mut added: Vec<[f64; 2]> = Vec::new();
-    for (_, centre, length) in wanted {
+    for PointCandidate { centre, length, .. } in candidates {
         let is_free = |list: &[[f64; 2]]| list.iter().all(|p| distance(*p, centre) > APART * length);
         if is_free(&added)
             && is_free(points)
@@ -169,8 +180,8 @@ fn wanted_points(
 fn smooth(triangles: &[[u32; 3]], fixed: usize, points: &mut [[f64; 2]]) {
     let mut sums = vec![([0.0; 2], 0.0); points.len()];
     for triangle in triangles {
-        let at = triangle.inline_map(|n| points[n as usize]);
-        let (area, [a, b, c]) = (twice_area(at), at);
+        let corners = triangle.inline_map(|n| points[n as usize]);
+        let (area, [a, b, c]) = (twice_area(corners), corners);
         for n in triangle {
             let (sum, weight) = &mut sums[*n as usize];
             *sum = [0, 1].inline_map(|i: usize| sum[i] + area * (a[i] + b[i] + c[i]) / 3.0);

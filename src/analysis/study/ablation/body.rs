@@ -17,11 +17,11 @@ pub(super) const LIST: &[EffectRemoval] = &[EffectRemoval::new(
 fn velocity(model: &Model) -> Option<f64> {
     let driven = |kind: &LoadKind| matches!(kind, LoadKind::Cavity { .. } | LoadKind::User { .. });
     let loaded = model.steps.iter().any(|s| s.loads.iter().any(|l| driven(&l.kind)));
-    let held = model.steps.iter().any(|s| s.has_contact() || s.boundaries.iter().any(|b| b.dof == 2));
+    let is_constrained = model.steps.iter().any(|s| s.has_contact() || s.boundaries.iter().any(|b| b.dof == 2));
     let joined = !model.rigid_bodies.is_empty()
         || !model.discrete.connectors.is_empty()
         || !model.constraints.equations.is_empty();
-    if !loaded || held || joined || model.sections.is_empty() || !model.shell_sections.is_empty() {
+    if !loaded || is_constrained || joined || model.sections.is_empty() || !model.shell_sections.is_empty() {
         return None;
     }
     let mut speed = None;

@@ -40,7 +40,7 @@ pub struct ReducedModel {
 
 /// Returns the effects that can be removed from a model, in the order of the ledger.
 pub fn omissions(model: &Model) -> Vec<ReducedModel> {
-    let of = |list: &'static [EffectRemoval]| {
+    let removals_of = |list: &'static [EffectRemoval]| {
         let present = list.iter().filter(|effect| (effect.present)(model));
         present.map(|effect| ReducedModel {
             name: effect.name.into(),
@@ -48,6 +48,9 @@ pub fn omissions(model: &Model) -> Vec<ReducedModel> {
             edit: Box::new(effect.edit),
         })
     };
-    let rest = [target::LIST, material::LIST, numerics::LIST, body::LIST];
-    of(loads::LIST).chain(target::layers_left_out(model)).chain(rest.into_iter().flat_map(of)).collect()
+    let other_lists = [target::LIST, material::LIST, numerics::LIST, body::LIST];
+    removals_of(loads::LIST)
+        .chain(target::layers_left_out(model))
+        .chain(other_lists.into_iter().flat_map(removals_of))
+        .collect()
 }

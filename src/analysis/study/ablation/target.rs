@@ -71,14 +71,14 @@ fn laws(model: &Model, target: TargetId) -> impl Iterator<Item = &MaterialDefini
 
 /// Returns target and index of each layer whose neighbour has a different material.
 fn layers(model: &Model) -> Vec<(TargetId, usize)> {
-    let of = |t: TargetId| {
+    let replaceable_layers = |t: TargetId| {
         let layers = &model.targets[t].layers;
         // A layer next to a gap is not replaced: the layer beyond the gap belongs to a different plate.
         let instead = move |l: usize| layers[neighbour(l)].material.filter(|m| Some(*m) != layers[l].material);
         let differs = move |l: &usize| layers.len() > 1 && instead(*l).is_some();
         (0..layers.len()).filter(differs).map(move |l| (t, l))
     };
-    loaded(model).flat_map(of).collect()
+    loaded(model).flat_map(replaceable_layers).collect()
 }
 
 fn neighbour(layer: usize) -> usize {
@@ -112,8 +112,8 @@ fn entering(model: &Model) -> impl Iterator<Item = (TargetId, f64)> + '_ {
 fn surface_distances(model: &Model, target: &TargetStack, id: TargetId) -> Option<[f64; 2]> {
     let faces = sides_into(model, id).flat_map(|s| &s.faces);
     let nodes = faces.filter_map(|&(element, side)| model.mesh.side_nodes(element, side)).flatten();
-    let before = nodes.map(|n| (target.front - model.mesh.points[n][1]) * target.direction);
-    before.fold(None, |range: Option<[f64; 2]>, d| {
+    let distances = nodes.map(|n| (target.front - model.mesh.points[n][1]) * target.direction);
+    distances.fold(None, |range: Option<[f64; 2]>, d| {
         let [low, high] = range.unwrap_or([d, d]);
         Some([low.min(d), high.max(d)])
     })

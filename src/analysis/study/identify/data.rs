@@ -123,8 +123,8 @@ impl MeasuredData {
                     );
                 }
             } else {
-                let found = table.observation(shot, column, [shot, series])?;
-                self.add(request.quantity.clone(), Observation { deviation: common, ..found });
+                let observation = table.observation(shot, column, [shot, series])?;
+                self.add(request.quantity.clone(), Observation { deviation: common, ..observation });
             }
         }
         self.series.push(request.column.clone());

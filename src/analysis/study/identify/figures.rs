@@ -30,7 +30,7 @@ const MARK: Colour = 0xd5_5e_00;
 /// of curves or over the first known parameter. `band` has the limits of the prediction of each observation; empty
 /// without a posterior.
 pub fn prediction_chart(data: &MeasuredData, title: &str, series: usize, computed: &[f64], band: &[[f64; 2]]) -> Chart {
-    let mut all = Vec::new();
+    let mut drawn_series = Vec::new();
     let of_series = |o: &&(usize, &Observation)| o.1.series == series;
     let numbered: Vec<(usize, &Observation)> = data.observations.iter().enumerate().collect();
     let is_curve = numbered.iter().filter(of_series).any(|(_, o)| o.abscissa.is_some());
@@ -49,15 +49,19 @@ pub fn prediction_chart(data: &MeasuredData, title: &str, series: usize, compute
         if !band.is_empty() && line {
             let mut edges = along(&|i| band[i][0]);
             edges.extend(along(&|i| band[i][1]).into_iter().rev());
-            all.push(ChartSeries::new(format!("95 % of predictions{name}"), SeriesForm::Band, edges));
+            drawn_series.push(ChartSeries::new(format!("95 % of predictions{name}"), SeriesForm::Band, edges));
         }
         let measured = along(&|i| data.observations[i].value);
-        all.push(ChartSeries::new(format!("{}{name}, measured", data.series[series]), SeriesForm::Marks, measured));
+        drawn_series.push(ChartSeries::new(
+            format!("{}{name}, measured", data.series[series]),
+            SeriesForm::Marks,
+            measured,
+        ));
         let form = if line { SeriesForm::Line } else { SeriesForm::Marks };
-        all.push(ChartSeries::new(format!("computed{name}"), form, along(&|i| computed[i])));
+        drawn_series.push(ChartSeries::new(format!("computed{name}"), form, along(&|i| computed[i])));
     }
     let x = if is_curve { "x" } else { data.names.first().map_or("shot", String::as_str) };
-    Chart::new(title, [x, &data.series[series]], all)
+    Chart::new(title, [x, &data.series[series]], drawn_series)
 }
 
 fn chart_abscissa(data: &MeasuredData, observation: &Observation) -> f64 {
@@ -125,16 +129,16 @@ impl CornerPlot<'_> {
                 counts[bin] += 1;
             }
         }
-        let most = counts.iter().copied().max().unwrap_or(0).max(1) as f64;
+        let highest_count = counts.iter().copied().max().unwrap_or(0).max(1) as f64;
         let ([x, y], width) = (self.corner(parameter, parameter), self.side / BINS as f64);
         for (bin, count) in counts.into_iter().enumerate() {
-            let height = 0.92 * self.side * count as f64 / most;
+            let height = 0.92 * self.side * count as f64 / highest_count;
             let corner = [x + bin as f64 * width, y + self.side - height];
             self.drawing.rectangle(corner, [width, height], ShapePaint::fill(COLOUR, 0.6));
         }
         for (value, stroke) in [(estimate.low, 1.0), (estimate.value, 2.0), (estimate.high, 1.0)] {
-            let at = x + self.part(parameter, value) * self.side;
-            self.drawing.path([[at, y], [at, y + self.side]], false, ShapePaint::stroke(MARK, stroke));
+            let line_x = x + self.part(parameter, value) * self.side;
+            self.drawing.path([[line_x, y], [line_x, y + self.side]], false, ShapePaint::stroke(MARK, stroke));
         }
         let [value, low, high] = [estimate.value, estimate.low, estimate.high].map(short);
         let text = format!("{value} ({low} to {high})");
@@ -150,11 +154,11 @@ impl CornerPlot<'_> {
                 counts[j * BINS + i] += 1;
             }
         }
-        let most = counts.iter().copied().max().unwrap_or(0).max(1) as f64;
+        let highest_count = counts.iter().copied().max().unwrap_or(0).max(1) as f64;
         let ([x, y], width) = (self.corner(row, column), self.side / BINS as f64);
         for (place, count) in counts.into_iter().enumerate().filter(|bin| bin.1 > 0) {
             let corner = [x + (place % BINS) as f64 * width, y + self.side - (place / BINS + 1) as f64 * width];
-            let paint = ShapePaint::fill(COLOUR, 0.1 + 0.9 * count as f64 / most);
+            let paint = ShapePaint::fill(COLOUR, 0.1 + 0.9 * count as f64 / highest_count);
             self.drawing.rectangle(corner, [width, width], paint);
         }
         self.draw_frame(row, column);

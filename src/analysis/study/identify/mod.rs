@@ -136,7 +136,7 @@ impl<'a> IdentificationProblem<'a> {
 
     /// Returns the initial points of the fits.
     fn starts(&self, count: usize) -> Result<Vec<Vec<f64>>, StudyError> {
-        let mut all = vec![self.unknowns.iter().map(|u| u.start).collect::<Vec<f64>>()];
+        let mut points = vec![self.unknowns.iter().map(|u| u.start).collect::<Vec<f64>>()];
         for i in 1..count {
             let mut draws = draws(0, i as u64);
             let value = |unknown: &UnknownParameter| {
@@ -145,9 +145,9 @@ impl<'a> IdentificationProblem<'a> {
                 let [low, high] = unknown.bounds.ok_or_else(wrong)?;
                 Ok(low + unit(draws.next_u64()) * (high - low))
             };
-            all.push(self.unknowns.iter().map(value).collect::<Result<_, StudyError>>()?);
+            points.push(self.unknowns.iter().map(value).collect::<Result<_, StudyError>>()?);
         }
-        Ok(all)
+        Ok(points)
     }
 }
 

@@ -104,12 +104,12 @@ pub fn posterior(
     let wrong = |e: rayon::ThreadPoolBuildError| StudyError::Setting(format!("cannot start threads: {e}"));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(problem.threads).build().map_err(wrong)?;
     let likelihood = PosteriorDensity::new(problem, fit, request.model_error, look);
-    let mut found = pool.install(|| ensembles(&likelihood, fit, request))?;
-    found.predictions = likelihood.predictions(&found.draws, request.seed)?;
-    found.runs = likelihood.runs.load(Ordering::Relaxed);
+    let mut posterior = pool.install(|| ensembles(&likelihood, fit, request))?;
+    posterior.predictions = likelihood.predictions(&posterior.draws, request.seed)?;
+    posterior.runs = likelihood.runs.load(Ordering::Relaxed);
     let width = problem.unknowns.len();
-    found.draws.iter_mut().for_each(|draw| draw[width..].iter_mut().for_each(|s| *s = libm::exp(*s)));
-    Ok(found)
+    posterior.draws.iter_mut().for_each(|draw| draw[width..].iter_mut().for_each(|s| *s = libm::exp(*s)));
+    Ok(posterior)
 }
 
 /// Runs all ensembles until they agree.
@@ -243,9 +243,9 @@ impl<'a> PosteriorDensity<'a> {
                 None => self.spread_over_bounds(parameters)?,
             }
             deviations.iter_mut().zip(&self.scales).for_each(|(ln, s)| *ln = libm::log(*s) + 0.2 * normal());
-            let all = [&*parameters, &*deviations].concat();
-            if self.log_prob(&all).is_finite() {
-                return Ok(all);
+            let candidate = [&*parameters, &*deviations].concat();
+            if self.log_prob(&candidate).is_finite() {
+                return Ok(candidate);
             }
         }
         Err(StudyError::Comparison("the runs around the fitted parameters fail: give narrower bounds".into()))
@@ -314,9 +314,10 @@ impl<'a> PosteriorDensity<'a> {
     fn diagnose(&self, chains: &[Vec<Vec<f64>>], walkers: usize) -> ChainDiagnostics {
         let steps = chains[0].len() / walkers;
         let of_parameter = |i: usize| {
-            let kept = |chain: &Vec<Vec<f64>>| chain[steps / 2 * walkers..].iter().map(|s| s[i]).collect::<Vec<f64>>();
-            let kept: Vec<Vec<f64>> = chains.iter().map(kept).collect();
-            (r_hat(&kept), kept.iter().map(|values| effective_size(values, walkers)).sum::<f64>())
+            let retained_half =
+                |chain: &Vec<Vec<f64>>| chain[steps / 2 * walkers..].iter().map(|s| s[i]).collect::<Vec<f64>>();
+            let retained_values: Vec<Vec<f64>> = chains.iter().map(retained_half).collect();
+            (r_hat(&retained_values), retained_values.iter().map(|values| effective_size(values, walkers)).sum::<f64>())
         };
         let (r_hat, effective) = (0..self.size()).map(of_parameter).unzip();
         ChainDiagnostics { r_hat, effective }
@@ -411,8 +412,8 @@ mod tests {
                 x
             })
             .collect();
-        let found = effective_size(&chain, 1);
-        assert!((found * 9.0 / 1e5 - 1.0).abs() < 0.1, "{found}");
+        let effective = effective_size(&chain, 1);
+        assert!((effective * 9.0 / 1e5 - 1.0).abs() < 0.1, "{effective}");
     }
 
     #[test]

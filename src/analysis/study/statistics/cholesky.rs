@@ -14,11 +14,11 @@ impl CholeskyFactor {
         for i in 0..size {
             for j in 0..=i {
                 let dot: f64 = (0..j).map(|k| rows[i * size + k] * rows[j * size + k]).sum();
-                let rest = matrix[i * size + j] - dot;
+                let difference = matrix[i * size + j] - dot;
                 rows[i * size + j] = if i > j {
-                    rest / rows[j * size + j]
-                } else if rest > least * matrix[i * size + i] {
-                    rest.sqrt()
+                    difference / rows[j * size + j]
+                } else if difference > least * matrix[i * size + i] {
+                    difference.sqrt()
                 } else {
                     return None;
                 };

@@ -144,9 +144,9 @@ impl SampleDesign {
         match &mut self.set {
             SetState::None => point.iter_mut().for_each(|u| *u = unit(draws.next_u64())),
             SetState::Latin(strata) => {
-                let at = self.next - self.first;
+                let index_in_set = self.next - self.first;
                 for (u, strata) in point.iter_mut().zip(strata) {
-                    *u = (f64::from(strata[at]) + unit(draws.next_u64())) / strata.len() as f64;
+                    *u = (f64::from(strata[index_in_set]) + unit(draws.next_u64())) / strata.len() as f64;
                 }
             }
             SetState::Sobol(sequence, keys) => {
@@ -176,8 +176,8 @@ const SCRAMBLED: u32 = 32;
 fn scrambled(digits: u64, key: u64) -> u64 {
     let mut turned = digits;
     for place in 0..SCRAMBLED {
-        let before = digits.checked_shr(64 - place).unwrap_or(0);
-        turned ^= (mix(key ^ mix(before << 6 | u64::from(place))) & 1) << (63 - place);
+        let preceding_digits = digits.checked_shr(64 - place).unwrap_or(0);
+        turned ^= (mix(key ^ mix(preceding_digits << 6 | u64::from(place))) & 1) << (63 - place);
     }
     let low = u64::MAX >> SCRAMBLED;
     turned & !low | mix(key.wrapping_add(turned & !low)) & low
@@ -222,13 +222,13 @@ mod tests {
     #[test]
     fn each_stratum_has_one_point() {
         for (sampling, count) in [(SamplingScheme::Latin, 1003), (SamplingScheme::Sobol, 16 * 64)] {
-            let all = points(sampling, 4, count, 3);
+            let coordinates = points(sampling, 4, count, 3);
             let sets = SampleDesign::sets(sampling, count);
             for ends in sets.windows(2) {
                 let size = ends[1] - ends[0];
                 for number in 0..4 {
                     let mut strata: Vec<usize> =
-                        (ends[0]..ends[1]).map(|i| (all[4 * i + number] * size as f64) as usize).collect();
+                        (ends[0]..ends[1]).map(|i| (coordinates[4 * i + number] * size as f64) as usize).collect();
                     strata.sort_unstable();
                     assert!(strata.into_iter().eq(0..size), "{sampling:?}, number {number}");
                 }
@@ -259,8 +259,8 @@ mod tests {
     /// The 64 points of a set have one point in each of the 8 x 8 squares of the first two dimensions.
     #[test]
     fn scrambling_preserves_the_net_property() {
-        let all = points(SamplingScheme::Sobol, 2, 16 * 64, 11);
-        for set in all.chunks(2 * 64) {
+        let coordinates = points(SamplingScheme::Sobol, 2, 16 * 64, 11);
+        for set in coordinates.chunks(2 * 64) {
             let mut squares: Vec<usize> =
                 set.chunks(2).map(|p| (8.0 * p[0]) as usize * 8 + (8.0 * p[1]) as usize).collect();
             squares.sort_unstable();

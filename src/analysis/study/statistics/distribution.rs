@@ -166,11 +166,14 @@ mod tests {
             ("truncated(normal(3, 1), 2, 4)", 3.0, 0.539_560),
             ("truncated( normal(3,1), -inf, inf )", 3.0, 1.0),
         ] {
-            let of = parse(text);
-            let [m, s] = moments(&of);
+            let distribution = parse(text);
+            let [m, s] = moments(&distribution);
             assert!((m - mean).abs() < 1e-3 * deviation && (s / deviation - 1.0).abs() < 1e-3, "{text}: {m} {s}");
             for part in [1e-6, 0.1, 0.5, 0.9, 1.0 - 1e-6] {
-                assert!((of.cumulative(of.quantile(part)) - part).abs() < 1e-12, "{text} at {part}");
+                assert!(
+                    (distribution.cumulative(distribution.quantile(part)) - part).abs() < 1e-12,
+                    "{text} at {part}"
+                );
             }
         }
         let cut = parse("truncated(normal(0, 1), 1, 2)");

@@ -28,23 +28,23 @@ struct IndexSums(Vec<f64>);
 /// (Comput. Phys. Commun. 117 (1999) 35). Confidence intervals: percentile bootstrap over rows.
 pub fn indices(rows: &[f64], inputs: usize, seed: u64) -> Option<SobolIndices> {
     let width = inputs + 2;
-    let good = || rows.chunks_exact(width).filter(|row| row.iter().all(|f| f.is_finite()));
-    let count = good().count();
+    let finite_rows = || rows.chunks_exact(width).filter(|row| row.iter().all(|f| f.is_finite()));
+    let count = finite_rows().count();
     if count < 2 {
         return None;
     }
     // Subtracting the mean reduces the variance of the numerators.
-    let mean = good().map(|row| 0.5 * (row[0] + row[1])).sum::<f64>() / count as f64;
-    let terms: Vec<f64> = good().flat_map(|row| terms(row, mean)).collect();
+    let mean = finite_rows().map(|row| 0.5 * (row[0] + row[1])).sum::<f64>() / count as f64;
+    let terms: Vec<f64> = finite_rows().flat_map(|row| terms(row, mean)).collect();
     let sums = |rows: &mut dyn Iterator<Item = usize>| {
         let mut sums = vec![0.0; 2 * inputs + 2];
         for row in rows {
-            let of = &terms[row * sums.len()..(row + 1) * sums.len()];
-            sums.iter_mut().zip(of).for_each(|(sum, term)| *sum += term);
+            let row_terms = &terms[row * sums.len()..(row + 1) * sums.len()];
+            sums.iter_mut().zip(row_terms).for_each(|(sum, term)| *sum += term);
         }
         IndexSums(sums)
     };
-    let found = sums(&mut (0..count)).indices(count)?;
+    let index_values = sums(&mut (0..count)).indices(count)?;
     let mut resampled = vec![Vec::with_capacity(RESAMPLED); 2 * inputs];
     for again in 0..RESAMPLED {
         let mut draws = draws(seed, again as u64);
@@ -57,9 +57,9 @@ pub fn indices(rows: &[f64], inputs: usize, seed: u64) -> Option<SobolIndices> {
         list.sort_by(f64::total_cmp);
         IntervalEstimate { value, low: between(list, TAIL), high: between(list, 1.0 - TAIL) }
     };
-    let mut all: Vec<IntervalEstimate> = found.into_iter().zip(&mut resampled).map(estimate).collect();
-    let total = all.split_off(inputs);
-    Some(SobolIndices { first: all, total })
+    let mut intervals: Vec<IntervalEstimate> = index_values.into_iter().zip(&mut resampled).map(estimate).collect();
+    let total = intervals.split_off(inputs);
+    Some(SobolIndices { first: intervals, total })
 }
 
 fn terms(row: &[f64], mean: f64) -> impl Iterator<Item = f64> {
@@ -120,17 +120,17 @@ mod tests {
         // Twenty seeds and six indices: 114 of 120 intervals are expected to contain the exact value.
         let mut inside = 0;
         for seed in 0..20 {
-            let found = of_ishigami(SamplingScheme::Random, 1024, seed);
-            let all: Vec<IntervalEstimate> = found.first.into_iter().chain(found.total).collect();
-            inside += all.iter().zip(exact).filter(|(found, exact)| found.holds(*exact)).count();
+            let sobol = of_ishigami(SamplingScheme::Random, 1024, seed);
+            let intervals: Vec<IntervalEstimate> = sobol.first.into_iter().chain(sobol.total).collect();
+            inside += intervals.iter().zip(exact).filter(|(sobol, exact)| sobol.holds(*exact)).count();
         }
         println!("{inside} of 120 inside");
         assert!((108..=120).contains(&inside), "{inside}");
         // With the Sobol sequence the errors are a few thousandths, and the intervals contain the exact values.
-        let found = of_ishigami(SamplingScheme::Sobol, 1 << 14, 1);
-        for (found, exact) in found.first.iter().chain(&found.total).zip(exact) {
-            println!("{found:?} {exact}");
-            assert!(found.holds(exact) && (found.value - exact).abs() < 5e-3 && found.high - found.low < 0.08);
+        let sobol = of_ishigami(SamplingScheme::Sobol, 1 << 14, 1);
+        for (sobol, exact) in sobol.first.iter().chain(&sobol.total).zip(exact) {
+            println!("{sobol:?} {exact}");
+            assert!(sobol.holds(exact) && (sobol.value - exact).abs() < 5e-3 && sobol.high - sobol.low < 0.08);
         }
     }
 

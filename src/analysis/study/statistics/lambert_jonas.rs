@@ -31,23 +31,27 @@ pub fn fit(shots: &[(f64, f64)], limit: f64) -> Option<LambertJonasFit> {
         return None;
     }
     let model = &mut |points: &[Vec<f64>]| -> Result<Vec<Vec<f64>>, std::convert::Infallible> {
-        let of = |point: &Vec<f64>| {
+        let residuals_at = |point: &Vec<f64>| {
             let [a, p, limit] = [point[0], point[1], point[2]];
             let sound = a > 0.0 && (0.3..50.0).contains(&p) && limit > 0.0 && limit < slowest;
             let value = |v: f64| if sound { residual([a, p, limit], v) } else { f64::NAN };
             shots.iter().map(|(v, known)| value(*v) - known).collect()
         };
-        Ok(points.iter().map(of).collect())
+        Ok(points.iter().map(residuals_at).collect())
     };
     let fit = match least_squares::fit(&[1.0, 2.0, limit], 1e-4, model) {
         Ok(fit) => fit?,
         Err(never) => match never {},
     };
-    let all = fit.estimates();
-    if !all.iter().all(|e| e.high - e.low < e.value.abs()) {
+    let intervals = fit.estimates();
+    if !intervals.iter().all(|e| e.high - e.low < e.value.abs()) {
         return None;
     }
-    Some(LambertJonasFit { estimates: [all[0], all[1], all[2]], deviation: fit.deviation(), converged: fit.converged })
+    Some(LambertJonasFit {
+        estimates: [intervals[0], intervals[1], intervals[2]],
+        deviation: fit.deviation(),
+        converged: fit.converged,
+    })
 }
 
 #[cfg(test)]

@@ -136,8 +136,8 @@ fn square(residuals: &[f64]) -> f64 {
 /// Returns the point with the smallest sum of squares; `None` if the model cannot be evaluated at any point.
 fn best<E>(model: &mut ResidualFunction<'_, E>, points: Vec<Vec<f64>>) -> Result<Option<EvaluatedPoint>, E> {
     let residuals = model(&points)?;
-    let all = points.into_iter().zip(residuals).map(|(at, residuals)| EvaluatedPoint { at, residuals });
-    Ok(all.filter(|p| p.cost().is_finite()).min_by(|a, b| a.cost().total_cmp(&b.cost())))
+    let evaluated = points.into_iter().zip(residuals).map(|(at, residuals)| EvaluatedPoint { at, residuals });
+    Ok(evaluated.filter(|p| p.cost().is_finite()).min_by(|a, b| a.cost().total_cmp(&b.cost())))
 }
 
 /// Jacobian of the residuals, and the parameters whose difference quotients are one-sided.
@@ -155,16 +155,16 @@ fn jacobian<E>(
 ) -> Result<ResidualJacobian, E> {
     let step = |i: usize| steps[i].max(part * here.at[i].abs());
     let shifted = |i: usize, side: f64| {
-        let mut at = here.at.clone();
-        at[i] += side * step(i);
-        at
+        let mut point = here.at.clone();
+        point[i] += side * step(i);
+        point
     };
     let points: Vec<Vec<f64>> = (0..steps.len()).flat_map(|i| [1.0, -1.0].map(|side| shifted(i, side))).collect();
     let values = model(&points)?;
     let mut edges = Vec::new();
     let mut column = |i: usize| -> Vec<f64> {
-        let good = |side: usize| Some(&values[2 * i + side]).filter(|r| r.iter().all(|v| v.is_finite()));
-        let (above, below) = (good(0), good(1));
+        let finite_residuals = |side: usize| Some(&values[2 * i + side]).filter(|r| r.iter().all(|v| v.is_finite()));
+        let (above, below) = (finite_residuals(0), finite_residuals(1));
         let width = step(i) * f64::from(u8::from(above.is_some()) + u8::from(below.is_some()));
         if above.is_none() || below.is_none() {
             edges.push(i);
@@ -226,10 +226,10 @@ fn step<E>(
         };
         let mut change = downhill.clone();
         factor.solve(&mut change);
-        let at: Vec<f64> =
+        let candidate: Vec<f64> =
             (0..size).map(|i| here.at[i] + if norms[i] > 0.0 { change[i] / norms[i] } else { 0.0 }).collect();
-        let small = (0..size).all(|i| (at[i] - here.at[i]).abs() < SETTLED * here.at[i].abs().max(steps[i]));
-        if let Some(next) = best(model, vec![at])?.filter(|next| next.cost() < here.cost()) {
+        let small = (0..size).all(|i| (candidate[i] - here.at[i]).abs() < SETTLED * here.at[i].abs().max(steps[i]));
+        if let Some(next) = best(model, vec![candidate])?.filter(|next| next.cost() < here.cost()) {
             *damping = (*damping * 0.1).max(1e-12);
             return Ok(Some(next));
         }

@@ -25,24 +25,24 @@ const NARROWEST: f64 = 1e-4;
 /// Confidence intervals follow from the second derivatives of the log-likelihood at its maximum; the interval of the
 /// standard deviation is computed for its logarithm.
 pub fn fit(members: &[(f64, f64)]) -> Option<NormalFit> {
-    let mut here = LikelihoodPoint::of(members, start(members)?);
+    let mut current = LikelihoodPoint::of(members, start(members)?);
     for _ in 0..MOST_ITERATIONS {
-        let Some(next) = here.uphill(members) else { break };
-        let gained = next.likelihood - here.likelihood;
-        here = next;
+        let Some(next) = current.uphill(members) else { break };
+        let gained = next.likelihood - current.likelihood;
+        current = next;
         if gained < 1e-12 * members.len() as f64 {
             break;
         }
     }
-    let [uu, us, ss] = here.curvatures.map(|c| -c);
+    let [uu, us, ss] = current.curvatures.map(|c| -c);
     let determinant = uu * ss - us * us;
     if !(uu > 0.0 && determinant > 0.0) {
         return None;
     }
-    let deviation = libm::exp(here.at[1]);
+    let deviation = libm::exp(current.at[1]);
     let freedom = members.len() as f64 - 1.0;
-    let median = IntervalEstimate::around(here.at[0], deviation * (ss / determinant).sqrt(), freedom);
-    let log = IntervalEstimate::around(here.at[1], (uu / determinant).sqrt(), freedom);
+    let median = IntervalEstimate::around(current.at[0], deviation * (ss / determinant).sqrt(), freedom);
+    let log = IntervalEstimate::around(current.at[1], (uu / determinant).sqrt(), freedom);
     let [value, low, high] = [log.value, log.low, log.high].map(libm::exp);
     Some(NormalFit { median, deviation: IntervalEstimate { value, low, high } })
 }
@@ -118,8 +118,8 @@ impl LikelihoodPoint {
             let determinant = uu * ss - us * us;
             if uu > 0.0 && determinant > 0.0 {
                 let step = [(ss * u - us * s) / determinant, (uu * s - us * u) / determinant];
-                let at = [self.at[0] + libm::exp(self.at[1]) * step[0], self.at[1] + step[1]];
-                let next = LikelihoodPoint::of(members, at);
+                let candidate = [self.at[0] + libm::exp(self.at[1]) * step[0], self.at[1] + step[1]];
+                let next = LikelihoodPoint::of(members, candidate);
                 if step[1].abs() < 2.0 && next.likelihood > self.likelihood {
                     return Some(next);
                 }
@@ -181,11 +181,11 @@ mod tests {
     fn narrow_brackets_give_mean_and_deviation() {
         let limits = limits(1);
         let members: Vec<(f64, f64)> = limits.iter().map(|v| (v - 1e-7, v + 1e-7)).collect();
-        let found = fit(&members).expect("a scatter");
+        let fitted = fit(&members).expect("a scatter");
         let mean = limits.iter().sum::<f64>() / 60.0;
         let deviation = (limits.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / 60.0).sqrt();
-        assert!((found.median.value - mean).abs() < 1e-6 && (found.deviation.value / deviation - 1.0).abs() < 1e-6);
-        assert!((part_below(&found, mean) - 0.5).abs() < 1e-6);
+        assert!((fitted.median.value - mean).abs() < 1e-6 && (fitted.deviation.value / deviation - 1.0).abs() < 1e-6);
+        assert!((part_below(&fitted, mean) - 0.5).abs() < 1e-6);
     }
 
     #[test]

@@ -37,9 +37,10 @@ pub fn estimate(values: &[f64], sets: &[usize], statistic: SampleStatistic) -> O
         return Some(by_shares(values, sets, &sorted, value, part));
     }
     let without = |ends: &[usize]| self::sorted(&[&values[..ends[0]], &values[ends[1]..]].concat());
-    let rest: Vec<f64> = sets.windows(2).map(|ends| statistic.of(&without(ends))).filter(|v| v.is_finite()).collect();
-    let count = rest.len() as f64;
-    let error = ((count - 1.0) * moment(&rest, 2)).sqrt();
+    let leave_one_out: Vec<f64> =
+        sets.windows(2).map(|ends| statistic.of(&without(ends))).filter(|v| v.is_finite()).collect();
+    let count = leave_one_out.len() as f64;
+    let error = ((count - 1.0) * moment(&leave_one_out, 2)).sqrt();
     Some(IntervalEstimate::around(value, error, count - 1.0))
 }
 
@@ -66,10 +67,10 @@ fn sorted(values: &[f64]) -> Vec<f64> {
 /// Returns the quantile of a sorted list by interpolation (type 7 of Hyndman and Fan, Am. Stat. 50 (1996) 361).
 pub fn between(sorted: &[f64], part: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
-    let place = part.clamp(0.0, 1.0) * last as f64;
-    let below = place as usize;
+    let position = part.clamp(0.0, 1.0) * last as f64;
+    let below = position as usize;
     let above = sorted[(below + 1).min(last)];
-    sorted[below] + (place - below as f64) * (above - sorted[below])
+    sorted[below] + (position - below as f64) * (above - sorted[below])
 }
 
 /// Returns a central moment.
@@ -153,19 +154,19 @@ mod tests {
     /// designs have smaller errors.
     #[test]
     fn intervals_have_their_nominal_coverage() {
-        let of = ParameterDistribution::parse("normal(800, 20)").expect("a distribution");
+        let distribution = ParameterDistribution::parse("normal(800, 20)").expect("a distribution");
         let mut errors = Vec::new();
         for sampling in [SamplingScheme::Random, SamplingScheme::Latin, SamplingScheme::Sobol] {
             let (mut inside, mut error) = (0, 0.0);
             for seed in 0..20 {
                 let mut points = vec![0.0; 1024];
                 SampleDesign::new(sampling, 1, 1024, seed).expect("a design").fill(&mut points);
-                let values: Vec<f64> = points.into_iter().map(|u| of.quantile(u)).collect();
+                let values: Vec<f64> = points.into_iter().map(|u| distribution.quantile(u)).collect();
                 for (statistic, known) in KNOWN {
                     let sets = SampleDesign::sets(sampling, 1024);
-                    let found = estimate(&values, &sets, statistic).expect("an estimate");
-                    inside += usize::from(found.holds(known));
-                    error += (found.value - known).abs();
+                    let interval = estimate(&values, &sets, statistic).expect("an estimate");
+                    inside += usize::from(interval.holds(known));
+                    error += (interval.value - known).abs();
                 }
             }
             println!("{sampling:?}: {inside} of 100 inside, mean error {}", error / 100.0);
