@@ -1,7 +1,7 @@
 //! Monitor for overlaps of bodies, with or without contact between them. It issues warnings and changes no result.
 
 use super::contact::curve::PointCarrier;
-use super::{Constraint, ConstraintUpkeep, StoredConstraint};
+use super::{Constraint, StoredConstraint};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::{Memory, sorted_pair};
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes};
@@ -238,14 +238,11 @@ impl Constraint for OverlapMonitor {
             self.found = found;
         }
     }
-
-    fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
-        Some(self)
-    }
 }
 
-impl ConstraintUpkeep for OverlapMonitor {
-    fn overlaps(&mut self, dofs: &Dofs, clock: &AmplitudeClock<'_>) -> Vec<String> {
+impl OverlapMonitor {
+    /// Returns the messages of overlaps of bodies that it has found.
+    pub fn overlaps(&mut self, dofs: &Dofs, clock: &AmplitudeClock<'_>) -> Vec<String> {
         let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time);
         self.find_overlaps(dofs, |pair, [r, z, depth, length]| found.push((pair, [time, r, z, depth, length])));
         let warnings = found.iter().map(|&(pair, [time, r, z, depth, length])| {

@@ -8,8 +8,7 @@
 use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use std::f64::consts::PI;
 
-use super::contact::curve::PointCarrier;
-use super::{Constraint, ConstraintForces, ConstraintView, ContactResults, PairForces, StoredConstraint};
+use super::{Constraint, ConstraintForces, PairForces, StoredConstraint};
 use crate::kernel::attitude::{SpatialVector, cross, dot, norm, plus, times};
 use crate::kernel::interaction::CoulombFriction;
 use crate::kernel::lists::Memory;
@@ -21,7 +20,6 @@ use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
 use crate::state::rigid_body_3d::{Pose, RigidBody3d, RigidMotion, Wrench};
-use crate::variables::VariableComponent;
 
 /// Largest number of stations of a ring that are checked in addition to its deepest point, so that a flat contact on a
 /// plane is stable.
@@ -141,6 +139,18 @@ impl RigidWallContact {
         let (forces, longest) = ([[0.0; 3]; 2], f64::INFINITY);
         let duration = 0.0;
         RigidWallContact { pair, profile, rings, stations, travel, points, forces, duration, longest, previous_dt: 0.0 }
+    }
+
+    /// Returns whether it is the contact of a pair.
+    pub(super) fn is_of_pair(&self, pair: usize) -> bool {
+        pair == self.pair.number
+    }
+
+    /// Returns the forces of a contact pair over the previous increment; `None` if it is the contact of another pair.
+    pub(super) fn forces_of_pair(&self, pair: usize) -> Option<PairForces> {
+        let sign = if self.pair.first { 1.0 } else { -1.0 };
+        let forces = self.forces.inline_map(|force| times(sign, force));
+        self.is_of_pair(pair).then_some(PairForces { forces, duration: self.duration })
     }
 
     /// Returns signed distance and wall normal at a position in space; `None` beyond the edges of the wall.
@@ -385,8 +395,8 @@ impl Constraint for RigidWallContact {
         IncrementLimit { time: self.longest, jump: false }
     }
 
-    fn view(&self) -> ConstraintView<'_> {
-        ConstraintView { forces: Some(self), contact: Some(self), ..ConstraintView::default() }
+    fn forces(&self) -> Option<&dyn ConstraintForces> {
+        Some(self)
     }
 }
 
@@ -398,26 +408,6 @@ impl ConstraintForces for RigidWallContact {
     fn impulse(&self, _dof: Dof, _index: usize, _half: f64) -> f64 {
         let [pressed, rubbed] = self.forces;
         -self.duration * (pressed[1] + rubbed[1])
-    }
-}
-
-impl ContactResults for RigidWallContact {
-    fn value_at_point(&self, _carrier: PointCarrier, _part: VariableComponent) -> Option<f64> {
-        None
-    }
-
-    fn lowest_energy(&self) -> Option<(&str, f64, [f64; 2])> {
-        None
-    }
-
-    fn forces_of_pair(&self, pair: usize) -> Option<PairForces> {
-        let sign = if self.pair.first { 1.0 } else { -1.0 };
-        let forces = self.forces.inline_map(|force| times(sign, force));
-        (pair == self.pair.number).then_some(PairForces { forces, duration: self.duration })
-    }
-
-    fn area_of_pair(&self, pair: usize) -> Option<f64> {
-        (pair == self.pair.number).then_some(f64::NAN)
     }
 }
 

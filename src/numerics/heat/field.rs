@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::conductors::{ConductingElements, LargestRate, at};
 use super::sources::{HeatSource, PrescribedTemperature};
-use crate::constraint::Constraint;
 use crate::constraint::bonds::LinkSystem;
+use crate::constraint::contact::ContactConstraint;
+use crate::constraint::{Constraint, of_kind};
 use crate::element::elements::Elements;
 use crate::element::group::ElementGroup;
 use crate::kernel::lists::{Memory, heap_bytes};
@@ -247,8 +248,8 @@ impl TemperatureField {
         }
         let mut exchange = std::mem::take(&mut self.exchange);
         if !exchange.is_empty() {
-            let exchanges = constraints.iter().filter_map(|c| c.view().heat);
-            exchanges.for_each(|heat| heat.largest_exchange(&mut |n, most| exchange[n] += BESIDE * most));
+            let exchanges = of_kind(constraints).filter_map(ContactConstraint::heat);
+            exchanges.for_each(|heat| heat.largest_exchange(|n, most| exchange[n] += BESIDE * most));
         }
         let rates = exchange.iter().enumerate().filter(|(n, e)| **e > 0.0 && self.capacity[*n] > 0.0);
         let most = rates.map(|(n, e)| e / self.capacity(n, self.temperature[n])).fold(0.0, f64::max);
@@ -306,8 +307,8 @@ impl TemperatureField {
             return;
         }
         let TemperatureField { power, temperature, energies, .. } = self;
-        for exchange in constraints.iter().filter_map(|c| c.view().heat) {
-            energies.inelastic += dt * exchange.exchange(temperature, dt, &mut |n, heat| power[n] += heat);
+        for heat in of_kind(constraints).filter_map(ContactConstraint::heat) {
+            energies.inelastic += dt * heat.exchange(temperature, dt, |n, heat| power[n] += heat);
         }
     }
 

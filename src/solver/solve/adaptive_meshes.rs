@@ -5,8 +5,9 @@ use super::outcome::MeshChanges;
 use super::run::SolverRun;
 use crate::adaptive::AdaptiveDomain;
 use crate::adaptive::smoothing::{BoundaryContact, Surroundings};
+use crate::constraint::contact::ContactConstraint;
 use crate::constraint::contact::curve::PointCarrier;
-use crate::constraint::{Constraint, ConstraintUpkeep, ContactResults, MeshMotion};
+use crate::constraint::{Constraint, MeshMotion, of_kind, of_kind_mut, prescribed_motions};
 use crate::element::elements::Elements;
 use crate::heat::ThermalState;
 use crate::kernel::chunks::ChunkLoops;
@@ -23,8 +24,8 @@ struct ContactSurroundings<'a> {
 }
 
 impl ContactSurroundings<'_> {
-    fn contacts(&self) -> impl Iterator<Item = &dyn ContactResults> {
-        self.constraints.iter().filter_map(|c| c.view().contact)
+    fn contacts(&self) -> impl Iterator<Item = &ContactConstraint> {
+        of_kind(self.constraints)
     }
 }
 
@@ -104,14 +105,13 @@ impl SolverRun<'_> {
         if self.state.adaptive.is_empty() {
             return;
         }
-        let forces = self.state.constraints.iter().filter_map(|c| c.view().forces);
-        let prescribed: Vec<_> = forces.flat_map(|forces| forces.prescribed()).collect();
+        let prescribed: Vec<_> = prescribed_motions(&self.state.constraints).collect();
         let State { adaptive, elements, thermal, dofs, .. } = &mut self.state;
         adaptive.iter_mut().for_each(|domain| domain.begin(&prescribed, &dofs.nodes));
         if let Some(heat) = thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
             adaptive.iter().for_each(|domain| heat.begin_adaptive(domain.group(), elements));
         }
-        self.state.constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.reserve_mesh_motion());
+        of_kind_mut(&mut self.state.constraints).for_each(ContactConstraint::reserve_mesh_motion);
     }
 
     /// Takes the masses of adaptive meshes after a restart.
@@ -135,27 +135,22 @@ impl SolverRun<'_> {
             any |= domain.is_due(increment);
         }
         if any {
-            self.follow_by_constraints(|constraint, dofs, _| constraint.begin_mesh_motion(dofs));
+            self.follow_by_contact(|contact, dofs, _| contact.begin_mesh_motion(dofs));
             self.find_new_places();
-            self.follow_by_constraints(|constraint, dofs, domains| constraint.follow_meshes(dofs, domains));
+            self.follow_by_contact(|contact, dofs, domains| contact.follow_meshes(dofs, domains));
             self.change_meshes(dt);
         }
         let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
         self.state.adaptive.iter_mut().for_each(|domain| domain.advance(&clock, dt));
     }
 
-    /// Calls constraints before and after new places have been found.
-    fn follow_by_constraints(
-        &mut self,
-        mut follow: impl FnMut(&mut dyn ConstraintUpkeep, &Dofs, &mut DomainMotion<'_>),
-    ) {
+    /// Calls contact before and after new places have been found.
+    fn follow_by_contact(&mut self, mut follow: impl FnMut(&mut ContactConstraint, &Dofs, &mut DomainMotion<'_>)) {
         let State { adaptive, dofs, constraints, .. } = &mut self.state;
-        for constraint in constraints {
-            let effect = constraint.effect();
+        for contact in of_kind_mut::<ContactConstraint>(constraints) {
+            let effect = contact.effect();
             let clock = self.timing.start(effect);
-            if let Some(follower) = constraint.upkeep() {
-                follow(follower, dofs, &mut DomainMotion(adaptive));
-            }
+            follow(contact, dofs, &mut DomainMotion(adaptive));
             self.timing.stop(clock, effect);
         }
     }
@@ -179,7 +174,7 @@ impl SolverRun<'_> {
             let clock = self.timing.start(domain.id);
             if domain.begin_change() {
                 let changed = &mut |n, gained: [f64; 2]| {
-                    constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
+                    constraints.iter_mut().for_each(|c| c.masses_changed(n, gained));
                 };
                 let mut thermal = thermal.as_deref_mut();
                 take_thermal_strains(-1.0, domain, thermal.as_deref_mut(), elements);

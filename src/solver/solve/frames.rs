@@ -6,8 +6,9 @@ use super::body_surfaces::{SpatialPoint, on_cells};
 use super::energy::Energy;
 use super::reaction_means::ReactionMeans;
 use super::run::SolverRun;
+use crate::constraint::contact::ContactConstraint;
 use crate::constraint::contact::curve::PointCarrier;
-use crate::constraint::{Constraint, ContactResults, reaction};
+use crate::constraint::{Constraint, of_kind, reaction};
 use crate::element::parts::PartTotals;
 use crate::element::values;
 use crate::model::OutputPosition;
@@ -192,8 +193,8 @@ impl SolverRun<'_> {
         }
     }
 
-    pub(super) fn contacts(&self) -> impl Iterator<Item = &dyn ContactResults> {
-        self.state.constraints.iter().filter_map(|c| c.view().contact)
+    pub(super) fn contacts(&self) -> impl Iterator<Item = &ContactConstraint> {
+        of_kind(&self.state.constraints)
     }
 
     /// Returns a value at a point of a contact surface; without contact there is no gap, and pressure and slip are

@@ -4,7 +4,8 @@
 use super::increment::shortened;
 use super::run::SolverRun;
 use super::watch::SMALL;
-use crate::constraint::Constraint;
+use crate::constraint::overlaps::OverlapMonitor;
+use crate::constraint::{Constraint, of_kind_mut};
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
 use crate::plan::StepPlan;
@@ -79,9 +80,8 @@ impl SolverRun<'_> {
     /// Adds the warnings of constraints that end.
     pub(super) fn warn_of_constraints(&mut self, constraints: &mut [Box<dyn Constraint>]) {
         let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
-        for constraint in constraints {
-            let upkeep = constraint.upkeep();
-            let overlaps = upkeep.map_or_else(Vec::new, |c| c.overlaps(&self.state.dofs, &clock));
+        for monitor in of_kind_mut::<OverlapMonitor>(constraints) {
+            let overlaps = monitor.overlaps(&self.state.dofs, &clock);
             overlaps.into_iter().for_each(|text| self.outcome.warn("R311", text));
         }
     }

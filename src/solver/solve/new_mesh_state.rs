@@ -4,7 +4,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::run::SolverRun;
-use crate::constraint::PreviousPlace;
+use crate::constraint::contact::ContactConstraint;
+use crate::constraint::{PreviousPlace, of_kind_mut, prescribed_motions};
 use crate::element::group::ArrivedElements;
 use crate::element::mass_scaling::ArrivedScaling;
 use crate::heat::ThermalState;
@@ -253,8 +254,7 @@ impl SolverRun<'_> {
         let velocities = previous.nodes.iter().map(|n| old.dofs.nodes.velocity_now(*n)).collect();
         let motion = BodyMotion { masses: before, velocities };
         let mut held = vec![[false; 2]; own.nodes.len()];
-        let forces = self.state.constraints.iter().filter_map(|constraint| constraint.view().forces);
-        let prescribed: HashSet<(usize, usize)> = forces.flat_map(|f| f.prescribed()).collect();
+        let prescribed: HashSet<(usize, usize)> = prescribed_motions(&self.state.constraints).collect();
         for (held, n) in held.iter_mut().zip(&own.nodes) {
             *held = [0, 1].inline_map(|axis| prescribed.contains(&(*n, axis)));
         }
@@ -280,14 +280,14 @@ impl SolverRun<'_> {
         elements.follow_deletions(&old.state.elements, own.group, |n| known.get(&n).copied());
         let deleted = elements.deleted_boundaries();
         loads.iter_mut().for_each(|load| load.scene_changed(&SceneChange::DeletedElements(deleted)));
-        constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.remove_elements(deleted));
+        of_kind_mut::<ContactConstraint>(constraints).for_each(|contact| contact.remove_elements(deleted));
     }
 
     /// Continues the constraints from all previous ones of the same kind and degrees of freedom. Their order says nothing: a
     /// condition whose nodes have all been deleted is not in the new plan.
     fn continue_constraints(&mut self, old: &SolverRun<'_>, places: &[Option<PreviousPlace>]) {
         let State { constraints, loads, dofs, .. } = &mut self.state;
-        for follower in constraints.iter_mut().filter_map(|constraint| constraint.upkeep()) {
+        for follower in constraints.iter_mut() {
             for previous in &old.state.constraints {
                 follower.follow_new_mesh(&**previous, &|node| places[node], dofs);
             }

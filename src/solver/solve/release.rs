@@ -5,6 +5,7 @@
 //! by the trapezoidal rule if m (v(n+1/2)² - v(n-1/2)²) = f v(n+1/2) Δt, therefore κ = Δt v(n+1/2)/(v(n-1/2) + v(n+1/2)).
 
 use super::run::SolverRun;
+use crate::constraint::prescribed_motions;
 
 /// Returns the change κ a of the velocity that conserves energy, for the velocity before the release.
 fn velocity_change(velocity: f64, acceleration: f64, dt: f64) -> f64 {
@@ -18,8 +19,7 @@ fn velocity_change(velocity: f64, acceleration: f64, dt: f64) -> f64 {
 impl SolverRun<'_> {
     /// Returns node and axis of all prescribed motions, in ascending order.
     pub(super) fn prescribed_motions(&self) -> Vec<(usize, usize)> {
-        let forces = self.state.constraints.iter().filter_map(|c| c.view().forces);
-        let mut list: Vec<(usize, usize)> = forces.flat_map(|forces| forces.prescribed()).collect();
+        let mut list: Vec<(usize, usize)> = prescribed_motions(&self.state.constraints).collect();
         list.sort_unstable();
         list
     }

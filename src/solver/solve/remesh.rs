@@ -13,6 +13,8 @@ use super::routines::UserSession;
 use super::run::SolverRun;
 use super::timing::TimeSums;
 use super::watch::RunMonitor;
+use crate::constraint::contact::ContactConstraint;
+use crate::constraint::of_kind_mut;
 use crate::kernel::lanes::InlineMap;
 use crate::model::Model;
 use crate::model::remesh::{ModelBody, nodes_of_histories, revised};
@@ -230,8 +232,8 @@ impl SolverRun<'_> {
     fn complete_velocities(&mut self) -> f64 {
         let before = self.kinetic();
         let State { constraints, dofs, .. } = &mut self.state;
-        let followers = constraints.iter_mut().filter_map(|constraint| constraint.upkeep());
-        followers.fold(before, |kinetic, follower| kinetic + follower.complete_velocities(dofs))
+        let contacts = of_kind_mut::<ContactConstraint>(constraints);
+        contacts.fold(before, |kinetic, contact| kinetic + contact.complete_velocities(dofs))
     }
 
     /// Evaluates the forces of the new mesh at the instant at which the old one was left. `before` is the kinetic energy on

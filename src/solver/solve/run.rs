@@ -14,7 +14,10 @@ use super::position::RunPosition;
 use super::routines::UserSession;
 use super::timing::EffectTiming;
 use super::watch::RunMonitor;
-use crate::constraint::Constraint;
+use crate::constraint::contact::ContactConstraint;
+use crate::constraint::motion::PrescribedMotion;
+use crate::constraint::tie::TiedNodes;
+use crate::constraint::{Constraint, of_kind, of_kind_mut, prescribed_motions};
 use crate::element::elements::CollapsedElement;
 use crate::element::mass_scaling::StepMassScaling;
 use crate::element::volume_guard::STARTING;
@@ -283,7 +286,7 @@ impl<'a> SolverRun<'a> {
     }
 
     fn begin_constraints(&mut self) {
-        self.state.elements.begin(self.state.constraints.iter().any(|c| c.view().moves_nodes));
+        self.state.elements.begin(self.state.constraints.iter().any(|c| c.moves_nodes()));
         let pushed = self.state.elements.has_links() || self.state.loads.iter().any(|l| l.targets().nodes);
         self.state.dofs.nodes.resize_forces(pushed);
         self.state.constraints.iter_mut().for_each(|c| c.begin(&mut self.state.dofs));
@@ -302,9 +305,8 @@ impl<'a> SolverRun<'a> {
             self.balance.supply().begin(energies, self.plan.stiffening, self.plan.returns_heat);
         }
         let global = matches!(self.step.control, IncrementControl::Automatic { element_by_element: false, .. });
-        let views = || self.state.constraints.iter().map(|c| c.view());
-        let prescribed: Vec<_> = views().filter_map(|v| v.forces).flat_map(|forces| forces.prescribed()).collect();
-        let carried: Vec<_> = views().filter_map(|v| v.carried).flat_map(|c| c.nodes.to_vec()).collect();
+        let prescribed: Vec<_> = prescribed_motions(&self.state.constraints).collect();
+        let carried: Vec<_> = of_kind::<TiedNodes>(&self.state.constraints).flat_map(|tie| tie.nodes.clone()).collect();
         let held = crate::element::frequency::ConstrainedNodes { prescribed: &prescribed, carried: &carried };
         self.state.elements.begin_frequency(global, &self.state.dofs.nodes, &held);
         Ok(())
@@ -453,9 +455,8 @@ impl<'a> SolverRun<'a> {
             let ([r, z], more) = (elements.nodal_force(n), nodes.forces[0].get(n).copied().unwrap_or_default());
             [r + more[0], z + more[1]]
         };
-        let carried = self.state.constraints.iter().filter_map(|c| c.view().carried);
-        for (carried, out) in carried.zip(&mut self.body_forces.values) {
-            *out = carried.force(force);
+        for (tie, sum) in of_kind::<TiedNodes>(&self.state.constraints).zip(&mut self.body_forces.values) {
+            *sum = tie.force(force);
         }
     }
 
@@ -463,7 +464,8 @@ impl<'a> SolverRun<'a> {
         let deleted = self.state.elements.newly_deleted();
         if !deleted.is_empty() {
             self.state.loads.iter_mut().for_each(|load| load.scene_changed(&SceneChange::DeletedElements(deleted)));
-            self.state.constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.remove_elements(deleted));
+            let contacts = of_kind_mut::<ContactConstraint>(&mut self.state.constraints);
+            contacts.for_each(|contact| contact.remove_elements(deleted));
             if let Some(heat) = self.state.thermal.as_mut().and_then(|t| t.heat.as_mut()) {
                 heat.release(deleted);
             }
@@ -608,10 +610,9 @@ impl<'a> SolverRun<'a> {
 
     #[inline]
     fn prescribe_velocities(&mut self) {
-        for constraint in &mut self.state.constraints {
-            let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
-            constraint.velocities(&mut self.state.dofs, &clock);
-        }
+        let clock = AmplitudeClock { now: self.now, user_amplitudes: &self.state.user_amplitudes };
+        let motions = of_kind::<PrescribedMotion>(&self.state.constraints);
+        motions.for_each(|motion| motion.velocities(&mut self.state.dofs, &clock));
     }
 
     #[inline(always)]

@@ -5,7 +5,7 @@ use super::collapse::CollapseMonitor;
 use super::energy::{ADVECTION, ARTIFICIAL, Energy, EnergyBalance, INTERNAL, KINETIC, STRAIN, TERMS};
 use super::masses::MassMonitor;
 use super::run::SolverRun;
-use crate::constraint::ContactResults;
+use crate::constraint::contact::{ContactConstraint, ContactPair};
 use crate::kernel::lanes::InlineMap;
 use crate::model::IncrementControl;
 use crate::state::archive::Persist;
@@ -346,10 +346,10 @@ impl SolverRun<'_> {
     /// Returns how much energy contact has created, the pair, and the place of the largest release.
     pub(super) fn name_created_energy(&self) -> String {
         let energy = self.balance.absorbed_by_contact();
-        let contacts = self.state.constraints.iter().filter_map(|c| c.view().contact);
-        let lowest = contacts.filter_map(ContactResults::lowest_energy).min_by(|a, b| a.1.total_cmp(&b.1));
-        let place = lowest.map_or_else(String::new, |(pair, _, [r, z])| {
-            format!(", most in pair {pair}, with the largest release near (r = {r:.4e}, z = {z:.4e})")
+        let pairs = self.contacts().filter_map(ContactConstraint::lowest_energy);
+        let lowest = pairs.min_by(|a, b| a.absorbed.total_cmp(&b.absorbed));
+        let place = lowest.map_or_else(String::new, |ContactPair { name, largest_release: (_, [r, z]), .. }| {
+            format!(", most in pair {name}, with the largest release near (r = {r:.4e}, z = {z:.4e})")
         });
         format!(
             "contact has created energy: ALLCW + ALLPW is {energy:.3e}, {:.1} % of the energy put in below zero, at increment {}, \

@@ -3,6 +3,8 @@
 use super::masses::MassMonitor;
 use super::outcome::AddedMassPlaces;
 use super::run::SolverRun;
+use crate::constraint::of_kind;
+use crate::constraint::tie::TiedNodes;
 use crate::element::elements::Elements;
 use crate::element::mass_scaling::AddedMass;
 use crate::load::SceneChange;
@@ -25,7 +27,7 @@ impl SolverRun<'_> {
         let (constraints, mut energy) = (&mut self.state.constraints, 0.0);
         let changed = &mut |n, gained: [f64; 2]| {
             energy += gained[0] + gained[1];
-            constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
+            constraints.iter_mut().for_each(|c| c.masses_changed(n, gained));
         };
         if !self.state.elements.scale_masses(scaling, &self.now, &mut self.state.dofs, changed) {
             return;
@@ -51,11 +53,11 @@ impl SolverRun<'_> {
         let State { constraints, elements, dofs, .. } = &mut self.state;
         let (mut energy, starts) = (0.0, self.previous_dt == 0.0);
         self.watch.masses.added_to_bodies = 0.0;
-        for carried in constraints.iter().filter_map(|constraint| constraint.view().carried) {
-            let added = elements.mass_added_to_body(carried.nodes);
-            let mass = self.watch.masses.bodies[carried.body] + added;
+        for tie in of_kind::<TiedNodes>(constraints) {
+            let added = elements.mass_added_to_body(&tie.nodes);
+            let mass = self.watch.masses.bodies[tie.body] + added;
             self.watch.masses.added_to_bodies += added;
-            let body = &mut dofs.bodies[carried.body];
+            let body = &mut dofs.bodies[tie.body];
             if mass != body.mass {
                 let gained = body.change_mass(mass, starts);
                 energy += if body.prescribed { 0.0 } else { gained };

@@ -314,7 +314,7 @@ impl ContactConstraint {
     /// Returns the place of a new node on the edge between two nodes of a surface that is in contact with an analytical
     /// one: on a curved surface the edge is not on it. Between two nodes in contact the new node has the gap between
     /// theirs, and others do not overlap. `None` if the node may remain on the edge.
-    pub(super) fn place_between(&self, ends: [usize; 2], share: f64, dofs: &Dofs) -> Option<[f64; 2]> {
+    pub fn place_between(&self, ends: [usize; 2], share: f64, dofs: &Dofs) -> Option<[f64; 2]> {
         let at = ends.inline_map(|node| dofs.nodes[node].place());
         let edge = distance(at[0], at[1]);
         let start = [0, 1].inline_map(|i: usize| at[0][i] + share * (at[1][i] - at[0][i]));

@@ -421,7 +421,7 @@ impl ContactConstraint {
     }
 
     /// Returns the bound of the square of the highest frequency of the bonds.
-    pub(super) fn squared_frequency(&self) -> f64 {
+    pub fn squared_frequency(&self) -> f64 {
         self.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.squared_frequency)
     }
 

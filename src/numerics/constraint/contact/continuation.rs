@@ -36,7 +36,7 @@ impl ContactConstraint {
 
     /// Takes the values of the previous contact at the places of the points on the previous surfaces. Stored energies per
     /// area are interpolated, and the sum of each pair is kept.
-    pub(super) fn follow_new_mesh(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>, dofs: &Dofs) {
+    pub(super) fn move_to_new_mesh(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>, dofs: &Dofs) {
         (self.half, self.impact) = (previous.half, previous.impact);
         let places = self.take_over_pairs(previous, nodes);
         if self.stored_energy.values_mut().is_empty() {

@@ -41,7 +41,7 @@ impl ContactConstraint {
             return;
         }
         for at in 0..self.pairs.len() {
-            self.touched[at] |= self.is_pressed(at);
+            self.touched[at] |= self.touches(at);
         }
         for row in self.rows.rows.iter().filter(|row| !row.is_single_point && row.closest_point.is_none()) {
             let at = pair_of(&self.pairs, row.key);
@@ -58,7 +58,7 @@ impl ContactConstraint {
 
     /// Returns whether surfaces of a pair press or hold each other. From then on new points of a surface that erodes or
     /// slides are no impact.
-    fn is_pressed(&self, at: usize) -> bool {
+    fn touches(&self, at: usize) -> bool {
         let pair = &self.pairs[at];
         let first = pair.first_key as usize;
         self.pressures[first..first + self.keys_of(pair) as usize].iter().any(|pressure| pressure[0] != 0.0)

@@ -195,7 +195,7 @@ fn key_share(contact: &ContactConstraint, pair: &ContactPair, index: u32, starts
 
 impl ContactConstraint {
     /// Allocates for changes of adaptive meshes.
-    pub(super) fn reserve_mesh_motion(&mut self) {
+    pub fn reserve_mesh_motion(&mut self) {
         let stores_energy = !self.stored_energy.values().is_empty();
         if self.mesh.is_none() && (stores_energy || mesh_pairs(self).next().is_some()) {
             let new = MeshContinuation::new(self.pressures.len(), self.points.len(), self.dofs.len());
@@ -224,9 +224,10 @@ impl ContactConstraint {
         keeps
     }
 
-    /// Finds the surfaces that are near each other at the start of a change of adaptive meshes. The lists of earlier
+    /// Finds the surfaces that are near each other before adaptive meshes change, at the start of an increment of which only
+    /// the motion of bodies has been made. The lists of earlier
     /// increments are not used, for they depend on when they were built.
-    pub(super) fn begin_mesh_motion(&mut self, dofs: &Dofs) {
+    pub fn begin_mesh_motion(&mut self, dofs: &Dofs) {
         if mesh_pairs(self).next().is_none() {
             return;
         }
@@ -243,7 +244,7 @@ impl ContactConstraint {
 
     /// Corrects new places of nodes of adaptive meshes, and moves the values of the keys to them. It follows
     /// [`Self::begin_mesh_motion`].
-    pub(super) fn follow_meshes(&mut self, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
+    pub fn follow_meshes(&mut self, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
         self.reserve_mesh_motion();
         let Some(mut work) = self.mesh.take() else { return };
         if mesh_pairs(self).next().is_some() && self.moves_near(dofs, mesh) {

@@ -15,7 +15,7 @@ mod continuation;
 pub mod curve;
 mod direct;
 mod gaps;
-mod heat;
+pub mod heat;
 mod impact;
 mod impact_limit;
 mod light;
@@ -29,7 +29,6 @@ mod stored_energy;
 mod sweeps;
 
 use crate::kernel::lanes::InlineMap;
-use std::any::Any;
 use std::collections::HashMap;
 
 use self::analytical::{AnalyticalSurface, ClosestPoint};
@@ -46,10 +45,7 @@ use self::slip_damping::SlipDamping;
 use self::stored_energy::StoredEnergy;
 use self::sweeps::{ContactInterval, ContactRow, ContactRows, ContactStep, ContactVelocities, NONE};
 use super::bonds::MergedDofs;
-use super::{
-    Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, HeatExchange, MeshMotion, NodeRelation,
-    StoredConstraint,
-};
+use super::{Constraint, ConstraintForces, NodeRelation, StoredConstraint};
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
@@ -91,9 +87,9 @@ pub struct ContactPair {
     /// Clearance at the start, if the deck gives one.
     pub initial_clearance: Option<InitialClearance>,
     /// Energy that the pair has stored and dissipated in its normal direction.
-    absorbed: f64,
+    pub absorbed: f64,
     /// Largest energy that a row has released in an increment, and its coordinates.
-    largest_release: (f64, [f64; 2]),
+    pub largest_release: (f64, [f64; 2]),
     search: ContactSearch,
     facet_gaps: Vec<FacetGap>,
     /// First key of the pair; each point of the own curve has one.
@@ -754,8 +750,9 @@ impl ContactConstraint {
     }
 
     /// Adds the impulses of half an increment to the velocities at mid-increment, and their work: the impulse times the
-    /// mean of the velocities at the current instant before and after it. Returns the work on free degrees of freedom.
-    fn complete_velocities(&mut self, dofs: &mut Dofs) -> f64 {
+    /// mean of the velocities at the current instant before and after it. With the accelerations the velocities are then
+    /// those at the current instant. Returns the work on free degrees of freedom, the kinetic energy that they gain.
+    pub fn complete_velocities(&mut self, dofs: &mut Dofs) -> f64 {
         let (mut work, mut gained) = ([0.0; 2], 0.0);
         self.means.fill(0.0);
         let Dofs { bodies, nodes, energies, .. } = dofs;
@@ -1084,20 +1081,11 @@ impl Constraint for ContactConstraint {
         IncrementLimit { time: self.impact.increment, jump: false }
     }
 
-    fn view(&self) -> ConstraintView<'_> {
-        let heat = self.contact_heat.as_deref().map(|exchange| exchange as &dyn HeatExchange);
-        let squared_frequency = self.squared_frequency();
-        ConstraintView {
-            carried: None,
-            moves_nodes: true,
-            forces: Some(self),
-            contact: Some(self),
-            heat,
-            squared_frequency,
-        }
+    fn moves_nodes(&self) -> bool {
+        true
     }
 
-    fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
+    fn forces(&self) -> Option<&dyn ConstraintForces> {
         Some(self)
     }
 }
@@ -1119,8 +1107,23 @@ impl ConstraintForces for ContactConstraint {
     }
 }
 
-impl ConstraintUpkeep for ContactConstraint {
-    fn remove_elements(&mut self, deleted: &[ElementNodes]) {
+impl StoredConstraint for ContactConstraint {
+    fn continue_from(&mut self, previous: &dyn Constraint) {
+        if let Some(previous) = previous.as_kind() {
+            self.take_over(previous);
+        }
+    }
+
+    fn follow_new_mesh(&mut self, previous: &dyn Constraint, nodes: &NodeRelation<'_>, dofs: &Dofs) {
+        if let Some(previous) = previous.as_kind() {
+            self.move_to_new_mesh(previous, nodes, dofs);
+        }
+    }
+}
+
+impl ContactConstraint {
+    /// Informs it that elements with these corner nodes have been deleted.
+    pub fn remove_elements(&mut self, deleted: &[ElementNodes]) {
         let ContactConstraint { curves, shown, uncovered, .. } = self;
         for curve in curves.iter_mut() {
             let points = deleted.iter().filter_map(|boundary| shown.points(boundary));
@@ -1131,38 +1134,11 @@ impl ConstraintUpkeep for ContactConstraint {
         }
     }
 
-    fn follow_new_mesh(&mut self, previous: &dyn Constraint, nodes: &NodeRelation<'_>, dofs: &Dofs) {
-        if let Some(previous) = (previous as &dyn Any).downcast_ref::<ContactConstraint>() {
-            ContactConstraint::follow_new_mesh(self, previous, nodes, dofs);
-        }
+    /// Returns the heat exchange across the surfaces; `None` if no temperatures are solved for.
+    pub fn heat(&self) -> Option<&ContactHeat> {
+        self.contact_heat.as_deref()
     }
 
-    fn complete_velocities(&mut self, dofs: &mut Dofs) -> f64 {
-        ContactConstraint::complete_velocities(self, dofs)
-    }
-
-    fn reserve_mesh_motion(&mut self) {
-        ContactConstraint::reserve_mesh_motion(self);
-    }
-
-    fn begin_mesh_motion(&mut self, dofs: &Dofs) {
-        ContactConstraint::begin_mesh_motion(self, dofs);
-    }
-
-    fn follow_meshes(&mut self, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
-        ContactConstraint::follow_meshes(self, dofs, mesh);
-    }
-}
-
-impl StoredConstraint for ContactConstraint {
-    fn continue_from(&mut self, previous: &dyn Constraint) {
-        if let Some(previous) = (previous as &dyn Any).downcast_ref::<ContactConstraint>() {
-            self.take_over(previous);
-        }
-    }
-}
-
-impl ContactConstraint {
     /// Lists are built again after reading; rows do not depend on when lists were built.
     fn list_again(&mut self, archive: &mut StateArchive<'_>) {
         if archive.reads() {

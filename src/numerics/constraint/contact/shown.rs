@@ -3,7 +3,7 @@
 use super::curve::{PointCarrier, SurfacePoint};
 use super::mesh_continuation::KeyPlace;
 use super::{ContactConstraint, ContactPair};
-use crate::constraint::{ContactResults, PairForces};
+use crate::constraint::PairForces;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
@@ -143,12 +143,9 @@ impl ContactConstraint {
     }
 }
 
-impl ContactResults for ContactConstraint {
-    fn place_between(&self, ends: [usize; 2], share: f64, dofs: &Dofs) -> Option<[f64; 2]> {
-        ContactConstraint::place_between(self, ends, share, dofs)
-    }
-
-    fn value_at_point(&self, carrier: PointCarrier, part: VariableComponent) -> Option<f64> {
+impl ContactConstraint {
+    /// Returns the value at a point of a surface; `None` if the point belongs to no contact surface.
+    pub fn value_at_point(&self, carrier: PointCarrier, part: VariableComponent) -> Option<f64> {
         let point = self.shown.point(carrier)?;
         let keys = self.pairs.iter().flat_map(|pair| {
             let own = &self.curves[pair.own].own;
@@ -175,25 +172,32 @@ impl ContactResults for ContactConstraint {
         found
     }
 
-    fn is_pressed(&self, carrier: PointCarrier) -> Option<bool> {
+    /// Returns whether contact pressed on a point of a surface in the previous increment; `None` if the point belongs to no
+    /// contact surface.
+    pub fn is_pressed(&self, carrier: PointCarrier) -> Option<bool> {
         let dofs = self.dofs_of[self.shown.point(carrier)? as usize];
         Some(dofs.iter().any(|dof| self.impulses.get(*dof as usize).is_some_and(|impulse| impulse[0] != 0.0)))
     }
 
-    fn keeps_gaps(&self, carrier: PointCarrier) -> bool {
+    /// Returns whether the contact corrects the new place of a point whose mesh moves ([`Self::follow_meshes`]), after
+    /// [`Self::begin_mesh_motion`].
+    pub fn keeps_gaps(&self, carrier: PointCarrier) -> bool {
         self.shown.point(carrier).is_some_and(|point| self.keeps_gaps_of(point))
     }
 
-    fn place_on_surface(&self, carrier: PointCarrier, place: [f64; 2], dofs: &Dofs) -> Option<[f64; 2]> {
+    /// Returns the closest place to `place` on the analytical surface that a point is in contact with, at the start of the
+    /// current increment; `None` if it has no such surface, or several.
+    pub fn place_on_surface(&self, carrier: PointCarrier, place: [f64; 2], dofs: &Dofs) -> Option<[f64; 2]> {
         self.place_on_analytical(self.shown.point(carrier)?, place, dofs)
     }
 
-    fn lowest_energy(&self) -> Option<(&str, f64, [f64; 2])> {
-        let lowest = self.pairs.iter().min_by(|a, b| a.absorbed.total_cmp(&b.absorbed))?;
-        Some((&lowest.name, lowest.absorbed, lowest.largest_release.1))
+    /// Returns the pair that has absorbed the least energy.
+    pub fn lowest_energy(&self) -> Option<&ContactPair> {
+        self.pairs.iter().min_by(|a, b| a.absorbed.total_cmp(&b.absorbed))
     }
 
-    fn forces_of_pair(&self, number: usize) -> Option<PairForces> {
+    /// Returns the forces of a contact pair over the previous increment; `None` if the pair is not in force.
+    pub fn forces_of_pair(&self, number: usize) -> Option<PairForces> {
         let pair = self.pairs.iter().find(|p| p.number == number)?;
         // The forces on the two surfaces are opposite.
         let sign = if pair.first { 1.0 } else { -1.0 };
@@ -202,7 +206,8 @@ impl ContactResults for ContactConstraint {
         Some(PairForces { forces, duration: self.half / self.output_share })
     }
 
-    fn area_of_pair(&self, number: usize) -> Option<f64> {
+    /// Returns the area in contact of a pair; `None` if the pair is not in force.
+    pub fn area_of_pair(&self, number: usize) -> Option<f64> {
         self.pairs.iter().find(|p| p.number == number).map(|pair| self.contact_area(pair))
     }
 }
