@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use crate::deck::{Diagnostic, Diagnostics, Sources, Span};
-use crate::model::{AnalyticalFront, Model};
+use crate::model::Model;
 use crate::plan::ledger::{Ledger, UnusedCard};
 use crate::state::EffectId;
 use crate::user::Routines;
@@ -20,8 +20,6 @@ pub struct Report<'a> {
     pub ledger_rows: LedgerRows,
     /// Names of the user subroutines that are called.
     pub called_routines: Vec<&'static str>,
-    /// Fronts of analytical surfaces in contact, which new meshes keep.
-    pub fronts: Vec<AnalyticalFront>,
 }
 
 impl<'a> Report<'a> {
@@ -33,7 +31,6 @@ impl<'a> Report<'a> {
             ledger: Ledger::default(),
             ledger_rows: IndexMap::new(),
             called_routines: Vec::new(),
-            fronts: Vec::new(),
         }
     }
 

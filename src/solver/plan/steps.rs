@@ -9,8 +9,8 @@ use crate::constraint::user_motion::UserMotion;
 use crate::element::mass_scaling::StepMassScaling;
 use crate::load::{Load, VelocityUse};
 use crate::model::{
-    self, BoundaryCondition, EnergyLimit, IncrementControl, LoadKind, MassScaling, Model, ScalingSchedule, Step,
-    SurfaceContact,
+    self, AnalyticalFront, BoundaryCondition, EnergyLimit, IncrementControl, LoadKind, MassScaling, Model,
+    ScalingSchedule, Step, SurfaceContact,
 };
 use crate::plan::changes::{ListChange, ListEntry};
 use crate::plan::checks::overlaps::overlapping_bodies;
@@ -33,6 +33,15 @@ use crate::state::dofs::Dof;
 struct ActiveEffects<'a> {
     loads: Vec<(&'a model::Load, VelocityUse)>,
     constraints: Vec<ConstraintOrigin<'a>>,
+    /// Fronts of the analytical surfaces in contact of all compiled steps.
+    fronts: Vec<AnalyticalFront>,
+}
+
+/// All steps of a plan.
+pub struct PlannedSteps {
+    pub list: Vec<StepPlan>,
+    /// Fronts of analytical surfaces in contact, which new meshes keep.
+    pub fronts: Vec<AnalyticalFront>,
 }
 
 /// Origin of a constraint in the model. Constraints with equal origins are equal.
@@ -181,7 +190,7 @@ pub fn plan(
     state: &mut State,
     shared: &mut Shared,
     report: &mut Report,
-) -> Vec<StepPlan> {
+) -> PlannedSteps {
     let mut active = ActiveEffects::default();
     let mut steps = Vec::with_capacity(scene.model.steps.len());
     for (index, step) in scene.model.steps.iter().enumerate() {
@@ -206,7 +215,7 @@ pub fn plan(
             outputs: output_schedules(scene.model, step, report),
         });
     }
-    steps
+    PlannedSteps { list: steps, fronts: active.fronts }
 }
 
 /// Updates the loads of compiled steps from the current model, which has no links and no contact.
@@ -298,7 +307,12 @@ fn constraint_changes<'a>(
         list.keep(ConstraintOrigin::Contact(pairs.by_step[index].clone(), given.all.clone(), drops_points))
         && let Some(contact) = contact_constraint(input, &given.all, report)
     {
-        list.add(origin, contact);
+        list.add(origin, contact.constraint);
+        for front in contact.fronts {
+            if !active.fronts.contains(&front) {
+                active.fronts.push(front);
+            }
+        }
     }
     refuse_cohesive_walls(input, report);
     let wall = |i: usize| ConstraintOrigin::Wall(pairs.by_step[index].clone(), given.all.clone(), i);

@@ -20,7 +20,7 @@ type OpenPoints = [(f64, f64); 4];
 impl ContactConstraint {
     /// Returns the area in contact of a pair.
     pub(super) fn contact_area(&self, pair: &ContactPair) -> f64 {
-        let own = &self.curves[pair.own];
+        let own = &self.surfaces.curves[pair.own];
         let areas = own.exposed.iter().map(|&k| {
             let covered = match pair.analytical {
                 Some(_) => own.hat_areas(k as usize),
@@ -40,17 +40,15 @@ impl ContactConstraint {
     }
 
     fn has_pressure(&self, pair: &ContactPair, point: u32) -> bool {
-        let own = &self.curves[pair.own];
-        let key = pair.key_of(own, point) as usize;
-        // In front of re-entrant corners of analytical surfaces a point has two keys.
-        let has_two = pair.analytical.is_some() && self.keys_of(pair) as usize > own.own.len();
-        self.pressures[key][0] > 0.0 || has_two && self.pressures[key + own.own.len()][0] > 0.0
+        let own = &self.surfaces.curves[pair.own];
+        let (key, pressures) = (pair.key_of(own, point) as usize, &self.keys.pressures);
+        pressures[key][0] > 0.0 || self.surfaces.has_two_keys(pair) && pressures[key + own.own.len()][0] > 0.0
     }
 
     /// Returns the part of the `covered` area of a facet that is in contact, if only the point at `end` has pressure.
     /// Without three open points with increasing gaps beyond it, this is the area of the hat function of the point.
     fn area_up_to_edge(&self, pair: &ContactPair, (facet, end): (u32, usize), covered: [f64; 2]) -> f64 {
-        let own = &self.curves[pair.own];
+        let own = &self.surfaces.curves[pair.own];
         let edge = self.open_points(pair, (facet, end)).and_then(|open| {
             let [_, near, far, _] = open;
             (0.0 < near.1 && near.1 < far.1).then(|| distance_of_edge(open, pair.analytical.is_some()))
@@ -66,7 +64,7 @@ impl ContactConstraint {
     /// Returns the points from the other end of a facet on, with zero gap for the last one, which is only the end of a
     /// facet. Returns `None` if the surface ends before, or if a point has pressure or no gap.
     fn open_points(&self, pair: &ContactPair, (facet, end): (u32, usize)) -> Option<OpenPoints> {
-        let own = &self.curves[pair.own];
+        let own = &self.surfaces.curves[pair.own];
         let (mut facet, mut distance, mut open) = (facet as usize, 0.0, [(0.0, 0.0); 4]);
         for at in 0..open.len() {
             distance += own.shapes[facet].length;
@@ -75,7 +73,7 @@ impl ContactConstraint {
                 break;
             }
             let point = own.facets[facet][1 - end];
-            open[at].1 = self.shown.opening[pair.key_of(own, point) as usize];
+            open[at].1 = self.keys.opening[pair.key_of(own, point) as usize];
             let FacetNeighbor::Facet(next) = own.neighbors[facet][1 - end] else { return None };
             if self.has_pressure(pair, point) || open[at].1.is_nan() {
                 return None;

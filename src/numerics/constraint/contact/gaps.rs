@@ -50,6 +50,24 @@ pub struct FacetGap {
     pub is_closed: bool,
 }
 
+impl FacetGap {
+    /// Returns the mean of the gap over the hat function of a point.
+    pub fn mean_gap(&self, end: usize) -> f64 {
+        self.gap[end] / self.area[end]
+    }
+}
+
+/// A point whose gap does not belong to facets.
+#[derive(Clone, Copy, Debug)]
+pub struct SinglePoint {
+    pub point: u32,
+    pub place: [f64; 2],
+    /// Normals of the facets at a corner: only opposite facets that face one of them are considered.
+    pub normals: Option<[[f64; 2]; 2]>,
+    /// Half the thickness of its body, if the opposite curve is a side of a line; otherwise infinite.
+    pub half_thickness: f64,
+}
+
 /// An opposite facet, as linear functions of the coordinate `s` from 0 to 1 on the own facet.
 #[derive(Clone, Copy, Debug)]
 struct FacingFacet {
@@ -224,13 +242,10 @@ impl GapIntegrator {
         &self.edges[seen.edges[0] as usize..seen.edges[1] as usize]
     }
 
-    /// Computes the gap of a single point without facets, with a unit area. A corner has the `normals` of its facets,
-    /// and only opposite facets that face one of the normals are considered; `half` is half the thickness of its body.
-    /// Returns the gap and the facet; `None` if no facet is near.
+    /// Computes the gap of a single point, with a unit area. Returns the gap and the facet; `None` if no facet is near.
     pub fn point_gap(
         &mut self,
-        (point, place): (u32, [f64; 2]),
-        (normals, half): (Option<[[f64; 2]; 2]>, f64),
+        SinglePoint { point, place, normals, half_thickness }: SinglePoint,
         other: &FacetCurve,
         candidates: &[u32],
         reach: f64,
@@ -249,8 +264,7 @@ impl GapIntegrator {
         let j = nearest.facing.facet as usize;
         let (gap, normal, part) = nearest.distance(place, 0.0, nearest.facing.shape.length);
         let gap = gap - other.lift[j];
-        let half = if other.is_side_of_line { half } else { f64::INFINITY };
-        if gap >= reach || gap <= -other.depth_at(j, part).min(half) {
+        if gap >= reach || gap <= -other.depth_at(j, part).min(half_thickness) {
             return None;
         }
         let ends = other.facets[j];

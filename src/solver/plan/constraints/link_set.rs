@@ -42,6 +42,11 @@ pub struct EndEquation {
 }
 
 impl Links {
+    /// Creates links without equations from the equations of each tie of the model and the nodes tied to rigid bodies.
+    pub fn of_ties(surface_ties: Vec<TieEquations>, rigid_ties: Vec<TiedNodes>) -> Links {
+        Links { surface_ties, rigid_ties, ..Links::default() }
+    }
+
     /// Returns whether there are no equations and links.
     pub fn is_empty(&self) -> bool {
         self.equations.is_empty() && self.merged.is_empty()

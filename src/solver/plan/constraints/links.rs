@@ -3,7 +3,6 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::constraint::tie::TiedNodes;
 use crate::deck::{Diagnostic, Span};
 use crate::model::{self, LinkKind, Model, NodeLink, RigidBody, SurfaceTie};
 use crate::plan::constraints::link_set::EndEquation;
@@ -51,21 +50,14 @@ pub fn linked_nodes(model: &Model, bodies: &Bodies, ties: &[TieEquations]) -> Ve
 }
 
 /// Collects all equations and links, and gives linked nodes the initial velocity of their reference node.
-pub fn collect_links(
-    scene: Scene,
-    surface_ties: Vec<TieEquations>,
-    rigid_ties: Vec<TiedNodes>,
-    state: &mut SolidState,
-    report: &mut Report,
-) -> Links {
+pub fn collect_links(scene: Scene, links: &mut Links, state: &mut SolidState, report: &mut Report) {
     let model = scene.model;
-    let mut links = Links { surface_ties, rigid_ties, ..Links::default() };
     for link in &model.constraints.links {
-        add_link(scene, &mut links, link, report);
+        add_link(scene, links, link, report);
     }
-    add_surface_ties(scene, &mut links, report);
+    add_surface_ties(scene, links, report);
     for equation in model.constraints.equations.iter().filter(|e| !e.is_thermal()) {
-        if !add_equation(scene.places, &mut links, equation, &state.dofs.nodes.mass) {
+        if !add_equation(scene.places, links, equation, &state.dofs.nodes.mass) {
             let message =
                 "*EQUATION is supported only for nodes of deformable bodies that are not tied to a rigid body";
             report.push(Diagnostic::error("P011", message).at(equation.span, "this equation has other nodes"));
@@ -73,9 +65,8 @@ pub fn collect_links(
         }
     }
     links.merged.retain(|a| !a.nodes.is_empty());
-    links.unresisted_dofs = find_unresisted_dofs(scene.places, &links, &state.dofs.nodes.mass);
+    links.unresisted_dofs = find_unresisted_dofs(scene.places, links, &state.dofs.nodes.mass);
     start_with_references(scene, state);
-    links
 }
 
 fn add_link(scene: Scene, links: &mut Links, link: &NodeLink, report: &mut Report) {

@@ -67,6 +67,16 @@ fn name_of_front(pair: &SurfaceContact) -> Option<String> {
     (!pair.general).then(|| pair_name(pair))
 }
 
+/// The analytical surface of a pair.
+struct FoundSurface {
+    surface: AnalyticalSurface,
+    /// Index of its rigid body.
+    body: usize,
+    front: AnalyticalFront,
+    /// Number of contact nodes of the other surface.
+    nodes: usize,
+}
+
 /// The surface of a pair that is opposite to the analytical one.
 #[derive(Clone, Copy)]
 struct OpposingSurface<'a> {
@@ -91,7 +101,10 @@ pub fn analytical_contact(
     };
     let opposite = OpposingSurface { sides, nodes: &analytical.nodes, pair };
     match analytical_surface(opposite, analytical, context, report) {
-        Ok((mut surface, body, count)) => {
+        Ok(FoundSurface { mut surface, body, front, nodes: count }) => {
+            if !geometry.fronts.contains(&front) {
+                geometry.fronts.push(front);
+            }
             surface.point = geometry.add_carried(body);
             let gives_way = (pair.penalty.is_some() || pair.law.is_soft()) && !sides.faces.is_empty();
             if gives_way {
@@ -149,14 +162,13 @@ fn curve_of_nodes(
     Some(geometry.add_points(FacetCurve::of_points(points)))
 }
 
-/// Returns the analytical surface with its front towards the nodes, its rigid body, and the number of contact
-/// nodes.
+/// Returns the analytical surface with its front towards the nodes.
 fn analytical_surface(
     opposite: OpposingSurface,
     side: &AnalyticalSide,
     context: &CurveContext,
     report: &mut Report,
-) -> Result<(AnalyticalSurface, usize, usize), String> {
+) -> Result<FoundSurface, String> {
     let StepInput { scene, state, .. } = context.input;
     let surface: &RigidSurface = &scene.model.surfaces.analytical[side.surface];
     let reference = surface
@@ -191,12 +203,9 @@ fn analytical_surface(
     };
     let is_reversed = profile != surface.profile;
     let front = AnalyticalFront { surface: side.surface, pair: name_of_front(opposite.pair), is_reversed };
-    if !report.fronts.contains(&front) {
-        report.fronts.push(front);
-    }
     analytical = AnalyticalSurface::new(profile, 0);
     analytical.overlap = overlap.max(analytical.rounding);
-    Ok((analytical, body, nodes.len()))
+    Ok(FoundSurface { surface: analytical, body, front, nodes: nodes.len() })
 }
 
 /// Returns whether the surface of a pair is reversed, if this was determined at the start of the run: on a new mesh, places of
@@ -274,9 +283,9 @@ fn profile_facing_all(
     let is_same = |c: &&SurfaceContact| c.analytical.as_ref().is_some_and(|a| a.surface == side.surface);
     let all = || context.pairs.iter().filter(|c| c.general).filter(is_same);
     let (name, set) = (&pair.sides[side.side].name, &sides.name);
-    let of_all: Vec<[f64; 2]> =
-        all().flat_map(|c| &c.analytical).flat_map(|a| &a.nodes).map(|&n| mesh.points[n]).collect();
-    let start = InitialGaps::between_ends(&surface.profile, &of_all, rounding);
+    let all_nodes = all().flat_map(|contact| &contact.analytical).flat_map(|side| &side.nodes);
+    let all_places: Vec<[f64; 2]> = all_nodes.map(|&n| mesh.points[n]).collect();
+    let start = InitialGaps::between_ends(&surface.profile, &all_places, rounding);
     let mut profile = surface.profile.clone();
     if start.front <= rounding.max(overlap) && start.penetration > overlap {
         profile = profile.reversed();

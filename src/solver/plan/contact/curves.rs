@@ -7,7 +7,7 @@ use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, bounding_box};
-use crate::model::{ElementSide, GeneralContact, Mesh, Model, SideSelection, SurfaceContact};
+use crate::model::{AnalyticalFront, ElementSide, GeneralContact, Mesh, Model, SideSelection, SurfaceContact};
 use crate::plan::meshes::pieces::pieces;
 use crate::plan::solids::user_material::deletes;
 use crate::plan::{Report, StepInput};
@@ -33,6 +33,8 @@ pub struct ContactGeometry {
     pub deforms: Vec<bool>,
     by_name: HashMap<(String, bool), usize>,
     pub analyticals: Vec<AnalyticalSurface>,
+    /// Fronts of the analytical surfaces.
+    pub fronts: Vec<AnalyticalFront>,
 }
 
 /// Data that points and facets depend on.

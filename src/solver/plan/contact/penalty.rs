@@ -1,6 +1,7 @@
 //! Stiffness of penalty contact from the underlying elements (ABAQUS Analysis User's Guide, "Contact constraint
 //! enforcement methods in Abaqus/Explicit").
 
+use crate::constraint::contact::ContactPair;
 use crate::deck::Diagnostic;
 use crate::element::group::ElementStiffness;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
@@ -99,39 +100,43 @@ fn height(element: &Element, points: &[[f64; 2]], length: f64) -> f64 {
     share * area.abs() / length
 }
 
-/// Returns the laws of springs of each point of a curve. The stiffness is `factor` times 2 / (sum of the compliances of
+/// Returns the laws of springs of each point of the own curve of a pair. The stiffness is `factor` times 2 / (sum of the compliances of
 /// both surfaces): for two equal bodies and a factor of 1 the stiffness of one layer of elements.
 pub fn spring_laws(
     input: StepInput,
     contact: &SurfaceContact,
     factor: f64,
-    (own, other): (usize, Option<usize>),
+    pair: &ContactPair,
     geometry: &ContactGeometry,
     report: &mut Report,
 ) -> Option<Vec<InteractionLaw>> {
-    let softness = |curve: usize| {
-        let of = geometry.facet_elements[curve].iter().map(|&(e, nodes)| facet_compliance(input, e, nodes));
-        of.collect::<Option<Vec<f64>>>()
+    let compliances = |curve: usize| {
+        let facets = geometry.facet_elements[curve].iter();
+        facets.map(|&(e, nodes)| facet_compliance(input, e, nodes)).collect::<Option<Vec<f64>>>()
     };
-    let others = other.map_or(Some(Vec::new()), softness);
-    let (Some(own_ways), Some(others)) = (softness(own).filter(|ways| !ways.is_empty()), others) else {
+    // An analytical surface has no compliance.
+    let opposite = match pair.analytical {
+        Some(_) => Some(Vec::new()),
+        None => compliances(pair.other.unwrap_or(pair.own)),
+    };
+    let (Some(facet_compliances), Some(opposite)) = (compliances(pair.own).filter(|list| !list.is_empty()), opposite)
+    else {
         let message = "the penalty stiffness cannot be computed for the elements of this pair";
         let finding = Diagnostic::error("P021", message).at(contact.span, "this pair");
         report.push(finding.help("give *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, or remove PENALTY"));
         return None;
     };
-    // An analytical surface has no compliance.
-    let beside = others.iter().sum::<f64>() / others.len().max(1) as f64;
-    let curve = &geometry.curves[own];
+    let mean_opposite = opposite.iter().sum::<f64>() / opposite.len().max(1) as f64;
+    let curve = &geometry.curves[pair.own];
     let stiffness = |index: usize| {
-        let around = curve.around_own(index).iter().filter_map(|f| own_ways.get(f.0 as usize));
+        let around = curve.around_own(index).iter().filter_map(|f| facet_compliances.get(f.0 as usize));
         let (sum, count) = around.fold((0.0, 0), |(sum, count), way| (sum + way, count + 1));
         // Points that are exposed by element deletion have the mean stiffness of the exposed facets.
-        let way = match count {
-            0 => own_ways.iter().sum::<f64>() / own_ways.len() as f64,
+        let compliance = match count {
+            0 => facet_compliances.iter().sum::<f64>() / facet_compliances.len() as f64,
             _ => sum / f64::from(count),
         };
-        factor * 2.0 / (way + beside)
+        factor * 2.0 / (compliance + mean_opposite)
     };
     let law =
         |index| InteractionLaw { overclosure: PressureOverclosure::Spring(stiffness(index)), ..contact.law.clone() };

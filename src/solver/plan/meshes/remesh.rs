@@ -7,7 +7,8 @@ use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::{ModelBody, is_shared, nodes_of_histories};
 use crate::model::{
-    BoundaryCondition, LoadKind, Model, MotionKind, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing,
+    AnalyticalFront, BoundaryCondition, LoadKind, Model, MotionKind, OutputCard, OutputKind, OutputRegion,
+    OutputRequest, Remeshing,
 };
 use crate::plan::contact::cohesion::cohesive_behaviors;
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
@@ -48,8 +49,14 @@ pub struct RemeshedBody {
 /// User subroutines that continue on new meshes: their state is that of elements and amplitudes.
 const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp"];
 
-/// Lists the bodies of all `*REMESH` cards; `None` without any.
-pub fn plan(scene: Scene, pairs: &Pairs, state: &mut State, report: &mut Report) -> Option<Box<RemeshPlan>> {
+/// Lists the bodies of all `*REMESH` cards; `None` without any. New meshes keep the `fronts` of analytical surfaces.
+pub fn plan(
+    scene: Scene,
+    pairs: &Pairs,
+    fronts: Vec<AnalyticalFront>,
+    state: &mut State,
+    report: &mut Report,
+) -> Option<Box<RemeshPlan>> {
     let model = scene.model;
     if model.remeshings.is_empty() || report.diagnostics.has_errors() {
         return None;
@@ -64,7 +71,7 @@ pub fn plan(scene: Scene, pairs: &Pairs, state: &mut State, report: &mut Report)
         bodies.extend(remeshed_body(scene.places, card, &body, state, report));
     }
     let mut model = model.clone();
-    model.surfaces.fronts = Some(report.fronts.clone());
+    model.surfaces.fronts = Some(fronts);
     Some(Box::new(RemeshPlan { model, bodies }))
 }
 
