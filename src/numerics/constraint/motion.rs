@@ -176,13 +176,13 @@ impl Constraint for PrescribedMotion {
             body.reaction = body.mass * body.acceleration - body.force;
         }
         let (nodes, energies) = (&mut dofs.nodes, &mut dofs.energies);
-        let (moved, behind) = (nodes.work_pending, nodes.previous_dt);
+        let (moved, previous_dt) = (nodes.work_pending, nodes.previous_dt);
         for motion in &mut self.nodes {
             let mass = nodes.mass[motion.node];
             let velocity = *nodes[motion.node].velocity(motion.axis);
             let acceleration = &mut nodes.acceleration[motion.node][motion.axis];
             // The pass over nodes took the kinetic energy with the unconstrained acceleration.
-            let taken = 0.5 * mass * velocity * (velocity + behind * *acceleration);
+            let taken = 0.5 * mass * velocity * (velocity + previous_dt * *acceleration);
             let kinetic = 0.5 * mass * velocity * velocity;
             energies.kinetic += kinetic - taken;
             let force = mass * *acceleration;
@@ -280,8 +280,8 @@ impl StoredConstraint for PrescribedMotion {
         let known: HashMap<_, _> = previous.nodes.iter().map(|m| ((m.node, m.axis), m.origin)).collect();
         for motion in &mut self.nodes {
             let same = nodes(motion.node).and_then(|place| place.node());
-            let before = same.and_then(|node| known.get(&(node, motion.axis)));
-            before.into_iter().for_each(|origin| motion.origin = *origin);
+            let previous_origin = same.and_then(|node| known.get(&(node, motion.axis)));
+            previous_origin.into_iter().for_each(|origin| motion.origin = *origin);
         }
     }
 }

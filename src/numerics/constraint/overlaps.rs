@@ -177,9 +177,9 @@ impl OverlapMonitor {
     /// of the nearest face.
     fn inside(&mut self, of: usize, within: usize) -> Option<[f64; 4]> {
         let OverlapMonitor { outlines, places, boxes, order, .. } = self;
-        let ([low, high], at) = (boxes[within], &places[within]);
+        let ([low, high], face_points) = (boxes[within], &places[within]);
         let faces = &outlines[within].faces;
-        let ends = |face: u32| faces[face as usize].inline_map(|p| at[p as usize]);
+        let ends = |face: u32| faces[face as usize].inline_map(|p| face_points[p as usize]);
         let mut points = places[of].iter().filter(|p| (0..2).all(|i| low[i] < p[i] && p[i] < high[i])).peekable();
         if faces.is_empty() || points.peek().is_none() {
             return None;
@@ -214,8 +214,8 @@ impl OverlapMonitor {
 pub fn distance(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> (f64, f64) {
     let (t, d) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let square = t[0] * t[0] + t[1] * t[1];
-    let at = ((d[0] * t[0] + d[1] * t[1]) / square).clamp(0.0, 1.0);
-    (libm::hypot(d[0] - at * t[0], d[1] - at * t[1]), square.sqrt())
+    let along = ((d[0] * t[0] + d[1] * t[1]) / square).clamp(0.0, 1.0);
+    (libm::hypot(d[0] - along * t[0], d[1] - along * t[1]), square.sqrt())
 }
 
 impl Constraint for OverlapMonitor {
@@ -233,9 +233,9 @@ impl Constraint for OverlapMonitor {
 
     fn motion(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>, dt: f64) {
         if clock.now.increment.is_multiple_of(EVERY) {
-            let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time + dt);
-            self.find_overlaps(dofs, |pair, [r, z, depth, length]| found.push((pair, [time, r, z, depth, length])));
-            self.found = found;
+            let (mut overlaps, time) = (std::mem::take(&mut self.found), clock.now.total_time + dt);
+            self.find_overlaps(dofs, |pair, [r, z, depth, length]| overlaps.push((pair, [time, r, z, depth, length])));
+            self.found = overlaps;
         }
     }
 }
@@ -243,12 +243,12 @@ impl Constraint for OverlapMonitor {
 impl OverlapMonitor {
     /// Returns the messages of overlaps of bodies that it has found.
     pub fn overlaps(&mut self, dofs: &Dofs, clock: &AmplitudeClock<'_>) -> Vec<String> {
-        let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time);
-        self.find_overlaps(dofs, |pair, [r, z, depth, length]| found.push((pair, [time, r, z, depth, length])));
-        let warnings = found.iter().map(|&(pair, [time, r, z, depth, length])| {
+        let (mut overlaps, time) = (std::mem::take(&mut self.found), clock.now.total_time);
+        self.find_overlaps(dofs, |pair, [r, z, depth, length]| overlaps.push((pair, [time, r, z, depth, length])));
+        let warnings = overlaps.iter().map(|&(pair, [time, r, z, depth, length])| {
             let bodies = pair.inline_map(|body| body as usize);
             let [a, b] = bodies.inline_map(|body| &self.outlines[body].name);
-            let cause = match [self.contacts.are_tied(bodies), self.contacts.connect(bodies)] {
+            let advice = match [self.contacts.are_tied(bodies), self.contacts.connect(bodies)] {
                 [true, _] => {
                     "although they are tied: TYPE=SURFACE TO SURFACE of *TIE, the default, and smaller facets reduce the \
                      overlap at the tie"
@@ -262,13 +262,13 @@ impl OverlapMonitor {
                 }
             };
             format!(
-                "{a} and {b} overlap by {depth:.2e} ({:.0} % of a face) at time {time:.4e} near (r = {r:.4e}, z = {z:.4e}), {cause}",
+                "{a} and {b} overlap by {depth:.2e} ({:.0} % of a face) at time {time:.4e} near (r = {r:.4e}, z = {z:.4e}), {advice}",
                 100.0 * depth / length
             )
         });
         let warnings = warnings.collect();
-        found.clear();
-        self.found = found;
+        overlaps.clear();
+        self.found = overlaps;
         warnings
     }
 }

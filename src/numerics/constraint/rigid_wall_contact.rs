@@ -188,8 +188,8 @@ impl RigidWallContact {
         for _ in 0..DEEPEST {
             let normal = pose.attitude.to_body(best.normal);
             let across = normal[0].portable_hypot(normal[2]);
-            let own = [-r * normal[0] / across, z, -r * normal[2] / across];
-            match self.touch(pose, own).filter(|_| across > 0.0).filter(|touch| touch.gap < best.gap) {
+            let deeper_place = [-r * normal[0] / across, z, -r * normal[2] / across];
+            match self.touch(pose, deeper_place).filter(|_| across > 0.0).filter(|touch| touch.gap < best.gap) {
                 Some(deeper) => best = deeper,
                 None => break,
             }
@@ -209,8 +209,8 @@ impl RigidWallContact {
         let end = body.pose();
         let mut points = std::mem::take(&mut self.points);
         for ring in 0..self.rings.len() {
-            let all = (0..self.count(ring)).map(Some).chain([None]);
-            for station in all {
+            let stations = (0..self.count(ring)).map(Some).chain([None]);
+            for station in stations {
                 let point = ContactPoint { ring, station, ..ContactPoint::default() };
                 let Some(touch) = self.measure(&point, &end).filter(|touch| touch.gap < reach) else { continue };
                 let start = self.measure(&point, &body.previous).unwrap_or(touch);
@@ -232,12 +232,12 @@ impl RigidWallContact {
                 let missing = point.gap / dt + (rate - point.rate);
                 point.impulse[0] = (old[0] - missing / point.inverse_mass[0]).max(0.0);
                 point.apply_friction(&self.pair.friction, velocity);
-                let given: [f64; 3] = inline_from_fn(|i| point.impulse[i] - old[i]);
-                let impulse = (0..3).fold([0.0; 3], |sum, i| plus(sum, given[i], point.axes[i]));
+                let changes: [f64; 3] = inline_from_fn(|i| point.impulse[i] - old[i]);
+                let impulse = (0..3).fold([0.0; 3], |sum, i| plus(sum, changes[i], point.axes[i]));
                 motion.velocity = plus(motion.velocity, 1.0 / body.mass, impulse);
                 let turned = body.inertia.angular_velocity(axis, cross(point.arm, impulse));
                 motion.turning = plus(motion.turning, 1.0, turned);
-                change = given.iter().fold(change, |most, d| most.max(d.abs()));
+                change = changes.iter().fold(change, |most, d| most.max(d.abs()));
                 largest = largest.max(point.impulse[0]);
             }
             if change <= CONVERGED * largest {
@@ -328,8 +328,8 @@ impl ContactPoint {
         let inverse_mass = self.inverse_mass[1].max(self.inverse_mass[2]);
         let trial = [0, 1].inline_map(|i| self.impulse[i + 1] - slip[i] / inverse_mass);
         let (size, pressed) = (trial[0].portable_hypot(trial[1]), self.impulse[0]);
-        let most = if pressed > 0.0 { friction.coefficient(slip[0].portable_hypot(slip[1])) * pressed } else { 0.0 };
-        let factor = if size > most { most / size } else { 1.0 };
+        let limit = if pressed > 0.0 { friction.coefficient(slip[0].portable_hypot(slip[1])) * pressed } else { 0.0 };
+        let factor = if size > limit { limit / size } else { 1.0 };
         (self.impulse[1], self.impulse[2]) = (factor * trial[0], factor * trial[1]);
     }
 }

@@ -180,10 +180,10 @@ mod tests {
 
         fn kinetic(&self) -> f64 {
             let nodes = &self.dofs.nodes;
-            let of = |n: usize| nodes.mass[n] * (nodes[n].v_r * nodes[n].v_r + nodes[n].v_z * nodes[n].v_z);
+            let energy_of = |n: usize| nodes.mass[n] * (nodes[n].v_r * nodes[n].v_r + nodes[n].v_z * nodes[n].v_z);
             let body = &self.dofs.bodies[0];
-            let own = if body.prescribed { 0.0 } else { body.mass * body.velocity_half * body.velocity_half };
-            0.5 * ((0..nodes.len()).map(of).sum::<f64>() + own)
+            let of_body = if body.prescribed { 0.0 } else { body.mass * body.velocity_half * body.velocity_half };
+            0.5 * ((0..nodes.len()).map(energy_of).sum::<f64>() + of_body)
         }
     }
 
@@ -224,16 +224,16 @@ mod tests {
         let start = [2.0 + 0.5_f64.sin(), 1.0 - 0.5_f64.cos()];
         let mut scene = ContactScene::new(bowl(), 0.0, None, &[(start, [0.0; 2], 1.0)]);
         scene.gravity = [0.0, -1.0];
-        let (mut crossings, mut highest, mut before, mut time) = (Vec::new(), 0.0_f64, start[0] - 2.0, 0.0);
+        let (mut crossings, mut highest, mut previous, mut time) = (Vec::new(), 0.0_f64, start[0] - 2.0, 0.0);
         while crossings.len() < 20 {
             scene.advance(0.01);
             time += 0.01;
             let node = scene.dofs.nodes[0];
-            if (node.r - 2.0) * before < 0.0 {
+            if (node.r - 2.0) * previous < 0.0 {
                 crossings.push(time);
                 highest = 0.0;
             }
-            before = node.r - 2.0;
+            previous = node.r - 2.0;
             highest = highest.max(node.z);
         }
         // Period of a pendulum by the complete elliptic integral: 2 pi (1 + a^2/16 + 11 a^4/3072 + ..) for a = 0.5.

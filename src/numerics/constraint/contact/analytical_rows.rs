@@ -41,7 +41,7 @@ impl ContactConstraint {
         else {
             return;
         };
-        let own = &surfaces.curves[pair.own];
+        let secondary = &surfaces.curves[pair.secondary];
         let velocity_of = |point: u32| {
             dofs_of[point as usize].inline_map(|d| if d == NONE { 0.0 } else { motion.velocity[d as usize] })
         };
@@ -53,9 +53,9 @@ impl ContactConstraint {
         let is_coupled = pairs.len() > 1 || motion.inverse_mass[body] > 0.0 || !merged.is_empty();
         let fastest = if is_coupled { motion.velocity.iter().fold(0.0_f64, |v, w| v.max(w.abs())) } else { 0.0 };
         let is_start = dt == 0.0;
-        let orphans = own.orphans.iter().map(|&i| (i, true));
-        for (index, is_single_point) in own.exposed_points.iter().map(|&i| (i, false)).chain(orphans) {
-            let point = own.own[index as usize];
+        let orphans = secondary.orphans.iter().map(|&i| (i, true));
+        for (index, is_single_point) in secondary.exposed_points.iter().map(|&i| (i, false)).chain(orphans) {
+            let point = secondary.points[index as usize];
             let point_dofs = dofs_of[point as usize];
             if point_dofs[1] == body_dofs[1] {
                 continue;
@@ -74,7 +74,7 @@ impl ContactConstraint {
             // Soft overclosure laws may press before the end of the increment.
             let reach = if is_coupled || !is_hard { dt * (2.0 * fastest).max(speed) } else { 0.0 };
             let is_far = nearest.gap - path.zero >= reach + overclosure.onset_gap() && !is_start;
-            let zeros = [zero_of(key), zero_of(key + own.own.len() as u32)];
+            let zeros = [zero_of(key), zero_of(key + secondary.points.len() as u32)];
             if start_gap < pair.search.reach() && !nearest.beyond {
                 keys.opening[key as usize] = start_gap;
             }
@@ -83,9 +83,10 @@ impl ContactConstraint {
             }
             let met = if is_start { Some((nearest.segment, 0.0)) } else { analytical.met(nearest.segment, &path) };
             let Some((segment, target)) = met else { continue };
-            let area = if is_single_point { 1.0 } else { own.area(index, &surfaces.places) };
+            let area = if is_single_point { 1.0 } else { secondary.area(index, &surfaces.places) };
             let corner = if is_start { None } else { analytical.corner(segment, &path, (dt * speed).max(reach)) };
-            let second = corner.map(|segment| MetSegment { segment, target: 0.0, key: key + own.own.len() as u32 });
+            let second =
+                corner.map(|segment| MetSegment { segment, target: 0.0, key: key + secondary.points.len() as u32 });
             for (MetSegment { segment, target, key }, zero) in
                 [Some(MetSegment { segment, target, key }), second].into_iter().flatten().zip(zeros)
             {
@@ -123,7 +124,7 @@ impl ContactConstraint {
                 return;
             }
             let ContactConstraint { laws, dofs, keys, measured, .. } = self;
-            let step = ContactStep { laws, before: &keys.pressures, span };
+            let step = ContactStep { laws, pressures: &keys.pressures, span };
             measured.rows.solve_again(&mut dofs.motion, reference, step);
         }
     }
@@ -134,10 +135,10 @@ impl ContactConstraint {
         let MeasuredGaps { rows: ContactRows { rows, terms, .. }, closest, .. } = measured;
         // Returns the position of a point at the end of the increment.
         let end_of = |point: u32| {
-            let (place, dofs_of) = (surfaces.places[point as usize], dofs.of_points[point as usize]);
+            let (start, dofs_of) = (surfaces.places[point as usize], dofs.of_points[point as usize]);
             [0, 1].inline_map(|i| match dofs_of[i] {
-                NONE => place[i],
-                dof => place[i] + dt * dofs.motion.velocity[dof as usize],
+                NONE => start[i],
+                dof => start[i] + dt * dofs.motion.velocity[dof as usize],
             })
         };
         let mut largest: f64 = 0.0;
@@ -149,7 +150,7 @@ impl ContactConstraint {
                 continue;
             }
             let gap = segment.gap(end_of(closest.point), end_of(analytical.point)[1]) - closest.target;
-            let rate = dofs.motion.rate(row.own(terms));
+            let rate = dofs.motion.rate(row.terms_in(terms));
             let error = gap - (row.gap + dt * rate) / row.area;
             row.gap += error * row.area;
             largest = largest.max(error.abs() / analytical.rounding);
@@ -177,7 +178,7 @@ impl ContactConstraint {
     /// motion of bodies has been made. In soft contact it is the closest place with the gap that the material has there.
     pub(super) fn place_on_analytical(&self, point: u32, place: [f64; 2], dofs: &Dofs) -> Option<[f64; 2]> {
         let analytical_pairs = self.pairs.iter().filter(|pair| pair.analytical.is_some());
-        let index_in = |pair: &ContactPair| self.surfaces.curves[pair.own].own.binary_search(&point).ok();
+        let index_in = |pair: &ContactPair| self.surfaces.curves[pair.secondary].points.binary_search(&point).ok();
         let mut pairs = analytical_pairs.filter_map(|pair| Some((pair, index_in(pair)?)));
         let (Some((pair, index)), None) = (pairs.next(), pairs.next()) else { return None };
         let analytical = &self.surfaces.analyticals[pair.analytical?];
@@ -193,17 +194,18 @@ impl ContactConstraint {
     /// Returns the gap to an analytical surface at the new place of a point that slides along its facets: between the gaps
     /// of the point and of the next one. `None` beyond the ends of the surface.
     fn gap_along_facets(&self, pair: &ContactPair, index: usize, place: [f64; 2], dofs: &Dofs) -> Option<f64> {
-        let (analytical, own) = (&self.surfaces.analyticals[pair.analytical?], &self.surfaces.curves[pair.own]);
+        let (analytical, secondary) =
+            (&self.surfaces.analyticals[pair.analytical?], &self.surfaces.curves[pair.secondary]);
         let place_of = |point: u32| self.surfaces.place_of(point, dofs, 0.0);
         let lift = place_of(analytical.point)[1];
         let gap = |index: usize| {
-            let nearest = analytical.profile.nearest(place_of(own.own[index]), lift);
+            let nearest = analytical.profile.nearest(place_of(secondary.points[index]), lift);
             let zero = self.zero_of(analytical, index, pair.first_key as usize + index);
             (!nearest.beyond).then_some(nearest.gap - zero)
         };
         let start = gap(index)?;
-        let Some((next, share)) = own.next_point(index, place, place_of) else { return Some(start) };
-        let end = own.own.binary_search(&next).ok().and_then(gap).unwrap_or(start);
+        let Some((next, share)) = secondary.next_point(index, place, place_of) else { return Some(start) };
+        let end = secondary.points.binary_search(&next).ok().and_then(gap).unwrap_or(start);
         Some(start + share * (end - start))
     }
 
@@ -225,7 +227,7 @@ impl ContactConstraint {
             let PointCarrier::Body(body, [_, z]) = surfaces.points[analytical.point as usize].carrier else {
                 return None;
             };
-            let (own_points, lift) = (&surfaces.curves[pair.own].own, z + dofs.bodies[body].displacement);
+            let (own_points, lift) = (&surfaces.curves[pair.secondary].points, z + dofs.bodies[body].displacement);
             let is_at =
                 |node: usize| move |point: &u32| surfaces.points[*point as usize].carrier == PointCarrier::Node(node);
             let [first, second] = ends.inline_map(|node| own_points.iter().position(is_at(node)));

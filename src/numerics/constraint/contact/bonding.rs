@@ -33,17 +33,18 @@ impl CohesiveSurfaces {
     /// Returns the indices of the cohesive pair and of the point that a key of the contact belongs to.
     fn place_of(&self, contact: &ContactConstraint, key: u32) -> Option<(usize, usize)> {
         let pair = pair_of(&contact.pairs, key);
-        let at = self.index_of(pair)?;
-        let ContactPair { own, first_key, .. } = contact.pairs[pair];
+        let cohesive = self.index_of(pair)?;
+        let ContactPair { secondary, first_key, .. } = contact.pairs[pair];
         let index = (key - first_key) as usize;
-        (index < contact.surfaces.curves[own].own.len()).then_some((at, self.pairs[at].first + index))
+        (index < contact.surfaces.curves[secondary].points.len())
+            .then_some((cohesive, self.pairs[cohesive].first + index))
     }
 
     /// Bonds the points of new pairs that are in contact according to the current rows.
     fn bond_new_pairs(&mut self, contact: &ContactConstraint) {
         for at in 0..self.pairs.len() {
             if self.pairs[at].is_new {
-                let count = contact.surfaces.curves[contact.pairs[self.pairs[at].pair].own].own.len();
+                let count = contact.surfaces.curves[contact.pairs[self.pairs[at].pair].secondary].points.len();
                 let first = self.pairs[at].first;
                 self.points[first..first + count].fill(BondedPoint::default());
             }
@@ -87,8 +88,8 @@ impl CohesiveSurfaces {
         let mut dissipated = DissipatedEnergy::default();
         for cohesive in pairs.iter() {
             let pair = &contact.pairs[cohesive.pair];
-            let (own, other) = contact.surfaces.sides(pair);
-            for (index, &place) in own.own.iter().enumerate() {
+            let (secondary, other) = contact.surfaces.sides(pair);
+            for (index, &place) in secondary.points.iter().enumerate() {
                 let point = &mut points[cohesive.first + index];
                 if point.status == BondStatus::Failed
                     && contact.keys.pressures[pair.first_key as usize + index][0] == 0.0
@@ -99,7 +100,7 @@ impl CohesiveSurfaces {
                     continue;
                 }
                 let law = &laws[cohesive.law_of(index)];
-                if !has_surfaces(own, index, other, point.facet) {
+                if !has_surfaces(secondary, index, other, point.facet) {
                     dissipated.add(law.released(point.history.damage, opened(point.separation)), point.area);
                     (point.status, point.traction, point.history.damage) = (BondStatus::Failed, [0.0; 2], 1.0);
                     continue;
@@ -144,8 +145,8 @@ impl CohesiveSurfaces {
     /// the facet with their weights.
     fn for_each_bond(&self, contact: &ContactConstraint, mut visit: impl FnMut(f64, [(u32, f64); 3])) {
         for cohesive in &self.pairs {
-            let (own, other) = contact.surfaces.sides(&contact.pairs[cohesive.pair]);
-            for (index, &place) in own.own.iter().enumerate() {
+            let (secondary, other) = contact.surfaces.sides(&contact.pairs[cohesive.pair]);
+            for (index, &place) in secondary.points.iter().enumerate() {
                 let point = &self.points[cohesive.first + index];
                 if point.status != BondStatus::Bonded {
                     continue;
@@ -179,7 +180,7 @@ impl ContactConstraint {
         let mut count = 0;
         for cohesive in &mut pairs {
             cohesive.first = count;
-            count += self.surfaces.curves[self.pairs[cohesive.pair].own].own.len();
+            count += self.surfaces.curves[self.pairs[cohesive.pair].secondary].points.len();
         }
         self.cohesion = Some(Box::new(CohesiveSurfaces {
             laws,
@@ -197,7 +198,7 @@ impl ContactConstraint {
     pub fn bonded_points(&self, pair: usize) -> Option<[usize; 2]> {
         let cohesion = self.cohesion.as_ref()?;
         let cohesive = &cohesion.pairs[cohesion.index_of(pair)?];
-        let count = self.surfaces.curves[self.pairs[pair].own].own.len();
+        let count = self.surfaces.curves[self.pairs[pair].secondary].points.len();
         let points = &cohesion.points[cohesive.first..cohesive.first + count];
         Some([points.iter().filter(|point| point.status == BondStatus::Bonded).count(), count])
     }
@@ -217,19 +218,19 @@ impl ContactConstraint {
 
     /// Returns a point of the own curve of a pair as bonded to the closest opposite facet; `None` if there is none.
     fn bond(&self, pair: &ContactPair, index: usize, area: f64) -> Option<BondedPoint> {
-        let (own, other) = self.surfaces.sides(pair);
-        let point = own.own[index];
-        let place = self.surfaces.places[point as usize];
+        let (secondary, other) = self.surfaces.sides(pair);
+        let point = secondary.points[index];
+        let position = self.surfaces.places[point as usize];
         let mut best: Option<(f64, u32, f64)> = None;
-        for &(k, _) in own.around_own(index).iter().filter(|f| own.is_exposed[f.0 as usize]) {
+        for &(k, _) in secondary.around_own(index).iter().filter(|f| secondary.is_exposed[f.0 as usize]) {
             let shares = self.measured.facets.shares_of(&pair.facet_gaps[k as usize]);
             for (facet, _) in shares.iter().flat_map(|share| other.around(share.point)) {
-                let (normal, shape) = (own.shapes[k as usize].normal, &other.shapes[facet as usize]);
+                let (normal, shape) = (secondary.shapes[k as usize].normal, &other.shapes[facet as usize]);
                 let faces = normal[0] * shape.normal[0] + normal[1] * shape.normal[1] < 0.0;
                 if !other.is_exposed[facet as usize] || !faces || other.facets[facet as usize].contains(&point) {
                     continue;
                 }
-                let d = [place[0] - shape.from[0], place[1] - shape.from[1]];
+                let d = [position[0] - shape.from[0], position[1] - shape.from[1]];
                 let along = d[0] * shape.along[0] + d[1] * shape.along[1];
                 let part = (along / (shape.length * shape.length)).clamp(0.0, 1.0);
                 let apart = [0, 1].inline_map(|i: usize| d[i] - part * shape.along[i]);
@@ -240,7 +241,7 @@ impl ContactConstraint {
             }
         }
         let (_, facet, part) = best?;
-        let reference = FootVector::new(&other.shapes[facet as usize], part, place).components;
+        let reference = FootVector::new(&other.shapes[facet as usize], part, position).components;
         Some(BondedPoint { status: BondStatus::Bonded, facet, part, area, reference, ..BondedPoint::default() })
     }
 
@@ -354,11 +355,7 @@ impl ContactConstraint {
     pub(super) fn take_over_cohesion(&mut self, previous: &ContactConstraint) {
         let Some(old_cohesion) = previous.cohesion.as_deref() else { return };
         let ContactConstraint { surfaces, pairs, dofs, cohesion: Some(cohesion), .. } = self else { return };
-        let old_dofs = previous.dofs.list.iter().map(|dof| dof.0);
-        let known: HashMap<Dof, f64> = old_dofs.zip(old_cohesion.impulses.iter().copied()).collect();
-        for ((dof, _), impulse) in dofs.list.iter().zip(&mut cohesion.impulses) {
-            *impulse = known.get(dof).copied().unwrap_or(0.0);
-        }
+        dofs.pass_values(&mut cohesion.impulses, &previous.dofs, &old_cohesion.impulses);
         for cohesive in &mut cohesion.pairs {
             let pair = &pairs[cohesive.pair];
             let is_same = |old: &&CohesivePair| pair.continues(&previous.pairs[old.pair]);
@@ -389,8 +386,8 @@ impl ContactConstraint {
     pub(super) fn check_bonds(&self, archive: &mut StateArchive<'_>) {
         let Some(cohesion) = &self.cohesion else { return };
         for cohesive in &cohesion.pairs {
-            let (own, other) = self.surfaces.sides(&self.pairs[cohesive.pair]);
-            let points = &cohesion.points[cohesive.first..cohesive.first + own.own.len()];
+            let (secondary, other) = self.surfaces.sides(&self.pairs[cohesive.pair]);
+            let points = &cohesion.points[cohesive.first..cohesive.first + secondary.points.len()];
             let exists =
                 |point: &BondedPoint| point.status != BondStatus::Bonded || (point.facet as usize) < other.facets.len();
             if !points.iter().all(exists) {
@@ -402,18 +399,18 @@ impl ContactConstraint {
     /// Returns pressure and shear stress of the bond of a key.
     pub(super) fn bond_stresses(&self, key: usize) -> [f64; 2] {
         let Some(cohesion) = &self.cohesion else { return [0.0; 2] };
-        let place = cohesion.place_of(self, key as u32);
-        place.map_or([0.0; 2], |(_, point)| cohesion.points[point].traction.inline_map(|traction| -traction))
+        let bond = cohesion.place_of(self, key as u32);
+        bond.map_or([0.0; 2], |(_, point)| cohesion.points[point].traction.inline_map(|traction| -traction))
     }
 
     /// Returns an output variable of a bond; `None` for other variables, and for a key without cohesive behaviour.
     pub(super) fn bond_value(&self, key: usize, variable: Variable) -> Option<f64> {
         let cohesion = self.cohesion.as_ref()?;
-        let (at, point) = cohesion.place_of(self, key as u32)?;
+        let (cohesive, point) = cohesion.place_of(self, key as u32)?;
         let history = &cohesion.points[point].history;
         match variable {
             Variable::SurfaceDamage => Some(history.damage),
-            _ => (cohesion.pairs[at].criterion == Some(variable)).then_some(history.criterion),
+            _ => (cohesion.pairs[cohesive].criterion == Some(variable)).then_some(history.criterion),
         }
     }
 
@@ -422,8 +419,8 @@ impl ContactConstraint {
         let Some(cohesion) = &self.cohesion else { return };
         let Some(at) = cohesion.index_of(pair_of(&self.pairs, pair.first_key)) else { return };
         let first = cohesion.pairs[at].first;
-        let (own, other) = self.surfaces.sides(pair);
-        for index in 0..own.own.len() {
+        let (secondary, other) = self.surfaces.sides(pair);
+        for index in 0..secondary.points.len() {
             let BondedPoint { status, facet, area, traction, .. } = cohesion.points[first + index];
             if status != BondStatus::Bonded {
                 continue;
@@ -448,11 +445,12 @@ struct BondedSurface<'a> {
 impl BondedSurface<'_> {
     /// Passes the bonds to the `points` of the pair that continues.
     fn pass_bonds(&self, surfaces: &ContactSurfaces, pair: &ContactPair, points: &mut [BondedPoint]) {
-        let facets: HashMap<_, u32> = surfaces.facet_owners(pair.other.unwrap_or(pair.own)).zip(0..).collect();
-        let old_facets: Vec<_> = self.surfaces.facet_owners(self.pair.other.unwrap_or(self.pair.own)).collect();
-        let old_points = self.surfaces.curves[self.pair.own].own.iter().map(|point| self.surfaces.identity(*point));
+        let facets: HashMap<_, u32> = surfaces.facet_owners(pair.other.unwrap_or(pair.secondary)).zip(0..).collect();
+        let old_facets: Vec<_> = self.surfaces.facet_owners(self.pair.other.unwrap_or(self.pair.secondary)).collect();
+        let old_points =
+            self.surfaces.curves[self.pair.secondary].points.iter().map(|point| self.surfaces.identity(*point));
         let known: HashMap<_, &BondedPoint> = old_points.zip(self.points).collect();
-        for (number, point) in surfaces.curves[pair.own].own.iter().zip(points) {
+        for (number, point) in surfaces.curves[pair.secondary].points.iter().zip(points) {
             *point = known.get(&surfaces.identity(*number)).map_or(BondedPoint::default(), |known| **known);
             match old_facets.get(point.facet as usize).and_then(|facet| facets.get(facet)) {
                 Some(facet) => point.facet = *facet,

@@ -107,8 +107,8 @@ impl ContactConstraint {
             let points = (0..previous.surfaces.points.len() as u32).map(|point| previous.surfaces.identity(point));
             let known: HashMap<_, _> = points.zip(previous_exchange.exchange_bounds()).collect();
             for (point, most) in (0..self.surfaces.points.len() as u32).zip(exchange.exchange_bounds_mut()) {
-                let place = PointPlace::of(self.surfaces.identity(point), nodes);
-                let ends = place.into_iter().flat_map(|place| place.ends);
+                let previous_place = PointPlace::of(self.surfaces.identity(point), nodes);
+                let ends = previous_place.into_iter().flat_map(|previous_place| previous_place.ends);
                 *most = ends.filter_map(|end| known.get(&end)).fold(0.0, |most, bound| bound.max(most));
             }
         }
@@ -119,9 +119,10 @@ impl ContactConstraint {
     fn areas_of_keys(&self) -> Vec<f64> {
         let mut areas = vec![1.0; self.keys.count()];
         for pair in &self.pairs {
-            let own = &self.surfaces.curves[pair.own];
+            let secondary = &self.surfaces.curves[pair.secondary];
             let keys = areas[pair.first_key as usize..].iter_mut();
-            keys.zip(0..own.own.len()).for_each(|(area, index)| *area = own.area(index, &self.surfaces.places));
+            keys.zip(0..secondary.points.len())
+                .for_each(|(area, index)| *area = secondary.area(index, &self.surfaces.places));
         }
         areas
     }
@@ -130,7 +131,8 @@ impl ContactConstraint {
 /// Returns the keys of a pair with the points that own them: the own curve first, then the other curve, or the own curve
 /// again.
 fn key_owners(surfaces: &ContactSurfaces, pair: &ContactPair) -> Vec<(KeyOwner, usize)> {
-    let (own, other) = surfaces.sides(pair);
-    let points = own.own.iter().map(|point| (true, point)).chain(other.own.iter().map(|point| (false, point)));
+    let (secondary, other) = surfaces.sides(pair);
+    let points =
+        secondary.points.iter().map(|point| (true, point)).chain(other.points.iter().map(|point| (false, point)));
     points.map(|(is_own, point)| (is_own, surfaces.identity(*point))).zip(surfaces.keys_in(pair)).collect()
 }

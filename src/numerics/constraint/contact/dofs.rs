@@ -140,9 +140,21 @@ impl ContactDofs {
     pub(super) fn take_over(&mut self, previous: &ContactDofs) {
         (self.half, self.output_share) = (previous.half, previous.output_share);
         self.bodies.clone_from(&previous.bodies);
-        let known: HashMap<_, _> = previous.list.iter().map(|d| d.0).zip(&previous.impulses).collect();
-        for ((dof, _), impulse) in self.list.iter().zip(&mut self.impulses) {
-            *impulse = known.get(dof).map_or([0.0; 2], |known| **known);
+        let mut impulses = std::mem::take(&mut self.impulses);
+        self.pass_values(&mut impulses, previous, &previous.impulses);
+        self.impulses = impulses;
+    }
+
+    /// Sets the values of degrees of freedom to those of the same ones of the previous contact, and the others to zero.
+    pub(super) fn pass_values<T: Copy + Default>(
+        &self,
+        values: &mut [T],
+        previous: &ContactDofs,
+        previous_values: &[T],
+    ) {
+        let known: HashMap<Dof, T> = previous.list.iter().map(|d| d.0).zip(previous_values.iter().copied()).collect();
+        for ((dof, _), value) in self.list.iter().zip(values) {
+            *value = known.get(dof).copied().unwrap_or_default();
         }
     }
 

@@ -128,15 +128,15 @@ impl ContactHeat {
         laws: &[InteractionLaw],
         work: impl Fn(&ContactRow) -> f64,
     ) {
-        let mut at = 0;
+        let mut heat_row = 0;
         for row in rows.rows.iter().filter(|row| row.whole_shear() != 0.0) {
-            while self.rows[at].key != row.key {
-                at += 1;
+            while self.rows[heat_row].key != row.key {
+                heat_row += 1;
             }
             let law = &laws[row.law as usize].heat;
-            let own = if self.keys[row.key as usize].first { law.to_first } else { 1.0 - law.to_first };
+            let own_share = if self.keys[row.key as usize].first { law.to_first } else { 1.0 - law.to_first };
             let heat = -law.fraction * work(row);
-            self.rows[at].made = [own * heat, (1.0 - own) * heat];
+            self.rows[heat_row].made = [own_share * heat, (1.0 - own_share) * heat];
         }
     }
 
@@ -157,10 +157,10 @@ impl ContactHeat {
     pub fn exchange(&self, temperature: &[f64], dt: f64, mut into: impl FnMut(usize, f64)) -> f64 {
         let mut friction_heat = 0.0;
         for row in &self.rows {
-            let own = &self.terms[row.terms[0] as usize..row.terms[1] as usize];
-            let difference: f64 = own.iter().map(|&(p, w)| w * temperature[self.nodes[p as usize] as usize]).sum();
+            let terms = &self.terms[row.terms[0] as usize..row.terms[1] as usize];
+            let difference: f64 = terms.iter().map(|&(p, w)| w * temperature[self.nodes[p as usize] as usize]).sum();
             let flow = if row.conducts == 0.0 { 0.0 } else { row.conducts * difference };
-            for &(p, weight) in own {
+            for &(p, weight) in terms {
                 let made = if weight < 0.0 { -weight * row.made[0] } else { weight * row.made[1] } / dt;
                 friction_heat += made;
                 let heat = made - weight * flow;

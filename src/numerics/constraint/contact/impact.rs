@@ -79,15 +79,15 @@ impl ContactConstraint {
         let thickness = self.thickness_of(&self.pairs[index]);
         let ContactConstraint { surfaces, pairs, dofs, impact, .. } = self;
         let (pair, places) = (&pairs[index], &surfaces.places);
-        let own = &surfaces.curves[pair.own];
+        let secondary = &surfaces.curves[pair.secondary];
         let Some(analytical) = pair.analytical.map(|surface| &surfaces.analyticals[surface]) else { return };
         let velocity_of = |point: u32, axis: usize| match dofs.of_points[point as usize][axis] {
             NONE => 0.0,
             dof => dofs.motion.velocity[dof as usize],
         };
         let (lift, carried) = (places[analytical.point as usize][1], velocity_of(analytical.point, 1));
-        for &index in &own.exposed_points {
-            let point = own.own[index as usize];
+        for &index in &secondary.exposed_points {
+            let point = secondary.points[index as usize];
             let nearest = analytical.profile.nearest(places[point as usize], lift);
             if nearest.beyond {
                 continue;

@@ -63,25 +63,29 @@ impl MeasuredGaps {
     /// Adds the rows of a pair of two curves, or of one curve in self-contact.
     pub(super) fn measure_pair(&mut self, pair: &mut ContactPair, sources: GapSources<'_>) {
         let GapSources { surfaces, laws, .. } = sources;
-        let (own, other) = surfaces.sides(pair);
+        let (secondary, other) = surfaces.sides(pair);
         let (onset, reach) = (pair.onset_gap(laws), pair.search.reach());
         let mut is_near = false;
-        for (at, &k) in own.exposed.iter().enumerate() {
+        for (at, &k) in secondary.exposed.iter().enumerate() {
             let candidates = pair.search.facets.of(at);
             pair.facet_gaps[k as usize] = match candidates.is_empty() {
                 true => FacetGap::default(),
-                false => self.facets.facet_gap((own, k as usize), other, candidates, reach, onset),
+                false => self.facets.facet_gap((secondary, k as usize), other, candidates, reach, onset),
             };
             is_near |= pair.facet_gaps[k as usize].area != [0.0; 2];
         }
         if is_near {
             if onset.is_some() {
-                own.exposed_points.iter().for_each(|&index| self.leave_out_open_facet(pair, own, index as usize));
+                secondary
+                    .exposed_points
+                    .iter()
+                    .for_each(|&index| self.leave_out_open_facet(pair, secondary, index as usize));
             } else if pair.initial_clearance.is_none() {
-                own.kinks.iter().for_each(|&index| self.leave_out_open_side(pair, own, index as usize));
+                secondary.kinks.iter().for_each(|&index| self.leave_out_open_side(pair, secondary, index as usize));
             }
-            for &index in own.exposed_points.iter().filter(|i| surfaces.near.has(own.own[**i as usize])) {
-                self.add_row(pair, own, index as usize, sources);
+            for &index in secondary.exposed_points.iter().filter(|i| surfaces.near.has(secondary.points[**i as usize]))
+            {
+                self.add_row(pair, secondary, index as usize, sources);
             }
         }
         self.measure_single_points(pair, onset.is_some(), sources);
@@ -89,21 +93,22 @@ impl MeasuredGaps {
 
     /// Adds the rows of the points of a pair that are in contact by themselves.
     fn measure_single_points(&mut self, pair: &ContactPair, is_soft: bool, sources: GapSources<'_>) {
-        let (own, other) = sources.surfaces.sides(pair);
-        for (at, &index) in own.orphans.iter().enumerate() {
+        let (secondary, other) = sources.surfaces.sides(pair);
+        for (at, &index) in secondary.orphans.iter().enumerate() {
             let (key, candidates) = (pair.first_key + index, pair.search.orphans.of(at));
-            let point = SinglePointContact { curve: own, index, key, is_corner: false, opposite: other, candidates };
+            let point =
+                SinglePointContact { curve: secondary, index, key, is_corner: false, opposite: other, candidates };
             self.add_point_row(pair, point, sources);
         }
         // In self-contact the single points have been added above.
         let others = pair.other.is_some().then_some(other);
         for (at, (index, is_corner)) in others.into_iter().flat_map(FacetCurve::single_points).enumerate() {
-            let (key, candidates) = (pair.first_key + own.own.len() as u32 + index, pair.search.others.of(at));
+            let (key, candidates) = (pair.first_key + secondary.points.len() as u32 + index, pair.search.others.of(at));
             // The area that a corner covers is part of the energy of soft contact.
             if is_corner && is_soft {
                 continue;
             }
-            let point = SinglePointContact { curve: other, index, key, is_corner, opposite: own, candidates };
+            let point = SinglePointContact { curve: other, index, key, is_corner, opposite: secondary, candidates };
             self.add_point_row(pair, point, sources);
         }
     }
@@ -132,8 +137,8 @@ impl MeasuredGaps {
             rows.add_shares(shares.iter().map(|share| (share.point, share.of[end as usize])), dofs_of);
             for share in integrator.edges_of(&pair.facet_gaps[facet as usize]) {
                 let factor = law.overclosure.change_by_cover(-row.gap / row.area, share.overlap);
-                let of = share.of[end as usize].inline_map(|cover| factor * cover);
-                rows.add_normal_share(dofs_of[share.point as usize], of);
+                let derivatives = share.of[end as usize].inline_map(|cover| factor * cover);
+                rows.add_normal_share(dofs_of[share.point as usize], derivatives);
             }
         }
         rows.close(row);
@@ -186,11 +191,11 @@ impl MeasuredGaps {
         if is_corner && normals.is_none() {
             return;
         }
-        let (GapSources { surfaces, keys, dofs_of, .. }, point) = (sources, curve.own[index as usize]);
+        let (GapSources { surfaces, keys, dofs_of, .. }, point) = (sources, curve.points[index as usize]);
         let half_thickness =
             if opposite.is_side_of_line { curve.half_thickness_around(index as usize) } else { f64::INFINITY };
-        let place = surfaces.places[point as usize];
-        let single = SinglePoint { point, place, normals, half_thickness };
+        let position = surfaces.places[point as usize];
+        let single = SinglePoint { point, place: position, normals, half_thickness };
         let Some((mut gaps, facet)) = self.facets.point_gap(single, opposite, candidates, pair.search.reach()) else {
             return;
         };

@@ -35,7 +35,7 @@ impl MeshContinuation {
     fn find_shares(&mut self, contact: &ContactConstraint) {
         self.shares.clear();
         for pair in mesh_pairs(contact) {
-            let points = contact.surfaces.curves[pair.own].exposed_points.iter();
+            let points = contact.surfaces.curves[pair.secondary].exposed_points.iter();
             self.shares.extend(points.filter_map(|index| key_share(contact, pair, *index, &self.starts)));
         }
         self.shares.sort_unstable_by_key(|share| share.key);
@@ -68,11 +68,11 @@ impl MeshContinuation {
         }
         let longest = LONGEST * longest;
         for (node, dofs) in near_nodes(contact) {
-            let by = dofs.inline_map(|dof| shifts[dof as usize]);
-            if by != [0.0; 2] {
-                let length = libm::hypot(by[0], by[1]);
+            let shift = dofs.inline_map(|dof| shifts[dof as usize]);
+            if shift != [0.0; 2] {
+                let length = libm::hypot(shift[0], shift[1]);
                 let part = if length > longest { longest / length } else { 1.0 };
-                mesh.shift(node, by.inline_map(|x| part * x));
+                mesh.shift(node, shift.inline_map(|x| part * x));
             }
         }
         (self.shifts, self.is_free) = (shifts, is_free);
@@ -124,7 +124,7 @@ impl MeshContinuation {
             if self.find_energies(contact, index, mesh, dofs) {
                 let pair = &contact.pairs[index];
                 let first = pair.first_key as usize;
-                let keys = first..first + contact.surfaces.curves[pair.own].own.len();
+                let keys = first..first + contact.surfaces.curves[pair.secondary].points.len();
                 replace_energies(&mut contact.keys.stored_energy.values_mut()[keys.clone()], &self.stored[keys]);
             }
         }
@@ -134,27 +134,27 @@ impl MeshContinuation {
     /// moved.
     fn find_energies(&mut self, contact: &ContactConstraint, index: usize, mesh: &dyn MeshMotion, dofs: &Dofs) -> bool {
         let (pair, surfaces) = (&contact.pairs[index], &contact.surfaces);
-        let (own, energies) = (&surfaces.curves[pair.own], contact.keys.stored_energy.values());
+        let (secondary, energies) = (&surfaces.curves[pair.secondary], contact.keys.stored_energy.values());
         let start_of = |point: u32| surfaces.place_of(point, dofs, 0.0);
         let place_of = |point: u32| match surfaces.points[point as usize].carrier {
             PointCarrier::Node(node) => mesh.place(node).unwrap_or_else(|| start_of(point)),
             PointCarrier::Body(..) => start_of(point),
         };
-        if own.own.iter().all(|point| place_of(*point) == start_of(*point)) {
+        if secondary.points.iter().all(|point| place_of(*point) == start_of(*point)) {
             return false;
         }
         let density = |index: usize| {
-            let (energy, area) = (energies[pair.first_key as usize + index], own.area_at(index, start_of));
+            let (energy, area) = (energies[pair.first_key as usize + index], secondary.area_at(index, start_of));
             if energy > 0.0 && area > 0.0 { energy / area } else { 0.0 }
         };
-        for (index, point) in own.own.iter().enumerate() {
+        for (index, point) in secondary.points.iter().enumerate() {
             let mut value = density(index);
-            if let Some((next, share)) = own.next_point(index, place_of(*point), start_of)
-                && let Ok(next) = own.own.binary_search(&next)
+            if let Some((next, share)) = secondary.next_point(index, place_of(*point), start_of)
+                && let Ok(next) = secondary.points.binary_search(&next)
             {
                 value += share * (density(next) - value);
             }
-            self.stored[pair.first_key as usize + index] = value * own.area_at(index, place_of);
+            self.stored[pair.first_key as usize + index] = value * secondary.area_at(index, place_of);
         }
         true
     }
@@ -186,10 +186,10 @@ fn near_nodes(contact: &ContactConstraint) -> impl Iterator<Item = (usize, [u32;
 
 /// Returns the new place of the key of an own point; `None` if it does not move along the surface.
 fn key_share(contact: &ContactConstraint, pair: &ContactPair, index: u32, starts: &[[f64; 2]]) -> Option<KeyShare> {
-    let own = &contact.surfaces.curves[pair.own];
-    let place = contact.surfaces.places[own.own[index as usize] as usize];
-    let (next, share) = own.next_point(index as usize, place, |point| starts[point as usize])?;
-    Some(KeyShare { key: pair.first_key + index, other: pair.key_of(own, next), share })
+    let secondary = &contact.surfaces.curves[pair.secondary];
+    let new_place = contact.surfaces.places[secondary.points[index as usize] as usize];
+    let (next, share) = secondary.next_point(index as usize, new_place, |point| starts[point as usize])?;
+    Some(KeyShare { key: pair.first_key + index, other: pair.key_of(secondary, next), share })
 }
 
 impl ContactConstraint {
@@ -207,8 +207,8 @@ impl ContactConstraint {
     pub(super) fn keeps_gaps_of(&self, point: u32) -> bool {
         let mut keeps = false;
         for (index, pair) in self.pairs.iter().enumerate() {
-            let index_in = |curve: usize| self.surfaces.curves[curve].own.binary_search(&point).ok();
-            let own_index = index_in(pair.own);
+            let index_in = |curve: usize| self.surfaces.curves[curve].points.binary_search(&point).ok();
+            let own_index = index_in(pair.secondary);
             let is_pressed = |index: usize| self.keys.pressures[pair.first_key as usize + index][0] > 0.0;
             if pair.analytical.is_some() && own_index.is_some_and(is_pressed) {
                 return false;

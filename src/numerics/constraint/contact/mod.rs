@@ -106,19 +106,20 @@ impl ContactConstraint {
             pair.first_key = keys;
             keys += surfaces.keys_of(pair);
             if let Some(surface) = pair.analytical {
-                let own = &surfaces.curves[pair.own];
-                surfaces.analyticals[surface].lift = (0..own.own.len()).map(|i| own.lift_of(i)).collect();
+                let secondary = &surfaces.curves[pair.secondary];
+                surfaces.analyticals[surface].lift =
+                    (0..secondary.points.len()).map(|i| secondary.lift_of(i)).collect();
                 continue;
             }
-            let (own, other) = surfaces.sides(pair);
-            let lift = own.highest() + other.highest();
-            pair.search = ContactSearch::new(pair.search.length, lift, own.facets.len(), other.facets.len());
-            pair.facet_gaps = vec![FacetGap::default(); own.facets.len()];
+            let (secondary, other) = surfaces.sides(pair);
+            let lift = secondary.highest() + other.highest();
+            pair.search = ContactSearch::new(pair.search.length, lift, secondary.facets.len(), other.facets.len());
+            pair.facet_gaps = vec![FacetGap::default(); secondary.facets.len()];
         }
         let dofs = ContactDofs::new(&surfaces.points);
         let facets: usize = pairs.iter().map(|pair| pair.facet_gaps.len()).sum();
         let on_analyticals = pairs.iter().filter(|pair| pair.analytical.is_some());
-        let closest = on_analyticals.map(|pair| 2 * surfaces.curves[pair.own].own.len()).sum();
+        let closest = on_analyticals.map(|pair| 2 * surfaces.curves[pair.secondary].points.len()).sum();
         let mut measured = MeasuredGaps {
             facets: GapIntegrator::new(facets),
             closest: Vec::with_capacity(closest),
@@ -153,19 +154,19 @@ impl ContactConstraint {
         let ContactConstraint { surfaces, pairs, dofs, keys: values, .. } = &self;
         let mut keys: Vec<HeatKey> = Vec::with_capacity(values.count());
         for pair in pairs {
-            let points_of = |curve: usize| surfaces.curves[curve].own.iter().copied();
+            let points_of = |curve: usize| surfaces.curves[curve].points.iter().copied();
             let sink_of = |body: Option<usize>| body.and_then(&of_body).map(|node| node as u32);
             let sink = sink_of(match pair.analytical {
                 Some(surface) => surfaces.body_of_point(surfaces.analyticals[surface].point),
                 None => pair.other.and_then(|other| surfaces.body_of_curve(other)),
             });
-            keys.extend(points_of(pair.own).map(|point| HeatKey { point, first: pair.first, sink }));
+            keys.extend(points_of(pair.secondary).map(|point| HeatKey { point, first: pair.first, sink }));
             let with_single_points = pair.other.filter(|other| surfaces.curves[*other].has_single_points());
-            let own_sink = sink_of(surfaces.body_of_curve(pair.own));
+            let own_sink = sink_of(surfaces.body_of_curve(pair.secondary));
             let single_points = with_single_points.into_iter().flat_map(points_of);
             keys.extend(single_points.map(|point| HeatKey { point, first: !pair.first, sink: own_sink }));
             if surfaces.has_two_keys(pair) {
-                keys.extend(points_of(pair.own).map(|point| HeatKey { point, first: pair.first, sink }));
+                keys.extend(points_of(pair.secondary).map(|point| HeatKey { point, first: pair.first, sink }));
             }
         }
         let exchange = ContactHeat::new((&surfaces.points, &dofs.of_points), dofs.count(), keys, has);
@@ -194,7 +195,7 @@ impl ContactConstraint {
                 gap = clearance.gap;
                 row.gap = gap * row.area;
             }
-            let own_points = &self.surfaces.curves[pair.own].own;
+            let own_points = &self.surfaces.curves[pair.secondary].points;
             let Some(&point) = own_points.get((row.key - pair.first_key) as usize) else { continue };
             if gap < deepest[index].map_or(0.0, |overlap: SurfaceOverlap| -overlap.depth) {
                 deepest[index] = Some(SurfaceOverlap { depth: -gap, place: places[point as usize] });
@@ -269,7 +270,7 @@ impl ContactConstraint {
         }
         self.surfaces.find_neighbors();
         for pair in &self.pairs {
-            for &index in &self.surfaces.curves[pair.own].orphans {
+            for &index in &self.surfaces.curves[pair.secondary].orphans {
                 self.keys.pressures[(pair.first_key + index) as usize] = [0.0; 2];
             }
         }
@@ -317,8 +318,8 @@ impl ContactConstraint {
                 of_springs += work;
             }
             if work > pair.largest_release.0 {
-                let own = &surfaces.curves[pair.own].own;
-                let point = own[(row.key - pair.first_key) as usize % own.len()];
+                let points = &surfaces.curves[pair.secondary].points;
+                let point = points[(row.key - pair.first_key) as usize % points.len()];
                 pair.largest_release = (work, surfaces.places[point as usize]);
             }
         }
@@ -332,13 +333,13 @@ impl ContactConstraint {
         exchange.update_rows(&measured.rows, laws, &keys.pressures);
         // Points near analytical surfaces have rows only while they approach.
         for pair in pairs.iter().filter(|pair| pair.analytical.is_some()) {
-            let own = &surfaces.curves[pair.own];
-            for &index in &own.exposed_points {
+            let secondary = &surfaces.curves[pair.secondary];
+            for &index in &secondary.exposed_points {
                 let key = pair.first_key + index;
                 let (opening, [pressure, _]) = (keys.opening[key as usize], keys.pressures[key as usize]);
                 if !opening.is_nan() {
                     let law = &laws[pair.law_of(index as usize) as usize];
-                    let area = own.area(index as usize, &surfaces.places);
+                    let area = secondary.area(index as usize, &surfaces.places);
                     exchange.add_conduction(key, area, [opening, pressure], law);
                 }
             }
@@ -366,7 +367,7 @@ impl ContactConstraint {
         let ContactConstraint { laws, dofs: own_dofs, keys, measured, .. } = self;
         let (rows, motion) = (&mut measured.rows, &mut own_dofs.motion);
         dofs.energies.initial_overlap += keys.stored_energy.limit_overlaps(rows, laws);
-        let step = ContactStep { laws, before: &keys.pressures, span };
+        let step = ContactStep { laws, pressures: &keys.pressures, span };
         keys.slip_damping.begin();
         if let Some(reference) = rows.begin(motion, step) {
             keys.slip_damping.apply(rows, motion, step);

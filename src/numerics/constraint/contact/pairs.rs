@@ -11,7 +11,7 @@ use crate::state::archive::Persist;
 
 /// Two surfaces that may come into contact, or one with self-contact.
 #[derive(Clone, Debug, Persist, Memory)]
-#[persist(derived: id, number, name, own, other, analytical, law, springs, of_points, first, thickness,
+#[persist(derived: id, number, name, secondary, other, analytical, law, springs, of_points, first, thickness,
     initial_clearance, search, facet_gaps, first_key)]
 #[memory(uncounted: name)]
 pub struct ContactPair {
@@ -21,8 +21,8 @@ pub struct ContactPair {
     pub number: usize,
     /// Name of the pair in warnings.
     pub name: String,
-    /// Index of the curve whose points carry pressures.
-    pub own: usize,
+    /// Index of the curve whose points carry pressures, called the own curve of the pair.
+    pub secondary: usize,
     /// Index of the other curve; `None` for self-contact and for an analytical surface.
     pub other: Option<usize>,
     /// Index of the analytical surface, if the other surface is one.
@@ -57,13 +57,13 @@ pub struct ContactPair {
 impl ContactPair {
     /// Creates a pair of two curves, or of one curve with itself, with the first law of the contact. `length` is the
     /// smaller of the longest facets of both.
-    pub fn new(id: EffectId, number: usize, [own, other]: [usize; 2], length: f64) -> ContactPair {
+    pub fn new(id: EffectId, number: usize, [secondary, other]: [usize; 2], length: f64) -> ContactPair {
         ContactPair {
             id,
             number,
             name: String::new(),
-            own,
-            other: (own != other).then_some(other),
+            secondary,
+            other: (secondary != other).then_some(other),
             analytical: None,
             law: 0,
             springs: false,
@@ -81,8 +81,8 @@ impl ContactPair {
     }
 
     /// Creates a pair of a curve and an analytical surface.
-    pub fn in_front_of(id: EffectId, number: usize, own: usize, analytical: usize, length: f64) -> ContactPair {
-        ContactPair { analytical: Some(analytical), ..ContactPair::new(id, number, [own, own], length) }
+    pub fn in_front_of(id: EffectId, number: usize, secondary: usize, analytical: usize, length: f64) -> ContactPair {
+        ContactPair { analytical: Some(analytical), ..ContactPair::new(id, number, [secondary, secondary], length) }
     }
 
     /// Returns whether the pair and one of a previous contact are the same pair of the deck.
@@ -92,7 +92,7 @@ impl ContactPair {
 
     /// Returns the key of a point of the own curve; [`NONE`] for other points.
     pub(super) fn key_of(&self, own: &FacetCurve, point: u32) -> u32 {
-        own.own.binary_search(&point).map_or(NONE, |index| self.first_key + index as u32)
+        own.points.binary_search(&point).map_or(NONE, |index| self.first_key + index as u32)
     }
 
     /// Returns the index of the law of an own point.

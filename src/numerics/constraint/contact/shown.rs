@@ -24,28 +24,28 @@ impl ContactConstraint {
 
     /// Returns the forces on the own surface of a pair.
     fn forces(&self, pair: &ContactPair) -> SurfaceForces {
-        let (own, mut sum) = (&self.surfaces.curves[pair.own], SurfaceForces::default());
+        let (secondary, mut sum) = (&self.surfaces.curves[pair.secondary], SurfaceForces::default());
         if pair.analytical.is_some() {
             self.add_forces_of_rows(pair, &mut sum);
             return sum;
         }
-        for &k in &own.exposed {
-            let (facet, gaps) = (&own.facets[k as usize], &pair.facet_gaps[k as usize]);
+        for &k in &secondary.exposed {
+            let (facet, gaps) = (&secondary.facets[k as usize], &pair.facet_gaps[k as usize]);
             if gaps.area == [0.0; 2] {
                 continue;
             }
             for (end, point) in facet.iter().enumerate() {
-                let Ok(index) = own.own.binary_search(point) else { continue };
+                let Ok(index) = secondary.points.binary_search(point) else { continue };
                 let [pressure, shear] = self.stresses(pair.first_key as usize + index);
                 if pressure == 0.0 && shear == 0.0 {
                     continue;
                 }
                 for share in self.measured.facets.shares_of(gaps).iter().filter(|s| facet.contains(&s.point)) {
-                    let of = share.of[end];
-                    sum.pressure[0] += pressure * of[0];
-                    sum.pressure[1] += pressure * of[1];
-                    sum.friction[0] -= shear * of[1];
-                    sum.friction[1] += shear * of[0];
+                    let derivatives = share.of[end];
+                    sum.pressure[0] += pressure * derivatives[0];
+                    sum.pressure[1] += pressure * derivatives[1];
+                    sum.friction[0] -= shear * derivatives[1];
+                    sum.friction[1] += shear * derivatives[0];
                 }
             }
         }
@@ -57,12 +57,12 @@ impl ContactConstraint {
     /// Adds the forces on the own surface of a pair from single points of the other surface.
     fn add_forces_of_points(&self, pair: &ContactPair, sum: &mut SurfaceForces) {
         let ContactConstraint { surfaces, dofs, measured, .. } = self;
-        let first = pair.first_key as usize + surfaces.curves[pair.own].own.len();
+        let first = pair.first_key as usize + surfaces.curves[pair.secondary].points.len();
         let keys = first..surfaces.keys_in(pair).end;
         let (_, other) = surfaces.sides(pair);
         for row in measured.rows.rows.iter().filter(|row| keys.contains(&(row.key as usize)) && row.acts()) {
             let [force, shear] = self.stresses(row.key as usize);
-            let point = other.own[row.key as usize - first];
+            let point = other.points[row.key as usize - first];
             let point_dofs = dofs.of_points[point as usize];
             for term in measured.rows.terms_of(row).iter().filter(|t| !point_dofs.contains(&t.dof)) {
                 let axis = if let Dof::Node(_, axis) = dofs.list[term.dof as usize].0 { axis } else { 1 };
@@ -76,7 +76,7 @@ impl ContactConstraint {
     pub fn value_at_point(&self, carrier: PointCarrier, part: VariableComponent) -> Option<f64> {
         let point = self.surfaces.point_on(carrier)?;
         let keys = self.pairs.iter().flat_map(|pair| {
-            let own_points = &self.surfaces.curves[pair.own].own;
+            let own_points = &self.surfaces.curves[pair.secondary].points;
             let key = own_points.binary_search(&point).ok().map(|index| pair.first_key as usize + index);
             let second = key.filter(|_| self.surfaces.has_two_keys(pair)).map(|key| key + own_points.len());
             [key, second].into_iter().flatten()

@@ -77,16 +77,16 @@ impl ContactSurfaces {
 
     /// Returns the own curve of a pair and the other one, which is the same in self-contact.
     pub(super) fn sides(&self, pair: &ContactPair) -> (&FacetCurve, &FacetCurve) {
-        let own = &self.curves[pair.own];
-        (own, pair.other.map_or(own, |other| &self.curves[other]))
+        let secondary = &self.curves[pair.secondary];
+        (secondary, pair.other.map_or(secondary, |other| &self.curves[other]))
     }
 
     /// Returns the number of keys of a pair. Each own point has one, and a second one if it may be in a re-entrant corner of
     /// an analytical surface. Points of a second curve have one if they may be in contact alone.
     pub(super) fn keys_of(&self, pair: &ContactPair) -> u32 {
-        let own_points = self.curves[pair.own].own.len() as u32;
+        let own_points = self.curves[pair.secondary].points.len() as u32;
         let others = pair.other.map(|other| &self.curves[other]).filter(|curve| curve.has_single_points());
-        let single_points = others.map_or(0, |curve| curve.own.len() as u32);
+        let single_points = others.map_or(0, |curve| curve.points.len() as u32);
         own_points + single_points + if self.has_two_keys(pair) { own_points } else { 0 }
     }
 
@@ -146,7 +146,7 @@ impl ContactSurfaces {
 
     /// Returns the rigid body of a curve; `None` for a curve of a deformable body.
     pub(super) fn body_of_curve(&self, curve: usize) -> Option<usize> {
-        self.curves[curve].own.iter().find_map(|&point| self.body_of_point(point))
+        self.curves[curve].points.iter().find_map(|&point| self.body_of_point(point))
     }
 
     pub(super) fn body_of_point(&self, point: u32) -> Option<usize> {
@@ -179,7 +179,7 @@ impl ContactSurfaces {
         self.active_points.clear();
         self.active_points.extend(self.analyticals.iter().map(|surface| surface.point));
         for curve in &self.curves {
-            let points = curve.exposed_points.iter().chain(&curve.orphans).map(|&i| curve.own[i as usize]);
+            let points = curve.exposed_points.iter().chain(&curve.orphans).map(|&i| curve.points[i as usize]);
             self.active_points.extend(points);
         }
         self.active_points.sort_unstable();
@@ -218,7 +218,7 @@ impl ContactSurfaces {
         listed.clear();
         listed.extend_from_slice(places);
         for pair in pairs.iter_mut().filter(|pair| pair.analytical.is_none()) {
-            pair.search.build(&curves[pair.own], pair.other.map(|other| &curves[other]), places);
+            pair.search.build(&curves[pair.secondary], pair.other.map(|other| &curves[other]), places);
         }
         self.list_near(pairs, is_cohesive, dofs_of);
     }
@@ -228,14 +228,14 @@ impl ContactSurfaces {
         let ContactSurfaces { curves, analyticals, active_points, near, .. } = self;
         near.begin();
         for (index, pair) in pairs.iter().enumerate() {
-            let (own, other) = (&curves[pair.own], pair.other.map(|other| &curves[other]));
+            let (secondary, other) = (&curves[pair.secondary], pair.other.map(|other| &curves[other]));
             if let Some(surface) = pair.analytical {
                 near.mark_point(analyticals[surface].point);
             }
             if pair.analytical.is_some() || is_cohesive(index) {
-                [Some(own), other].into_iter().flatten().for_each(|curve| near.mark_curve(curve));
+                [Some(secondary), other].into_iter().flatten().for_each(|curve| near.mark_curve(curve));
             } else {
-                near.mark_candidates(own, other, &pair.search);
+                near.mark_candidates(secondary, other, &pair.search);
             }
         }
         near.list(curves, active_points, dofs_of);

@@ -79,7 +79,7 @@ pub fn add_cohesion<'c>(
     if pair.analytical.is_some() {
         return refuse_analytical(contact, cohesion, report);
     }
-    let count = geometry.curves[pair.own].own.len();
+    let count = geometry.curves[pair.secondary].points.len();
     let stiffnesses = match cohesion.stiffness {
         Some(stiffness) => vec![stiffness],
         None => {

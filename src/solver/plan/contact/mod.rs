@@ -200,7 +200,7 @@ fn law_indices(
         None => place_of(laws, contact.law.clone()),
         Some(factor) => {
             laws.extend(spring_laws(input, contact, PENALTY_FACTOR * factor, pair, geometry, report)?);
-            laws.len() - geometry.curves[pair.own].own.len()
+            laws.len() - geometry.curves[pair.secondary].points.len()
         }
     };
     // Contact of single points has no area for a pressure, so that it is hard contact.

@@ -16,18 +16,18 @@ pub fn facet_compliance(input: StepInput, element: usize, nodes: [usize; 2]) -> 
     let StepInput { scene, state, .. } = input;
     let mesh = &scene.model.mesh;
     let Some(&(group, index)) = scene.places.elements.get(&element) else { return Some(0.0) };
-    let of = &mesh.elements[element];
+    let mesh_element = &mesh.elements[element];
     let [a, b] = nodes.map(|n| mesh.points[n]);
     let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
     let length = libm::hypot(dr, dz);
-    if of.kind == ElementKind::Sax1 {
+    if mesh_element.kind == ElementKind::Sax1 {
         let section = scene.model.shell_sections.iter().find(|s| s.elements.contains(&element))?;
         return Some(section.thickness / longitudinal_modulus(scene.model, section.material, element)?);
     }
     let places = nodes.map(|n| scene.places.nodes.get(&n).copied());
     let matrix = state.elements.groups[group].stiffness(index, state.dofs.nodes.as_slice());
     let Some(ElementStiffness(matrix)) = matrix else {
-        return Some(height(of, &mesh.points, length) / modulus_of(scene.model, element)?);
+        return Some(height(mesh_element, &mesh.points, length) / modulus_of(scene.model, element)?);
     };
     // Stiffness of the element for a displacement of the facet along its normal, per area.
     let (corners, normal) = (state.elements.groups[group].nodes(index), [dz / length, -dr / length]);
@@ -80,12 +80,12 @@ fn initial_temperature(model: &Model, element: usize) -> Option<f64> {
 pub fn smallest_thickness(scene: Scene, facets: &[(usize, [usize; 2])]) -> f64 {
     let mesh = &scene.model.mesh;
     let thickness = |&(element, nodes): &(usize, [usize; 2])| {
-        let of = &mesh.elements[element];
-        if !scene.places.elements.contains_key(&element) || !of.kind.is_solid() {
+        let mesh_element = &mesh.elements[element];
+        if !scene.places.elements.contains_key(&element) || !mesh_element.kind.is_solid() {
             return f64::INFINITY;
         }
         let [a, b] = nodes.map(|n| mesh.points[n]);
-        height(of, &mesh.points, libm::hypot(b[0] - a[0], b[1] - a[1]))
+        height(mesh_element, &mesh.points, libm::hypot(b[0] - a[0], b[1] - a[1]))
     };
     facets.iter().map(thickness).fold(f64::INFINITY, f64::min)
 }
@@ -117,9 +117,10 @@ pub fn spring_laws(
     // An analytical surface has no compliance.
     let opposite = match pair.analytical {
         Some(_) => Some(Vec::new()),
-        None => compliances(pair.other.unwrap_or(pair.own)),
+        None => compliances(pair.other.unwrap_or(pair.secondary)),
     };
-    let (Some(facet_compliances), Some(opposite)) = (compliances(pair.own).filter(|list| !list.is_empty()), opposite)
+    let (Some(facet_compliances), Some(opposite)) =
+        (compliances(pair.secondary).filter(|list| !list.is_empty()), opposite)
     else {
         let message = "the penalty stiffness cannot be computed for the elements of this pair";
         let finding = Diagnostic::error("P021", message).at(contact.span, "this pair");
@@ -127,7 +128,7 @@ pub fn spring_laws(
         return None;
     };
     let mean_opposite = opposite.iter().sum::<f64>() / opposite.len().max(1) as f64;
-    let curve = &geometry.curves[pair.own];
+    let curve = &geometry.curves[pair.secondary];
     let stiffness = |index: usize| {
         let around = curve.around_own(index).iter().filter_map(|f| facet_compliances.get(f.0 as usize));
         let (sum, count) = around.fold((0.0, 0), |(sum, count), way| (sum + way, count + 1));
@@ -140,5 +141,5 @@ pub fn spring_laws(
     };
     let law =
         |index| InteractionLaw { overclosure: PressureOverclosure::Spring(stiffness(index)), ..contact.law.clone() };
-    Some((0..curve.own.len()).map(law).collect())
+    Some((0..curve.points.len()).map(law).collect())
 }
