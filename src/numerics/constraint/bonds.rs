@@ -79,7 +79,8 @@ pub enum LinkConflict {
 #[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(fixed: systems, followers)]
 pub struct LinkSystem {
-    pub(super) systems: Vec<EquationSystem>,
+    /// Independent systems, groups of nodes with equal motion included.
+    pub systems: Vec<EquationSystem>,
     pub(super) followers: Vec<MasslessFollower>,
 }
 
@@ -133,16 +134,6 @@ impl LinkSystem {
         let systems = systems(&unknowns, &rows, equations).map_err(LinkConflict::Dependent)?;
         let followers = followers.into_iter().map(|f| f.over_nodes(&unknowns, mass)).collect();
         Ok(LinkSystem { systems, followers })
-    }
-
-    /// Returns the systems; they share no unknowns.
-    pub fn systems(&mut self) -> &mut [EquationSystem] {
-        &mut self.systems
-    }
-
-    /// Returns the number of independent systems, groups of nodes with equal motion included.
-    pub fn count(&self) -> usize {
-        self.systems.len()
     }
 }
 
@@ -361,7 +352,7 @@ impl MasslessFollower {
         let velocity: f64 = self.terms.iter().map(|t| t.weight * *dofs.nodes[t.node].velocity(t.axis)).sum();
         for &n in &self.members {
             let change = velocity - *dofs.nodes[n].velocity(self.axis);
-            change_velocity(dofs, n, self.axis, change, dt, half);
+            change_velocity(&mut dofs.nodes, (n, self.axis), change, dt, half);
         }
         for t in self.terms.iter().filter(|t| t.is_prescribed) {
             let new = *dofs.nodes[t.node].velocity(t.axis);
@@ -416,18 +407,18 @@ mod tests {
     fn dependent_equations_are_errors_unless_redundant() {
         let pair = |a: f64, b: f64| equation(&[(0, a), (1, b)]);
         let mass = [1.0, 2.0];
-        assert_eq!(bonds(&[pair(1.0, -1.0)], &[], &mass).map(|b| b.count()), Ok(1));
+        assert_eq!(bonds(&[pair(1.0, -1.0)], &[], &mass).map(|b| b.systems.len()), Ok(1));
         let twice = LinkConflict::Dependent(DependentEquation { equation: 1, follows_from: vec![0] });
-        assert_eq!(bonds(&[pair(1.0, -1.0), pair(2.0, -2.0)], &[], &mass).map(|b| b.count()), Err(twice));
+        assert_eq!(bonds(&[pair(1.0, -1.0), pair(2.0, -2.0)], &[], &mass).map(|b| b.systems.len()), Err(twice));
         let spare = NodalEquation { is_redundant: true, ..pair(2.0, -2.0) };
-        assert_eq!(bonds(&[pair(1.0, -1.0), spare], &[], &mass).map(|b| b.count()), Ok(1));
+        assert_eq!(bonds(&[pair(1.0, -1.0), spare], &[], &mass).map(|b| b.systems.len()), Ok(1));
     }
 
     #[test]
     fn chained_equations_share_one_acceleration() {
         let equal = |a: usize, b: usize| equation(&[(a, 1.0), (b, -1.0)]);
         let chain = [equal(0, 1), equal(1, 2)];
-        assert_eq!(bonds(&chain, &[], &[1.0, 2.0, 3.0]).map(|b| b.count()), Ok(1));
+        assert_eq!(bonds(&chain, &[], &[1.0, 2.0, 3.0]).map(|b| b.systems.len()), Ok(1));
         // The common acceleration is the total force over the total mass, 1.
         let result = accelerations(&chain, &[], &[1.0, 2.0, 3.0], &[6.0, 0.0, 0.0]);
         assert!(result.iter().all(|a| (a - 1.0).abs() < 1e-14), "{result:?}");
@@ -453,10 +444,10 @@ mod tests {
     fn conflicting_motions_of_merged_nodes_are_errors() {
         let alike = [MergedDofs { nodes: vec![0, 1], axis: 1 }];
         let mut prescribed = PrescribedDofs { all: [(0, 1), (1, 1)].into(), held: [(0, 1)].into() };
-        let conflict = LinkSystem::new(&[], &alike, &[1.0, 1.0], &prescribed).map(|b| b.count());
+        let conflict = LinkSystem::new(&[], &alike, &[1.0, 1.0], &prescribed).map(|b| b.systems.len());
         assert_eq!(conflict, Err(LinkConflict::ConflictingMotions([0, 1], 1)));
         // If both are fixed, no equation remains.
         prescribed.held.insert((1, 1));
-        assert_eq!(LinkSystem::new(&[], &alike, &[1.0, 1.0], &prescribed).map(|b| b.count()), Ok(0));
+        assert_eq!(LinkSystem::new(&[], &alike, &[1.0, 1.0], &prescribed).map(|b| b.systems.len()), Ok(0));
     }
 }

@@ -8,7 +8,7 @@ use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::IncrementLimit;
-use crate::state::magnitude::{AmplitudeClock, Magnitude, TimeFunction};
+use crate::state::magnitude::{AmplitudeClock, Magnitude};
 
 /// The quantity that a motion prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,18 +93,8 @@ struct NodeMotion {
 }
 
 impl PrescribedMotion {
-    /// Prescribes the same magnitude for all of `dofs`.
-    pub fn new(id: EffectId, kind: PrescribedQuantity, magnitude: Magnitude, dofs: &[Dof]) -> Self {
-        PrescribedMotion::of(id, kind, vec![magnitude], dofs)
-    }
-
-    /// Prescribes a user amplitude for each of `dofs`; `first` is the index of the first one.
-    pub fn from_user_amplitudes(id: EffectId, kind: PrescribedQuantity, first: usize, dofs: &[Dof]) -> Self {
-        let magnitude = |i| Magnitude { value: 1.0, shape: TimeFunction::Sampled(first + i) };
-        PrescribedMotion::of(id, kind, (0..dofs.len()).map(magnitude).collect(), dofs)
-    }
-
-    fn of(id: EffectId, kind: PrescribedQuantity, magnitudes: Vec<Magnitude>, dofs: &[Dof]) -> Self {
+    /// Prescribes one magnitude for all of `dofs`, or one for each: bodies first, then nodes.
+    pub fn new(id: EffectId, kind: PrescribedQuantity, magnitudes: Vec<Magnitude>, dofs: &[Dof]) -> Self {
         let (mut bodies, mut nodes) = (Vec::new(), Vec::new());
         for &dof in dofs {
             match dof {

@@ -155,6 +155,13 @@ impl OverlapMonitor {
         self.near = near;
     }
 
+    /// Records the overlaps that have not been reported yet, at a total time.
+    fn record_overlaps(&mut self, dofs: &Dofs, time: f64) {
+        let mut overlaps = std::mem::take(&mut self.found);
+        self.find_overlaps(dofs, |pair, [r, z, depth, length]| overlaps.push((pair, [time, r, z, depth, length])));
+        self.found = overlaps;
+    }
+
     /// Updates the places of all points and the boxes of all bodies.
     fn update_boxes(&mut self, dofs: &Dofs) {
         let OverlapMonitor { outlines, places, boxes, .. } = self;
@@ -233,9 +240,7 @@ impl Constraint for OverlapMonitor {
 
     fn motion(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>, dt: f64) {
         if clock.now.increment.is_multiple_of(EVERY) {
-            let (mut overlaps, time) = (std::mem::take(&mut self.found), clock.now.total_time + dt);
-            self.find_overlaps(dofs, |pair, [r, z, depth, length]| overlaps.push((pair, [time, r, z, depth, length])));
-            self.found = overlaps;
+            self.record_overlaps(dofs, clock.now.total_time + dt);
         }
     }
 }
@@ -243,9 +248,8 @@ impl Constraint for OverlapMonitor {
 impl OverlapMonitor {
     /// Returns the messages of overlaps of bodies that it has found.
     pub fn overlaps(&mut self, dofs: &Dofs, clock: &AmplitudeClock<'_>) -> Vec<String> {
-        let (mut overlaps, time) = (std::mem::take(&mut self.found), clock.now.total_time);
-        self.find_overlaps(dofs, |pair, [r, z, depth, length]| overlaps.push((pair, [time, r, z, depth, length])));
-        let warnings = overlaps.iter().map(|&(pair, [time, r, z, depth, length])| {
+        self.record_overlaps(dofs, clock.now.total_time);
+        let warnings = self.found.iter().map(|&(pair, [time, r, z, depth, length])| {
             let bodies = pair.inline_map(|body| body as usize);
             let [a, b] = bodies.inline_map(|body| &self.outlines[body].name);
             let advice = match [self.contacts.are_tied(bodies), self.contacts.connect(bodies)] {
@@ -267,15 +271,10 @@ impl OverlapMonitor {
             )
         });
         let warnings = warnings.collect();
-        overlaps.clear();
-        self.found = overlaps;
+        self.found.clear();
         warnings
     }
-}
 
-impl StoredConstraint for OverlapMonitor {}
-
-impl OverlapMonitor {
     fn check_bodies(&mut self, archive: &mut StateArchive<'_>) {
         let is_unknown = |body: &u32| *body as usize >= self.outlines.len();
         let pairs = self.found.iter().map(|found| &found.0).chain(&self.reported);
@@ -286,3 +285,5 @@ impl OverlapMonitor {
         }
     }
 }
+
+impl StoredConstraint for OverlapMonitor {}

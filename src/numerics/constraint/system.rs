@@ -6,6 +6,7 @@ use super::bonds::DependentEquation;
 use crate::kernel::lists::Memory;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
+use crate::state::nodes::Nodes;
 
 /// Unknown of the equations: a degree of freedom, or several with equal motion.
 #[derive(Clone, Debug, Default, Persist, Memory)]
@@ -284,7 +285,7 @@ impl EquationSystem {
                 f.hold_members(dofs, dt, half);
             } else if f.inverse_mass > 0.0 {
                 let change = f.change * f.inverse_mass;
-                change_velocity(dofs, f.members[0], f.axis, change, dt, half);
+                change_velocity(&mut dofs.nodes, (f.members[0], f.axis), change, dt, half);
                 f.add_work(dofs, half, half * f.constraint_force + f.change);
             }
         }
@@ -319,7 +320,7 @@ impl EquationUnknown {
         for &n in &self.members[usize::from(is_prescribed)..] {
             let change = new - *dofs.nodes[n].velocity(self.axis);
             impulse += dofs.nodes.mass[n] * change;
-            change_velocity(dofs, n, self.axis, change, dt, half);
+            change_velocity(&mut dofs.nodes, (n, self.axis), change, dt, half);
         }
         if is_prescribed {
             // The prescribed motion accelerates the members and takes the loads of members without mass. The work of the
@@ -341,12 +342,14 @@ impl EquationUnknown {
     }
 }
 
-/// Changes the velocity of a node, and its position accordingly.
-pub(super) fn change_velocity(dofs: &mut Dofs, node: usize, axis: usize, change: f64, dt: f64, half: f64) {
-    let n = &mut dofs.nodes[node];
-    *n.velocity(axis) += change;
-    *n.coordinate(axis) += dt * change;
+/// Changes the velocity of a degree of freedom (node, axis), its position over the increment `dt`, and its acceleration over
+/// the time `half`, accordingly.
+#[inline]
+pub(super) fn change_velocity(nodes: &mut Nodes, (n, axis): (usize, usize), change: f64, dt: f64, half: f64) {
+    let node = &mut nodes[n];
+    *node.velocity(axis) += change;
+    *node.coordinate(axis) += dt * change;
     if half > 0.0 {
-        dofs.nodes.acceleration[node][axis] += change / half;
+        nodes.acceleration[n][axis] += change / half;
     }
 }

@@ -107,7 +107,7 @@ impl TemperatureField {
         let varies = conductors.parts.iter().any(|p| p.properties.capacity.rows.len() > 1);
         let masses = masses(&conductors, nodes);
         let capacity = capacities(&conductors, &masses, &temperature);
-        let bound = steps.iter().flatten().any(|s| s.bonds.count() > 0);
+        let bound = steps.iter().flatten().any(|s| !s.bonds.systems.is_empty());
         let films = steps.iter().flatten().flat_map(|s| &s.sources).any(HeatSource::is_film);
         TemperatureField {
             id,
@@ -266,7 +266,7 @@ impl TemperatureField {
     /// Capacities that depend on the temperature are evaluated at the middle of the rise, by Newton's method: each pass
     /// squares the error of the equations. The exchange conserves heat for any remaining error.
     fn satisfy_equations(&mut self, dt: f64, clock: Option<&AmplitudeClock<'_>>) -> f64 {
-        if self.now.bonds.count() == 0 {
+        if self.now.bonds.systems.is_empty() {
             return 0.0;
         }
         let passes = if self.masses.is_empty() { 1 } else { PASSES };
@@ -277,7 +277,7 @@ impl TemperatureField {
 
     fn satisfy_equations_once(&mut self, dt: f64, clock: Option<&AmplitudeClock<'_>>) -> f64 {
         let (mut aims, mut bonds) = (std::mem::take(&mut self.trial_temperatures), std::mem::take(&mut self.now.bonds));
-        for system in bonds.systems() {
+        for system in &mut bonds.systems {
             for (n, _) in system.changes() {
                 aims[n] = self.temperature[n] + self.rise(n, dt * self.power[n]).0;
             }
@@ -287,7 +287,7 @@ impl TemperatureField {
             held.nodes.iter().for_each(|h| aims[h.node] = value.unwrap_or(self.temperature[h.node]));
         }
         let mut sum = 0.0;
-        for system in bonds.systems() {
+        for system in &mut bonds.systems {
             if !self.masses.is_empty() {
                 system.update_masses(|n| self.rise(n, dt * self.power[n]).1);
             }

@@ -42,7 +42,6 @@ pub use output::{ColumnSource, FrameField, HistoryColumn, IntegratedSection, Ste
 pub(crate) use report::{LedgerRows, Report};
 pub(crate) use scene::{Pairs, Scene, Shared, StepInput};
 pub use state::State;
-use steps::PlannedSteps;
 
 /// A plan, its initial state, and the products that a revision of the plan needs.
 #[derive(Default)]
@@ -89,7 +88,7 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     solids::erosion::apply_erosion(scene, &mut state, &mut report);
     let pairs = contact::general::find_pairs(scene);
     let columns = output::plan(scene, &pairs, &mut state, &mut report);
-    let PlannedSteps { list: steps, fronts } = steps::plan(scene, &links, &pairs, &mut state, &mut shared, &mut report);
+    let (steps, fronts) = steps::plan(scene, &links, &pairs, &mut state, &mut shared, &mut report);
     solids::scale_and_estimate(scene, &links, &mut state, &mut report);
     bodies::rigid_bodies_3d::refuse_on_spatial_bodies(scene, &links, &mut report);
     let remesh = meshes::remesh::plan(scene, &pairs, fronts, &mut state, &mut report);

@@ -37,13 +37,6 @@ struct ActiveEffects<'a> {
     fronts: Vec<AnalyticalFront>,
 }
 
-/// All steps of a plan.
-pub struct PlannedSteps {
-    pub list: Vec<StepPlan>,
-    /// Fronts of analytical surfaces in contact, which new meshes keep.
-    pub fronts: Vec<AnalyticalFront>,
-}
-
 /// Origin of a constraint in the model. Constraints with equal origins are equal.
 pub enum ConstraintOrigin<'a> {
     /// A line of `*BOUNDARY`, and the degrees of freedom that it prescribes.
@@ -182,7 +175,8 @@ impl<'a> ConstraintList<'a> {
     }
 }
 
-/// Compiles all steps. The effects of the first step are added to the state.
+/// Compiles all steps. The effects of the first step are added to the state. Returns the steps, and the fronts of analytical
+/// surfaces in contact, which new meshes keep.
 pub fn plan(
     scene: Scene,
     links: &Links,
@@ -190,7 +184,7 @@ pub fn plan(
     state: &mut State,
     shared: &mut Shared,
     report: &mut Report,
-) -> PlannedSteps {
+) -> (Vec<StepPlan>, Vec<AnalyticalFront>) {
     let mut active = ActiveEffects::default();
     let mut steps = Vec::with_capacity(scene.model.steps.len());
     for (index, step) in scene.model.steps.iter().enumerate() {
@@ -215,7 +209,7 @@ pub fn plan(
             outputs: output_schedules(scene.model, step, report),
         });
     }
-    PlannedSteps { list: steps, fronts: active.fronts }
+    (steps, active.fronts)
 }
 
 /// Updates the loads of compiled steps from the current model, which has no links and no contact.
@@ -305,10 +299,10 @@ fn constraint_changes<'a>(
     let drops_points = step.general_contact.as_ref().is_some_and(|general| general.excludes_detached_nodes);
     if let Err(origin) =
         list.keep(ConstraintOrigin::Contact(pairs.by_step[index].clone(), given.all.clone(), drops_points))
-        && let Some(contact) = contact_constraint(input, &given.all, report)
+        && let Some((contact, fronts)) = contact_constraint(input, &given.all, report)
     {
-        list.add(origin, contact.constraint);
-        for front in contact.fronts {
+        list.add(origin, contact);
+        for front in fronts {
             if !active.fronts.contains(&front) {
                 active.fronts.push(front);
             }

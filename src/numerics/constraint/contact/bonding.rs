@@ -43,14 +43,15 @@ impl CohesiveSurfaces {
     /// Bonds the points of new pairs that are in contact according to the current rows.
     fn bond_new_pairs(&mut self, contact: &ContactConstraint) {
         for at in 0..self.pairs.len() {
-            if self.pairs[at].is_new {
+            if !self.pairs[at].has_begun {
                 let count = contact.surfaces.curves[contact.pairs[self.pairs[at].pair].secondary].points.len();
                 let first = self.pairs[at].first;
                 self.points[first..first + count].fill(BondedPoint::default());
             }
         }
         for row in &contact.measured.rows.rows {
-            let Some((at, point)) = self.place_of(contact, row.key).filter(|found| self.pairs[found.0].is_new) else {
+            let Some((at, point)) = self.place_of(contact, row.key).filter(|found| !self.pairs[found.0].has_begun)
+            else {
                 continue;
             };
             let pair = &contact.pairs[self.pairs[at].pair];
@@ -167,7 +168,7 @@ impl CohesiveSurfaces {
 
 /// Returns whether neither the surface around a point nor the facet of its foot has lost its element.
 fn has_surfaces(own: &FacetCurve, index: usize, other: &FacetCurve, facet: u32) -> bool {
-    other.is_exposed[facet as usize] && own.around_own(index).iter().any(|f| own.is_exposed[f.0 as usize])
+    other.is_exposed[facet as usize] && own.exposed_around(index).next().is_some()
 }
 
 impl ContactConstraint {
@@ -222,7 +223,7 @@ impl ContactConstraint {
         let point = secondary.points[index];
         let position = self.surfaces.places[point as usize];
         let mut best: Option<(f64, u32, f64)> = None;
-        for &(k, _) in secondary.around_own(index).iter().filter(|f| secondary.is_exposed[f.0 as usize]) {
+        for &(k, _) in secondary.exposed_around(index) {
             let shares = self.measured.facets.shares_of(&pair.facet_gaps[k as usize]);
             for (facet, _) in shares.iter().flat_map(|share| other.around(share.point)) {
                 let (normal, shape) = (secondary.shapes[k as usize].normal, &other.shapes[facet as usize]);
@@ -256,7 +257,7 @@ impl ContactConstraint {
     /// Bonds the points of pairs that come into force at the current coordinates, and bounds the frequency.
     pub(super) fn begin_cohesion(&mut self, dofs: &Dofs) {
         let Some(cohesion) = &self.cohesion else { return };
-        let any_new = cohesion.pairs.iter().any(|cohesive| cohesive.is_new);
+        let any_new = cohesion.pairs.iter().any(|cohesive| !cohesive.has_begun);
         if self.surfaces.uncovered || any_new {
             // All positions are read.
             self.surfaces.list_points();
@@ -267,7 +268,7 @@ impl ContactConstraint {
             self.bond_new_pairs();
         }
         if let Some(mut cohesion) = self.cohesion.take() {
-            cohesion.pairs.iter_mut().for_each(|cohesive| cohesive.is_new = false);
+            cohesion.pairs.iter_mut().for_each(|cohesive| cohesive.has_begun = true);
             cohesion.bound_frequency(self);
             self.cohesion = Some(cohesion);
         }
@@ -360,7 +361,7 @@ impl ContactConstraint {
             let pair = &pairs[cohesive.pair];
             let is_same = |old: &&CohesivePair| pair.continues(&previous.pairs[old.pair]);
             if let Some(old) = old_cohesion.pairs.iter().find(is_same) {
-                cohesive.is_new = false;
+                cohesive.has_begun = true;
                 let old = BondedSurface {
                     surfaces: &previous.surfaces,
                     pair: &previous.pairs[old.pair],

@@ -10,30 +10,6 @@ use super::{ContactConstraint, ContactPair};
 use crate::constraint::{NodeRelation, PreviousPlace};
 use crate::state::dofs::Dofs;
 
-/// Key of a pair, identified by the point that owns it: of the own curve, or of the other one (or the own one again).
-type KeyOwner = (bool, PointIdentity);
-
-/// Place of a point in a previous contact: between the points with these identities, at a share of their distance.
-struct PointPlace {
-    ends: [PointIdentity; 2],
-    share: f64,
-}
-
-impl PointPlace {
-    /// Returns the place of a point in a contact before `nodes` changed; `None` if it was in none.
-    fn of((carrier, on_body): PointIdentity, nodes: &NodeRelation<'_>) -> Option<PointPlace> {
-        if on_body.is_some() {
-            return Some(PointPlace { ends: [(carrier, on_body); 2], share: 0.0 });
-        }
-        nodes(carrier).map(|place| PointPlace { ends: place.nodes.inline_map(|node| (node, None)), share: place.share })
-    }
-
-    /// Returns the point at this place; `None` between two points.
-    fn point(&self) -> Option<PointIdentity> {
-        (self.ends[0] == self.ends[1]).then_some(self.ends[0])
-    }
-}
-
 impl ContactConstraint {
     /// Takes pressures, slip, impulses, clearances and heat exchange bounds from the previous contact.
     pub(super) fn take_over(&mut self, previous: &ContactConstraint) {
@@ -48,7 +24,7 @@ impl ContactConstraint {
     pub(super) fn move_to_new_mesh(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>, dofs: &Dofs) {
         (self.dofs.half, self.impact) = (previous.dofs.half, previous.impact);
         let places = self.take_over_pairs(previous, nodes);
-        if self.keys.stored_energy.values().is_empty() {
+        if self.keys.stored_energy.stored.is_empty() {
             return;
         }
         let surfaces = &mut self.surfaces;
@@ -57,9 +33,9 @@ impl ContactConstraint {
         }
         surfaces.curves.iter_mut().for_each(|curve| curve.shape(&surfaces.places));
         let (areas, previous_areas) = (self.areas_of_keys(), previous.areas_of_keys());
-        let stored = previous.keys.stored_energy.values();
+        let stored = &previous.keys.stored_energy.stored;
         let density = |key: usize| if stored[key] > 0.0 { stored[key] / previous_areas[key] } else { 0.0 };
-        let energies = self.keys.stored_energy.values_mut();
+        let energies = &mut self.keys.stored_energy.stored;
         for (key, place) in places {
             energies[key] = place.value(density) * areas[key];
         }
@@ -76,7 +52,12 @@ impl ContactConstraint {
     /// Takes the values of the pairs that continue, and of curves with the same facets. Returns the places of their keys
     /// among the previous ones.
     fn take_over_pairs(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>) -> Vec<(usize, KeyPlace)> {
-        let same = |point: PointIdentity| PointPlace::of(point, nodes)?.point();
+        let ends_of = |(carrier, on_body): PointIdentity| match on_body {
+            Some(_) => Some(([(carrier, on_body); 2], 0.0)),
+            None => nodes(carrier).map(|place| (place.nodes.inline_map(|node| (node, None)), place.share)),
+        };
+        let same =
+            |point: PointIdentity| ends_of(point).filter(|(ends, _)| ends[0] == ends[1]).map(|(ends, _)| ends[0]);
         for index in 0..self.surfaces.curves.len().min(previous.surfaces.curves.len()) {
             let facets = self.surfaces.facet_owners(index).map(|facet| facet.inline_map(same));
             if facets.eq(previous.surfaces.facet_owners(index).map(|facet| facet.inline_map(Some))) {
@@ -89,7 +70,7 @@ impl ContactConstraint {
             let Some(previous_pair) = previous.pairs.iter().find(|previous| pair.continues(previous)) else { continue };
             let known: HashMap<_, _> = key_owners(&previous.surfaces, previous_pair).into_iter().collect();
             for ((is_own, point), key) in key_owners(&self.surfaces, pair) {
-                let Some(PointPlace { ends, share }) = PointPlace::of(point, nodes) else { continue };
+                let Some((ends, share)) = ends_of(point) else { continue };
                 let keys = ends.inline_map(|end| known.get(&(is_own, end)).copied());
                 // Single points have forces, which do not vary along the surface.
                 let is_mixed = ends[0] == ends[1] || is_own || previous_pair.analytical.is_some();
@@ -105,10 +86,9 @@ impl ContactConstraint {
         places.iter().for_each(|(key, place)| self.keys.take_over(*key, &previous.keys, *place));
         if let (Some(exchange), Some(previous_exchange)) = (&mut self.heat, &previous.heat) {
             let points = (0..previous.surfaces.points.len() as u32).map(|point| previous.surfaces.identity(point));
-            let known: HashMap<_, _> = points.zip(previous_exchange.exchange_bounds()).collect();
-            for (point, most) in (0..self.surfaces.points.len() as u32).zip(exchange.exchange_bounds_mut()) {
-                let previous_place = PointPlace::of(self.surfaces.identity(point), nodes);
-                let ends = previous_place.into_iter().flat_map(|previous_place| previous_place.ends);
+            let known: HashMap<_, _> = points.zip(&previous_exchange.most).collect();
+            for (point, most) in (0..self.surfaces.points.len() as u32).zip(&mut exchange.most) {
+                let ends = ends_of(self.surfaces.identity(point)).into_iter().flat_map(|found| found.0);
                 *most = ends.filter_map(|end| known.get(&end)).fold(0.0, |most, bound| bound.max(most));
             }
         }
@@ -130,7 +110,7 @@ impl ContactConstraint {
 
 /// Returns the keys of a pair with the points that own them: the own curve first, then the other curve, or the own curve
 /// again.
-fn key_owners(surfaces: &ContactSurfaces, pair: &ContactPair) -> Vec<(KeyOwner, usize)> {
+fn key_owners(surfaces: &ContactSurfaces, pair: &ContactPair) -> Vec<((bool, PointIdentity), usize)> {
     let (secondary, other) = surfaces.sides(pair);
     let points =
         secondary.points.iter().map(|point| (true, point)).chain(other.points.iter().map(|point| (false, point)));

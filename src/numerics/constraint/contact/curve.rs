@@ -124,6 +124,15 @@ impl FacetShape {
     }
 }
 
+/// Change of direction between a facet and the next one.
+struct FacetTurn {
+    next: u32,
+    /// Sine of the angle, positive at a convex point.
+    sine: f64,
+    /// Whether the direction changes by more than a right angle.
+    turns_back: bool,
+}
+
 /// Sine of the angle to the plane normal to the axis above which a point on the axis is a tip. A convex point with a
 /// larger sine of the change of direction is a corner.
 const SHARP: f64 = 0.29;
@@ -213,19 +222,23 @@ impl FacetCurve {
         }
     }
 
+    /// Returns the change of direction after a facet; `None` without a next one.
+    fn turn_after(&self, facet: u32, places: &[[f64; 2]]) -> Option<FacetTurn> {
+        let FacetNeighbor::Facet(next) = self.neighbors[facet as usize][1] else { return None };
+        let [a, b] = [facet, next].inline_map(|k| {
+            let [from, to] = self.facets[k as usize].inline_map(|p| places[p as usize]);
+            FacetShape::new(from, to)
+        });
+        let sine = (a.along[0] * b.along[1] - a.along[1] * b.along[0]) / (a.length * b.length);
+        Some(FacetTurn { next, sine, turns_back: a.along[0] * b.along[0] + a.along[1] * b.along[1] < 0.0 })
+    }
+
     /// Finds convex corners. The weighted gap of an opposite facet that a corner slides onto begins with an overlap, so
     /// a corner has point contact.
     fn find_corners(&mut self, places: &[[f64; 2]]) {
         for &k in &self.exposed {
-            let FacetNeighbor::Facet(next) = self.neighbors[k as usize][1] else { continue };
-            let [a, b] = [k, next].inline_map(|j| {
-                let [from, to] = self.facets[j as usize].inline_map(|p| places[p as usize]);
-                FacetShape::new(from, to)
-            });
-            let size = a.length * b.length;
-            let turn = (a.along[0] * b.along[1] - a.along[1] * b.along[0]) / size;
-            let turns_back = a.along[0] * b.along[0] + a.along[1] * b.along[1] < 0.0;
-            if turn > SHARP || (turns_back && turn > 0.0) {
+            let Some(FacetTurn { next, sine, turns_back }) = self.turn_after(k, places) else { continue };
+            if sine > SHARP || (turns_back && sine > 0.0) {
                 self.corners.extend(self.points.binary_search(&self.facets[next as usize][0]).map(|at| at as u32));
             }
         }
@@ -233,14 +246,7 @@ impl FacetCurve {
 
     /// Finds kinks, for example the ends of a chamfer with a small angle.
     fn find_kinks(&mut self, places: &[[f64; 2]]) {
-        let turn_after = |k: u32| {
-            let FacetNeighbor::Facet(next) = self.neighbors[k as usize][1] else { return 0.0 };
-            let [a, b] = [k, next].inline_map(|j| {
-                let [from, to] = self.facets[j as usize].inline_map(|p| places[p as usize]);
-                FacetShape::new(from, to)
-            });
-            (a.along[0] * b.along[1] - a.along[1] * b.along[0]) / (a.length * b.length)
-        };
+        let turn_after = |k: u32| self.turn_after(k, places).map_or(0.0, |turn| turn.sine);
         // The change of direction at a corner says nothing about the curvature of the surface next to it.
         let curved = |turn: f64| if turn.abs() > SHARP { 0.0 } else { turn.abs() };
         let mut kinks = Vec::new();
@@ -294,7 +300,7 @@ impl FacetCurve {
     /// Returns the smallest half thickness of the body at the exposed facets around an own point; infinite without such
     /// facets.
     pub fn half_thickness_around(&self, index: usize) -> f64 {
-        let exposed = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let exposed = self.exposed_around(index);
         exposed.fold(f64::INFINITY, |least, f| least.min(self.half_thickness(f.0 as usize)))
     }
 
@@ -427,9 +433,15 @@ impl FacetCurve {
         &self.around[index]
     }
 
+    /// Returns the exposed facets around the point at an index of `points`, and which end of the facet the point is.
+    #[inline]
+    pub fn exposed_around(&self, index: usize) -> impl Iterator<Item = &(u32, u8)> {
+        self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize])
+    }
+
     /// Returns the area of the hat function of a point on the exposed facets, of the surface of revolution.
     pub fn hat_area(&self, index: usize) -> f64 {
-        let exposed = self.around_own(index).iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let exposed = self.exposed_around(index);
         let areas = exposed.map(|&(facet, end)| {
             let FacetShape { from, along, length, .. } = self.shapes[facet as usize];
             let far = if end == 0 { 1.0 } else { 2.0 };
@@ -447,7 +459,7 @@ impl FacetCurve {
 
     /// Returns the normals of two exposed facets at an own point; `None` if there are fewer.
     pub fn normals_around(&self, index: usize) -> Option<[[f64; 2]; 2]> {
-        let mut exposed = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let mut exposed = self.exposed_around(index);
         let mut next = || exposed.next().map(|f| self.shapes[f.0 as usize].normal);
         Some([next()?, next()?])
     }
@@ -468,7 +480,7 @@ impl FacetCurve {
 
     /// Returns the integral of the hat function of an own point over the surface of revolution.
     pub fn area(&self, index: usize, places: &[[f64; 2]]) -> f64 {
-        let exposed_facets = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let exposed_facets = self.exposed_around(index);
         let area_of = |&(k, end): &(u32, u8)| {
             let radii = self.facets[k as usize].inline_map(|p| places[p as usize][0]);
             let (radius, far_radius) = (radii[end as usize], radii[1 - end as usize]);
@@ -479,7 +491,7 @@ impl FacetCurve {
 
     /// Returns the area of an own point on the exposed facets between the places that `place_of` gives for points.
     pub fn area_at(&self, index: usize, place_of: impl Fn(u32) -> [f64; 2]) -> f64 {
-        let exposed = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let exposed = self.exposed_around(index);
         let areas = exposed.map(|&(k, end)| {
             let ends = self.facets[k as usize].inline_map(&place_of);
             let (radius, far_radius) = (ends[end as usize][0], ends[1 - end as usize][0]);
@@ -496,7 +508,7 @@ impl FacetCurve {
             return None;
         }
         let mut next: Option<(u32, f64)> = None;
-        for &(facet, end) in self.around_own(index).iter().filter(|f| self.is_exposed[f.0 as usize]) {
+        for &(facet, end) in self.exposed_around(index) {
             let beyond = self.facets[facet as usize][1 - end as usize];
             let share = share_of_way([from, place], start_of(beyond));
             if share > next.map_or(0.0, |next| next.1) {

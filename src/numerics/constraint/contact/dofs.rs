@@ -6,10 +6,12 @@ use std::collections::HashMap;
 use super::curve::{PointCarrier, SurfacePoint};
 use super::sweeps::{ContactRows, ContactVelocities, NONE};
 use crate::constraint::bonds::MergedDofs;
+use crate::constraint::system::change_velocity;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
+use crate::state::energies::EnergyTotals;
 
 /// Degrees of freedom of the points of a contact.
 #[derive(Clone, Debug, Default, Persist, Memory)]
@@ -212,29 +214,24 @@ impl ContactDofs {
         }
     }
 
-    /// Applies the impulses to velocities and positions. Their work is the impulse times the mean of the velocities before
-    /// and after it; that on a prescribed motion is external work. Returns the work along the normal and along the surface.
-    /// `near` are the degrees of freedom near another surface.
-    pub(super) fn apply_impulses(&mut self, near: &[u32], dofs: &mut Dofs, dt: f64) -> [f64; 2] {
+    /// Applies the impulses to velocities and positions, and returns their work. `near` are the degrees of freedom near
+    /// another surface.
+    pub(super) fn apply_impulses(&mut self, near: &[u32], dofs: &mut Dofs, dt: f64) -> ImpulseWork {
         let half = self.half;
         let Dofs { bodies, nodes, energies, .. } = dofs;
-        let mut work = [0.0; 2];
+        let mut work = ImpulseWork::default();
         self.means.fill(0.0);
         for i in near.iter().map(|i| *i as usize) {
-            let ((dof, prescribed), [normal, slip]) = (self.list[i], self.impulses[i]);
-            if normal == 0.0 && slip == 0.0 {
+            let ((dof, prescribed), impulse) = (self.list[i], self.impulses[i]);
+            if impulse == [0.0; 2] {
                 continue;
             }
-            let change = self.motion.inverse_mass[i] * (normal + slip);
+            let change = self.motion.inverse_mass[i] * (impulse[0] + impulse[1]);
             let mean = match dof {
                 Dof::Node(n, axis) => {
-                    let node = &mut nodes[n];
-                    let predicted = *node.velocity(axis);
-                    *node.velocity(axis) = predicted + change;
-                    *node.coordinate(axis) += dt * change;
-                    let acceleration = &mut nodes.acceleration[n][axis];
-                    let previous = predicted - half * *acceleration;
-                    *acceleration += change / half;
+                    let predicted = *nodes[n].velocity(axis);
+                    let previous = predicted - half * nodes.acceleration[n][axis];
+                    change_velocity(nodes, (n, axis), change, dt, half);
                     0.5 * (previous + (predicted + change))
                 }
                 Dof::Body(b) => {
@@ -251,33 +248,23 @@ impl ContactDofs {
                 }
             };
             self.means[i] = mean;
-            if prescribed {
-                energies.external -= (normal + slip) * mean;
-            }
-            work[0] += normal * mean;
-            work[1] += slip * mean;
+            work.add(impulse, mean, prescribed, energies);
         }
         for MergedContactDof { dof, nodes: MergedDofs { nodes: members, axis } } in &self.merged {
             let change = self.motion.inverse_mass[*dof] * (self.impulses[*dof][0] + self.impulses[*dof][1]);
-            for &n in &members[1..] {
-                let node = &mut nodes[n];
-                *node.velocity(*axis) += change;
-                *node.coordinate(*axis) += dt * change;
-                nodes.acceleration[n][*axis] += change / half;
-            }
+            members[1..].iter().for_each(|&n| change_velocity(nodes, (n, *axis), change, dt, half));
         }
         work
     }
 
-    /// Adds a part of the impulses to the velocities at mid-increment; their work is the part times the mean of the
-    /// velocities at the current instant before and after it.
-    pub(super) fn complete_velocities(&mut self, near: &[u32], part: f64, dofs: &mut Dofs) -> CompletionWork {
+    /// Adds a part of the impulses to the velocities at mid-increment, and returns its work at the current instant.
+    pub(super) fn complete_velocities(&mut self, near: &[u32], part: f64, dofs: &mut Dofs) -> ImpulseWork {
         let Dofs { bodies, nodes, energies, .. } = dofs;
-        let mut work = CompletionWork::default();
+        let mut work = ImpulseWork::default();
         self.means.fill(0.0);
         for i in near.iter().map(|i| *i as usize) {
-            let ((dof, prescribed), [normal, slip]) = (self.list[i], self.impulses[i].inline_map(|j| part * j));
-            let change = self.motion.inverse_mass[i] * (normal + slip);
+            let ((dof, prescribed), impulse) = (self.list[i], self.impulses[i].inline_map(|j| part * j));
+            let change = self.motion.inverse_mass[i] * (impulse[0] + impulse[1]);
             let previous = match dof {
                 Dof::Node(n, axis) => {
                     let previous = nodes.velocity_now(n)[axis];
@@ -291,13 +278,7 @@ impl ContactDofs {
             };
             let mean = previous + 0.5 * change;
             self.means[i] = mean;
-            if prescribed {
-                energies.external -= (normal + slip) * mean;
-            } else {
-                work.on_free_dofs += (normal + slip) * mean;
-            }
-            work.of_impulses[0] += normal * mean;
-            work.of_impulses[1] += slip * mean;
+            work.add(impulse, mean, prescribed, energies);
         }
         for MergedContactDof { dof, nodes: MergedDofs { nodes: members, axis } } in &self.merged {
             let change = part * self.motion.inverse_mass[*dof] * (self.impulses[*dof][0] + self.impulses[*dof][1]);
@@ -308,29 +289,39 @@ impl ContactDofs {
 
     /// Changes the velocity of a degree of freedom over an increment of length `dt`, and of all nodes with the same motion.
     pub(super) fn change_velocity(&self, index: usize, change: f64, dofs: &mut Dofs, dt: f64) {
-        let mut change_node = |node: usize, axis: usize| {
-            *dofs.nodes[node].velocity(axis) += change;
-            *dofs.nodes[node].coordinate(axis) += dt * change;
-            dofs.nodes.acceleration[node][axis] += change / self.half;
-        };
+        let half = self.half;
         match self.list[index].0 {
-            Dof::Node(node, axis) => change_node(node, axis),
+            Dof::Node(n, axis) => change_velocity(&mut dofs.nodes, (n, axis), change, dt, half),
             Dof::Body(body) => {
                 dofs.bodies[body].velocity_half += change;
                 dofs.bodies[body].displacement += dt * change;
             }
         }
         for MergedContactDof { nodes, .. } in self.merged.iter().filter(|merged| merged.dof == index) {
-            nodes.nodes[1..].iter().for_each(|&node| change_node(node, nodes.axis));
+            let members = nodes.nodes[1..].iter();
+            members.for_each(|&n| change_velocity(&mut dofs.nodes, (n, nodes.axis), change, dt, half));
         }
     }
 }
 
-/// Work of the impulses that complete velocities.
+/// Work of impulses: the impulse times the mean of the velocities before and after it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct CompletionWork {
+pub(super) struct ImpulseWork {
     /// Work along the normal and along the surface.
     pub(super) of_impulses: [f64; 2],
     /// Work on free degrees of freedom.
     pub(super) on_free_dofs: f64,
+}
+
+impl ImpulseWork {
+    /// Adds that of an impulse on a degree of freedom. The work on a prescribed motion is external work.
+    fn add(&mut self, [normal, slip]: [f64; 2], mean: f64, prescribed: bool, energies: &mut EnergyTotals) {
+        if prescribed {
+            energies.external -= (normal + slip) * mean;
+        } else {
+            self.on_free_dofs += (normal + slip) * mean;
+        }
+        self.of_impulses[0] += normal * mean;
+        self.of_impulses[1] += slip * mean;
+    }
 }

@@ -78,12 +78,7 @@ impl KeyValues {
         mesh.carry(&mut self.pressures, |[_, shear]| shear);
         mesh.carry(&mut self.gap_offsets, |offset| offset);
         mesh.carry(&mut self.slip, |slip| slip);
-        for values in self.slip_damping.values_mut() {
-            mesh.carry(values, |value| value);
-        }
-        for part in 0..2 {
-            mesh.carry(self.slip_damping.pressures_mut(), |slow| &mut slow[part]);
-        }
+        self.slip_damping.carry(mesh);
     }
 
     /// Stores the pressures of rows whose impulses have acted over the time `half`.

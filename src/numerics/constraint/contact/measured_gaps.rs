@@ -117,7 +117,7 @@ impl MeasuredGaps {
     fn add_row(&mut self, pair: &ContactPair, own: &FacetCurve, index: usize, sources: GapSources<'_>) {
         let GapSources { laws, keys, dofs_of, .. } = sources;
         let mut row = ContactRow::of(pair.first_key + index as u32, pair.law_of(index));
-        let facets = || own.around_own(index).iter().filter(|f| own.is_exposed[f.0 as usize]);
+        let facets = || own.exposed_around(index);
         for &(facet, end) in facets() {
             let (gaps, end) = (&pair.facet_gaps[facet as usize], end as usize);
             row.area += gaps.area[end];

@@ -95,7 +95,7 @@ impl MeshContinuation {
     /// Moves stored energies to the new places: energies per area are interpolated, and the sum of a pair is kept.
     fn carry_energies(&mut self, contact: &mut ContactConstraint) {
         let ContactConstraint { surfaces, pairs, keys, measured, .. } = contact;
-        let energies = keys.stored_energy.values_mut();
+        let energies = &mut keys.stored_energy.stored;
         if energies.is_empty() {
             return;
         }
@@ -117,7 +117,7 @@ impl MeshContinuation {
     /// Moves stored energies of soft contact with analytical surfaces to the new places of their keys: energies per area are
     /// interpolated, and the sum of a pair is kept.
     fn carry_energies_on_analyticals(&mut self, contact: &mut ContactConstraint, mesh: &dyn MeshMotion, dofs: &Dofs) {
-        if contact.keys.stored_energy.values().is_empty() {
+        if contact.keys.stored_energy.stored.is_empty() {
             return;
         }
         for index in (0..contact.pairs.len()).filter(|index| contact.pairs[*index].analytical.is_some()) {
@@ -125,7 +125,7 @@ impl MeshContinuation {
                 let pair = &contact.pairs[index];
                 let first = pair.first_key as usize;
                 let keys = first..first + contact.surfaces.curves[pair.secondary].points.len();
-                replace_energies(&mut contact.keys.stored_energy.values_mut()[keys.clone()], &self.stored[keys]);
+                replace_energies(&mut contact.keys.stored_energy.stored[keys.clone()], &self.stored[keys]);
             }
         }
     }
@@ -134,7 +134,7 @@ impl MeshContinuation {
     /// moved.
     fn find_energies(&mut self, contact: &ContactConstraint, index: usize, mesh: &dyn MeshMotion, dofs: &Dofs) -> bool {
         let (pair, surfaces) = (&contact.pairs[index], &contact.surfaces);
-        let (secondary, energies) = (&surfaces.curves[pair.secondary], contact.keys.stored_energy.values());
+        let (secondary, energies) = (&surfaces.curves[pair.secondary], &contact.keys.stored_energy.stored);
         let start_of = |point: u32| surfaces.place_of(point, dofs, 0.0);
         let place_of = |point: u32| match surfaces.points[point as usize].carrier {
             PointCarrier::Node(node) => mesh.place(node).unwrap_or_else(|| start_of(point)),
@@ -195,7 +195,7 @@ fn key_share(contact: &ContactConstraint, pair: &ContactPair, index: u32, starts
 impl ContactConstraint {
     /// Allocates for changes of adaptive meshes.
     pub fn reserve_mesh_motion(&mut self) {
-        let stores_energy = !self.keys.stored_energy.values().is_empty();
+        let stores_energy = !self.keys.stored_energy.stored.is_empty();
         if self.mesh.is_none() && (stores_energy || mesh_pairs(self).next().is_some()) {
             let new = MeshContinuation::new(self.keys.count(), self.surfaces.points.len(), self.dofs.count());
             self.mesh = Some(Box::new(new));

@@ -286,7 +286,7 @@ impl ContactConstraint {
                 |row: &ContactRow| rows.terms_of(row).iter().map(|t| t.slip * means[t.dof as usize]).sum::<f64>();
             exchange.add_friction_heat(rows, &self.laws, |row| row.whole_shear() * rate(row));
         }
-        add_energies(&mut dofs.energies, work, of_springs);
+        add_energies(&mut dofs.energies, work.of_impulses, of_springs);
     }
 
     /// Adds the impulses of half an increment to the velocities at mid-increment, and their work. With the accelerations the
@@ -380,6 +380,19 @@ impl ContactConstraint {
         keys.stored_energy.add_work(rows, laws, motion, span);
         keys.store_pressures(rows, span.half);
         own_dofs.gather_impulses(rows);
+    }
+
+    /// Informs it that elements with these corner nodes have been deleted.
+    pub fn remove_elements(&mut self, deleted: &[ElementNodes]) {
+        self.surfaces.remove_elements(deleted);
+    }
+
+    /// Lists are built again after reading; rows do not depend on when lists were built.
+    fn list_again(&mut self, archive: &mut StateArchive<'_>) {
+        if archive.reads() {
+            self.surfaces.list_points();
+            self.check_bonds(archive);
+        }
     }
 }
 
@@ -484,21 +497,6 @@ impl StoredConstraint for ContactConstraint {
     fn follow_new_mesh(&mut self, previous: &dyn Constraint, nodes: &NodeRelation<'_>, dofs: &Dofs) {
         if let Some(previous) = previous.as_kind() {
             self.move_to_new_mesh(previous, nodes, dofs);
-        }
-    }
-}
-
-impl ContactConstraint {
-    /// Informs it that elements with these corner nodes have been deleted.
-    pub fn remove_elements(&mut self, deleted: &[ElementNodes]) {
-        self.surfaces.remove_elements(deleted);
-    }
-
-    /// Lists are built again after reading; rows do not depend on when lists were built.
-    fn list_again(&mut self, archive: &mut StateArchive<'_>) {
-        if archive.reads() {
-            self.surfaces.list_points();
-            self.check_bonds(archive);
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::state::EffectId;
 use crate::state::archive::Persist;
 
 /// Two surfaces that may come into contact, or one with self-contact.
-#[derive(Clone, Debug, Persist, Memory)]
+#[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(derived: id, number, name, secondary, other, analytical, law, springs, of_points, first, thickness,
     initial_clearance, search, facet_gaps, first_key)]
 #[memory(uncounted: name)]
@@ -61,22 +61,12 @@ impl ContactPair {
         ContactPair {
             id,
             number,
-            name: String::new(),
             secondary,
             other: (secondary != other).then_some(other),
-            analytical: None,
-            law: 0,
-            springs: false,
-            of_points: 0,
             first: true,
             thickness: f64::INFINITY,
-            initial_clearance: None,
-            absorbed: 0.0,
-            largest_release: (0.0, [0.0; 2]),
-            has_touched: false,
             search: ContactSearch::new(length, 0.0, 0, 0),
-            facet_gaps: Vec::new(),
-            first_key: 0,
+            ..ContactPair::default()
         }
     }
 

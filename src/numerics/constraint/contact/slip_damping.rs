@@ -8,7 +8,7 @@
 //! pressure with a delay of some increments (as measured by Prakash and Clifton; a regularization after Cochard and Rice
 //! 2000, J. Geophys. Res. 105, 25891), so that friction does not drive waves of the length of an element.
 
-use super::mesh_continuation::KeyPlace;
+use super::mesh_continuation::{KeyPlace, MeshContinuation};
 use super::sweeps::{ContactRow, ContactRows, ContactStep, ContactVelocities};
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lanes::InlineMap;
@@ -63,14 +63,14 @@ impl SlipDamping {
         self.pressure[key] = [0, 1].inline_map(|part: usize| place.value(|other| previous.pressure[other][part]));
     }
 
-    /// Returns the values of the keys that continue.
-    pub(super) fn values_mut(&mut self) -> [&mut [f64]; 3] {
-        [&mut self.slow, &mut self.impulse, &mut self.stress]
-    }
-
-    /// Returns the slow parts of the pressures of the keys.
-    pub(super) fn pressures_mut(&mut self) -> &mut [[f64; 2]] {
-        &mut self.pressure
+    /// Moves the values to the new places of the keys on adaptive meshes.
+    pub(super) fn carry(&mut self, mesh: &mut MeshContinuation) {
+        for values in [&mut self.slow, &mut self.impulse, &mut self.stress] {
+            mesh.carry(values, |value| value);
+        }
+        for part in 0..2 {
+            mesh.carry(&mut self.pressure, |slow| &mut slow[part]);
+        }
     }
 
     /// Returns the shear stress of a key in the last increment.

@@ -13,13 +13,15 @@ use crate::state::dofs::Dofs;
 
 /// Surfaces in contact and their current places.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: curves; derived: points, index, analyticals, places, active_points, near, listed)]
+#[persist(fixed: curves; derived: points, points_of_nodes, points_on_bodies, analyticals, places, active_points, near, listed)]
 #[memory(flat: analyticals)]
 pub(super) struct ContactSurfaces {
     pub(super) points: Vec<SurfacePoint>,
     pub(super) curves: Vec<FacetCurve>,
     pub(super) analyticals: Vec<AnalyticalSurface>,
-    index: PointIndex,
+    /// Nodes and their points, ascending by node.
+    points_of_nodes: Vec<(usize, u32)>,
+    points_on_bodies: Vec<(PointCarrier, u32)>,
     pub(super) places: Vec<[f64; 2]>,
     /// Points that may be in contact: those of exposed facets and those without elements.
     pub(super) active_points: Vec<u32>,
@@ -28,28 +30,6 @@ pub(super) struct ContactSurfaces {
     pub(super) listed: Vec<[f64; 2]>,
     /// Whether elements have been deleted since the previous increment.
     pub(super) uncovered: bool,
-}
-
-/// Points by their carriers.
-#[derive(Clone, Debug, Default, Memory)]
-struct PointIndex {
-    /// Nodes and their points, ascending by node.
-    by_node: Vec<(usize, u32)>,
-    on_bodies: Vec<(PointCarrier, u32)>,
-}
-
-impl PointIndex {
-    fn new(points: &[SurfacePoint]) -> PointIndex {
-        let mut index = PointIndex::default();
-        for (point, number) in points.iter().zip(0..) {
-            match point.carrier {
-                PointCarrier::Node(node) => index.by_node.push((node, number)),
-                carrier => index.on_bodies.push((carrier, number)),
-            }
-        }
-        index.by_node.sort_unstable();
-        index
-    }
 }
 
 /// Identifies the carrier of a point.
@@ -62,7 +42,6 @@ impl ContactSurfaces {
         analyticals: Vec<AnalyticalSurface>,
     ) -> ContactSurfaces {
         let mut surfaces = ContactSurfaces {
-            index: PointIndex::new(&points),
             places: vec![[0.0; 2]; points.len()],
             listed: Vec::with_capacity(points.len()),
             active_points: Vec::with_capacity(2 * points.len() + analyticals.len()),
@@ -71,6 +50,13 @@ impl ContactSurfaces {
             analyticals,
             ..ContactSurfaces::default()
         };
+        for (point, number) in surfaces.points.iter().zip(0..) {
+            match point.carrier {
+                PointCarrier::Node(node) => surfaces.points_of_nodes.push((node, number)),
+                carrier => surfaces.points_on_bodies.push((carrier, number)),
+            }
+        }
+        surfaces.points_of_nodes.sort_unstable();
         surfaces.list_points();
         surfaces
     }
@@ -116,9 +102,11 @@ impl ContactSurfaces {
 
     /// Returns the point of a carrier; `None` if it belongs to no contact surface.
     pub(super) fn point_on(&self, carrier: PointCarrier) -> Option<u32> {
-        let PointIndex { by_node, on_bodies } = &self.index;
+        let (of_nodes, on_bodies) = (&self.points_of_nodes, &self.points_on_bodies);
         match carrier {
-            PointCarrier::Node(node) => by_node.binary_search_by_key(&node, |known| known.0).ok().map(|i| by_node[i].1),
+            PointCarrier::Node(node) => {
+                of_nodes.binary_search_by_key(&node, |known| known.0).ok().map(|i| of_nodes[i].1)
+            }
             carrier => on_bodies.iter().find(|known| known.0 == carrier).map(|known| known.1),
         }
     }

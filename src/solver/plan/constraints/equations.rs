@@ -19,7 +19,7 @@ pub fn link_constraint(input: StepInput, given: &PrescribedDofs, report: &mut Re
     match LinkSystem::new(&equations, &links.merged, &state.dofs.nodes.mass, given) {
         Ok(bonds) => {
             let count = links.equations.len() + links.merged.len();
-            let detail = format!("exact, in {} independent systems", bonds.count());
+            let detail = format!("exact, in {} independent systems", bonds.systems.len());
             let id = report.ledger_row(first, "linear equations", count, "equations", detail);
             Some(Box::new(EquationConstraint::new(id, bonds)))
         }

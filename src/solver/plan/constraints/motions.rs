@@ -13,7 +13,7 @@ use crate::plan::loads::magnitude;
 use crate::plan::steps::{ConstraintList, ConstraintOrigin};
 use crate::plan::{Report, Scene, Shared, SolidPlaces};
 use crate::state::dofs::Dof;
-use crate::state::magnitude::Magnitude;
+use crate::state::magnitude::{Magnitude, TimeFunction};
 
 /// Degrees of freedom of rigid bodies whose motion is prescribed, with the kind of motion and its value.
 type BodyMotions = HashMap<usize, (PrescribedQuantity, f64)>;
@@ -138,7 +138,7 @@ fn add_motion(
     let id = report.ledger_row(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
     let magnitude = magnitude(scene, value, boundary.amplitude, shared, report);
     let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
-    Some(Box::new(PrescribedMotion::new(id, kind, magnitude, &dofs)))
+    Some(Box::new(PrescribedMotion::new(id, kind, vec![magnitude], &dofs)))
 }
 
 /// Creates the motion of `*BOUNDARY, USER`. VDISP is called once per increment for each degree of freedom.
@@ -184,7 +184,8 @@ fn add_user_motion(
         has_begun: false,
     });
     let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
-    Some(Box::new(PrescribedMotion::from_user_amplitudes(id, kind, first, &dofs)))
+    let sampled = |i| Magnitude { value: 1.0, shape: TimeFunction::Sampled(first + i) };
+    Some(Box::new(PrescribedMotion::new(id, kind, (0..dofs.len()).map(sampled).collect(), &dofs)))
 }
 
 fn hold_axis(scene: Scene, step: &Step, nodes: &HashSet<Dof>, list: &mut ConstraintList, report: &mut Report) {
@@ -203,7 +204,7 @@ fn hold_axis(scene: Scene, step: &Step, nodes: &HashSet<Dof>, list: &mut Constra
     }
     if let Err(origin) = list.keep(ConstraintOrigin::Axis(dofs.clone())) {
         let id = report.ledger_row(step.span, "axis of symmetry", dofs.len(), "nodes", detail.into());
-        let motion = PrescribedMotion::new(id, PrescribedQuantity::Velocity, Magnitude::constant(0.0), &dofs);
+        let motion = PrescribedMotion::new(id, PrescribedQuantity::Velocity, vec![Magnitude::constant(0.0)], &dofs);
         list.add(origin, Box::new(motion));
     }
 }

@@ -67,16 +67,6 @@ fn name_of_front(pair: &SurfaceContact) -> Option<String> {
     (!pair.general).then(|| pair_name(pair))
 }
 
-/// The analytical surface of a pair.
-struct FoundSurface {
-    surface: AnalyticalSurface,
-    /// Index of its rigid body.
-    body: usize,
-    front: AnalyticalFront,
-    /// Number of contact nodes of the other surface.
-    nodes: usize,
-}
-
 /// The surface of a pair that is opposite to the analytical one.
 #[derive(Clone, Copy)]
 struct OpposingSurface<'a> {
@@ -100,12 +90,8 @@ pub fn analytical_contact(
         add_curve(pair, 1 - analytical.side, context, geometry, report)?
     };
     let opposite = OpposingSurface { sides, nodes: &analytical.nodes, pair };
-    match analytical_surface(opposite, analytical, context, report) {
-        Ok(FoundSurface { mut surface, body, front, nodes: count }) => {
-            if !geometry.fronts.contains(&front) {
-                geometry.fronts.push(front);
-            }
-            surface.point = geometry.add_carried(body);
+    match analytical_surface(opposite, analytical, context, geometry, report) {
+        Ok((mut surface, count)) => {
             let gives_way = (pair.penalty.is_some() || pair.law.is_soft()) && !sides.faces.is_empty();
             if gives_way {
                 surface.overlap = surface.overlap.max(geometry.deepest(curve));
@@ -162,13 +148,15 @@ fn curve_of_nodes(
     Some(geometry.add_points(FacetCurve::of_points(points)))
 }
 
-/// Returns the analytical surface with its front towards the nodes.
+/// Returns the analytical surface with its front towards the nodes, and the number of contact nodes. The point of its
+/// rigid body and the front are added to the geometry.
 fn analytical_surface(
     opposite: OpposingSurface,
     side: &AnalyticalSide,
     context: &CurveContext,
+    geometry: &mut ContactGeometry,
     report: &mut Report,
-) -> Result<FoundSurface, String> {
+) -> Result<(AnalyticalSurface, usize), String> {
     let StepInput { scene, state, .. } = context.input;
     let surface: &RigidSurface = &scene.model.surfaces.analytical[side.surface];
     let reference = surface
@@ -203,9 +191,12 @@ fn analytical_surface(
     };
     let is_reversed = profile != surface.profile;
     let front = AnalyticalFront { surface: side.surface, pair: name_of_front(opposite.pair), is_reversed };
-    analytical = AnalyticalSurface::new(profile, 0);
+    if !geometry.fronts.contains(&front) {
+        geometry.fronts.push(front);
+    }
+    analytical = AnalyticalSurface::new(profile, geometry.add_carried(body));
     analytical.overlap = overlap.max(analytical.rounding);
-    Ok(FoundSurface { surface: analytical, body, front, nodes: nodes.len() })
+    Ok((analytical, nodes.len()))
 }
 
 /// Returns whether the surface of a pair is reversed, if this was determined at the start of the run: on a new mesh, places of

@@ -101,11 +101,16 @@ pub fn add_cohesion<'c>(
     } else {
         place_of(laws, frictionless(&laws[pair.law]))
     };
-    let mut cohesive = CohesivePair::new(index, (law, varies), intact);
-    cohesive.bonds_later = !cohesion.original_only;
-    cohesive.bonds_again = cohesion.repeated;
-    cohesive.criterion = cohesion.initiation.as_ref().map(variable);
-    list.pairs.push(cohesive);
+    list.pairs.push(CohesivePair {
+        pair: index,
+        law,
+        has_law_of_points: varies,
+        intact_law: intact,
+        bonds_later: !cohesion.original_only,
+        bonds_again: cohesion.repeated,
+        criterion: cohesion.initiation.as_ref().map(variable),
+        ..CohesivePair::default()
+    });
     list.origins.push((contact, cohesion.clone()));
     Some(())
 }

@@ -32,19 +32,12 @@ const FIT: f64 = 0.05;
 /// CLEARANCE: approximately one-tenth of the element size).
 const SEARCHED: f64 = 0.1;
 
-/// The contact of a step.
-pub struct PlannedContact {
-    pub constraint: Box<dyn Constraint>,
-    /// Fronts of its analytical surfaces, which new meshes keep.
-    pub fronts: Vec<AnalyticalFront>,
-}
-
-/// Creates the contact constraint of a step.
+/// Creates the contact constraint of a step. Returns it with the fronts of its analytical surfaces.
 pub fn contact_constraint(
     input: StepInput,
     prescribed: &HashSet<(usize, usize)>,
     report: &mut Report,
-) -> Option<PlannedContact> {
+) -> Option<(Box<dyn Constraint>, Vec<AnalyticalFront>)> {
     let StepInput { scene, links, state, index: step, .. } = input;
     let (mut geometry, mut pairs, mut laws) = (ContactGeometry::default(), Vec::new(), Vec::new());
     let (mut spans, mut cohesion) = (Vec::new(), CohesionList::default());
@@ -111,7 +104,7 @@ pub fn contact_constraint(
     for ((contact, length), overlap) in spans.into_iter().zip(overlaps).filter(|s| s.0.0.analytical.is_none()) {
         warn_of_overlap(contact, length, overlap, report);
     }
-    Some(PlannedContact { constraint: Box::new(contact), fronts })
+    Some((Box::new(contact), fronts))
 }
 
 /// Creates the pair of two curves, or of one curve with itself. Returns it with its facet length; the laws are set
