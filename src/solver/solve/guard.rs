@@ -5,7 +5,8 @@ use super::collapse::name_folding_remedy;
 use super::increment::shortened;
 use super::run_state::RunState;
 use super::watch::{RunReport, SMALL, likely_cause, name_created_energy, name_folded};
-use crate::constraint::Constraint;
+use crate::constraint::overlaps::OverlapMonitor;
+use crate::constraint::{Constraint, of_kind_mut};
 use crate::element::elements::CollapsedElement;
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
@@ -78,9 +79,8 @@ impl RunReport {
 
     /// Adds the warnings of constraints that end.
     pub(super) fn warn_of_constraints(&mut self, run: &RunState<'_>, constraints: &mut [Box<dyn Constraint>]) {
-        for constraint in constraints {
-            let upkeep = constraint.upkeep();
-            let overlaps = upkeep.map_or_else(Vec::new, |c| c.overlaps(&run.state.dofs, &run.clock()));
+        for monitor in of_kind_mut::<OverlapMonitor>(constraints) {
+            let overlaps = monitor.overlaps(&run.state.dofs, &run.clock());
             overlaps.into_iter().for_each(|text| self.outcome.warn("R311", text));
         }
     }

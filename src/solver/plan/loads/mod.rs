@@ -109,13 +109,7 @@ fn prescribed_load(
     Some(Box::new(PrescribedLoad { id, magnitude, distribution }))
 }
 
-fn concentrated_load(
-    input: &LoadInput,
-    nodes: &[usize],
-    dof: u8,
-    set: &str,
-    report: &mut Report,
-) -> LoadEffect {
+fn concentrated_load(input: &LoadInput, nodes: &[usize], dof: u8, set: &str, report: &mut Report) -> LoadEffect {
     let LoadInput { scene, links, load, .. } = *input;
     let turning: Vec<usize> = nodes.iter().filter_map(|n| scene.places.rotations.get(n).copied()).collect();
     if dof == 6 && !turning.is_empty() {
