@@ -8,6 +8,8 @@ use super::watch::{RunReport, SMALL, likely_cause, name_created_energy, name_fol
 use crate::constraint::overlaps::OverlapMonitor;
 use crate::constraint::{Constraint, of_kind_mut};
 use crate::element::elements::CollapsedElement;
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::quad;
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
 use crate::plan::StepPlan;
@@ -201,14 +203,20 @@ impl RunReport {
         if let Some(halt) = &run.state.elements.failure {
             return halt.clone();
         }
-        let why = if volume > 0.0 { "its state is not finite" } else { "it is inverted" };
+        let area = section_area(run, (group, element));
+        let is_turned = volume <= 0.0 || area.is_some_and(|area| area <= 0.0);
+        let why = match area {
+            _ if volume <= 0.0 => "it is inverted".to_owned(),
+            Some(area) if is_turned => format!("its section has turned over to an area of {area:.3e}"),
+            _ => "its state is not finite".to_owned(),
+        };
         let remedy = match run.beyond_stability() {
             Some([length, ratio]) => format!(
                 "; the increment of DIRECT USER CONTROL, {length:e}, is {ratio:.2} times the stable time increment at the \
                  previous instant, {:.3e}: use a smaller one or automatic increments",
                 run.previous_stable_increment
             ),
-            None if volume <= 0.0 || self.watch.collapse.is_reported() => name_folding_remedy(run, group),
+            None if is_turned || self.watch.collapse.is_reported() => name_folding_remedy(run, group),
             None => String::new(),
         };
         let reason = format!(
@@ -239,6 +247,14 @@ impl RunReport {
         );
         HaltReason { code: "R208", reason }
     }
+}
+
+/// Returns the area of the section of an element with four corners.
+fn section_area(run: &RunState<'_>, (group, element): (usize, usize)) -> Option<f64> {
+    let nodes = run.state.elements.groups[group].nodes(element);
+    let corners: [[f64; 2]; 4] =
+        nodes.into_iter().map(|n| run.state.dofs.nodes[n as usize].place()).collect::<Vec<_>>().try_into().ok()?;
+    Some(quad::section(corners.inline_map(|p| p[0]), corners.inline_map(|p| p[1])))
 }
 
 fn contact_halt(run: &RunState<'_>) -> HaltReason {
