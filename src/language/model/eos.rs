@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::faults::{ValueCheck, require, require_line};
+use super::user_material::constants;
 use super::types::{EosKind, EquationOfState, MaterialDefinition};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
@@ -11,6 +12,10 @@ pub fn read_eos(context: &mut Context<'_>, card: &Card) {
     let kind = match kind {
         0 => EosKind::IdealGas(card.read_lines()),
         1 => EosKind::UsUp(card.read_lines()),
+        4 => match constants(context, card, "PROPERTIES") {
+            Some(list) => EosKind::User(list),
+            None => return,
+        },
         _ if context.first_line(card).is_none() => return,
         2 => EosKind::Tabular(card.read_lines()),
         _ => EosKind::Jwl(card.read_lines()),
@@ -40,7 +45,7 @@ impl MaterialDefinition {
     /// pressure over the density. That of an ideal gas depends on the absolute temperature. That of an explosive is the
     /// larger of the bulk modulus before detonation and that at the detonation front, ρ D² γ/(γ + 1) with γ = 3
     /// (C. L. Mader, Numerical Modeling of Explosives and Propellants, 2008, chapter 2). `None` without an equation of
-    /// state, or if the material has no stiffness.
+    /// state, for a law in Rust, or if the material has no stiffness.
     pub fn bulk_modulus(&self, absolute_temperature: Option<f64>) -> Option<f64> {
         let density = self.density?;
         let modulus = match &self.eos.as_ref()?.kind {
@@ -50,6 +55,7 @@ impl MaterialDefinition {
                 let &[[specific_heat, _]] = self.thermal.specific_heat.as_deref()? else { return None };
                 (1.0 + gas_constant / specific_heat) * density * gas_constant * absolute_temperature?
             }
+            EosKind::User(_) => return None,
             EosKind::Jwl([speed, .., before]) => before.max(0.75 * density * speed * speed),
         };
         (modulus > 0.0).then_some(modulus)

@@ -399,7 +399,8 @@ impl<M: Material, B: CallingBlock<State = M::State>> CallingElements<'_, M, B> {
         let number = call % B::POINTS + 1;
         let point = if B::POINTS > 1 { format!(", integration point {number}") } else { String::new() };
         let place = element.map_or(String::new(), |element| format!(" at element {element}{point}"));
-        failure.halt(&format!("the user material `{name}`{place}"), now)
+        let halt = failure.halt(&format!("the user material `{name}`{place}"), now);
+        element.map_or_else(|| halt.clone(), |element| halt.clone().at_element(element))
     }
 
     /// Returns the largest moduli of all elements, from the response to fictitious strains at time zero, as in

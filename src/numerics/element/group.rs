@@ -480,7 +480,7 @@ impl<M: Material> QuadGroup<M> {
     }
 
     /// Whether the pressure is part of the material state; with an equation of state the mass too.
-    const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
+    const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled | PlasticFlow::Unknown);
 
     /// Returns one over the stable time increment of an element of rubber with corner masses: that of its initial moduli,
     /// times the ratio that the last update found for the current masses.

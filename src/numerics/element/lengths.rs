@@ -53,7 +53,9 @@ impl UserLengthElements {
                 let lengths = self.block((&parts, point), names, nodes, now, routine).map_err(|failure| {
                     let element = failure.point.and_then(|i| names.get(i));
                     let place = element.map_or(String::new(), |n| format!(" at element {n}"));
-                    failure.halt(&format!("the characteristic length of the material `{}`{place}", self.name), now)
+                    let what = format!("the characteristic length of the material `{}`{place}", self.name);
+                    let halt = failure.halt(&what, now);
+                    element.map_or_else(|| halt.clone(), |name| halt.clone().at_element(name))
                 })?;
                 let state = group.extensions().initial_state();
                 lengths.into_iter().enumerate().for_each(|(i, length)| state.set_length(first + i, point, length));

@@ -100,7 +100,9 @@ pub enum SolidMaterial {
     /// Crushable foam with a strain-dependent yield surface.
     Foam(FoamMaterial),
     /// Law in Rust, evaluated point by point.
-    Point(PointLaw),
+    Point(PointLaw<false>),
+    /// Law in Rust that uses more than strain and stress, or sets its moduli.
+    DetailedPoint(PointLaw<true>),
     /// VUMAT user subroutine, which computes the stress.
     UserStress(SubroutineMaterial<false>),
     /// User subroutine that computes the yield stress, or built-in plasticity that is evaluated point by point.
@@ -149,6 +151,7 @@ pub fn create_group(
         SolidMaterial::Ogden(law) => shape.group(law),
         SolidMaterial::Foam(law) => shape.group(law),
         SolidMaterial::Point(law) => shape.group(law),
+        SolidMaterial::DetailedPoint(law) => shape.group(law),
         SolidMaterial::UserStress(law) => shape.group(law),
         SolidMaterial::UserFlow(law) => shape.group(law),
     }

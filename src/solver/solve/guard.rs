@@ -8,7 +8,7 @@ use crate::constraint::Constraint;
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
 use crate::plan::StepPlan;
-use crate::state::halt::HaltReason;
+use crate::state::halt::{HaltDetails, HaltReason};
 use crate::state::magnitude::AmplitudeClock;
 
 /// Smallest stable time increment over the length of the step. Below it the step would need more than 1e10 increments,
@@ -102,7 +102,7 @@ impl SolverRun<'_> {
                 "the energy of the model is not a finite number at increment {}, time {:e}",
                 self.now.increment, self.now.total_time
             );
-            return Err(HaltReason { code: "R203", reason });
+            return Err(HaltReason::NotFinite(HaltDetails::new(reason)));
         }
         self.check_energy_limits()?;
         self.check_drift()?;
@@ -127,7 +127,7 @@ impl SolverRun<'_> {
             self.now.increment, self.now.total_time
         );
         if limit.halts {
-            return Err(HaltReason { code: "R208", reason });
+            return Err(HaltReason::EnergyLimit(HaltDetails::new(reason)));
         }
         self.watch.limits_reported[which] = true;
         self.outcome.warn("R313", reason);
@@ -197,12 +197,12 @@ impl SolverRun<'_> {
     }
 
     fn contact_halt(&self) -> HaltReason {
-        HaltReason { code: "R208", reason: self.name_created_energy() }
+        HaltReason::EnergyLimit(HaltDetails::new(self.name_created_energy()))
     }
 
     fn excess_halt(&self) -> HaltReason {
         let reason = format!("{}. *ENERGY LIMIT, ERROR=limit in the step raises this limit", self.name_excess());
-        HaltReason { code: "R208", reason }
+        HaltReason::EnergyLimit(HaltDetails::new(reason))
     }
 
     fn drift_halt(&self, drift: f64) -> HaltReason {
@@ -217,7 +217,7 @@ impl SolverRun<'_> {
             self.name_folded(),
             self.likely_cause()
         );
-        HaltReason { code: "R208", reason }
+        HaltReason::EnergyLimit(HaltDetails::new(reason))
     }
 
     /// Checks that the step can be completed with the increments of the elements.
@@ -235,14 +235,13 @@ impl SolverRun<'_> {
     #[cold]
     fn too_many_increments(&self) -> HaltReason {
         let (stable, (group, element)) = (self.state.elements.stable_increment(), self.state.elements.limiting());
+        let name = self.plan.element_name(group, element);
         let reason = format!(
-            "element {} has collapsed: at increment {}, time {:e} its stable time increment is {stable:e}; the step \
+            "element {name} has collapsed: at increment {}, time {:e} its stable time increment is {stable:e}; the step \
              would need more than 1e10 increments",
-            self.plan.element_name(group, element),
-            self.now.increment,
-            self.now.total_time
+            self.now.increment, self.now.total_time
         );
-        HaltReason { code: "R209", reason }
+        HaltReason::ElementCollapsed(HaltDetails::new(reason)).at_element(name)
     }
 }
 

@@ -39,7 +39,7 @@ use crate::output::OutputFrame;
 use crate::plan::{Plan, State};
 pub use crate::state::Instant;
 pub use crate::state::archive::UnfitState;
-pub use crate::state::halt::HaltReason;
+pub use crate::state::halt::{HaltDetails, HaltReason};
 use crate::user::RunAction;
 pub use energy::Energy;
 pub use frames::node_value;
@@ -174,9 +174,10 @@ impl RunSession {
                     return Some(next);
                 }
                 Err(halt) => {
+                    let halted_at = run.now;
                     run.step_back();
                     let written = self.observing.last(run, sink);
-                    run.outcome.halt = Some(written.err().unwrap_or(halt));
+                    run.outcome.halt = Some(run.located(written.err().unwrap_or(halt), halted_at));
                     break;
                 }
             }
@@ -194,7 +195,7 @@ fn finished(mut run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outco
     let plan = run.plan;
     run.timing.position.iter().for_each(|position| position.end());
     if run.outcome.halt.is_none() {
-        run.outcome.halt = run.check_final_drift().err();
+        run.outcome.halt = run.check_final_drift().err().map(|halt| run.located(halt, run.now));
     }
     plan.routines.memory.iter().for_each(|memory| memory.end());
     run.warn_of_effects();

@@ -21,7 +21,7 @@ use crate::remesh::mesher::{OutlineRules, new_mesh, sharpest};
 use crate::remesh::transfer::interpolated;
 use crate::remesh::{BodyMesh, MeshRevision};
 use crate::state::Instant;
-use crate::state::halt::HaltReason;
+use crate::state::halt::{HaltDetails, HaltReason};
 use crate::user::Routines;
 use crate::variables::Variable;
 
@@ -153,7 +153,7 @@ impl SolverRun<'_> {
             }
             return Ok(None);
         };
-        let failed = |reason: String| HaltReason { code: "R210", reason };
+        let failed = |reason: String| HaltReason::NewMesh(HaltDetails::new(reason));
         let model = revised(&remesh.model, &revision);
         self.remesh.revisions.push(revision);
         let (plan, state) = compiled(&model, &self.remesh.revisions, &self.plan.routines)

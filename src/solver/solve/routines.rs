@@ -5,7 +5,7 @@ use super::run::SolverRun;
 use crate::constraint;
 use crate::state::Instant;
 use crate::state::archive::Persist;
-use crate::state::halt::HaltReason;
+use crate::state::halt::{HaltDetails, HaltReason};
 use crate::user::{AnalysisMoment, LockedRoutines, Routines, RunAction, SavedMemory};
 
 /// User subroutines over a run, and the action that they have requested.
@@ -101,7 +101,7 @@ impl SolverRun<'_> {
         let (action, kept) = (self.user.requested_action, std::mem::take(&mut self.user.restored_memory));
         self.report_moment(AnalysisMoment::StartAnalysis, 0.0)?;
         if let Some(memory) = self.plan.routines.memory.as_ref().filter(|_| self.user.routines.events.is_some()) {
-            memory.restore(&kept).map_err(|why| HaltReason { code: "R201", reason: why.reason })?;
+            memory.restore(&kept).map_err(|why| HaltReason::UserRoutine(HaltDetails::new(why.reason)))?;
         }
         self.user.requested_action = action;
         Ok(())

@@ -23,7 +23,7 @@ use crate::kernel::lanes::InlineMap;
 use crate::load::{LoadForces, SceneChange, SceneView, TargetDissipation};
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, State, StepChanges, StepPlan};
-use crate::state::halt::HaltReason;
+use crate::state::halt::{HaltDetails, HaltReason};
 use crate::state::magnitude::AmplitudeClock;
 use crate::state::{BodyState, Instant};
 use crate::user::RunAction;
@@ -509,11 +509,10 @@ impl<'a> SolverRun<'a> {
             return halt.clone();
         }
         let why = if volume > 0.0 { "its state is not finite" } else { "it is inverted" };
+        let name = self.plan.element_name(group, element);
         let reason = format!(
-            "element {} failed at increment {}, time {:e}: {why} (volume {volume:e})",
-            self.plan.element_name(group, element),
-            self.now.increment,
-            self.now.total_time
+            "element {name} failed at increment {}, time {:e}: {why} (volume {volume:e})",
+            self.now.increment, self.now.total_time
         );
         let remedy = match self.too_long() {
             text if text.is_empty() && (volume <= 0.0 || self.watch.collapse.reported > 0.0) => {
@@ -521,7 +520,24 @@ impl<'a> SolverRun<'a> {
             }
             text => text,
         };
-        HaltReason { code: "R206", reason: reason + &remedy }
+        HaltReason::ElementFailed(HaltDetails::new(reason + &remedy)).at_element(name)
+    }
+
+    /// Adds instant and place to a halt that does not have them. The place of an element is its current centre.
+    #[cold]
+    pub(super) fn located(&self, mut halt: HaltReason, instant: Instant) -> HaltReason {
+        let details = halt.details_mut();
+        details.instant.get_or_insert(instant);
+        if details.place.is_none()
+            && let Some(name) = &details.element
+            && let Some((_, (group, element))) =
+                self.plan.places.elements.iter().find(|(e, _)| &*self.plan.mesh.elements[*e].name == name.as_str())
+        {
+            let corners = self.state.elements.groups[*group].boundary(*element);
+            let places: Vec<[f64; 2]> = corners.iter().map(|n| self.state.dofs.nodes[*n as usize].place()).collect();
+            details.place = Some([0, 1].map(|axis| places.iter().map(|p| p[axis]).sum::<f64>() / places.len() as f64));
+        }
+        halt
     }
 
     /// Compares a fixed increment with the stable time increment of the elements that remain.
@@ -594,7 +610,7 @@ impl<'a> SolverRun<'a> {
             body.describe_force(),
             body.mass
         );
-        HaltReason { code: "R203", reason }
+        HaltReason::NotFinite(HaltDetails::new(reason))
     }
 
     #[inline(always)]

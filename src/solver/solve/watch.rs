@@ -9,6 +9,7 @@ use crate::constraint::ContactResults;
 use crate::kernel::lanes::InlineMap;
 use crate::model::IncrementControl;
 use crate::state::archive::Persist;
+use crate::state::halt::HaltReason;
 use crate::state::{BodyState, Instant};
 
 /// Fraction of the energy put in below which internal energy is too small to be compared with artificial energy.
@@ -447,7 +448,7 @@ impl SolverRun<'_> {
         let values = [self.balance.drift(), self.balance.artificial_share(SMALL)];
         let of_deck = self.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);
         // A halt for one of these reasons has reported it.
-        let halted = self.outcome.halt.as_ref().is_some_and(|h| h.code == "R208");
+        let halted = self.outcome.halt.as_ref().is_some_and(|h| matches!(h, HaltReason::EnergyLimit(_)));
         let reported = |i: usize| of_deck[i] || self.watch.limits_reported[i] || halted;
         let [drift, artificial] = [0, 1].inline_map(|i| self.watch.unsound[i].filter(|_| !reported(i)));
         if drift.is_some() && !self.is_noise() {

@@ -63,7 +63,7 @@ thread_local! {
 
 impl<M: Material> SixNodeTriangles<M> {
     /// Whether the pressure is part of the material state; with an equation of state the mass too.
-    const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
+    const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled | PlasticFlow::Unknown);
 
     /// Creates a group from the nodes of its elements (around the boundary, counter-clockwise, from a corner) in the
     /// initial configuration.
