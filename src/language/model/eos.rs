@@ -6,19 +6,20 @@ use super::user_material::constants;
 use super::types::{EosKind, EquationOfState, MaterialDefinition};
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
+use crate::material::user_eos::EOS_TYPES;
 
 pub fn read_eos(context: &mut Context<'_>, card: &Card) {
     let cards::Eos { kind } = card.values();
     let kind = match kind {
         0 => EosKind::IdealGas(card.read_lines()),
         1 => EosKind::UsUp(card.read_lines()),
-        4 => match constants(context, card, "PROPERTIES") {
-            Some(list) => EosKind::User(list),
-            None => return,
-        },
         _ if context.first_line(card).is_none() => return,
         2 => EosKind::Tabular(card.read_lines()),
-        _ => EosKind::Jwl(card.read_lines()),
+        3 => EosKind::Jwl(card.read_lines()),
+        law => match constants(context, card, "PROPERTIES") {
+            Some(list) => EosKind::Law(law - 4, list),
+            None => return,
+        },
     };
     if let EosKind::Jwl([speed, .., energy, _]) = kind {
         warn_of_large_energy(context, card, speed * speed, energy);
@@ -45,7 +46,7 @@ impl MaterialDefinition {
     /// pressure over the density. That of an ideal gas depends on the absolute temperature. That of an explosive is the
     /// larger of the bulk modulus before detonation and that at the detonation front, ρ D² γ/(γ + 1) with γ = 3
     /// (C. L. Mader, Numerical Modeling of Explosives and Propellants, 2008, chapter 2). `None` without an equation of
-    /// state, for a law in Rust, or if the material has no stiffness.
+    /// state, for a law in Rust that is registered, or if the material has no stiffness.
     pub fn bulk_modulus(&self, absolute_temperature: Option<f64>) -> Option<f64> {
         let density = self.density?;
         let modulus = match &self.eos.as_ref()?.kind {
@@ -55,7 +56,10 @@ impl MaterialDefinition {
                 let &[[specific_heat, _]] = self.thermal.specific_heat.as_deref()? else { return None };
                 (1.0 + gas_constant / specific_heat) * density * gas_constant * absolute_temperature?
             }
-            EosKind::User(_) => return None,
+            EosKind::Law(row, constants) => {
+                let sound_speed = EOS_TYPES[*row].1?().respond(constants, density, 0.0).sound_speed;
+                density * sound_speed * sound_speed
+            }
             EosKind::Jwl([speed, .., before]) => before.max(0.75 * density * speed * speed),
         };
         (modulus > 0.0).then_some(modulus)

@@ -35,6 +35,8 @@ pub mod removed;
 mod rescale;
 pub mod rings;
 #[cfg(test)]
+mod battery;
+#[cfg(test)]
 mod same_bits;
 pub mod shell;
 mod shock;

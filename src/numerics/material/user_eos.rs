@@ -1,7 +1,7 @@
 //! Adapter from an equation of state in Rust (`revolve::user::EosLaw`) to a pressure law.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
 
-use std::fmt::{Debug, Formatter, Result};
+use std::fmt::{self, Debug, Formatter};
 use std::sync::Arc;
 
 use super::eos::EosLine;
@@ -16,6 +16,15 @@ const LEAST: f64 = 1e-6;
 /// Energy difference over the square of the sound speed, from which the slope of the pressure is computed.
 const DIFFERENCE: f64 = 1e-4;
 
+/// Creates a law of the program.
+type NewLaw = fn() -> Arc<dyn EosLaw>;
+
+/// Equations of state in Rust that `TYPE` of `*EOS` selects, after the other types. That of USER is registered by the program
+/// that uses the library.
+pub const EOS_TYPES: &[(&str, Option<NewLaw>)] = &[
+    ("USER", None),
+];
+
 /// An equation of state in Rust with the constants of the deck.
 #[derive(Clone)]
 pub struct UserEos {
@@ -26,7 +35,7 @@ pub struct UserEos {
 }
 
 impl Debug for UserEos {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.debug_struct("UserEos").field("constants", &self.constants).finish_non_exhaustive()
     }
 }

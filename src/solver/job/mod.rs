@@ -565,6 +565,29 @@ pub fn run_in_memory(prepared: &PreparedJob) -> (Outcome, HistorySummary) {
     (outcome, history.summary)
 }
 
+/// Why [`run_to_end`] has no results.
+#[derive(Debug, Error)]
+pub enum IncompleteRun {
+    /// The rendered diagnostics of a deck with errors.
+    #[error("{0}")]
+    Rejected(String),
+    /// The run halted before its end time.
+    #[error(transparent)]
+    Halted(#[from] HaltReason),
+}
+
+/// Runs like [`run_in_memory`], to the end time.
+///
+/// # Errors
+/// If the deck has errors, or if the run halts.
+pub fn run_to_end(prepared: &PreparedJob) -> Result<HistorySummary, IncompleteRun> {
+    if prepared.diagnostics.has_errors() {
+        return Err(IncompleteRun::Rejected(prepared.diagnostics.render(&prepared.deck.sources)));
+    }
+    let (outcome, history) = run_in_memory(prepared);
+    outcome.halt.map_or(Ok(history), |halt| Err(halt.into()))
+}
+
 /// Runs a prepared deck with a given sink; no file is written.
 pub fn run_into(prepared: &PreparedJob, sink: &mut dyn Sink) -> (Outcome, State) {
     announce_to_user(prepared, &JobFiles { folder: PathBuf::from("."), name: "job".into() });

@@ -18,7 +18,7 @@ use crate::material::failure::{
 };
 use crate::material::kinematic::KinematicHardening;
 use crate::material::kinematic_rate::RateKinematicHardening;
-use crate::material::user_eos::UserEos;
+use crate::material::user_eos::{EOS_TYPES, UserEos};
 use crate::material::plasticity::{PiecewiseLinearHardening, RateDependentHardening};
 use crate::model::{
     DamageEvolution, EosKind, FailureCriterion, HourglassMethod, MaterialDefinition, Model, PlasticityModel,
@@ -252,9 +252,11 @@ fn law_with_equation_of_state(solid: &SolidProperties, report: &mut Report) -> O
             row(format!("table of {} rows", rows.len()));
             von_mises_law(solid, Some(EquationOfState::Tabulated(Tabulated::new(density, &rows))), report)
         }
-        (EosKind::User(constants), _) => {
-            row(format!("law in Rust, {} constants", constants.len()));
-            let Some(law) = report.routines.equation_of_state(&material.name).cloned() else {
+        (EosKind::Law(index, constants), _) => {
+            let (name, law) = EOS_TYPES[index];
+            row(format!("{name}, {} constants", constants.len()));
+            let registered = || report.routines.equation_of_state(&material.name).cloned();
+            let Some(law) = law.map_or_else(registered, |create| Some(create())) else {
                 let message = format!("material `{}` has *EOS, TYPE=USER, but no law in Rust is registered", material.name);
                 let finding = Diagnostic::error("P041", message).at(eos.span, "this equation of state");
                 return report.refuse(finding.help("register it with Routines::with_eos in a Rust program"));
