@@ -1,8 +1,6 @@
 //! Questions about the model that several passes ask.
 
-use crate::model::{
-    BoundaryCondition, InitialCondition, InitialKind, MaterialDefinition, Model, PlasticityModel,
-};
+use crate::model::{BoundaryCondition, InitialCondition, InitialKind, MaterialDefinition, Model, PlasticityModel};
 
 /// Returns the reference nodes of rigid bodies whose temperature the deck gives.
 pub fn heated_references(model: &Model) -> Vec<usize> {

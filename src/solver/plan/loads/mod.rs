@@ -109,13 +109,7 @@ fn prescribed_load(
     Some(Box::new(PrescribedLoad { id, magnitude, distribution }))
 }
 
-fn concentrated_load(
-    input: &LoadInput,
-    nodes: &[usize],
-    dof: u8,
-    set: &str,
-    report: &mut Report,
-) -> LoadEffect {
+fn concentrated_load(input: &LoadInput, nodes: &[usize], dof: u8, set: &str, report: &mut Report) -> LoadEffect {
     let LoadInput { scene, links, load, .. } = *input;
     let turning: Vec<usize> = nodes.iter().filter_map(|n| scene.places.rotations.get(n).copied()).collect();
     if dof == 6 && !turning.is_empty() {
@@ -471,8 +465,10 @@ fn user_load_description(
     let detail = format!("on {name}{}", amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, effect, count, "points", detail);
     let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
-    let reads_motion = routine.lock().as_deref_mut().is_some_and(|load| load.reads_motion());
-    Some(UserLoadData { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion })
+    let mut locked = routine.lock();
+    let reads_motion = locked.as_deref_mut().is_some_and(|load| load.reads_motion());
+    let memory = locked.as_deref_mut().map_or(0, |load| load.memory());
+    Some(UserLoadData { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion, memory })
 }
 
 pub fn amplitude_name(model: &Model, load: &Load) -> String {
