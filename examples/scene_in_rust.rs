@@ -45,13 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pulse = move |time: f64| 0.5 * PEAK * (1.0 - (TAU * time / duration).cos());
     let routines = Routines::none().with_pressure(move |points, _| pulse(points.now.total_time));
     let prepared = job::prepare_model(&bar(100, duration), &routines);
-    if prepared.diagnostics.has_errors() {
-        return Err(prepared.diagnostics.render(&prepared.deck.sources).into());
-    }
-    let (outcome, history) = job::run_in_memory(&prepared);
-    if let Some(halt) = outcome.halt {
-        return Err(halt.reason.into());
-    }
+    let history = job::run_to_end(&prepared)?;
     let exact = -0.5 * PEAK * duration / (DENSITY * speed);
     println!("displacement of the tip: {:.6e} m, closed form {exact:.6e} m", history.0["U2@TIP"].last);
     print!("{}", prepared.plan.ledger.render(false));

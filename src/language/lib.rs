@@ -5,7 +5,7 @@
 // Links to private items serve readers of the sources.
 #![allow(rustdoc::private_intra_doc_links)]
 
-use revolve_numerics::{kernel, platform, remesh, resistance, variables};
+use revolve_numerics::{kernel, material, platform, remesh, resistance, variables};
 use revolve_results as output;
 
 pub mod deck;

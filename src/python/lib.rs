@@ -43,5 +43,6 @@ fn _revolve(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<deck::Deck>()?;
     module.add_class::<deck::User>()?;
     module.add_class::<evaluate::Evaluator>()?;
+    module.add_class::<run::Halt>()?;
     module.add_class::<run::Run>()
 }

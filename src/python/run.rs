@@ -12,6 +12,35 @@ use revolve::study::quantity::{FinishedRun, Quantity};
 
 use crate::errors;
 
+/// Reason why a run ended early.
+#[pyclass(frozen, get_all, module = "revolve._revolve")]
+pub struct Halt {
+    /// Name of the reason, for example `UserRoutine`.
+    kind: &'static str,
+    /// Stable code (`R…`).
+    code: &'static str,
+    message: String,
+    /// Name of the element that caused the error.
+    element: Option<String>,
+    step: Option<u32>,
+    increment: Option<u64>,
+    /// Total time.
+    time: Option<f64>,
+    /// Place `(r, z)` of the error.
+    place: Option<(f64, f64)>,
+}
+
+#[pymethods]
+impl Halt {
+    fn __str__(&self) -> String {
+        format!("{}: {}", self.code, self.message)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Halt({})", self.__str__())
+    }
+}
+
 /// A finished run with its summary, histories and frames.
 #[pyclass(frozen, module = "revolve._revolve")]
 pub struct Run {
@@ -38,8 +67,19 @@ impl Run {
 
     /// Reason why the run stopped early; `None` if it completed.
     #[getter]
-    fn reason(&self) -> Option<&str> {
-        self.summary.reason.as_deref()
+    fn halt(&self) -> Option<Halt> {
+        let halt = self.summary.halt.as_ref()?;
+        let details = halt.details();
+        Some(Halt {
+            kind: halt.name(),
+            code: halt.code(),
+            message: details.message.clone(),
+            element: details.element.clone(),
+            step: details.instant.map(|instant| instant.step),
+            increment: details.instant.map(|instant| instant.increment),
+            time: details.instant.map(|instant| instant.total_time),
+            place: details.place.map(|[r, z]| (r, z)),
+        })
     }
 
     /// Warnings of the run, and notes on bodies that are still moving in a target.

@@ -464,10 +464,10 @@ pub fn judge(seed: u64, number: u64) -> SceneVerdict {
 fn of(outcome: &Outcome) -> (SceneResult, String) {
     let (drift, message_text) = (outcome.energy.drift, outcome.warnings.join("\n"));
     if let Some(halt) = &outcome.halt {
-        let located = ["increment", "time"].iter().all(|word| halt.reason.contains(word));
+        let located = ["increment", "time"].iter().all(|word| halt.message().contains(word));
         return (
             if located { SceneResult::Halted } else { SceneResult::Unlocated },
-            format!("{}: {}", halt.code, halt.reason),
+            format!("{}: {}", halt.code(), halt.message()),
         );
     }
     let end = match drift {

@@ -47,7 +47,7 @@ fn block(speed: &str, step: &str) -> GauntletRun {
 }
 
 fn halt(scene: &GauntletRun) -> (&'static str, String) {
-    scene.outcome.halt.as_ref().map_or(("completed", String::new()), |h| (h.code, h.reason.clone()))
+    scene.outcome.halt.as_ref().map_or(("completed", String::new()), |h| (h.code(), h.message().to_owned()))
 }
 
 fn contains_all(reason: &str, words: &[&str]) -> bool {

@@ -58,7 +58,7 @@ fn located(scene: &GauntletRun, drift: f64) -> CaseVerdict {
         None => ("completed".into(), true),
         Some(halt) => {
             let words = ["element", "increment", "time"];
-            (format!("halted ({})", halt.code), words.iter().all(|w| halt.reason.contains(w)))
+            (format!("halted ({})", halt.code()), words.iter().all(|w| halt.message().contains(w)))
         }
     };
     let reached = scene.outcome.energy.drift;

@@ -122,7 +122,7 @@ fn a_clock_that_stands_still() -> CaseVerdict {
     let step = &steps[steps.find("*Step").expect("a step")..];
     let late = steps.replace("<dt>, <time>", "1.e8, 1.e9") + &step.replace("<dt>, <time>", "1.e-9, 1.");
     let scene = text(&late, &Routines::none().with_load(ConstantPressure(1e-12)));
-    let halt = scene.outcome.halt.as_ref().map(|h| (h.code, h.reason.clone()));
+    let halt = scene.outcome.halt.as_ref().map(|h| (h.code(), h.message().to_owned()));
     let (code, reason) = halt.unwrap_or(("no halt", String::new()));
     CaseVerdict {
         figure: code.into(),

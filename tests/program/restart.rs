@@ -890,9 +890,9 @@ fn last_valid_increment_is_written_after_a_failure() {
         assert!(frames(&memory, count - 1) == frames(&all, all.frames.len() - 1));
         assert!(rows(&memory, count - 1) == rows(&all, all.rows.len() - 1));
         // The element collapses in a valid increment, or inverts in the increment after the last valid one.
-        let failed = if halt.code == "R209" { increment } else { increment + 1 };
-        assert!(halt.reason.contains(&format!("increment {failed},")), "{halt:?} {increment}");
-        assert!(control.is_empty() || halt.code != "R209" && increment > 5000, "{halt:?} {increment}");
+        let failed = if halt.code() == "R209" { increment } else { increment + 1 };
+        assert!(halt.message().contains(&format!("increment {failed},")), "{halt:?} {increment}");
+        assert!(control.is_empty() || halt.code() != "R209" && increment > 5000, "{halt:?} {increment}");
         assert_eq!(outcome.digest, every.digest);
     }
 }
@@ -917,7 +917,7 @@ fn last_valid_increment_of_a_large_model_is_written_after_a_failure() {
         files.sort();
         files.retain(|path| path.extension().is_some_and(|ending| ending == "vtu"));
         let last = fs::read(files.last().expect("a frame")).expect("a file");
-        (summary.reason.expect("a halt"), summary.digest, files.len(), last)
+        (summary.halt.expect("a halt"), summary.digest, files.len(), last)
     };
     let (last, every) = (run("number interval=1"), run("frequency=100"));
     println!("{}: {} frames", last.0, every.2);
@@ -936,8 +936,8 @@ fn return_to_the_last_valid_increment_includes_sleeping_elements() {
     let halt = outcome.halt.expect("a halt");
     let increment = memory.frames.last().expect("a frame").increment;
     // The wave needs about 700 increments from end to end.
-    assert!(halt.code == "R206" && increment > 1000 && memory.frames.len() == 2, "{halt:?} {increment}");
-    assert!(halt.reason.contains(&format!("increment {},", increment + 1)), "{} {increment}", halt.reason);
+    assert!(halt.code() == "R206" && increment > 1000 && memory.frames.len() == 2, "{halt:?} {increment}");
+    assert!(halt.message().contains(&format!("increment {},", increment + 1)), "{} {increment}", halt.message());
 }
 
 /// Runs a deck into files and interrupts it before its first increment.
@@ -946,7 +946,10 @@ fn interrupted(deck: &str, folder: &Path, settings: &[(&str, &str)], user: &str)
     let (signal, job) = (AtomicUsize::new(15), JobFiles { folder: folder.into(), name: "test".into() });
     let options = JobOptions { interrupt: Some(&signal), user: user.into(), ..JobOptions::default() };
     let summary = job::run_with(&prepared, &job, options, &mut |_| {}).expect("a run");
-    assert!(summary.interrupted && summary.reason.is_some_and(|r| r.starts_with("R207: interrupted by SIGTERM")));
+    assert!(
+        summary.interrupted
+            && summary.halt.is_some_and(|halt| halt.to_string().starts_with("R207: interrupted by SIGTERM"))
+    );
     job
 }
 

@@ -97,7 +97,15 @@ def test_halt_is_an_exception_with_the_run(deck: rv.Deck) -> None:
     assert caught.value.run is not None
     assert caught.value.run.status == "halted"
     assert len(caught.value.run.arrays["time"]) > 5
-    assert rv.Deck(USER).run(load=fails, check=False).reason == caught.value.run.reason
+    halted = rv.Deck(USER).run(load=fails, check=False)
+    assert halted.reason == caught.value.run.reason == str(halted.halt)
+    assert halted.halt is not None
+    assert halted.halt.kind == "UserRoutine"
+    assert halted.halt.code == "R201"
+    assert halted.halt.step == 1
+    assert halted.halt.time is not None
+    assert halted.halt.time >= 1e-4
+    assert halted.halt.place is not None
 
 
 def cavity(coordinates, velocities, normals, time, pressures):

@@ -306,7 +306,7 @@ fn user_length_reaches_materials_and_zero_halts() {
     assert!((got.last().expect("a row") - 2.0 * 2f64.sqrt()).abs() < 2e-3, "{got:?}");
     let (outcome, _) = common::run(&card("0."), &[], &routines());
     let halt = outcome.halt.expect("a halt");
-    assert!(halt.reason.contains("charLength(k, 1) = 0") && halt.reason.contains("element 1"), "{halt:?}");
+    assert!(halt.message().contains("charLength(k, 1) = 0") && halt.message().contains("element 1"), "{halt:?}");
     let missing = revolve::job::prepare_text("test.inp", &text, &[], &Routines::none().with_fields(LengthRecorder));
     let message_text = missing.diagnostics.render(&missing.deck.sources);
     assert!(message_text.contains("P004") && message_text.contains("vucharlength"), "{message_text}");

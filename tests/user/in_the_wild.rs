@@ -181,7 +181,7 @@ fn includes_in_any_case_and_empty_arguments_compile() {
     let message_text = text.replace(".gt. 1.) call xplb_abqerr(-3", ".gt. -1.) call xplb_abqerr(-3");
     let routines = opened(&[("law.f", &message_text), ("helper.f", helper)]).expect("it compiles");
     let halt = common::run(&tube(" S\n"), &[], &routines).0.halt.expect("a halt");
-    assert!(halt.reason.contains("too far (1)"), "{halt:?}");
+    assert!(halt.message().contains("too far (1)"), "{halt:?}");
 }
 
 #[test]
@@ -247,7 +247,7 @@ fn three_dimensional_subroutine_is_reported() {
     for text in [tube(" S\n"), taylor(LAW, "S")] {
         let routines = opened(&[("law.f", &three)]).expect("it compiles");
         let halt = common::run(&text, &[], &routines).0.halt.expect("a halt");
-        assert!(halt.reason.contains("uses 6 components, an axisymmetric solid has 4"), "{halt:?}");
+        assert!(halt.message().contains("uses 6 components, an axisymmetric solid has 4"), "{halt:?}");
     }
 }
 

@@ -40,7 +40,7 @@ fn user_load_matches_the_built_in_resistance() {
 
 fn halt(routines: Routines) -> (String, common::RecordedOutput) {
     let (outcome, memory) = common::run(&user_deck(), &[("front", "0.1")], &routines);
-    (outcome.halt.expect("a halt").reason, memory)
+    (outcome.halt.expect("a halt").message().to_owned(), memory)
 }
 
 #[test]

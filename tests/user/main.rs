@@ -3,6 +3,10 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+#[path = "../../examples/own_eos.rs"]
+mod own_eos;
+#[path = "../../examples/own_load.rs"]
+mod own_load;
 #[path = "../../examples/own_material.rs"]
 mod own_material;
 
@@ -11,6 +15,7 @@ mod cache;
 mod corotational;
 mod created_energy;
 mod deformable;
+mod examples;
 mod fields;
 mod foundation;
 mod hardening;

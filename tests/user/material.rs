@@ -270,9 +270,9 @@ fn errors_of_a_subroutine_are_located() {
     for (name, source, words) in cases {
         assert_ne!(source, good, "{name}");
         let halt = halted(&source).halt.unwrap_or_else(|| panic!("{name}: it must halt"));
-        assert_eq!(halt.code, "R201", "{name}: {halt:?}");
+        assert_eq!(halt.code(), "R201", "{name}: {halt:?}");
         for word in words {
-            assert!(halt.reason.contains(word), "{name}: `{word}` in {}", halt.reason);
+            assert!(halt.message().contains(word), "{name}: `{word}` in {}", halt.message());
         }
     }
     let short = compiled(&good.replace("tempNew, stretchNew, ", "stretchNew, ").replace("tempNew(nblock), ", ""));

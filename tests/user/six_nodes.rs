@@ -142,6 +142,6 @@ fn halts_name_element_and_point() {
         (&liquid, Routines::none().with_material(Liquid), "no shear modulus, which six-node triangles need"),
     ] {
         let halt = common::run(deck, &[], &routines).0.halt.expect("a halt");
-        assert!(halt.reason.contains(words), "{halt:?}");
+        assert!(halt.message().contains(words), "{halt:?}");
     }
 }

@@ -3,12 +3,8 @@
 //! Goal: a VDLOAD file written for ABAQUS/Explicit runs unchanged; errors in a file give a located message. Needs
 //! gfortran and cc; without gfortran the tests are left out, except in CI.
 
-#[path = "../../examples/moving_blast.rs"]
-mod moving_blast;
-#[path = "../../examples/stateful_load.rs"]
-mod stateful_load;
-#[path = "../../examples/table_resistance.rs"]
-mod table_resistance;
+#[path = "../../examples/rust_and_fortran.rs"]
+mod rust_and_fortran;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -537,25 +533,10 @@ fn rust_and_fortran_give_the_same_bits() {
     if !fortran() {
         return;
     }
-    let pairs = [
-        (
-            "moving blast",
-            moving_blast::fly(&Routines::none().with_load(moving_blast::Blast::default())),
-            moving_blast::in_fortran().and_then(|r| moving_blast::fly(&r)),
-        ),
-        (
-            "table",
-            table_resistance::fly(&Routines::none().with_load(table_resistance::Table)),
-            table_resistance::in_fortran().and_then(|r| table_resistance::fly(&r)),
-        ),
-        (
-            "state",
-            stateful_load::fly(&Routines::none().with_load(stateful_load::Bed::default())),
-            stateful_load::in_fortran().and_then(|r| stateful_load::fly(&r)),
-        ),
-    ];
-    for (name, rust, fortran) in pairs {
-        let (rust, fortran) = (rust.expect("a run in Rust"), fortran.expect("a run in Fortran"));
+    for twin in &rust_and_fortran::TWINS {
+        let rust = twin.fly(&(twin.in_rust)()).expect("a run in Rust");
+        let fortran = twin.in_fortran().and_then(|routines| twin.fly(&routines)).expect("a run in Fortran");
+        let name = twin.name;
         assert_eq!(rust.map(f64::to_bits), fortran.map(f64::to_bits), "{name}: {rust:?} against {fortran:?}");
         assert!(rust[0] < -1e-3, "{name} moves: {rust:?}");
     }
@@ -564,8 +545,9 @@ fn rust_and_fortran_give_the_same_bits() {
 /// The impulse of the blast by quadrature, independent of increments: v = -I / (rho t pi R^2).
 #[test]
 fn blast_impulse_matches_its_integral() {
-    let load = || Routines::none().with_load(moving_blast::Blast::default());
-    let [_, velocity] = moving_blast::fly(&load()).expect("a run");
+    let [twin, ..] = &rust_and_fortran::TWINS;
+    let load = twin.in_rust;
+    let [_, velocity] = twin.fly(&load()).expect("a run");
     // Every point receives the same impulse: the integral of peak (1 - s) exp(-decay s) duration over s from 0 to 1.
     let n = 20_000;
     let sum: f64 = (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n)).map(|s| (1.0 - s) * (-1.5 * s).exp()).sum();

@@ -155,7 +155,7 @@ fn infinite_resistance_stops_the_run() {
     for rigid in [true, false] {
         let text = deck(rigid, -1e160, "*Dsload, target=GROUND\n J0, CAVITY\n").replace("front=-0.01", "front=10.");
         let (outcome, _) = common::run(&text, &[], &Routines::none());
-        assert_eq!(outcome.halt.map(|h| h.code), Some("R202"), "rigid {rigid}");
+        assert_eq!(outcome.halt.map(|h| h.code()), Some("R202"), "rigid {rigid}");
     }
 }
 

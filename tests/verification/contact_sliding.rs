@@ -126,7 +126,7 @@ fn run_scenes(seeds: std::ops::Range<u64>) -> (f64, usize) {
         let scene = scene(seed);
         let ran = run(&scene.deck);
         let depth = deepest_node(&scene, &ran);
-        let halted = ran.outcome.halt.as_ref().map(|h| h.code);
+        let halted = ran.outcome.halt.as_ref().map(|h| h.code());
         let report = halted.is_some() || ran.outcome.warnings.iter().any(|w| w.contains("overlap by"));
         if depth > 0.05 || halted.is_some() {
             println!("{}: depth {depth:.3}, reported {report} {halted:?}", scene.name);

@@ -304,8 +304,8 @@ fn folded_elements_are_deleted_before_the_run_stops() {
                    number interval=2\n*Element Output\n STATUS\n*End Step\n"
         };
         let halt = run(&deck("")).outcome.halt.expect("folded");
-        println!("triangles {triangles}: {}", halt.reason);
-        assert_eq!(halt.code, "R209", "{halt:?}");
+        println!("triangles {triangles}: {}", halt.message());
+        assert_eq!(halt.code(), "R209", "{halt:?}");
         for limit in ["distortion", "distortion=0.2", "increment=2e-8", "plastic strain=0.2"] {
             let ran = run(&deck(&format!("*Erosion, {limit}\n"))).whole();
             println!("{limit}: {} deleted, {} increments", deleted_count(&ran), ran.outcome.increments);

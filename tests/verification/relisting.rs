@@ -32,7 +32,7 @@ fn assert_same_results(what: &str, text: &str, settings: &[(&str, &str)]) {
     }
     let (expected, rows) = common::run(text, settings, &Routines::none());
     let (outcome, listed_rows) = common::run(&listed, &[], &Routines::none());
-    assert_eq!(outcome.halt.map(|halt| halt.code), expected.halt.map(|halt| halt.code), "{what}");
+    assert_eq!(outcome.halt.map(|halt| halt.code()), expected.halt.map(|halt| halt.code()), "{what}");
     assert_eq!((outcome.digest, outcome.increments), (expected.digest, expected.increments), "{what}\n{listed}");
     assert!(outcome.increments > 5, "{what}: {} increments", outcome.increments);
     assert!(rows.rows == listed_rows.rows && !rows.rows.is_empty(), "{what}: {:?}\n{:?}", rows.rows, listed_rows.rows);

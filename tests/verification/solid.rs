@@ -112,12 +112,12 @@ fn inverted_element_stops_the_run_and_is_named() {
             + "*Output, field, number interval=100\n*Node Output\n U\n*End Step\n";
         let (outcome, memory) = run(&deck);
         let halt = outcome.halt.expect("a halt");
-        assert!(codes.contains(&halt.code), "{}", halt.code);
+        assert!(codes.contains(&halt.code()), "{}", halt.code());
         for part in ["element ", "increment", "time"] {
-            assert!(halt.reason.contains(part), "{}", halt.reason);
+            assert!(halt.message().contains(part), "{}", halt.message());
         }
         // The node velocity is the cause, not the increment.
-        assert!(!halt.reason.contains("times the stable time increment"), "{}", halt.reason);
+        assert!(!halt.message().contains("times the stable time increment"), "{}", halt.message());
         let frame = memory.frames.last().expect("a frame");
         assert!(frame.point_fields.iter().all(|f| f.values.iter().all(|v| v.is_finite())));
     }

@@ -16,7 +16,7 @@ use crate::output::{self, FramePoints, RunHistory};
 use crate::overview::{self, StorageEstimate};
 use crate::plan::WriteSchedule;
 use crate::platform::signals::watch_signals;
-use crate::solve::{CheckpointInterval, LOST, Progress, RunPosition};
+use crate::solve::{CheckpointInterval, HaltReason, LOST, Progress, RunPosition};
 use crate::study::quantity::{self, FinishedRun, Quantity};
 use crate::study::settings::ModelEdit;
 use crate::study::uncertainty::{ModelTraits, RunCertificate};
@@ -159,7 +159,7 @@ impl RunCommand {
         }
         let values = values(&quantities, &summary.history);
         let missed = chosen.as_ref().is_some_and(|chosen| !chosen.reached);
-        let certificate = if self.uncertainty.is_requested() && summary.reason.is_none() {
+        let certificate = if self.uncertainty.is_requested() && summary.halt.is_none() {
             let numbers = values.values().map(|value| value.as_ref().ok().copied()).collect();
             let run = (&summary, numbers);
             Some(self.uncertainty.estimate(&estimated, inputs.as_ref(), chosen, &prepared, run, &job)?)
@@ -180,7 +180,7 @@ impl RunCommand {
         }
         let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
         let end = print_end(&summary, &job, frames, signal);
-        if summary.reason.as_ref().is_some_and(|reason| reason.starts_with("R201")) {
+        if matches!(summary.halt, Some(HaltReason::UserRoutine(_))) {
             crate::user::crash::leave(CommandStatus::HALTED.0);
         }
         // Libraries are never unloaded: a thread started by a user subroutine may still run in one.
@@ -353,7 +353,7 @@ struct RunReport<'a> {
 
 /// Prints the reason of a halt. Returns 0, the status of a halted run, or 128 plus the signal number, as shells do.
 fn print_end(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, signal: usize) -> CommandStatus {
-    let Some(reason) = &summary.reason else { return CommandStatus::SUCCESS };
+    let Some(halt) = &summary.halt else { return CommandStatus::SUCCESS };
     let last = match frames {
         // After a failure of the first frame there is no list.
         FrameOutput::Written(_) if job.path(".pvd").is_file() => {
@@ -361,7 +361,7 @@ fn print_end(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
         }
         _ => String::new(),
     };
-    print_err!("halted: {reason}{last}");
+    print_err!("halted: {halt}{last}");
     if !summary.interrupted {
         return CommandStatus::HALTED;
     }

@@ -13,7 +13,6 @@ use super::richardson::{self, LimitEstimate, RefinementLevel};
 use crate::job;
 use crate::output::RunHistory;
 use crate::resistance::{CavityShape, TargetMaterial, YieldCurve};
-use crate::solve::HaltReason;
 use crate::user::Routines;
 
 /// Final radius of the cavity divided by its initial radius; the influence of the initial state is then a few
@@ -91,8 +90,8 @@ fn run(target: &TargetMaterial, velocity: f64, step: f64) -> Result<[f64; 2], St
     let wedge = Wedge::new(target, velocity, step);
     let prepared = accepted(job::prepare_text("cavity.inp", &wedge.deck(target), &[], &Routines::none()))?;
     let mut history = RunHistory::of_rows(prepared.plan.column_names());
-    if let Some(HaltReason { code, reason, .. }) = job::run_into(&prepared, &mut history).0.halt {
-        return Err(StudyError::Comparison(format!("--measure: at {velocity} the run halted: {code}: {reason}")));
+    if let Some(halt) = job::run_into(&prepared, &mut history).0.halt {
+        return Err(StudyError::Comparison(format!("--measure: at {velocity} the run halted: {halt}")));
     }
     Ok(wedge.pressure(&history).map(|p| p / target.yield_stress))
 }

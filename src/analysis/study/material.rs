@@ -228,7 +228,7 @@ impl TensionTest<'_> {
         let prepared = self.prepared(&self.deck(size), size)?;
         let mut history = RunHistory::of_rows(prepared.plan.column_names());
         let outcome = job::run_into(&prepared, &mut history).0;
-        let halt = outcome.halt.map(|halt| format!("{}: {}", halt.code, halt.reason));
+        let halt = outcome.halt.map(|halt| halt.to_string());
         let (points, failure) = points(&history, self.rate);
         // The deletion of the only element may end the run.
         let halt = halt.filter(|_| failure.is_none());
@@ -248,7 +248,7 @@ impl TensionTest<'_> {
             if trial.rows > 2 && size > 0.0 && size.is_finite() {
                 return Ok(size);
             }
-            why = outcome.halt.map_or(why, |halt| format!("{}: {}", halt.code, halt.reason));
+            why = outcome.halt.map_or(why, |halt| halt.to_string());
         }
         Err(StudyError::Comparison(why))
     }

@@ -83,7 +83,7 @@ impl ConsistencyCheck<'_> {
                 self.rows(material, fields, &[*values]);
             }
             Some(kind @ EosKind::Tabular(_)) => self.check_of(material, kind.check()),
-            None => {}
+            Some(EosKind::Law(..)) | None => {}
         }
         match material.foam.shape {
             Some((FoamYieldSurface::Volumetric(values), _)) => {

@@ -3,8 +3,10 @@
 use super::context::Context;
 use super::faults::{ValueCheck, require, require_line};
 use super::types::{EosKind, EquationOfState, MaterialDefinition};
+use super::user_material::constants;
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
+use crate::material::user_eos::EOS_TYPES;
 
 pub fn read_eos(context: &mut Context<'_>, card: &Card) {
     let cards::Eos { kind } = card.values();
@@ -13,7 +15,11 @@ pub fn read_eos(context: &mut Context<'_>, card: &Card) {
         1 => EosKind::UsUp(card.read_lines()),
         _ if context.first_line(card).is_none() => return,
         2 => EosKind::Tabular(card.read_lines()),
-        _ => EosKind::Jwl(card.read_lines()),
+        3 => EosKind::Jwl(card.read_lines()),
+        law => match constants(context, card, "PROPERTIES") {
+            Some(list) => EosKind::Law(law - 4, list),
+            None => return,
+        },
     };
     if let EosKind::Jwl([speed, .., energy, _]) = kind {
         warn_of_large_energy(context, card, speed * speed, energy);
@@ -40,7 +46,7 @@ impl MaterialDefinition {
     /// pressure over the density. That of an ideal gas depends on the absolute temperature. That of an explosive is the
     /// larger of the bulk modulus before detonation and that at the detonation front, ρ D² γ/(γ + 1) with γ = 3
     /// (C. L. Mader, Numerical Modeling of Explosives and Propellants, 2008, chapter 2). `None` without an equation of
-    /// state, or if the material has no stiffness.
+    /// state, for a law in Rust that is registered, or if the material has no stiffness.
     pub fn bulk_modulus(&self, absolute_temperature: Option<f64>) -> Option<f64> {
         let density = self.density?;
         let modulus = match &self.eos.as_ref()?.kind {
@@ -49,6 +55,10 @@ impl MaterialDefinition {
             EosKind::IdealGas([gas_constant, _]) => {
                 let &[[specific_heat, _]] = self.thermal.specific_heat.as_deref()? else { return None };
                 (1.0 + gas_constant / specific_heat) * density * gas_constant * absolute_temperature?
+            }
+            EosKind::Law(row, constants) => {
+                let sound_speed = EOS_TYPES[*row].1?().respond(constants, density, 0.0).sound_speed;
+                density * sound_speed * sound_speed
             }
             EosKind::Jwl([speed, .., before]) => before.max(0.75 * density * speed * speed),
         };

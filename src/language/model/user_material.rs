@@ -36,7 +36,7 @@ pub fn read_characteristic_length(context: &mut Context<'_>, card: &Card) {
 
 /// Reads the number of constants given by a parameter, default 0, from data lines with eight values each. Empty
 /// fields, and missing fields of all but the last line, are zero.
-fn constants(context: &mut Context<'_>, card: &Card, parameter: &str) -> Option<Vec<f64>> {
+pub fn constants(context: &mut Context<'_>, card: &Card, parameter: &str) -> Option<Vec<f64>> {
     let expected: usize = card.read(parameter);
     let mut constants = Vec::new();
     for (row, line) in card.lines.iter().enumerate() {

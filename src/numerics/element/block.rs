@@ -18,6 +18,7 @@ use crate::kernel::prefetch::request;
 use crate::kernel::quad::{QuadOperators, UNIT, at_corners, sums};
 use crate::material::carried::carried_state;
 use crate::material::increment::{StrainIncrement, StressUpdate};
+use crate::material::user::lengths::middle;
 use crate::material::{Material, PlasticFlow};
 use crate::state::archive::{Persist, StateArchive, persist_fields};
 use crate::state::nodes::{Node, NodeAccelerations};
@@ -353,6 +354,9 @@ impl<S: Clone> ElementBlock<S> {
         scratch: &mut TaskWorkspace,
     ) {
         self.strain::<M>(constants, dt, nodes, scratch);
+        if M::USES_PLACE {
+            scratch.set_places(|l| nodes.places(l));
+        }
         if let Some(averaging) = &scratch.strain.averaging
             && !M::MODULI_VARY
         {
@@ -445,6 +449,14 @@ impl TaskWorkspace {
         self.middle = *volume;
     }
 
+    /// Sets the centres of elements or cells from their corners: along r, or along z.
+    pub(super) fn set_places(&mut self, corners: impl Fn(usize) -> [[f64; 4]; 2]) {
+        for l in 0..LANES {
+            let [r, z] = corners(l);
+            self.strain.place.iter_mut().zip(middle(r, z)).for_each(|(list, value)| list[l] = value);
+        }
+    }
+
     /// Fills all lists with values that are not numbers.
     #[cfg(test)]
     pub(super) fn spoil(&mut self) {
@@ -467,6 +479,7 @@ impl TaskWorkspace {
             strain: lists,
             carried: lists,
             spin: list,
+            place: [list; 2],
             volume: list,
             current_volume: list,
             mass: list,

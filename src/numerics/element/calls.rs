@@ -257,7 +257,11 @@ impl<M: Material, B: SolidBlock<State = M::State>> SolidGroup<M, B> {
         let number = call % B::POINTS + 1;
         let point = if B::POINTS > 1 { format!(", integration point {number}") } else { String::new() };
         let location = element.map_or(String::new(), |element| format!(" at element {element}{point}"));
-        failure.halt(&format!("the user material `{name}`{location}"), now)
+        let halt = failure.halt(&format!("the user material `{name}`{location}"), now);
+        match element {
+            Some(element) => halt.at_element(element),
+            None => halt,
+        }
     }
 
     /// Returns the input of an increment. Materials that call user subroutines use no accelerations.

@@ -54,7 +54,12 @@ impl UserLengthElements {
                 let lengths = self.block((&parts, point), names, nodes, now, routine).map_err(|failure| {
                     let element = failure.point.and_then(|i| names.get(i));
                     let location = element.map_or(String::new(), |n| format!(" at element {n}"));
-                    failure.halt(&format!("the characteristic length of the material `{}`{location}", self.name), now)
+                    let subject = format!("the characteristic length of the material `{}`{location}", self.name);
+                    let halt = failure.halt(&subject, now);
+                    match element {
+                        Some(name) => halt.at_element(name),
+                        None => halt,
+                    }
                 })?;
                 for (i, length) in lengths.into_iter().enumerate() {
                     group.set(first + i, PointValue::Length(point, length));

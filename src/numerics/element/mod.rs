@@ -3,6 +3,8 @@
 
 mod assumed;
 pub mod averaging;
+#[cfg(test)]
+mod battery;
 pub mod block;
 mod calls;
 pub mod cohesive;

@@ -198,7 +198,7 @@ pub struct SolidGroup<M: Material, B: SolidBlock<State = M::State>> {
 
 impl<M: Material, B: SolidBlock<State = M::State>> SolidGroup<M, B> {
     /// Whether the pressure is part of the material state; with an equation of state the mass too.
-    const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled);
+    const HOLDS_PRESSURE: bool = M::MODULI_VARY && !matches!(M::FLOW, PlasticFlow::Coupled | PlasticFlow::Unknown);
 
     /// Creates a group from the nodes of its elements in the initial configuration: corners of quadrilaterals, or nodes
     /// around six-node triangles, counter-clockwise.

@@ -101,7 +101,9 @@ pub enum SolidMaterial {
     /// Crushable foam with a strain-dependent yield surface.
     Foam(FoamMaterial),
     /// Law in Rust, evaluated point by point.
-    Point(PointLaw),
+    Point(PointLaw<false>),
+    /// Law in Rust that uses more than strain and stress, or sets its moduli.
+    DetailedPoint(PointLaw<true>),
     /// VUMAT user subroutine, which computes the stress.
     UserStress(SubroutineMaterial<false>),
     /// User subroutine that computes the yield stress, or built-in plasticity that is evaluated point by point.
@@ -134,6 +136,49 @@ struct GroupShape<'a> {
     nodes: &'a [Node],
 }
 
+/// A computation with the material of a group, which is compiled for each composition of laws.
+pub trait MaterialVisitor {
+    type Output;
+
+    fn visit(self, material: impl Material) -> Self::Output;
+}
+
+impl SolidMaterial {
+    /// Calls a visitor with the composition of laws.
+    pub fn visit<V: MaterialVisitor>(self, visitor: V) -> V::Output {
+        match self {
+            SolidMaterial::VonMises(law, Some(equation)) => law.visit(equation, visitor),
+            SolidMaterial::VonMises(law, None) => law.visit(ConstantBulkModulus, visitor),
+            SolidMaterial::NeoHooke(law) => visitor.visit(law),
+            SolidMaterial::Polynomial(law) => visitor.visit(law),
+            SolidMaterial::Ogden(law) => visitor.visit(law),
+            SolidMaterial::Foam(law) => visitor.visit(law),
+            SolidMaterial::Point(law) => visitor.visit(law),
+            SolidMaterial::DetailedPoint(law) => visitor.visit(law),
+            SolidMaterial::UserStress(law) => visitor.visit(law),
+            SolidMaterial::UserFlow(law) => visitor.visit(law),
+        }
+    }
+}
+
+impl HardeningLaw {
+    fn visit<V: MaterialVisitor>(self, volumetric: impl VolumetricLaw, visitor: V) -> V::Output {
+        match self {
+            HardeningLaw::Elastic(None) => visitor.visit(VonMises::new(ElasticOnly, volumetric)),
+            HardeningLaw::Elastic(Some(failure)) => {
+                visitor.visit(VonMises { hardening: ElasticOnly, volumetric, failure })
+            }
+            HardeningLaw::PiecewiseLinear(law) => visitor.visit(VonMises::new(law, volumetric)),
+            HardeningLaw::RateDependent(law, None) => visitor.visit(VonMises::new(law, volumetric)),
+            HardeningLaw::RateDependent(hardening, Some(failure)) => {
+                visitor.visit(VonMises { hardening, volumetric, failure })
+            }
+            HardeningLaw::Kinematic(law) => visitor.visit(VonMises::new(law, volumetric)),
+            HardeningLaw::RateKinematic(law) => visitor.visit(VonMises::new(law, volumetric)),
+        }
+    }
+}
+
 /// Creates the element group of a material.
 pub fn create_group(
     material: SolidMaterial,
@@ -141,38 +186,13 @@ pub fn create_group(
     connectivity: &Connectivity,
     nodes: &[Node],
 ) -> Box<dyn ElementGroup> {
-    let shape = GroupShape { options, connectivity, nodes };
-    match material {
-        SolidMaterial::VonMises(law, Some(equation)) => shape.von_mises(law, equation),
-        SolidMaterial::VonMises(law, None) => shape.von_mises(law, ConstantBulkModulus),
-        SolidMaterial::NeoHooke(law) => shape.group(law),
-        SolidMaterial::Polynomial(law) => shape.group(law),
-        SolidMaterial::Ogden(law) => shape.group(law),
-        SolidMaterial::Foam(law) => shape.group(law),
-        SolidMaterial::Point(law) => shape.group(law),
-        SolidMaterial::UserStress(law) => shape.group(law),
-        SolidMaterial::UserFlow(law) => shape.group(law),
-    }
+    material.visit(GroupShape { options, connectivity, nodes })
 }
 
-impl GroupShape<'_> {
-    fn von_mises(self, law: HardeningLaw, volumetric: impl VolumetricLaw) -> Box<dyn ElementGroup> {
-        match law {
-            HardeningLaw::Elastic(None) => self.group(VonMises::new(ElasticOnly, volumetric)),
-            HardeningLaw::Elastic(Some(failure)) => {
-                self.group(VonMises { hardening: ElasticOnly, volumetric, failure })
-            }
-            HardeningLaw::PiecewiseLinear(law) => self.group(VonMises::new(law, volumetric)),
-            HardeningLaw::RateDependent(law, None) => self.group(VonMises::new(law, volumetric)),
-            HardeningLaw::RateDependent(hardening, Some(failure)) => {
-                self.group(VonMises { hardening, volumetric, failure })
-            }
-            HardeningLaw::Kinematic(law) => self.group(VonMises::new(law, volumetric)),
-            HardeningLaw::RateKinematic(law) => self.group(VonMises::new(law, volumetric)),
-        }
-    }
+impl MaterialVisitor for GroupShape<'_> {
+    type Output = Box<dyn ElementGroup>;
 
-    fn group(self, material: impl Material) -> Box<dyn ElementGroup> {
+    fn visit(self, material: impl Material) -> Box<dyn ElementGroup> {
         let GroupOptions { constants, density, .. } = self.options;
         match self.connectivity {
             Connectivity::SixNodeTriangles(list) => {
@@ -181,7 +201,9 @@ impl GroupShape<'_> {
             Connectivity::Quadrilaterals(_) => self.quadrilaterals(material),
         }
     }
+}
 
+impl GroupShape<'_> {
     fn quadrilaterals(self, material: impl Material) -> Box<dyn ElementGroup> {
         let GroupOptions { constants, density, subzonal, .. } = self.options;
         let corners = self.connectivity.quadrilaterals();

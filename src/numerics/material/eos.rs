@@ -36,7 +36,7 @@ impl EosLines {
 }
 
 /// An equation of state that is linear in the specific energy.
-pub trait EosLaw: Send + Sync + 'static {
+pub trait LinearEos: Send + Sync + 'static {
     /// Returns the pressure line at a density, given with its inverse, the specific volume: a division takes as long as
     /// ten multiplications. Equation (7.1).
     fn curve(&self, density: f64, specific_volume: f64) -> EosLine;
@@ -62,7 +62,7 @@ pub struct IdealGas {
     pub absolute_zero: f64,
 }
 
-impl EosLaw for IdealGas {
+impl LinearEos for IdealGas {
     #[inline(always)]
     fn curve(&self, density: f64, _: f64) -> EosLine {
         let ratio = self.gas_constant / self.specific_heat;
@@ -93,7 +93,7 @@ pub struct UsUp {
     pub gamma0: f64,
 }
 
-impl EosLaw for UsUp {
+impl LinearEos for UsUp {
     /// Returns NaN at compressions eta >= 1/s, which no shock reaches.
     #[inline(always)]
     fn curve(&self, _: f64, specific_volume: f64) -> EosLine {
@@ -256,7 +256,7 @@ pub(super) fn advance(
 
 /// Updates pressures and energies of a block whose pressure line depends on density only.
 #[inline(always)]
-pub(super) fn advance_block(law: &impl EosLaw, energy: &mut Lanes, update: &mut PressureUpdate) {
+pub(super) fn advance_block(law: &impl LinearEos, energy: &mut Lanes, update: &mut PressureUpdate) {
     let (ambient, floor) = (law.ambient(), law.floor());
     for l in 0..LANES {
         let curve = law.curve(update.mass[l] / update.volume[l], specific_volume(update, l));
@@ -266,9 +266,9 @@ pub(super) fn advance_block(law: &impl EosLaw, energy: &mut Lanes, update: &mut 
 
 #[cfg(test)]
 mod tests {
-    use super::{EosLaw, EosLine, IdealGas, UsUp};
+    use super::{EosLine, IdealGas, LinearEos, UsUp};
 
-    fn at(law: impl EosLaw, density: f64) -> EosLine {
+    fn at(law: impl LinearEos, density: f64) -> EosLine {
         law.curve(density, 1.0 / density)
     }
 

@@ -4,9 +4,10 @@
 
 use super::BlockStart;
 use super::available::AvailableEnergy;
-use super::eos::{EosLaw, EosLine, IdealGas, Tabulated, UsUp, advance_block};
+use super::eos::{EosLine, IdealGas, LinearEos, Tabulated, UsUp, advance_block};
 use super::explosive::{BurnState, HighExplosive};
 use super::isentrope::{end_of_limited_tension, isentropic_work};
+use super::user_eos::UserEos;
 use super::volumetric::{ElementSize, PressureUpdate, VolumetricLaw};
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::material::carried::carried_state;
@@ -20,6 +21,7 @@ pub enum EquationOfState {
     UsUp(UsUp),
     Tabulated(Tabulated),
     Explosive(HighExplosive),
+    User(UserEos),
 }
 
 /// State variables of a block.
@@ -66,6 +68,9 @@ impl EquationOfState {
             EquationOfState::Tabulated(law) => {
                 isentropic_work_below(|volume: f64| law.line(volume), [specific_volume, energy], limit)
             }
+            EquationOfState::User(law) => {
+                isentropic_work_below(|volume: f64| law.line(volume, energy), [specific_volume, energy], limit)
+            }
             EquationOfState::Explosive(law) => unburnt * law.unburnt_energy(specific_volume),
         }
     }
@@ -107,6 +112,7 @@ impl VolumetricLaw for EquationOfState {
             EquationOfState::IdealGas(law) => advance_block(law, &mut state.energy, update),
             EquationOfState::UsUp(law) => advance_block(law, &mut state.energy, update),
             EquationOfState::Tabulated(law) => law.advance_block(&mut state.energy, update),
+            EquationOfState::User(law) => law.advance_block(&mut state.energy, update),
             EquationOfState::Explosive(law) => {
                 if let Some(burn) = &state.burn {
                     law.advance_block(burn, &mut state.energy, update);

@@ -28,7 +28,7 @@ pub struct DeformationState {
 }
 
 impl DeformationState {
-    fn fresh() -> DeformationState {
+    pub(super) fn fresh() -> DeformationState {
         let (unity, zero) = ([1.0; LANES], [0.0; LANES]);
         DeformationState { gradient: [unity, zero, zero, unity, unity] }
     }
@@ -36,7 +36,7 @@ impl DeformationState {
     /// Updates the deformation gradient by (1 + h/2)(1 - h/2)^-1 F with the displacement gradient h in the middle of
     /// the increment. The update is exact, since the middle configuration is the mean of both ends. Equation (6.9).
     #[inline(always)]
-    fn advance(&mut self, increment: &StrainIncrement) {
+    pub(super) fn advance(&mut self, increment: &StrainIncrement) {
         let mut averaged = [[0.0; LANES]; 4];
         let strain = increment.averaged(&mut averaged);
         for l in 0..LANES {
@@ -47,8 +47,9 @@ impl DeformationState {
         }
     }
 
+    /// Returns the deformation gradient of a lane: rr, rz, zr, zz, hoop.
     #[inline(always)]
-    fn of(&self, l: usize) -> [f64; 5] {
+    pub(super) fn of(&self, l: usize) -> [f64; 5] {
         [0, 1, 2, 3, 4].inline_map(|i| self.gradient[i][l])
     }
 

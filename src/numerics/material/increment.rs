@@ -14,6 +14,9 @@ pub struct StrainIncrement {
     pub carried: [Lanes; 4],
     /// Spin increments in the (r, z) plane, where [`super::Material::USES_SPIN`].
     pub spin: Lanes,
+    /// Centres `[r, z]` of the elements or of their cells at the end of the increment, where
+    /// [`super::Material::USES_PLACE`].
+    pub place: [Lanes; 2],
     /// Volumes in the middle of the increment; 0 for lanes without element.
     pub volume: Lanes,
     /// Current volumes; only for materials with [`super::Material::EQUATION_OF_STATE`], as the next two fields.

@@ -18,6 +18,7 @@ pub mod plasticity;
 pub mod point_law;
 pub mod strain_energy;
 pub mod user;
+pub mod user_eos;
 pub mod volumetric;
 pub mod von_mises;
 
@@ -105,6 +106,8 @@ pub trait Material: Send + Sync + 'static {
     const FAILS: bool = false;
     /// Whether [`StrainIncrement::spin`] is used.
     const USES_SPIN: bool = false;
+    /// Whether [`StrainIncrement::place`] is used.
+    const USES_PLACE: bool = false;
     /// Whether [`Material::calls`] calls user subroutines between the kinematics of elements and [`Material::update`].
     const CALLS: bool = false;
 

@@ -3,6 +3,26 @@
 use super::LoadFailure;
 pub use crate::kernel::moduli::ElasticModuli;
 
+/// A quantity of a material point that a law requests by [`MaterialLaw::uses`]. Others are not computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PointQuantity {
+    /// [`MaterialPoint::temperature`].
+    Temperature,
+    /// [`MaterialPoint::density`].
+    Density,
+    /// [`MaterialPoint::energy`].
+    Energy,
+    /// [`MaterialPoint::place`].
+    Place,
+    /// [`MaterialPoint::gradient`].
+    Gradient,
+    /// [`MaterialPoint::spin`].
+    Spin,
+    /// [`MaterialPoint::moduli`].
+    Moduli,
+}
+
 /// A material point in one increment. Tensors have the components rr, zz, hoop, rz (tensor shear) along the global axes.
 #[derive(Debug)]
 #[non_exhaustive]
@@ -22,6 +42,22 @@ pub struct MaterialPoint<'a> {
     pub dt: f64,
     /// Total time at the end of the increment.
     pub total_time: f64,
+    /// Temperature at the start of the increment: the initial one plus the rise by [`MaterialPoint::dissipated`] in an
+    /// adiabatic analysis, or that of the nodes. NaN unless requested, as the next five fields.
+    pub temperature: f64,
+    /// Mass per volume at the end of the increment, without mass scaling.
+    pub density: f64,
+    /// Internal energy per mass at the start of the increment: the initial one plus the work of the stress.
+    pub energy: f64,
+    /// Centre `[r, z]` of the element at the end of the increment; of its part around the point for six-node triangles.
+    pub place: [f64; 2],
+    /// Deformation gradient at the end of the increment: rr, zz, hoop, rz, zr.
+    pub gradient: [f64; 5],
+    /// Spin increment in the (r, z) plane, half of the displacement gradient rz minus that of zr; an angle in radians.
+    pub spin: f64,
+    /// Moduli for the stable time increment and hourglass control, on entry those of the previous increment. The law
+    /// replaces them if it requests [`PointQuantity::Moduli`]; otherwise they have no effect.
+    pub moduli: ElasticModuli,
 }
 
 /// A material law in Rust. [`super::Routines::with_law`] registers it under the name of its material; the constants are
@@ -62,6 +98,11 @@ pub trait MaterialLaw: Send + Sync {
     /// Returns the number of state variables that the law needs; `*DEPVAR` must define at least as many.
     fn state_variables(&self) -> usize {
         0
+    }
+
+    /// Returns the quantities of [`MaterialPoint`] that the law uses; others are not computed and have no cost.
+    fn uses(&self) -> &'static [PointQuantity] {
+        &[]
     }
 
     /// Updates stress and state variables of a point over an increment.

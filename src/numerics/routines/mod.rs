@@ -1,16 +1,19 @@
 //! Interface of user subroutines: the traits that Rust plug-ins implement, with the arguments of the ABAQUS
 //! subroutines. Compiled Fortran and C subroutines implement the same traits (`user` in the crate of the language).
 
+pub mod eos;
 pub mod host;
 pub mod law;
 mod saved_memory;
 
 use crate::state::archive::Persist;
+use std::cell::Cell;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use crate::state::Instant;
-use crate::state::halt::HaltReason;
-pub use law::{ElasticModuli, MaterialLaw, MaterialPoint};
+use crate::state::halt::{HaltDetails, HaltReason};
+pub use eos::{EosLaw, EosResponse};
+pub use law::{ElasticModuli, MaterialLaw, MaterialPoint, PointQuantity};
 pub use saved_memory::{PersistentMemory, SavedMemory};
 
 /// Largest number of points of one call: `maxblk` of `vaba_param.inc`. Larger surfaces are divided into blocks.
@@ -51,6 +54,10 @@ pub struct LoadPoints<'a> {
     /// the normal turned 90 degrees counter-clockwise; the normal points out of the loaded side of a surface element,
     /// and into a solid element.
     pub directions: &'a [f64],
+    /// Memory of the points: [`UserLoad::memory`] numbers of the first point, then of the second, and so on; zero at the
+    /// start. The load may change them. They belong to the state of the run, unlike fields of the load: a checkpoint
+    /// contains them. A load without memory may be evaluated again for a shorter increment, one with memory is not.
+    pub memory: &'a [Cell<f64>],
 }
 
 /// Failure of a user subroutine.
@@ -75,11 +82,11 @@ impl LoadFailure {
             "{what} failed in step {}, increment {}, total time {:e}: {}",
             now.step, now.increment, now.total_time, self.reason
         );
-        HaltReason { code: "R201", reason }
+        HaltReason::UserRoutine(HaltDetails { instant: Some(*now), ..HaltDetails::new(reason) })
     }
 }
 
-/// A user load: the pressure at each point. It may keep its own state between calls. It is called once per increment,
+/// A user load: the pressure at each point. What it keeps between calls is in [`LoadPoints::memory`]. It is called once per increment,
 /// surface and block of at most [`MAX_BLOCK`] points.
 ///
 /// ```
@@ -118,6 +125,11 @@ pub trait UserLoad: Send {
     /// Returns whether the load reads displacements and accelerations; if not, they are not updated.
     fn reads_motion(&self) -> bool {
         false
+    }
+
+    /// Returns how many numbers of each point a run keeps for the load ([`LoadPoints::memory`]).
+    fn memory(&self) -> usize {
+        0
     }
 
     /// Returns whether the load receives the magnitude of its data line; VDLOAD does not.
@@ -550,6 +562,8 @@ macro_rules! routines {
             $($(#[$doc])* pub $field: Option<SharedRoutine<dyn $routine>>,)*
             /// Material laws in Rust, by the upper-case name of their material.
             pub laws: Vec<(String, Arc<dyn MaterialLaw>)>,
+            /// Equations of state in Rust, by the upper-case name of their material.
+            pub equations_of_state: Vec<(String, Arc<dyn EosLaw>)>,
             /// Subroutines of the user's files that cannot be called.
             pub uncallable: Vec<UncallableRoutine>,
             /// ABAQUS subroutines in these files that Revolve does not support.
@@ -665,6 +679,18 @@ impl Routines {
     /// Returns the material law in Rust of a material.
     pub fn law(&self, material: &str) -> Option<&Arc<dyn MaterialLaw>> {
         self.laws.iter().find(|(name, _)| name == material).map(|(_, law)| law)
+    }
+
+    /// Adds an equation of state in Rust for the `*EOS, TYPE=USER` of the material of this name.
+    #[must_use]
+    pub fn with_eos(mut self, material: &str, law: impl EosLaw + 'static) -> Self {
+        self.equations_of_state.push((material.to_uppercase(), Arc::new(law)));
+        self
+    }
+
+    /// Returns the equation of state in Rust of a material.
+    pub fn equation_of_state(&self, material: &str) -> Option<&Arc<dyn EosLaw>> {
+        self.equations_of_state.iter().find(|(name, _)| name == material).map(|(_, law)| law)
     }
 
     /// Adds a user load by a function that returns the pressure at one point, by its index.

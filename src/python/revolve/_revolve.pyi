@@ -81,9 +81,19 @@ class Evaluator:
         self, samples: npt.NDArray[np.float64], threads: int, progress: _Told
     ) -> tuple[npt.NDArray[np.float64], list[tuple[int, str]]]: ...
 
+class Halt:
+    kind: str
+    code: str
+    message: str
+    element: str | None
+    step: int | None
+    increment: int | None
+    time: float | None
+    place: tuple[float, float] | None
+
 class Run:
     status: str
-    reason: str | None
+    halt: Halt | None
     warnings: list[str]
     seconds: float
     series: Path | None

@@ -37,9 +37,17 @@ class Run:
         return self._run.status
 
     @property
+    def halt(self) -> _revolve.Halt | None:
+        """Reason of a halt: ``kind``, ``code``, ``message``, ``element``, ``step``, ``increment``, ``time`` and ``place``.
+
+        Attributes that do not apply are ``None``; the text has code and message. ``None`` for a completed run.
+        """
+        return self._run.halt
+
+    @property
     def reason(self) -> str | None:
-        """Reason of a halt; ``None`` for a completed run."""
-        return self._run.reason
+        """Code and message of a halt; ``None`` for a completed run."""
+        return None if self.halt is None else str(self.halt)
 
     @property
     def warnings(self) -> list[str]:

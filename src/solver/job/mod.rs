@@ -33,8 +33,8 @@ use crate::overview::DeckOverview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
 use crate::solve::{
-    self, BodyExit, BodyRest, CheckpointInterval, Energy, Instant, LOST, LimitsOverTime, Outcome, PenetrationSummary,
-    Progress, RunControl, RunPosition, Sink, SinkError, StepSummary, UnfitState,
+    self, BodyExit, BodyRest, CheckpointInterval, Energy, HaltDetails, HaltReason, Instant, LOST, LimitsOverTime,
+    Outcome, PenetrationSummary, Progress, RunControl, RunPosition, Sink, SinkError, StepSummary, UnfitState,
 };
 use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
@@ -221,9 +221,9 @@ fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &R
 pub struct RunSummary {
     /// `completed` or `halted`.
     pub status: &'static str,
-    /// Code and reason of the halt.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub reason: Option<String>,
+    /// Reason of the halt; as text its code and message.
+    #[serde(rename = "reason", skip_serializing_if = "Option::is_none")]
+    pub halt: Option<HaltReason>,
     /// Whether a user subroutine ended the analysis.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub ended_by_user: bool,
@@ -566,6 +566,29 @@ pub fn run_in_memory(prepared: &PreparedJob) -> (Outcome, HistorySummary) {
     (outcome, history.summary)
 }
 
+/// Why [`run_to_end`] has no results.
+#[derive(Debug, Error)]
+pub enum IncompleteRun {
+    /// The rendered diagnostics of a deck with errors.
+    #[error("{0}")]
+    Rejected(String),
+    /// The run halted before its end time.
+    #[error(transparent)]
+    Halted(#[from] HaltReason),
+}
+
+/// Runs like [`run_in_memory`], to the end time.
+///
+/// # Errors
+/// If the deck has errors, or if the run halts.
+pub fn run_to_end(prepared: &PreparedJob) -> Result<HistorySummary, IncompleteRun> {
+    if prepared.diagnostics.has_errors() {
+        return Err(IncompleteRun::Rejected(prepared.diagnostics.render(&prepared.deck.sources)));
+    }
+    let (outcome, history) = run_in_memory(prepared);
+    outcome.halt.map_or(Ok(history), |halt| Err(halt.into()))
+}
+
 /// Runs a prepared deck with a given sink; no file is written.
 pub fn run_into(prepared: &PreparedJob, sink: &mut dyn Sink) -> (Outcome, State) {
     announce_to_user(prepared, &JobFiles { folder: PathBuf::from("."), name: "job".into() });
@@ -659,7 +682,7 @@ pub fn run_with<'a>(
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
     summary.timing.checkpoint_seconds = (checkpoint_seconds > 0.0).then_some(checkpoint_seconds);
     history_failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
-    summary.reason.iter().for_each(|reason| status.note(&format!("***ERROR: {reason}")));
+    summary.halt.iter().for_each(|halt| status.note(&format!("***ERROR: {halt}")));
     status.note(&format!("THE ANALYSIS HAS {}", summary.status.to_uppercase()));
     status.failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
     finish_files(job, &mut summary, sums);
@@ -689,7 +712,7 @@ fn finish_files(job: &JobFiles, summary: &mut RunSummary, mut sums: Checksums) {
         Ok(()) => drop(std::fs::remove_file(job.path(SETUP))),
         Err(e) => summary.mark_unwritten(e.to_string()),
     }
-    if summary.reason.is_none() {
+    if summary.halt.is_none() {
         // A failure is harmless: a restart from the checkpoint gives the same results.
         let _ = std::fs::remove_file(job.path(CHECKPOINT));
     }
@@ -699,7 +722,7 @@ impl RunSummary {
     /// Marks the run as halted because a final file could not be written.
     fn mark_unwritten(&mut self, why: String) {
         self.status = "halted";
-        self.reason.get_or_insert_with(|| format!("R205: {why}"));
+        self.halt.get_or_insert_with(|| HaltReason::Output(HaltDetails::new(why)));
     }
 }
 
@@ -737,9 +760,9 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         ledger.add_result(changes.row, &format!("NREMESH {}", changes.count));
     }
     RunSummary {
-        interrupted: outcome.halt.as_ref().is_some_and(|h| h.code == "R207"),
+        halt: outcome.halt.clone(),
+        interrupted: outcome.halt.as_ref().is_some_and(|h| matches!(h, HaltReason::Interrupted(_))),
         status: if outcome.halt.is_some() { "halted" } else { "completed" },
-        reason: outcome.halt.map(|h| format!("{}: {}", h.code, h.reason)),
         ended_by_user: outcome.ended_by_user,
         warnings: outcome.warnings,
         messages: host::take_messages(),

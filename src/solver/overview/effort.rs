@@ -11,7 +11,7 @@ use crate::output::history::row_length;
 use crate::output::sums::SummedWriter;
 use crate::output::vtu::VtuWriter;
 use crate::plan::{Plan, State};
-use crate::solve::{self, Instant, Progress, RunControl, Sink, SinkError};
+use crate::solve::{self, HaltReason, Instant, Progress, RunControl, Sink, SinkError};
 
 /// Estimated increments and run time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -142,7 +142,7 @@ pub fn measure(plan: &Plan, state: State, length: Duration) -> Option<RunEstimat
     let counted = [(ended && !trial.skipped.get()).then_some(frames), ended.then_some(rows)];
     let TrialRun { increment, limiting, fraction, output_time, .. } = trial;
     let run_time = (outcome.seconds - output_time.as_secs_f64()).max(0.0);
-    let halt = outcome.halt.as_ref().filter(|_| ended).map(|halt| format!("{}: {}", halt.code, halt.reason));
+    let halt = outcome.halt.as_ref().filter(|_| ended).map(HaltReason::to_string);
     let increments_made = outcome.increments as f64;
     let (increments, seconds, looked_at) = if ended && halt.is_none() {
         (increments_made, run_time, 1.0)

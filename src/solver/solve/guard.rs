@@ -13,7 +13,8 @@ use crate::kernel::quad;
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
 use crate::plan::StepPlan;
-use crate::state::halt::HaltReason;
+use crate::state::Instant;
+use crate::state::halt::{HaltDetails, HaltReason};
 
 /// Smallest stable time increment over the length of the step. Below it the step would need more than 1e10 increments,
 /// which happens only if an element collapses.
@@ -103,7 +104,7 @@ impl RunReport {
                 "the energy of the model is not a finite number at increment {}, time {:e}",
                 run.now.increment, run.now.total_time
             );
-            return Err(HaltReason { code: "R203", reason });
+            return Err(HaltReason::NotFinite(HaltDetails::new(reason)));
         }
         self.check_energy_limits(run)?;
         self.check_drift(run)?;
@@ -128,7 +129,7 @@ impl RunReport {
             run.now.increment, run.now.total_time
         );
         if limit.halts {
-            return Err(HaltReason { code: "R208", reason });
+            return Err(HaltReason::EnergyLimit(HaltDetails::new(reason)));
         }
         self.watch.limits_reported[which] = true;
         self.outcome.warn("R313", reason);
@@ -219,18 +220,17 @@ impl RunReport {
             None if is_turned || self.watch.collapse.is_reported() => name_folding_remedy(run, group),
             None => String::new(),
         };
+        let name = run.plan.element_name(group, element);
         let reason = format!(
-            "element {} failed at increment {}, time {:e}: {why} (volume {volume:e}){remedy}",
-            run.plan.element_name(group, element),
-            run.now.increment,
-            run.now.total_time
+            "element {name} failed at increment {}, time {:e}: {why} (volume {volume:e}){remedy}",
+            run.now.increment, run.now.total_time
         );
-        HaltReason { code: "R206", reason }
+        HaltReason::ElementFailed(HaltDetails::new(reason)).at_element(name)
     }
 
     fn excess_halt(&self, run: &RunState<'_>) -> HaltReason {
         let reason = format!("{}. *ENERGY LIMIT, ERROR=limit in the step raises this limit", self.name_excess(run));
-        HaltReason { code: "R208", reason }
+        HaltReason::EnergyLimit(HaltDetails::new(reason))
     }
 
     fn drift_halt(&self, run: &RunState<'_>, drift: f64) -> HaltReason {
@@ -245,7 +245,7 @@ impl RunReport {
             name_folded(run),
             likely_cause(run)
         );
-        HaltReason { code: "R208", reason }
+        HaltReason::EnergyLimit(HaltDetails::new(reason))
     }
 }
 
@@ -258,7 +258,7 @@ fn section_area(run: &RunState<'_>, (group, element): (usize, usize)) -> Option<
 }
 
 fn contact_halt(run: &RunState<'_>) -> HaltReason {
-    HaltReason { code: "R208", reason: name_created_energy(run) }
+    HaltReason::EnergyLimit(HaltDetails::new(name_created_energy(run)))
 }
 
 /// Checks that the step can be completed with the increments of the elements.
@@ -276,14 +276,13 @@ pub(super) fn guard_increment(run: &RunState<'_>) -> Result<(), HaltReason> {
 #[cold]
 fn too_many_increments(run: &RunState<'_>) -> HaltReason {
     let (stable, (group, element)) = (run.state.elements.stable_increment(), run.state.elements.limiting());
+    let name = run.plan.element_name(group, element);
     let reason = format!(
-        "element {} has collapsed: at increment {}, time {:e} its stable time increment is {stable:e}; the step \
+        "element {name} has collapsed: at increment {}, time {:e} its stable time increment is {stable:e}; the step \
          would need more than 1e10 increments",
-        run.plan.element_name(group, element),
-        run.now.increment,
-        run.now.total_time
+        run.now.increment, run.now.total_time
     );
-    HaltReason { code: "R209", reason }
+    HaltReason::ElementCollapsed(HaltDetails::new(reason)).at_element(name)
 }
 
 #[cold]
@@ -298,7 +297,25 @@ pub(super) fn not_finite(run: &RunState<'_>) -> HaltReason {
         body.describe_force(),
         body.mass
     );
-    HaltReason { code: "R203", reason }
+    HaltReason::NotFinite(HaltDetails::new(reason))
+}
+
+/// Adds instant and place to a halt that does not have them. The place of an element is its current centre.
+#[cold]
+pub(super) fn located(run: &RunState<'_>, mut halt: HaltReason, instant: Instant) -> HaltReason {
+    let RunState { plan, state, .. } = run;
+    let details = halt.details_mut();
+    details.instant.get_or_insert(instant);
+    if details.place.is_none()
+        && let Some(name) = &details.element
+        && let Some((_, (group, element))) =
+            plan.places.elements.iter().find(|(e, _)| &*plan.mesh.elements[*e].name == name.as_str())
+    {
+        let corners = state.elements.groups[*group].boundary(*element);
+        let places: Vec<[f64; 2]> = corners.iter().map(|n| state.dofs.nodes[*n as usize].place()).collect();
+        details.place = Some([0, 1].map(|axis| places.iter().map(|p| p[axis]).sum::<f64>() / places.len() as f64));
+    }
+    halt
 }
 
 #[cfg(test)]

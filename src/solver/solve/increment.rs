@@ -9,7 +9,7 @@ use crate::load::{SceneView, VelocityUse};
 use crate::model::IncrementControl;
 use crate::plan::{State, StepPlan};
 use crate::state::archive::Persist;
-use crate::state::halt::HaltReason;
+use crate::state::halt::{HaltDetails, HaltReason};
 use crate::state::limit::IncrementLimit;
 use crate::state::{BodyState, Instant};
 
@@ -81,7 +81,7 @@ fn too_small(length: f64, now: &Instant) -> HaltReason {
     let reason = format!(
         "the next increment, {length:e}, is too small to change the time {total_time:e} (increment {increment})"
     );
-    HaltReason { code: "R204", reason }
+    HaltReason::IncrementTooSmall(HaltDetails::new(reason))
 }
 
 /// First automatic increment as a fraction of the largest allowed one, because no forces are known yet.

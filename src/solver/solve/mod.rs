@@ -39,10 +39,11 @@ use crate::output::OutputFrame;
 use crate::plan::{Plan, State};
 pub use crate::state::Instant;
 pub use crate::state::archive::UnfitState;
-pub use crate::state::halt::HaltReason;
+pub use crate::state::halt::{HaltDetails, HaltReason};
 use crate::user::RunAction;
 pub use energy::Energy;
 pub use frames::node_value;
+use guard::located;
 use increment::IncrementController;
 pub use limits::{IncrementLimits, LimitsOverTime};
 use observe::RunOutput;
@@ -176,9 +177,11 @@ impl RunSession {
                     return Some(next);
                 }
                 Err(halt) => {
+                    let halted_at = run.current.now;
                     run.current.step_back();
                     let written = self.observing.last(&run.current, sink);
-                    run.report.outcome.halt = Some(written.err().unwrap_or(halt));
+                    let halt = written.err().unwrap_or(halt);
+                    run.report.outcome.halt = Some(located(&run.current, halt, halted_at));
                     break;
                 }
             }
@@ -227,7 +230,8 @@ fn finished(run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, 
     let plan = current.plan;
     timing.position.iter().for_each(|position| position.end());
     if report.outcome.halt.is_none() {
-        report.outcome.halt = report.check_final_drift(&current).err();
+        let halt = report.check_final_drift(&current).err();
+        report.outcome.halt = halt.map(|halt| located(&current, halt, current.now));
     }
     plan.routines.memory.iter().for_each(|memory| memory.end());
     report.warn_of_effects(&mut current);

@@ -15,7 +15,7 @@ use crate::output::OutputFrame;
 use crate::plan::{ColumnSource, Plan, WriteSchedule};
 use crate::state::Instant;
 use crate::state::archive::Persist;
-use crate::state::halt::HaltReason;
+use crate::state::halt::{HaltDetails, HaltReason};
 use crate::user::RunAction;
 
 /// Reason why a sink cannot store output.
@@ -355,5 +355,5 @@ fn report_progress(run: &RunState<'_>, frame: bool, is_over: bool, sink: &mut dy
 }
 
 pub(super) fn output_failure(why: SinkError) -> HaltReason {
-    HaltReason { code: "R205", reason: why.to_string() }
+    HaltReason::Output(HaltDetails::new(why.to_string()))
 }

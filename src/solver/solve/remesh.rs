@@ -26,7 +26,7 @@ use crate::remesh::transfer::interpolated;
 use crate::remesh::{BodyMesh, MeshRevision};
 use crate::state::Instant;
 use crate::state::dofs::Dofs;
-use crate::state::halt::HaltReason;
+use crate::state::halt::{HaltDetails, HaltReason};
 use crate::user::Routines;
 use crate::variables::Variable;
 
@@ -157,7 +157,7 @@ pub(super) fn next_mesh(
         pause(run, body);
         return Ok(None);
     };
-    let failed = |reason: String| HaltReason { code: "R210", reason };
+    let failed = |reason: String| HaltReason::NewMesh(HaltDetails::new(reason));
     let model = revised(&remesh.model, &revision);
     run.remesh.revisions.push(revision.clone());
     let (plan, state) = match compiled(&model, &run.remesh.revisions, &run.current.plan.routines) {

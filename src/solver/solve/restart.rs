@@ -15,7 +15,7 @@ use crate::plan::StepPlan;
 use crate::remesh::MeshRevision;
 use crate::state::Instant;
 use crate::state::archive::{Persist, StateArchive, UnfitState, persist_fields};
-use crate::state::halt::HaltReason;
+use crate::state::halt::{HaltDetails, HaltReason};
 use crate::user::SavedMemory;
 
 /// Interval of checkpoints, in addition to the deck's `*RESTART, WRITE`.
@@ -221,7 +221,7 @@ fn interrupted(signal: usize, now: &Instant) -> HaltReason {
         other => format!("signal {other}"),
     };
     let reason = format!("interrupted by {name} at increment {}, time {:e}", now.increment, now.total_time);
-    HaltReason { code: "R207", reason }
+    HaltReason::Interrupted(HaltDetails::new(reason))
 }
 
 /// Message for a checkpoint without all memory of the user subroutines.

@@ -5,7 +5,7 @@ use super::run_state::RunState;
 use crate::constraint;
 use crate::state::Instant;
 use crate::state::archive::Persist;
-use crate::state::halt::HaltReason;
+use crate::state::halt::{HaltDetails, HaltReason};
 use crate::user::{AnalysisMoment, LockedRoutines, Routines, RunAction, SavedMemory};
 
 /// User subroutines over a run, and the action that they have requested.
@@ -99,7 +99,8 @@ impl UserSession {
         let (action, memory_of_checkpoint) = (self.requested_action, std::mem::take(&mut self.restored_memory));
         self.report_moment(run, AnalysisMoment::StartAnalysis, 0.0)?;
         if let Some(memory) = run.plan.routines.memory.as_ref().filter(|_| self.routines.events.is_some()) {
-            memory.restore(&memory_of_checkpoint).map_err(|why| HaltReason { code: "R201", reason: why.reason })?;
+            let restored = memory.restore(&memory_of_checkpoint);
+            restored.map_err(|failure| HaltReason::UserRoutine(HaltDetails::new(failure.reason)))?;
         }
         self.requested_action = action;
         Ok(())

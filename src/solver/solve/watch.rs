@@ -13,6 +13,7 @@ use crate::model::IncrementControl;
 use crate::plan::Plan;
 use crate::state::Instant;
 use crate::state::archive::Persist;
+use crate::state::halt::HaltReason;
 
 /// Fraction of the energy put in below which internal energy is too small to be compared with artificial energy.
 pub(super) const SMALL: f64 = 0.01;
@@ -409,7 +410,7 @@ impl RunReport {
         let values = [run.balance.drift(), run.balance.artificial_share(SMALL)];
         let of_deck = run.step.energy_limit.map_or([false; 2], |l| [l.error.is_some(), l.artificial.is_some()]);
         // A halt for one of these reasons has reported it.
-        let halted = self.outcome.halt.as_ref().is_some_and(|h| h.code == "R208");
+        let halted = self.outcome.halt.as_ref().is_some_and(|h| matches!(h, HaltReason::EnergyLimit(_)));
         let reported = |i: usize| of_deck[i] || self.watch.limits_reported[i] || halted;
         let [drift, artificial] = [0, 1].inline_map(|i| self.watch.unsound[i].filter(|_| !reported(i)));
         if drift.is_some() && !run.is_noise() {

@@ -45,6 +45,7 @@ impl<'m> MessageField<'m> for LoadPoints<'m> {
         get!(from; surface, load_type, now, amplitude, magnitude, n);
         let [coordinates, motion, directions]: [&[f64]; 3] = MessageField::get(from);
         LoadPoints {
+            memory: &[],
             surface,
             load_type,
             now,

@@ -46,11 +46,12 @@ card!(Elastic: "ELASTIC", "Linear elasticity", (once below "MATERIAL"), {
 ]);
 
 card!(Eos: "EOS", "Equation of state", (once below "MATERIAL"), {
-    kind: usize = "TYPE" (variant(&["IDEAL GAS", "USUP", "TABULAR", "JWL"]).required()),
+    kind: usize = "TYPE" (variant(&["IDEAL GAS", "USUP", "TABULAR", "JWL", "USER"]).required()) "USER: equation of state in Rust",
     "DETONATION ENERGY" refused "ignition and growth is unsupported",
-    "PROPERTIES" refused "user-defined equations of state are unsupported",
+    "PROPERTIES" (INTEGER.from(0.0).or(0.0)) "Number of constants of TYPE=USER",
 }, [
     (when "TYPE" = "IDEAL GAS" lines ["gas constant" (POSITIVE.required()), "ambient pressure" (NOT_NEGATIVE.or(0.0))]),
+    (when "TYPE" = "USER" list "constant of the equation of state" (NUMBER) "Eight values per line"),
     (when "TYPE" = "TABULAR" rows ["f1" (ZERO), "f2" (ZERO), "volumetric strain" (ZERO) "ln(rho0/rho), in descending order"]),
     (when "TYPE" = "JWL" lines [
         "detonation wave speed" (POSITIVE.required()), "A" (POSITIVE.required()), "B" (NOT_NEGATIVE.required()),

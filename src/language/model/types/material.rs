@@ -196,6 +196,8 @@ pub enum EosKind {
     /// JWL explosive: detonation wave speed, A, B, omega, R1, R2, detonation energy per mass, bulk modulus before
     /// detonation.
     Jwl([f64; 8]),
+    /// Law in Rust: its index in `EOS_TYPES` of the crate `numerics`, 0 for a registered one, and its constants.
+    Law(usize, Vec<f64>),
 }
 
 /// A failure criterion: `*SHEAR FAILURE`, or `*DAMAGE INITIATION` with `*DAMAGE EVOLUTION`.

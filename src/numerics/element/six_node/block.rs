@@ -11,6 +11,7 @@ use crate::element::solid::{BlockPass, BlockPlace, InitialBlock, SolidIncrement}
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators};
 use crate::kernel::stress::mises;
+use crate::kernel::topology::ElementTopology;
 use crate::material::volumetric::ElementSize;
 use crate::material::{BlockStart, Material, PlasticFlow};
 use crate::state::archive::Persist;
@@ -143,6 +144,13 @@ impl<S: Clone> TriangleBlock<S> {
         scratch.set_gradients(dt, &work.points[p].gradients, &work.points[p].middle);
         material.begin(&mut point.state, time);
         point.trial::<M>(constants, dt, scratch);
+        if M::USES_PLACE {
+            let cell = ElementTopology::SixNodeTriangle.cells()[p];
+            scratch.set_places(|l| {
+                let places = work.places(l);
+                [0, 1].inline_map(|axis: usize| cell.inline_map(|n| places[n][axis]))
+            });
+        }
         if scratch.cap < f64::INFINITY {
             scratch.measure();
         }

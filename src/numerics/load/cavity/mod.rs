@@ -28,7 +28,7 @@ use crate::routines::LockedRoutines;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
-use crate::state::halt::HaltReason;
+use crate::state::halt::{HaltDetails, HaltReason};
 use crate::state::limit::IncrementLimit;
 use crate::state::nodes::Nodes;
 use crate::state::rigid_body_3d::RigidBody3d;
@@ -221,8 +221,6 @@ impl LoadOutput for CavityExpansion {
 #[cold]
 fn not_finite(scene: &SceneView<'_>, speed: f64) -> HaltReason {
     let time = scene.clock.now.total_time;
-    HaltReason {
-        code: "R202",
-        reason: format!("the target resistance is not finite at total time {time:e} and speed {speed:e}"),
-    }
+    let message = format!("the target resistance is not finite at total time {time:e} and speed {speed:e}");
+    HaltReason::ResistanceNotFinite(HaltDetails::new(message))
 }

@@ -40,6 +40,8 @@ pub struct UserLoadData {
     pub magnitude: Magnitude,
     /// Whether the subroutine reads displacements and accelerations.
     pub reads_motion: bool,
+    /// Count of numbers that the load keeps for each point.
+    pub memory: usize,
 }
 
 /// Volume on which a body force acts.
@@ -91,6 +93,7 @@ impl SubroutineLoad {
             );
             bodies.push(GeneralizedForce::along_z(patch.body, EnergyAccount::Work));
         }
+        blocks.iter_mut().for_each(|block| block.reserve_memory(load.memory));
         let middles = hidden.faces().iter().map(|&f| CurrentFace::new(f, nodes).middle()).collect();
         SubroutineLoad { bodies, load, blocks, on_nodes, hidden, middles, first_hidden }
     }
@@ -106,6 +109,7 @@ impl SubroutineLoad {
             blocks.extend(of_body.chunks(MAX_BLOCK).map(|part| PointBlock::of_solids(&load, bodies.len(), part)));
             bodies.push(GeneralizedForce::along_z(of_body[0].0, EnergyAccount::Work));
         }
+        blocks.iter_mut().for_each(|block| block.reserve_memory(load.memory));
         let (hidden, middles) = (InteriorFaces::default(), Vec::new());
         SubroutineLoad { load, bodies, blocks, on_nodes, hidden, middles, first_hidden: 0 }
     }
@@ -178,8 +182,9 @@ impl Load for SubroutineLoad {
         VelocityUse::Reads
     }
 
+    /// Increments are not repeated for a load with memory, which counts its calls.
     fn may_begin_suddenly(&self) -> bool {
-        !self.bodies.is_empty()
+        !self.bodies.is_empty() && self.load.memory == 0
     }
 
     #[inline]
@@ -216,9 +221,12 @@ impl Load for SubroutineLoad {
 impl LoadOutput for SubroutineLoad {
     fn continue_from(&mut self, previous: &dyn Load) {
         let Some(previous) = (previous as &dyn Any).downcast_ref::<SubroutineLoad>() else { return };
-        for block in &mut self.blocks[..self.on_nodes] {
+        let (of_nodes, of_bodies) = self.blocks.split_at_mut(self.on_nodes);
+        for block in of_nodes {
             previous.blocks[..previous.on_nodes].iter().for_each(|known| block.continue_from(known));
         }
+        let known_bodies = &previous.blocks[previous.on_nodes..];
+        of_bodies.iter_mut().zip(known_bodies).for_each(|(block, known)| block.continue_points(known));
     }
 
     fn stiffness(&self) -> Option<&LoadStiffness> {

@@ -161,7 +161,7 @@ impl PointBlock {
     }
 
     pub(super) fn arrays(&self) -> Vec<(&'static str, usize)> {
-        let mut arrays = self.view.arrays().to_vec();
+        let mut arrays = self.view.arrays();
         arrays.push(("value", 8 * self.pressure_before.capacity()));
         arrays
     }
@@ -254,6 +254,18 @@ impl PointBlock {
         }
     }
 
+    /// Allocates the memory of the load.
+    pub(super) fn reserve_memory(&mut self, per_point: usize) {
+        self.view.reserve_memory(per_point);
+    }
+
+    /// Copies the memory of the points of a rigid body from the same block of the replaced load.
+    pub(super) fn continue_points(&mut self, previous: &PointBlock) {
+        if self.body() == previous.body() && self.view.pressure().len() == previous.view.pressure().len() {
+            (0..self.view.pressure().len()).for_each(|i| self.view.continue_memory(i, &previous.view, i));
+        }
+    }
+
     /// Copies the history of the faces that this block shares with a block of the replaced load.
     pub(super) fn continue_from(&mut self, previous: &PointBlock) {
         let SurfaceMap::Faces { skin, watch, .. } = &mut self.map else { return };
@@ -261,6 +273,7 @@ impl PointBlock {
         for (i, face) in skin.faces.iter().enumerate() {
             if let Some(at) = known.faces.iter().position(|f| f == face) {
                 watch.continue_from(i, before, at);
+                self.view.continue_memory(i, &previous.view, at);
             }
         }
     }

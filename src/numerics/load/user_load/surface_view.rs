@@ -1,5 +1,7 @@
 //! Arguments of a user load: position, normal and motion of the points, and the pressures that the subroutine writes.
 
+use std::cell::Cell;
+
 use super::UserLoadData;
 use crate::kernel::lists::heap_bytes;
 use crate::routines::{LoadFailure, LoadPoints, MAX_BLOCK, UserLoad};
@@ -12,7 +14,7 @@ use crate::state::magnitude::AmplitudeClock;
 #[derive(Clone, Debug, Persist)]
 // Motion is saved, because for some subroutines only the velocities are updated. The number of points follows from the
 // exposed faces.
-#[persist(fixed: coordinates, motion, pressure; derived: count, directions, normal_r, normal_z)]
+#[persist(fixed: coordinates, motion, pressure, memory; derived: count, per_point, directions, normal_r, normal_z)]
 pub(super) struct SurfaceView {
     count: usize,
     /// r of all points, z of all points, then NaN.
@@ -25,6 +27,9 @@ pub(super) struct SurfaceView {
     /// Pressures, with capacity for a whole block and one more entry, which detects a subroutine that writes past its
     /// points.
     pub(super) pressure: Vec<f64>,
+    /// Numbers that the load keeps, point by point, and their count per point.
+    memory: Vec<f64>,
+    per_point: usize,
 }
 
 /// Signalling NaN for a third coordinate or direction: its use, even in a comparison, raises a floating-point
@@ -44,6 +49,23 @@ impl SurfaceView {
             normal_r: slabs(1, 0.0),
             normal_z: slabs(1, 0.0),
             pressure: vec![f64::NAN; MAX_BLOCK + 1],
+            memory: Vec::new(),
+            per_point: 0,
+        }
+    }
+
+    /// Allocates the memory of the load.
+    pub(super) fn reserve_memory(&mut self, per_point: usize) {
+        self.memory = vec![0.0; per_point * self.normal_r.len()];
+        self.per_point = per_point;
+    }
+
+    /// Copies the memory of a point from a point of the load that this one replaces.
+    pub(super) fn continue_memory(&mut self, point: usize, previous: &SurfaceView, previous_point: usize) {
+        let numbers = |point: usize, view: &SurfaceView| point * view.per_point..(point + 1) * view.per_point;
+        if self.per_point == previous.per_point {
+            let own = numbers(point, self);
+            self.memory[own].copy_from_slice(&previous.memory[numbers(previous_point, previous)]);
         }
     }
 
@@ -92,15 +114,17 @@ impl SurfaceView {
     }
 
     /// Returns the names and sizes (bytes) of the arrays of a call.
-    pub(super) fn arrays(&self) -> [(&'static str, usize); 4] {
+    pub(super) fn arrays(&self) -> Vec<(&'static str, usize)> {
         let bytes = |list: &Vec<f64>| heap_bytes(list);
         let normals = bytes(&self.normal_r) + bytes(&self.normal_z);
-        [
+        let mut arrays = vec![
             ("curCoords", bytes(&self.coordinates)),
             ("velocity", bytes(&self.motion)),
             ("dirCos", bytes(&self.directions) + normals),
             ("value", bytes(&self.pressure)),
-        ]
+        ];
+        arrays.extend((self.per_point > 0).then(|| ("memory", bytes(&self.memory))));
+        arrays
     }
 
     pub(super) fn clear_pressure(&mut self) {
@@ -138,6 +162,7 @@ impl SurfaceView {
             coordinates: &self.coordinates[..3 * n],
             motion: &self.motion[..6 * n],
             directions: &self.directions[..9 * n],
+            memory: Cell::from_mut(&mut self.memory[..self.per_point * n]).as_slice_of_cells(),
         };
         let pressure = &mut self.pressure[..n];
         routine.pressure(&points, pressure)
@@ -181,11 +206,14 @@ impl SurfaceView {
         now: &Instant,
         failure: &LoadFailure,
     ) -> HaltReason {
-        let position_of = |i| (self.coordinates[i], self.coordinates[self.count + i]);
-        let point = failure.point.filter(|&i| i < self.count).map_or(String::new(), |i| {
-            let (r, z) = position_of(i);
+        let position_of = |i: usize| [self.coordinates[i], self.coordinates[self.count + i]];
+        let index = failure.point.filter(|&i| i < self.count);
+        let point = index.map_or(String::new(), |i| {
+            let [r, z] = position_of(i);
             format!(" at point {} (r = {r}, z = {z})", first + i + 1)
         });
-        failure.halt(&format!("the user load on `{}`{point}", load.name), now)
+        let mut halt = failure.halt(&format!("the user load on `{}`{point}", load.name), now);
+        halt.details_mut().place = index.map(position_of);
+        halt
     }
 }

@@ -465,8 +465,10 @@ fn user_load_description(
     let detail = format!("on {name}{}", amplitude_name(scene.model, load));
     let id = report.ledger_row(load.span, effect, count, "points", detail);
     let magnitude = magnitude(scene, load.magnitude, load.amplitude, report);
-    let reads_motion = routine.lock().as_deref_mut().is_some_and(|load| load.reads_motion());
-    Some(UserLoadData { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion })
+    let mut locked = routine.lock();
+    let reads_motion = locked.as_deref_mut().is_some_and(|load| load.reads_motion());
+    let memory = locked.as_deref_mut().map_or(0, |load| load.memory());
+    Some(UserLoadData { id, name: name.to_uppercase(), load_type, inward, magnitude, reads_motion, memory })
 }
 
 pub fn amplitude_name(model: &Model, load: &Load) -> String {

@@ -10,7 +10,7 @@ use crate::element::solid_groups::{Connectivity, GroupOptions, SolidMaterial, cr
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::levels::NestedTable;
 use crate::kernel::moduli::ElasticModuli;
-use crate::material::point_law::PointLaw;
+use crate::material::point_law::{PointLaw, PointLawData};
 use crate::material::user::SubroutineMaterial;
 use crate::material::user::description::{
     BuiltInPlasticity, FieldElasticity, MOST_DEPENDENCIES, UserMaterialData, YieldOverFields, YieldSource,
@@ -22,7 +22,7 @@ use crate::plan::solids::solid_material::{
     GroupInput, bulk_viscosity, control_rows, elastic_moduli, heating, hourglass_control, rate_factor, yield_stress,
 };
 use crate::plan::{Report, Scene};
-use crate::user::MaterialLaw;
+use crate::user::{MaterialLaw, PointQuantity};
 
 /// Returns whether a material is evaluated point by point, as for user subroutines and tables over field variables.
 pub fn calls_routines_at_points(material: &MaterialDefinition) -> bool {
@@ -129,8 +129,9 @@ pub fn law_group(
         (Some(density), Ok(moduli)) => {
             let hourglass = hourglass_control(input, moduli, report)?;
             let bulk_viscosity = bulk_viscosity(model, false);
+            let is_detailed = !law.uses().is_empty();
             let group = ElementConstants {
-                bulk: moduli.bulk,
+                bulk: if is_detailed { 0.0 } else { moduli.bulk },
                 shear: moduli.shear,
                 hourglass,
                 bulk_viscosity,
@@ -138,8 +139,17 @@ pub fn law_group(
                 by_area: false,
             };
             let stress = UserLaw::Stress(constants, "in Rust");
-            user_rows(input, &stress, connectivity.element_type(), &group, &PlasticHeating::None, report);
-            let law = SolidMaterial::Point(PointLaw { law, constants: constants.to_vec(), variables, delete });
+            let warms = model.is_adiabatic() || model.conducts_heat(section);
+            let heats = warms && law.uses().contains(&PointQuantity::Temperature);
+            let heating = if heats { heating(material, density) } else { PlasticHeating::None };
+            user_rows(input, &stress, connectivity.element_type(), &group, &heating, report);
+            let constants = constants.to_vec();
+            let data = PointLawData { law, constants, variables, delete, moduli, density, heating };
+            let law = if is_detailed {
+                SolidMaterial::DetailedPoint(PointLaw(data))
+            } else {
+                SolidMaterial::Point(PointLaw(data))
+            };
             return Some(create_group(law, GroupOptions::new(group, density), connectivity, nodes));
         }
     };
