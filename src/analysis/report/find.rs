@@ -1,15 +1,14 @@
 //! Collects the result files of a folder into the data of a report page.
 
 use std::collections::BTreeSet;
-use std::fmt::Display;
 use std::path::Path;
 
 use serde_json::Value;
 
 use super::data::{ColumnSummaryRow, ReportPage, ReportRun};
+use super::read::{in_file, json, text, verified_json, verified_text};
 use super::units::UnitNames;
 use super::{PageOptions, ReportError, balance, compare, frames, history, limits, search, study, sweep};
-use crate::deck::files;
 use crate::output::HISTORY;
 use crate::output::sums::Checksums;
 use crate::study::cases::{LOG, finished_table};
@@ -114,30 +113,6 @@ pub fn scene(folder: &Path, name: &str, sums: &Checksums) -> Result<Value, Strin
 fn file_names(folder: &Path) -> Result<Vec<String>, String> {
     let entries = in_file(folder, std::fs::read_dir(folder))?;
     Ok(entries.filter_map(|e| e.ok()?.file_name().into_string().ok()).collect())
-}
-
-/// Adds the path of a file to an error.
-pub(super) fn in_file<T>(path: &Path, result: Result<T, impl Display>) -> Result<T, String> {
-    result.map_err(|e| format!("{}: {e}", path.display()))
-}
-
-pub(super) fn text(path: &Path) -> Result<String, String> {
-    in_file(path, files::read_text(path))
-}
-
-/// Reads a file whose checksum, if it is listed, is right.
-pub(super) fn verified_text(path: &Path, sums: &Checksums) -> Result<String, String> {
-    sums.verify(path)?;
-    text(path)
-}
-
-fn json(path: &Path) -> Result<Value, String> {
-    in_file(path, serde_json::from_str(&text(path)?))
-}
-
-fn verified_json(path: &Path, sums: &Checksums) -> Result<Value, String> {
-    sums.verify(path)?;
-    json(path)
 }
 
 /// Returns whether a JSON file is the summary of a run.

@@ -7,8 +7,8 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
 use super::data::{MeridianFrames, PackedField};
-use super::find;
 use super::mesh::{DrawnMesh, bounds, drawn};
+use super::read;
 use super::units::UnitNames;
 use crate::deck::printable;
 use crate::kernel::stress::mises;
@@ -63,7 +63,7 @@ pub struct ScalarField {
 
 /// Reads the times and files of a series.
 pub fn series(pvd: &Path) -> Result<Vec<(f64, PathBuf)>, String> {
-    let text = find::text(pvd)?;
+    let text = read::text(pvd)?;
     let folder = pvd.parent().unwrap_or(Path::new(""));
     // Only files of the same folder are read, so that a foreign list cannot refer to other files.
     let entry = |tag: &str| {
@@ -90,10 +90,10 @@ pub fn read_arrays(
     sums: &Checksums,
     wanted: &dyn Fn(&str) -> bool,
 ) -> Result<FrameData, String> {
-    let text = find::verified_text(path, sums)?;
+    let text = read::verified_text(path, sums)?;
     let is_reference = text.contains(REFERENCE);
     let needed = |name: &str| name == BLANKING || name == "U" && is_reference || wanted(name);
-    let mesh = find::in_file(path, vtk_file::read(path, &needed))?;
+    let mesh = read::in_file(path, vtk_file::read(path, &needed))?;
     let is_field = |name: &str| name != BLANKING && !EntityLabels::is_name(name);
     let mut scalars = Vec::new();
     for (on_cells, arrays, count) in

@@ -14,7 +14,7 @@ use crate::variables::statistic::Statistic;
 use crate::variables::{VariableComponent, VariablePlace};
 
 use super::data::ColumnSummaryRow;
-use super::find::in_file;
+use super::read::in_file;
 use super::shorten;
 use super::units::UnitNames;
 

@@ -16,6 +16,7 @@ pub(crate) mod limits;
 pub mod meridian;
 mod mesh;
 pub mod picture;
+mod read;
 mod search;
 mod study;
 mod sweep;

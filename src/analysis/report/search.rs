@@ -6,7 +6,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::data::{ReportPicture, ReportSearch, ReportTable};
-use super::find::{in_file, verified_text};
+use super::read::{in_file, verified_text};
 use crate::output::sums::Checksums;
 use crate::study::table::digits;
 
