@@ -2,16 +2,16 @@
 
 use crate::deck::{Card, Diagnostic, Diagnostics, Parameter};
 
-/// Parameters of a keyword that have an effect only with another parameter; with words, only with one of the listed values.
-const NEEDED: &[(&str, &[&str], &str, &[&str])] = &[
-    ("AMPLITUDE", &["FIXED INTERVAL", "BEGIN"], "DEFINITION", &["EQUALLY SPACED"]),
-    ("AMPLITUDE", &["VARIABLES", "PROPERTIES"], "DEFINITION", &["USER"]),
-    ("CAVITY EXPANSION", &["STATIC", "TERMS", "WEIGHT", "RADIUS", "TENSION"], "DERIVE", &[]),
-    ("CHARACTERISTIC LENGTH", &["PROPERTIES"], "DEFINITION", &["USER"]),
-    ("OUTPUT", &["NAME"], "SENSOR", &[]),
-    ("PLASTIC", &["PROPERTIES"], "HARDENING", &["USER"]),
-    ("SECTION CONTROLS", &["WEIGHT FACTOR"], "HOURGLASS", &["COMBINED"]),
-    ("SURFACE", &["FILLET RADIUS"], "TYPE", &["SEGMENTS"]),
+/// Parameters of a keyword that have an effect only with another parameter, or only with one of its values.
+const NEEDED: &[(&str, &[&str], &str, &str)] = &[
+    ("AMPLITUDE", &["FIXED INTERVAL", "BEGIN"], "DEFINITION", "EQUALLY SPACED"),
+    ("AMPLITUDE", &["VARIABLES", "PROPERTIES"], "DEFINITION", "USER"),
+    ("CAVITY EXPANSION", &["STATIC", "TERMS", "WEIGHT", "RADIUS", "TENSION"], "DERIVE", ""),
+    ("CHARACTERISTIC LENGTH", &["PROPERTIES"], "DEFINITION", "USER"),
+    ("OUTPUT", &["NAME"], "SENSOR", ""),
+    ("PLASTIC", &["PROPERTIES"], "HARDENING", "USER"),
+    ("SECTION CONTROLS", &["WEIGHT FACTOR"], "HOURGLASS", "COMBINED"),
+    ("SURFACE", &["FILLET RADIUS"], "TYPE", "SEGMENTS"),
 ];
 
 /// Parameters of a keyword of which only one may be given.
@@ -34,15 +34,15 @@ const COMPATIBLE: &[[&str; 2]] = &[["SCALE FACTOR", "ELEMENT BY ELEMENT"], ["SCA
 /// Reports parameters without the parameter that they need, and parameters that exclude each other.
 pub(super) fn check_mates(card: &Card, diagnostics: &mut Diagnostics) {
     let given_parameter = |name: &str| card.parameter(name).filter(|_| card.has(name));
-    for (_, names, other, words) in NEEDED.iter().filter(|row| row.0 == card.keyword.name) {
-        let has_other = match words {
-            [] => card.has(other),
-            _ => card.value(other).is_some_and(|value| words.iter().any(|word| value.is(word))),
+    for (_, names, other, word) in NEEDED.iter().filter(|row| row.0 == card.keyword.name) {
+        let has_other = match *word {
+            "" => card.has(other),
+            word => card.value(other).is_some_and(|value| value.is(word)),
         };
         if has_other {
             continue;
         }
-        let needed = if words.is_empty() { (*other).to_owned() } else { format!("{other}={}", words.join(" or ")) };
+        let needed = if word.is_empty() { (*other).to_owned() } else { format!("{other}={word}") };
         for Parameter { name, span, .. } in names.iter().filter_map(|name| given_parameter(name)) {
             let message = format!("{name} of *{} has an effect only with {needed}", card.keyword.name);
             diagnostics.push(Diagnostic::error("M167", message).at(*span, "here").help("add it, or remove this one"));

@@ -26,12 +26,20 @@ pub(super) struct MeshGroups {
     points: Vec<[f64; 3]>,
     /// Point index by label; a later definition of a label replaces the earlier one.
     by_label: HashMap<i64, usize>,
-    cells: Vec<(i64, usize, Vec<i64>)>,
+    cells: Vec<LabelledCell>,
     /// Labels of the cells in each set.
     cell_sets: IndexMap<String, Vec<i64>>,
     node_sets: IndexMap<String, Vec<i64>>,
     /// Keywords of cards that were not read.
     pub(super) unread: Vec<String>,
+}
+
+/// A cell by labels, with its dimension.
+#[derive(Debug)]
+struct LabelledCell {
+    label: i64,
+    dimension: usize,
+    nodes: Vec<i64>,
 }
 
 impl MeshGroups {
@@ -46,7 +54,7 @@ impl MeshGroups {
     }
 
     pub(super) fn cell(&mut self, label: i64, dimension: usize, nodes: Vec<i64>, sets: &[String]) {
-        self.cells.push((label, dimension, nodes));
+        self.cells.push(LabelledCell { label, dimension, nodes });
         sets.iter().for_each(|set| self.add_cells(set, &[label]));
     }
 
@@ -61,18 +69,17 @@ impl MeshGroups {
     /// Returns the mesh. Cells of the highest dimension are its elements. Sets of other cells become node sets. With
     /// `all`, sets of elements also become node sets, and clockwise cells are reversed.
     pub(super) fn finish(mut self, all: bool) -> Result<MeshFile, String> {
-        let highest = self.cells.iter().map(|c| c.1).max().ok_or("it has no elements")?;
+        let highest = self.cells.iter().map(|c| c.dimension).max().ok_or("it has no elements")?;
         if highest > 2 {
             return Err("it has three-dimensional elements; mesh the r-z half plane instead".into());
         }
-        let nodes_of: HashMap<i64, (usize, &[i64])> =
-            self.cells.iter().map(|(label, dimension, nodes)| (*label, (*dimension, nodes.as_slice()))).collect();
+        let by_label: HashMap<i64, &LabelledCell> = self.cells.iter().map(|cell| (cell.label, cell)).collect();
         let mut element_sets: Vec<(String, Vec<i64>)> = Vec::new();
         for (name, labels) in std::mem::take(&mut self.cell_sets) {
-            let is_element = |l: &&i64| nodes_of.get(l).is_some_and(|c| c.0 == highest);
+            let is_element = |l: &&i64| by_label.get(l).is_some_and(|c| c.dimension == highest);
             let elements: Vec<i64> = labels.iter().filter(is_element).copied().collect();
             if all || elements.len() < labels.len() {
-                let nodes = labels.iter().filter_map(|l| nodes_of.get(l)).flat_map(|c| c.1).copied();
+                let nodes = labels.iter().filter_map(|l| by_label.get(l)).flat_map(|c| &c.nodes).copied();
                 self.node_sets.entry(name.clone()).or_default().extend(nodes);
             }
             if !elements.is_empty() {
@@ -80,10 +87,7 @@ impl MeshGroups {
             }
         }
         let (mut cells, mut labels) = (Vec::new(), Vec::new());
-        for (label, dimension, nodes) in &self.cells {
-            if *dimension < highest {
-                continue;
-            }
+        for LabelledCell { label, dimension, nodes } in self.cells.iter().filter(|c| c.dimension == highest) {
             let indices: Option<Vec<usize>> = nodes.iter().map(|n| self.by_label.get(n).copied()).collect();
             let mut cell = indices.ok_or_else(|| format!("element {label} refers to an undefined node"))?;
             // Corner nodes precede midside nodes.
