@@ -47,7 +47,8 @@ pub fn prepared() -> PreparedJob {
 fn run_part(folder: &std::path::Path, end: f64) -> Result<RunSummary, Box<dyn Error>> {
     let (prepared, signal) = (prepared(), AtomicUsize::new(0));
     let files = JobFiles { folder: folder.into(), name: "disc".into() };
-    let (from, _) = job::find_checkpoint(&prepared, &files, "", RestartRequirement::Whole).map_err(|why| why.message)?;
+    let (from, _) =
+        job::find_checkpoint(&prepared, &files, "", RestartRequirement::Whole).map_err(|why| why.message)?;
     let options = JobOptions { interrupt: Some(&signal), from, frames: FrameOutput::Absent, ..JobOptions::default() };
     let mut follow = |progress: &revolve::solve::Progress<'_>| {
         if progress.fraction >= end {

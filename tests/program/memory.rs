@@ -427,7 +427,7 @@ fn memory_of_a_run_per_element_is_small() {
             assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));
             let state = Some(std::mem::take(&mut prepared.state));
             let options = JobOptions { state, ..JobOptions::default() };
-            assert_eq!(job::run_with(&prepared, &files, options, &mut |_| {}).expect("a run").reason, None);
+            assert_eq!(job::run_with(&prepared, &files, options, &mut |_| {}).expect("a run").halt, None);
         });
         let bytes = counted.bytes_max / 90_000;
         println!("{increment:?}: at most {planned} bytes an element in planning, {bytes} in all");

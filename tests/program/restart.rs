@@ -946,7 +946,10 @@ fn interrupted(deck: &str, folder: &Path, settings: &[(&str, &str)], user: &str)
     let (signal, job) = (AtomicUsize::new(15), JobFiles { folder: folder.into(), name: "test".into() });
     let options = JobOptions { interrupt: Some(&signal), user: user.into(), ..JobOptions::default() };
     let summary = job::run_with(&prepared, &job, options, &mut |_| {}).expect("a run");
-    assert!(summary.interrupted && summary.halt.is_some_and(|halt| halt.to_string().starts_with("R207: interrupted by SIGTERM")));
+    assert!(
+        summary.interrupted
+            && summary.halt.is_some_and(|halt| halt.to_string().starts_with("R207: interrupted by SIGTERM"))
+    );
     job
 }
 

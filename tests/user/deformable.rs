@@ -92,7 +92,10 @@ fn user_displacement_is_total_over_steps() {
     }
     let failing = Routines::none().with_motion(GrowingMotion { until: 0.5 });
     let halt = common::run(&deck, &[], &failing).0.halt.expect("it halts");
-    assert!(halt.code() == "R201" && halt.message().contains("`I1` at node 3") && halt.message().contains("NaN"), "{halt:?}");
+    assert!(
+        halt.code() == "R201" && halt.message().contains("`I1` at node 3") && halt.message().contains("NaN"),
+        "{halt:?}"
+    );
 }
 
 /// A constant force per volume.

@@ -232,7 +232,10 @@ fn errors_are_located_and_missing_routines_named() {
         } else {
             "element 2"
         };
-        assert!(halt.code() == "R201" && halt.message().contains(words) && halt.message().contains(element), "{halt:?}");
+        assert!(
+            halt.code() == "R201" && halt.message().contains(words) && halt.message().contains(element),
+            "{halt:?}"
+        );
     }
     let refused = |material: &str, routines: &Routines| {
         let prepared = job::prepare_text("test.inp", &pulled(material, " S22\n"), &[], routines);

@@ -2,8 +2,8 @@
 
 use super::context::Context;
 use super::faults::{ValueCheck, require, require_line};
-use super::user_material::constants;
 use super::types::{EosKind, EquationOfState, MaterialDefinition};
+use super::user_material::constants;
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
 use crate::material::user_eos::EOS_TYPES;

@@ -400,7 +400,10 @@ impl<M: Material, B: CallingBlock<State = M::State>> CallingElements<'_, M, B> {
         let point = if B::POINTS > 1 { format!(", integration point {number}") } else { String::new() };
         let place = element.map_or(String::new(), |element| format!(" at element {element}{point}"));
         let halt = failure.halt(&format!("the user material `{name}`{place}"), now);
-        element.map_or_else(|| halt.clone(), |element| halt.clone().at_element(element))
+        match element {
+            Some(element) => halt.at_element(element),
+            None => halt,
+        }
     }
 
     /// Returns the largest moduli of all elements, from the response to fictitious strains at time zero, as in

@@ -55,7 +55,10 @@ impl UserLengthElements {
                     let place = element.map_or(String::new(), |n| format!(" at element {n}"));
                     let what = format!("the characteristic length of the material `{}`{place}", self.name);
                     let halt = failure.halt(&what, now);
-                    element.map_or_else(|| halt.clone(), |name| halt.clone().at_element(name))
+                    match element {
+                        Some(name) => halt.at_element(name),
+                        None => halt,
+                    }
                 })?;
                 let state = group.extensions().initial_state();
                 lengths.into_iter().enumerate().for_each(|(i, length)| state.set_length(first + i, point, length));

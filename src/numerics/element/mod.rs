@@ -3,6 +3,8 @@
 
 mod assumed;
 pub mod averaging;
+#[cfg(test)]
+mod battery;
 pub mod block;
 mod calls;
 pub mod cohesive;
@@ -34,8 +36,6 @@ pub mod record;
 pub mod removed;
 mod rescale;
 pub mod rings;
-#[cfg(test)]
-mod battery;
 #[cfg(test)]
 mod same_bits;
 pub mod shell;

@@ -16,9 +16,7 @@ use crate::kernel::lanes::LANES;
 use crate::material::eos::{IdealGas, Tabulated, UsUp};
 use crate::material::equation_of_state::EquationOfState;
 use crate::material::explosive::{DetonationPoint, HighExplosive, JwlProducts};
-use crate::material::failure::{
-    EvolutionLaw, FailureStrain, MaterialFailure, StrainCriterion, TensionCutoff,
-};
+use crate::material::failure::{EvolutionLaw, FailureStrain, MaterialFailure, StrainCriterion, TensionCutoff};
 use crate::material::foam::{FoamHardening, FoamMaterial};
 use crate::material::hyperelastic::HyperelasticMaterial;
 use crate::material::kinematic::KinematicHardening;

@@ -265,7 +265,7 @@ pub(super) fn advance_block(law: &impl LinearEos, energy: &mut Lanes, update: &m
 
 #[cfg(test)]
 mod tests {
-    use super::{LinearEos, EosLine, IdealGas, UsUp};
+    use super::{EosLine, IdealGas, LinearEos, UsUp};
 
     fn at(law: impl LinearEos, density: f64) -> EosLine {
         law.curve(density, 1.0 / density)

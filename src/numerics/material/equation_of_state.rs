@@ -4,7 +4,7 @@
 
 use super::BlockStart;
 use super::available::AvailableEnergy;
-use super::eos::{LinearEos, EosLine, IdealGas, Tabulated, UsUp, advance_block};
+use super::eos::{EosLine, IdealGas, LinearEos, Tabulated, UsUp, advance_block};
 use super::explosive::{BurnState, HighExplosive};
 use super::isentrope::{end_of_limited_tension, isentropic_work};
 use super::user_eos::UserEos;

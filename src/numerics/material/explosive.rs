@@ -2,7 +2,7 @@
 //! Guide, "Equation of state", JWL high explosive equation of state). Reactions driven by pressure are not modelled.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the other laws.
 
-use super::eos::{LinearEos, EosLine, advance, specific_volume};
+use super::eos::{EosLine, LinearEos, advance, specific_volume};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes};
 use crate::kernel::transcendental::exp_of;
 use crate::material::BlockStart;
@@ -152,7 +152,7 @@ carried_state!(BurnState { burnt, lit, pace });
 
 #[cfg(test)]
 mod tests {
-    use super::{LinearEos, EosLine, HighExplosive, JwlProducts};
+    use super::{EosLine, HighExplosive, JwlProducts, LinearEos};
 
     fn at(density: f64) -> EosLine {
         TNT.curve(density, 1.0 / density)

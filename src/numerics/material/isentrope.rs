@@ -1,6 +1,6 @@
 //! Work of isentropes: the largest work that a material can do from a state, without work or heat from outside.
 
-use super::eos::{LinearEos, EosLine, IdealGas};
+use super::eos::{EosLine, IdealGas, LinearEos};
 
 /// Increment of the logarithm of the volume along an isentrope, and the largest number of increments.
 const INCREMENT: f64 = 0.01;
@@ -93,7 +93,7 @@ impl IdealGas {
 #[cfg(test)]
 mod tests {
     use super::{end_of_limited_tension, isentropic_work};
-    use crate::material::eos::{LinearEos, IdealGas, UsUp};
+    use crate::material::eos::{IdealGas, LinearEos, UsUp};
 
     const AIR: IdealGas = IdealGas { gas_constant: 287.0, specific_heat: 717.5, ambient: 1e5, absolute_zero: 0.0 };
 

@@ -1,5 +1,7 @@
 //! Adapter from a material law in Rust (`revolve::user::MaterialLaw`) to a material.
 
+#![allow(clippy::needless_range_loop)] // Loops over lanes, with one array per quantity.
+
 use std::sync::Arc;
 
 use super::increment::{StrainIncrement, StressUpdate};
@@ -79,8 +81,8 @@ impl PointState {
 
     /// Sets the quantities that the law uses; `density` is the initial one.
     fn describe(&self, point: &mut MaterialPoint<'_>, strain: &StrainIncrement, density: f64, l: usize) {
-        let of = |list: &Vec<Lanes>| list.first().map_or(f64::NAN, |list| list[l]);
-        (point.temperature, point.energy) = (of(&self.temperature), of(&self.energy));
+        let value = |list: &Vec<Lanes>| list.first().map_or(f64::NAN, |list| list[l]);
+        (point.temperature, point.energy) = (value(&self.temperature), value(&self.energy));
         point.density = density / self.volume_ratio(l);
         point.place = strain.place.inline_map(|list| list[l]);
         point.spin = strain.spin[l];
@@ -191,8 +193,8 @@ impl<const DETAILED: bool> Material for PointLaw<DETAILED> {
                 }
             }
             // A ratio within rounding of 1 is set to 1.
-            let left = mises(new) / update.trial[l];
-            update.returned[l] = if left < 1.0 - 1e-12 { left } else { 1.0 };
+            let ratio = mises(new) / update.trial[l];
+            update.returned[l] = if ratio < 1.0 - 1e-12 { ratio } else { 1.0 };
             if law.delete.is_some_and(|delete| variables[l * law.variables + delete] == 0.0) {
                 state.deleted[l] = true;
                 update.deleted += 1;
@@ -252,7 +254,8 @@ impl<const DETAILED: bool> Material for PointLaw<DETAILED> {
 impl CarriedState for PointState {
     /// Moves the state variables, which are stored point by point.
     fn carry(&mut self, visit: &mut dyn FnMut(&mut Lanes)) {
-        let PointState { variables, deleted: _, volume: _, total_time: _, temperature, energy, moduli, deformation } = self;
+        let PointState { variables, deleted: _, volume: _, total_time: _, temperature, energy, moduli, deformation } =
+            self;
         [temperature, energy, moduli].into_iter().flatten().for_each(&mut *visit);
         deformation.iter_mut().for_each(|deformation| deformation.carry(visit));
         let count = variables.len() / LANES;

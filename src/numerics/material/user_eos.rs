@@ -21,9 +21,7 @@ type NewLaw = fn() -> Arc<dyn EosLaw>;
 
 /// Equations of state in Rust that `TYPE` of `*EOS` selects, after the other types. That of USER is registered by the program
 /// that uses the library.
-pub const EOS_TYPES: &[(&str, Option<NewLaw>)] = &[
-    ("USER", None),
-];
+pub const EOS_TYPES: &[(&str, Option<NewLaw>)] = &[("USER", None)];
 
 /// An equation of state in Rust with the constants of the deck.
 #[derive(Clone)]

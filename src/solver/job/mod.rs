@@ -33,8 +33,8 @@ use crate::overview::DeckOverview;
 use crate::plan::ledger::Ledger;
 use crate::plan::{self, Plan, State};
 use crate::solve::{
-    self, BodyExit, BodyRest, CheckpointInterval, Energy, HaltDetails, HaltReason, Instant, LOST, LimitsOverTime, Outcome, PenetrationSummary,
-    Progress, RunControl, RunPosition, Sink, SinkError, StepSummary, UnfitState,
+    self, BodyExit, BodyRest, CheckpointInterval, Energy, HaltDetails, HaltReason, Instant, LOST, LimitsOverTime,
+    Outcome, PenetrationSummary, Progress, RunControl, RunPosition, Sink, SinkError, StepSummary, UnfitState,
 };
 use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
@@ -663,19 +663,23 @@ pub fn run_with<'a>(
     let warn = options.warn.unwrap_or(&|_| {});
     let mut files =
         FileSink { job, frames, wanted: options.frames, status, history, identity, progress, warn, history_written };
-    let kept = options.from.as_ref().map(|c| &c.state[..]);
-    let control =
-        RunControl { every: options.every, interrupt: options.interrupt, state: kept, position: options.position };
+    let saved_state = options.from.as_ref().map(|c| &c.state[..]);
+    let control = RunControl {
+        every: options.every,
+        interrupt: options.interrupt,
+        state: saved_state,
+        position: options.position,
+    };
     let state = options.state.unwrap_or_else(|| prepared.state.clone());
     let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(checkpoint_mismatch)?;
-    let kept = outcome.checkpoint_seconds;
+    let checkpoint_seconds = outcome.checkpoint_seconds;
     let (sums, history_failed) = files.end();
     let FileSink { mut status, history, .. } = files;
     let mut summary = summarise(prepared, outcome, history);
     let forgotten = lost_state_notes(prepared, options.from.as_ref(), &summary.lost);
     summary.diagnostics.extend(forgotten.findings(&prepared.deck.sources));
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
-    summary.timing.checkpoint_seconds = (kept > 0.0).then_some(kept);
+    summary.timing.checkpoint_seconds = (checkpoint_seconds > 0.0).then_some(checkpoint_seconds);
     history_failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
     summary.halt.iter().for_each(|halt| status.note(&format!("***ERROR: {halt}")));
     status.note(&format!("THE ANALYSIS HAS {}", summary.status.to_uppercase()));

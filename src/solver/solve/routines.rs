@@ -98,10 +98,13 @@ impl SolverRun<'_> {
     /// Informs the subroutine that the analysis starts, when a run continues from a saved state. Its memory is then
     /// restored, because the call may have changed it.
     pub(super) fn resume_routines(&mut self) -> Result<(), HaltReason> {
-        let (action, kept) = (self.user.requested_action, std::mem::take(&mut self.user.restored_memory));
+        let (action, memory_of_checkpoint) =
+            (self.user.requested_action, std::mem::take(&mut self.user.restored_memory));
         self.report_moment(AnalysisMoment::StartAnalysis, 0.0)?;
         if let Some(memory) = self.plan.routines.memory.as_ref().filter(|_| self.user.routines.events.is_some()) {
-            memory.restore(&kept).map_err(|why| HaltReason::UserRoutine(HaltDetails::new(why.reason)))?;
+            memory
+                .restore(&memory_of_checkpoint)
+                .map_err(|why| HaltReason::UserRoutine(HaltDetails::new(why.reason)))?;
         }
         self.user.requested_action = action;
         Ok(())

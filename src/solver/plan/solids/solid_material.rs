@@ -18,8 +18,8 @@ use crate::material::failure::{
 };
 use crate::material::kinematic::KinematicHardening;
 use crate::material::kinematic_rate::RateKinematicHardening;
-use crate::material::user_eos::{EOS_TYPES, UserEos};
 use crate::material::plasticity::{PiecewiseLinearHardening, RateDependentHardening};
+use crate::material::user_eos::{EOS_TYPES, UserEos};
 use crate::model::{
     DamageEvolution, EosKind, FailureCriterion, HourglassMethod, MaterialDefinition, Model, PlasticityModel,
     RateDependence, SectionControls, SolidSection, StrainAtFailure,
@@ -257,12 +257,14 @@ fn law_with_equation_of_state(solid: &SolidProperties, report: &mut Report) -> O
             row(format!("{name}, {} constants", constants.len()));
             let registered = || report.routines.equation_of_state(&material.name).cloned();
             let Some(law) = law.map_or_else(registered, |create| Some(create())) else {
-                let message = format!("material `{}` has *EOS, TYPE=USER, but no law in Rust is registered", material.name);
+                let message =
+                    format!("material `{}` has *EOS, TYPE=USER, but no law in Rust is registered", material.name);
                 let finding = Diagnostic::error("P041", message).at(eos.span, "this equation of state");
                 return report.refuse(finding.help("register it with Routines::with_eos in a Rust program"));
             };
             if let Err(failure) = law.check(&constants) {
-                let message = format!("the law of material `{}` does not accept its constants: {failure}", material.name);
+                let message =
+                    format!("the law of material `{}` does not accept its constants: {failure}", material.name);
                 return report.refuse(Diagnostic::error("P041", message).at(eos.span, "this equation of state"));
             }
             let law = UserEos::new(law, constants, density);

@@ -139,7 +139,8 @@ pub fn law_group(
                 by_area: false,
             };
             let stress = UserLaw::Stress(constants, "in Rust");
-            let heats = law.uses().contains(&PointQuantity::Temperature) && (adiabatic(model) || conducts(model, section));
+            let heats =
+                law.uses().contains(&PointQuantity::Temperature) && (adiabatic(model) || conducts(model, section));
             let heating = if heats { heating(material, density) } else { PlasticHeating::None };
             user_rows(input, &stress, connectivity.element_type(), &group, &heating, report);
             let constants = constants.to_vec();
