@@ -163,13 +163,10 @@ impl VtuWriter {
     /// components that are zero in a body of revolution. VTK's filters then recognise both: XX, YY, ZZ, XY, YZ, XZ.
     fn field(&mut self, field: &FieldArray, out: &mut dyn Write) -> io::Result<()> {
         let tensor = field.components == 4 && field.component_names.last().is_some_and(|name| name.ends_with("12"));
-        let padded = field.components == 2 || tensor;
-        let components = if tensor {
-            6
-        } else if padded {
-            3
-        } else {
-            field.components
+        let components = match field.components {
+            4 if tensor => 6,
+            2 => 3,
+            count => count,
         };
         let mut attributes = String::new();
         if components > 1 {
@@ -186,8 +183,8 @@ impl VtuWriter {
             let _ = write!(attributes, " ComponentName4=\"{name}23\" ComponentName5=\"{name}13\"");
         }
         let name = escape(&field.name);
-        if padded {
-            let more = components - field.components;
+        let more = components - field.components;
+        if more > 0 {
             let values = field.values.chunks_exact(field.components);
             let values = values.flat_map(|v| v.iter().copied().chain(std::iter::repeat_n(0.0, more)));
             self.array("Float64", &name, &attributes, values.flat_map(f64::to_le_bytes));

@@ -1,55 +1,33 @@
 //! Conversion of `file:` URIs to paths and back.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
+
+/// Characters that are written by their number.
+const ENCODED: &AsciiSet =
+    &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~').remove(b'/').remove(b':');
 
 /// Returns the path of a `file:` URI; `None` for other schemes. The drive letter of Windows has no slash before it.
 pub fn path_of_uri(uri: &str) -> Option<PathBuf> {
     let location = uri.strip_prefix("file://")?;
     let path_start = location.find('/')?;
     let (host, path) = location.split_at(path_start);
-    let path = String::from_utf8(decoded(path)).ok()?;
+    let path = percent_decode_str(path).decode_utf8().ok()?;
     let drive = path.as_bytes().get(1).is_some_and(u8::is_ascii_alphabetic) && path.as_bytes().get(2) == Some(&b':');
     Some(match host {
         "" | "localhost" if drive => PathBuf::from(&path[1..]),
-        "" | "localhost" => PathBuf::from(path),
+        "" | "localhost" => PathBuf::from(path.into_owned()),
         host => PathBuf::from(format!("//{host}{path}")),
     })
-}
-
-fn decoded(path: &str) -> Vec<u8> {
-    let bytes = path.as_bytes();
-    let (mut out, mut i) = (Vec::with_capacity(bytes.len()), 0);
-    while i < bytes.len() {
-        let hex = bytes.get(i + 1..i + 3).and_then(|two| std::str::from_utf8(two).ok());
-        match hex.and_then(|two| u8::from_str_radix(two, 16).ok()).filter(|_| bytes[i] == b'%') {
-            Some(byte) => {
-                out.push(byte);
-                i += 3;
-            }
-            None => {
-                out.push(bytes[i]);
-                i += 1;
-            }
-        }
-    }
-    out
 }
 
 /// Returns the `file:` URI of an absolute path.
 pub fn uri_of_path(path: &Path) -> String {
     let text = path.to_string_lossy().replace('\\', "/");
     let text = text.strip_prefix("//?/").unwrap_or(&text);
-    let mut uri = String::from(if text.starts_with('/') { "file://" } else { "file:///" });
-    for byte in text.bytes() {
-        match byte {
-            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' | b':' => {
-                uri.push(char::from(byte))
-            }
-            _ => drop(write!(uri, "%{byte:02X}")),
-        }
-    }
-    uri
+    let scheme = if text.starts_with('/') { "file://" } else { "file:///" };
+    format!("{scheme}{}", utf8_percent_encode(text, ENCODED))
 }
 
 #[cfg(test)]

@@ -14,8 +14,8 @@ use crate::state::dofs::Dofs;
 /// A linear equation, `sum of c u = 0`, between degrees of freedom of nodes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NodalEquation {
-    /// Node, axis (0 along r, 1 along z) and coefficient of each term.
-    pub terms: Vec<(usize, usize, f64)>,
+    /// Degree of freedom (node; axis, 0 along r and 1 along z) and coefficient of each term.
+    pub terms: Vec<((usize, usize), f64)>,
     /// Whether the equation is dropped, instead of an error, if it depends linearly on others.
     pub is_redundant: bool,
 }
@@ -26,15 +26,15 @@ impl NodalEquation {
     /// # Panics
     /// If the equation has no terms.
     pub fn dependent(&self) -> (usize, usize) {
-        (self.terms[0].0, self.terms[0].1)
+        self.terms[0].0
     }
 
     /// Adds the terms of another equation, multiplied by a factor.
-    pub fn add(&mut self, terms: &[(usize, usize, f64)], factor: f64) {
-        for &(node, axis, c) in terms {
-            match self.terms.iter_mut().find(|t| (t.0, t.1) == (node, axis)) {
-                Some(term) => term.2 += factor * c,
-                None => self.terms.push((node, axis, factor * c)),
+    pub fn add(&mut self, terms: &[((usize, usize), f64)], factor: f64) {
+        for &(dof, c) in terms {
+            match self.terms.iter_mut().find(|term| term.0 == dof) {
+                Some(term) => term.1 += factor * c,
+                None => self.terms.push((dof, factor * c)),
             }
         }
     }
@@ -79,7 +79,8 @@ pub enum LinkConflict {
 #[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(fixed: systems, followers)]
 pub struct LinkSystem {
-    pub(super) systems: Vec<EquationSystem>,
+    /// Independent systems, groups of nodes with equal motion included.
+    pub systems: Vec<EquationSystem>,
     pub(super) followers: Vec<MasslessFollower>,
 }
 
@@ -100,7 +101,7 @@ struct FollowerTerm {
     axis: usize,
     weight: f64,
     /// Whether the motion is prescribed.
-    given: bool,
+    is_prescribed: bool,
 }
 
 /// Terms of an equation: index of the unknown, coefficient.
@@ -134,16 +135,6 @@ impl LinkSystem {
         let followers = followers.into_iter().map(|f| f.over_nodes(&unknowns, mass)).collect();
         Ok(LinkSystem { systems, followers })
     }
-
-    /// Returns the systems; they share no unknowns.
-    pub fn systems(&mut self) -> &mut [EquationSystem] {
-        &mut self.systems
-    }
-
-    /// Returns the number of independent systems, groups of nodes with equal motion included.
-    pub fn count(&self) -> usize {
-        self.systems.len()
-    }
 }
 
 /// Unknowns collected while the equations are read.
@@ -159,21 +150,21 @@ impl UnknownBuilder<'_> {
     fn add_merged(&mut self, group: &MergedDofs) -> Result<(), LinkConflict> {
         let axis = group.axis;
         let is_given = |n: &&usize| self.given.all.contains(&(**n, axis));
-        let given: Vec<usize> = group.nodes.iter().filter(is_given).copied().collect();
+        let prescribed: Vec<usize> = group.nodes.iter().filter(is_given).copied().collect();
         let is_held = |n: &usize| self.given.held.contains(&(*n, axis));
-        if given.len() > 1 && !given.iter().all(is_held) {
-            return Err(LinkConflict::ConflictingMotions([given[0], given[1]], axis));
+        if prescribed.len() > 1 && !prescribed.iter().all(is_held) {
+            return Err(LinkConflict::ConflictingMotions([prescribed[0], prescribed[1]], axis));
         }
         let mut members = group.nodes.clone();
-        if let Some(&leader) = given.first() {
-            members.retain(|n| !given.contains(n));
+        if let Some(&leader) = prescribed.first() {
+            members.retain(|n| !prescribed.contains(n));
             members.insert(0, leader);
         }
         let index = self.unknowns.len();
         group.nodes.iter().for_each(|&n| {
             self.places.insert((n, axis), index);
         });
-        self.add(members, axis, !given.is_empty());
+        self.add(members, axis, !prescribed.is_empty());
         Ok(())
     }
 
@@ -186,7 +177,7 @@ impl UnknownBuilder<'_> {
 
     fn row(&mut self, equation: &NodalEquation) -> EquationRow {
         let mut row = EquationRow::new();
-        for &(node, axis, c) in &equation.terms {
+        for &((node, axis), c) in &equation.terms {
             let index = match self.places.get(&(node, axis)) {
                 Some(&index) => index,
                 None => {
@@ -231,8 +222,8 @@ fn eliminate_massless(unknowns: &[EquationUnknown], rows: &mut [Option<EquationR
             continue;
         };
         let Some(pivot) = rows[at].take() else { continue };
-        let own = coefficient(&pivot);
-        let terms: EquationRow = pivot.iter().filter(|t| t.0 != x).map(|&(f, c)| (f, -c / own)).collect();
+        let pivot_coefficient = coefficient(&pivot);
+        let terms: EquationRow = pivot.iter().filter(|t| t.0 != x).map(|&(f, c)| (f, -c / pivot_coefficient)).collect();
         for row in rows.iter_mut().flatten() {
             let c = coefficient(row);
             if c != 0.0 {
@@ -274,14 +265,14 @@ fn systems(
             continue;
         }
         let mut members = vec![first];
-        let mut at = 0;
-        while at < members.len() {
-            let own = rows[members[at]].iter().flatten();
+        let mut next_member = 0;
+        while next_member < members.len() {
+            let terms = rows[members[next_member]].iter().flatten();
             let next: Vec<usize> =
-                sorted_unique(own.flat_map(|t| &rows_of_unknown[t.0]).copied().filter(|&e| !taken[e]));
+                sorted_unique(terms.flat_map(|t| &rows_of_unknown[t.0]).copied().filter(|&e| !taken[e]));
             next.iter().for_each(|&e| taken[e] = true);
             members.extend(next);
-            at += 1;
+            next_member += 1;
         }
         systems.push(system(unknowns, rows, &members, equations)?);
     }
@@ -301,19 +292,19 @@ fn system(
 ) -> Result<EquationSystem, DependentEquation> {
     let mut places: HashMap<usize, usize> = HashMap::new();
     let mut unknowns = Vec::new();
-    let mut own = Vec::with_capacity(members.len());
+    let mut member_rows = Vec::with_capacity(members.len());
     for &member in members {
         let mut row = EquationRow::new();
         for &(f, c) in rows[member].iter().flatten() {
-            let place = *places.entry(f).or_insert(unknowns.len());
-            if place == unknowns.len() {
+            let index = *places.entry(f).or_insert(unknowns.len());
+            if index == unknowns.len() {
                 unknowns.push(all[f].clone());
             }
-            row.push((place, c));
+            row.push((index, c));
         }
-        own.push(row);
+        member_rows.push(row);
     }
-    EquationSystem::new(unknowns, own, members, members.iter().map(|&m| equations[m].is_redundant).collect())
+    EquationSystem::new(unknowns, member_rows, members, members.iter().map(|&m| equations[m].is_redundant).collect())
 }
 
 impl MasslessUnknown {
@@ -322,10 +313,10 @@ impl MasslessUnknown {
         let EquationUnknown { members, axis, .. } = unknowns[self.unknown].clone();
         let term = |&(f, weight): &(usize, f64)| {
             let unknown = &unknowns[f];
-            let given = unknown.inverse_mass == 0.0;
+            let is_prescribed = unknown.inverse_mass == 0.0;
             let heavy = unknown.members.iter().copied().find(|&n| mass[n] > 0.0);
-            let node = heavy.filter(|_| !given).unwrap_or(unknown.members[0]);
-            FollowerTerm { node, axis: unknown.axis, weight, given }
+            let node = heavy.filter(|_| !is_prescribed).unwrap_or(unknown.members[0]);
+            FollowerTerm { node, axis: unknown.axis, weight, is_prescribed }
         };
         // An unknown whose motion nothing determines contributes nothing.
         let moving = self.terms.iter().filter(|t| unknowns[t.0].inverse_mass.is_finite());
@@ -340,7 +331,7 @@ impl MasslessFollower {
         if self.load == 0.0 {
             return;
         }
-        for t in self.terms.iter().filter(|t| !t.given) {
+        for t in self.terms.iter().filter(|t| !t.is_prescribed) {
             let inverse = dofs.nodes.inverse_mass[t.node];
             dofs.nodes.acceleration[t.node][t.axis] += t.weight * self.load * inverse;
         }
@@ -351,19 +342,19 @@ impl MasslessFollower {
 
     /// Sets the acceleration of the node from those of the nodes that it follows.
     pub fn accelerate(&self, dofs: &mut Dofs) {
-        let own = self.terms.iter().map(|t| t.weight * dofs.nodes.acceleration[t.node][t.axis]).sum();
-        self.members.iter().for_each(|&n| dofs.nodes.acceleration[n][self.axis] = own);
+        let acceleration = self.terms.iter().map(|t| t.weight * dofs.nodes.acceleration[t.node][t.axis]).sum();
+        self.members.iter().for_each(|&n| dofs.nodes.acceleration[n][self.axis] = acceleration);
     }
 
     /// Sets the velocity of the node from those of the nodes that it follows, and adds the work of prescribed motions
     /// against its load.
     pub fn follow_velocity(&self, dofs: &mut Dofs, dt: f64, half: f64) {
-        let own: f64 = self.terms.iter().map(|t| t.weight * *dofs.nodes[t.node].velocity(t.axis)).sum();
+        let velocity: f64 = self.terms.iter().map(|t| t.weight * *dofs.nodes[t.node].velocity(t.axis)).sum();
         for &n in &self.members {
-            let change = own - *dofs.nodes[n].velocity(self.axis);
-            change_velocity(dofs, n, self.axis, change, dt, half);
+            let change = velocity - *dofs.nodes[n].velocity(self.axis);
+            change_velocity(&mut dofs.nodes, (n, self.axis), change, dt, half);
         }
-        for t in self.terms.iter().filter(|t| t.given) {
+        for t in self.terms.iter().filter(|t| t.is_prescribed) {
             let new = *dofs.nodes[t.node].velocity(t.axis);
             let old = new - half * dofs.nodes.acceleration[t.node][t.axis];
             dofs.energies.external -= 0.5 * (old + new) * half * t.weight * self.load;
@@ -372,13 +363,13 @@ impl MasslessFollower {
 
     /// Returns the part of the load that acts on a degree of freedom with a prescribed motion.
     pub fn constraint_force(&self, node: usize, axis: usize) -> f64 {
-        let own = self.terms.iter().filter(|t| t.given && (t.node, t.axis) == (node, axis));
-        own.map(|t| t.weight * self.load).sum()
+        let terms = self.terms.iter().filter(|t| t.is_prescribed && (t.node, t.axis) == (node, axis));
+        terms.map(|t| t.weight * self.load).sum()
     }
 
     /// Returns whether a part of the load acts on a degree of freedom with a prescribed motion.
     pub fn loads(&self, node: usize, axis: usize) -> bool {
-        self.terms.iter().any(|t| t.given && (t.node, t.axis) == (node, axis))
+        self.terms.iter().any(|t| t.is_prescribed && (t.node, t.axis) == (node, axis))
     }
 }
 
@@ -388,8 +379,9 @@ mod tests {
     use crate::state::dofs::Dofs;
     use crate::state::nodes::{Node, Nodes};
 
-    fn equation(terms: &[(usize, usize, f64)]) -> NodalEquation {
-        NodalEquation { terms: terms.to_vec(), is_redundant: false }
+    /// Returns an equation between displacements of nodes along z.
+    fn equation(terms: &[(usize, f64)]) -> NodalEquation {
+        NodalEquation { terms: terms.iter().map(|&(node, c)| ((node, 1), c)).collect(), is_redundant: false }
     }
 
     fn bonds(equations: &[NodalEquation], alike: &[MergedDofs], mass: &[f64]) -> Result<LinkSystem, LinkConflict> {
@@ -404,57 +396,58 @@ mod tests {
             dofs.nodes.forces[0][n] = [0.0, *f];
             dofs.nodes.acceleration[n] = [0.0, f * dofs.nodes.inverse_mass[n]];
         }
-        let mut kept = super::super::equation::EquationConstraint::new(0, bonds(equations, alike, mass).expect("kept"));
+        let mut constraint =
+            super::super::equation::EquationConstraint::new(0, bonds(equations, alike, mass).expect("kept"));
         let clock = crate::state::magnitude::AmplitudeClock { now: Default::default(), user_amplitudes: &[] };
-        crate::constraint::Constraint::accelerations(&mut kept, &mut dofs, &clock);
+        crate::constraint::Constraint::accelerations(&mut constraint, &mut dofs, &clock);
         dofs.nodes.acceleration.iter().map(|a| a[1]).collect()
     }
 
     #[test]
     fn dependent_equations_are_errors_unless_redundant() {
-        let pair = |a: f64, b: f64| equation(&[(0, 1, a), (1, 1, b)]);
+        let pair = |a: f64, b: f64| equation(&[(0, a), (1, b)]);
         let mass = [1.0, 2.0];
-        assert_eq!(bonds(&[pair(1.0, -1.0)], &[], &mass).map(|b| b.count()), Ok(1));
+        assert_eq!(bonds(&[pair(1.0, -1.0)], &[], &mass).map(|b| b.systems.len()), Ok(1));
         let twice = LinkConflict::Dependent(DependentEquation { equation: 1, follows_from: vec![0] });
-        assert_eq!(bonds(&[pair(1.0, -1.0), pair(2.0, -2.0)], &[], &mass).map(|b| b.count()), Err(twice));
+        assert_eq!(bonds(&[pair(1.0, -1.0), pair(2.0, -2.0)], &[], &mass).map(|b| b.systems.len()), Err(twice));
         let spare = NodalEquation { is_redundant: true, ..pair(2.0, -2.0) };
-        assert_eq!(bonds(&[pair(1.0, -1.0), spare], &[], &mass).map(|b| b.count()), Ok(1));
+        assert_eq!(bonds(&[pair(1.0, -1.0), spare], &[], &mass).map(|b| b.systems.len()), Ok(1));
     }
 
     #[test]
     fn chained_equations_share_one_acceleration() {
-        let equal = |a: usize, b: usize| equation(&[(a, 1, 1.0), (b, 1, -1.0)]);
+        let equal = |a: usize, b: usize| equation(&[(a, 1.0), (b, -1.0)]);
         let chain = [equal(0, 1), equal(1, 2)];
-        assert_eq!(bonds(&chain, &[], &[1.0, 2.0, 3.0]).map(|b| b.count()), Ok(1));
+        assert_eq!(bonds(&chain, &[], &[1.0, 2.0, 3.0]).map(|b| b.systems.len()), Ok(1));
         // The common acceleration is the total force over the total mass, 1.
-        let found = accelerations(&chain, &[], &[1.0, 2.0, 3.0], &[6.0, 0.0, 0.0]);
-        assert!(found.iter().all(|a| (a - 1.0).abs() < 1e-14), "{found:?}");
+        let result = accelerations(&chain, &[], &[1.0, 2.0, 3.0], &[6.0, 0.0, 0.0]);
+        assert!(result.iter().all(|a| (a - 1.0).abs() < 1e-14), "{result:?}");
         // The same for nodes with equal motion; the force acts on the one without mass.
         let alike = [MergedDofs { nodes: vec![3, 0, 1, 2], axis: 1 }];
-        let found = accelerations(&[], &alike, &[1.0, 2.0, 3.0, 0.0], &[0.0, 0.0, 0.0, 6.0]);
-        assert!(found.iter().all(|a| (a - 1.0).abs() < 1e-14), "{found:?}");
+        let result = accelerations(&[], &alike, &[1.0, 2.0, 3.0, 0.0], &[0.0, 0.0, 0.0, 6.0]);
+        assert!(result.iter().all(|a| (a - 1.0).abs() < 1e-14), "{result:?}");
     }
 
     /// A lever without mass, u2 = (u0 + 2 u1) / 3: the load is distributed to the ends with these weights.
     #[test]
     fn massless_nodes_transfer_their_load() {
-        let lever = [equation(&[(2, 1, 3.0), (0, 1, -1.0), (1, 1, -2.0)])];
-        let found = accelerations(&lever, &[], &[1.0, 4.0, 0.0], &[0.0, 0.0, 3.0]);
-        assert_eq!(found, [1.0, 0.5, (1.0 + 2.0 * 0.5) / 3.0]);
+        let lever = [equation(&[(2, 3.0), (0, -1.0), (1, -2.0)])];
+        let result = accelerations(&lever, &[], &[1.0, 4.0, 0.0], &[0.0, 0.0, 3.0]);
+        assert_eq!(result, [1.0, 0.5, (1.0 + 2.0 * 0.5) / 3.0]);
         // Two equations for the massless node leave the equation u0 = u1, and the load acts on both.
-        let both = [equation(&[(2, 1, 1.0), (0, 1, -1.0)]), equation(&[(2, 1, 1.0), (1, 1, -1.0)])];
-        let found = accelerations(&both, &[], &[1.0, 4.0, 0.0], &[0.0, 0.0, 5.0]);
-        assert!(found.iter().all(|a| (a - 1.0).abs() < 1e-14), "{found:?}");
+        let both = [equation(&[(2, 1.0), (0, -1.0)]), equation(&[(2, 1.0), (1, -1.0)])];
+        let result = accelerations(&both, &[], &[1.0, 4.0, 0.0], &[0.0, 0.0, 5.0]);
+        assert!(result.iter().all(|a| (a - 1.0).abs() < 1e-14), "{result:?}");
     }
 
     #[test]
     fn conflicting_motions_of_merged_nodes_are_errors() {
         let alike = [MergedDofs { nodes: vec![0, 1], axis: 1 }];
-        let mut given = PrescribedDofs { all: [(0, 1), (1, 1)].into(), held: [(0, 1)].into() };
-        let conflict = LinkSystem::new(&[], &alike, &[1.0, 1.0], &given).map(|b| b.count());
+        let mut prescribed = PrescribedDofs { all: [(0, 1), (1, 1)].into(), held: [(0, 1)].into() };
+        let conflict = LinkSystem::new(&[], &alike, &[1.0, 1.0], &prescribed).map(|b| b.systems.len());
         assert_eq!(conflict, Err(LinkConflict::ConflictingMotions([0, 1], 1)));
         // If both are fixed, no equation remains.
-        given.held.insert((1, 1));
-        assert_eq!(LinkSystem::new(&[], &alike, &[1.0, 1.0], &given).map(|b| b.count()), Ok(0));
+        prescribed.held.insert((1, 1));
+        assert_eq!(LinkSystem::new(&[], &alike, &[1.0, 1.0], &prescribed).map(|b| b.systems.len()), Ok(0));
     }
 }

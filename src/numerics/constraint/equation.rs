@@ -7,7 +7,7 @@
 //! their total mass and force. Nodes without mass follow the others ([`super::bonds`]).
 
 use super::bonds::LinkSystem;
-use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, StoredConstraint};
+use super::{Constraint, ConstraintForces, StoredConstraint};
 use crate::kernel::lists::{Memory, MemoryUse};
 use crate::state::EffectId;
 use crate::state::archive::{Persist, StateArchive};
@@ -67,18 +67,16 @@ impl Constraint for EquationConstraint {
         self.hold_velocities(dofs, dt, half);
     }
 
-    fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
-        Some(self)
+    fn moves_nodes(&self) -> bool {
+        true
     }
 
-    fn view(&self) -> ConstraintView<'_> {
-        ConstraintView { moves_nodes: true, forces: Some(self), ..ConstraintView::default() }
-    }
-}
-
-impl ConstraintUpkeep for EquationConstraint {
     fn masses_changed(&mut self, _node: usize, _gained: [f64; 2]) {
         self.has_new_masses = true;
+    }
+
+    fn forces(&self) -> Option<&dyn ConstraintForces> {
+        Some(self)
     }
 }
 

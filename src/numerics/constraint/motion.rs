@@ -1,15 +1,14 @@
 //! Prescribed motions (`*BOUNDARY`) of rigid bodies along z and of nodes along r and z.
 
-use std::any::Any;
 use std::collections::HashMap;
 
-use super::{Constraint, ConstraintForces, ConstraintUpkeep, ConstraintView, NodeRelation, StoredConstraint};
+use super::{Constraint, ConstraintForces, NodeRelation, StoredConstraint};
 use crate::kernel::lists::Memory;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::IncrementLimit;
-use crate::state::magnitude::{AmplitudeClock, Magnitude, TimeFunction};
+use crate::state::magnitude::{AmplitudeClock, Magnitude};
 
 /// The quantity that a motion prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,18 +93,8 @@ struct NodeMotion {
 }
 
 impl PrescribedMotion {
-    /// Prescribes the same magnitude for all of `dofs`.
-    pub fn new(id: EffectId, kind: PrescribedQuantity, magnitude: Magnitude, dofs: &[Dof]) -> Self {
-        PrescribedMotion::of(id, kind, vec![magnitude], dofs)
-    }
-
-    /// Prescribes a user amplitude for each of `dofs`; `first` is the index of the first one.
-    pub fn from_user_amplitudes(id: EffectId, kind: PrescribedQuantity, first: usize, dofs: &[Dof]) -> Self {
-        let magnitude = |i| Magnitude { value: 1.0, shape: TimeFunction::Sampled(first + i) };
-        PrescribedMotion::of(id, kind, (0..dofs.len()).map(magnitude).collect(), dofs)
-    }
-
-    fn of(id: EffectId, kind: PrescribedQuantity, magnitudes: Vec<Magnitude>, dofs: &[Dof]) -> Self {
+    /// Prescribes one magnitude for all of `dofs`, or one for each: bodies first, then nodes.
+    pub fn new(id: EffectId, kind: PrescribedQuantity, magnitudes: Vec<Magnitude>, dofs: &[Dof]) -> Self {
         let (mut bodies, mut nodes) = (Vec::new(), Vec::new());
         for &dof in dofs {
             match dof {
@@ -116,6 +105,24 @@ impl PrescribedMotion {
             }
         }
         PrescribedMotion { id, kind, magnitudes, bodies, nodes, has_begun: false }
+    }
+
+    /// Corrects velocities of rigid bodies at the current instant.
+    pub fn velocities(&self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>) {
+        for (i, motion) in self.bodies.iter().enumerate() {
+            let body = &mut dofs.bodies[motion.body];
+            body.velocity = self.kind.rates(magnitude(&self.magnitudes, i), clock, body.velocity)[0];
+        }
+    }
+
+    /// Returns node and axis of each motion of a node.
+    pub(super) fn node_axes(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.nodes.iter().map(|motion| (motion.node, motion.axis))
+    }
+
+    /// Returns the force of elements and loads on a degree of freedom of a node; `None` if its motion is not prescribed.
+    pub fn free_force(&self, dof: Dof) -> Option<f64> {
+        self.index_of(dof).map(|index| self.nodes[index].force)
     }
 
     /// Returns whether it prescribes a zero displacement or a zero velocity.
@@ -159,13 +166,13 @@ impl Constraint for PrescribedMotion {
             body.reaction = body.mass * body.acceleration - body.force;
         }
         let (nodes, energies) = (&mut dofs.nodes, &mut dofs.energies);
-        let (moved, behind) = (nodes.work_pending, nodes.previous_dt);
+        let (moved, previous_dt) = (nodes.work_pending, nodes.previous_dt);
         for motion in &mut self.nodes {
             let mass = nodes.mass[motion.node];
             let velocity = *nodes[motion.node].velocity(motion.axis);
             let acceleration = &mut nodes.acceleration[motion.node][motion.axis];
             // The pass over nodes took the kinetic energy with the unconstrained acceleration.
-            let taken = 0.5 * mass * velocity * (velocity + behind * *acceleration);
+            let taken = 0.5 * mass * velocity * (velocity + previous_dt * *acceleration);
             let kinetic = 0.5 * mass * velocity * velocity;
             energies.kinetic += kinetic - taken;
             let force = mass * *acceleration;
@@ -175,13 +182,6 @@ impl Constraint for PrescribedMotion {
             }
             (motion.force, motion.kinetic, motion.travel) = (force, kinetic, 0.0);
             *acceleration = 0.0;
-        }
-    }
-
-    fn velocities(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>) {
-        for (i, motion) in self.bodies.iter().enumerate() {
-            let body = &mut dofs.bodies[motion.body];
-            body.velocity = self.kind.rates(magnitude(&self.magnitudes, i), clock, body.velocity)[0];
         }
     }
 
@@ -218,25 +218,20 @@ impl Constraint for PrescribedMotion {
         self.magnitudes.iter().map(|m| m.limit(clock)).fold(IncrementLimit::NONE, IncrementLimit::earlier)
     }
 
-    fn view(&self) -> ConstraintView<'_> {
-        ConstraintView { forces: Some(self), ..ConstraintView::default() }
+    /// Excludes the gained kinetic energy from the work of the motion, which is computed from changes of kinetic
+    /// energy.
+    fn masses_changed(&mut self, node: usize, gained: [f64; 2]) {
+        for motion in self.nodes.iter_mut().filter(|m| m.node == node) {
+            motion.kinetic += gained[motion.axis];
+        }
     }
 
-    fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
+    fn forces(&self) -> Option<&dyn ConstraintForces> {
         Some(self)
     }
 }
 
 impl ConstraintForces for PrescribedMotion {
-    fn prescribed(&self) -> Vec<(usize, usize)> {
-        self.nodes.iter().map(|m| (m.node, m.axis)).collect()
-    }
-
-    fn free_force(&self, dof: Dof) -> Option<f64> {
-        let own = |m: &&NodeMotion| Dof::Node(m.node, m.axis) == dof;
-        self.nodes.iter().find(own).map(|m| m.force)
-    }
-
     fn index_of(&self, dof: Dof) -> Option<usize> {
         self.nodes.iter().position(|m| Dof::Node(m.node, m.axis) == dof)
     }
@@ -250,33 +245,9 @@ impl ConstraintForces for PrescribedMotion {
     }
 }
 
-impl ConstraintUpkeep for PrescribedMotion {
-    /// Excludes the gained kinetic energy from the work of the motion, which is computed from changes of kinetic
-    /// energy.
-    fn masses_changed(&mut self, node: usize, gained: [f64; 2]) {
-        for motion in self.nodes.iter_mut().filter(|m| m.node == node) {
-            motion.kinetic += gained[motion.axis];
-        }
-    }
-
-    fn follow_new_mesh(&mut self, previous: &dyn Constraint, nodes: &NodeRelation<'_>, _dofs: &Dofs) {
-        let Some(previous) = (previous as &dyn Any).downcast_ref::<PrescribedMotion>() else { return };
-        for motion in &mut self.bodies {
-            let known = previous.bodies.iter().find(|known| known.body == motion.body);
-            known.into_iter().for_each(|known| *motion = *known);
-        }
-        let known: HashMap<_, _> = previous.nodes.iter().map(|m| ((m.node, m.axis), m.origin)).collect();
-        for motion in &mut self.nodes {
-            let same = nodes(motion.node).and_then(|place| place.node());
-            let before = same.and_then(|node| known.get(&(node, motion.axis)));
-            before.into_iter().for_each(|origin| motion.origin = *origin);
-        }
-    }
-}
-
 impl StoredConstraint for PrescribedMotion {
     fn continue_from(&mut self, previous: &dyn Constraint) {
-        let Some(previous) = (previous as &dyn Any).downcast_ref::<PrescribedMotion>() else { return };
+        let Some(previous) = previous.as_kind::<PrescribedMotion>() else { return };
         for motion in &mut self.bodies {
             if let Some(known) = previous.bodies.iter().find(|m| m.body == motion.body) {
                 (*motion, self.has_begun) = (*known, true);
@@ -287,6 +258,20 @@ impl StoredConstraint for PrescribedMotion {
             if let Some(known) = known.get(&(motion.node, motion.axis)) {
                 (*motion, self.has_begun) = (**known, true);
             }
+        }
+    }
+
+    fn follow_new_mesh(&mut self, previous: &dyn Constraint, nodes: &NodeRelation<'_>, _dofs: &Dofs) {
+        let Some(previous) = previous.as_kind::<PrescribedMotion>() else { return };
+        for motion in &mut self.bodies {
+            let known = previous.bodies.iter().find(|known| known.body == motion.body);
+            known.into_iter().for_each(|known| *motion = *known);
+        }
+        let known: HashMap<_, _> = previous.nodes.iter().map(|m| ((m.node, m.axis), m.origin)).collect();
+        for motion in &mut self.nodes {
+            let same = nodes(motion.node).and_then(|place| place.node());
+            let previous_origin = same.and_then(|node| known.get(&(node, motion.axis)));
+            previous_origin.into_iter().for_each(|origin| motion.origin = *origin);
         }
     }
 }

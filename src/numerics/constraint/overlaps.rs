@@ -1,7 +1,7 @@
 //! Monitor for overlaps of bodies, with or without contact between them. It issues warnings and changes no result.
 
 use super::contact::curve::PointCarrier;
-use super::{Constraint, ConstraintUpkeep, StoredConstraint};
+use super::{Constraint, StoredConstraint};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::{Memory, sorted_pair};
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes};
@@ -155,6 +155,13 @@ impl OverlapMonitor {
         self.near = near;
     }
 
+    /// Records the overlaps that have not been reported yet, at a total time.
+    fn record_overlaps(&mut self, dofs: &Dofs, time: f64) {
+        let mut overlaps = std::mem::take(&mut self.found);
+        self.find_overlaps(dofs, |pair, [r, z, depth, length]| overlaps.push((pair, [time, r, z, depth, length])));
+        self.found = overlaps;
+    }
+
     /// Updates the places of all points and the boxes of all bodies.
     fn update_boxes(&mut self, dofs: &Dofs) {
         let OverlapMonitor { outlines, places, boxes, .. } = self;
@@ -177,9 +184,9 @@ impl OverlapMonitor {
     /// of the nearest face.
     fn inside(&mut self, of: usize, within: usize) -> Option<[f64; 4]> {
         let OverlapMonitor { outlines, places, boxes, order, .. } = self;
-        let ([low, high], at) = (boxes[within], &places[within]);
+        let ([low, high], face_points) = (boxes[within], &places[within]);
         let faces = &outlines[within].faces;
-        let ends = |face: u32| faces[face as usize].inline_map(|p| at[p as usize]);
+        let ends = |face: u32| faces[face as usize].inline_map(|p| face_points[p as usize]);
         let mut points = places[of].iter().filter(|p| (0..2).all(|i| low[i] < p[i] && p[i] < high[i])).peekable();
         if faces.is_empty() || points.peek().is_none() {
             return None;
@@ -214,8 +221,8 @@ impl OverlapMonitor {
 pub fn distance(p: [f64; 2], [a, b]: [[f64; 2]; 2]) -> (f64, f64) {
     let (t, d) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let square = t[0] * t[0] + t[1] * t[1];
-    let at = ((d[0] * t[0] + d[1] * t[1]) / square).clamp(0.0, 1.0);
-    (libm::hypot(d[0] - at * t[0], d[1] - at * t[1]), square.sqrt())
+    let along = ((d[0] * t[0] + d[1] * t[1]) / square).clamp(0.0, 1.0);
+    (libm::hypot(d[0] - along * t[0], d[1] - along * t[1]), square.sqrt())
 }
 
 impl Constraint for OverlapMonitor {
@@ -233,25 +240,19 @@ impl Constraint for OverlapMonitor {
 
     fn motion(&mut self, dofs: &mut Dofs, clock: &AmplitudeClock<'_>, dt: f64) {
         if clock.now.increment.is_multiple_of(EVERY) {
-            let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time + dt);
-            self.find_overlaps(dofs, |pair, [r, z, depth, length]| found.push((pair, [time, r, z, depth, length])));
-            self.found = found;
+            self.record_overlaps(dofs, clock.now.total_time + dt);
         }
-    }
-
-    fn upkeep(&mut self) -> Option<&mut dyn ConstraintUpkeep> {
-        Some(self)
     }
 }
 
-impl ConstraintUpkeep for OverlapMonitor {
-    fn overlaps(&mut self, dofs: &Dofs, clock: &AmplitudeClock<'_>) -> Vec<String> {
-        let (mut found, time) = (std::mem::take(&mut self.found), clock.now.total_time);
-        self.find_overlaps(dofs, |pair, [r, z, depth, length]| found.push((pair, [time, r, z, depth, length])));
-        let warnings = found.iter().map(|&(pair, [time, r, z, depth, length])| {
+impl OverlapMonitor {
+    /// Returns the messages of overlaps of bodies that it has found.
+    pub fn overlaps(&mut self, dofs: &Dofs, clock: &AmplitudeClock<'_>) -> Vec<String> {
+        self.record_overlaps(dofs, clock.now.total_time);
+        let warnings = self.found.iter().map(|&(pair, [time, r, z, depth, length])| {
             let bodies = pair.inline_map(|body| body as usize);
             let [a, b] = bodies.inline_map(|body| &self.outlines[body].name);
-            let cause = match [self.contacts.are_tied(bodies), self.contacts.connect(bodies)] {
+            let advice = match [self.contacts.are_tied(bodies), self.contacts.connect(bodies)] {
                 [true, _] => {
                     "although they are tied: TYPE=SURFACE TO SURFACE of *TIE, the default, and smaller facets reduce the \
                      overlap at the tie"
@@ -265,20 +266,15 @@ impl ConstraintUpkeep for OverlapMonitor {
                 }
             };
             format!(
-                "{a} and {b} overlap by {depth:.2e} ({:.0} % of a face) at time {time:.4e} near (r = {r:.4e}, z = {z:.4e}), {cause}",
+                "{a} and {b} overlap by {depth:.2e} ({:.0} % of a face) at time {time:.4e} near (r = {r:.4e}, z = {z:.4e}), {advice}",
                 100.0 * depth / length
             )
         });
         let warnings = warnings.collect();
-        found.clear();
-        self.found = found;
+        self.found.clear();
         warnings
     }
-}
 
-impl StoredConstraint for OverlapMonitor {}
-
-impl OverlapMonitor {
     fn check_bodies(&mut self, archive: &mut StateArchive<'_>) {
         let is_unknown = |body: &u32| *body as usize >= self.outlines.len();
         let pairs = self.found.iter().map(|found| &found.0).chain(&self.reported);
@@ -289,3 +285,5 @@ impl OverlapMonitor {
         }
     }
 }
+
+impl StoredConstraint for OverlapMonitor {}

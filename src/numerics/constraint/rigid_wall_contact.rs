@@ -8,8 +8,7 @@
 use crate::kernel::lanes::{InlineMap, inline_from_fn};
 use std::f64::consts::PI;
 
-use super::contact::curve::PointCarrier;
-use super::{Constraint, ConstraintForces, ConstraintView, ContactResults, PairForces, StoredConstraint};
+use super::{Constraint, ConstraintForces, PairForces, StoredConstraint};
 use crate::kernel::attitude::{SpatialVector, cross, dot, norm, plus, times};
 use crate::kernel::interaction::CoulombFriction;
 use crate::kernel::lists::Memory;
@@ -21,7 +20,6 @@ use crate::state::dofs::{Dof, Dofs};
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::AmplitudeClock;
 use crate::state::rigid_body_3d::{Pose, RigidBody3d, RigidMotion, Wrench};
-use crate::variables::VariableComponent;
 
 /// Largest number of stations of a ring that are checked in addition to its deepest point, so that a flat contact on a
 /// plane is stable.
@@ -144,6 +142,18 @@ impl RigidWallContact {
         RigidWallContact { pair, profile, rings, stations, travel, points, forces, duration, longest, previous_dt: 0.0 }
     }
 
+    /// Returns whether it is the contact of a pair.
+    pub(super) fn is_of_pair(&self, pair: usize) -> bool {
+        pair == self.pair.number
+    }
+
+    /// Returns the forces of a contact pair over the previous increment; `None` if it is the contact of another pair.
+    pub(super) fn forces_of_pair(&self, pair: usize) -> Option<PairForces> {
+        let sign = if self.pair.first { 1.0 } else { -1.0 };
+        let forces = self.forces.inline_map(|force| times(sign, force));
+        self.is_of_pair(pair).then_some(PairForces { forces, duration: self.duration })
+    }
+
     /// Returns signed distance and wall normal at a position in space; `None` beyond the edges of the wall.
     fn gap(&self, [x, y, z]: SpatialVector) -> Option<(f64, SpatialVector)> {
         let r = x.portable_hypot(z);
@@ -179,8 +189,8 @@ impl RigidWallContact {
         for _ in 0..DEEPEST {
             let normal = pose.attitude.to_body(best.normal);
             let across = normal[0].portable_hypot(normal[2]);
-            let own = [-r * normal[0] / across, z, -r * normal[2] / across];
-            match self.touch(pose, own).filter(|_| across > 0.0).filter(|touch| touch.gap < best.gap) {
+            let deeper_place = [-r * normal[0] / across, z, -r * normal[2] / across];
+            match self.touch(pose, deeper_place).filter(|_| across > 0.0).filter(|touch| touch.gap < best.gap) {
                 Some(deeper) => best = deeper,
                 None => break,
             }
@@ -200,8 +210,8 @@ impl RigidWallContact {
         let end = body.pose();
         let mut points = std::mem::take(&mut self.points);
         for ring in 0..self.rings.len() {
-            let all = (0..self.count(ring)).map(Some).chain([None]);
-            for station in all {
+            let stations = (0..self.count(ring)).map(Some).chain([None]);
+            for station in stations {
                 let point = ContactPoint { ring, station, ..ContactPoint::default() };
                 let Some(touch) = self.measure(&point, &end).filter(|touch| touch.gap < reach) else { continue };
                 let start = self.measure(&point, &body.previous).unwrap_or(touch);
@@ -223,12 +233,12 @@ impl RigidWallContact {
                 let missing = point.gap / dt + (rate - point.rate);
                 point.impulse[0] = (old[0] - missing / point.inverse_mass[0]).max(0.0);
                 point.apply_friction(&self.pair.friction, velocity);
-                let given: [f64; 3] = inline_from_fn(|i| point.impulse[i] - old[i]);
-                let impulse = (0..3).fold([0.0; 3], |sum, i| plus(sum, given[i], point.axes[i]));
+                let changes: [f64; 3] = inline_from_fn(|i| point.impulse[i] - old[i]);
+                let impulse = (0..3).fold([0.0; 3], |sum, i| plus(sum, changes[i], point.axes[i]));
                 motion.velocity = plus(motion.velocity, 1.0 / body.mass, impulse);
                 let turned = body.inertia.angular_velocity(axis, cross(point.arm, impulse));
                 motion.turning = plus(motion.turning, 1.0, turned);
-                change = given.iter().fold(change, |most, d| most.max(d.abs()));
+                change = changes.iter().fold(change, |most, d| most.max(d.abs()));
                 largest = largest.max(point.impulse[0]);
             }
             if change <= CONVERGED * largest {
@@ -319,8 +329,8 @@ impl ContactPoint {
         let inverse_mass = self.inverse_mass[1].max(self.inverse_mass[2]);
         let trial = [0, 1].inline_map(|i| self.impulse[i + 1] - slip[i] / inverse_mass);
         let (size, pressed) = (trial[0].portable_hypot(trial[1]), self.impulse[0]);
-        let most = if pressed > 0.0 { friction.coefficient(slip[0].portable_hypot(slip[1])) * pressed } else { 0.0 };
-        let factor = if size > most { most / size } else { 1.0 };
+        let limit = if pressed > 0.0 { friction.coefficient(slip[0].portable_hypot(slip[1])) * pressed } else { 0.0 };
+        let factor = if size > limit { limit / size } else { 1.0 };
         (self.impulse[1], self.impulse[2]) = (factor * trial[0], factor * trial[1]);
     }
 }
@@ -386,8 +396,8 @@ impl Constraint for RigidWallContact {
         IncrementLimit { time: self.longest, jump: false }
     }
 
-    fn view(&self) -> ConstraintView<'_> {
-        ConstraintView { forces: Some(self), contact: Some(self), ..ConstraintView::default() }
+    fn forces(&self) -> Option<&dyn ConstraintForces> {
+        Some(self)
     }
 }
 
@@ -399,26 +409,6 @@ impl ConstraintForces for RigidWallContact {
     fn impulse(&self, _dof: Dof, _index: usize, _half: f64) -> f64 {
         let [pressed, rubbed] = self.forces;
         -self.duration * (pressed[1] + rubbed[1])
-    }
-}
-
-impl ContactResults for RigidWallContact {
-    fn value_at_point(&self, _carrier: PointCarrier, _part: VariableComponent) -> Option<f64> {
-        None
-    }
-
-    fn lowest_energy(&self) -> Option<(&str, f64, [f64; 2])> {
-        None
-    }
-
-    fn forces_of_pair(&self, pair: usize) -> Option<PairForces> {
-        let sign = if self.pair.first { 1.0 } else { -1.0 };
-        let forces = self.forces.inline_map(|force| times(sign, force));
-        (pair == self.pair.number).then_some(PairForces { forces, duration: self.duration })
-    }
-
-    fn area_of_pair(&self, pair: usize) -> Option<f64> {
-        (pair == self.pair.number).then_some(f64::NAN)
     }
 }
 

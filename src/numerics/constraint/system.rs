@@ -6,6 +6,7 @@ use super::bonds::DependentEquation;
 use crate::kernel::lists::Memory;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
+use crate::state::nodes::Nodes;
 
 /// Unknown of the equations: a degree of freedom, or several with equal motion.
 #[derive(Clone, Debug, Default, Persist, Memory)]
@@ -135,13 +136,13 @@ impl EquationSystem {
         for j in row.first..i {
             let known = &self.factor[j];
             let sum: f64 = (row.first.max(known.first)..j).map(|k| row.at(k) * known.at(k)).sum();
-            let at = j - row.first;
-            row.values[at] = (row.values[at] - sum) / known.at(j);
+            let entry = j - row.first;
+            row.values[entry] = (row.values[entry] - sum) / known.at(j);
         }
         let sum: f64 = (row.first..i).map(|k| row.at(k) * row.at(k)).sum();
-        let rest = diagonal - sum;
+        let remainder = diagonal - sum;
         // The remainder of a dependent row is rounding error.
-        if rest.is_nan() || rest <= 1e-10 * diagonal {
+        if remainder.is_nan() || remainder <= 1e-10 * diagonal {
             if !self.spare[i] {
                 self.factor[i] = row;
                 return false;
@@ -149,7 +150,7 @@ impl EquationSystem {
             row = FactorRow { first: i, values: vec![1.0] };
             self.rows[i].clear();
         } else if let Some(last) = row.values.last_mut() {
-            *last = rest.sqrt();
+            *last = remainder.sqrt();
         }
         self.factor[i] = row;
         true
@@ -158,9 +159,9 @@ impl EquationSystem {
     /// Returns the previous rows whose linear combination is a row that [`EquationSystem::eliminate`] found dependent.
     /// With the factor L of the previous rows and the eliminated row l, the coefficients x solve L^T x = l.
     fn sources(&self, row: usize) -> Vec<usize> {
-        let (first, own) = (self.factor[row].first, &self.factor[row].values);
+        let (first, values) = (self.factor[row].first, &self.factor[row].values);
         let mut parts = vec![0.0; row];
-        parts[first..].copy_from_slice(&own[..row - first]);
+        parts[first..].copy_from_slice(&values[..row - first]);
         for j in (0..row).rev() {
             let known = &self.factor[j];
             parts[j] /= known.at(j);
@@ -179,12 +180,12 @@ impl EquationSystem {
         for f in &mut self.unknowns {
             f.value = value(f.members[0], f.axis);
             if f.is_shared() && f.inverse_mass > 0.0 {
-                let own = |&n: &usize| match dofs.nodes.mass[n] {
+                let force_of = |&n: &usize| match dofs.nodes.mass[n] {
                     mass if mass > 0.0 => mass * value(n, f.axis),
                     _ if forced => load(dofs, n, f.axis),
                     _ => 0.0,
                 };
-                f.value = f.inverse_mass * f.members.iter().map(own).sum::<f64>();
+                f.value = f.inverse_mass * f.members.iter().map(force_of).sum::<f64>();
             }
         }
         self.multiply();
@@ -232,13 +233,13 @@ impl EquationSystem {
         for i in 0..n {
             let residual: f64 = self.rows[i].iter().map(|&(f, c)| c * self.unknowns[f].value).sum();
             let row = &self.factor[i];
-            let done: f64 = (row.first..i).map(|j| row.at(j) * self.lambda[j]).sum();
-            self.lambda[i] = (residual - done) / row.at(i);
+            let known_part: f64 = (row.first..i).map(|j| row.at(j) * self.lambda[j]).sum();
+            self.lambda[i] = (residual - known_part) / row.at(i);
         }
         for i in (0..n).rev() {
             let below = (i + 1..=self.last[i]).filter(|&j| self.factor[j].first <= i);
-            let done: f64 = below.map(|j| self.factor[j].at(i) * self.lambda[j]).sum();
-            self.lambda[i] = (self.lambda[i] - done) / self.factor[i].at(i);
+            let known_part: f64 = below.map(|j| self.factor[j].at(i) * self.lambda[j]).sum();
+            self.lambda[i] = (self.lambda[i] - known_part) / self.factor[i].at(i);
         }
         self.unknowns.iter_mut().for_each(|f| f.change = 0.0);
         for (row, lambda) in self.rows.iter().zip(&self.lambda) {
@@ -257,12 +258,12 @@ impl EquationSystem {
                 continue;
             }
             let new = f.value + f.change * f.inverse_mass;
-            let behind = 0.5 * dofs.nodes.previous_dt;
+            let half_previous = 0.5 * dofs.nodes.previous_dt;
             for (i, &n) in f.members.iter().enumerate() {
                 let (force, mass) = (f.force(n, dofs), dofs.nodes.mass[n]);
                 if mass == 0.0 {
                     // The pass over nodes added no kinetic energy of this force, because the node has no mass.
-                    dofs.energies.kinetic += behind * *dofs.nodes[n].velocity(f.axis) * force;
+                    dofs.energies.kinetic += half_previous * *dofs.nodes[n].velocity(f.axis) * force;
                 }
                 if f.inverse_mass == 0.0 && (i > 0 || mass == 0.0) {
                     f.constraint_force += force - mass * new;
@@ -284,7 +285,7 @@ impl EquationSystem {
                 f.hold_members(dofs, dt, half);
             } else if f.inverse_mass > 0.0 {
                 let change = f.change * f.inverse_mass;
-                change_velocity(dofs, f.members[0], f.axis, change, dt, half);
+                change_velocity(&mut dofs.nodes, (f.members[0], f.axis), change, dt, half);
                 f.add_work(dofs, half, half * f.constraint_force + f.change);
             }
         }
@@ -314,14 +315,14 @@ impl EquationSystem {
 impl EquationUnknown {
     fn hold_members(&mut self, dofs: &mut Dofs, dt: f64, half: f64) {
         let new = self.value + self.change * self.inverse_mass;
-        let given = self.inverse_mass == 0.0;
+        let is_prescribed = self.inverse_mass == 0.0;
         let mut impulse = 0.0;
-        for &n in &self.members[usize::from(given)..] {
+        for &n in &self.members[usize::from(is_prescribed)..] {
             let change = new - *dofs.nodes[n].velocity(self.axis);
             impulse += dofs.nodes.mass[n] * change;
-            change_velocity(dofs, n, self.axis, change, dt, half);
+            change_velocity(&mut dofs.nodes, (n, self.axis), change, dt, half);
         }
-        if given {
+        if is_prescribed {
             // The prescribed motion accelerates the members and takes the loads of members without mass. The work of the
             // equations is that on free unknowns.
             self.add_work(dofs, half, impulse - half * self.member_force);
@@ -341,12 +342,14 @@ impl EquationUnknown {
     }
 }
 
-/// Changes the velocity of a node, and its position accordingly.
-pub(super) fn change_velocity(dofs: &mut Dofs, node: usize, axis: usize, change: f64, dt: f64, half: f64) {
-    let n = &mut dofs.nodes[node];
-    *n.velocity(axis) += change;
-    *n.coordinate(axis) += dt * change;
+/// Changes the velocity of a degree of freedom (node, axis), its position over the increment `dt`, and its acceleration over
+/// the time `half`, accordingly.
+#[inline]
+pub(super) fn change_velocity(nodes: &mut Nodes, (n, axis): (usize, usize), change: f64, dt: f64, half: f64) {
+    let node = &mut nodes[n];
+    *node.velocity(axis) += change;
+    *node.coordinate(axis) += dt * change;
     if half > 0.0 {
-        dofs.nodes.acceleration[node][axis] += change / half;
+        nodes.acceleration[n][axis] += change / half;
     }
 }

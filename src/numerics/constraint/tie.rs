@@ -1,13 +1,14 @@
 //! Nodes of deformable bodies that belong to a rigid body: they move with it, and it takes their forces.
 
-use super::{CarriedNodes, Constraint, ConstraintView, StoredConstraint};
+use super::{Constraint, StoredConstraint};
 use crate::kernel::lists::Memory;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::magnitude::AmplitudeClock;
 
-/// Nodes that one rigid body carries. Their mass is added to the body and is zero in the solver.
+/// Nodes that one rigid body carries. Their mass is added to the body and is zero in the solver. The body takes the sum of
+/// their forces along z; forces along r balance around the ring.
 #[derive(Clone, Debug, PartialEq, Persist, Memory)]
 #[persist(derived: id, body, nodes)]
 pub struct TiedNodes {
@@ -20,6 +21,11 @@ pub struct TiedNodes {
 }
 
 impl TiedNodes {
+    /// Returns the sum of the forces along z; `of_node` gives the force of elements and loads on a node.
+    pub fn force(&self, of_node: impl Fn(usize) -> [f64; 2]) -> f64 {
+        self.nodes.iter().map(|&n| of_node(n)[1]).sum()
+    }
+
     /// Moves the nodes with their body and sets their velocity.
     fn follow(&self, dofs: &mut Dofs, velocity: f64) {
         let displacement = dofs.bodies[self.body].displacement;
@@ -55,9 +61,8 @@ impl Constraint for TiedNodes {
         self.follow(dofs, velocity);
     }
 
-    fn view(&self) -> ConstraintView<'_> {
-        let carried = Some(CarriedNodes { body: self.body, nodes: &self.nodes });
-        ConstraintView { carried, moves_nodes: true, ..ConstraintView::default() }
+    fn moves_nodes(&self) -> bool {
+        true
     }
 }
 

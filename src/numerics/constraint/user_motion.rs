@@ -13,14 +13,14 @@ use crate::state::magnitude::{AmplitudeClock, Magnitude};
 
 /// Prescribed motion of a node set along one axis.
 #[derive(Clone, Debug, Persist, Memory)]
-#[persist(fixed: asked; derived: set, kind, amplitude, first)]
+#[persist(fixed: dofs; derived: set, kind, amplitude, first)]
 pub struct UserMotion {
     /// Node set, upper case.
     pub set: String,
     pub kind: PrescribedQuantity,
     /// Amplitude that the subroutine receives and applies itself.
     pub amplitude: Magnitude,
-    pub asked: Vec<UserDof>,
+    pub dofs: Vec<UserDof>,
     /// Index of the first of its user amplitudes.
     pub first: usize,
     pub increment_before: f64,
@@ -57,20 +57,20 @@ impl UserMotion {
     ) -> Result<(), HaltReason> {
         let Some(routine) = user.motion.as_deref_mut() else { return Ok(()) };
         let amplitude = self.amplitude.amplitude(&AmplitudeClock { now: *arrival, user_amplitudes });
-        for (i, asked) in self.asked.iter_mut().enumerate() {
+        for (i, user_dof) in self.dofs.iter_mut().enumerate() {
             let state_of = |dof| [dofs.displacement(dof), dofs.velocity(dof), dofs.acceleration(dof), reaction(dof)];
-            let state = state_of(asked.dof);
+            let state = state_of(user_dof.dof);
             if !self.has_begun {
-                asked.offset = state[0];
+                user_dof.offset = state[0];
             }
-            let (axis, coordinates, across) = match asked.dof {
-                Dof::Body(_) => (1, [asked.reference[0], asked.reference[1] + state[0]], [0.0; 4]),
+            let (axis, coordinates, across) = match user_dof.dof {
+                Dof::Body(_) => (1, [user_dof.reference[0], user_dof.reference[1] + state[0]], [0.0; 4]),
                 Dof::Node(n, axis) => (axis, dofs.nodes[n].place(), state_of(Dof::Node(n, 1 - axis))),
             };
             let call = MotionCall {
                 set: &self.set,
                 kind: self.kind.number(),
-                node: asked.number,
+                node: user_dof.number,
                 dof: axis + 1,
                 now: *arrival,
                 increments: [self.increment_before, increment],
@@ -78,17 +78,17 @@ impl UserMotion {
                 coordinates,
                 state,
                 across,
-                mass: dofs.mass(asked.dof),
+                mass: dofs.mass(user_dof.dof),
             };
             let answer = routine.motion(&call).and_then(|value| {
                 let reason =
                     || LoadFailure::new(format!("it returned the value {value} for degree of freedom {}", call.dof));
                 value.is_finite().then_some(value).ok_or_else(reason)
             });
-            let what = || format!("the user motion of `{}` at node {}", self.set, asked.number);
+            let what = || format!("the user motion of `{}` at node {}", self.set, user_dof.number);
             let value = answer.map_err(|failure| failure.halt(&what(), arrival))?;
             // The subroutine returns the total displacement; the amplitude starts at the beginning of the motion.
-            let base = if self.kind == PrescribedQuantity::Displacement { asked.offset } else { 0.0 };
+            let base = if self.kind == PrescribedQuantity::Displacement { user_dof.offset } else { 0.0 };
             user_amplitudes[self.first + i].add_sample(arrival.total_time, value - base);
         }
         (self.increment_before, self.has_begun) = (increment, true);

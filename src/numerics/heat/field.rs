@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::conductors::{ConductingElements, LargestRate, at};
 use super::sources::{HeatSource, PrescribedTemperature};
-use crate::constraint::Constraint;
 use crate::constraint::bonds::LinkSystem;
+use crate::constraint::contact::ContactConstraint;
+use crate::constraint::{Constraint, of_kind};
 use crate::element::elements::Elements;
 use crate::element::group::{ElementGroup, NodalVariable};
 use crate::kernel::lists::{Memory, heap_bytes};
@@ -106,7 +107,7 @@ impl TemperatureField {
         let varies = conductors.parts.iter().any(|p| p.properties.capacity.rows.len() > 1);
         let masses = masses(&conductors, nodes);
         let capacity = capacities(&conductors, &masses, &temperature);
-        let bound = steps.iter().flatten().any(|s| s.bonds.count() > 0);
+        let bound = steps.iter().flatten().any(|s| !s.bonds.systems.is_empty());
         let films = steps.iter().flatten().flat_map(|s| &s.sources).any(HeatSource::is_film);
         TemperatureField {
             id,
@@ -247,8 +248,8 @@ impl TemperatureField {
         }
         let mut exchange = std::mem::take(&mut self.exchange);
         if !exchange.is_empty() {
-            let exchanges = constraints.iter().filter_map(|c| c.view().heat);
-            exchanges.for_each(|heat| heat.largest_exchange(&mut |n, most| exchange[n] += BESIDE * most));
+            let exchanges = of_kind(constraints).filter_map(ContactConstraint::heat);
+            exchanges.for_each(|heat| heat.largest_exchange(|n, most| exchange[n] += BESIDE * most));
         }
         let rates = exchange.iter().enumerate().filter(|(n, e)| **e > 0.0 && self.capacity[*n] > 0.0);
         let largest_rate = rates.map(|(n, e)| e / self.capacity(n, self.temperature[n])).fold(0.0, f64::max);
@@ -265,7 +266,7 @@ impl TemperatureField {
     /// Capacities that depend on the temperature are evaluated at the middle of the rise, by Newton's method: each pass
     /// squares the error of the equations. The exchange conserves heat for any remaining error.
     fn satisfy_equations(&mut self, dt: f64, clock: Option<&AmplitudeClock<'_>>) -> f64 {
-        if self.now.bonds.count() == 0 {
+        if self.now.bonds.systems.is_empty() {
             return 0.0;
         }
         let passes = if self.masses.is_empty() { 1 } else { PASSES };
@@ -276,7 +277,7 @@ impl TemperatureField {
 
     fn satisfy_equations_once(&mut self, dt: f64, clock: Option<&AmplitudeClock<'_>>) -> f64 {
         let (mut aims, mut bonds) = (std::mem::take(&mut self.trial_temperatures), std::mem::take(&mut self.now.bonds));
-        for system in bonds.systems() {
+        for system in &mut bonds.systems {
             for (n, _) in system.changes() {
                 aims[n] = self.temperature[n] + self.rise(n, dt * self.power[n]).0;
             }
@@ -286,7 +287,7 @@ impl TemperatureField {
             held.nodes.iter().for_each(|h| aims[h.node] = value.unwrap_or(self.temperature[h.node]));
         }
         let mut sum = 0.0;
-        for system in bonds.systems() {
+        for system in &mut bonds.systems {
             if !self.masses.is_empty() {
                 system.update_masses(|n| self.rise(n, dt * self.power[n]).1);
             }
@@ -306,8 +307,8 @@ impl TemperatureField {
             return;
         }
         let TemperatureField { power, temperature, energies, .. } = self;
-        for exchange in constraints.iter().filter_map(|c| c.view().heat) {
-            energies.inelastic += dt * exchange.exchange(temperature, dt, &mut |n, heat| power[n] += heat);
+        for heat in of_kind(constraints).filter_map(ContactConstraint::heat) {
+            energies.inelastic += dt * heat.exchange(temperature, dt, |n, heat| power[n] += heat);
         }
     }
 

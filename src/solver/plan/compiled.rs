@@ -132,6 +132,11 @@ impl Plan {
         self.columns.iter().map(|c| c.name.clone()).collect()
     }
 
+    /// Returns whether a body has a `*REMESH` card, or has been remeshed without one.
+    pub fn has_new_meshes(&self) -> bool {
+        self.remesh.iter().flat_map(|remesh| &remesh.bodies).any(|body| body.id.is_some())
+    }
+
     /// Returns the name of an element, given its group and its index in the group.
     pub fn element_name(&self, group: usize, element: usize) -> &str {
         self.places.element_at((group, element)).map_or("", |e| &self.mesh.elements[e].name)

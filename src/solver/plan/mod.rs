@@ -44,6 +44,7 @@ pub use output::{
 pub(crate) use report::{LedgerRows, Report};
 pub(crate) use scene::{Pairs, Scene, Shared, StepInput};
 pub use state::State;
+use steps::PlannedSteps;
 
 /// A plan, its initial state, and the products that a revision of the plan needs.
 #[derive(Default)]
@@ -80,7 +81,7 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let solids::Solids { places, ties, state: mut solid_state } =
         solids::plan(model, &mut bodies, &surface_ties, &mut report);
     let scene = Scene { model, bodies: &bodies, places: &places };
-    let links = constraints::plan(scene, surface_ties, ties, &mut solid_state, &mut report);
+    let links = constraints::plan(scene, Links::of_ties(surface_ties, ties), &mut solid_state, &mut report);
     let velocities = bodies::start(scene, &mut report);
     let thermal = heat::plan(scene, &links, &solid_state, &mut report);
     solid_state.elements.fields = heat::fields::plan(scene, &solid_state, &mut report);
@@ -88,10 +89,10 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let eroding = solids::erosion::plan(scene, State::new(solid_state, body_states, thermal), &mut report);
     let pairs = contact::general::find_pairs(scene);
     let (columns, recording) = output::plan(scene, &pairs, eroding, &mut report);
-    let (steps, mut state) = steps::plan(scene, &links, &pairs, recording, &mut report);
+    let PlannedSteps { list: steps, fronts, mut state } = steps::plan(scene, &links, &pairs, recording, &mut report);
     solids::scale_and_estimate(scene, &links, &mut state, &mut report);
     bodies::rigid_bodies_3d::refuse_on_spatial_bodies(scene, &links, &mut report);
-    let remesh = meshes::remesh::plan(scene, &pairs, &mut state, &mut report);
+    let remesh = meshes::remesh::plan(scene, &pairs, fronts, &mut state, &mut report);
     checks::check_plan(scene, &links, &pairs, &state, &mut report);
     let rows = steps::integration_rows(scene, &state, columns.list.len() + columns.fields.len(), &mut report);
     let has_contact = pairs.by_step.iter().any(|pairs| !pairs.is_empty());

@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use crate::deck::{Diagnostic, Diagnostics, Sources, Span};
-use crate::model::{AnalyticalFront, Model};
+use crate::model::Model;
 use crate::plan::Shared;
 use crate::plan::ledger::{Ledger, UnusedCard};
 use crate::state::EffectId;
@@ -21,8 +21,6 @@ pub struct Report<'a> {
     pub ledger_rows: LedgerRows,
     /// Names of the user subroutines that are called.
     pub called_routines: Vec<&'static str>,
-    /// Fronts of analytical surfaces in contact, which new meshes keep.
-    pub fronts: Vec<AnalyticalFront>,
     /// User amplitudes and surfaces that effects share.
     pub shared: Shared,
 }
@@ -36,7 +34,6 @@ impl<'a> Report<'a> {
             ledger: Ledger::default(),
             ledger_rows: IndexMap::new(),
             called_routines: Vec::new(),
-            fronts: Vec::new(),
             shared: Shared::default(),
         }
     }

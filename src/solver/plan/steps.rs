@@ -9,8 +9,8 @@ use crate::constraint::user_motion::UserMotion;
 use crate::element::mass_scaling::StepMassScaling;
 use crate::load::{Load, VelocityUse};
 use crate::model::{
-    self, BoundaryCondition, EnergyLimit, IncrementControl, LoadKind, MassScaling, Model, ScalingSchedule, Step,
-    SurfaceContact,
+    self, AnalyticalFront, BoundaryCondition, EnergyLimit, IncrementControl, LoadKind, MassScaling, Model,
+    ScalingSchedule, Step, SurfaceContact,
 };
 use crate::plan::changes::{ListChange, ListEntry};
 use crate::plan::checks::overlaps::overlapping_bodies;
@@ -33,6 +33,8 @@ use crate::state::dofs::Dof;
 struct ActiveEffects<'a> {
     loads: Vec<(&'a model::Load, VelocityUse)>,
     constraints: Vec<ConstraintOrigin<'a>>,
+    /// Fronts of the analytical surfaces in contact of all compiled steps.
+    fronts: Vec<AnalyticalFront>,
 }
 
 /// Origin of a constraint in the model. Constraints with equal origins are equal.
@@ -173,14 +175,17 @@ impl<'a> ConstraintList<'a> {
     }
 }
 
-/// Compiles all steps. Returns them, and the state with the effects of the first step.
-pub fn plan(
-    scene: Scene,
-    links: &Links,
-    pairs: &Pairs,
-    state: RecordingState,
-    report: &mut Report,
-) -> (Vec<StepPlan>, State) {
+/// The steps of a plan.
+pub struct PlannedSteps {
+    pub list: Vec<StepPlan>,
+    /// Fronts of analytical surfaces in contact, which new meshes keep.
+    pub fronts: Vec<AnalyticalFront>,
+    /// The state with the effects of the first step.
+    pub state: State,
+}
+
+/// Compiles all steps.
+pub fn plan(scene: Scene, links: &Links, pairs: &Pairs, state: RecordingState, report: &mut Report) -> PlannedSteps {
     let (mut active, mut state) = (ActiveEffects::default(), state.into_state());
     let mut steps = Vec::with_capacity(scene.model.steps.len());
     for (index, step) in scene.model.steps.iter().enumerate() {
@@ -205,7 +210,7 @@ pub fn plan(
             outputs: output_schedules(scene.model, step, report),
         });
     }
-    (steps, state)
+    PlannedSteps { list: steps, fronts: active.fronts, state }
 }
 
 /// Updates the loads of compiled steps from the current model, which has no links and no contact.
@@ -294,9 +299,14 @@ fn constraint_changes<'a>(
     let drops_points = step.excludes_detached_nodes();
     if let Err(origin) =
         list.keep(ConstraintOrigin::Contact(pairs.by_step[index].clone(), prescribed.all.clone(), drops_points))
-        && let Some(contact) = contact_constraint(input, &prescribed.all, report)
+        && let Some((contact, fronts)) = contact_constraint(input, &prescribed.all, report)
     {
         list.add(origin, contact);
+        for front in fronts {
+            if !active.fronts.contains(&front) {
+                active.fronts.push(front);
+            }
+        }
     }
     refuse_cohesive_walls(input, report);
     let wall = |i: usize| ConstraintOrigin::Wall(pairs.by_step[index].clone(), prescribed.all.clone(), i);

@@ -6,8 +6,9 @@ use super::run_state::RunState;
 use super::timing::EffectTiming;
 use crate::adaptive::AdaptiveDomain;
 use crate::adaptive::smoothing::{BoundaryContact, Surroundings};
+use crate::constraint::contact::ContactConstraint;
 use crate::constraint::contact::curve::PointCarrier;
-use crate::constraint::{Constraint, ConstraintUpkeep, ContactResults, MeshMotion};
+use crate::constraint::{Constraint, MeshMotion, of_kind, of_kind_mut, prescribed_motions};
 use crate::element::elements::Elements;
 use crate::heat::ThermalState;
 use crate::kernel::chunks::ChunkLoops;
@@ -25,8 +26,8 @@ struct ContactSurroundings<'a> {
 }
 
 impl ContactSurroundings<'_> {
-    fn contacts(&self) -> impl Iterator<Item = &dyn ContactResults> {
-        self.constraints.iter().filter_map(|c| c.view().contact)
+    fn contacts(&self) -> impl Iterator<Item = &ContactConstraint> {
+        of_kind(self.constraints)
     }
 }
 
@@ -106,13 +107,13 @@ pub(super) fn begin_domains(run: &mut RunState<'_>) {
     if run.state.adaptive.is_empty() {
         return;
     }
-    let prescribed: Vec<_> = run.prescribed_motions().collect();
+    let prescribed: Vec<_> = prescribed_motions(&run.state.constraints).collect();
     let State { adaptive, elements, thermal, dofs, constraints, .. } = &mut run.state;
     adaptive.iter_mut().for_each(|domain| domain.begin(&prescribed, &dofs.nodes));
     if let Some(heat) = thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
         adaptive.iter().for_each(|domain| heat.begin_adaptive(domain.group(), elements));
     }
-    constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.reserve_mesh_motion());
+    of_kind_mut(constraints).for_each(ContactConstraint::reserve_mesh_motion);
 }
 
 /// Takes the masses of adaptive meshes after a restart.
@@ -135,28 +136,26 @@ pub(super) fn adapt_meshes(state: &mut State, now: Instant, dt: f64, timing: &mu
         is_any_due |= domain.is_due(now.increment);
     }
     if is_any_due {
-        follow_by_constraints(state, timing, |constraint, dofs, _| constraint.begin_mesh_motion(dofs));
+        follow_by_contact(state, timing, |contact, dofs, _| contact.begin_mesh_motion(dofs));
         find_new_places(state, timing);
-        follow_by_constraints(state, timing, |constraint, dofs, domains| constraint.follow_meshes(dofs, domains));
+        follow_by_contact(state, timing, |contact, dofs, domains| contact.follow_meshes(dofs, domains));
         change_meshes(state, dt, timing);
     }
     let clock = AmplitudeClock { now, user_amplitudes: &state.user_amplitudes };
     state.adaptive.iter_mut().for_each(|domain| domain.advance(&clock, dt));
 }
 
-/// Calls constraints before and after new places have been found.
-fn follow_by_constraints(
+/// Calls contact before and after new places have been found.
+fn follow_by_contact(
     state: &mut State,
     timing: &mut EffectTiming<'_>,
-    mut follow: impl FnMut(&mut dyn ConstraintUpkeep, &Dofs, &mut DomainMotion<'_>),
+    mut follow: impl FnMut(&mut ContactConstraint, &Dofs, &mut DomainMotion<'_>),
 ) {
     let State { adaptive, dofs, constraints, .. } = state;
-    for constraint in constraints {
-        let effect = constraint.effect();
+    for contact in of_kind_mut::<ContactConstraint>(constraints) {
+        let effect = contact.effect();
         let clock = timing.start(effect);
-        if let Some(follower) = constraint.upkeep() {
-            follow(follower, dofs, &mut DomainMotion(adaptive));
-        }
+        follow(contact, dofs, &mut DomainMotion(adaptive));
         timing.stop(clock, effect);
     }
 }
@@ -180,7 +179,7 @@ fn change_meshes(state: &mut State, dt: f64, timing: &mut EffectTiming<'_>) {
         let clock = timing.start(domain.id);
         if domain.begin_change() {
             let changed = &mut |n, gained: [f64; 2]| {
-                constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
+                constraints.iter_mut().for_each(|c| c.masses_changed(n, gained));
             };
             let mut thermal = thermal.as_deref_mut();
             take_thermal_strains(-1.0, domain, thermal.as_deref_mut(), elements);

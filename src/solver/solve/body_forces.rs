@@ -1,5 +1,7 @@
 //! Generalised forces on rigid bodies: which effect gives each force, and the values in the current increment.
 
+use crate::constraint::of_kind;
+use crate::constraint::tie::TiedNodes;
 use crate::load::{EnergyAccount, GeneralizedForce, VelocityUse};
 use crate::plan::State;
 use crate::state::archive::Persist;
@@ -28,8 +30,8 @@ impl BodyForces {
     pub fn begin(&mut self, state: &mut State) {
         self.slots.clear();
         self.loads.clear();
-        let carried = state.constraints.iter().filter_map(|c| c.view().carried);
-        self.slots.extend(carried.map(|carried| GeneralizedForce::along_z(carried.body, EnergyAccount::Tie)));
+        let ties = of_kind::<TiedNodes>(&state.constraints);
+        self.slots.extend(ties.map(|tie| GeneralizedForce::along_z(tie.body, EnergyAccount::Tie)));
         self.tied = self.slots.len();
         for load in &state.loads {
             self.slots.extend(load.targets().bodies);

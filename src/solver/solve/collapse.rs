@@ -1,6 +1,7 @@
 //! Collapse of the time increment: a few elements, for example squashed ones, reduce the increment of the whole model and
 //! multiply the run time. Records how many increments they have reduced, and gives the warnings.
 
+use super::mesh_quality::is_squashed;
 use super::run_state::RunState;
 use crate::element::group::ElementGroup;
 use crate::plan::{MeshCards, Plan};
@@ -123,8 +124,13 @@ impl CollapseMonitor {
 pub(super) fn name_remedies(run: &RunState<'_>, group: usize, least: Option<f64>) -> String {
     let MeshCards { erodes, controls_distortion, scales_masses } = run.plan.mesh_cards;
     let value = |name: &str| least.map_or_else(String::new, |least| format!(", {name}={least:.1e}"));
+    let renewal = name_renewal(run, group);
+    // No other card keeps the shape of an element that plastic flow has squashed.
+    if let Some(renewal) = renewal.filter(|_| is_squashed(&run.state.elements)) {
+        return format!("plastic flow has squashed it: {renewal}");
+    }
     let cards = [
-        name_renewal(run, group).map(str::to_owned),
+        renewal.map(str::to_owned),
         (!erodes).then(|| format!("*EROSION{} deletes such elements", value("INCREMENT"))),
         (!controls_distortion)
             .then(|| "DISTORTION CONTROL=YES on *SECTION CONTROLS keeps them from being squashed".to_owned()),
@@ -137,7 +143,7 @@ pub(super) fn name_remedies(run: &RunState<'_>, group: usize, least: Option<f64>
 
 /// Returns the cards that renew the mesh of a body and that the deck does not have; `None` if there are none.
 fn name_renewal(run: &RunState<'_>, group: usize) -> Option<&'static str> {
-    let (remeshes, adapts) = (run.plan.remesh.is_some(), !run.state.adaptive.is_empty());
+    let (remeshes, adapts) = (run.plan.has_new_meshes(), !run.state.adaptive.is_empty());
     if remeshes || run.plan.movable_groups.get(group) != Some(&true) {
         None
     } else if adapts {

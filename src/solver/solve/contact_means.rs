@@ -2,6 +2,7 @@
 //! The integral of the written forces over time is the impulse for any interval.
 
 use super::run_state::RunState;
+use crate::constraint::{area_of_pair, forces_of_pair};
 use crate::kernel::lanes::InlineMap;
 use crate::plan::Plan;
 use crate::state::Instant;
@@ -61,7 +62,7 @@ impl ContactMeans {
     #[inline(never)]
     fn add_increment(&mut self, run: &RunState<'_>, part: f64) {
         for pair in &mut self.pairs {
-            let Some(total) = run.contacts().find_map(|contact| contact.forces_of_pair(pair.pair)) else { continue };
+            let Some(total) = forces_of_pair(&run.state.constraints, pair.pair) else { continue };
             for (impulse, force) in pair.impulse.iter_mut().flatten().zip(total.forces.iter().flatten()) {
                 *impulse += part * total.duration * force;
             }
@@ -74,7 +75,7 @@ impl ContactMeans {
         let interval = total_time - std::mem::replace(&mut self.row_time, total_time);
         for pair in &mut self.pairs {
             // A pair that is not in force in this step is not in contact.
-            let area = run.contacts().find_map(|contact| contact.area_of_pair(pair.pair));
+            let area = area_of_pair(&run.state.constraints, pair.pair);
             pair.area = area.unwrap_or(0.0);
             if interval > 0.0 {
                 pair.mean = std::mem::take(&mut pair.impulse).inline_map(|sum| sum.inline_map(|sum| sum / interval));

@@ -7,6 +7,9 @@ use super::guard::not_finite;
 use super::masses::scale_masses;
 use super::run::SolverRun;
 use super::run_state::RunState;
+use crate::constraint::contact::ContactConstraint;
+use crate::constraint::tie::TiedNodes;
+use crate::constraint::{of_kind, of_kind_mut};
 use crate::element::volume_guard::STARTING;
 use crate::kernel::lanes::InlineMap;
 use crate::load::{LoadForces, SceneChange, SceneView, TargetDissipation};
@@ -145,9 +148,8 @@ impl SolverRun<'_> {
             let ([r, z], more) = (elements.nodal_force(n), dofs.nodes.forces[0].get(n).copied().unwrap_or_default());
             [r + more[0], z + more[1]]
         };
-        let carried = constraints.iter().filter_map(|c| c.view().carried);
-        for (carried, out) in carried.zip(&mut self.current.body_forces.values) {
-            *out = carried.force(force);
+        for (tie, sum) in of_kind::<TiedNodes>(constraints).zip(&mut self.current.body_forces.values) {
+            *sum = tie.force(force);
         }
     }
 
@@ -157,7 +159,7 @@ impl SolverRun<'_> {
         let deleted = elements.newly_deleted();
         if !deleted.is_empty() {
             loads.iter_mut().for_each(|load| load.scene_changed(&SceneChange::DeletedElements(deleted)));
-            constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.remove_elements(deleted));
+            of_kind_mut::<ContactConstraint>(constraints).for_each(|contact| contact.remove_elements(deleted));
             if let Some(heat) = thermal.as_mut().and_then(|t| t.heat.as_mut()) {
                 heat.release(deleted);
             }

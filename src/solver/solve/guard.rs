@@ -5,8 +5,11 @@ use super::collapse::name_folding_remedy;
 use super::increment::shortened;
 use super::run_state::RunState;
 use super::watch::{RunReport, SMALL, likely_cause, name_created_energy, name_folded};
-use crate::constraint::Constraint;
+use crate::constraint::overlaps::OverlapMonitor;
+use crate::constraint::{Constraint, of_kind_mut};
 use crate::element::elements::CollapsedElement;
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::quad;
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
 use crate::plan::StepPlan;
@@ -79,9 +82,8 @@ impl RunReport {
 
     /// Adds the warnings of constraints that end.
     pub(super) fn warn_of_constraints(&mut self, run: &RunState<'_>, constraints: &mut [Box<dyn Constraint>]) {
-        for constraint in constraints {
-            let upkeep = constraint.upkeep();
-            let overlaps = upkeep.map_or_else(Vec::new, |c| c.overlaps(&run.state.dofs, &run.clock()));
+        for monitor in of_kind_mut::<OverlapMonitor>(constraints) {
+            let overlaps = monitor.overlaps(&run.state.dofs, &run.clock());
             overlaps.into_iter().for_each(|text| self.outcome.warn("R311", text));
         }
     }
@@ -202,14 +204,20 @@ impl RunReport {
         if let Some(halt) = &run.state.elements.failure {
             return halt.clone();
         }
-        let why = if volume > 0.0 { "its state is not finite" } else { "it is inverted" };
+        let area = section_area(run, (group, element));
+        let is_turned = volume <= 0.0 || area.is_some_and(|area| area <= 0.0);
+        let why = match area {
+            _ if volume <= 0.0 => "it is inverted".to_owned(),
+            Some(area) if is_turned => format!("its section has turned over to an area of {area:.3e}"),
+            _ => "its state is not finite".to_owned(),
+        };
         let remedy = match run.beyond_stability() {
             Some([length, ratio]) => format!(
                 "; the increment of DIRECT USER CONTROL, {length:e}, is {ratio:.2} times the stable time increment at the \
                  previous instant, {:.3e}: use a smaller one or automatic increments",
                 run.previous_stable_increment
             ),
-            None if volume <= 0.0 || self.watch.collapse.is_reported() => name_folding_remedy(run, group),
+            None if is_turned || self.watch.collapse.is_reported() => name_folding_remedy(run, group),
             None => String::new(),
         };
         let name = run.plan.element_name(group, element);
@@ -239,6 +247,14 @@ impl RunReport {
         );
         HaltReason::EnergyLimit(HaltDetails::new(reason))
     }
+}
+
+/// Returns the area of the section of an element with four corners.
+fn section_area(run: &RunState<'_>, (group, element): (usize, usize)) -> Option<f64> {
+    let nodes = run.state.elements.groups[group].nodes(element);
+    let corners: [[f64; 2]; 4] =
+        nodes.into_iter().map(|n| run.state.dofs.nodes[n as usize].place()).collect::<Vec<_>>().try_into().ok()?;
+    Some(quad::section(corners.inline_map(|p| p[0]), corners.inline_map(|p| p[1])))
 }
 
 fn contact_halt(run: &RunState<'_>) -> HaltReason {

@@ -2,6 +2,8 @@
 
 use super::limits::IncrementLimiter;
 use super::run_state::RunState;
+use crate::constraint::contact::ContactConstraint;
+use crate::constraint::{Constraint, of_kind};
 use crate::element::connector::damped_rate;
 use crate::load::{SceneView, VelocityUse};
 use crate::model::IncrementControl;
@@ -130,14 +132,15 @@ impl RunState<'_> {
 
     /// Returns the sum of the bounds of the squares of frequencies by springs between bodies.
     fn squared_frequency(&self) -> f64 {
-        self.state.constraints.iter().map(|constraint| constraint.view().squared_frequency).sum()
+        of_kind(&self.state.constraints).map(ContactConstraint::squared_frequency).sum()
     }
 
     /// Returns what limits the stable time increment: the elements, or a constraint whose springs have a higher frequency.
     fn stability_limiter(&self) -> IncrementLimiter {
         let elements = self.state.elements.stable_increment();
         let is_stiffer = |squared: f64| squared * elements * elements > 4.0;
-        let stiffer = self.state.constraints.iter().find(|c| is_stiffer(c.view().squared_frequency));
+        let mut contacts = of_kind::<ContactConstraint>(&self.state.constraints);
+        let stiffer = contacts.find(|contact| is_stiffer(contact.squared_frequency()));
         stiffer.map_or(IncrementLimiter::Elements, |constraint| IncrementLimiter::Effect(constraint.effect()))
     }
 

@@ -2,6 +2,8 @@
 
 use super::outcome::AddedMassPlaces;
 use super::run_state::RunState;
+use crate::constraint::of_kind;
+use crate::constraint::tie::TiedNodes;
 use crate::element::elements::Elements;
 use crate::element::mass_scaling::AddedMass;
 use crate::load::SceneChange;
@@ -65,7 +67,7 @@ pub(super) fn scale_masses(run: &mut RunState<'_>) -> Option<AddedMassPlaces> {
     let (constraints, mut energy) = (&mut run.state.constraints, 0.0);
     let changed = &mut |n, gained: [f64; 2]| {
         energy += gained[0] + gained[1];
-        constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.masses_changed(n, gained));
+        constraints.iter_mut().for_each(|c| c.masses_changed(n, gained));
     };
     if !run.state.elements.scale_masses(scaling, &run.now, &mut run.state.dofs, changed) {
         return None;
@@ -88,11 +90,11 @@ fn scale_bodies(run: &mut RunState<'_>) -> f64 {
     let State { constraints, elements, dofs, .. } = &mut run.state;
     let (mut energy, starts) = (0.0, run.previous_dt == 0.0);
     run.masses.added_to_bodies = 0.0;
-    for carried in constraints.iter().filter_map(|constraint| constraint.view().carried) {
-        let added = elements.mass_added_to_body(carried.nodes);
-        let mass = run.masses.bodies[carried.body] + added;
+    for tie in of_kind::<TiedNodes>(constraints) {
+        let added = elements.mass_added_to_body(&tie.nodes);
+        let mass = run.masses.bodies[tie.body] + added;
         run.masses.added_to_bodies += added;
-        let body = &mut dofs.bodies[carried.body];
+        let body = &mut dofs.bodies[tie.body];
         if mass != body.mass {
             let gained = body.change_mass(mass, starts);
             energy += if body.prescribed { 0.0 } else { gained };

@@ -77,7 +77,7 @@ impl MeshQuality {
 }
 
 /// Returns whether plastic flow has squashed the element that limits the increment.
-fn is_squashed(elements: &Elements) -> bool {
+pub(super) fn is_squashed(elements: &Elements) -> bool {
     let (group, element) = elements.limiting();
     elements.groups[group].value(element, Variable::PlasticStrain.into()).is_some_and(|strain| strain > SQUASHED)
 }

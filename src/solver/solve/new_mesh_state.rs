@@ -4,7 +4,8 @@
 use std::collections::{HashMap, HashSet};
 
 use super::run_state::RunState;
-use crate::constraint::PreviousPlace;
+use crate::constraint::contact::ContactConstraint;
+use crate::constraint::{PreviousPlace, of_kind_mut, prescribed_motions};
 use crate::element::group::ArrivedElements;
 use crate::element::mass_scaling::ArrivedScaling;
 use crate::heat::ThermalState;
@@ -256,8 +257,7 @@ impl MeshChange<'_> {
     fn move_velocities(&mut self, transfer: &MeshTransfer<'_>, old_masses: Vec<[f64; 4]>, masses: Vec<[f64; 4]>) {
         let velocities = self.old_body.nodes.iter().map(|n| self.old.dofs.nodes.velocity_now(*n)).collect();
         let motion = BodyMotion { masses: old_masses, velocities };
-        let forces = self.state.constraints.iter().filter_map(|constraint| constraint.view().forces);
-        let prescribed: HashSet<(usize, usize)> = forces.flat_map(|f| f.prescribed()).collect();
+        let prescribed: HashSet<(usize, usize)> = prescribed_motions(&self.state.constraints).collect();
         let is_prescribed = |n: &usize| [0, 1].inline_map(|axis| prescribed.contains(&(*n, axis)));
         let fixed: Vec<[bool; 2]> = self.body.nodes.iter().map(is_prescribed).collect();
         let velocities = transfer.velocities(&motion, &masses, &fixed);
@@ -282,14 +282,14 @@ impl MeshChange<'_> {
         elements.follow_deletions(&self.old.elements, self.body.group, |n| new_nodes.get(&n).copied());
         let deleted = elements.deleted_boundaries();
         loads.iter_mut().for_each(|load| load.scene_changed(&SceneChange::DeletedElements(deleted)));
-        constraints.iter_mut().filter_map(|c| c.upkeep()).for_each(|c| c.remove_elements(deleted));
+        of_kind_mut::<ContactConstraint>(constraints).for_each(|contact| contact.remove_elements(deleted));
     }
 
     /// Continues the constraints from all previous ones of the same kind and degrees of freedom. Their order says nothing: a
     /// condition whose nodes have all been deleted is not in the new plan.
     fn continue_constraints(&mut self, places: &[Option<PreviousPlace>]) {
         let State { constraints, loads, dofs, .. } = &mut *self.state;
-        for follower in constraints.iter_mut().filter_map(|constraint| constraint.upkeep()) {
+        for follower in constraints.iter_mut() {
             for previous in &self.old.constraints {
                 follower.follow_new_mesh(&**previous, &|node| places[node], dofs);
             }

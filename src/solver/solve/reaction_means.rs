@@ -5,6 +5,8 @@
 //! output velocity. So the impulse of a row belongs to the change of momentum by the velocities of the rows.
 
 use super::run_state::RunState;
+use crate::constraint::motion::PrescribedMotion;
+use crate::constraint::of_kind;
 use crate::plan::{ColumnSource, Plan};
 use crate::state::archive::Persist;
 use crate::state::dofs::Dof;
@@ -57,12 +59,14 @@ impl ReactionMeans {
     /// Finds the constraints of the step that act on each degree of freedom.
     pub(super) fn begin_step(&mut self, run: &RunState<'_>) {
         for reaction in &mut self.reactions {
-            let forces = || run.state.constraints.iter().enumerate().filter_map(|(i, c)| Some((i, c.view().forces?)));
+            let forces = || run.state.constraints.iter().enumerate().filter_map(|(i, c)| Some((i, c.forces()?)));
             let dof = reaction.dof;
             reaction.constraints = forces().filter_map(|(i, c)| Some((i, c.index_of(dof)?))).collect();
             reaction.prescribed = match dof {
                 Dof::Body(b) => run.state.dofs.bodies[b].prescribed && run.state.dofs.bodies[b].stations().is_none(),
-                Dof::Node(..) => forces().any(|(_, c)| c.free_force(dof).is_some()),
+                Dof::Node(..) => {
+                    of_kind::<PrescribedMotion>(&run.state.constraints).any(|motion| motion.free_force(dof).is_some())
+                }
             };
         }
     }
@@ -170,7 +174,7 @@ impl ReactionMean {
 
     fn of_constraints(&self, run: &RunState<'_>, half: f64) -> f64 {
         let impulse = |&(i, index): &(usize, usize)| {
-            run.state.constraints[i].view().forces.map_or(0.0, |c| c.impulse(self.dof, index, half))
+            run.state.constraints[i].forces().map_or(0.0, |c| c.impulse(self.dof, index, half))
         };
         self.constraints.iter().map(impulse).sum()
     }
@@ -186,7 +190,7 @@ impl ReactionMean {
             }
             Dof::Node(node, axis) => {
                 let force = |&(i, index): &(usize, usize)| {
-                    run.state.constraints[i].view().forces.map_or(0.0, |c| c.current_force(self.dof, index))
+                    run.state.constraints[i].forces().map_or(0.0, |c| c.current_force(self.dof, index))
                 };
                 let forces: f64 = self.constraints.iter().map(force).sum();
                 half * (dofs.nodes.mass[node] * dofs.nodes.acceleration[node][axis] - forces)

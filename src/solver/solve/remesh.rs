@@ -15,6 +15,8 @@ use super::run::SolverRun;
 use super::run_state::RunState;
 use super::timing::TimeSums;
 use super::watch::RunReport;
+use crate::constraint::contact::ContactConstraint;
+use crate::constraint::of_kind_mut;
 use crate::kernel::lanes::InlineMap;
 use crate::model::Model;
 use crate::model::remesh::{ModelBody, nodes_of_histories, revised};
@@ -273,8 +275,8 @@ fn kinetic_energy(dofs: &Dofs) -> f64 {
 /// Completes the velocities at this instant with the impulses of constraints. Returns the kinetic energy.
 fn complete_velocities(state: &mut State) -> f64 {
     let State { constraints, dofs, .. } = state;
-    let followers = constraints.iter_mut().filter_map(|constraint| constraint.upkeep());
-    followers.fold(kinetic_energy(dofs), |kinetic, follower| kinetic + follower.complete_velocities(dofs))
+    let contacts = of_kind_mut::<ContactConstraint>(constraints);
+    contacts.fold(kinetic_energy(dofs), |kinetic, contact| kinetic + contact.complete_velocities(dofs))
 }
 
 /// Evaluates the forces of the new mesh at the instant at which the old one was left. `old_kinetic` is the kinetic energy

@@ -16,7 +16,9 @@ use super::routines::UserSession;
 use super::run_state::RunState;
 use super::timing::EffectTiming;
 use super::watch::RunReport;
-use crate::constraint::Constraint;
+use crate::constraint::motion::PrescribedMotion;
+use crate::constraint::tie::TiedNodes;
+use crate::constraint::{Constraint, of_kind, prescribed_motions};
 use crate::element::frequency::ConstrainedNodes;
 use crate::element::mass_scaling::StepMassScaling;
 use crate::model::IncrementControl;
@@ -228,9 +230,8 @@ impl<'a> SolverRun<'a> {
             run.balance.supply.begin(energies, run.plan.stiffening, run.plan.returns_heat);
         }
         let global = matches!(run.step.control, IncrementControl::Automatic { element_by_element: false, .. });
-        let prescribed: Vec<_> = run.prescribed_motions().collect();
-        let carried = run.state.constraints.iter().filter_map(|c| c.view().carried);
-        let carried: Vec<_> = carried.flat_map(|carried| carried.nodes.to_vec()).collect();
+        let prescribed: Vec<_> = prescribed_motions(&run.state.constraints).collect();
+        let carried: Vec<_> = of_kind::<TiedNodes>(&run.state.constraints).flat_map(|tie| tie.nodes.clone()).collect();
         let constrained = ConstrainedNodes { prescribed: &prescribed, carried: &carried };
         run.state.elements.begin_frequency(global, &run.state.dofs.nodes, &constrained);
         Ok(())
@@ -249,9 +250,8 @@ impl<'a> SolverRun<'a> {
         let RunState { state: State { dofs, constraints, user_amplitudes, .. }, now, previous_dt, .. } =
             &mut self.current;
         dofs.bodies.iter_mut().for_each(|body| body.complete_velocity(*previous_dt));
-        for constraint in constraints {
-            constraint.velocities(dofs, &AmplitudeClock { now: *now, user_amplitudes });
-        }
+        let clock = AmplitudeClock { now: *now, user_amplitudes };
+        of_kind::<PrescribedMotion>(constraints).for_each(|motion| motion.velocities(dofs, &clock));
     }
 
     #[inline(always)]
@@ -337,7 +337,7 @@ impl<'a> SolverRun<'a> {
 
 fn begin_constraints(run: &mut RunState<'_>) {
     let State { elements, constraints, loads, dofs, .. } = &mut run.state;
-    elements.begin(constraints.iter().any(|c| c.view().moves_nodes));
+    elements.begin(constraints.iter().any(|c| c.moves_nodes()));
     let pushed = elements.has_links() || loads.iter().any(|l| l.targets().nodes);
     dofs.nodes.resize_forces(pushed);
     constraints.iter_mut().for_each(|c| c.begin(dofs));

@@ -3,7 +3,8 @@
 use super::body_forces::BodyForces;
 use super::energy::{Energy, EnergyBalance};
 use super::masses::MassMonitor;
-use crate::constraint::ContactResults;
+use crate::constraint::contact::ContactConstraint;
+use crate::constraint::{of_kind, prescribed_motions};
 use crate::heat::field::TemperatureField;
 use crate::model::{IncrementControl, LoadVelocity};
 use crate::plan::{Plan, State, StepPlan};
@@ -78,18 +79,13 @@ impl<'a> RunState<'a> {
         self.now.step as usize == self.plan.steps.len()
     }
 
-    pub(super) fn contacts(&self) -> impl Iterator<Item = &dyn ContactResults> {
-        self.state.constraints.iter().filter_map(|c| c.view().contact)
-    }
-
-    /// Returns node and axis of all prescribed motions, constraint by constraint.
-    pub(super) fn prescribed_motions(&self) -> impl Iterator<Item = (usize, usize)> {
-        self.state.constraints.iter().filter_map(|c| c.view().forces).flat_map(|forces| forces.prescribed())
+    pub(super) fn contacts(&self) -> impl Iterator<Item = &ContactConstraint> {
+        of_kind(&self.state.constraints)
     }
 
     /// Returns node and axis of all prescribed motions, in ascending order.
     pub(super) fn sorted_prescribed_motions(&self) -> Vec<(usize, usize)> {
-        let mut motions: Vec<_> = self.prescribed_motions().collect();
+        let mut motions: Vec<_> = prescribed_motions(&self.state.constraints).collect();
         motions.sort_unstable();
         motions
     }

@@ -7,7 +7,7 @@ use super::masses::warning_of_added_mass;
 use super::outcome::Outcome;
 use super::run_state::RunState;
 use super::volumes::warn_of_volumes;
-use crate::constraint::ContactResults;
+use crate::constraint::contact::{ContactConstraint, ContactPair};
 use crate::kernel::lanes::InlineMap;
 use crate::model::IncrementControl;
 use crate::plan::Plan;
@@ -491,7 +491,7 @@ fn cause_of_excess(run: &RunState<'_>) -> String {
         )
     } else if run.plan.has_user_stress {
         "check the user material: the stress of a closed strain path does no work, and enerInelasNew is the plastic work".into()
-    } else if !run.state.adaptive.is_empty() || run.plan.remesh.is_some() {
+    } else if !run.state.adaptive.is_empty() || run.plan.has_new_meshes() {
         "compare with a run without *ADAPTIVE MESH and *REMESH".into()
     } else {
         COMPARE.into()
@@ -501,10 +501,10 @@ fn cause_of_excess(run: &RunState<'_>) -> String {
 /// Returns how much energy contact has created, the pair, and the place of the largest release.
 pub(super) fn name_created_energy(run: &RunState<'_>) -> String {
     let energy = run.balance.absorbed_by_contact();
-    let contacts = run.state.constraints.iter().filter_map(|c| c.view().contact);
-    let lowest = contacts.filter_map(ContactResults::lowest_energy).min_by(|a, b| a.1.total_cmp(&b.1));
-    let position = lowest.map_or_else(String::new, |(pair, _, [r, z])| {
-        format!(", most in pair {pair}, with the largest release near (r = {r:.4e}, z = {z:.4e})")
+    let pairs = run.contacts().filter_map(ContactConstraint::lowest_energy);
+    let lowest = pairs.min_by(|a, b| a.absorbed.total_cmp(&b.absorbed));
+    let position = lowest.map_or_else(String::new, |ContactPair { name, largest_release: (_, [r, z]), .. }| {
+        format!(", most in pair {name}, with the largest release near (r = {r:.4e}, z = {z:.4e})")
     });
     format!(
         "contact has created energy: ALLCW + ALLPW is {energy:.3e}, {:.1} % of the energy put in below zero, at increment {}, \
@@ -535,7 +535,7 @@ fn name_absorbed_energy(run: &RunState<'_>, share: f64) -> String {
                     "; NODAL EROSION=YES on *CONTACT CONTROLS ASSIGNMENT takes nodes without elements out of contact, and \
                      reduces it"
                 },
-                if run.plan.remesh.is_some() {
+                if run.plan.has_new_meshes() {
                     ""
                 } else {
                     ". Failed material that is kept (ELEMENT DELETION=NO on *SECTION CONTROLS, with *DAMAGE EVOLUTION) in a \

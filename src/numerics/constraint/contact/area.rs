@@ -20,16 +20,16 @@ type OpenPoints = [(f64, f64); 4];
 impl ContactConstraint {
     /// Returns the area in contact of a pair.
     pub(super) fn contact_area(&self, pair: &ContactPair) -> f64 {
-        let own = &self.curves[pair.own];
-        let areas = own.exposed.iter().map(|&k| {
+        let secondary = &self.surfaces.curves[pair.secondary];
+        let areas = secondary.exposed.iter().map(|&k| {
             let covered = match pair.analytical {
-                Some(_) => own.hat_areas(k as usize),
+                Some(_) => secondary.hat_areas(k as usize),
                 None => pair.facet_gaps[k as usize].area,
             };
             if pair.measures_closed_parts() && pair.facet_gaps[k as usize].is_closed {
                 return covered[0] + covered[1];
             }
-            match own.facets[k as usize].inline_map(|point| self.has_pressure(pair, point)) {
+            match secondary.facets[k as usize].inline_map(|point| self.has_pressure(pair, point)) {
                 [true, true] => covered[0] + covered[1],
                 [true, false] => self.area_up_to_edge(pair, (k, 0), covered),
                 [false, true] => self.area_up_to_edge(pair, (k, 1), covered),
@@ -40,23 +40,21 @@ impl ContactConstraint {
     }
 
     fn has_pressure(&self, pair: &ContactPair, point: u32) -> bool {
-        let own = &self.curves[pair.own];
-        let key = pair.key_of(own, point) as usize;
-        // In front of re-entrant corners of analytical surfaces a point has two keys.
-        let has_two = pair.analytical.is_some() && self.keys_of(pair) as usize > own.own.len();
-        self.pressures[key][0] > 0.0 || has_two && self.pressures[key + own.own.len()][0] > 0.0
+        let secondary = &self.surfaces.curves[pair.secondary];
+        let (key, pressures) = (pair.key_of(secondary, point) as usize, &self.keys.pressures);
+        pressures[key][0] > 0.0 || self.surfaces.has_two_keys(pair) && pressures[key + secondary.points.len()][0] > 0.0
     }
 
     /// Returns the part of the `covered` area of a facet that is in contact, if only the point at `end` has pressure.
     /// Without three open points with increasing gaps beyond it, this is the area of the hat function of the point.
     fn area_up_to_edge(&self, pair: &ContactPair, (facet, end): (u32, usize), covered: [f64; 2]) -> f64 {
-        let own = &self.curves[pair.own];
+        let secondary = &self.surfaces.curves[pair.secondary];
         let edge = self.open_points(pair, (facet, end)).and_then(|open| {
             let [_, near, far, _] = open;
             (0.0 < near.1 && near.1 < far.1).then(|| distance_of_edge(open, pair.analytical.is_some()))
         });
         let Some(edge) = edge else { return covered[end] };
-        let shape = &own.shapes[facet as usize];
+        let shape = &secondary.shapes[facet as usize];
         let [here, there] = inline_from_fn(|i| shape.from[0] + (if i == end { 0.0 } else { shape.along[0] }));
         let part = edge / shape.length;
         let area = std::f64::consts::TAU * edge * (here + 0.5 * part * (there - here));
@@ -66,17 +64,17 @@ impl ContactConstraint {
     /// Returns the points from the other end of a facet on, with zero gap for the last one, which is only the end of a
     /// facet. Returns `None` if the surface ends before, or if a point has pressure or no gap.
     fn open_points(&self, pair: &ContactPair, (facet, end): (u32, usize)) -> Option<OpenPoints> {
-        let own = &self.curves[pair.own];
+        let secondary = &self.surfaces.curves[pair.secondary];
         let (mut facet, mut distance, mut open) = (facet as usize, 0.0, [(0.0, 0.0); 4]);
         for at in 0..open.len() {
-            distance += own.shapes[facet].length;
+            distance += secondary.shapes[facet].length;
             open[at].0 = distance;
             if at == open.len() - 1 {
                 break;
             }
-            let point = own.facets[facet][1 - end];
-            open[at].1 = self.shown.opening[pair.key_of(own, point) as usize];
-            let FacetNeighbor::Facet(next) = own.neighbors[facet][1 - end] else { return None };
+            let point = secondary.facets[facet][1 - end];
+            open[at].1 = self.keys.opening[pair.key_of(secondary, point) as usize];
+            let FacetNeighbor::Facet(next) = secondary.neighbors[facet][1 - end] else { return None };
             if self.has_pressure(pair, point) || open[at].1.is_nan() {
                 return None;
             }
@@ -145,13 +143,13 @@ mod tests {
             let sums = (0..points).map(sample).fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
             sums[1] / sums[0]
         };
-        let of = |gaps: [f64; 2]| {
+        let open_points = |gaps: [f64; 2]| {
             let gaps = [0.0, gaps[0], gaps[1], 0.0];
             std::array::from_fn(|i| (positions[i], gaps[i]))
         };
-        let means = of([0, 1].map(|i| mean([positions[i], positions[i + 1], positions[i + 2]])));
+        let means = open_points([0, 1].map(|i| mean([positions[i], positions[i + 1], positions[i + 2]])));
         assert!((distance_of_edge(means, false) - edge).abs() < 1e-6);
-        let values = of([positions[1], positions[2]].map(gap));
+        let values = open_points([positions[1], positions[2]].map(gap));
         assert!((distance_of_edge(values, true) - edge).abs() < 1e-9);
     }
 }

@@ -4,10 +4,12 @@
 use std::collections::HashMap;
 
 use super::cohesion::{BondStatus, BondedPoint, CohesivePair, CohesiveSurfaces, FootVector, opened};
-use super::continuation::identity;
 use super::curve::{FacetCurve, PointCarrier};
+use super::pairs::pair_of;
+use super::shown::SurfaceForces;
+use super::surfaces::ContactSurfaces;
 use super::sweeps::NONE;
-use super::{ContactConstraint, ContactPair, MergedContactDof, pair_of};
+use super::{ContactConstraint, ContactPair};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::traction_separation::{DissipatedEnergy, TractionSeparationLaw};
 use crate::state::archive::StateArchive;
@@ -24,30 +26,32 @@ const ONE_SIDED: f64 = 2.0;
 
 impl CohesiveSurfaces {
     /// Returns the index of the cohesive behaviour of a pair of the contact; `None` without one.
-    fn index_of(&self, pair: usize) -> Option<usize> {
+    pub(super) fn index_of(&self, pair: usize) -> Option<usize> {
         self.pairs.binary_search_by_key(&pair, |cohesive| cohesive.pair).ok()
     }
 
     /// Returns the indices of the cohesive pair and of the point that a key of the contact belongs to.
     fn place_of(&self, contact: &ContactConstraint, key: u32) -> Option<(usize, usize)> {
         let pair = pair_of(&contact.pairs, key);
-        let at = self.index_of(pair)?;
-        let ContactPair { own, first_key, .. } = contact.pairs[pair];
+        let cohesive = self.index_of(pair)?;
+        let ContactPair { secondary, first_key, .. } = contact.pairs[pair];
         let index = (key - first_key) as usize;
-        (index < contact.curves[own].own.len()).then_some((at, self.pairs[at].first + index))
+        (index < contact.surfaces.curves[secondary].points.len())
+            .then_some((cohesive, self.pairs[cohesive].first + index))
     }
 
     /// Bonds the points of new pairs that are in contact according to the current rows.
     fn bond_new_pairs(&mut self, contact: &ContactConstraint) {
         for at in 0..self.pairs.len() {
-            if self.pairs[at].is_new {
-                let count = contact.curves[contact.pairs[self.pairs[at].pair].own].own.len();
+            if !self.pairs[at].has_begun {
+                let count = contact.surfaces.curves[contact.pairs[self.pairs[at].pair].secondary].points.len();
                 let first = self.pairs[at].first;
                 self.points[first..first + count].fill(BondedPoint::default());
             }
         }
-        for row in &contact.rows.rows {
-            let Some((at, point)) = self.place_of(contact, row.key).filter(|found| self.pairs[found.0].is_new) else {
+        for row in &contact.measured.rows.rows {
+            let Some((at, point)) = self.place_of(contact, row.key).filter(|found| !self.pairs[found.0].has_begun)
+            else {
                 continue;
             };
             let pair = &contact.pairs[self.pairs[at].pair];
@@ -62,7 +66,7 @@ impl CohesiveSurfaces {
         if !self.pairs.iter().any(|cohesive| cohesive.bonds_later || cohesive.bonds_again) {
             return;
         }
-        for row in &contact.rows.rows {
+        for row in &contact.measured.rows.rows {
             let Some((at, point)) = self.place_of(contact, row.key) else { continue };
             let cohesive = &self.pairs[at];
             let bonds = match self.points[point].status {
@@ -70,7 +74,7 @@ impl CohesiveSurfaces {
                 BondStatus::Separated => cohesive.bonds_again,
                 BondStatus::Bonded | BondStatus::Failed => false,
             };
-            if bonds && contact.pressures[row.key as usize][0] > 0.0 {
+            if bonds && contact.keys.pressures[row.key as usize][0] > 0.0 {
                 let bonded = contact.bond(&contact.pairs[cohesive.pair], point - cohesive.first, row.area);
                 self.points[point] = bonded.unwrap_or(self.points[point]);
             }
@@ -79,29 +83,31 @@ impl CohesiveSurfaces {
 
     /// Updates separations and tractions at the start of an increment, after the time `dt` of the previous one, and the
     /// impulses over the time `half`. Returns the energy that damage and the deletion of elements dissipate.
-    fn update(&mut self, contact: &ContactConstraint, (half, dt): (f64, f64)) -> DissipatedEnergy {
+    fn update(&mut self, contact: &ContactConstraint, [half, dt]: [f64; 2]) -> DissipatedEnergy {
         let CohesiveSurfaces { laws, pairs, points, impulses, .. } = self;
         impulses.fill(0.0);
         let mut dissipated = DissipatedEnergy::default();
         for cohesive in pairs.iter() {
             let pair = &contact.pairs[cohesive.pair];
-            let (own, other) = contact.sides(pair);
-            for (index, &place) in own.own.iter().enumerate() {
+            let (secondary, other) = contact.surfaces.sides(pair);
+            for (index, &place) in secondary.points.iter().enumerate() {
                 let point = &mut points[cohesive.first + index];
-                if point.status == BondStatus::Failed && contact.pressures[pair.first_key as usize + index][0] == 0.0 {
+                if point.status == BondStatus::Failed
+                    && contact.keys.pressures[pair.first_key as usize + index][0] == 0.0
+                {
                     point.status = BondStatus::Separated;
                 }
                 if point.status != BondStatus::Bonded {
                     continue;
                 }
                 let law = &laws[cohesive.law_of(index)];
-                if !has_surfaces(own, index, other, point.facet) {
+                if !has_surfaces(secondary, index, other, point.facet) {
                     dissipated.add(law.released(point.history.damage, opened(point.separation)), point.area);
                     (point.status, point.traction, point.history.damage) = (BondStatus::Failed, [0.0; 2], 1.0);
                     continue;
                 }
                 let shape = &other.shapes[point.facet as usize];
-                let foot = FootVector::new(shape, point.part, contact.places[place as usize]);
+                let foot = FootVector::new(shape, point.part, contact.surfaces.places[place as usize]);
                 dissipated.add(point.separate(law, &foot, dt), 1.0);
                 let between = point.traction.inline_map(|traction| point.area * traction * half);
                 let [a, b] = other.facets[point.facet as usize];
@@ -128,7 +134,7 @@ impl CohesiveSurfaces {
         let mut squared: f64 = 0.0;
         self.for_each_bond(contact, |_, ends| {
             let row = |(dof, weight): (u32, f64)| match sums.get(dof as usize) {
-                Some(sum) => weight.abs() * sum * contact.motion.inverse_mass[dof as usize],
+                Some(sum) => weight.abs() * sum * contact.dofs.motion.inverse_mass[dof as usize],
                 None => 0.0,
             };
             squared = squared.max(ends.inline_map(row).iter().sum());
@@ -140,8 +146,8 @@ impl CohesiveSurfaces {
     /// the facet with their weights.
     fn for_each_bond(&self, contact: &ContactConstraint, mut visit: impl FnMut(f64, [(u32, f64); 3])) {
         for cohesive in &self.pairs {
-            let (own, other) = contact.sides(&contact.pairs[cohesive.pair]);
-            for (index, &place) in own.own.iter().enumerate() {
+            let (secondary, other) = contact.surfaces.sides(&contact.pairs[cohesive.pair]);
+            for (index, &place) in secondary.points.iter().enumerate() {
                 let point = &self.points[cohesive.first + index];
                 if point.status != BondStatus::Bonded {
                     continue;
@@ -150,7 +156,7 @@ impl CohesiveSurfaces {
                 let [a, b] = other.facets[point.facet as usize];
                 let leverage = point.leverage(other.shapes[point.facet as usize].length);
                 for axis in 0..2 {
-                    let dof = |at: u32| contact.dofs_of[at as usize][axis];
+                    let dof = |at: u32| contact.dofs.of_points[at as usize][axis];
                     let ends =
                         [(dof(place), 1.0), (dof(a), 1.0 - point.part + leverage), (dof(b), point.part + leverage)];
                     visit(point.area * stiffness, ends);
@@ -162,7 +168,7 @@ impl CohesiveSurfaces {
 
 /// Returns whether neither the surface around a point nor the facet of its foot has lost its element.
 fn has_surfaces(own: &FacetCurve, index: usize, other: &FacetCurve, facet: u32) -> bool {
-    other.is_exposed[facet as usize] && own.around_own(index).iter().any(|f| own.is_exposed[f.0 as usize])
+    other.is_exposed[facet as usize] && own.exposed_around(index).next().is_some()
 }
 
 impl ContactConstraint {
@@ -175,14 +181,14 @@ impl ContactConstraint {
         let mut count = 0;
         for cohesive in &mut pairs {
             cohesive.first = count;
-            count += self.curves[self.pairs[cohesive.pair].own].own.len();
+            count += self.surfaces.curves[self.pairs[cohesive.pair].secondary].points.len();
         }
         self.cohesion = Some(Box::new(CohesiveSurfaces {
             laws,
             pairs,
             points: vec![BondedPoint::default(); count],
-            impulses: vec![0.0; self.dofs.len()],
-            sums: vec![0.0; self.dofs.len()],
+            impulses: vec![0.0; self.dofs.count()],
+            sums: vec![0.0; self.dofs.count()],
             squared_frequency: 0.0,
         }));
         self
@@ -193,7 +199,7 @@ impl ContactConstraint {
     pub fn bonded_points(&self, pair: usize) -> Option<[usize; 2]> {
         let cohesion = self.cohesion.as_ref()?;
         let cohesive = &cohesion.pairs[cohesion.index_of(pair)?];
-        let count = self.curves[self.pairs[pair].own].own.len();
+        let count = self.surfaces.curves[self.pairs[pair].secondary].points.len();
         let points = &cohesion.points[cohesive.first..cohesive.first + count];
         Some([points.iter().filter(|point| point.status == BondStatus::Bonded).count(), count])
     }
@@ -203,13 +209,8 @@ impl ContactConstraint {
         self.cohesion.as_ref().is_some_and(|cohesion| cohesion.index_of(pair).is_some())
     }
 
-    fn sides(&self, pair: &ContactPair) -> (&FacetCurve, &FacetCurve) {
-        let own = &self.curves[pair.own];
-        (own, pair.other.map_or(own, |other| &self.curves[other]))
-    }
-
     fn add_impulse(&self, impulses: &mut [f64], point: u32, impulse: [f64; 2]) {
-        for (dof, part) in self.dofs_of[point as usize].into_iter().zip(impulse) {
+        for (dof, part) in self.dofs.of_points[point as usize].into_iter().zip(impulse) {
             if dof != NONE {
                 impulses[dof as usize] += part;
             }
@@ -218,19 +219,19 @@ impl ContactConstraint {
 
     /// Returns a point of the own curve of a pair as bonded to the closest opposite facet; `None` if there is none.
     fn bond(&self, pair: &ContactPair, index: usize, area: f64) -> Option<BondedPoint> {
-        let (own, other) = self.sides(pair);
-        let point = own.own[index];
-        let place = self.places[point as usize];
+        let (secondary, other) = self.surfaces.sides(pair);
+        let point = secondary.points[index];
+        let position = self.surfaces.places[point as usize];
         let mut best: Option<(f64, u32, f64)> = None;
-        for &(k, _) in own.around_own(index).iter().filter(|f| own.is_exposed[f.0 as usize]) {
-            let shares = self.gaps.shares_of(&pair.facet_gaps[k as usize]);
+        for &(k, _) in secondary.exposed_around(index) {
+            let shares = self.measured.facets.shares_of(&pair.facet_gaps[k as usize]);
             for (facet, _) in shares.iter().flat_map(|share| other.around(share.point)) {
-                let (normal, shape) = (own.shapes[k as usize].normal, &other.shapes[facet as usize]);
+                let (normal, shape) = (secondary.shapes[k as usize].normal, &other.shapes[facet as usize]);
                 let faces = normal[0] * shape.normal[0] + normal[1] * shape.normal[1] < 0.0;
                 if !other.is_exposed[facet as usize] || !faces || other.facets[facet as usize].contains(&point) {
                     continue;
                 }
-                let d = [place[0] - shape.from[0], place[1] - shape.from[1]];
+                let d = [position[0] - shape.from[0], position[1] - shape.from[1]];
                 let along = d[0] * shape.along[0] + d[1] * shape.along[1];
                 let part = (along / (shape.length * shape.length)).clamp(0.0, 1.0);
                 let apart = [0, 1].inline_map(|i: usize| d[i] - part * shape.along[i]);
@@ -241,7 +242,7 @@ impl ContactConstraint {
             }
         }
         let (_, facet, part) = best?;
-        let reference = FootVector::new(&other.shapes[facet as usize], part, place).components;
+        let reference = FootVector::new(&other.shapes[facet as usize], part, position).components;
         Some(BondedPoint { status: BondStatus::Bonded, facet, part, area, reference, ..BondedPoint::default() })
     }
 
@@ -256,10 +257,10 @@ impl ContactConstraint {
     /// Bonds the points of pairs that come into force at the current coordinates, and bounds the frequency.
     pub(super) fn begin_cohesion(&mut self, dofs: &Dofs) {
         let Some(cohesion) = &self.cohesion else { return };
-        let any_new = cohesion.pairs.iter().any(|cohesive| cohesive.is_new);
-        if self.uncovered || any_new {
+        let any_new = cohesion.pairs.iter().any(|cohesive| !cohesive.has_begun);
+        if self.surfaces.uncovered || any_new {
             // All positions are read.
-            self.list_points();
+            self.surfaces.list_points();
         }
         self.read_motion(dofs, 0.0);
         if any_new {
@@ -267,7 +268,7 @@ impl ContactConstraint {
             self.bond_new_pairs();
         }
         if let Some(mut cohesion) = self.cohesion.take() {
-            cohesion.pairs.iter_mut().for_each(|cohesive| cohesive.is_new = false);
+            cohesion.pairs.iter_mut().for_each(|cohesive| cohesive.has_begun = true);
             cohesion.bound_frequency(self);
             self.cohesion = Some(cohesion);
         }
@@ -275,17 +276,17 @@ impl ContactConstraint {
 
     /// Measures the gaps between the increments.
     fn measure_current(&mut self, dofs: &Dofs) {
-        for at in 0..self.points.len() {
-            if let PointCarrier::Body(body, [r, z]) = self.points[at].carrier {
-                self.places[at] = [r, z + dofs.bodies[body].displacement];
+        for (point, place) in self.surfaces.points.iter().zip(&mut self.surfaces.places) {
+            if let PointCarrier::Body(body, [r, z]) = point.carrier {
+                *place = [r, z + dofs.bodies[body].displacement];
             }
         }
-        if self.uncovered {
-            self.curves.iter_mut().for_each(|curve| curve.find_neighbors(&self.places));
+        if self.surfaces.uncovered {
+            self.surfaces.find_neighbors();
         }
         self.search();
         self.measure(0.0);
-        self.show_openings();
+        self.keys.store_openings(&self.measured.rows.rows);
     }
 
     /// Updates the bonds at the start of an increment of length `dt` and applies their impulses to the motion over it.
@@ -293,47 +294,29 @@ impl ContactConstraint {
     pub(super) fn act_cohesion(&mut self, dofs: &mut Dofs, dt: f64) {
         let Some(mut cohesion) = self.cohesion.take() else { return };
         cohesion.bond_pressed_points(self);
-        let dissipated = cohesion.update(self, (self.half, 2.0 * self.half - dt));
+        let dissipated = cohesion.update(self, [self.dofs.half, 2.0 * self.dofs.half - dt]);
         dofs.energies.plastic += dissipated.by_damage;
         dofs.energies.damaged += dissipated.by_damage;
         dofs.energies.internal -= dissipated.by_viscosity;
         dofs.energies.viscous += dissipated.by_viscosity;
         cohesion.bound_frequency(self);
-        for at in 0..self.rows.rows.len() {
-            let Some((pair, point)) = cohesion.place_of(self, self.rows.rows[at].key) else { continue };
+        for index in 0..self.measured.rows.rows.len() {
+            let key = self.measured.rows.rows[index].key;
+            let Some((pair, point)) = cohesion.place_of(self, key) else { continue };
             let (cohesive, bonded) = (&cohesion.pairs[pair], &cohesion.points[point]);
             if bonded.status == BondStatus::Bonded && bonded.history.damage == 0.0 {
-                let index = if self.pairs[cohesive.pair].springs { point - cohesive.first } else { 0 };
-                self.rows.rows[at].law = (cohesive.intact_law + index) as u32;
+                let law = if self.pairs[cohesive.pair].springs { point - cohesive.first } else { 0 };
+                self.measured.rows.rows[index].law = (cohesive.intact_law + law) as u32;
             }
         }
-        for i in 0..self.dofs.len() {
-            let change = self.motion.inverse_mass[i] * cohesion.impulses[i];
+        for i in 0..self.dofs.count() {
+            let change = self.dofs.motion.inverse_mass[i] * cohesion.impulses[i];
             if change != 0.0 {
-                self.motion.velocity[i] += change;
-                self.change_velocity(i, change, dofs, dt);
+                self.dofs.motion.velocity[i] += change;
+                self.dofs.change_velocity(i, change, dofs, dt);
             }
         }
         self.cohesion = Some(cohesion);
-    }
-
-    /// Changes the velocity of a degree of freedom over an increment of length `dt`, and of all nodes with the same motion.
-    fn change_velocity(&self, index: usize, change: f64, dofs: &mut Dofs, dt: f64) {
-        let mut change_node = |node: usize, axis: usize| {
-            *dofs.nodes[node].velocity(axis) += change;
-            *dofs.nodes[node].coordinate(axis) += dt * change;
-            dofs.nodes.acceleration[node][axis] += change / self.half;
-        };
-        match self.dofs[index].0 {
-            Dof::Node(node, axis) => change_node(node, axis),
-            Dof::Body(body) => {
-                dofs.bodies[body].velocity_half += change;
-                dofs.bodies[body].displacement += dt * change;
-            }
-        }
-        for MergedContactDof { nodes, .. } in self.merged.iter().filter(|merged| merged.dof == index) {
-            nodes.nodes[1..].iter().for_each(|&node| change_node(node, nodes.axis));
-        }
     }
 
     /// Adds the work of the bonds after the impulses of contact: the impulse times the mean of the velocities before and
@@ -341,23 +324,24 @@ impl ContactConstraint {
     pub(super) fn add_cohesive_work(&self, dofs: &mut Dofs, dt: f64) {
         let Some(cohesion) = &self.cohesion else { return };
         let Dofs { bodies, nodes, energies, .. } = dofs;
-        let mut work = 0.0;
-        for (i, &(dof, prescribed)) in self.dofs.iter().enumerate().filter(|(i, _)| cohesion.impulses[*i] != 0.0) {
+        let (mut work, half) = (0.0, self.dofs.half);
+        for (i, &(dof, prescribed)) in self.dofs.list.iter().enumerate().filter(|(i, _)| cohesion.impulses[*i] != 0.0) {
             let impulse = cohesion.impulses[i];
             let mean = match dof {
                 Dof::Node(n, axis) => {
                     let after = *nodes[n].velocity(axis);
-                    after - 0.5 * self.half * nodes.acceleration[n][axis]
+                    after - 0.5 * half * nodes.acceleration[n][axis]
                 }
                 Dof::Body(b) => {
                     let body = &bodies[b];
-                    let before = body.before.velocity - (self.half - 0.5 * dt) * body.acceleration;
+                    let previous = body.before.velocity - (half - 0.5 * dt) * body.acceleration;
                     if !prescribed {
                         // The impulses of contact have taken this work for that of another contact.
-                        let change = self.motion.inverse_mass[i] * impulse;
-                        energies.contact += 0.5 * change * (self.impulses[i][0] + self.impulses[i][1]);
+                        let change = self.dofs.motion.inverse_mass[i] * impulse;
+                        let [normal, slip] = self.dofs.impulses[i];
+                        energies.contact += 0.5 * change * (normal + slip);
                     }
-                    0.5 * (before + body.velocity_half)
+                    0.5 * (previous + body.velocity_half)
                 }
             };
             if prescribed {
@@ -370,58 +354,32 @@ impl ContactConstraint {
 
     /// Takes the bonds of the pairs that the previous contact has, too.
     pub(super) fn take_over_cohesion(&mut self, previous: &ContactConstraint) {
-        let Some(before) = previous.cohesion.as_deref() else { return };
-        let Some(mut cohesion) = self.cohesion.take() else { return };
-        let known: HashMap<Dof, f64> =
-            previous.dofs.iter().map(|dof| dof.0).zip(before.impulses.iter().copied()).collect();
-        for ((dof, _), impulse) in self.dofs.iter().zip(&mut cohesion.impulses) {
-            *impulse = known.get(dof).copied().unwrap_or(0.0);
-        }
+        let Some(old_cohesion) = previous.cohesion.as_deref() else { return };
+        let ContactConstraint { surfaces, pairs, dofs, cohesion: Some(cohesion), .. } = self else { return };
+        dofs.pass_values(&mut cohesion.impulses, &previous.dofs, &old_cohesion.impulses);
         for cohesive in &mut cohesion.pairs {
-            let pair = &self.pairs[cohesive.pair];
-            let is_same = |old: &&CohesivePair| {
-                let old = &previous.pairs[old.pair];
-                (old.number, old.first) == (pair.number, pair.first)
-            };
-            if let Some(old) = before.pairs.iter().find(is_same) {
-                cohesive.is_new = false;
-                let points = &before.points[old.first..];
-                self.take_over_bonds(pair, &mut cohesion.points[cohesive.first..], (previous, old, points));
-            }
-        }
-        self.cohesion = Some(cohesion);
-    }
-
-    /// Takes the bonds of a pair; `points` are those of its secondary surface.
-    fn take_over_bonds(
-        &self,
-        pair: &ContactPair,
-        points: &mut [BondedPoint],
-        (previous, old, before): (&ContactConstraint, &CohesivePair, &[BondedPoint]),
-    ) {
-        let old_pair = &previous.pairs[old.pair];
-        let facets: HashMap<_, u32> = self.facet_owners(pair.other.unwrap_or(pair.own)).zip(0..).collect();
-        let old_facets: Vec<_> = previous.facet_owners(old_pair.other.unwrap_or(old_pair.own)).collect();
-        let old_points = previous.curves[old_pair.own].own.iter().map(|&at| identity(&previous.points[at as usize]));
-        let known: HashMap<_, &BondedPoint> = old_points.zip(before).collect();
-        for (&at, point) in self.curves[pair.own].own.iter().zip(points) {
-            *point = known.get(&identity(&self.points[at as usize])).map_or(BondedPoint::default(), |known| **known);
-            match old_facets.get(point.facet as usize).and_then(|facet| facets.get(facet)) {
-                Some(facet) => point.facet = *facet,
-                // The surface no longer contains the facet of the foot.
-                None => *point = BondedPoint::default(),
+            let pair = &pairs[cohesive.pair];
+            let is_same = |old: &&CohesivePair| pair.continues(&previous.pairs[old.pair]);
+            if let Some(old) = old_cohesion.pairs.iter().find(is_same) {
+                cohesive.has_begun = true;
+                let old = BondedSurface {
+                    surfaces: &previous.surfaces,
+                    pair: &previous.pairs[old.pair],
+                    points: &old_cohesion.points[old.first..],
+                };
+                old.pass_bonds(surfaces, pair, &mut cohesion.points[cohesive.first..]);
             }
         }
     }
 
     /// Returns the sum of all impulses on a degree of freedom in the previous increment.
     pub(super) fn whole_impulse(&self, index: usize) -> f64 {
-        let [normal, slip] = self.impulses[index];
+        let [normal, slip] = self.dofs.impulses[index];
         normal + slip + self.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.impulses[index])
     }
 
     /// Returns the bound of the square of the highest frequency of the bonds.
-    pub(super) fn squared_frequency(&self) -> f64 {
+    pub fn squared_frequency(&self) -> f64 {
         self.cohesion.as_ref().map_or(0.0, |cohesion| cohesion.squared_frequency)
     }
 
@@ -429,8 +387,8 @@ impl ContactConstraint {
     pub(super) fn check_bonds(&self, archive: &mut StateArchive<'_>) {
         let Some(cohesion) = &self.cohesion else { return };
         for cohesive in &cohesion.pairs {
-            let (own, other) = self.sides(&self.pairs[cohesive.pair]);
-            let points = &cohesion.points[cohesive.first..cohesive.first + own.own.len()];
+            let (secondary, other) = self.surfaces.sides(&self.pairs[cohesive.pair]);
+            let points = &cohesion.points[cohesive.first..cohesive.first + secondary.points.len()];
             let exists =
                 |point: &BondedPoint| point.status != BondStatus::Bonded || (point.facet as usize) < other.facets.len();
             if !points.iter().all(exists) {
@@ -442,36 +400,63 @@ impl ContactConstraint {
     /// Returns pressure and shear stress of the bond of a key.
     pub(super) fn bond_stresses(&self, key: usize) -> [f64; 2] {
         let Some(cohesion) = &self.cohesion else { return [0.0; 2] };
-        let place = cohesion.place_of(self, key as u32);
-        place.map_or([0.0; 2], |(_, point)| cohesion.points[point].traction.inline_map(|traction| -traction))
+        let bond = cohesion.place_of(self, key as u32);
+        bond.map_or([0.0; 2], |(_, point)| cohesion.points[point].traction.inline_map(|traction| -traction))
     }
 
     /// Returns an output variable of a bond; `None` for other variables, and for a key without cohesive behaviour.
     pub(super) fn bond_value(&self, key: usize, variable: Variable) -> Option<f64> {
         let cohesion = self.cohesion.as_ref()?;
-        let (at, point) = cohesion.place_of(self, key as u32)?;
+        let (cohesive, point) = cohesion.place_of(self, key as u32)?;
         let history = &cohesion.points[point].history;
         match variable {
             Variable::SurfaceDamage => Some(history.damage),
-            _ => (cohesion.pairs[at].criterion == Some(variable)).then_some(history.criterion),
+            _ => (cohesion.pairs[cohesive].criterion == Some(variable)).then_some(history.criterion),
         }
     }
 
-    /// Adds the forces of bonds on the own surface of a pair: normal and shear forces, each along r and z.
-    pub(super) fn add_forces_of_bonds(&self, pair: &ContactPair, sum: &mut [f64; 4]) {
+    /// Adds the forces of bonds on the own surface of a pair.
+    pub(super) fn add_forces_of_bonds(&self, pair: &ContactPair, sum: &mut SurfaceForces) {
         let Some(cohesion) = &self.cohesion else { return };
         let Some(at) = cohesion.index_of(pair_of(&self.pairs, pair.first_key)) else { return };
         let first = cohesion.pairs[at].first;
-        let (own, other) = self.sides(pair);
-        for index in 0..own.own.len() {
+        let (secondary, other) = self.surfaces.sides(pair);
+        for index in 0..secondary.points.len() {
             let BondedPoint { status, facet, area, traction, .. } = cohesion.points[first + index];
             if status != BondStatus::Bonded {
                 continue;
             }
             let shape = &other.shapes[facet as usize];
             for i in 0..2 {
-                sum[i] -= self.output_share * area * traction[0] * shape.normal[i];
-                sum[2 + i] -= self.output_share * area * traction[1] * shape.along[i] / shape.length;
+                sum.pressure[i] -= self.dofs.output_share * area * traction[0] * shape.normal[i];
+                sum.friction[i] -= self.dofs.output_share * area * traction[1] * shape.along[i] / shape.length;
+            }
+        }
+    }
+}
+
+/// The bonds of a cohesive pair of a previous contact.
+struct BondedSurface<'a> {
+    surfaces: &'a ContactSurfaces,
+    pair: &'a ContactPair,
+    /// Points of its secondary surface, which come first.
+    points: &'a [BondedPoint],
+}
+
+impl BondedSurface<'_> {
+    /// Passes the bonds to the `points` of the pair that continues.
+    fn pass_bonds(&self, surfaces: &ContactSurfaces, pair: &ContactPair, points: &mut [BondedPoint]) {
+        let facets: HashMap<_, u32> = surfaces.facet_owners(pair.other.unwrap_or(pair.secondary)).zip(0..).collect();
+        let old_facets: Vec<_> = self.surfaces.facet_owners(self.pair.other.unwrap_or(self.pair.secondary)).collect();
+        let old_points =
+            self.surfaces.curves[self.pair.secondary].points.iter().map(|point| self.surfaces.identity(*point));
+        let known: HashMap<_, &BondedPoint> = old_points.zip(self.points).collect();
+        for (number, point) in surfaces.curves[pair.secondary].points.iter().zip(points) {
+            *point = known.get(&surfaces.identity(*number)).map_or(BondedPoint::default(), |known| **known);
+            match old_facets.get(point.facet as usize).and_then(|facet| facets.get(facet)) {
+                Some(facet) => point.facet = *facet,
+                // The surface no longer contains the facet of the foot.
+                None => *point = BondedPoint::default(),
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::state::archive::Persist;
 use crate::variables::Variable;
 
 /// Cohesive behaviour of a contact pair.
-#[derive(Clone, Debug, Persist)]
+#[derive(Clone, Debug, Default, Persist)]
 #[persist(derived: pair, law, has_law_of_points, intact_law, bonds_later, bonds_again, criterion, first)]
 pub struct CohesivePair {
     /// Index of the pair among those of the contact.
@@ -34,29 +34,13 @@ pub struct CohesivePair {
     pub bonds_again: bool,
     /// Output variable of the initiation criterion; `None` without damage initiation.
     pub criterion: Option<Variable>,
-    /// Index of the first point of the own curve among the points of all pairs.
-    pub(super) first: usize,
-    /// Whether the points that are in contact at the start of the pair are not known yet.
-    pub(super) is_new: bool,
+    /// Index of the first point of the own curve among the points of all pairs; set when the contact is created.
+    pub first: usize,
+    /// Whether the points that are in contact at the start of the pair are known.
+    pub has_begun: bool,
 }
 
 impl CohesivePair {
-    /// Creates the cohesive behaviour of the pair with this index, with the traction-separation law and the contact law of
-    /// its points without damage.
-    pub fn new(pair: usize, (law, has_law_of_points): (usize, bool), intact_law: usize) -> CohesivePair {
-        CohesivePair {
-            pair,
-            law,
-            has_law_of_points,
-            intact_law,
-            bonds_later: false,
-            bonds_again: false,
-            criterion: None,
-            first: 0,
-            is_new: true,
-        }
-    }
-
     /// Returns the index of the law of an own point.
     pub(super) fn law_of(&self, index: usize) -> usize {
         if self.has_law_of_points { self.law + index } else { self.law }

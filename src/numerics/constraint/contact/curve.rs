@@ -41,7 +41,7 @@ pub enum FacetNeighbor {
 #[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(
     fixed: is_exposed, has_element, neighbors, depth;
-    derived: facets, lift, is_side_of_line, own, around, exposed, exposed_points, orphans, drops_orphans, tips,
+    derived: facets, lift, is_side_of_line, points, around, exposed, exposed_points, orphans, drops_orphans, tips,
         corners, kinks, shapes, ordered;
     then: FacetCurve::list_again
 )]
@@ -63,21 +63,21 @@ pub struct FacetCurve {
     /// Whether the element of each facet exists.
     has_element: Vec<bool>,
     /// Points of the facets, each once.
-    pub own: Vec<u32>,
+    pub points: Vec<u32>,
     /// Facets around each point, and which end of the facet the point is.
     around: Vec<Vec<(u32, u8)>>,
     /// Exposed facets, in the order in which they are connected.
     pub exposed: Vec<u32>,
-    /// Indices in `own` of the points of exposed facets, in the same order.
+    /// Indices in `points` of the points of exposed facets, in the same order.
     pub exposed_points: Vec<u32>,
-    /// Indices in `own` of points that have no element, or no element any more; empty if they have no contact.
+    /// Indices in `points` of points that have no element, or no element any more; empty if they have no contact.
     pub orphans: Vec<u32>,
     drops_orphans: bool,
-    /// Indices in `own` of tips: points on the axis at which the curve ends in a sharp angle.
+    /// Indices in `points` of tips: points on the axis at which the curve ends in a sharp angle.
     tips: Vec<u32>,
-    /// Indices in `own` of convex corners: points at which the outline of the body turns sharply.
+    /// Indices in `points` of convex corners: points at which the outline of the body turns sharply.
     corners: Vec<u32>,
-    /// Indices in `own` of kinks: points at which the outline turns outwards by much more than at the points next to
+    /// Indices in `points` of kinks: points at which the outline turns outwards by much more than at the points next to
     /// them, but less than at a corner.
     pub kinks: Vec<u32>,
     /// Shape of each exposed facet at the start of the increment; that of facets far from other surfaces at the last
@@ -124,6 +124,15 @@ impl FacetShape {
     }
 }
 
+/// Change of direction between a facet and the next one.
+struct FacetTurn {
+    next: u32,
+    /// Sine of the angle, positive at a convex point.
+    sine: f64,
+    /// Whether the direction changes by more than a right angle.
+    turns_back: bool,
+}
+
 /// Sine of the angle to the plane normal to the axis above which a point on the axis is a tip. A convex point with a
 /// larger sine of the change of direction is a corner.
 const SHARP: f64 = 0.29;
@@ -145,11 +154,11 @@ impl FacetCurve {
     /// Creates a curve of facets between points with the coordinates `places`; a point with r = 0 is on the axis. The
     /// facets from index `bare` on are not exposed at the start.
     pub fn new(facets: Vec<[u32; 2]>, depth: Vec<[f64; 3]>, bare: usize, places: &[[f64; 2]]) -> FacetCurve {
-        let own: Vec<u32> = sorted_unique(facets.iter().flatten().copied());
-        let mut around = vec![Vec::new(); own.len()];
+        let points: Vec<u32> = sorted_unique(facets.iter().flatten().copied());
+        let mut around = vec![Vec::new(); points.len()];
         for (k, facet) in facets.iter().enumerate() {
             for (end, point) in facet.iter().enumerate() {
-                if let Ok(at) = own.binary_search(point) {
+                if let Ok(at) = points.binary_search(point) {
                     around[at].push((k as u32, end as u8));
                 }
             }
@@ -163,13 +172,13 @@ impl FacetCurve {
             is_exposed: (0..count).map(|k| k < bare).collect(),
             has_element: vec![true; count],
             exposed: Vec::with_capacity(count),
-            exposed_points: Vec::with_capacity(own.len()),
-            orphans: Vec::with_capacity(if bare < count { own.len() } else { 0 }),
+            exposed_points: Vec::with_capacity(points.len()),
+            orphans: Vec::with_capacity(if bare < count { points.len() } else { 0 }),
             tips: Vec::new(),
             corners: Vec::new(),
             kinks: Vec::new(),
             drops_orphans: false,
-            own,
+            points,
             around,
             shapes: vec![FacetShape::default(); count],
             ordered: Vec::with_capacity(2 * count),
@@ -186,7 +195,7 @@ impl FacetCurve {
     /// Creates a curve of points without facets, in ascending order.
     pub fn of_points(points: Vec<u32>) -> FacetCurve {
         let mut curve = FacetCurve::new(Vec::new(), Vec::new(), 0, &[]);
-        (curve.around, curve.own) = (vec![Vec::new(); points.len()], points);
+        (curve.around, curve.points) = (vec![Vec::new(); points.len()], points);
         curve.list();
         curve
     }
@@ -205,7 +214,7 @@ impl FacetCurve {
                 let rises = if end == 0 { shape.along[1] } else { -shape.along[1] } / shape.length;
                 if rises.abs() > SHARP
                     && rises * shape.normal[1] < 0.0
-                    && let Ok(at) = self.own.binary_search(&point)
+                    && let Ok(at) = self.points.binary_search(&point)
                 {
                     self.tips.push(at as u32);
                 }
@@ -213,34 +222,31 @@ impl FacetCurve {
         }
     }
 
+    /// Returns the change of direction after a facet; `None` without a next one.
+    fn turn_after(&self, facet: u32, places: &[[f64; 2]]) -> Option<FacetTurn> {
+        let FacetNeighbor::Facet(next) = self.neighbors[facet as usize][1] else { return None };
+        let [a, b] = [facet, next].inline_map(|k| {
+            let [from, to] = self.facets[k as usize].inline_map(|p| places[p as usize]);
+            FacetShape::new(from, to)
+        });
+        let sine = (a.along[0] * b.along[1] - a.along[1] * b.along[0]) / (a.length * b.length);
+        Some(FacetTurn { next, sine, turns_back: a.along[0] * b.along[0] + a.along[1] * b.along[1] < 0.0 })
+    }
+
     /// Finds convex corners. The weighted gap of an opposite facet that a corner slides onto begins with an overlap, so
     /// a corner has point contact.
     fn find_corners(&mut self, places: &[[f64; 2]]) {
         for &k in &self.exposed {
-            let FacetNeighbor::Facet(next) = self.neighbors[k as usize][1] else { continue };
-            let [a, b] = [k, next].inline_map(|j| {
-                let [from, to] = self.facets[j as usize].inline_map(|p| places[p as usize]);
-                FacetShape::new(from, to)
-            });
-            let size = a.length * b.length;
-            let turn = (a.along[0] * b.along[1] - a.along[1] * b.along[0]) / size;
-            let turns_back = a.along[0] * b.along[0] + a.along[1] * b.along[1] < 0.0;
-            if turn > SHARP || (turns_back && turn > 0.0) {
-                self.corners.extend(self.own.binary_search(&self.facets[next as usize][0]).map(|at| at as u32));
+            let Some(FacetTurn { next, sine, turns_back }) = self.turn_after(k, places) else { continue };
+            if sine > SHARP || (turns_back && sine > 0.0) {
+                self.corners.extend(self.points.binary_search(&self.facets[next as usize][0]).map(|at| at as u32));
             }
         }
     }
 
     /// Finds kinks, for example the ends of a chamfer with a small angle.
     fn find_kinks(&mut self, places: &[[f64; 2]]) {
-        let turn_after = |k: u32| {
-            let FacetNeighbor::Facet(next) = self.neighbors[k as usize][1] else { return 0.0 };
-            let [a, b] = [k, next].inline_map(|j| {
-                let [from, to] = self.facets[j as usize].inline_map(|p| places[p as usize]);
-                FacetShape::new(from, to)
-            });
-            (a.along[0] * b.along[1] - a.along[1] * b.along[0]) / (a.length * b.length)
-        };
+        let turn_after = |k: u32| self.turn_after(k, places).map_or(0.0, |turn| turn.sine);
         // The change of direction at a corner says nothing about the curvature of the surface next to it.
         let curved = |turn: f64| if turn.abs() > SHARP { 0.0 } else { turn.abs() };
         let mut kinks = Vec::new();
@@ -254,7 +260,7 @@ impl FacetCurve {
             ];
             let smooth = around.into_iter().fold(LEAST_KINK, |most, turn| most.max(KINK * curved(turn)));
             if turn > smooth && turn <= SHARP {
-                kinks.extend(self.own.binary_search(&self.facets[next as usize][0]).map(|at| at as u32));
+                kinks.extend(self.points.binary_search(&self.facets[next as usize][0]).map(|at| at as u32));
             }
         }
         self.kinks = kinks;
@@ -265,12 +271,12 @@ impl FacetCurve {
         self.exposed.len() < self.facets.len() || !self.tips.is_empty() || !self.corners.is_empty()
     }
 
-    /// Returns the points that are in contact by themselves, as indices in `own`, and whether each is a corner: points
+    /// Returns the points that are in contact by themselves, as indices in `points`, and whether each is a corner: points
     /// without elements, then tips and corners with an exposed facet.
     pub fn single_points(&self) -> impl Iterator<Item = (u32, bool)> + '_ {
-        let there = |i: &u32| self.around[*i as usize].iter().any(|f| self.is_exposed[f.0 as usize]);
-        let tips = self.tips.iter().copied().filter(there).map(|i| (i, false));
-        let corners = self.corners.iter().copied().filter(there).map(|i| (i, true));
+        let is_exposed = |i: &u32| self.around[*i as usize].iter().any(|f| self.is_exposed[f.0 as usize]);
+        let tips = self.tips.iter().copied().filter(is_exposed).map(|i| (i, false));
+        let corners = self.corners.iter().copied().filter(is_exposed).map(|i| (i, true));
         self.orphans.iter().map(|&i| (i, false)).chain(tips).chain(corners)
     }
 
@@ -294,7 +300,7 @@ impl FacetCurve {
     /// Returns the smallest half thickness of the body at the exposed facets around an own point; infinite without such
     /// facets.
     pub fn half_thickness_around(&self, index: usize) -> f64 {
-        let exposed = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let exposed = self.exposed_around(index);
         exposed.fold(f64::INFINITY, |least, f| least.min(self.half_thickness(f.0 as usize)))
     }
 
@@ -315,31 +321,24 @@ impl FacetCurve {
 
     pub fn list(&mut self) {
         let FacetCurve {
-            is_exposed: there,
-            has_element: behind,
-            own,
-            around,
-            exposed: bare,
-            exposed_points: bare_own,
-            orphans,
-            drops_orphans,
-            ..
+            is_exposed, has_element, points, around, exposed, exposed_points, orphans, drops_orphans, ..
         } = self;
-        bare.clear();
-        bare.extend((0..there.len() as u32).filter(|k| there[*k as usize]));
-        bare_own.clear();
-        bare_own.extend((0..own.len() as u32).filter(|i| around[*i as usize].iter().any(|f| there[f.0 as usize])));
+        exposed.clear();
+        exposed.extend((0..is_exposed.len() as u32).filter(|k| is_exposed[*k as usize]));
+        exposed_points.clear();
+        let has_exposed_facet = |i: &u32| around[*i as usize].iter().any(|f| is_exposed[f.0 as usize]);
+        exposed_points.extend((0..points.len() as u32).filter(has_exposed_facet));
         orphans.clear();
-        let left = |i: &u32| around[*i as usize].iter().all(|f| !behind[f.0 as usize]);
-        if !*drops_orphans && (behind.is_empty() || behind.contains(&false)) {
-            orphans.extend((0..own.len() as u32).filter(left));
+        let is_orphan = |i: &u32| around[*i as usize].iter().all(|f| !has_element[f.0 as usize]);
+        if !*drops_orphans && (has_element.is_empty() || has_element.contains(&false)) {
+            orphans.extend((0..points.len() as u32).filter(is_orphan));
         }
     }
 
     fn facet(&self, from: u32, to: u32) -> Option<usize> {
-        let at = self.own.binary_search(&from).ok()?;
-        let found = self.around[at].iter().find(|(k, end)| *end == 0 && self.facets[*k as usize][1] == to);
-        found.map(|f| f.0 as usize)
+        let index = self.points.binary_search(&from).ok()?;
+        let known = self.around[index].iter().find(|(k, end)| *end == 0 && self.facets[*k as usize][1] == to);
+        known.map(|f| f.0 as usize)
     }
 
     /// Removes the facets of deleted elements and exposes those of their neighbours. `deleted` are the corner nodes of
@@ -364,39 +363,30 @@ impl FacetCurve {
     /// Sorts exposed facets and their points in the order in which they are connected, so that contact rows form a
     /// narrow band.
     fn order(&mut self) {
-        let FacetCurve {
-            facets,
-            neighbors: beyond,
-            own,
-            exposed: bare,
-            exposed_points: bare_own,
-            ordered,
-            is_exposed: there,
-            ..
-        } = self;
+        let FacetCurve { facets, neighbors, points, exposed, exposed_points, ordered, is_exposed, .. } = self;
         ordered.clear();
         ordered.resize(facets.len(), false);
-        bare.clear();
-        let begins = |k: &usize| !matches!(beyond[*k][0], FacetNeighbor::Facet(_));
-        let all = || (0..facets.len()).filter(|k| there[*k]);
-        for first in all().filter(begins).chain(all()) {
+        exposed.clear();
+        let begins = |k: &usize| !matches!(neighbors[*k][0], FacetNeighbor::Facet(_));
+        let exposed_facets = || (0..facets.len()).filter(|k| is_exposed[*k]);
+        for first in exposed_facets().filter(begins).chain(exposed_facets()) {
             let mut next = Some(first);
             while let Some(k) = next.filter(|k| !std::mem::replace(&mut ordered[*k], true)) {
-                bare.push(k as u32);
-                next = match beyond[k][1] {
+                exposed.push(k as u32);
+                next = match neighbors[k][1] {
                     FacetNeighbor::Facet(j) => Some(j as usize),
                     _ => None,
                 };
             }
         }
         ordered.clear();
-        ordered.resize(own.len(), false);
-        bare_own.clear();
-        for point in bare.iter().flat_map(|k| facets[*k as usize]) {
-            if let Ok(at) = own.binary_search(&point)
-                && !std::mem::replace(&mut ordered[at], true)
+        ordered.resize(points.len(), false);
+        exposed_points.clear();
+        for point in exposed.iter().flat_map(|k| facets[*k as usize]) {
+            if let Ok(index) = points.binary_search(&point)
+                && !std::mem::replace(&mut ordered[index], true)
             {
-                bare_own.push(at as u32);
+                exposed_points.push(index as u32);
             }
         }
     }
@@ -412,13 +402,13 @@ impl FacetCurve {
             let k = self.exposed[at] as usize;
             for end in [0, 1] {
                 let point = self.facets[k][end];
-                let here = shape_of(self.facets[k]);
+                let shape = shape_of(self.facets[k]);
                 let others = self
                     .around(point)
                     .filter(|&(j, e)| e as usize != end && self.is_exposed[j as usize] && j as usize != k);
                 let turn = |j: u32| {
                     let next = shape_of(self.facets[j as usize]);
-                    -(here.normal[0] * next.normal[0] + here.normal[1] * next.normal[1])
+                    -(shape.normal[0] * next.normal[0] + shape.normal[1] * next.normal[1])
                 };
                 let next = others.map(|(j, _)| (turn(j), j)).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 self.neighbors[k][end] = match next {
@@ -433,19 +423,25 @@ impl FacetCurve {
 
     /// Returns the facets around a point, and which end of the facet the point is.
     pub fn around(&self, point: u32) -> impl Iterator<Item = (u32, u8)> + '_ {
-        let at = self.own.binary_search(&point);
-        at.into_iter().flat_map(|at| self.around[at].iter().copied())
+        let index = self.points.binary_search(&point);
+        index.into_iter().flat_map(|index| self.around[index].iter().copied())
     }
 
-    /// Returns the facets around the point at an index of `own`, as [`FacetCurve::around`] does for a point.
+    /// Returns the facets around the point at an index of `points`, as [`FacetCurve::around`] does for a point.
     #[inline]
     pub fn around_own(&self, index: usize) -> &[(u32, u8)] {
         &self.around[index]
     }
 
+    /// Returns the exposed facets around the point at an index of `points`, and which end of the facet the point is.
+    #[inline]
+    pub fn exposed_around(&self, index: usize) -> impl Iterator<Item = &(u32, u8)> {
+        self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize])
+    }
+
     /// Returns the area of the hat function of a point on the exposed facets, of the surface of revolution.
     pub fn hat_area(&self, index: usize) -> f64 {
-        let exposed = self.around_own(index).iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let exposed = self.exposed_around(index);
         let areas = exposed.map(|&(facet, end)| {
             let FacetShape { from, along, length, .. } = self.shapes[facet as usize];
             let far = if end == 0 { 1.0 } else { 2.0 };
@@ -463,7 +459,7 @@ impl FacetCurve {
 
     /// Returns the normals of two exposed facets at an own point; `None` if there are fewer.
     pub fn normals_around(&self, index: usize) -> Option<[[f64; 2]; 2]> {
-        let mut exposed = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let mut exposed = self.exposed_around(index);
         let mut next = || exposed.next().map(|f| self.shapes[f.0 as usize].normal);
         Some([next()?, next()?])
     }
@@ -484,22 +480,22 @@ impl FacetCurve {
 
     /// Returns the integral of the hat function of an own point over the surface of revolution.
     pub fn area(&self, index: usize, places: &[[f64; 2]]) -> f64 {
-        let own = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
-        let of = |&(k, end): &(u32, u8)| {
+        let exposed_facets = self.exposed_around(index);
+        let area_of = |&(k, end): &(u32, u8)| {
             let radii = self.facets[k as usize].inline_map(|p| places[p as usize][0]);
-            let (here, there) = (radii[end as usize], radii[1 - end as usize]);
-            std::f64::consts::TAU * self.shapes[k as usize].length * (2.0 * here + there) / 6.0
+            let (radius, far_radius) = (radii[end as usize], radii[1 - end as usize]);
+            std::f64::consts::TAU * self.shapes[k as usize].length * (2.0 * radius + far_radius) / 6.0
         };
-        own.map(of).sum()
+        exposed_facets.map(area_of).sum()
     }
 
     /// Returns the area of an own point on the exposed facets between the places that `place_of` gives for points.
     pub fn area_at(&self, index: usize, place_of: impl Fn(u32) -> [f64; 2]) -> f64 {
-        let exposed = self.around[index].iter().filter(|f| self.is_exposed[f.0 as usize]);
+        let exposed = self.exposed_around(index);
         let areas = exposed.map(|&(k, end)| {
             let ends = self.facets[k as usize].inline_map(&place_of);
-            let (here, there) = (ends[end as usize][0], ends[1 - end as usize][0]);
-            std::f64::consts::TAU * distance(ends[0], ends[1]) * (2.0 * here + there) / 6.0
+            let (radius, far_radius) = (ends[end as usize][0], ends[1 - end as usize][0]);
+            std::f64::consts::TAU * distance(ends[0], ends[1]) * (2.0 * radius + far_radius) / 6.0
         });
         areas.sum()
     }
@@ -507,19 +503,19 @@ impl FacetCurve {
     /// Returns the point next to an own point on the side to which it has moved, and the displacement along the facet between
     /// both as a fraction of its length; `None` if it has not moved along the curve. `start_of` gives the places before.
     pub fn next_point(&self, index: usize, place: [f64; 2], start_of: impl Fn(u32) -> [f64; 2]) -> Option<(u32, f64)> {
-        let from = start_of(self.own[index]);
+        let from = start_of(self.points[index]);
         if from == place {
             return None;
         }
-        let mut found: Option<(u32, f64)> = None;
-        for &(facet, end) in self.around_own(index).iter().filter(|f| self.is_exposed[f.0 as usize]) {
+        let mut next: Option<(u32, f64)> = None;
+        for &(facet, end) in self.exposed_around(index) {
             let beyond = self.facets[facet as usize][1 - end as usize];
             let share = share_of_way([from, place], start_of(beyond));
-            if share > found.map_or(0.0, |found| found.1) {
-                found = Some((beyond, share.min(1.0)));
+            if share > next.map_or(0.0, |next| next.1) {
+                next = Some((beyond, share.min(1.0)));
             }
         }
-        found
+        next
     }
 
     /// Returns the mean distance of the surface from an own point, over all of its facets.

@@ -159,10 +159,10 @@ fn initial_status(row: &ContactRow, law: &InteractionLaw, rate: f64, slip: f64) 
     if row.coefficient <= 0.0 || row.compliance[1] <= 0.0 {
         return ContactStatus::Slides(0.0);
     }
-    let held = -slip / row.compliance[1];
+    let sticking_impulse = -slip / row.compliance[1];
     let pressed = -(rate + row.bias) / row.compliance[0];
-    let slides = !law.is_soft() && held.abs() > row.coefficient * pressed;
-    if slides { ContactStatus::Slides(held.signum()) } else { ContactStatus::Sticks }
+    let slides = !law.is_soft() && sticking_impulse.abs() > row.coefficient * pressed;
+    if slides { ContactStatus::Slides(sticking_impulse.signum()) } else { ContactStatus::Sticks }
 }
 
 /// Returns whether a closed row opens: a hard row with a tensile impulse, or a soft one with a gap.
@@ -185,7 +185,7 @@ impl ContactRows {
         &mut self,
         motion: &mut ContactVelocities,
         reference: f64,
-        given: ContactStep<'_>,
+        step: ContactStep<'_>,
     ) -> bool {
         if self.bodies.len() > BODIES {
             return false;
@@ -193,15 +193,15 @@ impl ContactRows {
         if !self.couple(motion) {
             return false;
         }
-        self.guess(given);
+        self.guess(step);
         self.update_rates(motion);
         let allowed = TOLERANCE * reference;
         for round in 0..ROUNDS {
-            let changed = self.update_statuses(allowed, given);
-            if self.enforce_statuses(motion, given) {
+            let changed = self.update_statuses(allowed, step);
+            if self.enforce_statuses(motion, step) {
                 self.update_rates(motion);
             }
-            if !changed && round > 0 && self.largest_error(given) <= allowed {
+            if !changed && round > 0 && self.largest_error(step) <= allowed {
                 self.direct
                     .status
                     .iter()
@@ -209,7 +209,7 @@ impl ContactRows {
                     .for_each(|(s, row)| row.sticks = *s == ContactStatus::Sticks);
                 return true;
             }
-            if !self.step(motion, given) {
+            if !self.step(motion, step) {
                 return false;
             }
         }
@@ -230,9 +230,9 @@ impl ContactRows {
         };
         let mut fits = true;
         for (at, row) in rows.iter().enumerate() {
-            let own = row.own(terms);
+            let row_terms = row.terms_in(terms);
             let mut lowest = at as u32;
-            for term in own.iter().filter(couples) {
+            for term in row_terms.iter().filter(couples) {
                 let known = &mut first[term.dof as usize];
                 if *known == NONE {
                     *known = at as u32;
@@ -247,7 +247,7 @@ impl ContactRows {
                 break;
             }
             blocks.resize(begin + count, [[0.0; 2]; 2]);
-            for term in own.iter().filter(couples) {
+            for term in row_terms.iter().filter(couples) {
                 let (dof, GapTerm { normal, slip, .. }) = (term.dof as usize, *term);
                 let w = motion.inverse_mass[dof];
                 let (pressed, sheared) = (w * normal, w * slip);
@@ -269,7 +269,7 @@ impl ContactRows {
                 }
             }
         }
-        for term in rows.iter().flat_map(|row| row.own(terms)) {
+        for term in rows.iter().flat_map(|row| row.terms_in(terms)) {
             (first[term.dof as usize], last[term.dof as usize]) = (NONE, NONE);
         }
         fits
@@ -278,47 +278,47 @@ impl ContactRows {
     fn update_rates(&mut self, motion: &ContactVelocities) {
         let ContactRows { rows, terms, direct, .. } = self;
         direct.rates.clear();
-        direct.rates.extend(rows.iter().map(|row| motion.rates(row.own(terms))));
+        direct.rates.extend(rows.iter().map(|row| motion.rates(row.terms_in(terms))));
     }
 
     /// Sets statuses from the impulses of the previous increment.
-    fn guess(&mut self, given: ContactStep<'_>) {
+    fn guess(&mut self, step: ContactStep<'_>) {
         let ContactRows { rows, direct, .. } = self;
         direct.status.clear();
         for row in rows.iter() {
-            let most = shear_limit(row, &given.laws[row.law as usize], given.span.half);
+            let limit = shear_limit(row, &step.laws[row.law as usize], step.span.half);
             direct.status.push(match row.normal_impulse > 0.0 {
                 false => ContactStatus::Open,
                 // No friction impulse is possible if the motion along the surface is prescribed.
                 true if row.compliance[1] <= 0.0 => ContactStatus::Slides(0.0),
-                true if row.shear_impulse.abs() < most * (1.0 - 1e-9) => ContactStatus::Sticks,
+                true if row.shear_impulse.abs() < limit * (1.0 - 1e-9) => ContactStatus::Sticks,
                 true => ContactStatus::Slides(row.shear_impulse.signum()),
             });
         }
     }
 
     /// Changes the statuses that contradict the impulses. Returns whether any changed.
-    fn update_statuses(&mut self, allowed: f64, given: ContactStep<'_>) -> bool {
+    fn update_statuses(&mut self, allowed: f64, step: ContactStep<'_>) -> bool {
         let ContactRows { rows, direct, .. } = self;
         let mut changed = false;
         for ((row, status), &[rate, slip]) in rows.iter().zip(&mut direct.status).zip(&direct.rates) {
-            let law = &given.laws[row.law as usize];
+            let law = &step.laws[row.law as usize];
             let next = match *status {
                 ContactStatus::Open => {
                     let closes = match law.overclosure {
                         PressureOverclosure::Hard => rate + row.bias < -allowed * row.area,
                         _ => {
-                            let overlap = closed_overlap(row, &law.overclosure, rate, given.span);
-                            let overlaps = overlap > allowed * given.span.dt - law.overclosure.onset_gap();
-                            overlaps && !is_pulled_open(row, &law.overclosure, rate, given.span)
+                            let overlap = closed_overlap(row, &law.overclosure, rate, step.span);
+                            let overlaps = overlap > allowed * step.span.dt - law.overclosure.onset_gap();
+                            overlaps && !is_pulled_open(row, &law.overclosure, rate, step.span)
                         }
                     };
                     if closes { initial_status(row, law, rate, slip) } else { ContactStatus::Open }
                 }
-                _ if opens(row, &law.overclosure, rate, given.span) => ContactStatus::Open,
+                _ if opens(row, &law.overclosure, rate, step.span) => ContactStatus::Open,
                 ContactStatus::Sticks => {
-                    let most = shear_limit(row, law, given.span.half);
-                    if row.shear_impulse.abs() > most {
+                    let limit = shear_limit(row, law, step.span.half);
+                    if row.shear_impulse.abs() > limit {
                         ContactStatus::Slides(row.shear_impulse.signum())
                     } else {
                         ContactStatus::Sticks
@@ -326,10 +326,10 @@ impl ContactRows {
                 }
                 ContactStatus::Slides(direction) => {
                     let stops = direction * slip > allowed * row.area;
-                    let held = row.shear_impulse - slip / row.compliance[1];
+                    let sticking_impulse = row.shear_impulse - slip / row.compliance[1];
                     match stops {
-                        true if held.abs() > shear_limit(row, law, given.span.half) => {
-                            ContactStatus::Slides(held.signum())
+                        true if sticking_impulse.abs() > shear_limit(row, law, step.span.half) => {
+                            ContactStatus::Slides(sticking_impulse.signum())
                         }
                         true => ContactStatus::Sticks,
                         false => ContactStatus::Slides(direction),
@@ -343,27 +343,27 @@ impl ContactRows {
     }
 
     /// Limits the impulses to those that the statuses allow. Returns whether any changed.
-    fn enforce_statuses(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) -> bool {
+    fn enforce_statuses(&mut self, motion: &mut ContactVelocities, step: ContactStep<'_>) -> bool {
         let ContactRows { rows, terms, direct, .. } = self;
         let mut changed = false;
         for (row, status) in rows.iter_mut().zip(&direct.status) {
-            let own = row.own(terms);
+            let row_terms = row.terms_in(terms);
             let (pressed, sheared) = match *status {
                 ContactStatus::Open => (0.0, 0.0),
                 ContactStatus::Sticks => (row.normal_impulse.max(0.0), row.shear_impulse),
                 ContactStatus::Slides(0.0) => (row.normal_impulse.max(0.0), 0.0),
                 ContactStatus::Slides(direction) => (
                     row.normal_impulse.max(0.0),
-                    direction * shear_limit(row, &given.laws[row.law as usize], given.span.half),
+                    direction * shear_limit(row, &step.laws[row.law as usize], step.span.half),
                 ),
             };
             if pressed != row.normal_impulse {
-                motion.push(own, pressed - row.normal_impulse);
+                motion.push(row_terms, pressed - row.normal_impulse);
                 row.normal_impulse = pressed;
                 changed = true;
             }
             if sheared != row.shear_impulse {
-                motion.shear(own, sheared - row.shear_impulse);
+                motion.shear(row_terms, sheared - row.shear_impulse);
                 row.shear_impulse = sheared;
                 changed = true;
             }
@@ -372,17 +372,17 @@ impl ContactRows {
     }
 
     /// Returns the largest violation of the status conditions, as a velocity.
-    fn largest_error(&self, given: ContactStep<'_>) -> f64 {
+    fn largest_error(&self, step: ContactStep<'_>) -> f64 {
         let mut furthest: f64 = 0.0;
         for ((row, status), &[rate, slip]) in self.rows.iter().zip(&self.direct.status).zip(&self.direct.rates) {
             if *status == ContactStatus::Open {
                 continue;
             }
-            let off = match &given.laws[row.law as usize].overclosure {
+            let off = match &step.laws[row.law as usize].overclosure {
                 PressureOverclosure::Hard => rate + row.bias,
                 soft => {
-                    let [pressure, _] = soft_pressure(row, soft, rate, given.span);
-                    (row.normal_impulse - given.span.half * pressure) * row.compliance[0]
+                    let [pressure, _] = soft_pressure(row, soft, rate, step.span);
+                    (row.normal_impulse - step.span.half * pressure) * row.compliance[0]
                 }
             };
             furthest = furthest.max(off.abs() / row.area);
@@ -395,19 +395,19 @@ impl ContactRows {
 
     /// Makes one Newton step to the impulses that satisfy the status conditions. Returns `false` if the matrix is
     /// singular.
-    fn step(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) -> bool {
+    fn step(&mut self, motion: &mut ContactVelocities, step: ContactStep<'_>) -> bool {
         loop {
-            self.list_unknowns(given);
+            self.list_unknowns(step);
             if self.direct.unknowns.is_empty() {
                 return true;
             }
-            if !self.assemble(given) {
+            if !self.assemble(step) {
                 return false;
             }
             match self.direct.eliminate(1 + self.bodies.len()) {
                 Ok(()) => break,
                 Err(dependent) if self.direct.unknowns[dependent].shears => {
-                    self.leave_to_other_rows(dependent, motion, given);
+                    self.leave_to_other_rows(dependent, motion, step);
                 }
                 Err(_) => return false,
             }
@@ -425,12 +425,12 @@ impl ContactRows {
                 return false;
             }
             let row = &mut rows[unknown.row as usize];
-            let own = row.own(terms);
+            let row_terms = row.terms_in(terms);
             let [pressed, sheared] =
                 if unknown.shears { [0.0, *change] } else { [*change, unknown.friction_slope * change] };
             row.normal_impulse += pressed;
             row.shear_impulse += sheared;
-            motion.push_and_shear(own, [pressed, sheared]);
+            motion.push_and_shear(row_terms, [pressed, sheared]);
         }
         self.update_rates(motion);
         true
@@ -438,15 +438,15 @@ impl ContactRows {
 
     /// Removes the shear impulse of a sticking row whose slip other sticking rows already prevent. Such rows have no unique
     /// impulses: large opposite ones would remain, which no longer balance when the areas of the rows change.
-    fn leave_to_other_rows(&mut self, unknown: usize, motion: &mut ContactVelocities, given: ContactStep<'_>) {
+    fn leave_to_other_rows(&mut self, unknown: usize, motion: &mut ContactVelocities, step: ContactStep<'_>) {
         let row = self.direct.unknowns[unknown].row as usize;
         self.direct.status[row] = ContactStatus::Slides(0.0);
-        if self.enforce_statuses(motion, given) {
+        if self.enforce_statuses(motion, step) {
             self.update_rates(motion);
         }
     }
 
-    fn list_unknowns(&mut self, given: ContactStep<'_>) {
+    fn list_unknowns(&mut self, step: ContactStep<'_>) {
         let ContactRows { rows, direct, .. } = self;
         direct.unknowns.clear();
         direct.unknowns_of_row.clear();
@@ -456,7 +456,7 @@ impl ContactRows {
             match *status {
                 ContactStatus::Open => {}
                 ContactStatus::Slides(direction) => {
-                    let slope = friction_slope(row, &given.laws[row.law as usize], direction, given.span.half);
+                    let slope = friction_slope(row, &step.laws[row.law as usize], direction, step.span.half);
                     direct.unknowns.push(unknown(false, slope));
                 }
                 ContactStatus::Sticks => direct.unknowns.extend([unknown(false, 0.0), unknown(true, 0.0)]),
@@ -467,7 +467,7 @@ impl ContactRows {
 
     /// Assembles the band, the right-hand side and the columns of rigid bodies. Returns whether the band fits into its
     /// allocation.
-    fn assemble(&mut self, given: ContactStep<'_>) -> bool {
+    fn assemble(&mut self, step: ContactStep<'_>) -> bool {
         if !self.direct.assemble_band() {
             return false;
         }
@@ -482,13 +482,13 @@ impl ContactRows {
             column[0] = if unknown.shears {
                 -slip
             } else {
-                let law = &given.laws[row.law as usize].overclosure;
-                let (required, compliance) = required_change(row, law, rate, given.span);
+                let law = &step.laws[row.law as usize].overclosure;
+                let (required, compliance) = required_change(row, law, rate, step.span);
                 direct.band[at * width + half] += compliance;
                 required
             };
             for (body, dof) in bodies.iter().enumerate() {
-                if let Some(term) = row.own(terms).iter().find(|term| term.dof == *dof) {
+                if let Some(term) = row.terms_in(terms).iter().find(|term| term.dof == *dof) {
                     (column[1 + body], on_bodies[body]) = (unknown.test(term), unknown.impulse(term));
                 }
             }
@@ -559,9 +559,9 @@ impl DirectSolver {
             let coupled = self.last_coupled[p] as usize - p;
             let (above, below) = self.band.split_at_mut((p + 1) * width);
             let pivots = &above[p * width + half + 1..p * width + half + 1 + coupled];
-            let (solved, rest) = self.columns.split_at_mut(p + 1);
+            let (solved, later) = self.columns.split_at_mut(p + 1);
             let solved = &solved[p];
-            for (i, (row, column)) in below.chunks_exact_mut(width).zip(&mut rest[..coupled]).enumerate() {
+            for (i, (row, column)) in below.chunks_exact_mut(width).zip(&mut later[..coupled]).enumerate() {
                 let begin = half - 1 - i;
                 let factor = row[begin] / pivot;
                 if factor == 0.0 {
@@ -650,12 +650,12 @@ mod tests {
                     (0..2).for_each(|axis| add(2 * node + axis, part, axis as usize));
                 }
             }
-            let at = k / 3;
+            let facet = k / 3;
             let part = f64::from(k % 3) / 3.0;
             match body {
                 Some(_) => add(dofs - 1, -1.0, 1),
                 None => {
-                    for (node, part) in [(at, part - 1.0), (at + 1, -part)] {
+                    for (node, part) in [(facet, part - 1.0), (facet + 1, -part)] {
                         (0..2).for_each(|axis| add(2 * (count + node) + axis, part, axis as usize));
                     }
                 }
@@ -690,13 +690,13 @@ mod tests {
                 let off = (row.normal_impulse - pressure).abs();
                 assert!(off < 1e-8 * (1.0 + slope), "{off:e} of {pressure}, {slope}, {} sweeps", rows.sweeps);
             }
-            let most = law.friction.at_rest * row.normal_impulse;
-            assert!(row.shear_impulse.abs() <= most * (1.0 + 1e-12), "{row:?}");
+            let limit = law.friction.at_rest * row.normal_impulse;
+            assert!(row.shear_impulse.abs() <= limit * (1.0 + 1e-12), "{row:?}");
             assert!(
-                row.shear_impulse.abs() < most * (1.0 - 1e-12) || row.shear_impulse * slip <= 1e-8,
+                row.shear_impulse.abs() < limit * (1.0 - 1e-12) || row.shear_impulse * slip <= 1e-8,
                 "{slip:e} {row:?}"
             );
-            assert!(row.shear_impulse.abs() >= most * (1.0 - 1e-12) || slip.abs() < 1e-8, "{slip:e} {row:?}");
+            assert!(row.shear_impulse.abs() >= limit * (1.0 - 1e-12) || slip.abs() < 1e-8, "{slip:e} {row:?}");
         }
     }
 
@@ -727,10 +727,10 @@ mod tests {
                 for count in [1, 2, 3, 7, 20, 60] {
                     for _ in 0..20 {
                         let (mut rows, mut motion) = scene(&mut numbers, count, body);
-                        let before = vec![[0.0; 2]; count as usize];
-                        let given = ContactStep { laws: std::slice::from_ref(&law), before: &before, span };
-                        if let Some(reference) = rows.begin(&motion, given) {
-                            rows.solve(&mut motion, reference, given);
+                        let pressures = vec![[0.0; 2]; count as usize];
+                        let step = ContactStep { laws: std::slice::from_ref(&law), pressures: &pressures, span };
+                        if let Some(reference) = rows.begin(&motion, step) {
+                            rows.solve(&mut motion, reference, step);
                         }
                         scenes += 1;
                         swept += usize::from(rows.sweeps > 0);
@@ -754,10 +754,10 @@ mod tests {
         rows.close_after(corner, [2, 3]);
         assert_eq!(rows.rows.iter().map(|row| row.key).collect::<Vec<_>>()[2..6], [2, 3, 200, 4]);
         let law = InteractionLaw { friction: CoulombFriction::of(0.2), ..InteractionLaw::default() };
-        let (span, before) = (ContactInterval { dt: 1.0, half: 1.0 }, vec![[0.0; 2]; 201]);
-        let given = ContactStep { laws: std::slice::from_ref(&law), before: &before, span };
-        let reference = rows.begin(&motion, given).expect("surfaces approach");
-        rows.solve(&mut motion, reference, given);
+        let (span, pressures) = (ContactInterval { dt: 1.0, half: 1.0 }, vec![[0.0; 2]; 201]);
+        let step = ContactStep { laws: std::slice::from_ref(&law), pressures: &pressures, span };
+        let reference = rows.begin(&motion, step).expect("surfaces approach");
+        rows.solve(&mut motion, reference, step);
         assert_eq!(rows.sweeps, 0);
         holds(&rows, &motion, &law);
     }

@@ -50,6 +50,24 @@ pub struct FacetGap {
     pub is_closed: bool,
 }
 
+impl FacetGap {
+    /// Returns the mean of the gap over the hat function of a point.
+    pub fn mean_gap(&self, end: usize) -> f64 {
+        self.gap[end] / self.area[end]
+    }
+}
+
+/// A point whose gap does not belong to facets.
+#[derive(Clone, Copy, Debug)]
+pub struct SinglePoint {
+    pub point: u32,
+    pub place: [f64; 2],
+    /// Normals of the facets at a corner: only opposite facets that face one of them are considered.
+    pub normals: Option<[[f64; 2]; 2]>,
+    /// Half the thickness of its body, if the opposite curve is a side of a line; otherwise infinite.
+    pub half_thickness: f64,
+}
+
 /// An opposite facet, as linear functions of the coordinate `s` from 0 to 1 on the own facet.
 #[derive(Clone, Copy, Debug)]
 struct FacingFacet {
@@ -92,8 +110,8 @@ impl FacingFacet {
     /// Returns whether a position projects onto the facet.
     #[inline]
     fn covers(&self, s: f64) -> bool {
-        let at = self.at(s);
-        at > -AT_END && at < 1.0 + AT_END
+        let along = self.at(s);
+        along > -AT_END && along < 1.0 + AT_END
     }
 }
 
@@ -103,15 +121,25 @@ struct NearestFacet {
     corner: Option<usize>,
 }
 
+/// Distance of a position from the nearest part of the opposite surface.
+struct FacetDistance {
+    /// Signed distance.
+    gap: f64,
+    normal: [f64; 2],
+    /// Coordinate on the opposite facet, from 0 to 1.
+    part: f64,
+}
+
 impl NearestFacet {
-    /// Returns the signed distance of a position at the coordinate `s`, the normal direction, and the coordinate on the
-    /// opposite facet; `length` is that of the own facet.
+    /// Returns the distance of a position at the coordinate `s`; `length` is that of the own facet.
     #[inline]
-    fn distance(&self, place: [f64; 2], s: f64, length: f64) -> (f64, [f64; 2], f64) {
+    fn distance(&self, place: [f64; 2], s: f64, length: f64) -> FacetDistance {
         let (apart, opposite) = (self.facing.apart(s), &self.facing.shape);
-        let Some(end) = self.corner else { return (apart, opposite.normal, self.facing.at(s)) };
+        let Some(end) = self.corner else {
+            return FacetDistance { gap: apart, normal: opposite.normal, part: self.facing.at(s) };
+        };
         let (gap, normal) = corner(place, opposite, end, apart, length);
-        (gap, normal, end as f64)
+        FacetDistance { gap, normal, part: end as f64 }
     }
 }
 
@@ -194,20 +222,20 @@ impl GapIntegrator {
             return seen;
         }
         self.cut(other, onset.map(|onset| onset + own.lift[k]));
-        let mut before: Option<Option<FacingFacet>> = None;
+        let mut previous: Option<Option<FacingFacet>> = None;
         let mut from = 0.0;
         for piece in 1..self.cuts.len() {
-            let to = self.cuts[piece];
-            if to - from <= SHORTEST {
+            let end = self.cuts[piece];
+            if end - from <= SHORTEST {
                 continue;
             }
-            let here = self.piece([from, to], (own, k), (other, onset), reach, &mut seen);
-            match (before, here) {
+            let current = self.piece([from, end], (own, k), (other, onset), reach, &mut seen);
+            match (previous, current) {
                 (Some(Some(ends)), None) if onset.is_some() => self.edge((own, k), other, ends, [from, 1.0]),
                 (Some(None), Some(begins)) if onset.is_some() => self.edge((own, k), other, begins, [from, -1.0]),
                 _ => {}
             }
-            (before, from) = (Some(here), to);
+            (previous, from) = (Some(current), end);
         }
         seen.shares[1] = self.shares.len() as u32;
         seen.edges[1] = self.edges.len() as u32;
@@ -224,33 +252,29 @@ impl GapIntegrator {
         &self.edges[seen.edges[0] as usize..seen.edges[1] as usize]
     }
 
-    /// Computes the gap of a single point without facets, with a unit area. A corner has the `normals` of its facets,
-    /// and only opposite facets that face one of the normals are considered; `half` is half the thickness of its body.
-    /// Returns the gap and the facet; `None` if no facet is near.
+    /// Computes the gap of a single point, with a unit area. Returns the gap and the facet; `None` if no facet is near.
     pub fn point_gap(
         &mut self,
-        (point, place): (u32, [f64; 2]),
-        (normals, half): (Option<[[f64; 2]; 2]>, f64),
+        SinglePoint { point, place, normals, half_thickness }: SinglePoint,
         other: &FacetCurve,
         candidates: &[u32],
         reach: f64,
     ) -> Option<(FacetGap, u32)> {
         let begin = self.shares.len() as u32;
         self.facing.clear();
-        let own = FacetShape { from: place, ..FacetShape::default() };
+        let point_shape = FacetShape { from: place, ..FacetShape::default() };
         let faces =
             |j: u32| normals.is_none_or(|all| all.iter().any(|n| cosine(n, &other.shapes[j as usize]) < FACING));
         let facing = candidates.iter().filter(|j| faces(**j));
-        self.facing.extend(facing.map(|&j| FacingFacet::new(j, &own, other)));
-        let nearest = self.nearest(&own, 0.0, other, [&|_| false, &|_| false])?;
+        self.facing.extend(facing.map(|&j| FacingFacet::new(j, &point_shape, other)));
+        let nearest = self.nearest(&point_shape, 0.0, other, [&|_| false, &|_| false])?;
         if normals.is_some() && nearest.corner.is_some() {
             return None;
         }
         let j = nearest.facing.facet as usize;
-        let (gap, normal, part) = nearest.distance(place, 0.0, nearest.facing.shape.length);
+        let FacetDistance { gap, normal, part } = nearest.distance(place, 0.0, nearest.facing.shape.length);
         let gap = gap - other.lift[j];
-        let half = if other.is_side_of_line { half } else { f64::INFINITY };
-        if gap >= reach || gap <= -other.depth_at(j, part).min(half) {
+        if gap >= reach || gap <= -other.depth_at(j, part).min(half_thickness) {
             return None;
         }
         let ends = other.facets[j];
@@ -307,9 +331,9 @@ impl GapIntegrator {
             // Beyond the ends of the facet, the sign of the distance changes in its plane. Where a neighbour is
             // opposite, it is nearer.
             let crossing = -f.distance[0] / f.distance[1];
-            let at = f.at(crossing);
-            let beyond = if at < 0.0 { before } else { after };
-            if !(0.0..=1.0).contains(&at) && !beyond.is_some_and(|g| g.covers(crossing)) {
+            let along = f.at(crossing);
+            let beyond = if along < 0.0 { before } else { after };
+            if !(0.0..=1.0).contains(&along) && !beyond.is_some_and(|g| g.covers(crossing)) {
                 add(crossing);
             }
             if let Some(g) = after {
@@ -336,10 +360,10 @@ impl GapIntegrator {
     fn edge(&mut self, (own, k): (&FacetCurve, usize), other: &FacetCurve, facing: FacingFacet, [s, side]: [f64; 2]) {
         let (shape, opposite) = (own.shapes[k], other.shapes[facing.facet as usize]);
         let overlap = own.lift[k] + other.lift[facing.facet as usize] - facing.apart(s);
-        let at = facing.at(s);
-        let end = usize::from(at > 0.5);
+        let along = facing.at(s);
+        let end = usize::from(along > 0.5);
         let coincides = [s, 1.0 - s].iter().zip(0..2).any(|(apart, end)| *apart < COINCIDENT && own.turns_at(k, end));
-        if overlap <= 0.0 || (at - end as f64).abs() > AT_CORNER || coincides {
+        if overlap <= 0.0 || (along - end as f64).abs() > AT_CORNER || coincides {
             return;
         }
         let r = shape.from[0] + s * shape.along[0];
@@ -347,8 +371,8 @@ impl GapIntegrator {
         let along = [0, 1].inline_map(|i| opposite.along[i] * (std::f64::consts::TAU * r * inverse));
         let ([a, b], corner) = (own.facets[k], other.facets[facing.facet as usize][end]);
         for (point, share) in [(a, s - 1.0), (b, -s), (corner, 1.0)] {
-            let of = [1.0 - s, s].inline_map(|hat| [hat * share * along[0], hat * share * along[1]]);
-            self.edges.push(CoverDerivative { point, of, overlap });
+            let derivatives = [1.0 - s, s].inline_map(|hat| [hat * share * along[0], hat * share * along[1]]);
+            self.edges.push(CoverDerivative { point, of: derivatives, overlap });
         }
     }
 
@@ -371,11 +395,11 @@ impl GapIntegrator {
             |next: u32| onset.is_none() && !is_self && cosine(&shape.normal, &other.shapes[next as usize]) >= FACING;
         let nearest = self.nearest(&shape, middle, other, [&joins, &ends_at])?;
         let (j, opposite) = (nearest.facing.facet as usize, nearest.facing.shape);
-        let most = deepest_overlap((own, k), (other, j));
+        let deepest = deepest_overlap((own, k), (other, j));
         let (own_lift, other_lift) = (own.lift[k], nearest.facing.lift);
         if let Some(onset) = onset {
-            let at = [0, 1].inline_map(|i: usize| shape.from[i] + middle * shape.along[i]);
-            let gap = nearest.distance(at, middle, shape.length).0 - own_lift - other_lift;
+            let position = [0, 1].inline_map(|i: usize| shape.from[i] + middle * shape.along[i]);
+            let gap = nearest.distance(position, middle, shape.length).gap - own_lift - other_lift;
             if !self.begin_part(gap < onset, seen) {
                 return Some(nearest.facing);
             }
@@ -383,14 +407,14 @@ impl GapIntegrator {
         let mut shares = [[[0.0; 2]; 2]; 4];
         let mut any = false;
         for s in [middle - half * GAUSS, middle + half * GAUSS] {
-            let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
-            let (gap, normal, part) = nearest.distance(place, s, shape.length);
+            let position = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
+            let FacetDistance { gap, normal, part } = nearest.distance(position, s, shape.length);
             let gap = gap - own_lift - other_lift;
-            if gap >= reach || (gap <= 0.0 && gap <= -other.depth_at(j, part).min(most)) {
+            if gap >= reach || (gap <= 0.0 && gap <= -other.depth_at(j, part).min(deepest)) {
                 continue;
             }
             any = true;
-            let r = 0.5 * (place[0] + opposite.from[0] + part * opposite.along[0]);
+            let r = 0.5 * (position[0] + opposite.from[0] + part * opposite.along[0]);
             let weight = std::f64::consts::TAU * r * half * shape.length;
             let (hats, weighted) = ([1.0 - s, s], normal.inline_map(|n| weight * n));
             let factors = [hats[0], hats[1], part - 1.0, -part];
@@ -435,28 +459,28 @@ impl GapIntegrator {
         other: &FacetCurve,
         [joins, ends_at]: [&dyn Fn(u32) -> bool; 2],
     ) -> Option<NearestFacet> {
-        let place = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
+        let position = [shape.from[0] + s * shape.along[0], shape.from[1] + s * shape.along[1]];
         let (mut best, mut least) = (None, f64::INFINITY);
         for f in &self.facing {
-            let (at, opposite) = (f.at(s), &f.shape);
-            let part = at.clamp(0.0, 1.0);
-            let d = [0, 1].inline_map(|i| place[i] - opposite.from[i] - part * opposite.along[i]);
+            let (along, opposite) = (f.at(s), &f.shape);
+            let part = along.clamp(0.0, 1.0);
+            let d = [0, 1].inline_map(|i| position[i] - opposite.from[i] - part * opposite.along[i]);
             let square = d[0] * d[0] + d[1] * d[1];
             if square < least {
                 (best, least) = (Some(f), square);
             }
         }
         let facing = *best?;
-        let at = facing.at(s);
-        let end = usize::from(at > 1.0);
-        let corner = (!(0.0..=1.0).contains(&at)).then_some(end);
+        let along = facing.at(s);
+        let end = usize::from(along > 1.0);
+        let corner = (!(0.0..=1.0).contains(&along)).then_some(end);
         let passes = corner.is_some()
             && match other.neighbors[facing.facet as usize][end] {
                 FacetNeighbor::Nothing => true,
                 FacetNeighbor::Facet(next) => {
                     let is_inside = facing.apart(s) < 0.0;
                     is_inside && joins(next)
-                        || (is_inside || ends_at(next)) && other.shapes[next as usize].in_front(place)
+                        || (is_inside || ends_at(next)) && other.shapes[next as usize].in_front(position)
                 }
                 FacetNeighbor::Axis => false,
             };
@@ -518,10 +542,10 @@ mod tests {
     fn curve(places: &[[f64; 2]], first: u32) -> FacetCurve {
         let facets = (0..places.len() as u32 - 1).map(|i| [first + i, first + i + 1]).collect::<Vec<_>>();
         let (depth, zeros) = (vec![[1.0; 3]; facets.len()], vec![[-1.0, 0.0]; first as usize]);
-        let all: Vec<[f64; 2]> = zeros.into_iter().chain(places.iter().copied()).collect();
+        let all_places: Vec<[f64; 2]> = zeros.into_iter().chain(places.iter().copied()).collect();
         let bare = facets.len();
-        let mut curve = FacetCurve::new(facets, depth, bare, &all);
-        curve.shape(&all);
+        let mut curve = FacetCurve::new(facets, depth, bare, &all_places);
+        curve.shape(&all_places);
         curve
     }
 
@@ -529,25 +553,26 @@ mod tests {
     /// gap by the axial position is one.
     #[test]
     fn shares_of_both_surfaces_cancel() {
-        let own = [[1.0, 0.9], [2.0, 1.1]];
+        let secondary_places = [[1.0, 0.9], [2.0, 1.1]];
         let other = [[2.3, 0.2], [1.4, 0.3], [0.7, 0.1]];
         let flat = [[2.3, 0.5], [1.4, 0.5], [0.7, 0.5]];
         for below in [other, flat] {
-            let (a, b) = (curve(&own, 0), curve(&below, 2));
+            let (a, b) = (curve(&secondary_places, 0), curve(&below, 2));
             let mut gaps = GapIntegrator::new(4);
             let seen: FacetGap = gaps.facet_gap((&a, 0), &b, &[0, 1], 10.0, None);
             let sum = |i: usize| {
-                let own: f64 = gaps.shares.iter().filter(|c| c.point < 2).map(|c| c.of[0][i] + c.of[1][i]).sum();
+                let of_secondary: f64 =
+                    gaps.shares.iter().filter(|c| c.point < 2).map(|c| c.of[0][i] + c.of[1][i]).sum();
                 let other: f64 = gaps.shares.iter().filter(|c| c.point >= 2).map(|c| c.of[0][i] + c.of[1][i]).sum();
-                (own, other)
+                (of_secondary, other)
             };
             for i in [0, 1] {
-                let (own, other) = sum(i);
-                assert!((own + other).abs() < 1e-14, "{own} {other}");
+                let (of_secondary, other) = sum(i);
+                assert!((of_secondary + other).abs() < 1e-14, "{of_secondary} {other}");
             }
             assert!(seen.area.iter().all(|a| *a > 0.0));
         }
-        let (a, b) = (curve(&own, 0), curve(&flat, 2));
+        let (a, b) = (curve(&secondary_places, 0), curve(&flat, 2));
         let mut gaps = GapIntegrator::new(4);
         let seen = gaps.facet_gap((&a, 0), &b, &[0, 1], 10.0, None);
         let rise: f64 = gaps.shares.iter().filter(|c| c.point < 2).map(|c| c.of[0][1] + c.of[1][1]).sum();
@@ -558,14 +583,14 @@ mod tests {
     /// the distance from the corner in soft contact, and no gap in hard contact.
     #[test]
     fn free_ends_have_no_gap_and_corners_do() {
-        let own = curve(&[[2.5, 0.1], [3.0, 0.1]], 0);
+        let secondary = curve(&[[2.5, 0.1], [3.0, 0.1]], 0);
         let mut gaps = GapIntegrator::new(4);
         let ending = curve(&[[2.0, 0.0], [0.0, 0.0]], 2);
-        assert_eq!(gaps.facet_gap((&own, 0), &ending, &[0], 10.0, None).area, [0.0; 2]);
+        assert_eq!(gaps.facet_gap((&secondary, 0), &ending, &[0], 10.0, None).area, [0.0; 2]);
         let around = curve(&[[2.0, -1.0], [2.0, 0.0], [0.0, 0.0]], 2);
-        let seen = gaps.facet_gap((&own, 0), &around, &[0, 1], 10.0, Some(0.0));
+        let seen = gaps.facet_gap((&secondary, 0), &around, &[0, 1], 10.0, Some(0.0));
         assert!(seen.gap[0] / seen.area[0] > 0.5 && seen.gap[1] / seen.area[1] > 0.5, "{seen:?}");
-        assert_eq!(gaps.facet_gap((&own, 0), &around, &[0, 1], 10.0, None).area, [0.0; 2]);
+        assert_eq!(gaps.facet_gap((&secondary, 0), &around, &[0, 1], 10.0, None).area, [0.0; 2]);
         let beside = curve(&[[2.5, -0.1], [3.0, -0.1]], 0);
         assert_eq!(gaps.facet_gap((&beside, 0), &around, &[1], 10.0, None).area, [0.0; 2]);
         let within = curve(&[[1.0, -0.1], [1.5, -0.1]], 0);

@@ -41,17 +41,13 @@ impl ImpactLimit {
         }
     }
 
-    /// Adds surfaces that approach each other at a speed, with the smallest thickness of their elements.
-    fn add(&mut self, [gap, speed]: [f64; 2], thickness: f64) {
-        self.increment = self.increment.min(LARGEST_COMPRESSION * thickness / speed);
-        self.remaining = self.remaining.max((gap.max(0.0) + AFTER * thickness) / speed);
-    }
-
-    /// Adds surfaces that are about to touch and have not been in contact; see `ContactConstraint::limit_impacts`.
+    /// Adds surfaces that approach each other at a speed, with the smallest thickness of their elements, if they are about to
+    /// touch; see `ContactConstraint::limit_impacts`.
     pub(super) fn add_if_near(&mut self, [gap, speed]: [f64; 2], thickness: f64, dt: f64) {
         let near = if dt > 0.0 { AHEAD * speed * dt } else { thickness };
         if speed > 0.0 && gap <= near && thickness < f64::INFINITY {
-            self.add([gap, speed], thickness);
+            self.increment = self.increment.min(LARGEST_COMPRESSION * thickness / speed);
+            self.remaining = self.remaining.max((gap.max(0.0) + AFTER * thickness) / speed);
         }
     }
 }

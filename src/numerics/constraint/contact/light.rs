@@ -52,7 +52,7 @@ impl ContactRows {
         }
         let ContactRows { terms, rows, .. } = self;
         for row in rows {
-            row.update_compliance(row.own(terms), motion);
+            row.update_compliance(row.terms_in(terms), motion);
         }
     }
 
@@ -87,9 +87,9 @@ impl ContactRows {
                 }
             }
             let velocity = &mut motion.velocity[light.dof as usize];
-            let left = light.predicted + light.inverse_mass * impulse - *velocity;
-            *velocity += left / (1.0 + light.inverse_mass * effective_mass);
-            furthest = furthest.max(left.abs());
+            let error = light.predicted + light.inverse_mass * impulse - *velocity;
+            *velocity += error / (1.0 + light.inverse_mass * effective_mass);
+            furthest = furthest.max(error.abs());
         }
         furthest
     }
@@ -139,9 +139,9 @@ mod tests {
         (velocity[12], inverse_mass[12]) = (-1.0, 1.0 / mass);
         let mut motion = ContactVelocities { velocity, inverse_mass };
         let span = ContactInterval { dt: 1.0, half: 1.0 };
-        let given = ContactStep { laws: &[InteractionLaw::default()], before: &[[0.0; 2]; 12], span };
-        if let Some(reference) = rows.begin(&motion, given) {
-            rows.solve_by_sweeps(&mut motion, reference, given);
+        let step = ContactStep { laws: &[InteractionLaw::default()], pressures: &[[0.0; 2]; 12], span };
+        if let Some(reference) = rows.begin(&motion, step) {
+            rows.solve_by_sweeps(&mut motion, reference, step);
         }
         (rows, motion)
     }

@@ -25,8 +25,8 @@ pub(super) struct KeyPlace {
 impl KeyPlace {
     /// Returns the value at the place from those of the keys.
     pub(super) fn value(&self, value: impl Fn(usize) -> f64) -> f64 {
-        let own = value(self.keys[0]);
-        if self.share == 0.0 { own } else { mix(own, value(self.keys[1]), self.share) }
+        let first = value(self.keys[0]);
+        if self.share == 0.0 { first } else { mix(first, value(self.keys[1]), self.share) }
     }
 }
 
@@ -66,8 +66,8 @@ impl MeshContinuation {
 
     /// Returns the value of a key at its new place, from those of all keys at the start.
     pub(super) fn at_new_place(&self, key: u32, value: impl Fn(u32) -> f64) -> f64 {
-        let at = self.shares.binary_search_by_key(&key, |share| share.key);
-        let moved = at.map(|at| self.shares[at]);
+        let index = self.shares.binary_search_by_key(&key, |share| share.key);
+        let moved = index.map(|index| self.shares[index]);
         moved.map_or_else(|_| value(key), |moved| mix(value(key), value(moved.other), moved.share))
     }
 

@@ -22,10 +22,10 @@ const LONGEST: f64 = 0.2;
 impl MeshContinuation {
     /// Takes places, gaps and areas at the start.
     fn begin(&mut self, contact: &ContactConstraint) {
-        self.starts.copy_from_slice(&contact.places);
+        self.starts.copy_from_slice(&contact.surfaces.places);
         self.gaps.fill(f64::NAN);
         self.areas.fill(0.0);
-        for row in contact.rows.rows.iter().filter(|row| row.closest_point.is_none()) {
+        for row in contact.measured.rows.rows.iter().filter(|row| row.closest_point.is_none()) {
             self.gaps[row.key as usize] = row.gap / row.area;
             self.areas[row.key as usize] = row.area;
         }
@@ -34,8 +34,8 @@ impl MeshContinuation {
     /// Finds the new places of the keys between those at the start.
     fn find_shares(&mut self, contact: &ContactConstraint) {
         self.shares.clear();
-        for pair in contact.pairs.iter().filter(|pair| pair.analytical.is_none()) {
-            let points = contact.curves[pair.own].exposed_points.iter();
+        for pair in mesh_pairs(contact) {
+            let points = contact.surfaces.curves[pair.secondary].exposed_points.iter();
             self.shares.extend(points.filter_map(|index| key_share(contact, pair, *index, &self.starts)));
         }
         self.shares.sort_unstable_by_key(|share| share.key);
@@ -54,8 +54,8 @@ impl MeshContinuation {
         let longest = mesh_pairs(contact).map(|pair| pair.search.length).fold(f64::INFINITY, f64::min);
         let (mut shifts, is_free) = (std::mem::take(&mut self.shifts), std::mem::take(&mut self.is_free));
         for _ in 0..SWEEPS {
-            for row in contact.rows.rows.iter().filter(|row| row.closest_point.is_none()) {
-                let terms = contact.rows.terms_of(row);
+            for row in contact.measured.rows.rows.iter().filter(|row| row.closest_point.is_none()) {
+                let terms = contact.measured.rows.terms_of(row);
                 let gap = row.gap + terms.iter().map(|t| t.normal * shifts[t.dof as usize]).sum::<f64>();
                 let (target, is_closed) = self.target(contact, row, longest);
                 let off = target * row.area - gap;
@@ -68,11 +68,11 @@ impl MeshContinuation {
         }
         let longest = LONGEST * longest;
         for (node, dofs) in near_nodes(contact) {
-            let by = dofs.inline_map(|dof| shifts[dof as usize]);
-            if by != [0.0; 2] {
-                let length = libm::hypot(by[0], by[1]);
+            let shift = dofs.inline_map(|dof| shifts[dof as usize]);
+            if shift != [0.0; 2] {
+                let length = libm::hypot(shift[0], shift[1]);
                 let part = if length > longest { longest / length } else { 1.0 };
-                mesh.shift(node, by.inline_map(|x| part * x));
+                mesh.shift(node, shift.inline_map(|x| part * x));
             }
         }
         (self.shifts, self.is_free) = (shifts, is_free);
@@ -82,7 +82,7 @@ impl MeshContinuation {
     /// keep a gap of at most zero.
     fn target(&self, contact: &ContactConstraint, row: &ContactRow, length: f64) -> (f64, bool) {
         let gap = self.at_new_place(row.key, |key| self.gaps[key as usize]);
-        let is_pressed = contact.pressures[row.key as usize][0] > 0.0;
+        let is_pressed = contact.keys.pressures[row.key as usize][0] > 0.0;
         if gap.is_nan() {
             (0.0, is_pressed)
         } else if is_pressed || gap < CLOSED * length {
@@ -94,8 +94,8 @@ impl MeshContinuation {
 
     /// Moves stored energies to the new places: energies per area are interpolated, and the sum of a pair is kept.
     fn carry_energies(&mut self, contact: &mut ContactConstraint) {
-        let ContactConstraint { stored_energy, rows, pairs, .. } = contact;
-        let energies = stored_energy.values_mut();
+        let ContactConstraint { surfaces, pairs, keys, measured, .. } = contact;
+        let energies = &mut keys.stored_energy.stored;
         if energies.is_empty() {
             return;
         }
@@ -104,13 +104,12 @@ impl MeshContinuation {
             if energy > 0.0 && area > 0.0 { energy / area } else { 0.0 }
         };
         self.stored.fill(0.0);
-        for row in rows.rows.iter().filter(|row| row.closest_point.is_none()) {
+        for row in measured.rows.rows.iter().filter(|row| row.closest_point.is_none()) {
             let density = self.at_new_place(row.key, |key| per_area(energies, key));
             self.stored[row.key as usize] = density * row.area;
         }
-        for (at, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.analytical.is_none()) {
-            let end = pairs.get(at + 1).map_or(energies.len(), |next| next.first_key as usize);
-            let keys = pair.first_key as usize..end;
+        for pair in pairs.iter().filter(|pair| pair.analytical.is_none()) {
+            let keys = surfaces.keys_in(pair);
             replace_energies(&mut energies[keys.clone()], &self.stored[keys]);
         }
     }
@@ -118,44 +117,44 @@ impl MeshContinuation {
     /// Moves stored energies of soft contact with analytical surfaces to the new places of their keys: energies per area are
     /// interpolated, and the sum of a pair is kept.
     fn carry_energies_on_analyticals(&mut self, contact: &mut ContactConstraint, mesh: &dyn MeshMotion, dofs: &Dofs) {
-        if contact.stored_energy.values().is_empty() {
+        if contact.keys.stored_energy.stored.is_empty() {
             return;
         }
-        for at in (0..contact.pairs.len()).filter(|at| contact.pairs[*at].analytical.is_some()) {
-            if self.find_energies(contact, at, mesh, dofs) {
-                let pair = &contact.pairs[at];
+        for index in (0..contact.pairs.len()).filter(|index| contact.pairs[*index].analytical.is_some()) {
+            if self.find_energies(contact, index, mesh, dofs) {
+                let pair = &contact.pairs[index];
                 let first = pair.first_key as usize;
-                let keys = first..first + contact.curves[pair.own].own.len();
-                replace_energies(&mut contact.stored_energy.values_mut()[keys.clone()], &self.stored[keys]);
+                let keys = first..first + contact.surfaces.curves[pair.secondary].points.len();
+                replace_energies(&mut contact.keys.stored_energy.stored[keys.clone()], &self.stored[keys]);
             }
         }
     }
 
     /// Finds the energies at the new places of the keys of a pair with an analytical surface. Returns whether a point has
     /// moved.
-    fn find_energies(&mut self, contact: &ContactConstraint, at: usize, mesh: &dyn MeshMotion, dofs: &Dofs) -> bool {
-        let pair = &contact.pairs[at];
-        let (own, energies) = (&contact.curves[pair.own], contact.stored_energy.values());
-        let start_of = |point: u32| contact.place_of(point, dofs, 0.0);
-        let place_of = |point: u32| match contact.points[point as usize].carrier {
+    fn find_energies(&mut self, contact: &ContactConstraint, index: usize, mesh: &dyn MeshMotion, dofs: &Dofs) -> bool {
+        let (pair, surfaces) = (&contact.pairs[index], &contact.surfaces);
+        let (secondary, energies) = (&surfaces.curves[pair.secondary], &contact.keys.stored_energy.stored);
+        let start_of = |point: u32| surfaces.place_of(point, dofs, 0.0);
+        let place_of = |point: u32| match surfaces.points[point as usize].carrier {
             PointCarrier::Node(node) => mesh.place(node).unwrap_or_else(|| start_of(point)),
             PointCarrier::Body(..) => start_of(point),
         };
-        if own.own.iter().all(|point| place_of(*point) == start_of(*point)) {
+        if secondary.points.iter().all(|point| place_of(*point) == start_of(*point)) {
             return false;
         }
         let density = |index: usize| {
-            let (energy, area) = (energies[pair.first_key as usize + index], own.area_at(index, start_of));
+            let (energy, area) = (energies[pair.first_key as usize + index], secondary.area_at(index, start_of));
             if energy > 0.0 && area > 0.0 { energy / area } else { 0.0 }
         };
-        for (index, point) in own.own.iter().enumerate() {
+        for (index, point) in secondary.points.iter().enumerate() {
             let mut value = density(index);
-            if let Some((next, share)) = own.next_point(index, place_of(*point), start_of)
-                && let Ok(next) = own.own.binary_search(&next)
+            if let Some((next, share)) = secondary.next_point(index, place_of(*point), start_of)
+                && let Ok(next) = secondary.points.binary_search(&next)
             {
                 value += share * (density(next) - value);
             }
-            self.stored[pair.first_key as usize + index] = value * own.area_at(index, place_of);
+            self.stored[pair.first_key as usize + index] = value * secondary.area_at(index, place_of);
         }
         true
     }
@@ -165,8 +164,8 @@ impl MeshContinuation {
 /// remain. Equation (18.12).
 fn replace_energies(energies: &mut [f64], others: &[f64]) {
     let sum = |list: &[f64]| list.iter().filter(|energy| !energy.is_nan()).sum::<f64>();
-    let [before, after] = [sum(energies), sum(others)];
-    let part = if after > 0.0 { before / after } else { 0.0 };
+    let sums = [sum(energies), sum(others)];
+    let part = if sums[1] > 0.0 { sums[0] / sums[1] } else { 0.0 };
     for (energy, other) in energies.iter_mut().zip(others).filter(|(energy, _)| !energy.is_nan()) {
         *energy = part * other;
     }
@@ -179,26 +178,26 @@ fn mesh_pairs(contact: &ContactConstraint) -> impl Iterator<Item = &ContactPair>
 
 /// Returns the nodes near another surface, with their degrees of freedom.
 fn near_nodes(contact: &ContactConstraint) -> impl Iterator<Item = (usize, [u32; 2])> {
-    contact.near.points.iter().filter_map(|point| match contact.points[*point as usize].carrier {
-        PointCarrier::Node(node) => Some((node, contact.dofs_of[*point as usize])),
+    contact.surfaces.near.points.iter().filter_map(|point| match contact.surfaces.points[*point as usize].carrier {
+        PointCarrier::Node(node) => Some((node, contact.dofs.of_points[*point as usize])),
         PointCarrier::Body(..) => None,
     })
 }
 
 /// Returns the new place of the key of an own point; `None` if it does not move along the surface.
 fn key_share(contact: &ContactConstraint, pair: &ContactPair, index: u32, starts: &[[f64; 2]]) -> Option<KeyShare> {
-    let own = &contact.curves[pair.own];
-    let place = contact.places[own.own[index as usize] as usize];
-    let (next, share) = own.next_point(index as usize, place, |point| starts[point as usize])?;
-    Some(KeyShare { key: pair.first_key + index, other: pair.key_of(own, next), share })
+    let secondary = &contact.surfaces.curves[pair.secondary];
+    let new_place = contact.surfaces.places[secondary.points[index as usize] as usize];
+    let (next, share) = secondary.next_point(index as usize, new_place, |point| starts[point as usize])?;
+    Some(KeyShare { key: pair.first_key + index, other: pair.key_of(secondary, next), share })
 }
 
 impl ContactConstraint {
     /// Allocates for changes of adaptive meshes.
-    pub(super) fn reserve_mesh_motion(&mut self) {
-        let stores_energy = !self.stored_energy.values().is_empty();
+    pub fn reserve_mesh_motion(&mut self) {
+        let stores_energy = !self.keys.stored_energy.stored.is_empty();
         if self.mesh.is_none() && (stores_energy || mesh_pairs(self).next().is_some()) {
-            let new = MeshContinuation::new(self.pressures.len(), self.points.len(), self.dofs.len());
+            let new = MeshContinuation::new(self.keys.count(), self.surfaces.points.len(), self.dofs.count());
             self.mesh = Some(Box::new(new));
         }
     }
@@ -207,50 +206,48 @@ impl ContactConstraint {
     /// analytical one presses, and no bond acts.
     pub(super) fn keeps_gaps_of(&self, point: u32) -> bool {
         let mut keeps = false;
-        for (at, pair) in self.pairs.iter().enumerate() {
-            let own = self.curves[pair.own].own.binary_search(&point).ok();
-            let other = pair.other.is_some_and(|other| self.curves[other].own.binary_search(&point).is_ok());
-            let pressed = |index: usize| self.pressures[pair.first_key as usize + index][0] > 0.0;
-            if pair.analytical.is_some() && own.is_some_and(pressed) {
+        for (index, pair) in self.pairs.iter().enumerate() {
+            let index_in = |curve: usize| self.surfaces.curves[curve].points.binary_search(&point).ok();
+            let own_index = index_in(pair.secondary);
+            let is_pressed = |index: usize| self.keys.pressures[pair.first_key as usize + index][0] > 0.0;
+            if pair.analytical.is_some() && own_index.is_some_and(is_pressed) {
                 return false;
             }
-            if pair.analytical.is_none() && (own.is_some() || other) {
-                if self.is_cohesive(at) {
+            if pair.analytical.is_none() && own_index.or_else(|| index_in(pair.other?)).is_some() {
+                if self.is_cohesive(index) {
                     return false;
                 }
-                keeps = self.near.has(point);
+                keeps = self.surfaces.near.has(point);
             }
         }
         keeps
     }
 
-    /// Finds the surfaces that are near each other at the start of a change of adaptive meshes. The lists of earlier
+    /// Finds the surfaces that are near each other before adaptive meshes change, at the start of an increment of which only
+    /// the motion of bodies has been made. The lists of earlier
     /// increments are not used, for they depend on when they were built.
-    pub(super) fn begin_mesh_motion(&mut self, dofs: &Dofs) {
+    pub fn begin_mesh_motion(&mut self, dofs: &Dofs) {
         if mesh_pairs(self).next().is_none() {
             return;
         }
-        if self.uncovered {
-            self.list_points();
+        if self.surfaces.uncovered {
+            self.surfaces.list_points();
         }
-        self.read_places(|_| None, dofs);
-        if std::mem::take(&mut self.uncovered) {
-            self.curves.iter_mut().for_each(|curve| curve.find_neighbors(&self.places));
-            self.forget_pressures_of_orphans();
-        }
+        self.surfaces.read_places(|_| None, dofs);
+        self.follow_deletions();
         self.search();
     }
 
     /// Corrects new places of nodes of adaptive meshes, and moves the values of the keys to them. It follows
     /// [`Self::begin_mesh_motion`].
-    pub(super) fn follow_meshes(&mut self, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
+    pub fn follow_meshes(&mut self, dofs: &Dofs, mesh: &mut dyn MeshMotion) {
         self.reserve_mesh_motion();
         let Some(mut work) = self.mesh.take() else { return };
         if mesh_pairs(self).next().is_some() && self.moves_near(dofs, mesh) {
             self.measure(0.0);
             work.begin(self);
             for pass in 0..PASSES {
-                self.read_places(|node| mesh.place(node), dofs);
+                self.surfaces.read_places(|node| mesh.place(node), dofs);
                 self.search();
                 self.measure(0.0);
                 if pass == 0 {
@@ -258,8 +255,9 @@ impl ContactConstraint {
                 }
                 work.correct(self, mesh);
             }
-            self.carry_keys(&mut work);
-            self.listed.clear();
+            self.keys.carry(&mut work);
+            work.carry_energies(self);
+            self.surfaces.listed.clear();
         }
         work.carry_energies_on_analyticals(self, mesh, dofs);
         self.mesh = Some(work);
@@ -268,30 +266,5 @@ impl ContactConstraint {
     /// Returns whether a node near another surface moves.
     fn moves_near(&self, dofs: &Dofs, mesh: &dyn MeshMotion) -> bool {
         near_nodes(self).any(|(node, _)| mesh.place(node).is_some_and(|place| place != dofs.nodes[node].place()))
-    }
-
-    /// Reads the new places of nodes, and the present places of all other points.
-    fn read_places(&mut self, new: impl Fn(usize) -> Option<[f64; 2]>, dofs: &Dofs) {
-        for &point in &self.active_points {
-            let moved = match self.points[point as usize].carrier {
-                PointCarrier::Node(node) => new(node),
-                PointCarrier::Body(..) => None,
-            };
-            self.places[point as usize] = moved.unwrap_or_else(|| self.place_of(point, dofs, 0.0));
-        }
-    }
-
-    fn carry_keys(&mut self, work: &mut MeshContinuation) {
-        work.carry(&mut self.pressures, |[pressure, _]| pressure);
-        work.carry(&mut self.pressures, |[_, shear]| shear);
-        work.carry(&mut self.gap_offsets, |offset| offset);
-        work.carry(self.shown.slip_mut(), |slip| slip);
-        for values in self.slip_damping.values_mut() {
-            work.carry(values, |value| value);
-        }
-        for part in 0..2 {
-            work.carry(self.slip_damping.pressures_mut(), |slow| &mut slow[part]);
-        }
-        work.carry_energies(self);
     }
 }

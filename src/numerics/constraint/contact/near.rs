@@ -53,7 +53,7 @@ impl NearParts {
     /// Marks all points of a curve.
     pub(super) fn mark_curve(&mut self, curve: &FacetCurve) {
         let points = curve.exposed_points.iter().chain(&curve.orphans);
-        points.for_each(|index| self.is_candidate[curve.own[*index as usize] as usize] = true);
+        points.for_each(|index| self.is_candidate[curve.points[*index as usize] as usize] = true);
     }
 
     /// Lists the near parts from the marked points. `all` are the points of exposed facets and those without elements.
@@ -101,10 +101,10 @@ impl NearParts {
         let singles = opposite.map_or(0, |curve| curve.single_points().count());
         (0..singles).for_each(|at| mark(own, search.others.of(at)));
         let of_own = own.orphans.iter().enumerate().filter(|(at, _)| !search.orphans.of(*at).is_empty());
-        of_own.for_each(|(_, index)| is_candidate[own.own[*index as usize] as usize] = true);
+        of_own.for_each(|(_, index)| is_candidate[own.points[*index as usize] as usize] = true);
         if opposite.is_some() {
             let of_other = other.single_points().enumerate().filter(|(at, _)| !search.others.of(*at).is_empty());
-            of_other.for_each(|(_, (index, _))| is_candidate[other.own[index as usize] as usize] = true);
+            of_other.for_each(|(_, (index, _))| is_candidate[other.points[index as usize] as usize] = true);
         }
     }
 }

@@ -124,8 +124,8 @@ fn list_points(
 ) {
     lists.clear();
     for index in points {
-        let place = places[of.own[index as usize] as usize];
-        sorted.near([place; 2], margin, |j| lists.list.push(j));
+        let position = places[of.points[index as usize] as usize];
+        sorted.near([position; 2], margin, |j| lists.list.push(j));
         lists.end_one();
     }
 }

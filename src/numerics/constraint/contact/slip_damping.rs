@@ -8,7 +8,7 @@
 //! pressure with a delay of some increments (as measured by Prakash and Clifton; a regularization after Cochard and Rice
 //! 2000, J. Geophys. Res. 105, 25891), so that friction does not drive waves of the length of an element.
 
-use super::mesh_continuation::KeyPlace;
+use super::mesh_continuation::{KeyPlace, MeshContinuation};
 use super::sweeps::{ContactRow, ContactRows, ContactStep, ContactVelocities};
 use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lanes::InlineMap;
@@ -63,14 +63,14 @@ impl SlipDamping {
         self.pressure[key] = [0, 1].inline_map(|part: usize| place.value(|other| previous.pressure[other][part]));
     }
 
-    /// Returns the values of the keys that continue.
-    pub(super) fn values_mut(&mut self) -> [&mut [f64]; 3] {
-        [&mut self.slow, &mut self.impulse, &mut self.stress]
-    }
-
-    /// Returns the slow parts of the pressures of the keys.
-    pub(super) fn pressures_mut(&mut self) -> &mut [[f64; 2]] {
-        &mut self.pressure
+    /// Moves the values to the new places of the keys on adaptive meshes.
+    pub(super) fn carry(&mut self, mesh: &mut MeshContinuation) {
+        for values in [&mut self.slow, &mut self.impulse, &mut self.stress] {
+            mesh.carry(values, |value| value);
+        }
+        for part in 0..2 {
+            mesh.carry(&mut self.pressure, |slow| &mut slow[part]);
+        }
     }
 
     /// Returns the shear stress of a key in the last increment.
@@ -85,24 +85,24 @@ impl SlipDamping {
 
     /// Applies the impulses of the damping to the velocities, before the contact impulses are solved for. Their limit is
     /// that of friction under the pressure of the previous increment.
-    pub(super) fn apply(&mut self, rows: &mut ContactRows, motion: &mut ContactVelocities, given: ContactStep<'_>) {
+    pub(super) fn apply(&mut self, rows: &mut ContactRows, motion: &mut ContactVelocities, step: ContactStep<'_>) {
         let ContactRows { rows, terms, .. } = rows;
         for row in rows.iter_mut().filter(|row| !row.is_single_point) {
             if let Some([slow, slower]) = self.pressure.get(row.key as usize).filter(|slow| !slow[0].is_nan()) {
-                let rest = (1.0 - PRESSURE_APPROACH) * ((2.0 - PRESSURE_APPROACH) * slow - slower);
-                row.slow_impulse = Some([rest * given.span.half, (2.0 - PRESSURE_APPROACH) * PRESSURE_APPROACH]);
+                let constant = (1.0 - PRESSURE_APPROACH) * ((2.0 - PRESSURE_APPROACH) * slow - slower);
+                row.slow_impulse = Some([constant * step.span.half, (2.0 - PRESSURE_APPROACH) * PRESSURE_APPROACH]);
             }
             let Some(&impulse) = self.impulse.get(row.key as usize).filter(|impulse| **impulse != 0.0) else {
                 continue;
             };
-            let [pressure, _] = given.before[row.key as usize];
-            let friction = &given.laws[row.law as usize].friction;
+            let [pressure, _] = step.pressures[row.key as usize];
+            let friction = &step.laws[row.law as usize].friction;
             // Not a number, after an instability, counts as no pressure.
             let pressure = if pressure > 0.0 { pressure } else { 0.0 };
-            let most = (friction.at_rest * pressure).min(friction.largest) * given.span.half;
-            row.damping = impulse.clamp(-most, most);
-            self.stress[row.key as usize] = row.damping / given.span.half;
-            motion.shear(row.own(terms), row.damping);
+            let limit = (friction.at_rest * pressure).min(friction.largest) * step.span.half;
+            row.damping = impulse.clamp(-limit, limit);
+            self.stress[row.key as usize] = row.damping / step.span.half;
+            motion.shear(row.terms_in(terms), row.damping);
         }
     }
 
@@ -146,8 +146,8 @@ impl SlipDamping {
         };
         for row in rows.rows.iter().filter(is_damped) {
             let (key, slip) = (row.key as usize, motion.slip(rows.terms_of(row)) / row.area);
-            let before = if self.slow[key].is_nan() { slip } else { self.slow[key] };
-            self.next[key] = before + APPROACH * (slip - before);
+            let previous = if self.slow[key].is_nan() { slip } else { self.slow[key] };
+            self.next[key] = previous + APPROACH * (slip - previous);
             // For now the quick part of the slip rate; sticking rows have none.
             self.impulse[key] = if row.sticks { 0.0 } else { slip - self.next[key] };
         }
@@ -156,9 +156,9 @@ impl SlipDamping {
             let slides = |row: &&ContactRow| is_damped(row) && !row.sticks;
             let (mut mass, mut moment) = (0.0, 0.0);
             for row in pair.iter().filter(slides) {
-                let own = row.area * row.area / row.compliance[1];
-                mass += own;
-                moment += own * self.impulse[row.key as usize];
+                let row_mass = row.area * row.area / row.compliance[1];
+                mass += row_mass;
+                moment += row_mass * self.impulse[row.key as usize];
             }
             for row in pair.iter().filter(slides) {
                 let impulse = &mut self.impulse[row.key as usize];

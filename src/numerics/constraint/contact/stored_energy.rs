@@ -15,7 +15,7 @@ use crate::state::archive::Persist;
 #[persist(fixed: stored; derived: next)]
 pub(super) struct StoredEnergy {
     /// Energy that a soft law has absorbed and not released; NaN before the first increment. Empty without soft laws.
-    stored: Vec<f64>,
+    pub(super) stored: Vec<f64>,
     /// Work array: stored energy at the end of the increment.
     next: Vec<f64>,
 }
@@ -31,16 +31,6 @@ impl StoredEnergy {
         if let Some(own) = self.stored.get_mut(key).filter(|_| !previous.stored.is_empty()) {
             *own = place.value(|other| previous.stored[other]);
         }
-    }
-
-    /// Returns the energies of the keys, NaN before the first increment; none without soft laws.
-    pub(super) fn values_mut(&mut self) -> &mut [f64] {
-        &mut self.stored
-    }
-
-    /// Returns the energies of the keys.
-    pub(super) fn values(&self) -> &[f64] {
-        &self.stored
     }
 
     /// Limits the overlaps of soft rows to those that work has been done for. Returns the energy of the overlaps with

@@ -124,10 +124,10 @@ impl ContactRow {
 
     /// Changes the shear impulse to that which prevents the slip, within its limit. Returns the size of the change.
     fn shear(&mut self, own: &[GapTerm], motion: &mut ContactVelocities, law: &InteractionLaw, half: f64) -> f64 {
-        let most = shear_limit(self, law, half);
-        let held = self.shear_impulse - motion.slip(own) / self.compliance[1];
-        let sheared = held.clamp(-most, most);
-        self.sticks = held == sheared;
+        let limit = shear_limit(self, law, half);
+        let sticking_impulse = self.shear_impulse - motion.slip(own) / self.compliance[1];
+        let sheared = sticking_impulse.clamp(-limit, limit);
+        self.sticks = sticking_impulse == sheared;
         let change = sheared - self.shear_impulse;
         if change != 0.0 {
             self.shear_impulse = sheared;
@@ -137,7 +137,7 @@ impl ContactRow {
     }
 
     #[inline(always)]
-    pub(super) fn own<'a>(&self, terms: &'a [GapTerm]) -> &'a [GapTerm] {
+    pub(super) fn terms_in<'a>(&self, terms: &'a [GapTerm]) -> &'a [GapTerm] {
         &terms[self.terms[0] as usize..self.terms[1] as usize]
     }
 
@@ -226,7 +226,7 @@ pub struct ContactInterval {
 pub struct ContactStep<'a> {
     pub laws: &'a [InteractionLaw],
     /// Pressure and shear stress of each key in the increment before.
-    pub before: &'a [[f64; 2]],
+    pub pressures: &'a [[f64; 2]],
     pub span: ContactInterval,
 }
 
@@ -318,10 +318,10 @@ impl ContactRows {
         if r == NONE || z != r + 1 || of == [0.0; 2] {
             return false;
         }
-        let (slots, at) = (&mut self.slots[r as usize..=z as usize], self.terms.len() as u32);
+        let (slots, end) = (&mut self.slots[r as usize..=z as usize], self.terms.len() as u32);
         let ends = slots[0].saturating_add(2);
         if slots[0] >= self.opened
-            && ends <= at
+            && ends <= end
             && let [first, second] = &mut self.terms[ends as usize - 2..ends as usize]
             && first.dof == r
             && second.dof == z
@@ -337,7 +337,7 @@ impl ContactRows {
         if is_in_row(slots[0], r) || is_in_row(slots[1], z) {
             return false;
         }
-        slots.copy_from_slice(&[at, at + 1]);
+        slots.copy_from_slice(&[end, end + 1]);
         self.terms.push(GapTerm { dof: r, normal: of[0], slip: -of[1] });
         self.terms.push(GapTerm { dof: z, normal: of[1], slip: of[0] });
         true
@@ -384,44 +384,44 @@ impl ContactRows {
 
     /// Solves for the impulses after [`ContactRows::begin`], which returned the `reference` velocity; `motion` then
     /// holds the velocities after them. Sweeps are used if the direct solver fails.
-    pub fn solve(&mut self, motion: &mut ContactVelocities, reference: f64, given: ContactStep<'_>) {
-        self.begin_warm(motion, given);
-        self.find(motion, reference, given);
+    pub fn solve(&mut self, motion: &mut ContactVelocities, reference: f64, step: ContactStep<'_>) {
+        self.begin_warm(motion, step);
+        self.find(motion, reference, step);
     }
 
     /// Solves again from the current impulses, after gaps have changed.
-    pub(super) fn solve_again(&mut self, motion: &mut ContactVelocities, reference: f64, given: ContactStep<'_>) {
-        self.rows.iter_mut().for_each(|row| row.take_bias(&given.laws[row.law as usize], given.span));
-        self.find(motion, reference, given);
+    pub(super) fn solve_again(&mut self, motion: &mut ContactVelocities, reference: f64, step: ContactStep<'_>) {
+        self.rows.iter_mut().for_each(|row| row.take_bias(&step.laws[row.law as usize], step.span));
+        self.find(motion, reference, step);
     }
 
-    fn find(&mut self, motion: &mut ContactVelocities, reference: f64, given: ContactStep<'_>) {
-        if !self.solve_directly(motion, reference, given) {
+    fn find(&mut self, motion: &mut ContactVelocities, reference: f64, step: ContactStep<'_>) {
+        if !self.solve_directly(motion, reference, step) {
             self.unload(motion);
-            self.solve_by_sweeps(motion, reference, given);
+            self.solve_by_sweeps(motion, reference, step);
         }
     }
 
     /// Keeps the rows that may close in this increment. Returns the velocity that errors are relative to; `None` if no
     /// gap closes.
-    pub(super) fn begin(&mut self, motion: &ContactVelocities, given: ContactStep<'_>) -> Option<f64> {
+    pub(super) fn begin(&mut self, motion: &ContactVelocities, step: ContactStep<'_>) -> Option<f64> {
         self.sweeps = 0;
-        let [approach, fastest] = self.prepare(motion, given);
-        self.set_dashpots(motion, given.laws);
+        let [approach, fastest] = self.prepare(motion, step);
+        self.set_dashpots(motion, step.laws);
         if approach <= 0.0 {
             self.rows.clear();
             return None;
         }
-        self.keep_near(approach, given);
+        self.keep_near(approach, step);
         Some(approach.max(ROUNDING * fastest))
     }
 
-    pub(super) fn solve_by_sweeps(&mut self, motion: &mut ContactVelocities, reference: f64, given: ContactStep<'_>) {
-        self.hold_light(motion, given.laws);
-        self.begin_warm(motion, given);
+    pub(super) fn solve_by_sweeps(&mut self, motion: &mut ContactVelocities, reference: f64, step: ContactStep<'_>) {
+        self.hold_light(motion, step.laws);
+        self.begin_warm(motion, step);
         self.start_light(motion);
-        if !self.sweep_until_converged(motion, reference, given, SweptImpulses::All) {
-            self.solve_in_turns(motion, reference, given);
+        if !self.sweep_until_converged(motion, reference, step, SweptImpulses::All) {
+            self.solve_in_turns(motion, reference, step);
         }
         self.release_light(motion);
     }
@@ -431,10 +431,10 @@ impl ContactRows {
     /// problem has such solutions. Sweeps over shear impulses within constant limits reduce the kinetic energy at each row,
     /// so that friction creates no energy even if they do not converge. The rates of the gaps that friction then changes are
     /// corrected in the next increment.
-    fn solve_in_turns(&mut self, motion: &mut ContactVelocities, reference: f64, given: ContactStep<'_>) {
+    fn solve_in_turns(&mut self, motion: &mut ContactVelocities, reference: f64, step: ContactStep<'_>) {
         self.unload(motion);
-        self.sweep_until_converged(motion, reference, given, SweptImpulses::Normal);
-        self.sweep_until_converged(motion, reference, given, SweptImpulses::Shear);
+        self.sweep_until_converged(motion, reference, step, SweptImpulses::Normal);
+        self.sweep_until_converged(motion, reference, step, SweptImpulses::Shear);
     }
 
     /// Makes at most [`MOST_SWEEPS`] sweeps. Returns whether they converged.
@@ -442,13 +442,13 @@ impl ContactRows {
         &mut self,
         motion: &mut ContactVelocities,
         reference: f64,
-        given: ContactStep<'_>,
+        step: ContactStep<'_>,
         swept: SweptImpulses,
     ) -> bool {
         self.sweeps = 0;
         while self.sweeps < MOST_SWEEPS {
             self.sweeps += 1;
-            let change = self.sweep(motion, given, swept);
+            let change = self.sweep(motion, step, swept);
             if change.max(self.move_light(motion)) <= TOLERANCE * reference {
                 return true;
             }
@@ -459,55 +459,55 @@ impl ContactRows {
     fn unload(&mut self, motion: &mut ContactVelocities) {
         let ContactRows { terms, rows, .. } = self;
         for row in rows {
-            let own = row.own(terms);
-            motion.push(own, -row.normal_impulse);
-            motion.shear(own, -row.shear_impulse);
+            let row_terms = row.terms_in(terms);
+            motion.push(row_terms, -row.normal_impulse);
+            motion.shear(row_terms, -row.shear_impulse);
             (row.normal_impulse, row.shear_impulse) = (0.0, 0.0);
         }
     }
 
     /// Starts from the pressures of the previous increment. A friction coefficient that depends on the slip rate uses
     /// the rate after these impulses.
-    pub(super) fn begin_warm(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>) {
+    pub(super) fn begin_warm(&mut self, motion: &mut ContactVelocities, step: ContactStep<'_>) {
         let ContactRows { terms, rows, .. } = self;
         for row in rows.iter_mut() {
-            let own = row.own(terms);
-            let [pressure, shear] = given.before[row.key as usize];
-            row.normal_impulse = pressure * given.span.half;
-            let most = shear_limit(row, &given.laws[row.law as usize], given.span.half);
-            row.shear_impulse = (shear * given.span.half).clamp(-most, most);
+            let row_terms = row.terms_in(terms);
+            let [pressure, shear] = step.pressures[row.key as usize];
+            row.normal_impulse = pressure * step.span.half;
+            let limit = shear_limit(row, &step.laws[row.law as usize], step.span.half);
+            row.shear_impulse = (shear * step.span.half).clamp(-limit, limit);
             if row.normal_impulse != 0.0 || row.shear_impulse != 0.0 {
-                motion.push_and_shear(own, [row.normal_impulse, row.shear_impulse]);
+                motion.push_and_shear(row_terms, [row.normal_impulse, row.shear_impulse]);
             }
         }
         for row in rows.iter_mut() {
-            let friction = &given.laws[row.law as usize].friction;
+            let friction = &step.laws[row.law as usize].friction;
             if friction.decay != 0.0 {
-                row.coefficient = friction.coefficient(motion.slip(row.own(terms)).abs() / row.area);
+                row.coefficient = friction.coefficient(motion.slip(row.terms_in(terms)).abs() / row.area);
             }
         }
     }
 
     /// Computes compliances and biases; returns the largest approach velocity beyond the allowed rates, and the largest
     /// velocity.
-    fn prepare(&mut self, motion: &ContactVelocities, given: ContactStep<'_>) -> [f64; 2] {
+    fn prepare(&mut self, motion: &ContactVelocities, step: ContactStep<'_>) -> [f64; 2] {
         let ContactRows { terms, rows, .. } = self;
         let mut fastest: f64 = 0.0;
         rows.retain_mut(|row| {
-            let own = row.own(terms);
-            fastest = fastest.max(row.update_without_contact(own, motion));
+            let row_terms = row.terms_in(terms);
+            fastest = fastest.max(row.update_without_contact(row_terms, motion));
             row.compliance[0] > 0.0 && row.area > 0.0
         });
         let mut approach: f64 = 0.0;
         for row in rows.iter_mut() {
-            let law = &given.laws[row.law as usize];
-            row.take_bias(law, given.span);
+            let law = &step.laws[row.law as usize];
+            row.take_bias(law, step.span);
             row.coefficient = law.friction.at_rest;
             let short = -(row.free_rate + row.bias) / row.area;
             // Soft contact has pressure wherever it is closed, at any rate.
             let closed = law.is_soft() && row.bias <= 0.0;
             let by_closure =
-                if closed { (-row.gap / row.area + law.overclosure.onset_gap()) / given.span.dt } else { 0.0 };
+                if closed { (-row.gap / row.area + law.overclosure.onset_gap()) / step.span.dt } else { 0.0 };
             approach = approach.max(short).max(by_closure);
         }
         [approach, fastest]
@@ -523,14 +523,14 @@ impl ContactRows {
             return;
         }
         response.fill(0.0);
-        for term in rows.iter().flat_map(|row| row.own(terms)) {
+        for term in rows.iter().flat_map(|row| row.terms_in(terms)) {
             response[term.dof as usize] += motion.inverse_mass[term.dof as usize] * term.normal;
         }
         for row in rows.iter_mut() {
             let (law, overlap) = (law_of(row), -row.gap / row.area);
             row.dashpot = match law.damping {
                 Some(damping) if law.is_soft() && overlap > -law.overclosure.onset_gap() => {
-                    let uniform: f64 = row.own(terms).iter().map(|t| t.normal * response[t.dof as usize]).sum();
+                    let uniform: f64 = row.terms_in(terms).iter().map(|t| t.normal * response[t.dof as usize]).sum();
                     damping.coefficient(law.overclosure.linearized(overlap)[1], row.area / uniform)
                 }
                 _ => 0.0,
@@ -539,26 +539,26 @@ impl ContactRows {
     }
 
     /// Leaves out rows that cannot close in this increment.
-    fn keep_near(&mut self, approach: f64, given: ContactStep<'_>) {
+    fn keep_near(&mut self, approach: f64, step: ContactStep<'_>) {
         self.rows.retain(|row| {
-            let begins = given.laws[row.law as usize].overclosure.onset_gap() * row.area;
-            row.gap - begins + given.span.dt * row.free_rate <= 2.0 * given.span.dt * row.area * approach
+            let begins = step.laws[row.law as usize].overclosure.onset_gap() * row.area;
+            row.gap - begins + step.span.dt * row.free_rate <= 2.0 * step.span.dt * row.area * approach
         });
     }
 
     /// Makes one sweep; returns the largest change of a rate, as a velocity.
-    fn sweep(&mut self, motion: &mut ContactVelocities, given: ContactStep<'_>, swept: SweptImpulses) -> f64 {
+    fn sweep(&mut self, motion: &mut ContactVelocities, step: ContactStep<'_>, swept: SweptImpulses) -> f64 {
         let ContactRows { terms, rows, .. } = self;
         let mut largest: f64 = 0.0;
         for row in rows.iter_mut() {
-            let own = row.own(terms);
-            let law = &given.laws[row.law as usize];
+            let row_terms = row.terms_in(terms);
+            let law = &step.laws[row.law as usize];
             if swept != SweptImpulses::Shear {
-                let change = row.press(own, motion, law, given.span);
+                let change = row.press(row_terms, motion, law, step.span);
                 largest = largest.max(change * row.compliance[0] / row.area);
             }
             if swept != SweptImpulses::Normal && row.coefficient > 0.0 && row.compliance[1] > 0.0 {
-                let change = row.shear(own, motion, law, given.span.half);
+                let change = row.shear(row_terms, motion, law, step.span.half);
                 largest = largest.max(change * row.compliance[1] / row.area);
             }
         }
@@ -566,7 +566,7 @@ impl ContactRows {
     }
 
     pub fn terms_of(&self, row: &ContactRow) -> &[GapTerm] {
-        row.own(&self.terms)
+        row.terms_in(&self.terms)
     }
 }
 
@@ -595,8 +595,8 @@ pub(super) fn soft_pressure(row: &ContactRow, law: &PressureOverclosure, rate: f
 
 /// Returns the largest possible impulse along the surface. Equation (10.4).
 pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> f64 {
-    let most = if row.normal_impulse > 0.0 { row.coefficient * row.limiting_impulse()[0] } else { 0.0 };
-    most.min(law.friction.largest * half)
+    let limit = if row.normal_impulse > 0.0 { row.coefficient * row.limiting_impulse()[0] } else { 0.0 };
+    limit.min(law.friction.largest * half)
 }
 
 /// Returns the normal impulse of a soft law. The pressure is evaluated at an overlap late enough in the increment that
@@ -611,13 +611,13 @@ fn soft_impulse(row: &ContactRow, law: &PressureOverclosure, free: f64, span: Co
     let mut impulse = row.normal_impulse.clamp(low, high);
     for _ in 0..ROUNDS {
         let [pressure, slope] = pressure_at(impulse);
-        let left = impulse - span.half * pressure;
-        if left > 0.0 {
+        let excess = impulse - span.half * pressure;
+        if excess > 0.0 {
             high = impulse;
         } else {
             low = impulse;
         }
-        let mut next = impulse - left / (1.0 + slope * steeper + resistance);
+        let mut next = impulse - excess / (1.0 + slope * steeper + resistance);
         if !(low..=high).contains(&next) {
             next = 0.5 * (low + high);
         }

@@ -106,7 +106,7 @@ impl ContactingCurves<'_> {
 
     /// Returns the rigid body of the second curve; `None` if its points do not all belong to one rigid body.
     fn body(&self) -> Option<usize> {
-        let bodies = self.curves[1].own.iter().map(|&p| match self.points[p as usize].carrier {
+        let bodies = self.curves[1].points.iter().map(|&p| match self.points[p as usize].carrier {
             PointCarrier::Body(body, _) => Some(body),
             PointCarrier::Node(_) => None,
         });
@@ -286,7 +286,7 @@ fn check_mass(input: StepInput, contact: &SurfaceContact, body: usize, curves: C
     }
     let [own, other] = curves.curves;
     let mass: f64 = own
-        .own
+        .points
         .iter()
         .map(|&p| match curves.points[p as usize].carrier {
             PointCarrier::Node(n) => state.dofs.nodes.mass[n],

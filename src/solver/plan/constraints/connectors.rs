@@ -15,7 +15,7 @@ pub fn connectors(scene: Scene, report: &mut Report) -> Vec<Connector> {
     let mut connectors = Vec::new();
     let mut with_property = Vec::new();
     for property in &model.discrete.connectors {
-        let before = connectors.len();
+        let previous_count = connectors.len();
         for &e in &property.elements {
             with_property.push(e);
             connectors.extend(connector(scene, e, property, report));
@@ -26,7 +26,7 @@ pub fn connectors(scene: Scene, report: &mut Report) -> Vec<Connector> {
             ConnectorLaw::Dashpot(c) => ("dashpots", format!("coefficient {c}")),
             ConnectorLaw::DashpotTable(rows) => ("dashpots", format!("table of {} rows", rows.len())),
         };
-        report.ledger_row(property.span, effect, connectors.len() - before, "elements", detail);
+        report.ledger_row(property.span, effect, connectors.len() - previous_count, "elements", detail);
     }
     with_property.sort_unstable();
     let mesh = &model.mesh;
@@ -101,10 +101,12 @@ fn carried_end(bodies: &Bodies, links: &Links, node: usize, axes: &[usize], mass
     if mass[node] > 0.0 {
         return None;
     }
-    let own = |terms: &[(usize, usize, f64)]| terms.iter().find(|t| t.0 == node && axes.contains(&t.1)).map(|t| t.2);
-    let (terms, factor) = links.equations.iter().find_map(|e| Some((&e.terms, own(&e.terms)?)))?;
-    let others = terms.iter().filter(|t| t.0 != node);
-    let inverse_mass = others.map(|t| (t.2 / factor).powi(2) * inverse(mass[t.0])).sum();
+    let is_at_node = |dof: &(usize, usize)| dof.0 == node && axes.contains(&dof.1);
+    let coefficient =
+        |terms: &[((usize, usize), f64)]| terms.iter().find(|term| is_at_node(&term.0)).map(|term| term.1);
+    let (terms, factor) = links.equations.iter().find_map(|e| Some((&e.terms, coefficient(&e.terms)?)))?;
+    let others = terms.iter().filter(|term| term.0.0 != node);
+    let inverse_mass = others.map(|&((other, _), c)| (c / factor).powi(2) * inverse(mass[other])).sum();
     Some(CarriedEnd { with: node, inverse_mass })
 }
 

@@ -19,7 +19,7 @@ pub fn link_constraint(input: StepInput, given: &PrescribedDofs, report: &mut Re
     match LinkSystem::new(&equations, &links.merged, &state.dofs.nodes.mass, given) {
         Ok(bonds) => {
             let count = links.equations.len() + links.merged.len();
-            let detail = format!("exact, in {} independent systems", bonds.count());
+            let detail = format!("exact, in {} independent systems", bonds.systems.len());
             let id = report.ledger_row(first, "linear equations", count, "equations", detail);
             Some(Box::new(EquationConstraint::new(id, bonds)))
         }
@@ -54,16 +54,17 @@ pub fn refuse_dependent_equation(
 
 fn refuse_conflict(scene: Scene, step: &Step, first: Span, nodes: [usize; 2], axis: usize, report: &mut Report) {
     let name = |place: usize| {
-        let found = scene.places.nodes.iter().find(|n| *n.1 == place);
-        found.map_or("", |n| scene.model.mesh.node_names[n.0].as_str())
+        let node = scene.places.nodes.iter().find(|n| *n.1 == place);
+        node.map_or("", |n| scene.model.mesh.node_names[n.0].as_str())
     };
     let [a, b] = nodes.map(name);
     let along = ["r", "z"][axis];
     let message =
         format!("nodes {a} and {b} are linked along {along}, and step `{}` prescribes the motion of both", step.name);
-    let given = step.boundaries.iter().filter(|s| usize::from(s.dof) == axis + 1);
-    let given = given.filter(|s| s.nodes.iter().any(|n| nodes.iter().any(|p| scene.places.free_node(*n) == Some(*p))));
+    let boundaries = step.boundaries.iter().filter(|s| usize::from(s.dof) == axis + 1);
+    let boundaries =
+        boundaries.filter(|s| s.nodes.iter().any(|n| nodes.iter().any(|p| scene.places.free_node(*n) == Some(*p))));
     let finding = Diagnostic::error("P018", message).at(first, "the link");
-    let finding = given.fold(finding, |f, boundary| f.at(boundary.span, "prescribed here"));
+    let finding = boundaries.fold(finding, |f, boundary| f.at(boundary.span, "prescribed here"));
     report.push(finding.help("prescribe only the motion of the reference node"));
 }

@@ -42,6 +42,11 @@ pub struct EndEquation {
 }
 
 impl Links {
+    /// Creates links without equations from the equations of each tie of the model and the nodes tied to rigid bodies.
+    pub fn of_ties(surface_ties: Vec<TieEquations>, rigid_ties: Vec<TiedNodes>) -> Links {
+        Links { surface_ties, rigid_ties, ..Links::default() }
+    }
+
     /// Returns whether there are no equations and links.
     pub fn is_empty(&self) -> bool {
         self.equations.is_empty() && self.merged.is_empty()
@@ -84,15 +89,15 @@ impl Links {
         self.group.insert((node, axis), group);
     }
 
-    pub fn equation(&mut self, terms: Vec<(usize, usize, f64)>, spare: bool, span: Span) {
-        self.equations.push(NodalEquation { terms, is_redundant: spare });
+    pub fn equation(&mut self, terms: Vec<((usize, usize), f64)>, is_redundant: bool, span: Span) {
+        self.equations.push(NodalEquation { terms, is_redundant });
         self.spans.push(span);
     }
 
     /// Adds the equation that a degree of freedom (node, axis) follows the weighted mean of nodes. Returns its index.
-    pub fn follow(&mut self, (node, axis): (usize, usize), shares: &[(usize, f64)], span: Span) -> usize {
-        let others = shares.iter().map(|&(n, share)| (n, axis, -share));
-        self.equation(std::iter::once((node, axis, 1.0)).chain(others).collect(), true, span);
+    pub fn follow(&mut self, dof: (usize, usize), shares: &[(usize, f64)], span: Span) -> usize {
+        let others = shares.iter().map(|&(n, share)| ((n, dof.1), -share));
+        self.equation(std::iter::once((dof, 1.0)).chain(others).collect(), true, span);
         self.equations.len() - 1
     }
 
@@ -126,14 +131,14 @@ impl Links {
     /// Returns the sets of nodes with equal motion, the node with a prescribed motion first, and the degrees of freedom
     /// of the sets with a prescribed motion.
     pub fn equal_motions(&self, prescribed: &HashSet<(usize, usize)>) -> (Vec<MergedDofs>, HashSet<(usize, usize)>) {
-        let (mut sets, mut given) = (self.merged.clone(), HashSet::new());
+        let (mut sets, mut prescribed_dofs) = (self.merged.clone(), HashSet::new());
         for MergedDofs { nodes, axis } in &mut sets {
             if let Some(leader) = nodes.iter().position(|&n| prescribed.contains(&(n, *axis))) {
                 nodes.swap(0, leader);
-                given.extend(nodes.iter().map(|&n| (n, *axis)));
+                prescribed_dofs.extend(nodes.iter().map(|&n| (n, *axis)));
             }
         }
-        (sets, given)
+        (sets, prescribed_dofs)
     }
 
     /// Returns the degrees of freedom (node, axis) in equations and links.
@@ -142,6 +147,6 @@ impl Links {
     }
 
     fn terms(&self) -> impl Iterator<Item = (usize, usize)> {
-        self.equations.iter().flat_map(|e| e.terms.iter().map(|t| (t.0, t.1)))
+        self.equations.iter().flat_map(|equation| equation.terms.iter().map(|term| term.0))
     }
 }

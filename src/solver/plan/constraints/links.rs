@@ -3,7 +3,6 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::constraint::tie::TiedNodes;
 use crate::deck::{Diagnostic, Span};
 use crate::model::{self, LinkKind, Model, NodeLink, RigidBody, SurfaceTie};
 use crate::plan::constraints::link_set::EndEquation;
@@ -18,22 +17,22 @@ pub fn add_followers_of_body(model: &Model, ties: &[TieEquations], rigid: &Rigid
     if model.constraints.links.is_empty() && ties.is_empty() {
         return;
     }
-    let mut own: HashSet<usize> = nodes.iter().copied().collect();
+    let mut body_nodes: HashSet<usize> = nodes.iter().copied().collect();
     let elements: HashSet<usize> = rigid.elements.iter().copied().collect();
     let on_body = tied_nodes(ties).filter(|t| elements.contains(&t.element)).map(|t| t.node);
-    own.extend(on_body);
+    body_nodes.extend(on_body);
     loop {
-        let before = own.len();
+        let previous_count = body_nodes.len();
         for link in model.constraints.links.iter().filter(|l| l.kind == LinkKind::Rigid([true; 2])) {
-            if own.contains(&link.reference) {
-                own.extend(&link.nodes);
+            if body_nodes.contains(&link.reference) {
+                body_nodes.extend(&link.nodes);
             }
         }
-        if own.len() == before {
+        if body_nodes.len() == previous_count {
             break;
         }
     }
-    *nodes = own.into_iter().collect();
+    *nodes = body_nodes.into_iter().collect();
 }
 
 /// Returns the nodes of links, ties and equations that do not belong to a rigid body, the ends of springs and
@@ -51,21 +50,14 @@ pub fn linked_nodes(model: &Model, bodies: &Bodies, ties: &[TieEquations]) -> Ve
 }
 
 /// Collects all equations and links, and gives linked nodes the initial velocity of their reference node.
-pub fn collect_links(
-    scene: Scene,
-    surface_ties: Vec<TieEquations>,
-    rigid_ties: Vec<TiedNodes>,
-    state: &mut SolidState,
-    report: &mut Report,
-) -> Links {
+pub fn collect_links(scene: Scene, links: &mut Links, state: &mut SolidState, report: &mut Report) {
     let model = scene.model;
-    let mut links = Links { surface_ties, rigid_ties, ..Links::default() };
     for link in &model.constraints.links {
-        add_link(scene, &mut links, link, report);
+        add_link(scene, links, link, report);
     }
-    add_surface_ties(scene, &mut links, report);
+    add_surface_ties(scene, links, report);
     for equation in model.constraints.equations.iter().filter(|e| !e.is_thermal()) {
-        if !add_equation(scene.places, &mut links, equation, &state.dofs.nodes.mass) {
+        if !add_equation(scene.places, links, equation, &state.dofs.nodes.mass) {
             let message =
                 "*EQUATION is supported only for nodes of deformable bodies that are not tied to a rigid body";
             report.push(Diagnostic::error("P011", message).at(equation.span, "this equation has other nodes"));
@@ -73,9 +65,8 @@ pub fn collect_links(
         }
     }
     links.merged.retain(|a| !a.nodes.is_empty());
-    links.unresisted_dofs = find_unresisted_dofs(scene.places, &links, &state.dofs.nodes.mass);
+    links.unresisted_dofs = find_unresisted_dofs(scene.places, links, &state.dofs.nodes.mass);
     start_with_references(scene, state);
-    links
 }
 
 fn add_link(scene: Scene, links: &mut Links, link: &NodeLink, report: &mut Report) {
@@ -106,9 +97,9 @@ fn add_link(scene: Scene, links: &mut Links, link: &NodeLink, report: &mut Repor
         refuse_link(link.span, message, help, report);
         return;
     }
-    let place = |n: &usize| scene.places.free_node(*n);
+    let place_of = |n: &usize| scene.places.free_node(*n);
     let (Some(leader), Some(nodes)) =
-        (place(&link.reference), link.nodes.iter().map(place).collect::<Option<Vec<_>>>())
+        (place_of(&link.reference), link.nodes.iter().map(place_of).collect::<Option<Vec<_>>>())
     else {
         let message = format!("{} links nodes of a model without deformable bodies", link.name);
         refuse_link(link.span, message, "use *RIGID BODY, TIE NSET= for a rigid body of nodes", report);
@@ -124,8 +115,8 @@ fn add_link(scene: Scene, links: &mut Links, link: &NodeLink, report: &mut Repor
         }
         LinkKind::Distributing(weights) => {
             let sum: f64 = weights.iter().sum();
-            let own = nodes.iter().zip(weights).filter(|w| *w.1 > 0.0).map(|(&n, w)| (n, 1, -w / sum));
-            let terms = std::iter::once((leader, 1, 1.0)).chain(own).collect();
+            let weighted = nodes.iter().zip(weights).filter(|w| *w.1 > 0.0).map(|(&n, w)| ((n, 1), -w / sum));
+            let terms = std::iter::once(((leader, 1), 1.0)).chain(weighted).collect();
             links.equation(terms, false, link.span);
         }
     }
@@ -166,9 +157,9 @@ fn add_surface_tie(scene: Scene, links: &mut Links, tie: &SurfaceTie, nodes: &[T
             refuse_link(tie.span, message, help, report);
             return false;
         }
-        let place = |n: usize| scene.places.nodes.get(&n).copied();
-        let shares: Option<Vec<_>> = tied.shares.iter().map(|&(n, share)| Some((place(n)?, share))).collect();
-        let (Some(node), Some(shares)) = (place(tied.node), shares) else {
+        let place_of = |n: usize| scene.places.nodes.get(&n).copied();
+        let shares: Option<Vec<_>> = tied.shares.iter().map(|&(n, share)| Some((place_of(n)?, share))).collect();
+        let (Some(node), Some(shares)) = (place_of(tied.node), shares) else {
             let message = "a surface of a tie has elements that belong neither to a deformable nor to a rigid body";
             refuse_link(tie.span, message.into(), "give the elements a *SOLID SECTION", report);
             return false;
@@ -209,12 +200,12 @@ fn list_surface_tie(tie: &SurfaceTie, TieEquations { nodes, form }: &TieEquation
 
 /// Adds an equation. Returns `false` if a node does not belong to a deformable body or is tied to a rigid body.
 fn add_equation(places: &SolidPlaces, links: &mut Links, equation: &model::LinearEquation, mass: &[f64]) -> bool {
-    let term = |&(node, dof, c): &(usize, u8, f64)| Some((places.free_node(node)?, usize::from(dof) - 1, c));
+    let term = |&(node, dof, c): &(usize, u8, f64)| Some(((places.free_node(node)?, usize::from(dof) - 1), c));
     let Some(terms) = equation.terms.iter().map(term).collect::<Option<Vec<_>>>() else { return false };
     links.first.get_or_insert(equation.span);
     // An equation of equal motion with a massless node is added as a link, which is cheaper than one equation per
     // node.
-    if let [(a, along, c), (b, other, d)] = terms[..]
+    if let [((a, along), c), ((b, other), d)] = terms[..]
         && along == other
         && c == -d
         && a != b

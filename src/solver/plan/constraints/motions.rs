@@ -13,13 +13,21 @@ use crate::plan::loads::magnitude;
 use crate::plan::steps::{ConstraintList, ConstraintOrigin};
 use crate::plan::{Report, Scene, SolidPlaces};
 use crate::state::dofs::Dof;
-use crate::state::magnitude::Magnitude;
+use crate::state::magnitude::{Magnitude, TimeFunction};
 
 /// Degrees of freedom of rigid bodies whose motion is prescribed, with the kind of motion and its value.
 type BodyMotions = HashMap<usize, (PrescribedQuantity, f64)>;
 
-/// Names of the directions that each line of `*BOUNDARY` prescribes, by its place, set and kind of motion.
-type LineDirections<'a> = HashMap<(Span, &'a str, model::MotionKind), Vec<&'static str>>;
+/// A line of `*BOUNDARY`.
+#[derive(PartialEq, Eq, Hash)]
+struct BoundaryLine<'a> {
+    span: Span,
+    set: &'a str,
+    kind: model::MotionKind,
+}
+
+/// Names of the directions that each line of `*BOUNDARY` prescribes.
+type LineDirections<'a> = HashMap<BoundaryLine<'a>, Vec<&'static str>>;
 
 /// Adds the prescribed motions of a step and the condition r = 0 on the axis.
 pub fn add_motions<'a>(scene: Scene, step: &'a Step, list: &mut ConstraintList<'a>, report: &mut Report) {
@@ -123,7 +131,7 @@ fn add_motion(
     let id = report.ledger_row(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
     let magnitude = magnitude(scene, value, boundary.amplitude, report);
     let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
-    Some(Box::new(PrescribedMotion::new(id, kind, magnitude, &dofs)))
+    Some(Box::new(PrescribedMotion::new(id, kind, vec![magnitude], &dofs)))
 }
 
 /// Creates the motion of `*BOUNDARY, USER`. VDISP is called once per increment for each degree of freedom.
@@ -144,7 +152,7 @@ fn add_user_motion(
     let detail = format!("{}: {kind:?} along {} by vdisp", boundary.set, along(boundary)).to_lowercase();
     let id = report.ledger_row(boundary.span, "prescribed motion", dofs.len(), unit(&dofs), detail);
     let mesh = &scene.model.mesh;
-    let asked = |&(dof, node): &(Dof, usize)| UserDof {
+    let user_dof = |&(dof, node): &(Dof, usize)| UserDof {
         dof,
         number: mesh.node_names[node].parse().unwrap_or(node as i32 + 1),
         reference: mesh.points[node],
@@ -152,11 +160,20 @@ fn add_user_motion(
     };
     let first = report.shared.amplitude_count;
     report.shared.amplitude_count += dofs.len();
-    let (set, asked) = (boundary.set.to_uppercase(), dofs.iter().map(asked).collect());
+    let (set, user_dofs) = (boundary.set.to_uppercase(), dofs.iter().map(user_dof).collect());
     let amplitude = magnitude(scene, 1.0, boundary.amplitude, report);
-    list.add_user_motion(UserMotion { set, kind, amplitude, asked, first, increment_before: 0.0, has_begun: false });
+    list.add_user_motion(UserMotion {
+        set,
+        kind,
+        amplitude,
+        dofs: user_dofs,
+        first,
+        increment_before: 0.0,
+        has_begun: false,
+    });
     let dofs: Vec<Dof> = dofs.into_iter().map(|d| d.0).collect();
-    Some(Box::new(PrescribedMotion::from_user_amplitudes(id, kind, first, &dofs)))
+    let sampled = |i| Magnitude { value: 1.0, shape: TimeFunction::Sampled(first + i) };
+    Some(Box::new(PrescribedMotion::new(id, kind, (0..dofs.len()).map(sampled).collect(), &dofs)))
 }
 
 fn hold_axis(scene: Scene, step: &Step, nodes: &HashSet<Dof>, list: &mut ConstraintList, report: &mut Report) {
@@ -168,15 +185,15 @@ fn hold_axis(scene: Scene, step: &Step, nodes: &HashSet<Dof>, list: &mut Constra
     let turning: Vec<usize> =
         scene.places.rotations.iter().filter(|(n, _)| on_axis(n) || carried(n)).map(|r| *r.1).collect();
     let detail = if turning.is_empty() { "r = 0" } else { "r = 0; rotations on the axis and on rigid bodies are zero" };
-    let all = free.chain(turning);
-    let dofs: Vec<Dof> = all.map(|place| Dof::Node(place, 0)).filter(|dof| !nodes.contains(dof)).collect();
+    let places = free.chain(turning);
+    let dofs: Vec<Dof> = places.map(|place| Dof::Node(place, 0)).filter(|dof| !nodes.contains(dof)).collect();
     if dofs.is_empty() {
         return;
     }
     if let Err(origin) = list.keep(ConstraintOrigin::Axis(dofs.clone())) {
         let id = report.ledger_row(step.span, "axis of symmetry", dofs.len(), "nodes", detail.into());
-        let held = PrescribedMotion::new(id, PrescribedQuantity::Velocity, Magnitude::constant(0.0), &dofs);
-        list.add(origin, Box::new(held));
+        let motion = PrescribedMotion::new(id, PrescribedQuantity::Velocity, vec![Magnitude::constant(0.0)], &dofs);
+        list.add(origin, Box::new(motion));
     }
 }
 
@@ -199,9 +216,9 @@ fn dependent_node(model: &Model, boundary: &BoundaryCondition, node: usize, repo
     report.push(finding.help("prescribe the motion of the body's REF NODE"));
 }
 
-/// Returns the line of `*BOUNDARY` of a condition: its place, set and kind of motion.
-fn line_of(boundary: &BoundaryCondition) -> (Span, &str, model::MotionKind) {
-    (boundary.span, &boundary.set, boundary.kind)
+/// Returns the line of `*BOUNDARY` of a condition.
+fn line_of(boundary: &BoundaryCondition) -> BoundaryLine<'_> {
+    BoundaryLine { span: boundary.span, set: &boundary.set, kind: boundary.kind }
 }
 
 fn along(boundary: &BoundaryCondition) -> &'static str {

@@ -49,12 +49,12 @@ pub fn find_attached_nodes(model: &Model, diagnostics: &mut Diagnostics) -> Vec<
 
 fn attached_nodes(model: &Model, tie: &SurfaceTie, diagnostics: &mut Diagnostics) -> Vec<AttachedNode> {
     let surface = MasterSurface::new(model, tie);
-    let own: HashSet<usize> = surface.facets.iter().flat_map(|f| f.nodes).collect();
+    let master_nodes: HashSet<usize> = surface.facets.iter().flat_map(|f| f.nodes).collect();
     let tolerance = surface.tolerance(tie);
-    let (mut attached, mut left): (Vec<AttachedNode>, Vec<(usize, f64)>) = Default::default();
+    let (mut attached, mut untied): (Vec<AttachedNode>, Vec<(usize, f64)>) = Default::default();
     for &node in &tie.slaves {
         let Some((found, distance)) = surface.nearest(node) else { continue };
-        if own.contains(&node) {
+        if master_nodes.contains(&node) {
             attached.push(AttachedNode { is_shared: true, ..found });
             continue;
         }
@@ -65,11 +65,11 @@ fn attached_nodes(model: &Model, tie: &SurfaceTie, diagnostics: &mut Diagnostics
         if chosen {
             attached.push(found);
         } else {
-            left.push((node, distance));
+            untied.push((node, distance));
         }
     }
     let tied = attached.iter().filter(|a| !a.is_shared).count();
-    report_untied_nodes(model, tie, &left, tied, tolerance, diagnostics);
+    report_untied_nodes(model, tie, &untied, tied, tolerance, diagnostics);
     attached
 }
 
@@ -86,6 +86,15 @@ pub struct MasterSurface<'a> {
     boxes: SortedBoxes,
     /// Mean length of the facets.
     length: f64,
+}
+
+/// The nearest point of a facet to a position.
+struct FacetPoint {
+    facet: usize,
+    /// Distance from the first node of the facet, as a fraction of its length.
+    part: f64,
+    coordinates: [f64; 2],
+    distance: f64,
 }
 
 impl MasterSurface<'_> {
@@ -114,13 +123,13 @@ impl MasterSurface<'_> {
     pub fn nearest(&self, node: usize) -> Option<(AttachedNode, f64)> {
         let p = self.model.mesh.points[node];
         let mut margin = self.length;
-        let (facet, (part, place, distance)) = loop {
+        let FacetPoint { facet, part, coordinates, distance } = loop {
             // Of equally distant facets the first one is used.
             let near = self.near([p; 2], margin).into_iter();
-            let closest = near.map(|f| (f, self.point_on(f, p))).min_by(|a, b| a.1.2.total_cmp(&b.1.2));
+            let closest = near.map(|f| self.point_on(f, p)).min_by(|a, b| a.distance.total_cmp(&b.distance));
             // Facets outside of the margin are at a larger distance than the margin.
             match closest {
-                Some(closest) if closest.1.2 <= margin => break closest,
+                Some(closest) if closest.distance <= margin => break closest,
                 _ if margin == f64::INFINITY => break closest?,
                 _ => margin = if margin > 0.0 { 4.0 * margin } else { f64::INFINITY },
             }
@@ -128,23 +137,24 @@ impl MasterSurface<'_> {
         let Facet { nodes, element } = self.facets[facet];
         let shares = [(nodes[0], 1.0 - part), (nodes[1], part)];
         let shares = shares.into_iter().filter(|s| s.1 > 0.0).collect();
-        Some((AttachedNode { node, element, shares, place, is_shared: false }, distance))
+        Some((AttachedNode { node, element, shares, place: coordinates, is_shared: false }, distance))
     }
 
-    /// Returns the nearest point of a facet to a position: its fraction of the facet, its coordinates and its distance.
-    fn point_on(&self, facet: usize, p: [f64; 2]) -> (f64, [f64; 2], f64) {
+    /// Returns the nearest point of a facet to a position.
+    fn point_on(&self, facet: usize, p: [f64; 2]) -> FacetPoint {
         let [a, b] = self.facets[facet].nodes.map(|n| self.model.mesh.points[n]);
         let along = [b[0] - a[0], b[1] - a[1]];
         let length = along[0] * along[0] + along[1] * along[1];
         let part = ((p[0] - a[0]) * along[0] + (p[1] - a[1]) * along[1]) / length;
         let part = if part < ON_NODE { 0.0 } else { part };
         let part = if part > 1.0 - ON_NODE { 1.0 } else { part };
-        let place = match part {
+        let coordinates = match part {
             0.0 => a,
             1.0 => b,
             _ => [a[0] + part * along[0], a[1] + part * along[1]],
         };
-        (part, place, (p[0] - place[0]).portable_hypot(p[1] - place[1]))
+        let distance = (p[0] - coordinates[0]).portable_hypot(p[1] - coordinates[1]);
+        FacetPoint { facet, part, coordinates, distance }
     }
 }
 
@@ -163,9 +173,9 @@ fn report_untied_nodes(
     let named = left.iter().take(8).map(|l| model.mesh.node_names[l.0].as_str()).collect::<Vec<_>>().join(", ");
     let more = if left.len() > 8 { ", …" } else { "" };
     let (near, far) = left.iter().fold((f64::INFINITY, 0.0_f64), |(n, f), l| (n.min(l.1), f.max(l.1)));
-    let (count, all) = (left.len(), left.len() + tied);
+    let (count, total) = (left.len(), left.len() + tied);
     let message =
-        format!("{count} of {all} nodes of the slave surface of tie {} are not tied: {named}{more}", tie.name);
+        format!("{count} of {total} nodes of the slave surface of tie {} are not tied: {named}{more}", tie.name);
     let distances =
         format!("their distance from the master surface is {near:.4e} to {far:.4e}, the tolerance is {tolerance:.4e}");
     let (severity, code): (fn(&'static str, String) -> Diagnostic, _) = match tied {

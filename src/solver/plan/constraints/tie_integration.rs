@@ -121,12 +121,12 @@ impl TiedPair<'_> {
         let tolerance = self.master.tolerance(self.tie);
         let facing = self.facing_facets(slave, if is_whole { None } else { Some(tolerance) });
         let piece = |range: &[f64]| {
-            let (from, to) = (range[0], range[1]);
-            let middle = 0.5 * (from + to);
+            let (from, end) = (range[0], range[1]);
+            let middle = 0.5 * (from + end);
             let nearest = facing.iter().min_by(|f, g| f.distance(middle).total_cmp(&g.distance(middle)))?;
             let is_tied = is_whole || nearest.distance(middle) <= tolerance && self.is_opposite(nearest, middle);
-            let opposite = [from, to].map(|s| nearest.along(s).clamp(0.0, 1.0));
-            is_tied.then_some(Piece { facets: [slave, nearest.facet], ranges: [[from, to], opposite] })
+            let opposite = [from, end].map(|s| nearest.along(s).clamp(0.0, 1.0));
+            is_tied.then_some(Piece { facets: [slave, nearest.facet], ranges: [[from, end], opposite] })
         };
         let is_long = |range: &&[f64]| range[1] - range[0] > ROUNDING;
         self.cuts(&facing).windows(2).filter(is_long).filter_map(piece).collect()
@@ -134,13 +134,13 @@ impl TiedPair<'_> {
 
     /// Returns the master facets that are nearest to any point of a slave facet, or all within `margin`.
     fn facing_facets(&self, slave: usize, margin: Option<f64>) -> Vec<FacingFacet> {
-        let (own, facet) = (self.places(0, slave), self.facets[0][slave]);
+        let (slave_places, facet) = (self.places(0, slave), self.facets[0][slave]);
         let margin = margin.unwrap_or_else(|| {
             let distance = |&n: &usize| self.master.nearest(n).map_or(0.0, |nearest| nearest.1);
             0.5 * (facet.nodes.iter().map(distance).sum::<f64>() + length(self.model, &facet))
         });
-        let near = self.master.near(own, margin * (1.0 + ROUNDING));
-        near.into_iter().map(|facet| FacingFacet::new(facet, own, self.places(1, facet))).collect()
+        let near = self.master.near(slave_places, margin * (1.0 + ROUNDING));
+        near.into_iter().map(|facet| FacingFacet::new(facet, slave_places, self.places(1, facet))).collect()
     }
 
     /// Returns the coordinates on a slave facet at which the nearest master facet changes, with 0 and 1, in ascending order.
@@ -167,8 +167,8 @@ impl TiedPair<'_> {
     /// surface.
     fn is_opposite(&self, facing: &FacingFacet, s: f64) -> bool {
         let [first, last] = self.facets[1][facing.facet].nodes.map(|n| self.ends.contains(&n));
-        let at = facing.along(s);
-        (at > 0.0 || !first) && (at < 1.0 || !last)
+        let along = facing.along(s);
+        (along > 0.0 || !first) && (along < 1.0 || !last)
     }
 
     /// Returns the nodes of a side that can be dependent: slave nodes within the tolerance, or master nodes of facets that
@@ -198,15 +198,15 @@ impl TiedPair<'_> {
         let nodes_of = |side: usize, point: &GaussPoint| self.facets[side][point.facets[side]].nodes;
         let mut rows: IndexMap<usize, WeightRow> = IndexMap::new();
         for point in points {
-            let (own, others) = (nodes_of(side, point), nodes_of(1 - side, point));
-            let has_row = own.map(|n| dependent.contains(&n));
+            let (own_nodes, others) = (nodes_of(side, point), nodes_of(1 - side, point));
+            let has_row = own_nodes.map(|n| dependent.contains(&n));
             let hats = point.coordinates.map(hats);
             let weights = dual(masses[&point.facets[side]], has_row, hats[side]);
             for end in [0, 1].into_iter().filter(|&end| has_row[end]) {
-                let row = rows.entry(own[end]).or_insert_with(|| WeightRow::new(point.facets[1 - side]));
+                let row = rows.entry(own_nodes[end]).or_insert_with(|| WeightRow::new(point.facets[1 - side]));
                 let weight = weights[end] * point.area;
                 row.area += weight * hats[side][end];
-                row.add(own[1 - end], -weight * hats[side][1 - end]);
+                row.add(own_nodes[1 - end], -weight * hats[side][1 - end]);
                 others.iter().zip(hats[1 - side]).for_each(|(&n, hat)| row.add(n, weight * hat));
                 row.add_facet(point.facets[side]);
             }
@@ -217,10 +217,10 @@ impl TiedPair<'_> {
 
     /// Converts rows to tied nodes, in the order along the surface, which keeps the band of the equations narrow.
     fn tied_nodes(&self, side: usize, rows: IndexMap<usize, WeightRow>) -> Vec<TiedNode> {
-        let place = |n: usize| self.model.mesh.points[n];
+        let position = |n: usize| self.model.mesh.points[n];
         let extent = [0, 1].map(|axis: usize| {
             let [low, high] = rows.keys().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &n| {
-                [low.min(place(n)[axis]), high.max(place(n)[axis])]
+                [low.min(position(n)[axis]), high.max(position(n)[axis])]
             });
             high - low
         });
@@ -237,7 +237,7 @@ impl TiedPair<'_> {
             next: next(node, row),
         };
         let mut tied: Vec<TiedNode> = rows.iter().map(tied).collect();
-        tied.sort_by(|a, b| place(a.node)[axis].total_cmp(&place(b.node)[axis]).then(a.node.cmp(&b.node)));
+        tied.sort_by(|a, b| position(a.node)[axis].total_cmp(&position(b.node)[axis]).then(a.node.cmp(&b.node)));
         tied
     }
 }
@@ -256,11 +256,16 @@ struct FacingFacet {
 impl FacingFacet {
     fn new(facet: usize, [a, b]: [[f64; 2]; 2], [c, d]: [[f64; 2]; 2]) -> FacingFacet {
         let difference = |p: [f64; 2], q: [f64; 2]| [q[0] - p[0], q[1] - p[1]];
-        let (start, own, line) = (difference(c, a), difference(a, b), difference(c, d));
+        let (start, slave_line, line) = (difference(c, a), difference(a, b), difference(c, d));
         let length = libm::hypot(line[0], line[1]);
         let along = |v: [f64; 2]| (v[0] * line[0] + v[1] * line[1]) / (length * length);
         let apart = |v: [f64; 2]| (v[1] * line[0] - v[0] * line[1]) / length;
-        FacingFacet { facet, length, along: [along(start), along(own)], apart: [apart(start), apart(own)] }
+        FacingFacet {
+            facet,
+            length,
+            along: [along(start), along(slave_line)],
+            apart: [apart(start), apart(slave_line)],
+        }
     }
 
     fn along(&self, s: f64) -> f64 {
@@ -268,8 +273,8 @@ impl FacingFacet {
     }
 
     fn distance(&self, s: f64) -> f64 {
-        let (at, apart) = (self.along(s), self.apart[0] + self.apart[1] * s);
-        libm::hypot(apart, (at - at.clamp(0.0, 1.0)) * self.length)
+        let (along, apart) = (self.along(s), self.apart[0] + self.apart[1] * s);
+        libm::hypot(apart, (along - along.clamp(0.0, 1.0)) * self.length)
     }
 }
 

@@ -47,8 +47,8 @@ impl InitialGaps {
 /// Returns the larger side of the bounding box of points.
 fn extent(points: &[[f64; 2]]) -> f64 {
     let along = |axis: usize| {
-        let all = points.iter().map(|p| p[axis]);
-        all.clone().fold(f64::NEG_INFINITY, f64::max) - all.fold(f64::INFINITY, f64::min)
+        let coordinates = points.iter().map(|p| p[axis]);
+        coordinates.clone().fold(f64::NEG_INFINITY, f64::max) - coordinates.fold(f64::INFINITY, f64::min)
     };
     along(0).max(along(1))
 }
@@ -90,9 +90,8 @@ pub fn analytical_contact(
         add_curve(pair, 1 - analytical.side, context, geometry, report)?
     };
     let opposite = OpposingSurface { sides, nodes: &analytical.nodes, pair };
-    match analytical_surface(opposite, analytical, context, report) {
-        Ok((mut surface, body, count)) => {
-            surface.point = geometry.add_carried(body);
+    match analytical_surface(opposite, analytical, context, geometry, report) {
+        Ok((mut surface, count)) => {
             let gives_way = (pair.penalty.is_some() || pair.law.is_soft()) && !sides.faces.is_empty();
             if gives_way {
                 surface.overlap = surface.overlap.max(geometry.deepest(curve));
@@ -149,14 +148,15 @@ fn curve_of_nodes(
     Some(geometry.add_points(FacetCurve::of_points(points)))
 }
 
-/// Returns the analytical surface with its front towards the nodes, its rigid body, and the number of contact
-/// nodes.
+/// Returns the analytical surface with its front towards the nodes, and the number of contact nodes. The point of its
+/// rigid body and the front are added to the geometry.
 fn analytical_surface(
     opposite: OpposingSurface,
     side: &AnalyticalSide,
     context: &CurveContext,
+    geometry: &mut ContactGeometry,
     report: &mut Report,
-) -> Result<(AnalyticalSurface, usize, usize), String> {
+) -> Result<(AnalyticalSurface, usize), String> {
     let StepInput { scene, state, .. } = context.input;
     let surface: &RigidSurface = &scene.model.surfaces.analytical[side.surface];
     let reference = surface
@@ -166,11 +166,11 @@ fn analytical_surface(
     let mut nodes = Vec::new();
     for &node in opposite.nodes {
         let name = &scene.model.mesh.node_names[node];
-        let place = scene
+        let free_node = scene
             .places
             .free_node(node)
             .ok_or(format!("node {name} does not belong to a deformable body, or is tied to a rigid body"))?;
-        nodes.push(place);
+        nodes.push(free_node);
     }
     if surface.profile.height().is_some() {
         nodes.retain(|n| !context.prescribed.contains(&(*n, 1)));
@@ -191,12 +191,12 @@ fn analytical_surface(
     };
     let is_reversed = profile != surface.profile;
     let front = AnalyticalFront { surface: side.surface, pair: name_of_front(opposite.pair), is_reversed };
-    if !report.fronts.contains(&front) {
-        report.fronts.push(front);
+    if !geometry.fronts.contains(&front) {
+        geometry.fronts.push(front);
     }
-    analytical = AnalyticalSurface::new(profile, 0);
+    analytical = AnalyticalSurface::new(profile, geometry.add_carried(body));
     analytical.overlap = overlap.max(analytical.rounding);
-    Ok((analytical, body, nodes.len()))
+    Ok((analytical, nodes.len()))
 }
 
 /// Returns whether the surface of a pair is reversed, if this was determined at the start of the run: on a new mesh, places of
@@ -205,6 +205,20 @@ fn known_front(model: &Model, pair: &SurfaceContact, side: &AnalyticalSide) -> O
     let pair = name_of_front(pair);
     let mut fronts = model.surfaces.fronts.iter().flatten();
     fronts.find(|front| (front.surface, &front.pair) == (side.surface, &pair)).map(|front| front.is_reversed)
+}
+
+/// Warns of an analytical surface whose front is not towards the other surface; `comparison` is what ABAQUS does.
+pub fn warn_of_front(
+    message: String,
+    surface: &RigidSurface,
+    comparison: &str,
+    pair: Option<&SurfaceContact>,
+    report: &mut Report,
+) {
+    let way = format!("its front is to the left of the direction from START{comparison}");
+    let finding = Diagnostic::warning("P110", message).at(surface.span, way);
+    let finding = pair.into_iter().fold(finding, |finding, pair| finding.at(pair.span, "this pair"));
+    report.push(finding.help("give the points of the surface in the opposite order"));
 }
 
 /// Returns the profile with its front towards the nodes. Warns if it was reversed, if nodes penetrate it, or if
@@ -221,14 +235,11 @@ fn facing_profile(
     let side = usize::from(pair.sides[0].name == sides.name);
     let (profile, name, set) = (surface.profile.clone(), &pair.sides[side].name, &sides.name);
     let start = InitialGaps::new(&profile, places, rounding);
-    let way = "its front is to the left of the direction from START";
-    let help = "give the points of the surface in the opposite order";
     if start.penetration <= rounding {
         if start.front <= rounding && looks_away(model, opposite, &profile) {
             let message =
                 format!("`{name}` faces away from `{}`, which is on the surface: there will be no contact", set);
-            let finding = Diagnostic::warning("P110", message).at(surface.span, format!("{way}, as in ABAQUS"));
-            report.push(finding.at(pair.span, "this pair").help(help));
+            warn_of_front(message, surface, ", as in ABAQUS", Some(pair), report);
         }
         return Ok(profile);
     }
@@ -238,9 +249,7 @@ fn facing_profile(
     };
     if away && start.front <= rounding.max(overlap) {
         let message = format!("`{name}` faces away from `{}`: the analytical surface is reversed", set);
-        let finding =
-            Diagnostic::warning("P110", message).at(surface.span, format!("{way}; ABAQUS does not reverse it"));
-        report.push(finding.at(pair.span, "this pair").help(help));
+        warn_of_front(message, surface, "; ABAQUS does not reverse it", Some(pair), report);
         return Ok(profile.reversed());
     }
     if start.penetration <= overlap {
@@ -272,19 +281,17 @@ fn profile_facing_all(
 ) -> SurfaceProfile {
     let mesh = &context.input.scene.model.mesh;
     let is_same = |c: &&SurfaceContact| c.analytical.as_ref().is_some_and(|a| a.surface == side.surface);
-    let all = || context.pairs.iter().filter(|c| c.general).filter(is_same);
+    let pairs = || context.pairs.iter().filter(|c| c.general).filter(is_same);
     let (name, set) = (&pair.sides[side.side].name, &sides.name);
-    let of_all: Vec<[f64; 2]> =
-        all().flat_map(|c| &c.analytical).flat_map(|a| &a.nodes).map(|&n| mesh.points[n]).collect();
-    let start = InitialGaps::between_ends(&surface.profile, &of_all, rounding);
+    let all_nodes = pairs().flat_map(|contact| &contact.analytical).flat_map(|side| &side.nodes);
+    let all_places: Vec<[f64; 2]> = all_nodes.map(|&n| mesh.points[n]).collect();
+    let start = InitialGaps::between_ends(&surface.profile, &all_places, rounding);
     let mut profile = surface.profile.clone();
     if start.front <= rounding.max(overlap) && start.penetration > overlap {
         profile = profile.reversed();
-        if all().next().is_some_and(|first| first.sides == pair.sides) {
+        if pairs().next().is_some_and(|first| first.sides == pair.sides) {
             let message = format!("`{name}` faces away from all surfaces in contact with it: it is reversed");
-            let way = "its front is to the left of the direction from START; ABAQUS does not reverse it";
-            let finding = Diagnostic::warning("P110", message).at(surface.span, way);
-            report.push(finding.help("give the points of the surface in the opposite order"));
+            warn_of_front(message, surface, "; ABAQUS does not reverse it", None, report);
         }
     }
     let start = InitialGaps::between_ends(&profile, places, rounding);

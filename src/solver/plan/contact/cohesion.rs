@@ -10,8 +10,8 @@ use crate::model::{CohesiveBehavior, InitiationMeasure, InterfaceInitiation, Mod
 use crate::plan::contact::curves::ContactGeometry;
 use crate::plan::contact::general::pair_name;
 use crate::plan::contact::penalty::spring_laws;
+use crate::plan::contact::place_of;
 use crate::plan::contact::walls::spatial_side;
-use crate::plan::contact::{LawLists, place_of};
 use crate::plan::solids::cohesive::{check_energies, criterion, initiation_law, softening};
 use crate::plan::{Pairs, Report, StepInput};
 use crate::variables::Variable;
@@ -25,13 +25,10 @@ pub struct CohesionList<'a> {
 }
 
 impl CohesionList<'_> {
-    /// Adds to the contact the cohesive behaviour of its pairs. `springs` is the index of the first law of penalty springs.
-    pub fn add_to(&mut self, contact: ContactConstraint, springs: usize, of: &[bool]) -> ContactConstraint {
+    /// Adds to the contact the cohesive behaviour of its pairs.
+    pub fn add_to(&mut self, contact: ContactConstraint) -> ContactConstraint {
         if self.pairs.is_empty() {
             return contact;
-        }
-        for cohesive in self.pairs.iter_mut().filter(|cohesive| of[cohesive.pair]) {
-            cohesive.intact_law += springs;
         }
         contact.with_cohesion(std::mem::take(&mut self.laws), self.pairs.clone())
     }
@@ -62,11 +59,18 @@ pub fn cohesive_nodes(model: &Model, pairs: &Pairs, step: usize) -> impl Iterato
     faces.filter_map(|&(element, side)| model.mesh.side_nodes(element, side)).flatten()
 }
 
-/// Adds the cohesive behaviour of a pair, if its interaction has one. `index` is that of the pair, whose law is set.
+/// A contact pair whose law is set, with its index and the pair of the model that it comes from.
+pub struct CohesionOrigin<'c, 'p> {
+    pub contact: &'c SurfaceContact,
+    pub index: usize,
+    pub pair: &'p ContactPair,
+}
+
+/// Adds the cohesive behaviour of a pair, if its interaction has one.
 pub fn add_cohesion<'c>(
     input: StepInput,
-    (contact, index, pair): (&'c SurfaceContact, usize, &ContactPair),
-    LawLists { laws, springs }: &mut LawLists,
+    CohesionOrigin { contact, index, pair }: CohesionOrigin<'c, '_>,
+    laws: &mut Vec<InteractionLaw>,
     geometry: &ContactGeometry,
     list: &mut CohesionList<'c>,
     report: &mut Report,
@@ -75,14 +79,12 @@ pub fn add_cohesion<'c>(
     if pair.analytical.is_some() {
         return refuse_analytical(contact, cohesion, report);
     }
-    let count = geometry.curves[pair.own].own.len();
+    let count = geometry.curves[pair.secondary].points.len();
     let stiffnesses = match cohesion.stiffness {
         Some(stiffness) => vec![stiffness],
         None => {
-            let other = Some(pair.other.unwrap_or(pair.own));
-            let factor = contact.penalty.unwrap_or(1.0);
-            let own = spring_laws(input, contact, factor, (pair.own, other), geometry, report)?;
-            own.iter().map(|law| [spring_stiffness(law); 2]).collect()
+            let springs = spring_laws(input, contact, contact.penalty.unwrap_or(1.0), pair, geometry, report)?;
+            springs.iter().map(|law| [spring_stiffness(law); 2]).collect()
         }
     };
     let (law, varies) = (list.laws.len(), cohesion.stiffness.is_none());
@@ -93,17 +95,22 @@ pub fn add_cohesion<'c>(
     check_energies(origin, first, ("P027", &format!("surface interaction `{name}`"), STIFFNESS_CARD), report)?;
     let frictionless = |law: &InteractionLaw| InteractionLaw { friction: CoulombFriction::default(), ..law.clone() };
     let intact = if pair.springs {
-        let own: Vec<InteractionLaw> = springs[pair.law..pair.law + count].iter().map(frictionless).collect();
-        springs.extend(own);
-        springs.len() - count
+        let springs: Vec<InteractionLaw> = laws[pair.law..pair.law + count].iter().map(frictionless).collect();
+        laws.extend(springs);
+        laws.len() - count
     } else {
         place_of(laws, frictionless(&laws[pair.law]))
     };
-    let mut cohesive = CohesivePair::new(index, (law, varies), intact);
-    cohesive.bonds_later = !cohesion.original_only;
-    cohesive.bonds_again = cohesion.repeated;
-    cohesive.criterion = cohesion.initiation.as_ref().map(variable);
-    list.pairs.push(cohesive);
+    list.pairs.push(CohesivePair {
+        pair: index,
+        law,
+        has_law_of_points: varies,
+        intact_law: intact,
+        bonds_later: !cohesion.original_only,
+        bonds_again: cohesion.repeated,
+        criterion: cohesion.initiation.as_ref().map(variable),
+        ..CohesivePair::default()
+    });
     list.origins.push((contact, cohesion.clone()));
     Some(())
 }

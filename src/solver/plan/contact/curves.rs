@@ -7,7 +7,7 @@ use crate::constraint::contact::analytical::AnalyticalSurface;
 use crate::constraint::contact::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use crate::deck::Diagnostic;
 use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, bounding_box};
-use crate::model::{ElementSide, GeneralContact, Mesh, Model, SideSelection, SurfaceContact};
+use crate::model::{AnalyticalFront, ElementSide, GeneralContact, Mesh, Model, SideSelection, SurfaceContact};
 use crate::plan::meshes::pieces::pieces;
 use crate::plan::solids::user_material::deletes;
 use crate::plan::{Report, StepInput};
@@ -33,6 +33,8 @@ pub struct ContactGeometry {
     pub deforms: Vec<bool>,
     by_name: HashMap<(String, bool), usize>,
     pub analyticals: Vec<AnalyticalSurface>,
+    /// Fronts of the analytical surfaces.
+    pub fronts: Vec<AnalyticalFront>,
 }
 
 /// Data that points and facets depend on.
@@ -84,15 +86,15 @@ impl SolidOutline {
     /// Returns the edges that may bound the body of an element in a box: the edges of its part, or all edges for other
     /// elements.
     fn edges_of_body(&self, element: usize, within: BoundingBox) -> Vec<MeridianEdge> {
-        let own = self.piece_of.get(&element).copied();
-        let mut found = Vec::new();
+        let body_piece = self.piece_of.get(&element).copied();
+        let mut edges = Vec::new();
         self.sorted.near(within, 0.0, |index| {
             let (edge, piece) = self.edges[index as usize];
-            if own.is_none_or(|own| own == piece) {
-                found.push(edge);
+            if body_piece.is_none_or(|body_piece| body_piece == piece) {
+                edges.push(edge);
             }
         });
-        found
+        edges
     }
 }
 
@@ -184,17 +186,17 @@ fn warn_of_left_out(model: &Model, contact: &SurfaceContact, surface: &str, node
 /// front is deleted.
 fn hidden_facets(context: &CurveContext, geometry: &mut ContactGeometry, facets: &mut Vec<([u32; 2], usize)>) {
     let mesh = &context.input.scene.model.mesh;
-    let own: HashSet<usize> = facets.iter().map(|f| f.1).collect();
+    let exposed_elements: HashSet<usize> = facets.iter().map(|f| f.1).collect();
     let solids: Vec<usize> =
         context.input.scene.places.elements.keys().filter(|e| mesh.elements[*e].kind.is_solid()).collect();
-    for piece in pieces(mesh, &solids).iter().filter(|p| p.iter().any(|e| own.contains(e))) {
+    for piece in pieces(mesh, &solids).iter().filter(|p| p.iter().any(|e| exposed_elements.contains(e))) {
         let edges = |e: usize| {
             let nodes = &mesh.elements[e].nodes;
             (0..nodes.len()).map(move |i| [nodes[i], nodes[(i + 1) % nodes.len()]])
         };
-        let all: HashSet<[usize; 2]> = piece.iter().flat_map(|&e| edges(e)).collect();
+        let piece_edges: HashSet<[usize; 2]> = piece.iter().flat_map(|&e| edges(e)).collect();
         for &e in piece {
-            for edge in edges(e).filter(|[a, b]| all.contains(&[*b, *a])) {
+            for edge in edges(e).filter(|[a, b]| piece_edges.contains(&[*b, *a])) {
                 let points = edge.map(|node| match geometry.point_of_node.get(&node) {
                     Some(&known) => Some(known),
                     None => {

@@ -59,10 +59,10 @@ pub fn find_pairs(scene: Scene) -> Pairs {
     let mut pairs = Pairs::default();
     let steps = &scene.model.steps;
     for (index, step) in steps.iter().enumerate() {
-        let before = index.checked_sub(1).map(|i| &steps[i]);
+        let previous = index.checked_sub(1).map(|i| &steps[i]);
         let continues =
             |b: &Step| b.surface_contacts == step.surface_contacts && b.general_contact == step.general_contact;
-        if before.is_some_and(continues) {
+        if previous.is_some_and(continues) {
             pairs.by_step.extend(pairs.by_step.last().cloned());
             continue;
         }
@@ -107,23 +107,23 @@ fn general_pairs(scene: Scene, general: &GeneralContact) -> Vec<SurfaceContact> 
 
 /// Returns the surface pairs of all inclusions. Faces that several inclusions pair are included once.
 fn included_meetings(scene: Scene, general: &GeneralContact) -> Vec<SurfacePairing> {
-    let all = all_surfaces(scene);
+    let surfaces = all_surfaces(scene);
     let mut meetings = Vec::new();
     let of_all = general.included.iter().find(|i| matches!(i.0, [ContactDomain::All, ContactDomain::All]));
     if general.all || of_all.is_some() {
-        add_all(&all, of_all.map_or(general.span, |i| i.1), &mut meetings);
+        add_all(&surfaces, of_all.map_or(general.span, |i| i.1), &mut meetings);
         return meetings;
     }
     for (index, (domains, span)) in general.included.iter().enumerate() {
         let [first, second] = [&domains[0], &domains[1]].map(|domain| named_surfaces(scene.model, domain));
-        let mut own = Vec::new();
+        let mut included = Vec::new();
         match (first, second) {
-            (Some(first), Some(_)) if domains[0] == domains[1] => add_all(&first, *span, &mut own),
-            (Some(first), Some(second)) => add_product([&first, &second], *span, &mut own),
+            (Some(first), Some(_)) if domains[0] == domains[1] => add_all(&first, *span, &mut included),
+            (Some(first), Some(second)) => add_product([&first, &second], *span, &mut included),
             (Some(named), None) | (None, Some(named)) => {
                 let is_other = |o: &&PairedSurface| !named.iter().any(|one| one.has_common_faces(o));
-                let others: Vec<PairedSurface> = all.iter().filter(is_other).cloned().collect();
-                add_product([&named, &others], *span, &mut own);
+                let others: Vec<PairedSurface> = surfaces.iter().filter(is_other).cloned().collect();
+                add_product([&named, &others], *span, &mut included);
             }
             (None, None) => {}
         }
@@ -133,9 +133,9 @@ fn included_meetings(scene: Scene, general: &GeneralContact) -> Vec<SurfacePairi
             is_of_two || earlier == domains || earlier.iter().rev().eq(domains)
         });
         for (earlier, _) in earlier {
-            own = uncovered(own, earlier);
+            included = uncovered(included, earlier);
         }
-        meetings.extend(own);
+        meetings.extend(included);
     }
     meetings
 }
@@ -158,13 +158,13 @@ fn analytical_surface_of(model: &Model, id: RigidSurfaceId) -> PairedSurface {
 
 /// Returns the exterior surfaces of all connected parts, and the analytical surfaces of rigid bodies.
 fn all_surfaces(scene: Scene) -> Vec<PairedSurface> {
-    let mut all: Vec<PairedSurface> =
+    let mut surfaces: Vec<PairedSurface> =
         outsides(scene).into_iter().map(|sides| PairedSurface { sides, analytical: None }).collect();
     let ids = (0..scene.model.surfaces.analytical.len()).map(RigidSurfaceId::new);
-    all.extend(
+    surfaces.extend(
         ids.filter(|id| body_of_analytical(scene, *id).is_some()).map(|id| analytical_surface_of(scene.model, id)),
     );
-    all
+    surfaces
 }
 
 /// Returns the rigid body of an analytical surface.
@@ -336,8 +336,9 @@ fn split_by_domains(meeting: SurfacePairing, domains: &[ContactDomain; 2]) -> Ve
         if a.is_empty() || b.is_empty() {
             return vec![(m, false)];
         }
-        let of = |sides: [PairedSurface; 2], covered: bool| (SurfacePairing { sides, ..m.clone() }, covered);
-        let parts = [of([a.clone(), b], true), of([a, rest_b], false), of([rest_a, m.sides[1].clone()], false)];
+        let part_of = |sides: [PairedSurface; 2], covered: bool| (SurfacePairing { sides, ..m.clone() }, covered);
+        let parts =
+            [part_of([a.clone(), b], true), part_of([a, rest_b], false), part_of([rest_a, m.sides[1].clone()], false)];
         parts.into_iter().filter(|p| p.0.sides.iter().all(|s| !s.is_empty())).collect()
     };
     let [first, second] = domains;
@@ -367,9 +368,9 @@ fn split(surface: &PairedSurface, domain: &ContactDomain) -> (PairedSurface, Pai
 
 /// Creates the ledger row of general contact, which lists all surfaces of the contact domain.
 pub fn general_row(general: &GeneralContact, pairs: &[SurfaceContact], report: &mut Report) -> usize {
-    let own = || pairs.iter().filter(|p| p.general);
+    let general_pairs = || pairs.iter().filter(|p| p.general);
     let mut names: Vec<String> = Vec::new();
-    for pair in own() {
+    for pair in general_pairs() {
         for (at, side) in pair.sides.iter().enumerate() {
             let is_analytical = pair.analytical.as_ref().is_some_and(|a| a.side == at);
             let name = format!("{}{}", side.name, if is_analytical { " (analytical)" } else { "" });
@@ -382,5 +383,5 @@ pub fn general_row(general: &GeneralContact, pairs: &[SurfaceContact], report: &
     if general.excludes_detached_nodes {
         detail += "; without nodes of deleted elements";
     }
-    report.ledger_row(general.span, "general contact", own().count(), "pairs", detail)
+    report.ledger_row(general.span, "general contact", general_pairs().count(), "pairs", detail)
 }

@@ -14,10 +14,10 @@ use crate::constraint::Constraint;
 use crate::constraint::contact::{ContactConstraint, ContactPair, InitialClearance, SurfaceOverlap};
 use crate::deck::Diagnostic;
 use crate::kernel::interaction::{GapHeat, InteractionLaw, PressureOverclosure};
-use crate::model::{AnalyticalSide, Model, SideSelection, SurfaceContact};
+use crate::model::{AnalyticalFront, AnalyticalSide, Model, SideSelection, SurfaceContact};
 use crate::plan::checks::contact_pairs::{ContactingCurves, check_pair, order_curves};
 use crate::plan::contact::analytical::{analytical_contact, friction_of};
-use crate::plan::contact::cohesion::{CohesionList, add_cohesion, report_cohesion};
+use crate::plan::contact::cohesion::{CohesionList, CohesionOrigin, add_cohesion, report_cohesion};
 use crate::plan::contact::curves::{ContactGeometry, CurveContext, add_curve, solid_skin};
 use crate::plan::contact::general::{general_row, pair_name};
 use crate::plan::contact::penalty::{smallest_thickness, spring_laws};
@@ -32,18 +32,18 @@ const FIT: f64 = 0.05;
 /// CLEARANCE: approximately one-tenth of the element size).
 const SEARCHED: f64 = 0.1;
 
-/// Creates the contact constraint of a step.
+/// Creates the contact constraint of a step. Returns it with the fronts of its analytical surfaces.
 pub fn contact_constraint(
     input: StepInput,
     prescribed: &HashSet<(usize, usize)>,
     report: &mut Report,
-) -> Option<Box<dyn Constraint>> {
+) -> Option<(Box<dyn Constraint>, Vec<AnalyticalFront>)> {
     let StepInput { scene, links, state, index: step, .. } = input;
-    let (mut geometry, mut pairs, mut lists) = (ContactGeometry::default(), Vec::new(), LawLists::default());
+    let (mut geometry, mut pairs, mut laws) = (ContactGeometry::default(), Vec::new(), Vec::new());
     let (mut spans, mut cohesion) = (Vec::new(), CohesionList::default());
-    let all = &input.pairs.by_step[step];
+    let all_pairs = &input.pairs.by_step[step];
     let is_planned = |pair: &&SurfaceContact| spatial_side(scene.bodies, pair).is_none() && !is_lost(scene.model, pair);
-    let surface_pairs: Vec<&SurfaceContact> = all.iter().filter(is_planned).collect();
+    let surface_pairs: Vec<&SurfaceContact> = all_pairs.iter().filter(is_planned).collect();
     if surface_pairs.is_empty() {
         return None;
     }
@@ -55,7 +55,7 @@ pub fn contact_constraint(
         in_equations: &links.dofs_of_equations(),
         skin: &solid_skin(scene.model),
         general: scene.model.steps[step].general_contact.as_ref(),
-        pairs: all,
+        pairs: all_pairs,
     };
     for contact in surface_pairs {
         let pair = match &contact.analytical {
@@ -63,13 +63,10 @@ pub fn contact_constraint(
             None => pair_of_curves(contact, &context, &mut geometry, report),
         };
         let Some((mut pair, length)) = pair else { continue };
-        let other = if pair.analytical.is_some() { None } else { Some(pair.other.unwrap_or(pair.own)) };
-        let law = law_indices(input, contact, (pair.own, other), &mut lists, &geometry, report);
-        let Some([law, of_points]) = law else { continue };
+        let Some([law, of_points]) = law_indices(input, contact, &pair, &mut laws, &geometry, report) else { continue };
         (pair.law, pair.of_points, pair.springs) = (law, of_points, has_springs(contact));
-        let origin = (contact, pairs.len(), &pair);
-        let added = add_cohesion(input, origin, &mut lists, &geometry, &mut cohesion, report);
-        if added.is_none() {
+        let origin = CohesionOrigin { contact, index: pairs.len(), pair: &pair };
+        if add_cohesion(input, origin, &mut laws, &geometry, &mut cohesion, report).is_none() {
             continue;
         }
         pair.initial_clearance = initial_clearance(contact, length);
@@ -84,21 +81,14 @@ pub fn contact_constraint(
     if pairs.is_empty() {
         return None;
     }
-    let ContactGeometry { points, places, curves, analyticals, .. } = geometry;
-    let LawLists { mut laws, springs } = lists;
-    let first = laws.len();
-    pairs.iter_mut().filter(|p| p.springs).for_each(|p| p.law += first);
-    let (any, with_springs) = (!springs.is_empty(), pairs.iter().map(|p| p.springs).collect::<Vec<bool>>());
-    laws.extend(springs);
+    let ContactGeometry { points, places, curves, analyticals, fronts, .. } = geometry;
     let mut contact =
         ContactConstraint::new(points, curves, analyticals, pairs, laws).with_equal_motions(equal_motions);
-    if any {
-        contact = contact.with_springs(first);
-    }
     if let Some(heat) = state.heat() {
         if contact.has_equal_motions() {
             let message = "heat conduction through contact of nodes with equal motion is not supported";
-            let finding = Diagnostic::error("P021", message).at(all[0].span, "these nodes follow a reference node");
+            let finding =
+                Diagnostic::error("P021", message).at(all_pairs[0].span, "these nodes follow a reference node");
             return report.refuse(finding.help("make the body rigid, or remove these nodes from the surface"));
         }
         let of_body = |body: usize| {
@@ -107,14 +97,14 @@ pub fn contact_constraint(
         };
         contact = contact.with_heat(|node| heat.temperature(node).is_finite(), of_body);
     }
-    contact = cohesion.add_to(contact, first, &with_springs);
+    contact = cohesion.add_to(contact);
     let overlaps = contact.start(&places);
     report_cohesion(&cohesion, &contact, step, report);
     // Pairs with analytical surfaces have been checked when they were created.
     for ((contact, length), overlap) in spans.into_iter().zip(overlaps).filter(|s| s.0.0.analytical.is_none()) {
         warn_of_overlap(contact, length, overlap, report);
     }
-    Some(Box::new(contact))
+    Some((Box::new(contact), fronts))
 }
 
 /// Creates the pair of two curves, or of one curve with itself. Returns it with its facet length; the laws are set
@@ -190,30 +180,20 @@ fn analytical_pair(
     Some((pair, length))
 }
 
-/// Interaction laws of the pairs of a step, and those of penalty springs, which are the last ones of the constraint.
-#[derive(Default)]
-pub struct LawLists {
-    pub laws: Vec<InteractionLaw>,
-    pub springs: Vec<InteractionLaw>,
-}
-
-/// Returns the indices of the law of a pair, in the list of laws or of penalty springs, and of the law for single
-/// points.
+/// Returns the indices of the law of a pair, or of its first penalty spring, and of the law for single points.
 fn law_indices(
     input: StepInput,
     contact: &SurfaceContact,
-    (own, other): (usize, Option<usize>),
-    lists: &mut LawLists,
+    pair: &ContactPair,
+    laws: &mut Vec<InteractionLaw>,
     geometry: &ContactGeometry,
     report: &mut Report,
 ) -> Option<[usize; 2]> {
-    let LawLists { laws, springs } = lists;
     let law = match contact.penalty.filter(|_| has_springs(contact)) {
         None => place_of(laws, contact.law.clone()),
         Some(factor) => {
-            let all = spring_laws(input, contact, PENALTY_FACTOR * factor, (own, other), geometry, report)?;
-            springs.extend(all);
-            springs.len() - geometry.curves[own].own.len()
+            laws.extend(spring_laws(input, contact, PENALTY_FACTOR * factor, pair, geometry, report)?);
+            laws.len() - geometry.curves[pair.secondary].points.len()
         }
     };
     // Contact of single points has no area for a pressure, so that it is hard contact.

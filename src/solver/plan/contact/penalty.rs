@@ -1,6 +1,7 @@
 //! Stiffness of penalty contact from the underlying elements (ABAQUS Analysis User's Guide, "Contact constraint
 //! enforcement methods in Abaqus/Explicit").
 
+use crate::constraint::contact::ContactPair;
 use crate::deck::Diagnostic;
 use crate::element::group::ElementStiffness;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
@@ -15,18 +16,18 @@ pub fn facet_compliance(input: StepInput, element: usize, nodes: [usize; 2]) -> 
     let StepInput { scene, state, .. } = input;
     let mesh = &scene.model.mesh;
     let Some(&(group, index)) = scene.places.elements.get(&element) else { return Some(0.0) };
-    let of = &mesh.elements[element];
+    let mesh_element = &mesh.elements[element];
     let [a, b] = nodes.map(|n| mesh.points[n]);
     let (dr, dz) = (b[0] - a[0], b[1] - a[1]);
     let length = libm::hypot(dr, dz);
-    if of.kind.is_shell() {
+    if mesh_element.kind.is_shell() {
         let section = scene.model.shell_sections.iter().find(|s| s.elements.contains(&element))?;
         return Some(section.thickness / longitudinal_modulus(scene.model, section.material, element)?);
     }
     let places = nodes.map(|n| scene.places.nodes.get(&n).copied());
     let matrix = state.elements.groups[group].stiffness(index, state.dofs.nodes.as_slice());
     let Some(ElementStiffness(matrix)) = matrix else {
-        return Some(height(of, &mesh.points, length) / modulus_of(scene.model, element)?);
+        return Some(height(mesh_element, &mesh.points, length) / modulus_of(scene.model, element)?);
     };
     // Stiffness of the element for a displacement of the facet along its normal, per area.
     let (corners, normal) = (state.elements.groups[group].nodes(index), [dz / length, -dr / length]);
@@ -76,12 +77,12 @@ fn initial_temperature(model: &Model, element: usize) -> Option<f64> {
 pub fn smallest_thickness(scene: Scene, facets: &[(usize, [usize; 2])]) -> f64 {
     let mesh = &scene.model.mesh;
     let thickness = |&(element, nodes): &(usize, [usize; 2])| {
-        let of = &mesh.elements[element];
-        if !scene.places.elements.contains_key(&element) || !of.kind.is_solid() {
+        let mesh_element = &mesh.elements[element];
+        if !scene.places.elements.contains_key(&element) || !mesh_element.kind.is_solid() {
             return f64::INFINITY;
         }
         let [a, b] = nodes.map(|n| mesh.points[n]);
-        height(of, &mesh.points, libm::hypot(b[0] - a[0], b[1] - a[1]))
+        height(mesh_element, &mesh.points, libm::hypot(b[0] - a[0], b[1] - a[1]))
     };
     facets.iter().map(thickness).fold(f64::INFINITY, f64::min)
 }
@@ -102,35 +103,40 @@ pub fn spring_laws(
     input: StepInput,
     contact: &SurfaceContact,
     factor: f64,
-    (own, other): (usize, Option<usize>),
+    pair: &ContactPair,
     geometry: &ContactGeometry,
     report: &mut Report,
 ) -> Option<Vec<InteractionLaw>> {
-    let softness = |curve: usize| {
-        let of = geometry.facet_elements[curve].iter().map(|&(e, nodes)| facet_compliance(input, e, nodes));
-        of.collect::<Option<Vec<f64>>>()
+    let compliances = |curve: usize| {
+        let facets = geometry.facet_elements[curve].iter();
+        facets.map(|&(e, nodes)| facet_compliance(input, e, nodes)).collect::<Option<Vec<f64>>>()
     };
-    let others = other.map_or(Some(Vec::new()), softness);
-    let (Some(own_ways), Some(others)) = (softness(own).filter(|ways| !ways.is_empty()), others) else {
+    // An analytical surface has no compliance.
+    let opposite = match pair.analytical {
+        Some(_) => Some(Vec::new()),
+        None => compliances(pair.other.unwrap_or(pair.secondary)),
+    };
+    let (Some(facet_compliances), Some(opposite)) =
+        (compliances(pair.secondary).filter(|list| !list.is_empty()), opposite)
+    else {
         let message = "the penalty stiffness cannot be computed for the elements of this pair";
         let finding = Diagnostic::error("P021", message).at(contact.span, "this pair");
         report.push(finding.help("give *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, or remove PENALTY"));
         return None;
     };
-    // An analytical surface has no compliance.
-    let beside = others.iter().sum::<f64>() / others.len().max(1) as f64;
-    let curve = &geometry.curves[own];
+    let mean_opposite = opposite.iter().sum::<f64>() / opposite.len().max(1) as f64;
+    let curve = &geometry.curves[pair.secondary];
     let stiffness = |index: usize| {
-        let around = curve.around_own(index).iter().filter_map(|f| own_ways.get(f.0 as usize));
+        let around = curve.around_own(index).iter().filter_map(|f| facet_compliances.get(f.0 as usize));
         let (sum, count) = around.fold((0.0, 0), |(sum, count), way| (sum + way, count + 1));
         // Points that are exposed by element deletion have the mean stiffness of the exposed facets.
-        let way = match count {
-            0 => own_ways.iter().sum::<f64>() / own_ways.len() as f64,
+        let compliance = match count {
+            0 => facet_compliances.iter().sum::<f64>() / facet_compliances.len() as f64,
             _ => sum / f64::from(count),
         };
-        factor * 2.0 / (way + beside)
+        factor * 2.0 / (compliance + mean_opposite)
     };
     let law =
         |index| InteractionLaw { overclosure: PressureOverclosure::Spring(stiffness(index)), ..contact.law.clone() };
-    Some((0..curve.own.len()).map(law).collect())
+    Some((0..curve.points.len()).map(law).collect())
 }

@@ -2,11 +2,10 @@
 
 use crate::constraint::Constraint;
 use crate::constraint::rigid_wall_contact::{RigidWallContact, WallPair};
-use crate::deck::Diagnostic;
 use crate::kernel::lists::sorted_unique;
 use crate::model::SurfaceContact;
 use crate::plan::bodies::rigid_bodies_3d::refuse_on_spatial_body;
-use crate::plan::contact::analytical::friction_of;
+use crate::plan::contact::analytical::{friction_of, warn_of_front};
 use crate::plan::contact::general::pair_name;
 use crate::plan::{Bodies, Report, StepInput};
 use crate::platform::PortableMath as _;
@@ -55,11 +54,11 @@ fn wall_contact(
     }
     let surface = &scene.model.surfaces.analytical[analytical.surface];
     let wall = surface.reference.and_then(|node| scene.bodies.of_node.get(&node).copied());
-    let held = |reference: usize| {
+    let is_fixed = |reference: usize| {
         let fixed = |b: &&crate::model::BoundaryCondition| b.dof == 2 && b.nodes.contains(&reference);
         step.boundaries.iter().find(fixed).is_some_and(|b| b.value == 0.0 && !b.user)
     };
-    let Some(wall) = wall.filter(|&wall| held(scene.bodies.list[wall].reference)) else {
+    let Some(wall) = wall.filter(|&wall| is_fixed(scene.bodies.list[wall].reference)) else {
         return Err("contact with an analytical surface whose rigid body is not fixed (*BOUNDARY along 2)");
     };
     let spatial = state.dofs.bodies[body].spatial.as_ref().ok_or("contact")?;
@@ -72,9 +71,7 @@ fn wall_contact(
             pair.sides[1 - side].name,
             pair.sides[side].name
         );
-        let way = "its front is to the left of the direction from START; ABAQUS does not reverse it";
-        let finding = Diagnostic::warning("P110", message).at(surface.span, way).at(pair.span, "this pair");
-        report.push(finding.help("give the points of the surface in the opposite order"));
+        warn_of_front(message, surface, "; ABAQUS does not reverse it", Some(pair), report);
         profile = profile.reversed();
     }
     let faces = pair.sides[side].faces.iter().filter_map(|&(e, s)| mesh.side_nodes(e, s)).flatten();

@@ -52,12 +52,11 @@ fn tied_surfaces(input: HeatInput, links: &Links, tied: &mut TemperatureEquation
     for (tie, of_tie) in scene.model.constraints.ties.iter().zip(&links.surface_ties) {
         let previous_count = tied.equations.len();
         for own in &of_tie.nodes {
-            let conducting_node = |n: usize| scene.places.nodes.get(&n).copied().filter(|p| conducting.contains(p));
-            let shares: Option<Vec<_>> =
-                own.shares.iter().map(|&(n, share)| Some((conducting_node(n)?, 0, -share))).collect();
+            let place = |n: usize| scene.places.nodes.get(&n).copied().filter(|p| conducting.contains(p));
+            let shares: Option<Vec<_>> = own.shares.iter().map(|&(n, share)| Some(((place(n)?, 0), -share))).collect();
             // Nodes without temperature are skipped; their motion is tied.
-            let (Some(node), Some(shares)) = (conducting_node(own.node), shares) else { continue };
-            let terms = std::iter::once((node, 0, 1.0)).chain(shares).collect();
+            let (Some(node), Some(shares)) = (place(own.node), shares) else { continue };
+            let terms = std::iter::once(((node, 0), 1.0)).chain(shares).collect();
             tied.equations.push(NodalEquation { terms, is_redundant: true });
             tied.spans.push(tie.span);
         }
@@ -82,7 +81,7 @@ fn tied_by_equations(input: HeatInput, tied: &mut TemperatureEquations, report: 
                 let finding = Diagnostic::error("P063", message).at(equation.span, "an equation on 11");
                 return report.push(finding.help("nodes of CAX4RT and CAX3T have temperatures"));
             };
-            terms.push((solver_node, 0, c));
+            terms.push(((solver_node, 0), c));
         }
         tied.equations.push(NodalEquation { terms, is_redundant: false });
         tied.spans.push(equation.span);

@@ -7,8 +7,8 @@ use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::{ModelBody, is_shared, nodes_of_histories};
 use crate::model::{
-    BoundaryCondition, LoadKind, Model, MotionKind, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing,
-    SolidSection,
+    AnalyticalFront, BoundaryCondition, LoadKind, Model, MotionKind, OutputCard, OutputKind, OutputRegion,
+    OutputRequest, Remeshing, SolidSection,
 };
 use crate::plan::contact::cohesion::cohesive_behaviors;
 use crate::plan::solids::user_material::fails;
@@ -54,7 +54,14 @@ pub struct RemeshedBody {
 const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp"];
 
 /// Lists the bodies of all `*REMESH` cards, and those that can have a new mesh if theirs collapses; `None` without any.
-pub fn plan(scene: Scene, pairs: &Pairs, state: &mut State, report: &mut Report) -> Option<Box<RemeshPlan>> {
+/// New meshes keep the `fronts` of analytical surfaces.
+pub fn plan(
+    scene: Scene,
+    pairs: &Pairs,
+    fronts: Vec<AnalyticalFront>,
+    state: &mut State,
+    report: &mut Report,
+) -> Option<Box<RemeshPlan>> {
     if report.diagnostics.has_errors() {
         return None;
     }
@@ -76,7 +83,7 @@ pub fn plan(scene: Scene, pairs: &Pairs, state: &mut State, report: &mut Report)
         }
         bodies.extend(remeshed_body(scene.places, (card, is_first), &body, state, report));
     }
-    model.surfaces.fronts = Some(report.fronts.clone());
+    model.surfaces.fronts = Some(fronts);
     Some(Box::new(RemeshPlan { model, bodies }))
 }
 

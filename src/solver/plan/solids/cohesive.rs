@@ -246,7 +246,7 @@ fn inertia_search(model: &Model, links: &Links) -> InertiaSearch {
         sets.reduce(|all, next| all.intersection(&next).copied().collect()).unwrap_or_default()
     });
     let firsts = links.equations.iter().enumerate();
-    let dependent = firsts.filter_map(|(i, e)| e.terms.first().map(|term| ((term.0, term.1), i))).collect();
+    let dependent = firsts.filter_map(|(i, e)| e.terms.first().map(|term| (term.0, i))).collect();
     InertiaSearch { prescribed, dependent }
 }
 
@@ -271,8 +271,8 @@ fn inertia_of_dof(
         return vec![InertiaShare { node, weight: 1.0, inverse_mass: None }];
     };
     let terms = &links.equations[equation].terms;
-    let others = terms[1..].iter().flat_map(|&(other, along, c)| {
-        let weight = -c / terms[0].2;
+    let others = terms[1..].iter().flat_map(|&((other, along), c)| {
+        let weight = -c / terms[0].1;
         let shares = inertia_of_dof(bodies, links, (other, along), (search, mass), depth - 1).into_iter();
         shares.map(move |share| InertiaShare { weight: weight * share.weight, ..share })
     });

@@ -1,0 +1,105 @@
+//! Values of the keys of a contact: one key for each point that may carry a pressure. They are the memory of contact from
+//! increment to increment.
+
+use super::mesh_continuation::{KeyPlace, MeshContinuation};
+use super::slip_damping::SlipDamping;
+use super::stored_energy::StoredEnergy;
+use super::sweeps::{ContactRow, ContactRows, ContactVelocities};
+use crate::kernel::interaction::InteractionLaw;
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::Memory;
+use crate::state::archive::Persist;
+
+/// Values of all keys.
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(fixed: pressures, gap_offsets, opening, slip)]
+pub(super) struct KeyValues {
+    /// Pressure and shear stress of each key over the previous increment.
+    pub(super) pressures: Vec<[f64; 2]>,
+    /// Energy of each key with a soft law.
+    pub(super) stored_energy: StoredEnergy,
+    /// Damping of frictional flutter.
+    pub(super) slip_damping: SlipDamping,
+    /// Difference that is subtracted from the gap of each key; empty if all are zero.
+    pub(super) gap_offsets: Vec<f64>,
+    /// Gap of each key, for output; NaN if no surface is near.
+    pub(super) opening: Vec<f64>,
+    /// Accumulated slip of each key while in contact, for output.
+    pub(super) slip: Vec<f64>,
+}
+
+impl KeyValues {
+    /// Creates the values of a number of keys with these laws.
+    pub(super) fn new(keys: usize, laws: &[InteractionLaw]) -> KeyValues {
+        let mut values = KeyValues {
+            pressures: vec![[0.0; 2]; keys],
+            opening: vec![f64::NAN; keys],
+            slip: vec![0.0; keys],
+            ..KeyValues::default()
+        };
+        if laws.iter().any(|law| law.is_soft()) {
+            values.stored_energy = StoredEnergy::new(keys);
+        }
+        if laws.iter().any(|law| law.friction.damps()) {
+            values.slip_damping = SlipDamping::new(keys);
+        }
+        values
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.pressures.len()
+    }
+
+    /// Returns the difference that is subtracted from the gap of a key.
+    #[inline]
+    pub(super) fn gap_offset(&self, key: usize) -> f64 {
+        self.gap_offsets.get(key).copied().unwrap_or(0.0)
+    }
+
+    /// Takes the values of a key from a place among those of a previous contact.
+    pub(super) fn take_over(&mut self, key: usize, previous: &KeyValues, place: KeyPlace) {
+        self.pressures[key] = [0, 1].inline_map(|part: usize| place.value(|other| previous.pressures[other][part]));
+        self.stored_energy.take_over(key, &previous.stored_energy, place);
+        self.slip_damping.take_over(key, &previous.slip_damping, place);
+        self.opening[key] = place.value(|other| previous.opening[other]);
+        self.slip[key] = place.value(|other| previous.slip[other]);
+        let offset = place.value(|other| previous.gap_offset(other));
+        if offset != 0.0 && self.gap_offsets.is_empty() {
+            self.gap_offsets = vec![0.0; self.count()];
+        }
+        if let Some(known) = self.gap_offsets.get_mut(key) {
+            *known = offset;
+        }
+    }
+
+    /// Moves the values to the new places of the keys on adaptive meshes, energies excepted.
+    pub(super) fn carry(&mut self, mesh: &mut MeshContinuation) {
+        mesh.carry(&mut self.pressures, |[pressure, _]| pressure);
+        mesh.carry(&mut self.pressures, |[_, shear]| shear);
+        mesh.carry(&mut self.gap_offsets, |offset| offset);
+        mesh.carry(&mut self.slip, |slip| slip);
+        self.slip_damping.carry(mesh);
+    }
+
+    /// Stores the pressures of rows whose impulses have acted over the time `half`.
+    pub(super) fn store_pressures(&mut self, rows: &ContactRows, half: f64) {
+        self.pressures.fill([0.0; 2]);
+        for row in rows.rows.iter().filter(|row| row.acts()) {
+            self.pressures[row.key as usize] = [row.normal_impulse / half, row.shear_impulse / half];
+        }
+    }
+
+    /// Stores the gaps at the start of the increment.
+    pub(super) fn store_openings(&mut self, rows: &[ContactRow]) {
+        for row in rows.iter().filter(|row| row.closest_point.is_none()) {
+            self.opening[row.key as usize] = row.gap / row.area;
+        }
+    }
+
+    /// Adds the slip of an increment of length `dt`.
+    pub(super) fn add_slip(&mut self, rows: &ContactRows, motion: &ContactVelocities, dt: f64) {
+        for row in rows.rows.iter().filter(|row| row.normal_impulse > 0.0) {
+            self.slip[row.key as usize] += dt * motion.slip(rows.terms_of(row)) / row.area;
+        }
+    }
+}

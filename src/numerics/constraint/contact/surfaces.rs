@@ -1,0 +1,249 @@
+//! The surfaces of a contact: points, curves and analytical surfaces, their places, and the parts that are near another
+//! surface.
+
+use super::analytical::AnalyticalSurface;
+use super::curve::{FacetCurve, PointCarrier, SurfacePoint};
+use super::near::NearParts;
+use super::pairs::ContactPair;
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::lists::Memory;
+use crate::kernel::topology::ElementNodes;
+use crate::state::archive::Persist;
+use crate::state::dofs::Dofs;
+
+/// Surfaces in contact and their current places.
+#[derive(Clone, Debug, Default, Persist, Memory)]
+#[persist(fixed: curves; derived: points, points_of_nodes, points_on_bodies, analyticals, places, active_points, near, listed)]
+#[memory(flat: analyticals)]
+pub(super) struct ContactSurfaces {
+    pub(super) points: Vec<SurfacePoint>,
+    pub(super) curves: Vec<FacetCurve>,
+    pub(super) analyticals: Vec<AnalyticalSurface>,
+    /// Nodes and their points, ascending by node.
+    points_of_nodes: Vec<(usize, u32)>,
+    points_on_bodies: Vec<(PointCarrier, u32)>,
+    pub(super) places: Vec<[f64; 2]>,
+    /// Points that may be in contact: those of exposed facets and those without elements.
+    pub(super) active_points: Vec<u32>,
+    pub(super) near: NearParts,
+    /// Positions of the points when candidate lists were built; empty if there are none.
+    pub(super) listed: Vec<[f64; 2]>,
+    /// Whether elements have been deleted since the previous increment.
+    pub(super) uncovered: bool,
+}
+
+/// Identifies the carrier of a point.
+pub(super) type PointIdentity = (usize, Option<[u64; 2]>);
+
+impl ContactSurfaces {
+    pub(super) fn new(
+        points: Vec<SurfacePoint>,
+        curves: Vec<FacetCurve>,
+        analyticals: Vec<AnalyticalSurface>,
+    ) -> ContactSurfaces {
+        let mut surfaces = ContactSurfaces {
+            places: vec![[0.0; 2]; points.len()],
+            listed: Vec::with_capacity(points.len()),
+            active_points: Vec::with_capacity(2 * points.len() + analyticals.len()),
+            points,
+            curves,
+            analyticals,
+            ..ContactSurfaces::default()
+        };
+        for (point, number) in surfaces.points.iter().zip(0..) {
+            match point.carrier {
+                PointCarrier::Node(node) => surfaces.points_of_nodes.push((node, number)),
+                carrier => surfaces.points_on_bodies.push((carrier, number)),
+            }
+        }
+        surfaces.points_of_nodes.sort_unstable();
+        surfaces.list_points();
+        surfaces
+    }
+
+    /// Returns the own curve of a pair and the other one, which is the same in self-contact.
+    pub(super) fn sides(&self, pair: &ContactPair) -> (&FacetCurve, &FacetCurve) {
+        let secondary = &self.curves[pair.secondary];
+        (secondary, pair.other.map_or(secondary, |other| &self.curves[other]))
+    }
+
+    /// Returns the number of keys of a pair. Each own point has one, and a second one if it may be in a re-entrant corner of
+    /// an analytical surface. Points of a second curve have one if they may be in contact alone.
+    pub(super) fn keys_of(&self, pair: &ContactPair) -> u32 {
+        let own_points = self.curves[pair.secondary].points.len() as u32;
+        let others = pair.other.map(|other| &self.curves[other]).filter(|curve| curve.has_single_points());
+        let single_points = others.map_or(0, |curve| curve.points.len() as u32);
+        own_points + single_points + if self.has_two_keys(pair) { own_points } else { 0 }
+    }
+
+    /// Returns whether each own point of a pair has two keys: in a re-entrant corner of an analytical surface it is in
+    /// contact with two segments.
+    pub(super) fn has_two_keys(&self, pair: &ContactPair) -> bool {
+        pair.analytical.is_some_and(|surface| self.analyticals[surface].has_corners())
+    }
+
+    /// Returns the range of the keys of a pair.
+    pub(super) fn keys_in(&self, pair: &ContactPair) -> std::ops::Range<usize> {
+        pair.first_key as usize..(pair.first_key + self.keys_of(pair)) as usize
+    }
+
+    /// Returns the identity of the carrier of a point.
+    pub(super) fn identity(&self, point: u32) -> PointIdentity {
+        match self.points[point as usize].carrier {
+            PointCarrier::Node(node) => (node, None),
+            PointCarrier::Body(body, place) => (body, Some(place.inline_map(f64::to_bits))),
+        }
+    }
+
+    /// Returns the carriers of the points of each facet of a curve.
+    pub(super) fn facet_owners(&self, curve: usize) -> impl Iterator<Item = [PointIdentity; 2]> {
+        self.curves[curve].facets.iter().map(|facet| facet.inline_map(|point| self.identity(point)))
+    }
+
+    /// Returns the point of a carrier; `None` if it belongs to no contact surface.
+    pub(super) fn point_on(&self, carrier: PointCarrier) -> Option<u32> {
+        let (of_nodes, on_bodies) = (&self.points_of_nodes, &self.points_on_bodies);
+        match carrier {
+            PointCarrier::Node(node) => {
+                of_nodes.binary_search_by_key(&node, |known| known.0).ok().map(|i| of_nodes[i].1)
+            }
+            carrier => on_bodies.iter().find(|known| known.0 == carrier).map(|known| known.1),
+        }
+    }
+
+    /// Returns the points of an element's nodes; `None` if one has no contact.
+    fn points_of_element(&self, boundary: &ElementNodes) -> Option<ElementNodes> {
+        let mut points = *boundary;
+        for point in points.iter_mut() {
+            *point = self.point_on(PointCarrier::Node(*point as usize))?;
+        }
+        Some(points)
+    }
+
+    /// Removes the facets of deleted elements, given by their corner nodes, and exposes those of their neighbours.
+    pub(super) fn remove_elements(&mut self, deleted: &[ElementNodes]) {
+        let mut curves = std::mem::take(&mut self.curves);
+        for curve in &mut curves {
+            if curve.remove_elements(deleted.iter().filter_map(|boundary| self.points_of_element(boundary))) {
+                curve.list();
+                self.uncovered = true;
+            }
+        }
+        self.curves = curves;
+    }
+
+    /// Returns the rigid body of a curve; `None` for a curve of a deformable body.
+    pub(super) fn body_of_curve(&self, curve: usize) -> Option<usize> {
+        self.curves[curve].points.iter().find_map(|&point| self.body_of_point(point))
+    }
+
+    pub(super) fn body_of_point(&self, point: u32) -> Option<usize> {
+        match self.points[point as usize].carrier {
+            PointCarrier::Body(body, _) => Some(body),
+            PointCarrier::Node(_) => None,
+        }
+    }
+
+    /// Allocates the lists of near parts; `dofs` is the number of degrees of freedom.
+    pub(super) fn reserve_near(&mut self, dofs: usize) {
+        let facets = self.curves.iter().map(|curve| curve.facets.len()).sum();
+        self.near.reserve(facets, self.points.len(), dofs);
+    }
+
+    /// Returns the position of a point at the start of the increment.
+    #[inline]
+    pub(super) fn place_of(&self, point: u32, dofs: &Dofs, dt: f64) -> [f64; 2] {
+        match self.points[point as usize].carrier {
+            PointCarrier::Node(n) => {
+                let node = &dofs.nodes[n];
+                [node.r - dt * node.v_r, node.z - dt * node.v_z]
+            }
+            PointCarrier::Body(b, [r, z]) => [r, z + dofs.bodies[b].before.displacement],
+        }
+    }
+
+    /// Lists the points of exposed facets and those without elements. Candidates must then be searched again.
+    pub(super) fn list_points(&mut self) {
+        self.active_points.clear();
+        self.active_points.extend(self.analyticals.iter().map(|surface| surface.point));
+        for curve in &self.curves {
+            let points = curve.exposed_points.iter().chain(&curve.orphans).map(|&i| curve.points[i as usize]);
+            self.active_points.extend(points);
+        }
+        self.active_points.sort_unstable();
+        self.active_points.dedup();
+        self.listed.clear();
+    }
+
+    /// Finds the neighbours of exposed facets at the current places.
+    pub(super) fn find_neighbors(&mut self) {
+        self.curves.iter_mut().for_each(|curve| curve.find_neighbors(&self.places));
+    }
+
+    /// Returns whether a point has moved too far since candidates were searched.
+    pub(super) fn has_moved_far(&self, pairs: &[ContactPair], dofs: &Dofs, dt: f64) -> bool {
+        let searched = pairs.iter().filter(|pair| pair.analytical.is_none());
+        let slack = searched.map(|pair| pair.search.slack()).fold(f64::INFINITY, f64::min);
+        let is_far = |place: [f64; 2], point: u32| {
+            let listed = self.listed[point as usize];
+            let d = [place[0] - listed[0], place[1] - listed[1]];
+            d[0] * d[0] + d[1] * d[1] > slack * slack
+        };
+        self.near.points.iter().any(|&point| is_far(self.places[point as usize], point))
+            || self.near.others.iter().any(|&point| is_far(self.place_of(point, dofs, dt), point))
+    }
+
+    /// Searches candidates of all pairs from the shapes of all exposed facets. The bonds of pairs for which `is_cohesive`
+    /// act at any distance. `dofs_of` are the degrees of freedom of each point.
+    pub(super) fn search(
+        &mut self,
+        pairs: &mut [ContactPair],
+        is_cohesive: impl Fn(usize) -> bool,
+        dofs_of: &[[u32; 2]],
+    ) {
+        let ContactSurfaces { curves, places, listed, .. } = self;
+        curves.iter_mut().for_each(|curve| curve.shape(places));
+        listed.clear();
+        listed.extend_from_slice(places);
+        for pair in pairs.iter_mut().filter(|pair| pair.analytical.is_none()) {
+            pair.search.build(&curves[pair.secondary], pair.other.map(|other| &curves[other]), places);
+        }
+        self.list_near(pairs, is_cohesive, dofs_of);
+    }
+
+    /// Lists what is near another surface, or belongs to a pair whose bonds act at any distance.
+    fn list_near(&mut self, pairs: &[ContactPair], is_cohesive: impl Fn(usize) -> bool, dofs_of: &[[u32; 2]]) {
+        let ContactSurfaces { curves, analyticals, active_points, near, .. } = self;
+        near.begin();
+        for (index, pair) in pairs.iter().enumerate() {
+            let (secondary, other) = (&curves[pair.secondary], pair.other.map(|other| &curves[other]));
+            if let Some(surface) = pair.analytical {
+                near.mark_point(analyticals[surface].point);
+            }
+            if pair.analytical.is_some() || is_cohesive(index) {
+                [Some(secondary), other].into_iter().flatten().for_each(|curve| near.mark_curve(curve));
+            } else {
+                near.mark_candidates(secondary, other, &pair.search);
+            }
+        }
+        near.list(curves, active_points, dofs_of);
+    }
+
+    /// Updates the shapes of near facets.
+    pub(super) fn shape_near(&mut self) {
+        for &[curve, k] in &self.near.facets {
+            self.curves[curve as usize].shape_one(k, &self.places);
+        }
+    }
+
+    /// Reads the places of all points that `new` gives for nodes, and the present places of all other points.
+    pub(super) fn read_places(&mut self, new: impl Fn(usize) -> Option<[f64; 2]>, dofs: &Dofs) {
+        for &point in &self.active_points {
+            let moved = match self.points[point as usize].carrier {
+                PointCarrier::Node(node) => new(node),
+                PointCarrier::Body(..) => None,
+            };
+            self.places[point as usize] = moved.unwrap_or_else(|| self.place_of(point, dofs, 0.0));
+        }
+    }
+}
