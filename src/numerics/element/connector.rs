@@ -190,7 +190,7 @@ impl Connectors {
     pub(super) fn add_forces(&mut self, dofs: &mut Dofs) {
         let dt = dofs.nodes.unaccounted_dt();
         for connector in &mut self.list {
-            let (along, displacement, velocity) = connector.opening(&dofs.nodes);
+            let ConnectorOpening { along, displacement, velocity } = connector.opening(&dofs.nodes);
             let size = connector.law.force(displacement, velocity);
             let (force, previous) = (along.inline_map(|a| size * a), connector.force);
             let mut work = 0.0;
@@ -221,6 +221,16 @@ impl Connectors {
     }
 }
 
+/// Opening of a connector.
+struct ConnectorOpening {
+    /// Direction in which it opens.
+    along: [f64; 2],
+    /// Relative displacement.
+    displacement: f64,
+    /// Relative velocity in the middle of the previous increment, as in ABAQUS/Explicit.
+    velocity: f64,
+}
+
 impl Connector {
     /// Returns the direction from the first to the second end, and the distance, for given node positions; `None` for a
     /// connector along an axis.
@@ -232,24 +242,23 @@ impl Connector {
         Some(([dr / length, dz / length], length))
     }
 
-    /// Returns the opening direction, the relative displacement and the relative velocity. The velocity is that of the
-    /// middle of the previous increment, as in ABAQUS/Explicit.
-    fn opening(&self, nodes: &Nodes) -> ([f64; 2], f64, f64) {
+    fn opening(&self, nodes: &Nodes) -> ConnectorOpening {
         let speed = |n: usize| [nodes[n].v_r, nodes[n].v_z];
         match (self.ends, self.line(|n| nodes[n].place())) {
             ([Some(a), Some(b)], Some((along, length))) => {
                 let initial_length = self.line(|n| nodes.start[n]).map_or(0.0, |l| l.1);
                 let relative = [speed(b)[0] - speed(a)[0], speed(b)[1] - speed(a)[1]];
-                (along, length - initial_length, relative[0] * along[0] + relative[1] * along[1])
+                let velocity = relative[0] * along[0] + relative[1] * along[1];
+                ConnectorOpening { along, displacement: length - initial_length, velocity }
             }
             ([Some(a), _], _) => {
                 let axis = self.axis.unwrap_or(1);
                 let mut along = [0.0; 2];
                 along[axis] = -1.0;
                 // The ground is on the negative side: motion along the axis opens the connector.
-                (along, nodes.displacement(a)[axis], speed(a)[axis])
+                ConnectorOpening { along, displacement: nodes.displacement(a)[axis], velocity: speed(a)[axis] }
             }
-            _ => ([0.0; 2], 0.0, 0.0),
+            _ => ConnectorOpening { along: [0.0; 2], displacement: 0.0, velocity: 0.0 },
         }
     }
 }

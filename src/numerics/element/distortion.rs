@@ -38,17 +38,26 @@ pub struct ControlledElement {
     force: [[f64; 2]; 4],
 }
 
-/// Returns the distance of a corner from the line between its neighbours (positive inside), the normal, and the
-/// position of its projection on the line: 0 at the next corner, 1 at the previous one.
-fn distance([corner, next, before]: [[f64; 2]; 3]) -> (f64, [f64; 2], f64) {
-    let along = [before[0] - next[0], before[1] - next[1]];
+/// A corner in relation to the line between its neighbours.
+struct CornerHeight {
+    /// Distance from the line, positive inside.
+    distance: f64,
+    normal: [f64; 2],
+    /// Position of the projection on the line: 0 at the next corner, 1 at the previous one.
+    position: f64,
+}
+
+/// Returns the height of a corner over the line between the next and the previous corner.
+fn height([corner, next, previous]: [[f64; 2]; 3]) -> CornerHeight {
+    let along = [previous[0] - next[0], previous[1] - next[1]];
     let square = along[0] * along[0] + along[1] * along[1];
     let length = square.sqrt();
     let from = [corner[0] - next[0], corner[1] - next[1]];
     // The element is to the right of the direction from the next to the previous corner.
     let normal = [along[1] / length, -along[0] / length];
     let position = ((from[0] * along[0] + from[1] * along[1]) / square).clamp(0.0, 1.0);
-    (-(from[0] * normal[0] + from[1] * normal[1]), [-normal[0], -normal[1]], position)
+    let distance = -(from[0] * normal[0] + from[1] * normal[1]);
+    CornerHeight { distance, normal: [-normal[0], -normal[1]], position }
 }
 
 /// Returns the values at corner `i`, the next and the previous corner.
@@ -67,7 +76,7 @@ impl ControlledElement {
             if sides.into_iter().any(|s| s <= 1e-9 * largest) {
                 return 0.0;
             }
-            let from_line = distance([a, b, c]).0;
+            let from_line = height([a, b, c]).distance;
             if from_line > 1e-9 * largest { ratio * from_line } else { 0.0 }
         };
         ControlledElement {
@@ -89,12 +98,12 @@ impl ControlledElement {
     ) -> Option<[[f64; 2]; 4]> {
         let mut forces = None;
         for i in (0..4).filter(|&i| self.offset[i] > 0.0) {
-            let (from_line, normal, position) = distance(three(places, i));
+            let CornerHeight { distance, normal, position } = height(three(places, i));
             let weights = [1.0, position - 1.0, -position];
             let motion = three(velocities, i);
             let speed = |v: [f64; 2]| v[0] * normal[0] + v[1] * normal[1];
             let opening: f64 = weights.iter().zip(motion).map(|(w, v)| w * speed(v)).sum();
-            let within = self.offset[i] - from_line;
+            let within = self.offset[i] - distance;
             let target = if within > 0.0 { LEAD * within / time.max(dt) } else { within / (AHEAD * dt) };
             if target.is_nan() || opening.is_nan() || opening >= target {
                 continue;
@@ -182,12 +191,12 @@ mod tests {
     #[test]
     fn distances_and_normals_of_a_square_are_exact() {
         for i in 0..4 {
-            let (from_line, normal, position) = distance(three(&SQUARE, i));
-            assert!((from_line - 0.5f64.sqrt()).abs() < 1e-15 && (position - 0.5).abs() < 1e-15);
+            let CornerHeight { distance, normal, position } = height(three(&SQUARE, i));
+            assert!((distance - 0.5f64.sqrt()).abs() < 1e-15 && (position - 0.5).abs() < 1e-15);
             // The normal points away from the line.
             let mut moved = SQUARE;
             moved[i] = [moved[i][0] + 0.1 * normal[0], moved[i][1] + 0.1 * normal[1]];
-            assert!((distance(three(&moved, i)).0 - from_line - 0.1).abs() < 1e-15);
+            assert!((height(three(&moved, i)).distance - distance - 0.1).abs() < 1e-15);
         }
     }
 
@@ -198,7 +207,7 @@ mod tests {
         assert_eq!(controlled.corner_forces(&SQUARE, &still, 1.0, 1.0), None);
         let mut places = SQUARE;
         places[2] = [1.52, 0.52];
-        assert!(distance(three(&places, 2)).0 > 0.0);
+        assert!(height(three(&places, 2)).distance > 0.0);
         let mut velocities = still;
         velocities[2] = [-1.0, -1.0];
         let forces = controlled.corner_forces(&places, &velocities, 1.0, 1.0).expect("too near");

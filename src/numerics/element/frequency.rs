@@ -254,7 +254,7 @@ mod tests {
             let (frequency, estimated) = estimate(&elements, &nodes);
             let size = 2 * nodes.len();
             let mut dense = Mat::<f64>::zeros(size, size);
-            for (row, column, block) in frequency.operator.blocks() {
+            for ([row, column], block) in frequency.operator.blocks() {
                 for (i, value) in block.iter().enumerate() {
                     dense[(2 * row + i % 2, 2 * column + i / 2)] = f64::from(*value);
                 }

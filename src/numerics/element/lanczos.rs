@@ -88,12 +88,12 @@ impl SparseOperator {
         parts[0] + parts[1]
     }
 
-    /// Iterates over rows, columns and blocks.
+    /// Iterates over `[row, column]` and blocks.
     #[cfg(test)]
-    pub(super) fn blocks(&self) -> impl Iterator<Item = (usize, usize, &[f32; 4])> {
+    pub(super) fn blocks(&self) -> impl Iterator<Item = ([usize; 2], &[f32; 4])> {
         let of_row = |row| self.pairs.indptr().outer_inds_sz(row).map(move |at| (row, at));
         let pairs = (0..self.pairs.rows()).flat_map(of_row);
-        pairs.map(|(row, at)| (row, self.pairs.indices()[at] as usize, &self.values[at]))
+        pairs.map(|(row, at)| ([row, self.pairs.indices()[at] as usize], &self.values[at]))
     }
 }
 
@@ -153,21 +153,20 @@ impl LanczosVectors {
         self.before.resize(count, [0.0; 2]);
         self.now.resize(count, [0.0; 2]);
         self.parts.resize(chunks_of(count), 0.0);
-        let (diagonal, off_diagonal, taken) = self.tridiagonal(operator, arch);
+        let TridiagonalMatrix { diagonal, off_diagonal, size } = self.tridiagonal(operator, arch);
         let mut small = SMatrix::<f64, STEPS, STEPS>::zeros();
-        for i in 0..taken {
+        for i in 0..size {
             small[(i, i)] = diagonal[i];
-            if i + 1 < taken {
+            if i + 1 < size {
                 small[(i, i + 1)] = off_diagonal[i];
                 small[(i + 1, i)] = off_diagonal[i];
             }
         }
-        small.symmetric_eigenvalues().max() / (1.0 - missing(2 * count, taken))
+        small.symmetric_eigenvalues().max() / (1.0 - missing(2 * count, size))
     }
 
-    /// Returns the tridiagonal matrix of Lanczos' method from a random start vector, and its size. The vectors are stored
-    /// without their norms.
-    fn tridiagonal(&mut self, operator: &SparseOperator, arch: Arch) -> ([f64; STEPS], [f64; STEPS], usize) {
+    /// Returns the matrix of Lanczos' method from a random start vector. The vectors are stored without their norms.
+    fn tridiagonal(&mut self, operator: &SparseOperator, arch: Arch) -> TridiagonalMatrix {
         let (mut diagonal, mut off_diagonal) = ([0.0; STEPS], [0.0; STEPS]);
         let LanczosVectors { before, now, parts } = self;
         let loops = ChunkLoops::new(arch);
@@ -195,11 +194,19 @@ impl LanczosVectors {
             off_diagonal[step] = norm;
             // The Krylov space is invariant.
             if norm <= 1e-12 * diagonal[0] {
-                return (diagonal, off_diagonal, step + 1);
+                return TridiagonalMatrix { diagonal, off_diagonal, size: step + 1 };
             }
         }
-        (diagonal, off_diagonal, STEPS)
+        TridiagonalMatrix { diagonal, off_diagonal, size: STEPS }
     }
+}
+
+/// Symmetric tridiagonal matrix with at most [`STEPS`] rows.
+struct TridiagonalMatrix {
+    diagonal: [f64; STEPS],
+    off_diagonal: [f64; STEPS],
+    /// Number of rows.
+    size: usize,
 }
 
 /// Subtracts a multiple of another vector. Returns the square of the result.

@@ -40,11 +40,10 @@ pub struct InitialBlock<'a, E> {
     pub density: f64,
 }
 
-/// Volume of a point of an element, and its increase in an increment as a product of three factors: its bits depend on
-/// the order of the multiplications.
+/// Volume of a point of an element, and half of its increase in an increment as a product of three factors. A pressure is
+/// multiplied by one after the other, because the last bits depend on the order.
 pub struct PointExpansion {
     pub volume: f64,
-    /// Half of the factor from `dilation` times `span` to the increase of the volume.
     pub factor: f64,
     pub span: f64,
     pub dilation: f64,
@@ -105,7 +104,7 @@ pub trait SolidBlock: Clone + Persist + Send + Sync + 'static {
     fn points_mut(&mut self) -> &mut [ElementBlock<Self::State>];
     /// Returns the volumes of the points of an element.
     fn volumes(element: Self::Element, nodes: &[Node]) -> impl Iterator<Item = f64>;
-    /// Returns volume and expansion of the points of an element in the increment `dt` that ends at these nodes.
+    /// Returns the expansion of the points of an element in the increment `dt` that ends at these nodes.
     fn expansions(
         element: Self::Element,
         nodes: &[Node],

@@ -193,21 +193,15 @@ impl MaterialVisitor for GroupShape<'_> {
     type Output = Box<dyn ElementGroup>;
 
     fn visit(self, material: impl Material) -> Box<dyn ElementGroup> {
-        let GroupOptions { constants, density, .. } = self.options;
+        let GroupOptions { constants, density, subzonal } = self.options;
         match self.connectivity {
             Connectivity::SixNodeTriangles(list) => {
                 Box::new(SixNodeTriangles::new(material, constants, density, list, self.nodes))
             }
-            Connectivity::Quadrilaterals(_) => self.quadrilaterals(material),
+            Connectivity::Quadrilaterals(list) => {
+                let group = QuadGroup::new(material, constants, density, list, self.nodes);
+                Box::new(if subzonal { group.with_subzones(list, self.nodes) } else { group })
+            }
         }
-    }
-}
-
-impl GroupShape<'_> {
-    fn quadrilaterals(self, material: impl Material) -> Box<dyn ElementGroup> {
-        let GroupOptions { constants, density, subzonal, .. } = self.options;
-        let corners = self.connectivity.quadrilaterals();
-        let group = QuadGroup::new(material, constants, density, corners, self.nodes);
-        Box::new(if subzonal { group.with_subzones(corners, self.nodes) } else { group })
     }
 }

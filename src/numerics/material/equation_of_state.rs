@@ -2,16 +2,17 @@
 //! `explosive`.
 #![allow(clippy::needless_range_loop)] // Loops over lanes are written as in the laws.
 
-use super::BlockStart;
 use super::available::AvailableEnergy;
 use super::eos::{EosLine, IdealGas, LinearEos, Tabulated, UsUp, advance_block};
 use super::explosive::{BurnState, HighExplosive};
 use super::isentrope::{end_of_limited_tension, isentropic_work};
 use super::user_eos::UserEos;
 use super::volumetric::{ElementSize, PressureUpdate, VolumetricLaw};
+use super::{BlockStart, PointValue};
 use crate::kernel::lanes::{LANES, Lanes};
 use crate::material::carried::carried_state;
 use crate::state::archive::Persist;
+use crate::variables::Variable;
 
 /// An equation of state with the energy of each element. One enum for all laws, matched once per block: with one type
 /// per law, every hardening law and failure criterion would be compiled once more for each.
@@ -134,16 +135,24 @@ impl VolumetricLaw for EquationOfState {
         }
     }
 
-    fn burnt(&self, state: &EosState, lane: usize) -> Option<f64> {
-        state.burn.as_ref().map(|burn| burn.share(lane))
+    fn value(&self, state: &EosState, lane: usize, variable: Variable) -> Option<f64> {
+        match variable {
+            Variable::BurnFraction => state.burn.as_ref().map(|burn| burn.share(lane)),
+            Variable::SpecificEnergy => Some(state.energy[lane]),
+            _ => None,
+        }
     }
 
-    fn energy(&self, state: &EosState, lane: usize) -> Option<f64> {
-        Some(state.energy[lane])
-    }
-
-    fn set_energy(&self, state: &mut EosState, lane: usize, energy: f64) {
-        state.energy[lane] = energy;
+    fn set(&self, state: &mut EosState, lane: usize, value: PointValue) -> bool {
+        match (value, self.thermal(), &mut state.mass_factors) {
+            (PointValue::SpecificEnergy(energy), ..) => state.energy[lane] = energy,
+            (PointValue::Temperature(temperature), Some([heat, zero]), _) => {
+                state.energy[lane] = heat * (temperature - zero);
+            }
+            (PointValue::VolumeRatio(ratio), _, Some(factors)) => factors[lane] = 1.0 / ratio,
+            _ => return false,
+        }
+        true
     }
 
     fn available_energy(&self, state: &EosState, lane: usize, specific_volume: f64) -> AvailableEnergy {
@@ -166,12 +175,6 @@ impl VolumetricLaw for EquationOfState {
         self.thermal().map(|[heat, zero]| zero + state.energy[lane] / heat)
     }
 
-    fn set_temperature(&self, state: &mut EosState, lane: usize, temperature: f64) {
-        if let Some([heat, zero]) = self.thermal() {
-            state.energy[lane] = heat * (temperature - zero);
-        }
-    }
-
     fn bytes(&self, state: &EosState) -> usize {
         state.burn.as_deref().map_or(0, size_of_val) + state.mass_factors.as_deref().map_or(0, size_of_val)
     }
@@ -182,12 +185,6 @@ impl VolumetricLaw for EquationOfState {
 
     fn volume_ratio(&self, state: &EosState, lane: usize) -> Option<f64> {
         state.mass_factors.as_ref().map(|factors| 1.0 / factors[lane])
-    }
-
-    fn set_volume_ratio(&self, state: &mut EosState, lane: usize, ratio: f64) {
-        if let Some(factors) = &mut state.mass_factors {
-            factors[lane] = 1.0 / ratio;
-        }
     }
 }
 

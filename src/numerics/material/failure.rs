@@ -6,6 +6,7 @@ use crate::kernel::levels::NestedTable;
 use crate::kernel::transcendental::{exp, ln};
 use crate::material::carried::{CarriedState, carried_state};
 use crate::state::archive::Persist;
+use crate::variables::Variable;
 
 /// A failure model. Materials without failure use [`NoDamage`], which has no state and no cost.
 pub trait FailureLaw: Send + Sync + 'static {
@@ -17,8 +18,6 @@ pub trait FailureLaw: Send + Sync + 'static {
     fn fresh(&self, area: &Lanes, volume: &Lanes) -> Self::State;
     /// Sets the characteristic length of an element.
     fn set_length(&self, _state: &mut Self::State, _lane: usize, _length: f64) {}
-    /// Returns whether an element is not deleted; `None` if none can fail.
-    fn alive(&self, state: &Self::State, lane: usize) -> Option<bool>;
     /// Returns whether elements can be deleted.
     fn deletes(&self) -> bool {
         Self::FAILS
@@ -34,22 +33,11 @@ pub trait FailureLaw: Send + Sync + 'static {
     fn tension_limit(&self) -> f64 {
         f64::INFINITY
     }
-    /// Returns the damage of an element, if damage evolves.
-    fn damage(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
+    /// Returns an output variable of an element: damage, the largest initiation criterion of a kind (1 where damage
+    /// begins), or 1 until the element is deleted. `None` if the model does not have it.
+    fn value(&self, _state: &Self::State, _lane: usize, _variable: Variable) -> Option<f64> {
         None
     }
-    /// Returns the largest initiation criterion of a kind, 1 where damage begins; `None` without such a criterion.
-    fn initiation(&self, _state: &Self::State, _lane: usize, _of: InitiationKind) -> Option<f64> {
-        None
-    }
-}
-
-/// Kinds of damage initiation criteria.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InitiationKind {
-    Any,
-    Ductile,
-    JohnsonCook,
 }
 
 /// Inputs of a failure model: the elements of a block at the end of an increment.
@@ -102,10 +90,6 @@ impl FailureLaw for NoDamage {
 
     fn volume(&self, (): &(), _lane: usize) -> f64 {
         1.0
-    }
-
-    fn alive(&self, (): &(), _lane: usize) -> Option<bool> {
-        None
     }
 
     fn degrade(&self, (): &mut (), input: &FailureInput) -> RemainingStress {
@@ -268,10 +252,6 @@ impl FailureLaw for MaterialFailure {
         state.length[lane] = length;
     }
 
-    fn alive(&self, state: &DamageState, lane: usize) -> Option<bool> {
-        self.deletes().then_some(state.alive[lane])
-    }
-
     fn deletes(&self) -> bool {
         let harmless = |c: &StrainCriterion| c.evolution == EvolutionLaw::Absent;
         !self.keep_elements && (self.cutoff.is_some() || !self.criteria.iter().all(harmless))
@@ -285,16 +265,18 @@ impl FailureLaw for MaterialFailure {
         self.cutoff.map_or(f64::INFINITY, |cutoff| cutoff.stress)
     }
 
-    fn damage(&self, state: &DamageState, lane: usize) -> Option<f64> {
-        (!self.criteria.is_empty()).then(|| 1.0 - state.share[lane])
-    }
-
-    fn initiation(&self, state: &DamageState, lane: usize, of: InitiationKind) -> Option<f64> {
+    fn value(&self, state: &DamageState, lane: usize, variable: Variable) -> Option<f64> {
+        match variable {
+            Variable::Degradation => return (!self.criteria.is_empty()).then(|| 1.0 - state.share[lane]),
+            Variable::Status => return self.deletes().then_some(f64::from(u8::from(state.alive[lane]))),
+            Variable::DamageInitiation | Variable::DuctileInitiation | Variable::JohnsonCookInitiation => {}
+            _ => return None,
+        }
         let meant = |criterion: &StrainCriterion| match (&criterion.strain, criterion.evolution) {
             // Criteria of *SHEAR FAILURE have no initiation output.
             (_, EvolutionLaw::Sudden) => false,
-            (FailureStrain::Ductile(_), _) => of != InitiationKind::JohnsonCook,
-            (FailureStrain::JohnsonCook { .. }, _) => of != InitiationKind::Ductile,
+            (FailureStrain::Ductile(_), _) => variable != Variable::JohnsonCookInitiation,
+            (FailureStrain::JohnsonCook { .. }, _) => variable != Variable::DuctileInitiation,
             _ => false,
         };
         // With damage evolution the output is limited to 1; without, the sum continues.

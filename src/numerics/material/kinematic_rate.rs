@@ -5,6 +5,7 @@ use crate::kernel::hardening::{FlowStress, LinearTable, plastic_increment};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
+use crate::material::PointValue;
 use crate::material::carried::carried_state;
 use crate::material::plasticity::{FlowUpdate, HardeningLaw};
 use crate::state::archive::Persist;
@@ -99,8 +100,12 @@ impl HardeningLaw for RateKinematicHardening {
         Some(state.temperature[lane])
     }
 
-    fn set_temperature(&self, state: &mut RateBackStress, lane: usize, temperature: f64) {
+    fn set(&self, state: &mut RateBackStress, lane: usize, value: PointValue) -> bool {
+        let (PointValue::Temperature(temperature) | PointValue::NodalTemperature(temperature)) = value else {
+            return false;
+        };
         state.temperature[lane] = temperature;
+        true
     }
 }
 

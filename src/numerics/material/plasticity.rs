@@ -5,6 +5,7 @@ use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::LANES;
 use crate::kernel::lanes::Lanes;
 use crate::kernel::return_mapping::{TrialState, plastic_increments};
+use crate::material::PointValue;
 use crate::material::carried::{CarriedState, carried_state};
 use crate::state::archive::Persist;
 
@@ -48,18 +49,16 @@ pub trait HardeningLaw: Send + Sync + 'static {
     /// Returns the equivalent plastic strain of a lane.
     fn plastic_strain(&self, state: &Self::State, lane: usize) -> f64;
 
-    /// Sets the initial equivalent plastic strain of a lane. Returns whether the law's hardening is determined by it.
-    fn set_plastic_strain(&self, _state: &mut Self::State, _lane: usize, _strain: f64) -> bool {
-        false
-    }
-
     /// Returns the temperature of a lane, if the law computes it.
     fn temperature(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
         None
     }
 
-    /// Sets the initial temperature of a lane, if the law computes temperatures.
-    fn set_temperature(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
+    /// Sets a value of a lane: a temperature, or the equivalent plastic strain if only this variable determines the
+    /// hardening. Returns whether the law uses it.
+    fn set(&self, _state: &mut Self::State, _lane: usize, _value: PointValue) -> bool {
+        false
+    }
 }
 
 /// Inputs and results of a hardening law for one block.
@@ -160,7 +159,8 @@ impl HardeningLaw for PiecewiseLinearHardening {
         strain[lane]
     }
 
-    fn set_plastic_strain(&self, strain: &mut Lanes, lane: usize, start: f64) -> bool {
+    fn set(&self, strain: &mut Lanes, lane: usize, value: PointValue) -> bool {
+        let PointValue::PlasticStrain(start) = value else { return false };
         strain[lane] = start;
         true
     }
@@ -218,17 +218,17 @@ impl HardeningLaw for RateDependentHardening {
         state.strain[lane]
     }
 
-    fn set_plastic_strain(&self, state: &mut PlasticState, lane: usize, start: f64) -> bool {
-        state.strain[lane] = start;
-        true
-    }
-
     fn temperature(&self, state: &PlasticState, lane: usize) -> Option<f64> {
         Some(state.temperature[lane])
     }
 
-    fn set_temperature(&self, state: &mut PlasticState, lane: usize, temperature: f64) {
-        state.temperature[lane] = temperature;
+    fn set(&self, state: &mut PlasticState, lane: usize, value: PointValue) -> bool {
+        match value {
+            PointValue::PlasticStrain(strain) => state.strain[lane] = strain,
+            PointValue::Temperature(value) | PointValue::NodalTemperature(value) => state.temperature[lane] = value,
+            _ => return false,
+        }
+        true
     }
 }
 

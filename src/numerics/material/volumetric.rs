@@ -1,10 +1,11 @@
 //! Pressure laws: mean stress as a function of the volume change.
 
-use super::BlockStart;
 use super::available::AvailableEnergy;
+use super::{BlockStart, PointValue};
 use crate::kernel::lanes::Lanes;
 use crate::material::carried::CarriedState;
 use crate::state::archive::Persist;
+use crate::variables::Variable;
 
 /// Volumetric part of a material. A constant bulk modulus is a type without state or cost.
 pub trait VolumetricLaw: Send + Sync + 'static {
@@ -23,29 +24,24 @@ pub trait VolumetricLaw: Send + Sync + 'static {
     /// Begins an increment that ends at this total time.
     fn begin(&self, _state: &mut Self::State, _now: f64) {}
 
-    /// Returns the burn fraction of a lane, for explosives.
-    fn burnt(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
-        None
-    }
-
     /// Adds heat (energy) in addition to the estimate of [`VolumetricLaw::update_pressure`].
     fn add_heat(&self, _state: &mut Self::State, _heat: &Lanes, _mass: &Lanes) {}
 
-    /// Returns the specific energy (energy per mass) of a lane, if the law computes it.
-    fn energy(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
+    /// Returns an output variable of a lane other than the temperature; `None` if the law does not compute it.
+    fn value(&self, _state: &Self::State, _lane: usize, _variable: Variable) -> Option<f64> {
         None
     }
 
-    /// Sets the initial specific energy of a lane.
-    fn set_energy(&self, _state: &mut Self::State, _lane: usize, _energy: f64) {}
+    /// Sets a value of a lane: specific energy, initial temperature if it determines the energy, or ratio of volumes.
+    /// Returns whether the law uses it.
+    fn set(&self, _state: &mut Self::State, _lane: usize, _value: PointValue) -> bool {
+        false
+    }
 
     /// Returns the temperature of a lane, if the specific energy determines it.
     fn temperature(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
         None
     }
-
-    /// Sets the specific energy of a lane from its initial temperature.
-    fn set_temperature(&self, _state: &mut Self::State, _lane: usize, _temperature: f64) {}
 
     /// See [`Material::prepare_transport`](super::Material::prepare_transport).
     fn prepare_transport(&self, _state: &mut Self::State) {}
@@ -54,9 +50,6 @@ pub trait VolumetricLaw: Send + Sync + 'static {
     fn volume_ratio(&self, _state: &Self::State, _lane: usize) -> Option<f64> {
         None
     }
-
-    /// Sets the ratio of volumes of a lane.
-    fn set_volume_ratio(&self, _state: &mut Self::State, _lane: usize, _ratio: f64) {}
 
     /// Returns the energy per mass that a lane can release from its initial state.
     fn available_energy(&self, _state: &Self::State, _lane: usize, _specific_volume: f64) -> AvailableEnergy {

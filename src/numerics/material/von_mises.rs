@@ -3,7 +3,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over lanes are the form that compilers turn into vectors.
 
 use super::available::AvailableEnergy;
-use super::failure::{FailureInput, FailureLaw, InitiationKind, NoDamage};
+use super::failure::{FailureInput, FailureLaw, NoDamage};
 use super::increment::{StrainIncrement, StressUpdate};
 use super::plasticity::{FlowUpdate, HardeningLaw};
 use super::volumetric::{ElementSize, PressureUpdate, VolumetricLaw};
@@ -151,17 +151,11 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
     fn value(&self, state: &Self::State, lane: usize, part: VariableComponent) -> Option<f64> {
         match part.variable {
             Variable::PlasticStrain => H::PLASTIC.then(|| self.hardening.plastic_strain(&state.hardening, lane)),
-            Variable::Degradation => self.failure.damage(&state.failure, lane),
-            Variable::DamageInitiation => self.failure.initiation(&state.failure, lane, InitiationKind::Any),
-            Variable::DuctileInitiation => self.failure.initiation(&state.failure, lane, InitiationKind::Ductile),
-            Variable::JohnsonCookInitiation => {
-                self.failure.initiation(&state.failure, lane, InitiationKind::JohnsonCook)
-            }
-            Variable::BurnFraction => self.volumetric.burnt(&state.volumetric, lane),
             Variable::Temperature => self.temperature(state, lane),
-            Variable::SpecificEnergy => self.volumetric.energy(&state.volumetric, lane),
-            Variable::Status => self.failure.alive(&state.failure, lane).map(|alive| f64::from(u8::from(alive))),
-            _ => None,
+            variable => {
+                let of_failure = self.failure.value(&state.failure, lane, variable);
+                of_failure.or_else(|| self.volumetric.value(&state.volumetric, lane, variable))
+            }
         }
     }
 
@@ -174,23 +168,12 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
     }
 
     fn set(&self, state: &mut Self::State, lane: usize, value: PointValue) -> bool {
-        match value {
-            PointValue::Temperature(temperature) => {
-                self.hardening.set_temperature(&mut state.hardening, lane, temperature);
-                self.volumetric.set_temperature(&mut state.volumetric, lane, temperature);
-            }
-            PointValue::SpecificEnergy(energy) => self.volumetric.set_energy(&mut state.volumetric, lane, energy),
-            PointValue::PlasticStrain(strain) => {
-                return self.hardening.set_plastic_strain(&mut state.hardening, lane, strain);
-            }
-            PointValue::Length(_, length) => self.failure.set_length(&mut state.failure, lane, length),
-            PointValue::NodalTemperature(temperature) => {
-                self.hardening.set_temperature(&mut state.hardening, lane, temperature);
-            }
-            PointValue::VolumeRatio(ratio) => self.volumetric.set_volume_ratio(&mut state.volumetric, lane, ratio),
-            _ => return false,
+        if let PointValue::Length(_, length) = value {
+            self.failure.set_length(&mut state.failure, lane, length);
+            return true;
         }
-        true
+        let is_in_hardening = self.hardening.set(&mut state.hardening, lane, value);
+        self.volumetric.set(&mut state.volumetric, lane, value) || is_in_hardening
     }
 }
 
@@ -252,7 +235,7 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             dt: strain.dt,
             count: strain.count,
         };
-        let (mut plastic_at_start, limit) = ([0.0; LANES], self.failure.tension_limit());
+        let (mut share_at_start, limit) = ([0.0; LANES], self.failure.tension_limit());
         for l in 0..LANES {
             let stress = column(stress, l);
             (input.mean[l], input.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
@@ -261,13 +244,13 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             }
         }
         for l in 0..strain.count {
-            plastic_at_start[l] = self.failure.share(&state.failure, l);
+            share_at_start[l] = self.failure.share(&state.failure, l);
             input.temperature[l] = self.temperature(state, l).unwrap_or(0.0);
         }
         let remaining = self.failure.degrade(&mut state.failure, &input);
         let per_shear = if shear > 0.0 { 1.0 / (6.0 * shear) } else { 0.0 };
         for l in 0..strain.count {
-            if plastic_at_start[l] == 0.0 {
+            if share_at_start[l] == 0.0 {
                 stress.iter_mut().for_each(|s| s[l] = 0.0);
                 continue;
             }
@@ -283,9 +266,9 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
                 let (increment, carried) = (strain.strain[i][l], strain.carried[i][l]);
                 let added = carried + full[i];
                 let twice = if i == 3 { 2.0 } else { 1.0 };
-                work += twice * increment * (plastic_at_start[l] * carried + degraded - added);
+                work += twice * increment * (share_at_start[l] * carried + degraded - added);
                 let undamaged = if V::EOS { full[i] + shift[i] } else { full[i] };
-                unloaded += twice * increment * (plastic_at_start[l] * undamaged - degraded);
+                unloaded += twice * increment * (share_at_start[l] * undamaged - degraded);
                 let plastic = twice * flow * update.deviator[i][l];
                 flowed_before += plastic * carried;
                 flowed += plastic * full[i];
@@ -296,21 +279,21 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             // Only a change of the factor takes elastic energy.
             let volumetric = if !V::EOS {
                 mean * mean / (2.0 * bulk)
-            } else if plastic_at_start[l] == remaining {
+            } else if share_at_start[l] == remaining {
                 0.0
             } else {
                 let element = ElementSize { volume: strain.current_volume[l], mass: strain.mass[l] };
                 self.recoverable_energy(state, l, element).unwrap_or(0.0) / volume
             };
             let elastic = distortion + volumetric;
-            let (energy_before, energy_after) = (plastic_at_start[l] * elastic, remaining * elastic);
+            let (energy_before, energy_after) = (share_at_start[l] * elastic, remaining * elastic);
             // The work of the increment is that of the degraded stress (trapezoidal rule), without this elastic part.
-            let missing = 0.5 * (unloaded - (plastic_at_start[l] - remaining) * flowed);
+            let missing = 0.5 * (unloaded - (share_at_start[l] - remaining) * flowed);
             let mut lost = (energy_before - energy_after) - missing;
             if V::EOS && limit < f64::INFINITY {
-                lost += plastic_at_start[l] * update.limit_tension(strain, l, (mean, limit));
+                lost += share_at_start[l] * update.limit_tension(strain, l, (mean, limit));
             }
-            let not_flowed = 0.5 * ((1.0 - plastic_at_start[l]) * flowed_before + (1.0 - remaining) * flowed);
+            let not_flowed = 0.5 * ((1.0 - share_at_start[l]) * flowed_before + (1.0 - remaining) * flowed);
             update.dissipated[l] += volume * (lost - not_flowed);
             update.damaged[l] += volume * lost;
             update.deleted += usize::from(remaining == 0.0);

@@ -114,8 +114,8 @@ impl ShellBlockUpdate<'_> {
     #[inline(always)]
     fn update_points(&mut self, lanes: &mut ShellLanes) {
         let section = self.group.section.clone();
-        for (point, [place, weight]) in section.points.iter().enumerate() {
-            let stress = self.update_point(&section, lanes, (point, *place, *weight));
+        for (point, &[place, weight]) in section.points.iter().enumerate() {
+            let stress = self.update_point(&section, lanes, (point, [place, weight]));
             for l in 0..LANES {
                 for axis in 0..2 {
                     lanes.integrals[axis][l] += weight * stress[axis][l];
@@ -131,7 +131,7 @@ impl ShellBlockUpdate<'_> {
         &mut self,
         section: &ShellProperties,
         lanes: &mut ShellLanes,
-        (point, place, weight): (usize, f64, f64),
+        (point, [place, weight]): (usize, [f64; 2]),
     ) -> [Lanes; 2] {
         let index = |element: usize| element * section.points.len() + point;
         let mut previous = [ZERO; 2];

@@ -44,11 +44,21 @@ pub struct UserLoadData {
     pub memory: usize,
 }
 
+/// Solid element of a rigid body.
+#[derive(Clone, Copy, Debug)]
+pub struct RigidSolid {
+    pub body: usize,
+    /// Index of the element in the mesh.
+    pub element: usize,
+    /// Centre `[r, z]`.
+    pub centre: [f64; 2],
+    pub volume: f64,
+}
+
 /// Volume on which a body force acts.
 #[derive(Clone, Debug, Default)]
 pub struct LoadedVolume {
-    /// Solids of rigid bodies: body, index of the element in the mesh, centre `[r, z]` and volume.
-    pub rigid: Vec<(usize, usize, [f64; 2], f64)>,
+    pub rigid: Vec<RigidSolid>,
     /// Corner nodes of the quadrilaterals of the deformable elements.
     pub cells: Vec<[u32; 4]>,
 }
@@ -108,9 +118,9 @@ impl SubroutineLoad {
             parts.map(|elements| PointBlock::of_elements(&load, elements, nodes)).collect();
         let on_nodes = blocks.len();
         let mut bodies = Vec::new();
-        for of_body in volume.rigid.chunk_by(|a, b| a.0 == b.0) {
+        for of_body in volume.rigid.chunk_by(|a, b| a.body == b.body) {
             blocks.extend(of_body.chunks(MAX_BLOCK).map(|part| PointBlock::of_solids(&load, bodies.len(), part)));
-            bodies.push(GeneralizedForce::along_z(of_body[0].0, EnergyAccount::Work));
+            bodies.push(GeneralizedForce::along_z(of_body[0].body, EnergyAccount::Work));
         }
         blocks.iter_mut().for_each(|block| block.reserve_memory(load.memory));
         let (hidden, middles) = (InteriorFaces::default(), Vec::new());

@@ -1,8 +1,8 @@
 //! Points of a load and the geometry they belong to: facets and solids of rigid bodies that move along z, stations of
 //! rigid bodies with six degrees of freedom, faces and elements of deformable bodies.
 
-use super::UserLoadData;
 use super::surface_view::SurfaceView;
+use super::{RigidSolid, UserLoadData};
 use crate::kernel::facet::Facet;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::{Memory, heap_bytes};
@@ -71,26 +71,40 @@ fn middle(element: [u32; 4], nodes: &Nodes, velocity: impl Fn(usize) -> [f64; 2]
     [places, speeds].inline_map(|c| [0, 1].inline_map(|k| 0.25 * ((c[0][k] + c[1][k]) + (c[2][k] + c[3][k]))))
 }
 
+/// Point of a rigid body that moves along z.
+struct RigidPoint {
+    element: usize,
+    place: [f64; 2],
+    normal: [f64; 2],
+    /// Force along z per pressure, or volume of a solid.
+    weight: f64,
+}
+
 impl PointBlock {
     pub(super) fn of_facets(load: &UserLoadData, slot: usize, body: usize, facets: &[(usize, Facet)]) -> PointBlock {
-        let points = facets.iter().map(|(e, f)| (*e, f.middle(), f.normal, -f.area * f.normal[1]));
+        let points = facets.iter().map(|(element, f)| RigidPoint {
+            element: *element,
+            place: f.middle(),
+            normal: f.normal,
+            weight: -f.area * f.normal[1],
+        });
         PointBlock::of_body(load, slot, body, points.collect())
     }
 
-    pub(super) fn of_solids(load: &UserLoadData, slot: usize, solids: &[(usize, usize, [f64; 2], f64)]) -> PointBlock {
-        let points = solids.iter().map(|&(_, e, centre, volume)| (e, centre, [0.0; 2], volume));
-        PointBlock::of_body(load, slot, solids[0].0, points.collect())
+    pub(super) fn of_solids(load: &UserLoadData, slot: usize, solids: &[RigidSolid]) -> PointBlock {
+        let points = solids.iter().map(|&RigidSolid { element, centre, volume, .. }| RigidPoint {
+            element,
+            place: centre,
+            normal: [0.0; 2],
+            weight: volume,
+        });
+        PointBlock::of_body(load, slot, solids[0].body, points.collect())
     }
 
-    fn of_body(
-        load: &UserLoadData,
-        slot: usize,
-        body: usize,
-        points: Vec<(usize, [f64; 2], [f64; 2], f64)>,
-    ) -> PointBlock {
+    fn of_body(load: &UserLoadData, slot: usize, body: usize, points: Vec<RigidPoint>) -> PointBlock {
         let n = points.len();
         let mut view = SurfaceView::new(n, n);
-        for (i, &(_, place, normal, _)) in points.iter().enumerate() {
+        for (i, &RigidPoint { place, normal, .. }) in points.iter().enumerate() {
             view.coordinates[i] = place[0];
             view.coordinates[n + i] = place[1];
             view.set_normal(i, normal, load.inward);
@@ -98,9 +112,9 @@ impl PointBlock {
         let map = SurfaceMap::Body {
             slot,
             body,
-            weight: points.iter().map(|p| p.3).collect(),
-            z_start: points.iter().map(|p| p.1[1]).collect(),
-            elements: points.iter().map(|p| p.0).collect(),
+            weight: points.iter().map(|p| p.weight).collect(),
+            z_start: points.iter().map(|p| p.place[1]).collect(),
+            elements: points.iter().map(|p| p.element).collect(),
         };
         let pressure_before = (0..=MAX_BLOCK).map(|i| if i < n { 0.0 } else { f64::NAN }).collect();
         PointBlock { map, view, pressure_before }

@@ -20,7 +20,7 @@ use crate::load::gravity::GravityField;
 use crate::load::prescribed::{LoadDistribution, PrescribedLoad};
 use crate::load::pressure::PressureField;
 use crate::load::traction::{ReferenceMotion, TractionField, TractionLaw};
-use crate::load::user_load::{LoadedVolume, SubroutineLoad, UserLoadData};
+use crate::load::user_load::{LoadedVolume, RigidSolid, SubroutineLoad, UserLoadData};
 use crate::load::{EnergyAccount, GeneralizedForce, Load as Effect};
 use crate::model::{
     AmplitudeDefinition, AmplitudeId, BlastCharge, BodyForce, ElementKind, Load, LoadKind, Model, SideSelection, Step,
@@ -373,8 +373,8 @@ fn body_force_load(
     let detail = format!("on {set}, {} per volume along {along}{}", load.magnitude, amplitude_name(scene.model, load));
     let count = volume.rigid.len() + volume.cells.len();
     let id = report.ledger_row(load.span, "body force", count, "elements", detail);
-    let whole = |part: &[(usize, usize, [f64; 2], f64)]| (part[0].0, part.iter().map(|solid| solid.3).sum());
-    let bodies = volume.rigid.chunk_by(|a, b| a.0 == b.0).map(whole).collect();
+    let whole = |part: &[RigidSolid]| (part[0].body, part.iter().map(|solid| solid.volume).sum());
+    let bodies = volume.rigid.chunk_by(|a, b| a.body == b.body).map(whole).collect();
     let distribution = BodyForceField { axis, cells: volume.cells, bodies };
     Some(Box::new(PrescribedLoad { id, magnitude, distribution }))
 }
@@ -427,7 +427,8 @@ fn loaded_volume(
                 return None;
             }
             Some(&body) if corners.len() > 2 => {
-                volume.rigid.push((body, element, solid::centre(&corners), solid::volume(&corners)));
+                let (centre, solid_volume) = (solid::centre(&corners), solid::volume(&corners));
+                volume.rigid.push(RigidSolid { body, element, centre, volume: solid_volume });
             }
             _ => stray = stray.or(Some(element)),
         }
@@ -441,7 +442,7 @@ fn loaded_volume(
         report.add_unused_card(load.span, kind_name(&load.kind), "a rigid body of revolution moves along z only");
         volume.rigid.clear();
     }
-    volume.rigid.sort_by_key(|point| point.0);
+    volume.rigid.sort_by_key(|solid| solid.body);
     let acts = !volume.rigid.is_empty() || !volume.cells.is_empty();
     acts.then_some(volume)
 }
