@@ -2,6 +2,8 @@
 //! stress, the moduli bound the stiffness, a saved state continues with the same bits, and lanes do not depend on each
 //! other. [`LAWS`] is the only list of laws; a new kind of material does not compile without a number here.
 
+#![allow(clippy::needless_range_loop)] // Loops over lanes, with one array per quantity.
+
 use std::collections::BTreeSet;
 
 use super::same_bits::{
@@ -17,7 +19,7 @@ use crate::material::equation_of_state::EquationOfState;
 use crate::material::hyperelastic::NeoHooke;
 use crate::material::increment::{StrainIncrement, StressUpdate};
 use crate::material::user::points::PointAccess;
-use crate::material::user::{BlockKinematics, CallTime, SubroutineMaterial};
+use crate::material::user::{BlockKinematics, CallTime};
 use crate::material::{BlockStart, Material, PlasticFlow, PointValue};
 use crate::routines::{LoadFailure, MaterialAnswer, MaterialCall, PointRoutines, UserMaterial};
 use crate::state::Instant;
@@ -225,9 +227,9 @@ impl<'m, M: Material> Specimen<'m, M> {
             material.set(&mut state, l, PointValue::Temperature(25.0 + id as f64));
             material.set(&mut state, l, PointValue::SpecificEnergy(0.05 + 1e-3 * id as f64));
         }
-        let (zero, one) = ([0.0; LANES], [1.0; LANES]);
+        let (zero, unit) = ([0.0; LANES], [1.0; LANES]);
         let mut specimen =
-            Specimen { material, state, stress: [zero; 4], gradient: [one, one, one, zero, zero], time: 0.0, count };
+            Specimen { material, state, stress: [zero; 4], gradient: [unit, unit, unit, zero, zero], time: 0.0, count };
         if M::EQUATION_OF_STATE {
             // The initial energy has a pressure.
             specimen.advance(|_| [0.0; 5]);
@@ -248,7 +250,7 @@ impl<'m, M: Material> Specimen<'m, M> {
             let increment = [rr, zz, hoop, 0.5 * (rz + zr)];
             strain.spin[l] = 0.5 * (rz - zr);
             let share = if M::FAILS { material.share(&self.state, l) } else { 1.0 };
-            let undamaged = column(&self.stress, l).map(|s| if share > 0.0 { s / share } else { 0.0 });
+            let undamaged = column(&self.stress, l).inline_map(|s| if share > 0.0 { s / share } else { 0.0 });
             let carried = rotate(undamaged, rotation_of_spin(strain.spin[l]));
             let mean = (carried[0] + carried[1] + carried[2]) / 3.0;
             let dilation = rr + zz + hoop;
@@ -256,13 +258,13 @@ impl<'m, M: Material> Specimen<'m, M> {
                 let volumetric = if k < 3 { mean + 2.0 / 3.0 * MODULI.shear * dilation } else { 0.0 };
                 carried[k] - volumetric + 2.0 * MODULI.shear * increment[k]
             };
-            let deviator = [0, 1, 2, 3].map(deviator);
+            let deviator = [0, 1, 2, 3].inline_map(deviator);
             update.mean[l] = mean + MODULI.bulk * dilation;
             update.trial[l] = mises(deviator);
             // (1 - h/2)^-1 and (1 + h/2) times it.
             let [a, d, b, c] = [0.5 * rr, 0.5 * zz, 0.5 * rz, 0.5 * zr];
             let determinant = (1.0 - a) * (1.0 - d) - b * c;
-            let middle = [(1.0 - d), (1.0 - a), b, c].map(|part| part / determinant);
+            let middle = [(1.0 - d), (1.0 - a), b, c].inline_map(|part| part / determinant);
             let f = |up: f64, cross: f64, x: f64, y: f64| up * x + cross * y;
             let step = [
                 f(1.0 + a, b, middle[0], middle[3]),
@@ -270,14 +272,14 @@ impl<'m, M: Material> Specimen<'m, M> {
                 f(1.0 + a, b, middle[2], middle[1]),
                 f(1.0 + d, c, middle[3], middle[0]),
             ];
-            let before = self.gradient.map(|list| list[l]);
-            let volume_before = VOLUME * (before[0] * before[1] - before[3] * before[4]) * before[2];
+            let previous = self.gradient.inline_map(|list| list[l]);
+            let volume_before = VOLUME * (previous[0] * previous[1] - previous[3] * previous[4]) * previous[2];
             let now = [
-                step[0] * before[0] + step[2] * before[4],
-                step[3] * before[3] + step[1] * before[1],
-                before[2] * (1.0 + 0.5 * hoop) / (1.0 - 0.5 * hoop),
-                step[0] * before[3] + step[2] * before[1],
-                step[3] * before[0] + step[1] * before[4],
+                step[0] * previous[0] + step[2] * previous[4],
+                step[3] * previous[3] + step[1] * previous[1],
+                previous[2] * (1.0 + 0.5 * hoop) / (1.0 - 0.5 * hoop),
+                step[0] * previous[3] + step[2] * previous[1],
+                step[3] * previous[0] + step[1] * previous[4],
             ];
             strain.volume[l] = if l < self.count { volume_before / determinant / (1.0 - 0.5 * hoop) } else { 0.0 };
             strain.current_volume[l] = VOLUME * (now[0] * now[1] - now[3] * now[4]) * now[2];

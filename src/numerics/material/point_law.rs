@@ -1,5 +1,7 @@
 //! Adapter from a material law in Rust (`revolve::user::MaterialLaw`) to a material.
 
+#![allow(clippy::needless_range_loop)] // Loops over lanes, with one array per quantity.
+
 use std::sync::Arc;
 
 use super::increment::{StrainIncrement, StressUpdate};
@@ -79,8 +81,8 @@ impl PointState {
 
     /// Sets the quantities that the law uses; `density` is the initial one.
     fn describe(&self, point: &mut MaterialPoint<'_>, strain: &StrainIncrement, density: f64, l: usize) {
-        let of = |list: &Vec<Lanes>| list.first().map_or(f64::NAN, |list| list[l]);
-        (point.temperature, point.energy) = (of(&self.temperature), of(&self.energy));
+        let value = |list: &Vec<Lanes>| list.first().map_or(f64::NAN, |list| list[l]);
+        (point.temperature, point.energy) = (value(&self.temperature), value(&self.energy));
         point.density = density / self.volume_ratio(l);
         point.place = strain.place.inline_map(|list| list[l]);
         point.spin = strain.spin[l];

@@ -107,8 +107,8 @@ impl JobInfo {
 
 /// Archives the arrays of this thread.
 pub fn persist_arrays(archive: &mut StateArchive<'_>) {
-    let saved = |(key, array): (&(u8, i32), &HostArray)| (*key, (array.0.to_vec(), array.1));
-    let mut list: Vec<_> = ARRAYS.with_borrow(|arrays| arrays.iter().map(saved).collect());
+    let copied = |(key, array): (&(u8, i32), &HostArray)| (*key, (array.0.to_vec(), array.1));
+    let mut list: Vec<_> = ARRAYS.with_borrow(|arrays| arrays.iter().map(copied).collect());
     list.persist(archive);
     if archive.reads() {
         let arrays = list.into_iter().map(|(key, (words, count))| (key, (words.into_boxed_slice(), count)));
@@ -161,8 +161,8 @@ pub fn delete_array(key: (u8, i32)) {
 
 /// Returns the internal number of a node or element from its instance and local number; 0 if there is none.
 pub fn internal_number(names: &[String], part: &str, local: i32) -> i32 {
-    let name = if part.is_empty() { local.to_string() } else { format!("{part}.{local}") };
-    names.iter().position(|n| n.eq_ignore_ascii_case(&name)).map_or(0, |i| i as i32 + 1)
+    let full_name = if part.is_empty() { local.to_string() } else { format!("{part}.{local}") };
+    names.iter().position(|n| n.eq_ignore_ascii_case(&full_name)).map_or(0, |i| i as i32 + 1)
 }
 
 /// Returns instance and local number of a node or element from its internal number.
@@ -213,10 +213,10 @@ pub fn fill_in(
 ) -> String {
     let mut filled = String::new();
     let (mut integers, mut reals, mut words) = (0, 0, 0);
-    let mut remaining = text.trim_end();
-    while let Some(at) = remaining.find('%') {
-        filled += &remaining[..at];
-        let code = remaining[at + 1..].chars().next();
+    let mut remainder = text.trim_end();
+    while let Some(percent) = remainder.find('%') {
+        filled += &remainder[..percent];
+        let code = remainder[percent + 1..].chars().next();
         let value = match code {
             Some('I' | 'i') => count(&mut integers, &mut integer).map(|i| i.to_string()),
             Some('R' | 'r') => count(&mut reals, &mut real).map(|r| format!("{r:e}")),
@@ -226,15 +226,15 @@ pub fn fill_in(
         match value {
             Some(value) => {
                 filled += &value;
-                remaining = &remaining[at + 2..];
+                remainder = &remainder[percent + 2..];
             }
             None => {
                 filled.push('%');
-                remaining = &remaining[at + 1..];
+                remainder = &remainder[percent + 1..];
             }
         }
     }
-    filled + remaining
+    filled + remainder
 }
 
 fn count<T>(index: &mut usize, value: &mut impl FnMut(usize) -> Option<T>) -> Option<T> {

@@ -83,18 +83,21 @@ impl SubroutineLoad {
     /// Creates a pressure load on a surface; `dofs` are the initial positions.
     pub fn on_surface(load: UserLoadData, surface: &SurfaceGeometry, dofs: &Dofs) -> Self {
         let (skin, nodes) = (&surface.skin, &dofs.nodes);
-        let (first_hidden, largest, hidden) =
+        let (first_hidden, face_limit, hidden) =
             (skin.faces.len(), skin.max_faces(), skin.hidden().cloned().unwrap_or_default());
-        let block =
-            |first: usize| PointBlock::of_faces(skin.part(first, MAX_BLOCK), (largest - first).min(MAX_BLOCK), nodes);
-        let mut blocks: Vec<PointBlock> = (0..largest).step_by(MAX_BLOCK).map(block).collect();
+        let block = |first: usize| {
+            PointBlock::of_faces(skin.part(first, MAX_BLOCK), (face_limit - first).min(MAX_BLOCK), nodes)
+        };
+        let mut blocks: Vec<PointBlock> = (0..face_limit).step_by(MAX_BLOCK).map(block).collect();
         let on_nodes = blocks.len();
         let mut bodies = Vec::new();
         for patch in &surface.patches {
             let slot = bodies.len();
             if let Some(spatial) = &dofs.bodies[patch.body].spatial {
-                let list = stations(patch, spatial);
-                blocks.extend(list.chunks(MAX_BLOCK).map(|part| PointBlock::of_stations(slot, patch.body, part)));
+                let body_stations = stations(patch, spatial);
+                blocks.extend(
+                    body_stations.chunks(MAX_BLOCK).map(|part| PointBlock::of_stations(slot, patch.body, part)),
+                );
                 bodies.extend(GeneralizedForce::in_space(patch.body, EnergyAccount::Work));
                 continue;
             }
@@ -241,7 +244,7 @@ impl LoadOutput for SubroutineLoad {
 
     fn stiffness(&self) -> Option<&LoadStiffness> {
         let stiffnesses = self.blocks[..self.on_nodes].iter().filter_map(PointBlock::stiffness);
-        stiffnesses.reduce(|most, other| if other.squared > most.squared { other } else { most })
+        stiffnesses.reduce(|largest, other| if other.squared > largest.squared { other } else { largest })
     }
 
     fn fields(&self, dofs: &Dofs) -> Option<FacetFields> {

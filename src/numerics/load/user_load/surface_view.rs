@@ -64,8 +64,8 @@ impl SurfaceView {
     pub(super) fn continue_memory(&mut self, point: usize, previous: &SurfaceView, previous_point: usize) {
         let numbers = |point: usize, view: &SurfaceView| point * view.per_point..(point + 1) * view.per_point;
         if self.per_point == previous.per_point {
-            let own = numbers(point, self);
-            self.memory[own].copy_from_slice(&previous.memory[numbers(previous_point, previous)]);
+            let numbers_here = numbers(point, self);
+            self.memory[numbers_here].copy_from_slice(&previous.memory[numbers(previous_point, previous)]);
         }
     }
 
@@ -206,14 +206,14 @@ impl SurfaceView {
         now: &Instant,
         failure: &LoadFailure,
     ) -> HaltReason {
-        let position_of = |i: usize| [self.coordinates[i], self.coordinates[self.count + i]];
+        let coordinates = |i: usize| [self.coordinates[i], self.coordinates[self.count + i]];
         let index = failure.point.filter(|&i| i < self.count);
         let point = index.map_or(String::new(), |i| {
-            let [r, z] = position_of(i);
+            let [r, z] = coordinates(i);
             format!(" at point {} (r = {r}, z = {z})", first + i + 1)
         });
         let mut halt = failure.halt(&format!("the user load on `{}`{point}", load.name), now);
-        halt.details_mut().place = index.map(position_of);
+        halt.details_mut().place = index.map(coordinates);
         halt
     }
 }
