@@ -25,13 +25,18 @@ pub fn reaction(constraints: &[Box<dyn Constraint>], dofs: &Dofs, dof: Dof) -> f
 
 /// Returns the forces of a contact pair over the previous increment; `None` if the pair is not in force.
 pub fn forces_of_pair(constraints: &[Box<dyn Constraint>], pair: usize) -> Option<PairForces> {
-    let of_walls = || of_kind::<RigidWallContact>(constraints).find_map(|wall| wall.forces_of_pair(pair));
-    of_kind::<ContactConstraint>(constraints).find_map(|contact| contact.forces_of_pair(pair)).or_else(of_walls)
+    of_kind::<ContactConstraint>(constraints)
+        .find_map(|contact| contact.forces_of_pair(pair))
+        .or_else(|| forces_on_wall(constraints, pair))
 }
 
 /// Returns the area in contact of a pair; `None` if the pair is not in force, NaN for a rigid body and a wall.
 pub fn area_of_pair(constraints: &[Box<dyn Constraint>], pair: usize) -> Option<f64> {
-    let is_of_wall = || of_kind::<RigidWallContact>(constraints).any(|wall| wall.is_of_pair(pair));
-    let area = of_kind::<ContactConstraint>(constraints).find_map(|contact| contact.area_of_pair(pair));
-    area.or_else(|| is_of_wall().then_some(f64::NAN))
+    of_kind::<ContactConstraint>(constraints)
+        .find_map(|contact| contact.area_of_pair(pair))
+        .or_else(|| forces_on_wall(constraints, pair).map(|_| f64::NAN))
+}
+
+fn forces_on_wall(constraints: &[Box<dyn Constraint>], pair: usize) -> Option<PairForces> {
+    of_kind::<RigidWallContact>(constraints).find_map(|wall| wall.forces_of_pair(pair))
 }

@@ -142,16 +142,11 @@ impl RigidWallContact {
         RigidWallContact { pair, profile, rings, stations, travel, points, forces, duration, longest, previous_dt: 0.0 }
     }
 
-    /// Returns whether it is the contact of a pair.
-    pub(super) fn is_of_pair(&self, pair: usize) -> bool {
-        pair == self.pair.number
-    }
-
     /// Returns the forces of a contact pair over the previous increment; `None` if it is the contact of another pair.
     pub(super) fn forces_of_pair(&self, pair: usize) -> Option<PairForces> {
         let sign = if self.pair.first { 1.0 } else { -1.0 };
         let forces = self.forces.inline_map(|force| times(sign, force));
-        self.is_of_pair(pair).then_some(PairForces { forces, duration: self.duration })
+        (pair == self.pair.number).then_some(PairForces { forces, duration: self.duration })
     }
 
     /// Returns signed distance and wall normal at a position in space; `None` beyond the edges of the wall.

@@ -299,14 +299,11 @@ fn constraint_changes<'a>(
     let drops_points = step.excludes_detached_nodes();
     if let Err(origin) =
         list.keep(ConstraintOrigin::Contact(pairs.by_step[index].clone(), prescribed.all.clone(), drops_points))
-        && let Some((contact, fronts)) = contact_constraint(input, &prescribed.all, report)
+        && let Some((contact, mut fronts)) = contact_constraint(input, &prescribed.all, report)
     {
         list.add(origin, contact);
-        for front in fronts {
-            if !active.fronts.contains(&front) {
-                active.fronts.push(front);
-            }
-        }
+        fronts.retain(|front| !active.fronts.contains(front));
+        active.fronts.extend(fronts);
     }
     refuse_cohesive_walls(input, report);
     let wall = |i: usize| ConstraintOrigin::Wall(pairs.by_step[index].clone(), prescribed.all.clone(), i);

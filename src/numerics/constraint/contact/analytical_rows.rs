@@ -174,9 +174,11 @@ impl ContactConstraint {
         }
     }
 
-    /// Returns the closest place on the only analytical surface of a point at the start of an increment, of which only the
-    /// motion of bodies has been made. In soft contact it is the closest place with the gap that the material has there.
-    pub(super) fn place_on_analytical(&self, point: u32, place: [f64; 2], dofs: &Dofs) -> Option<[f64; 2]> {
+    /// Returns the closest place to `place` on the only analytical surface of a point, at the start of an increment of which
+    /// only the motion of bodies has been made; `None` without one. In soft contact it is the closest place with the gap that
+    /// the material has there.
+    pub fn place_on_surface(&self, carrier: PointCarrier, place: [f64; 2], dofs: &Dofs) -> Option<[f64; 2]> {
+        let point = self.surfaces.point_on(carrier)?;
         let analytical_pairs = self.pairs.iter().filter(|pair| pair.analytical.is_some());
         let index_in = |pair: &ContactPair| self.surfaces.curves[pair.secondary].points.binary_search(&point).ok();
         let mut pairs = analytical_pairs.filter_map(|pair| Some((pair, index_in(pair)?)));

@@ -37,7 +37,7 @@ impl ContactConstraint {
         let density = |key: usize| if stored[key] > 0.0 { stored[key] / previous_areas[key] } else { 0.0 };
         let energies = &mut self.keys.stored_energy.stored;
         for (key, place) in places {
-            energies[key] = place.value(density) * areas[key];
+            energies[key as usize] = place.value(density) * areas[key as usize];
         }
         for pair in &self.pairs {
             let Some(previous_pair) = previous.pairs.iter().find(|previous| pair.continues(previous)) else { continue };
@@ -51,7 +51,7 @@ impl ContactConstraint {
 
     /// Takes the values of the pairs that continue, and of curves with the same facets. Returns the places of their keys
     /// among the previous ones.
-    fn take_over_pairs(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>) -> Vec<(usize, KeyPlace)> {
+    fn take_over_pairs(&mut self, previous: &ContactConstraint, nodes: &NodeRelation<'_>) -> Vec<(u32, KeyPlace)> {
         let ends_of = |(carrier, on_body): PointIdentity| match on_body {
             Some(_) => Some(([(carrier, on_body); 2], 0.0)),
             None => nodes(carrier).map(|place| (place.nodes.inline_map(|node| (node, None)), place.share)),
@@ -68,7 +68,7 @@ impl ContactConstraint {
         let mut places = Vec::new();
         for pair in &mut self.pairs {
             let Some(previous_pair) = previous.pairs.iter().find(|previous| pair.continues(previous)) else { continue };
-            let known: HashMap<_, _> = key_owners(&previous.surfaces, previous_pair).into_iter().collect();
+            let known: HashMap<_, _> = key_owners(&previous.surfaces, previous_pair).collect();
             for ((is_own, point), key) in key_owners(&self.surfaces, pair) {
                 let Some((ends, share)) = ends_of(point) else { continue };
                 let keys = ends.inline_map(|end| known.get(&(is_own, end)).copied());
@@ -83,7 +83,7 @@ impl ContactConstraint {
             pair.absorbed = previous_pair.absorbed;
             pair.largest_release = previous_pair.largest_release;
         }
-        places.iter().for_each(|(key, place)| self.keys.take_over(*key, &previous.keys, *place));
+        places.iter().for_each(|(key, place)| self.keys.take_over(*key as usize, &previous.keys, *place));
         if let (Some(exchange), Some(previous_exchange)) = (&mut self.heat, &previous.heat) {
             let points = (0..previous.surfaces.points.len() as u32).map(|point| previous.surfaces.identity(point));
             let known: HashMap<_, _> = points.zip(&previous_exchange.most).collect();
@@ -108,11 +108,14 @@ impl ContactConstraint {
     }
 }
 
-/// Returns the keys of a pair with the points that own them: the own curve first, then the other curve, or the own curve
-/// again.
-fn key_owners(surfaces: &ContactSurfaces, pair: &ContactPair) -> Vec<((bool, PointIdentity), usize)> {
+/// Returns the keys of a pair with the points that own them: the own curve first (`true`), then the other curve, or the own
+/// curve again.
+fn key_owners<'s>(
+    surfaces: &'s ContactSurfaces,
+    pair: &ContactPair,
+) -> impl Iterator<Item = ((bool, PointIdentity), u32)> + use<'s> {
     let (secondary, other) = surfaces.sides(pair);
-    let points =
-        secondary.points.iter().map(|point| (true, point)).chain(other.points.iter().map(|point| (false, point)));
-    points.map(|(is_own, point)| (is_own, surfaces.identity(*point))).zip(surfaces.keys_in(pair)).collect()
+    let points = secondary.points.iter().map(|point| (true, point)).chain(other.points.iter().map(|p| (false, p)));
+    let keys = pair.first_key..pair.first_key + surfaces.keys_of(pair);
+    points.map(|(is_own, point)| (is_own, surfaces.identity(*point))).zip(keys)
 }

@@ -72,7 +72,8 @@ pub struct FacetCurve {
     pub exposed_points: Vec<u32>,
     /// Indices in `points` of points that have no element, or no element any more; empty if they have no contact.
     pub orphans: Vec<u32>,
-    drops_orphans: bool,
+    /// Whether points without elements are excluded from contact.
+    pub drops_orphans: bool,
     /// Indices in `points` of tips: points on the axis at which the curve ends in a sharp angle.
     tips: Vec<u32>,
     /// Indices in `points` of convex corners: points at which the outline of the body turns sharply.
@@ -278,17 +279,6 @@ impl FacetCurve {
         let tips = self.tips.iter().copied().filter(is_exposed).map(|i| (i, false));
         let corners = self.corners.iter().copied().filter(is_exposed).map(|i| (i, true));
         self.orphans.iter().map(|&i| (i, false)).chain(tips).chain(corners)
-    }
-
-    /// Excludes points without elements from contact.
-    pub fn drop_orphans(&mut self) {
-        self.drops_orphans = true;
-    }
-
-    /// Returns the curve with its surface at the distance `lift` from the facets (shells).
-    pub fn lifted(mut self, lift: Vec<f64>) -> FacetCurve {
-        self.lift = lift;
-        self
     }
 
     /// Returns half the thickness of the body at a facet.

@@ -1,32 +1,22 @@
 //! Values of contact keys during a change of adaptive meshes: gaps, areas and places at the start, and the new places of the
 //! keys between those at the start.
 
-use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 
-/// New place of a key between two keys at the start.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct KeyShare {
-    pub(super) key: u32,
-    /// Key of the next point on the side to which the point moves.
-    pub(super) other: u32,
-    /// Displacement along the facet between both, as a fraction of its length.
-    pub(super) share: f64,
-}
-
-/// Place of a key between two keys of a previous contact.
+/// Place of a key between two keys of a previous contact; on adaptive meshes its new place between itself and the key of
+/// the next point on the side to which it moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct KeyPlace {
-    pub(super) keys: [usize; 2],
+    pub(super) keys: [u32; 2],
     /// Distance from the first key, as a fraction of that between both.
     pub(super) share: f64,
 }
 
 impl KeyPlace {
     /// Returns the value at the place from those of the keys.
-    pub(super) fn value(&self, value: impl Fn(usize) -> f64) -> f64 {
-        let first = value(self.keys[0]);
-        if self.share == 0.0 { first } else { mix(first, value(self.keys[1]), self.share) }
+    pub(super) fn value(&self, mut value: impl FnMut(usize) -> f64) -> f64 {
+        let first = value(self.keys[0] as usize);
+        if self.share == 0.0 { first } else { mix(first, value(self.keys[1] as usize), self.share) }
     }
 }
 
@@ -39,7 +29,7 @@ pub(super) struct MeshContinuation {
     pub(super) gaps: Vec<f64>,
     pub(super) areas: Vec<f64>,
     /// New places of keys that move, by ascending key.
-    pub(super) shares: Vec<KeyShare>,
+    pub(super) shares: Vec<KeyPlace>,
     /// Values at the new places, in the order of the shares.
     mixed: Vec<f64>,
     /// Stored energies at the new places.
@@ -65,10 +55,9 @@ impl MeshContinuation {
     }
 
     /// Returns the value of a key at its new place, from those of all keys at the start.
-    pub(super) fn at_new_place(&self, key: u32, value: impl Fn(u32) -> f64) -> f64 {
-        let index = self.shares.binary_search_by_key(&key, |share| share.key);
-        let moved = index.map(|index| self.shares[index]);
-        moved.map_or_else(|_| value(key), |moved| mix(value(key), value(moved.other), moved.share))
+    pub(super) fn at_new_place(&self, key: u32, value: impl Fn(usize) -> f64) -> f64 {
+        let index = self.shares.binary_search_by_key(&key, |place| place.keys[0]);
+        index.map_or_else(|_| value(key as usize), |index| self.shares[index].value(&value))
     }
 
     /// Moves a value of each key to the new places.
@@ -77,12 +66,9 @@ impl MeshContinuation {
             return;
         }
         self.mixed.clear();
-        for KeyShare { key, other, share } in &self.shares {
-            let [own, other] = [*key, *other].inline_map(|key| *part(&mut values[key as usize]));
-            self.mixed.push(mix(own, other, *share));
-        }
-        for (KeyShare { key, .. }, value) in self.shares.iter().zip(&self.mixed) {
-            *part(&mut values[*key as usize]) = *value;
+        self.mixed.extend(self.shares.iter().map(|place| place.value(|key| *part(&mut values[key]))));
+        for (place, value) in self.shares.iter().zip(&self.mixed) {
+            *part(&mut values[place.keys[0] as usize]) = *value;
         }
     }
 }

@@ -3,7 +3,7 @@
 //! of friction, clearances and stored energies.
 
 use super::curve::PointCarrier;
-use super::mesh_continuation::{KeyShare, MeshContinuation};
+use super::mesh_continuation::{KeyPlace, MeshContinuation};
 use super::sweeps::ContactRow;
 use super::{ContactConstraint, ContactPair};
 use crate::constraint::MeshMotion;
@@ -38,7 +38,7 @@ impl MeshContinuation {
             let points = contact.surfaces.curves[pair.secondary].exposed_points.iter();
             self.shares.extend(points.filter_map(|index| key_share(contact, pair, *index, &self.starts)));
         }
-        self.shares.sort_unstable_by_key(|share| share.key);
+        self.shares.sort_unstable_by_key(|place| place.keys[0]);
     }
 
     /// Corrects new places by the smallest displacements of both surfaces that keep the gaps of rows under pressure and
@@ -81,7 +81,7 @@ impl MeshContinuation {
     /// Returns the mean gap that a row has to keep, that of its place at the start, and whether the row is closed. Other rows
     /// keep a gap of at most zero.
     fn target(&self, contact: &ContactConstraint, row: &ContactRow, length: f64) -> (f64, bool) {
-        let gap = self.at_new_place(row.key, |key| self.gaps[key as usize]);
+        let gap = self.at_new_place(row.key, |key| self.gaps[key]);
         let is_pressed = contact.keys.pressures[row.key as usize][0] > 0.0;
         if gap.is_nan() {
             (0.0, is_pressed)
@@ -99,8 +99,8 @@ impl MeshContinuation {
         if energies.is_empty() {
             return;
         }
-        let per_area = |energies: &[f64], key: u32| {
-            let (energy, area) = (energies[key as usize], self.areas[key as usize]);
+        let per_area = |energies: &[f64], key: usize| {
+            let (energy, area) = (energies[key], self.areas[key]);
             if energy > 0.0 && area > 0.0 { energy / area } else { 0.0 }
         };
         self.stored.fill(0.0);
@@ -185,11 +185,11 @@ fn near_nodes(contact: &ContactConstraint) -> impl Iterator<Item = (usize, [u32;
 }
 
 /// Returns the new place of the key of an own point; `None` if it does not move along the surface.
-fn key_share(contact: &ContactConstraint, pair: &ContactPair, index: u32, starts: &[[f64; 2]]) -> Option<KeyShare> {
+fn key_share(contact: &ContactConstraint, pair: &ContactPair, index: u32, starts: &[[f64; 2]]) -> Option<KeyPlace> {
     let secondary = &contact.surfaces.curves[pair.secondary];
     let new_place = contact.surfaces.places[secondary.points[index as usize] as usize];
     let (next, share) = secondary.next_point(index as usize, new_place, |point| starts[point as usize])?;
-    Some(KeyShare { key: pair.first_key + index, other: pair.key_of(secondary, next), share })
+    Some(KeyPlace { keys: [pair.first_key + index, pair.key_of(secondary, next)], share })
 }
 
 impl ContactConstraint {
@@ -202,9 +202,10 @@ impl ContactConstraint {
         }
     }
 
-    /// Returns whether the contact keeps the gaps of a node whose mesh moves: another surface with facets is near, no
-    /// analytical one presses, and no bond acts.
-    pub(super) fn keeps_gaps_of(&self, point: u32) -> bool {
+    /// Returns whether the contact corrects the new place of a point whose mesh moves ([`Self::follow_meshes`]), after
+    /// [`Self::begin_mesh_motion`]: another surface with facets is near, no analytical one presses, and no bond acts.
+    pub fn keeps_gaps(&self, carrier: PointCarrier) -> bool {
+        let Some(point) = self.surfaces.point_on(carrier) else { return false };
         let mut keeps = false;
         for (index, pair) in self.pairs.iter().enumerate() {
             let index_in = |curve: usize| self.surfaces.curves[curve].points.binary_search(&point).ok();

@@ -4,7 +4,7 @@ use super::curve::PointCarrier;
 use super::{ContactConstraint, ContactPair};
 use crate::constraint::PairForces;
 use crate::kernel::lanes::InlineMap;
-use crate::state::dofs::{Dof, Dofs};
+use crate::state::dofs::Dof;
 use crate::variables::{Variable, VariableComponent};
 
 /// Forces on a surface along r and z.
@@ -104,18 +104,6 @@ impl ContactConstraint {
     pub fn is_pressed(&self, carrier: PointCarrier) -> Option<bool> {
         let dofs = self.dofs.of_points[self.surfaces.point_on(carrier)? as usize];
         Some(dofs.iter().any(|dof| self.dofs.impulses.get(*dof as usize).is_some_and(|impulse| impulse[0] != 0.0)))
-    }
-
-    /// Returns whether the contact corrects the new place of a point whose mesh moves ([`Self::follow_meshes`]), after
-    /// [`Self::begin_mesh_motion`].
-    pub fn keeps_gaps(&self, carrier: PointCarrier) -> bool {
-        self.surfaces.point_on(carrier).is_some_and(|point| self.keeps_gaps_of(point))
-    }
-
-    /// Returns the closest place to `place` on the analytical surface that a point is in contact with, at the start of the
-    /// current increment; `None` if it has no such surface, or several.
-    pub fn place_on_surface(&self, carrier: PointCarrier, place: [f64; 2], dofs: &Dofs) -> Option<[f64; 2]> {
-        self.place_on_analytical(self.surfaces.point_on(carrier)?, place, dofs)
     }
 
     /// Returns the pair that has absorbed the least energy.

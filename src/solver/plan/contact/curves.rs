@@ -337,9 +337,10 @@ impl ContactGeometry {
         let node = |p: u32| matches!(self.points[p as usize].carrier, PointCarrier::Node(_));
         self.deforms.push(facets[..exposed_count].iter().any(|(f, _)| f.iter().any(|p| node(*p))));
         self.lengths.push([longest, lengths.iter().sum::<f64>() / lengths.len() as f64]);
-        self.curves.push(
-            FacetCurve::new(facets.iter().map(|f| f.0).collect(), depths, exposed_count, &self.places).lifted(lift),
-        );
+        let ends = facets.iter().map(|f| f.0).collect();
+        let mut curve = FacetCurve::new(ends, depths, exposed_count, &self.places);
+        curve.lift = lift;
+        self.curves.push(curve);
         self.curves.len() - 1
     }
 }

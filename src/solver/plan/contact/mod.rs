@@ -125,7 +125,7 @@ fn pair_of_curves(
     }
     let general = context.general.filter(|_| contact.general);
     if general.is_some_and(|g| g.excludes_detached_nodes) {
-        [first, second].into_iter().for_each(|curve| geometry.curves[curve].drop_orphans());
+        [first, second].into_iter().for_each(|curve| geometry.curves[curve].drops_orphans = true);
     }
     let curves = order_curves(scene.model, contact, [first, second], geometry, report);
     let length = geometry.lengths[first][0].min(geometry.lengths[second][0]);
@@ -171,7 +171,7 @@ fn analytical_pair(
     let StepInput { scene, pairs, .. } = context.input;
     let ([curve, analytical], id) = analytical_contact((contact, side), context, geometry, report)?;
     if context.general.is_some_and(|g| contact.general && g.excludes_detached_nodes) {
-        geometry.curves[curve].drop_orphans();
+        geometry.curves[curve].drops_orphans = true;
     }
     let length = geometry.lengths[curve][0];
     let mut pair = ContactPair::in_front_of(id, pair_number(pairs, contact), curve, analytical, length);
