@@ -38,6 +38,8 @@ use crate::state::Instant;
 use crate::state::nodes::{Node, NodeAccelerations};
 use crate::variables::Variable;
 
+/// Ambient pressure of the gas.
+pub(super) const AMBIENT: f64 = 0.01;
 const COLUMNS: usize = 5;
 const ROWS: usize = 4;
 const DT: f64 = 0.02;
@@ -201,7 +203,12 @@ pub(super) fn moving() -> RateKinematicHardening {
 }
 
 pub(super) fn gas() -> EquationOfState {
-    EquationOfState::IdealGas(IdealGas { gas_constant: 0.4, specific_heat: 1.0, ambient: 0.01, absolute_zero: -273.0 })
+    EquationOfState::IdealGas(IdealGas {
+        gas_constant: 0.4,
+        specific_heat: 1.0,
+        ambient: AMBIENT,
+        absolute_zero: -273.0,
+    })
 }
 
 pub(super) fn us_up() -> EquationOfState {
