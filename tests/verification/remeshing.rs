@@ -217,3 +217,46 @@ fn upsetting_with_new_meshes_needs_the_same_force() {
     println!("{} new meshes, {} and {} increments", new_meshes(&outcome), outcome.increments, reference.increments);
     assert!(new_meshes(&outcome) > 3 && 2 * outcome.increments < reference.increments);
 }
+
+/// A fast bar, whose foot is squashed to a fiftieth of its height: `n` elements along the radius.
+fn fast_bar(n: usize, card: &str, settings: &[(&str, &str)]) -> (Outcome, HistorySummary) {
+    let (nr, nz) = (n.to_string(), (10 * n).to_string());
+    let mut values = vec![("radius", "3e-3"), ("length", "30e-3"), ("speed", "450."), ("nr", &*nr), ("nz", &*nz)];
+    values.extend(settings);
+    run(&taylor(card), &values)
+}
+
+/// Plastic flow squashes the elements at the foot of a fast bar until they fold. Without a card the body is remeshed
+/// before, with the length of `*REMESH` within 0.5 % and that of half the element size within 1 %.
+#[test]
+fn squashed_bodies_have_new_meshes_without_a_card() {
+    let length = |history: &HistorySummary| history.0["COOR2@TIP"].last;
+    let (coarse, of_coarse) = fast_bar(3, "", &[]);
+    let (outcome, history) = fast_bar(6, "", &[]);
+    let (_, of_card) = fast_bar(6, "*Remesh, elset=BAR\n", &[]);
+    for outcome in [&coarse, &outcome] {
+        assert_eq!(outcome.halt, None);
+        assert!(outcome.warnings.iter().any(|warning| warning.starts_with("R319")), "{:?}", outcome.warnings);
+        assert!(new_meshes(outcome) > 2 && outcome.energy.drift < 1e-3, "{:?}", outcome.energy);
+        let step = &outcome.steps[0];
+        let ratio = step.increments as f64 * step.largest_increment / step.time;
+        println!("{} new meshes, {ratio:.1} times the ideal number of increments", new_meshes(outcome));
+        assert!(ratio < 6.0, "{ratio}");
+    }
+    assert!((length(&history) / length(&of_card) - 1.0).abs() < 5e-3, "{} {}", length(&history), length(&of_card));
+    assert!((length(&history) / length(&of_coarse) - 1.0).abs() < 1e-2, "{} {}", length(&history), length(&of_coarse));
+}
+
+/// Where nothing collapses, the run has the bits of one that keeps its mesh. Where elements fold, that one halts: at the
+/// axis their section turns over while their volume is positive.
+#[test]
+fn bodies_that_keep_their_mesh_halt_when_a_section_turns_over() {
+    let keeps = "*Remesh, automatic=NO\n";
+    let slow = [("speed", "100."), ("nr", "3"), ("nz", "15")];
+    let digests = ["", keeps, "*Remesh, elset=BAR, automatic=NO\n"].map(|card| run(&taylor(card), &slow).0.digest);
+    assert!(digests[0] == digests[1] && digests[0] == digests[2], "{digests:?}");
+    let (outcome, _) = fast_bar(6, keeps, &[]);
+    let reason = outcome.halt.expect("a folded element").to_string();
+    println!("{reason}");
+    assert!(reason.contains("its section has turned over") && reason.contains("*REMESH"), "{reason}");
+}
