@@ -427,7 +427,9 @@ fn moduli_bound_the_stiffness<M: Material>(name: &str, material: &M) {
 
 fn saved_state_continues_with_the_same_bits<M: Material>(name: &str, material: &M, ids: [usize; LANES]) {
     let mut specimen = Specimen::new(material, ids, LANES);
-    (0..INCREMENTS / 2).for_each(|increment| drop(specimen.advance(|l| motion(l, increment))));
+    (0..INCREMENTS / 2).for_each(|increment| {
+        specimen.advance(|l| motion(l, increment));
+    });
     let mut saved = Vec::new();
     specimen.state.persist(&mut StateArchive::writer(&mut saved));
     let mut restored = Specimen { state: Specimen::new(material, ids, LANES).state, ..specimen };
@@ -445,10 +447,14 @@ fn saved_state_continues_with_the_same_bits<M: Material>(name: &str, material: &
 
 fn lanes_do_not_depend_on_each_other<M: Material>(name: &str, material: &M, ids: [usize; LANES]) {
     let mut block = Specimen::new(material, ids, LANES);
-    (0..INCREMENTS).for_each(|increment| drop(block.advance(|l| motion(l, increment))));
+    (0..INCREMENTS).for_each(|increment| {
+        block.advance(|l| motion(l, increment));
+    });
     for id in [0, 3, LANES - 1] {
         let mut single = Specimen::new(material, [id; LANES], 1);
-        (0..INCREMENTS).for_each(|increment| drop(single.advance(|_| motion(id, increment))));
+        (0..INCREMENTS).for_each(|increment| {
+            single.advance(|_| motion(id, increment));
+        });
         assert_eq!(single.bits(0), block.bits(id), "{name}, lane {id}");
     }
 }

@@ -82,7 +82,7 @@ impl LoadFailure {
             "{what} failed in step {}, increment {}, total time {:e}: {}",
             now.step, now.increment, now.total_time, self.reason
         );
-        HaltReason::UserRoutine(HaltDetails { instant: Some(*now), ..HaltDetails::new(reason) })
+        HaltReason::UserRoutine(HaltDetails::at_instant(reason, *now))
     }
 }
 

@@ -21,11 +21,12 @@ pub struct HaltDetails {
 /// Declares the reasons of a halt with their codes.
 macro_rules! halt_reasons {
     ($($(#[$doc:meta])* $reason:ident = $code:literal;)*) => {
-        /// Reason why a run ended before its end time. [`HaltReason::details`] says where and when.
+        /// Reason why a run ended before its end time. [`HaltReason::details`] says where and when. The details are
+        /// boxed, so that results of functions within an increment stay small.
         #[derive(Clone, Debug, PartialEq)]
         #[non_exhaustive]
         pub enum HaltReason {
-            $($(#[$doc])* $reason(HaltDetails),)*
+            $($(#[$doc])* $reason(Box<HaltDetails>),)*
         }
 
         impl HaltReason {
@@ -99,8 +100,13 @@ impl HaltReason {
 
 impl HaltDetails {
     /// Creates details with a message only.
-    pub fn new(message: impl Into<String>) -> HaltDetails {
-        HaltDetails { message: message.into(), ..HaltDetails::default() }
+    pub fn new(message: impl Into<String>) -> Box<HaltDetails> {
+        Box::new(HaltDetails { message: message.into(), ..HaltDetails::default() })
+    }
+
+    /// Creates details with a message and the instant of the error.
+    pub fn at_instant(message: impl Into<String>, instant: Instant) -> Box<HaltDetails> {
+        Box::new(HaltDetails { instant: Some(instant), ..*HaltDetails::new(message) })
     }
 }
 

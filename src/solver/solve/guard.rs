@@ -313,7 +313,8 @@ pub(super) fn located(run: &RunState<'_>, mut halt: HaltReason, instant: Instant
     {
         let corners = state.elements.groups[*group].boundary(*element);
         let places: Vec<[f64; 2]> = corners.iter().map(|n| state.dofs.nodes[*n as usize].place()).collect();
-        details.place = Some([0, 1].map(|axis| places.iter().map(|p| p[axis]).sum::<f64>() / places.len() as f64));
+        let centre = [0, 1].inline_map(|axis: usize| places.iter().map(|p| p[axis]).sum::<f64>() / places.len() as f64);
+        details.place = Some(centre);
     }
     halt
 }

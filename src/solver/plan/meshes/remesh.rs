@@ -139,7 +139,7 @@ const INTERVAL: u64 = 10;
 fn automatic_bodies(scene: Scene, pairs: &Pairs, state: &mut State, report: &Report) -> Vec<Remeshing> {
     let model = scene.model;
     let excludes = !model.erosions.is_empty()
-        || report.called_routines.first().is_some()
+        || !report.called_routines.is_empty()
         || state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some())
         || scene.places.elements.is_empty()
         || model.remeshings.iter().any(|card| card.automatic);
