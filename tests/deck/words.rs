@@ -431,7 +431,7 @@ fn ignored_entries_are_listed_in_the_ledger() {
         };
         let (deck, _) = deck::read_text("card.inp", &text, &[]);
         let (model, _) = revolve::model::build(&deck);
-        let (plan, ..) = revolve::plan::compile(&model, &Routines::none());
+        let plan = revolve::plan::compile(&model, &Routines::none()).plan;
         let message_text = plan.ledger.unused.iter().find(|u| u.what == format!("*{name}"));
         assert_eq!(message_text.map(|u| u.why.as_str()), Some(note), "{text}: {:?}", plan.ledger.unused);
     }
@@ -452,17 +452,17 @@ fn input_that_nothing_reads_is_listed() {
     let text = text.replace("**model", "*Initial Conditions, type=FIELD, variable=1\n ALL, 0.5");
     let unused = |to: &str| {
         let (deck, _) = deck::read_text("solid.inp", &text.replace(" 100., 0.3\n", to), &[]);
-        let plan = revolve::plan::compile(&revolve::model::build(&deck).0, &Routines::none()).0;
+        let plan = revolve::plan::compile(&revolve::model::build(&deck).0, &Routines::none()).plan;
         ["TYPE=TEMPERATURE", "TYPE=FIELD"].map(|what| plan.ledger.unused.iter().any(|u| u.what.ends_with(what)))
     };
     let (deck, _) = deck::read_text("solid.inp", &text.replace("*Plastic\n 0.5, 0.\n 2., 1.", RATE), &[]);
-    let plan = revolve::plan::compile(&revolve::model::build(&deck).0, &Routines::none()).0;
+    let plan = revolve::plan::compile(&revolve::model::build(&deck).0, &Routines::none()).plan;
     assert!(plan.ledger.unused.iter().any(|u| u.what == "*RATE DEPENDENT"));
     assert_eq!(unused(" 100., 0.3\n"), [true, true]);
     assert_eq!(unused(" 100., 0.3, 0.\n 90., 0.3, 100.\n"), [false, true]);
     let of_field = "*Elastic, dependencies=1\n 100., 0.3, , 0.\n 90., 0.3, , 1.\n";
     let (deck, _) = deck::read_text("solid.inp", &text.replace("*Elastic\n 100., 0.3\n", of_field), &[]);
-    let plan = revolve::plan::compile(&revolve::model::build(&deck).0, &Routines::none()).0;
+    let plan = revolve::plan::compile(&revolve::model::build(&deck).0, &Routines::none()).plan;
     assert!(!plan.ledger.unused.iter().any(|u| u.what.ends_with("TYPE=FIELD")));
 }
 

@@ -3,6 +3,8 @@
 //! Goal: nothing is allocated inside an increment; an elastic deck has no memory for plasticity. Source: a counting
 //! allocator; the size of a loop compiled for a law without plasticity.
 
+use std::sync::Arc;
+
 use revolve::deck;
 use revolve::internals::QuadGroup;
 use revolve::internals::bulk_viscosity::BulkViscosity;
@@ -13,8 +15,8 @@ use revolve::internals::von_mises::VonMises;
 use revolve::job::{self, JobOptions};
 use revolve::model::{self, Mesh, Model};
 use revolve::output::{JobFiles, RunHistory};
-use revolve::plan;
 use revolve::plan::ledger::{Ledger, LedgerRow};
+use revolve::plan::{self, CompiledModel};
 use revolve::user::{LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, Routines, UserLoad, UserMaterial};
 
 use crate::common;
@@ -299,14 +301,16 @@ fn bytes_of_ledger(ledger: &Ledger) -> usize {
 /// Returns the bytes listed in the ledger, and those allocated by plan, state and run.
 fn listed_and_allocated_bytes(text: &str, routines: &Routines) -> (usize, usize) {
     let (deck, _) = deck::read_text("test.inp", text, &[]);
-    let (model, _) = model::build(&deck);
+    let (mut model, _) = model::build(&deck);
+    // Otherwise the plan shares the model, for new meshes.
+    model.kept_meshes = (0..model.mesh.elements.len()).collect();
     let mut compiled = None;
     let compiling = allocation_counter::measure(|| {
         // The plan owns the mesh.
         let mesh = Mesh::clone(&model.mesh).into();
         compiled = Some(plan::compile(&Model { mesh, ..model.clone() }, routines));
     });
-    let (plan, state, found) = compiled.expect("a plan");
+    let CompiledModel { plan, state, diagnostics: found } = compiled.expect("a plan");
     assert!(!found.has_errors(), "{}", found.render(&deck.sources));
     let listed = bytes_of_ledger(&plan.ledger);
     let mut memory = RunHistory::default();
@@ -446,10 +450,10 @@ fn memory_does_not_grow_with_the_number_of_steps() {
         let later = "*End Step\n*Step\n*Dynamic, Explicit\n , 1.e-6\n".repeat(steps - 1);
         let text = format!("{head}*Step\n*Dynamic, Explicit\n , 1.e-6\n{conditions}{later}*End Step\n");
         let (deck, _) = deck::read_text("test.inp", &text, &[]);
-        let (model, _) = model::build(&deck);
+        let model = Arc::new(model::build(&deck).0);
         let mut planned = None;
-        let counted = allocation_counter::measure(|| planned = Some(plan::compile(&model, &Routines::none())));
-        let (plan, _, found) = planned.expect("a plan");
+        let counted = allocation_counter::measure(|| planned = Some(plan::compile_shared(&model, &Routines::none())));
+        let CompiledModel { plan, diagnostics: found, .. } = planned.expect("a plan");
         assert!(!found.has_errors() && plan.steps.len() == steps);
         [bytes_of_ledger(&plan.ledger) as i64, counted.bytes_current, counted.bytes_total as i64]
     };

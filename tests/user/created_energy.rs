@@ -112,7 +112,7 @@ fn resumed_runs_halt_at_the_same_increment() {
     };
     let every = Some(CheckpointInterval::Increments(150));
     let (whole, states) = run(RunControl { every, ..RunControl::default() });
-    assert!(whole.contains("R208") && states.len() > 2, "{whole}");
+    assert!(whole.contains("EnergyLimit") && states.len() > 2, "{whole}");
     for state in &states {
         assert_eq!(run(RunControl { state: Some(state), ..RunControl::default() }).0, whole);
     }

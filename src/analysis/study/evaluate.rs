@@ -19,7 +19,7 @@ use crate::model::revise::{self, RevisableNumber};
 use crate::model::{self, Model};
 use crate::output::RunHistory;
 use crate::plan::revise::{PlanReviser, RevisablePlan};
-use crate::plan::{self, Plan, State, WriteSchedule};
+use crate::plan::{self, CompiledModel, Plan, State, WriteSchedule};
 use crate::solve::{self, Instant, Outcome, Progress, RunControl, Sink, SinkError};
 use crate::user::Routines;
 use crate::user::compile::Compiled;
@@ -496,7 +496,7 @@ impl ReusablePlan {
     fn compile(&mut self, evaluator: &SampleEvaluator) -> bool {
         // Only one plan is in memory at a time.
         (self.plan, self.state) = (Plan::default(), State::default());
-        let (plan, state, diagnostics) = plan::compile(&self.model, &self.routines);
+        let CompiledModel { plan, state, diagnostics } = plan::compile(&self.model, &self.routines);
         (self.plan, self.state) = (plan, state);
         evaluator.reduce_output(&mut self.plan);
         !diagnostics.has_errors()

@@ -34,12 +34,15 @@ pub struct ModelBody {
 impl ModelBody {
     /// Returns the body of a `*REMESH` card.
     pub fn new(model: &Model, body: usize) -> ModelBody {
-        let elements = &model.remeshings[body].elements;
-        let nodes: Vec<usize> =
-            sorted_unique(elements.iter().flat_map(|e| model.mesh.elements[*e].nodes.iter().copied()));
+        ModelBody::of_elements(&model.mesh, body, &model.remeshings[body].elements)
+    }
+
+    /// Returns the body with the given elements, in ascending order.
+    pub fn of_elements(mesh: &Mesh, index: usize, elements: &[usize]) -> ModelBody {
+        let nodes: Vec<usize> = sorted_unique(elements.iter().flat_map(|e| mesh.elements[*e].nodes.iter().copied()));
         let local = |node: usize| nodes.binary_search(&node).unwrap_or_default() as u32;
-        let quads = elements.iter().flat_map(|e| model.mesh.cells(*e)).map(|cell| cell.map(local)).collect();
-        ModelBody { index: body, nodes, quads }
+        let quads = elements.iter().flat_map(|e| mesh.cells(*e)).map(|cell| cell.map(local)).collect();
+        ModelBody { index, nodes, quads }
     }
 
     fn position(&self, node: usize) -> Option<u32> {
@@ -368,8 +371,7 @@ fn visit_load(kind: &mut LoadKind, visit: &mut dyn FnMut(MemberList<'_>)) {
 }
 
 /// Returns whether a body has a node that elements outside it use.
-pub fn is_shared(model: &Model, body: &ModelBody) -> bool {
-    let elements = &model.remeshings[body.index].elements;
+pub fn is_shared(model: &Model, body: &ModelBody, elements: &[usize]) -> bool {
     let others = (0..model.mesh.elements.len()).filter(|e| elements.binary_search(e).is_err());
     others.flat_map(|e| model.mesh.elements[e].nodes.iter()).any(|node| body.position(*node).is_some())
 }

@@ -193,11 +193,7 @@ impl<C: HourglassScheme, const AREA: bool, const VARY: bool, const EOS: bool>
         if VARY {
             at.store(stable, &mut scratch.own_rate);
         }
-        let weight = at.load(&scratch.weight);
-        let rate = weight * stable.if_less(changing, changing, stable);
-        // An element at the axis can keep a positive volume while its section has turned over.
-        let turned = lane.g.hoop[0].if_less(at.splat(f64::MIN_POSITIVE), at.splat(f64::NAN), rate);
-        let rate = weight.if_less(at.splat(1.0), rate, turned);
+        let rate = at.load(&scratch.weight) * stable.if_less(changing, changing, stable);
         let (best, limiting) = (at.load(&scratch.sums.rate), at.load(&scratch.sums.limiting));
         at.store(rate.if_larger_rate(best, rate, best), &mut scratch.sums.rate);
         at.store(rate.if_larger_rate(best, at.splat(scratch.block), limiting), &mut scratch.sums.limiting);

@@ -65,6 +65,11 @@ impl UserEos {
     /// [`advance`](super::eos::advance), solved for the energy at its end by secants.
     pub(super) fn advance_block(&self, energy: &mut Lanes, update: &mut PressureUpdate) {
         for l in 0..LANES {
+            // Unused lanes have no volume.
+            if update.volume[l] <= 0.0 {
+                update.bulk[l] = self.floor;
+                continue;
+            }
             let density = update.mass[l] / update.volume[l];
             let inverse = 1.0 / update.mass[l];
             let change = update.middle[l] * update.dilation[l];

@@ -31,7 +31,7 @@ use crate::output::{
 };
 use crate::overview::DeckOverview;
 use crate::plan::ledger::Ledger;
-use crate::plan::{self, Plan, State};
+use crate::plan::{self, CompiledModel, Plan, State};
 use crate::solve::{
     self, BodyExit, BodyRest, CheckpointInterval, Energy, HaltDetails, HaltReason, Instant, LOST, LimitsOverTime,
     Outcome, PenetrationSummary, Progress, RunControl, RunPosition, Sink, SinkError, StepSummary, UnfitState,
@@ -177,8 +177,9 @@ impl ValidatedDeck {
     }
 
     /// Plans the analysis.
-    pub fn plan(self, routines: &Routines) -> (PreparedJob, Model) {
-        (planned(self.deck, &self.model, self.diagnostics, routines), self.model)
+    pub fn plan(self, routines: &Routines) -> (PreparedJob, Arc<Model>) {
+        let model = Arc::new(self.model);
+        (planned(self.deck, &model, self.diagnostics, routines), model)
     }
 }
 
@@ -187,7 +188,7 @@ fn prepared_model(
     read: (Deck, Diagnostics),
     edit: &mut dyn FnMut(&mut Model),
     routines: &Routines,
-) -> (PreparedJob, Model) {
+) -> (PreparedJob, Arc<Model>) {
     let mut validated = ValidatedDeck::new(read);
     if !validated.diagnostics.has_errors() {
         edit(&mut validated.model);
@@ -197,12 +198,12 @@ fn prepared_model(
 
 /// Plans a model that is composed in Rust.
 pub fn prepare_model(model: &Model, routines: &Routines) -> PreparedJob {
-    let prepared = planned(Deck::default(), model, Diagnostics::default(), routines);
+    let prepared = planned(Deck::default(), &Arc::new(model.clone()), Diagnostics::default(), routines);
     PreparedJob { known_hash: Some(hash([format!("{model:?}").as_bytes()])), ..prepared }
 }
 
-fn planned(deck: Deck, model: &Model, mut diagnostics: Diagnostics, routines: &Routines) -> PreparedJob {
-    let (plan, state, mut plan_diagnostics) = plan::compile(model, routines);
+fn planned(deck: Deck, model: &Arc<Model>, mut diagnostics: Diagnostics, routines: &Routines) -> PreparedJob {
+    let CompiledModel { plan, state, diagnostics: mut plan_diagnostics } = plan::compile_shared(model, routines);
     // After an error in the deck, planning errors may be consequences of it and are dropped, except those on elements,
     // sections and materials if all bodies have been read.
     if diagnostics.has_errors() {

@@ -3,8 +3,8 @@
 use crate::model::{CopyOnWrite, EnergyLimit, IncrementControl, LoadVelocity, Mesh, Model};
 use crate::plan::ledger::Ledger;
 use crate::plan::{
-    ColumnSource, FrameField, FrameLabels, HistoryColumn, IntegratedSection, PlannedRigidBody, RemeshPlan,
-    RowExpression, SolidPlaces, StepChanges, StepOutputs,
+    AutomaticMeshes, ColumnSource, FrameField, FrameLabels, HistoryColumn, IntegratedSection, PlannedRigidBody,
+    RemeshPlan, RowExpression, SolidPlaces, StepChanges, StepOutputs,
 };
 use crate::state::EffectId;
 use crate::user::Routines;
@@ -41,6 +41,8 @@ pub struct Plan {
     pub labels: FrameLabels,
     /// Bodies that are remeshed; `None` without `*REMESH`.
     pub remesh: Option<Box<RemeshPlan>>,
+    /// Bodies without a card that have a new mesh once theirs collapses.
+    pub automatic_meshes: Option<AutomaticMeshes>,
     /// Largest increase of the elastic moduli of a material over temperature and fields, as a fraction.
     pub stiffening: f64,
     /// Whether a material is a gas or an explosive, whose viscous heat does work again.
@@ -130,11 +132,6 @@ impl Plan {
     /// Returns the names of the history columns.
     pub fn column_names(&self) -> Vec<String> {
         self.columns.iter().map(|c| c.name.clone()).collect()
-    }
-
-    /// Returns whether a body has a `*REMESH` card, or has been remeshed without one.
-    pub fn has_new_meshes(&self) -> bool {
-        self.remesh.iter().flat_map(|remesh| &remesh.bodies).any(|body| body.id.is_some())
     }
 
     /// Returns the name of an element, given its group and its index in the group.

@@ -22,6 +22,8 @@ mod solids;
 mod state;
 mod steps;
 
+use std::sync::Arc;
+
 use crate::deck::Diagnostics;
 use crate::kernel::amplitude::SampledAmplitude;
 use crate::model::{MaterialDefinition, Model, Step};
@@ -33,6 +35,7 @@ pub use changes::StepChanges;
 pub use checks::plausibility::unit_warning;
 pub use compiled::{GeneralLedgerRows, MeshCards, Plan, StepPlan};
 pub(crate) use constraints::link_set::Links;
+pub use meshes::automatic::AutomaticMeshes;
 pub use meshes::labels::FrameLabels;
 pub use meshes::places::{MeshIndexMap, SolidPlaces};
 pub use meshes::remesh::{RemeshPlan, RemeshedBody};
@@ -59,15 +62,31 @@ struct Compilation {
     has_contact: bool,
 }
 
-/// Compiles a model. `routines` are the user subroutines that the deck may call. Returns the plan, its initial state
-/// and the diagnostics. The plan may be run only if there is no error.
-pub fn compile(model: &Model, routines: &Routines) -> (Plan, State, Diagnostics) {
-    let Compilation { plan, state, diagnostics, .. } = compile_with_products(model, routines);
-    (plan, state, diagnostics)
+/// A plan, its initial state, and what was found. The plan may be run only if there is no error.
+#[derive(Default)]
+pub struct CompiledModel {
+    /// What does not change in a run.
+    pub plan: Plan,
+    /// The initial state.
+    pub state: State,
+    /// Errors, warnings and notes.
+    pub diagnostics: Diagnostics,
+}
+
+/// Compiles a model. `routines` are the user subroutines that the deck may call.
+pub fn compile(model: &Model, routines: &Routines) -> CompiledModel {
+    let Compilation { plan, state, diagnostics, .. } = compile_with_products(model, None, routines);
+    CompiledModel { plan, state, diagnostics }
+}
+
+/// Compiles a model as [`compile`] does. The plan shares the model, where a copy would need memory.
+pub fn compile_shared(model: &Arc<Model>, routines: &Routines) -> CompiledModel {
+    let Compilation { plan, state, diagnostics, .. } = compile_with_products(model, Some(model), routines);
+    CompiledModel { plan, state, diagnostics }
 }
 
 /// Compiles a model: each pass is a function of the products that it needs, and returns its own.
-fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
+fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routines: &Routines) -> Compilation {
     let mut diagnostics = model.check();
     if diagnostics.has_errors() {
         return Compilation { diagnostics, ..Compilation::default() };
@@ -92,7 +111,9 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
     let PlannedSteps { list: steps, fronts, mut state } = steps::plan(scene, &links, &pairs, recording, &mut report);
     solids::scale_and_estimate(scene, &links, &mut state, &mut report);
     bodies::rigid_bodies_3d::refuse_on_spatial_bodies(scene, &links, &mut report);
-    let remesh = meshes::remesh::plan(scene, &pairs, fronts, &mut state, &mut report);
+    let remesh = meshes::remesh::plan(scene, &pairs, &fronts, &mut state, &mut report);
+    let shared_model = shared_model.filter(|_| adjusted.is_none());
+    let automatic_meshes = AutomaticMeshes::plan(scene, shared_model, &pairs, &fronts, &mut state, &report);
     checks::check_plan(scene, &links, &pairs, &state, &mut report);
     let rows = steps::integration_rows(scene, &state, columns.list.len() + columns.fields.len(), &mut report);
     let has_contact = pairs.by_step.iter().any(|pairs| !pairs.is_empty());
@@ -124,6 +145,7 @@ fn compile_with_products(model: &Model, routines: &Routines) -> Compilation {
         rows,
         labels: FrameLabels::of(model),
         remesh,
+        automatic_meshes,
         mesh_cards: MeshCards::of(model),
         movable_groups,
         excludes_detached_nodes: model.steps.iter().any(Step::excludes_detached_nodes),

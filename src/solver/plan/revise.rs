@@ -36,7 +36,7 @@ pub struct RevisablePlan {
 /// Compiles a model as [`super::compile`] does, for revisions of the plan with other values of `numbers`.
 pub fn compile(model: &Model, routines: &Routines, numbers: &[RevisableNumber]) -> RevisablePlan {
     let Compilation { plan, state, diagnostics, bodies, shared, ledger_rows, has_contact } =
-        super::compile_with_products(model, routines);
+        super::compile_with_products(model, None, routines);
     let is_revisable = !diagnostics.has_errors()
         && state.elements.is_empty()
         && state.thermal.is_none()

@@ -143,7 +143,7 @@ pub(super) fn name_remedies(run: &RunState<'_>, group: usize, least: Option<f64>
 
 /// Returns the cards that renew the mesh of a body and that the deck does not have; `None` if there are none.
 fn name_renewal(run: &RunState<'_>, group: usize) -> Option<&'static str> {
-    let (remeshes, adapts) = (run.plan.has_new_meshes(), !run.state.adaptive.is_empty());
+    let (remeshes, adapts) = (run.plan.remesh.is_some(), !run.state.adaptive.is_empty());
     if remeshes || run.plan.movable_groups.get(group) != Some(&true) {
         None
     } else if adapts {

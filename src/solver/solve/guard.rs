@@ -10,6 +10,7 @@ use crate::constraint::{Constraint, of_kind_mut};
 use crate::element::elements::CollapsedElement;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
+use crate::kernel::topology::ElementTopology;
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
 use crate::plan::StepPlan;
@@ -33,9 +34,9 @@ const LARGEST_EXCESS: f64 = 1.0;
 /// Number of increments above these limits that halt a run, without an increment below them.
 const LASTING: u64 = 10;
 
-/// Returns the first value above its limit that has not been reported: index, value and limit.
-fn first_exceeded(values: [f64; 2], limits: [Option<f64>; 2], reported: [bool; 2]) -> Option<(usize, f64, f64)> {
-    (0..2).filter(|&i| !reported[i]).find_map(|i| Some((i, values[i], limits[i].filter(|l| values[i] > *l)?)))
+/// Returns the index of the first value above its limit that has not been reported, and the limit.
+fn first_exceeded(values: [f64; 2], limits: [Option<f64>; 2], reported: [bool; 2]) -> Option<(usize, f64)> {
+    (0..2).filter(|&i| !reported[i]).find_map(|i| Some((i, limits[i].filter(|l| values[i] > *l)?)))
 }
 
 impl RunReport {
@@ -106,6 +107,7 @@ impl RunReport {
             );
             return Err(HaltReason::NotFinite(HaltDetails::new(reason)));
         }
+        self.check_sections(run)?;
         self.check_energy_limits(run)?;
         self.check_drift(run)?;
         self.check_contact(run)?;
@@ -118,11 +120,9 @@ impl RunReport {
     fn check_energy_limits(&mut self, run: &RunState<'_>) -> Result<(), HaltReason> {
         let Some(limit) = &run.step.energy_limit else { return Ok(()) };
         let values = [run.balance.drift(), run.balance.artificial_share(SMALL)];
-        let Some((which, value, allowed)) =
-            first_exceeded(values, [limit.error, limit.artificial], self.watch.limits_reported)
-        else {
-            return Ok(());
-        };
+        let exceeded = first_exceeded(values, [limit.error, limit.artificial], self.watch.limits_reported);
+        let Some((which, allowed)) = exceeded else { return Ok(()) };
+        let value = values[which];
         let what = ["energy drift", "artificial over internal energy"][which];
         let reason = format!(
             "{what} is {value:.2e}, above the limit {allowed:e}, at increment {}, time {:e}",
@@ -197,6 +197,25 @@ impl RunReport {
         }
     }
 
+    /// Checks that no section of an element has turned over: at the axis its volume can be positive. Bodies whose elements
+    /// may be deleted are excluded.
+    ///
+    /// # Errors
+    /// The first such element.
+    pub(super) fn check_sections(&self, run: &RunState<'_>) -> Result<(), HaltReason> {
+        for (group, elements) in run.state.elements.groups.iter().enumerate() {
+            if elements.properties().deletable {
+                continue;
+            }
+            let is_turned = |element: &usize| section_area(run, (group, *element)).is_some_and(|area| area <= 0.0);
+            if let Some(element) = (0..elements.len()).find(is_turned) {
+                let volume = elements.volume(element, run.state.dofs.nodes.as_slice());
+                return Err(self.collapsed(run, CollapsedElement { group, element, volume }));
+            }
+        }
+        Ok(())
+    }
+
     /// Returns why an element has failed, and a remedy.
     #[cold]
     pub(super) fn collapsed(&self, run: &RunState<'_>, collapsed: CollapsedElement) -> HaltReason {
@@ -249,11 +268,12 @@ impl RunReport {
     }
 }
 
-/// Returns the area of the section of an element with four corners.
+/// Returns the area of the section of an element; `None` if it does not have four corners.
 fn section_area(run: &RunState<'_>, (group, element): (usize, usize)) -> Option<f64> {
-    let nodes = run.state.elements.groups[group].nodes(element);
-    let corners: [[f64; 2]; 4] =
-        nodes.into_iter().map(|n| run.state.dofs.nodes[n as usize].place()).collect::<Vec<_>>().try_into().ok()?;
+    let group = &run.state.elements.groups[group];
+    let has_corners = group.topology() == ElementTopology::Quadrilateral;
+    let nodes = has_corners.then(|| group.nodes(element))?;
+    let corners = [0, 1, 2, 3].inline_map(|i: usize| run.state.dofs.nodes[nodes[i] as usize].place());
     Some(quad::section(corners.inline_map(|p| p[0]), corners.inline_map(|p| p[1])))
 }
 
@@ -327,8 +347,8 @@ mod tests {
     fn limits_are_reported_once() {
         let limits = [Some(0.1), Some(0.05)];
         assert_eq!(first_exceeded([0.1, 0.05], limits, [false; 2]), None);
-        assert_eq!(first_exceeded([0.2, 0.06], limits, [false; 2]), Some((0, 0.2, 0.1)));
-        assert_eq!(first_exceeded([0.2, 0.06], limits, [true, false]), Some((1, 0.06, 0.05)));
+        assert_eq!(first_exceeded([0.2, 0.06], limits, [false; 2]), Some((0, 0.1)));
+        assert_eq!(first_exceeded([0.2, 0.06], limits, [true, false]), Some((1, 0.05)));
         assert_eq!(first_exceeded([0.2, 0.06], limits, [true; 2]), None);
         assert_eq!(first_exceeded([0.2, 0.06], [None, None], [false; 2]), None);
     }

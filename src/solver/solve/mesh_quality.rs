@@ -3,7 +3,7 @@
 use super::outcome::MeshChanges;
 use super::run_state::RunState;
 use crate::element::elements::Elements;
-use crate::plan::{Plan, RemeshedBody};
+use crate::plan::{AutomaticMeshes, Plan, RemeshedBody};
 use crate::remesh::mesher::sharpest;
 use crate::remesh::{BodyMesh, MeshRevision};
 use crate::state::archive::Persist;
@@ -43,18 +43,33 @@ impl MeshQuality {
         self.next = run.now.increment + body.frequency;
         let (nodes, elements) = (&run.state.dofs.nodes, &run.state.elements);
         let stable = elements.stable_increment();
-        if self.increment == 0.0 || body.automatic && self.increment < stable {
-            self.increment = stable;
-        }
-        let mut is_short = elements.limiting().0 == body.group && stable < body.increment * self.increment;
-        if body.automatic {
-            self.excess += body.frequency as f64 * (1.0 - stable / self.increment);
-            is_short &= self.excess > self.price && is_squashed(elements);
-            if self.count == 0 {
-                return is_short;
+        let is_short = if body.automatic {
+            self.is_collapsed(body.group, elements)
+        } else {
+            if self.increment == 0.0 {
+                self.increment = stable;
             }
-        }
+            elements.limiting().0 == body.group && stable < body.increment * self.increment
+        };
         is_short || sharpest(&body.quads, |n| nodes[body.nodes[n as usize]].place()) < self.limit
+    }
+
+    /// Returns whether a body that no card names has collapsed on the mesh of the deck.
+    fn has_collapsed(&mut self, group: usize, run: &RunState<'_>) -> bool {
+        if run.now.increment < self.next {
+            return false;
+        }
+        self.next = run.now.increment + AutomaticMeshes::INTERVAL;
+        self.is_collapsed(group, &run.state.elements)
+    }
+
+    /// Returns whether the elements of a group, squashed by plastic flow, have cost enough increments for a new mesh.
+    fn is_collapsed(&mut self, group: usize, elements: &Elements) -> bool {
+        let stable = elements.stable_increment();
+        self.increment = self.increment.max(stable);
+        self.excess += AutomaticMeshes::INTERVAL as f64 * (1.0 - stable / self.increment);
+        let is_short = elements.limiting().0 == group && stable < AutomaticMeshes::COLLAPSED * self.increment;
+        is_short && self.excess > self.price && is_squashed(elements)
     }
 
     /// Begins a new mesh. `stable` are the stable time increments on the old and the new mesh.
@@ -95,14 +110,21 @@ pub(super) struct RemeshMonitor {
 
 impl RemeshMonitor {
     pub(super) fn new(plan: &Plan) -> RemeshMonitor {
-        let bodies = plan.remesh.iter().flat_map(|remesh| &remesh.bodies);
-        let quality = |body: &RemeshedBody| MeshQuality { limit: body.angle, price: PRICE, ..MeshQuality::default() };
-        RemeshMonitor { bodies: bodies.map(quality).collect(), ..RemeshMonitor::default() }
+        let bodies = plan.remesh.iter().flat_map(|remesh| &remesh.bodies).map(|body| body.angle);
+        let waiting = plan.automatic_meshes.iter().flat_map(AutomaticMeshes::groups).map(|_| 0.0);
+        let quality = |limit| MeshQuality { limit, price: PRICE, ..MeshQuality::default() };
+        RemeshMonitor { bodies: bodies.chain(waiting).map(quality).collect(), ..RemeshMonitor::default() }
     }
 
     /// Returns a body whose mesh is to be replaced at this instant.
     #[inline]
     pub(super) fn body_to_mesh(&mut self, run: &RunState<'_>) -> Option<usize> {
+        if let Some(waiting) = &run.plan.automatic_meshes {
+            return waiting
+                .groups()
+                .zip(&mut self.bodies)
+                .position(|(group, quality)| quality.has_collapsed(group, run));
+        }
         let bodies = &run.plan.remesh.as_ref()?.bodies;
         bodies.iter().zip(&mut self.bodies).position(|(body, quality)| quality.is_distorted(body, run))
     }

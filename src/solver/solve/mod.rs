@@ -76,7 +76,7 @@ use watch::RunReport;
 /// let (deck, diagnostics) = deck::read("input/ogive.inp".as_ref(), &[]);
 /// assert!(!diagnostics.has_errors());
 /// let (model, _) = model::build(&deck);
-/// let (plan, start, _) = plan::compile(&model, &Routines::none());
+/// let plan::CompiledModel { plan, state: start, .. } = plan::compile(&model, &Routines::none());
 /// let (first, _) = solve::run(&plan, start.clone(), &mut Print);
 /// let (second, end) = solve::run(&plan, start, &mut Print);
 /// assert_eq!(first.digest, second.digest); // A plan runs as often as one likes, to the same bits.
@@ -230,7 +230,7 @@ fn finished(run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, 
     let plan = current.plan;
     timing.position.iter().for_each(|position| position.end());
     if report.outcome.halt.is_none() {
-        let halt = report.check_final_drift(&current).err();
+        let halt = report.check_sections(&current).and_then(|()| report.check_final_drift(&current)).err();
         report.outcome.halt = halt.map(|halt| located(&current, halt, current.now));
     }
     plan.routines.memory.iter().for_each(|memory| memory.end());

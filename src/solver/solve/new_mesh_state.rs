@@ -16,7 +16,7 @@ use crate::load::SceneChange;
 use crate::material::PointValue;
 use crate::model::Model;
 use crate::model::remesh::ModelBody;
-use crate::plan::{Plan, RemeshedBody, State};
+use crate::plan::{Plan, RemeshPlan, RemeshedBody, State};
 use crate::remesh::balanced_parts::balanced_parts;
 use crate::remesh::overlap::common_parts;
 use crate::remesh::transfer::{BodyMotion, MeshTransfer};
@@ -28,6 +28,8 @@ use crate::state::nodes::Node;
 #[derive(Clone, Copy)]
 pub(super) struct ReplacedMesh<'a> {
     pub(super) body: usize,
+    /// Bodies with their old meshes.
+    pub(super) old_plan: &'a RemeshPlan,
     pub(super) old: &'a BodyMesh,
     pub(super) revision: &'a MeshRevision,
 }
@@ -35,7 +37,7 @@ pub(super) struct ReplacedMesh<'a> {
 /// Takes the state of the run with the old mesh.
 pub(super) fn take_over(run: &mut RunState<'_>, old: &mut RunState<'_>, mesh: ReplacedMesh<'_>) {
     run.body_forces.values.clone_from(&old.body_forces.values);
-    let (Some(remesh), Some(old_remesh)) = (&run.plan.remesh, &old.plan.remesh) else { return };
+    let (Some(remesh), old_remesh) = (&run.plan.remesh, mesh.old_plan) else { return };
     let mut change = MeshChange {
         plan: run.plan,
         state: &mut run.state,

@@ -20,7 +20,7 @@ use crate::constraint::of_kind_mut;
 use crate::kernel::lanes::InlineMap;
 use crate::model::Model;
 use crate::model::remesh::{ModelBody, nodes_of_histories, revised};
-use crate::plan::{self, Plan, State};
+use crate::plan::{self, CompiledModel, Plan, RemeshPlan, State};
 use crate::remesh::mesher::{OutlineRules, new_mesh};
 use crate::remesh::transfer::interpolated;
 use crate::remesh::{BodyMesh, MeshRevision};
@@ -105,7 +105,10 @@ pub(super) struct NextMesh {
 /// Returns the plan and the state at the start of a model after several new meshes; `None` if a mesh does not belong to
 /// the model.
 pub(super) fn plan_of_revisions(plan: &Plan, revisions: &[MeshRevision]) -> Option<(Box<Plan>, State)> {
-    let mut model: Model = plan.remesh.as_ref()?.model.clone();
+    let mut model = match &plan.remesh {
+        Some(remesh) => remesh.model.clone(),
+        None => plan.automatic_meshes.as_ref()?.model(),
+    };
     for revision in revisions {
         let elements = model.remeshings.get(revision.body)?.elements.len();
         if revision.origins.iter().any(|origin| *origin as usize >= elements) {
@@ -118,7 +121,7 @@ pub(super) fn plan_of_revisions(plan: &Plan, revisions: &[MeshRevision]) -> Opti
 
 /// Plans a model with new meshes.
 fn compiled(model: &Model, revisions: &[MeshRevision], routines: &Routines) -> Result<(Box<Plan>, State), String> {
-    let (mut plan, mut state, diagnostics) = plan::compile(model, routines);
+    let CompiledModel { mut plan, mut state, diagnostics } = plan::compile(model, routines);
     match diagnostics.iter().find(|finding| finding.severity == crate::deck::Severity::Error) {
         Some(error) => Err(format!("{}: {}", error.code, error.message)),
         None => {
@@ -151,10 +154,12 @@ pub(super) fn next_mesh(
     body: usize,
     observing: &mut RunOutput,
 ) -> Result<Option<NextMesh>, HaltReason> {
-    let Some(remesh) = &run.current.plan.remesh else { return Ok(None) };
-    let (planned, old_increment) = (&remesh.bodies[body], run.current.state.elements.stable_increment());
-    let Some((old_mesh, revision)) = revision(&run.current, &run.remesh.revisions, body, &remesh.model) else {
-        pause(run, body);
+    let (old_plan, old_increment) = (run.current.plan, run.current.state.elements.stable_increment());
+    let first = old_plan.automatic_meshes.as_ref().map(|waiting| waiting.remesh_plan(&old_plan.places));
+    let Some(remesh) = first.as_ref().or(old_plan.remesh.as_deref()) else { return Ok(None) };
+    let planned = &remesh.bodies[body];
+    let Some((old_mesh, revision)) = revision(&run.current, &run.remesh.revisions, body, remesh) else {
+        pause(run, body, remesh);
         return Ok(None);
     };
     let failed = |reason: String| HaltReason::NewMesh(HaltDetails::new(reason));
@@ -164,7 +169,7 @@ pub(super) fn next_mesh(
         Ok(compiled) => compiled,
         Err(_) if planned.automatic => {
             run.remesh.revisions.pop();
-            pause(run, body);
+            pause(run, body, remesh);
             return Ok(None);
         }
         Err(error) => return Err(failed(format!("the model with a new mesh cannot be planned: {error}"))),
@@ -183,7 +188,7 @@ pub(super) fn next_mesh(
     observing.add_completion(&run.current);
     let kinetic = complete_velocities(&mut run.current.state);
     RunHistory::take(run).give_to(&mut next);
-    let mesh = ReplacedMesh { body, old: &old_mesh, revision: &revision };
+    let mesh = ReplacedMesh { body, old_plan: remesh, old: &old_mesh, revision: &revision };
     take_over(&mut next.current, &mut run.current, mesh);
     if let Err(halt) = evaluate_new_mesh(&mut next, kinetic) {
         RunHistory::take(&mut next).give_to(run);
@@ -201,8 +206,7 @@ pub(super) fn next_mesh(
 }
 
 /// Keeps the mesh of a body for some time after no new one could be made. The first time is reported.
-fn pause(run: &mut SolverRun<'_>, body: usize) {
-    let Some(remesh) = &run.current.plan.remesh else { return };
+fn pause(run: &mut SolverRun<'_>, body: usize, remesh: &RemeshPlan) {
     run.remesh.bodies[body].next = run.current.now.increment + PAUSE * remesh.bodies[body].frequency;
     if !std::mem::replace(&mut run.remesh.reported, true) {
         let (set, time) = (&remesh.model.remeshings[body].set, run.current.now.total_time);
@@ -227,9 +231,9 @@ fn revision(
     run: &RunState<'_>,
     revisions: &[MeshRevision],
     body: usize,
-    model: &Model,
+    remesh: &RemeshPlan,
 ) -> Option<(BodyMesh, MeshRevision)> {
-    let (planned, nodes) = (&run.plan.remesh.as_ref()?.bodies[body], &run.state.dofs.nodes);
+    let (planned, model, nodes) = (&remesh.bodies[body], &remesh.model, &run.state.dofs.nodes);
     let of_model = ModelBody::new(model, body);
     let last = revisions.iter().rev().find(|revision| revision.body == body);
     let sizes = match (model.remeshings[body].size, last) {

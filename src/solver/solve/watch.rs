@@ -491,7 +491,7 @@ fn cause_of_excess(run: &RunState<'_>) -> String {
         )
     } else if run.plan.has_user_stress {
         "check the user material: the stress of a closed strain path does no work, and enerInelasNew is the plastic work".into()
-    } else if !run.state.adaptive.is_empty() || run.plan.has_new_meshes() {
+    } else if !run.state.adaptive.is_empty() || run.plan.remesh.is_some() {
         "compare with a run without *ADAPTIVE MESH and *REMESH".into()
     } else {
         COMPARE.into()
@@ -535,7 +535,7 @@ fn name_absorbed_energy(run: &RunState<'_>, share: f64) -> String {
                     "; NODAL EROSION=YES on *CONTACT CONTROLS ASSIGNMENT takes nodes without elements out of contact, and \
                      reduces it"
                 },
-                if run.plan.has_new_meshes() {
+                if run.plan.remesh.is_some() {
                     ""
                 } else {
                     ". Failed material that is kept (ELEMENT DELETION=NO on *SECTION CONTROLS, with *DAMAGE EVOLUTION) in a \

@@ -12,7 +12,7 @@ use crate::plan::contact::general::pair_name;
 use crate::plan::contact::penalty::spring_laws;
 use crate::plan::contact::place_of;
 use crate::plan::contact::walls::spatial_side;
-use crate::plan::solids::cohesive::{check_energies, criterion, initiation_law, softening};
+use crate::plan::solids::cohesive::{InterfacePart, check_energies, criterion, initiation_law, softening};
 use crate::plan::{Pairs, Report, StepInput};
 use crate::variables::Variable;
 
@@ -92,7 +92,8 @@ pub fn add_cohesion<'c>(
     let first = &list.laws[law];
     let name = contact.interaction.map_or("", |id| &input.scene.model.interactions[id].name);
     let origin = cohesion.initiation.as_ref().zip(cohesion.evolution.as_ref());
-    check_energies(origin, first, ("P027", &format!("surface interaction `{name}`"), STIFFNESS_CARD), report)?;
+    let part = InterfacePart { code: "P027", name: &format!("surface interaction `{name}`"), card: STIFFNESS_CARD };
+    check_energies(origin, first, &part, report)?;
     let frictionless = |law: &InteractionLaw| InteractionLaw { friction: CoulombFriction::default(), ..law.clone() };
     let intact = if pair.springs {
         let springs: Vec<InteractionLaw> = laws[pair.law..pair.law + count].iter().map(frictionless).collect();

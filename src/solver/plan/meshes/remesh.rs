@@ -3,19 +3,17 @@
 use std::collections::HashSet;
 
 use crate::deck::Diagnostic;
-use crate::kernel::lists::{Memory, sorted_unique};
+use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::{ModelBody, is_shared, nodes_of_histories};
 use crate::model::{
     AnalyticalFront, BoundaryCondition, LoadKind, Model, MotionKind, OutputCard, OutputKind, OutputRegion,
-    OutputRequest, Remeshing, SolidSection,
+    OutputRequest, Remeshing,
 };
 use crate::plan::contact::cohesion::cohesive_behaviors;
-use crate::plan::solids::user_material::fails;
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::BodyMesh;
 use crate::remesh::outline::loops;
-use crate::remesh::sizes::SizeLimits;
 use crate::state::{BodyState, EffectId};
 use crate::variables::Variable;
 
@@ -30,7 +28,7 @@ pub struct RemeshPlan {
 /// A body that is remeshed, with its own numbering of nodes and elements ([`ModelBody`]).
 #[derive(Memory)]
 pub struct RemeshedBody {
-    /// Ledger row; `None` before the first new mesh of a body that no card names.
+    /// Ledger row; `None` on the first mesh of a body that no card names.
     pub id: Option<EffectId>,
     /// Element group.
     pub group: usize,
@@ -53,58 +51,46 @@ pub struct RemeshedBody {
 /// User subroutines that continue on new meshes: their state is that of elements and amplitudes.
 const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp"];
 
-/// Lists the bodies of all `*REMESH` cards, and those that can have a new mesh if theirs collapses; `None` without any.
-/// New meshes keep the `fronts` of analytical surfaces.
+/// Lists the bodies of all `*REMESH` cards; `None` without any. New meshes keep the `fronts` of analytical surfaces.
 pub fn plan(
     scene: Scene,
     pairs: &Pairs,
-    fronts: Vec<AnalyticalFront>,
+    fronts: &[AnalyticalFront],
     state: &mut State,
     report: &mut Report,
 ) -> Option<Box<RemeshPlan>> {
-    if report.diagnostics.has_errors() {
+    let model = scene.model;
+    if model.remeshings.is_empty() || report.diagnostics.has_errors() {
         return None;
     }
-    // Later plans have the bodies of the first one.
-    let is_first = scene.model.surfaces.fronts.is_none();
-    let additional = if is_first { automatic_bodies(scene, pairs, state, report) } else { Vec::new() };
-    if scene.model.remeshings.is_empty() && additional.is_empty() {
-        return None;
-    }
-    let mut model = scene.model.clone();
-    model.remeshings.extend(additional);
-    let scene = Scene { model: &model, ..scene };
     let mut bodies = Vec::new();
     for (index, card) in model.remeshings.iter().enumerate() {
-        let body = ModelBody::new(&model, index);
+        let body = ModelBody::new(model, index);
         if let Some((message, help)) = unsupported_remeshing(scene, pairs, card, &body, state, report) {
             report.push(Diagnostic::error("P072", message).at(card.span, "this body").help(help));
             continue;
         }
-        bodies.extend(remeshed_body(scene.places, (card, is_first), &body, state, report));
+        bodies.extend(planned_body(scene.places, card, &body, state, report));
     }
-    model.surfaces.fronts = Some(fronts);
+    let mut model = model.clone();
+    model.surfaces.fronts = Some(fronts.to_vec());
     Some(Box::new(RemeshPlan { model, bodies }))
 }
 
-fn remeshed_body(
+fn planned_body(
     places: &SolidPlaces,
-    (card, is_first): (&Remeshing, bool),
+    card: &Remeshing,
     body: &ModelBody,
     state: &mut State,
     report: &mut Report,
 ) -> Option<RemeshedBody> {
-    let members: Vec<(usize, usize)> = card.elements.iter().map(|e| places.elements[e]).collect();
-    let group = members[0].0;
+    let group = places.elements[&card.elements[0]].0;
     let Some(transfer) = state.elements.groups[group].transfer() else {
         let message = "moduli that depend on field variables, WEIGHTING=AREA and SUBZONAL=YES are not supported in bodies that are remeshed";
         let finding = Diagnostic::error("P072", message).at(card.span, "this body");
         return report.refuse(finding.help("use another material or other section controls"));
     };
-    let waits = card.automatic && is_first;
-    if !waits {
-        transfer.prepare();
-    }
+    transfer.prepare();
     if let Some(heat) = state.thermal.as_mut().and_then(|thermal| thermal.heat.as_mut()) {
         heat.begin_adaptive(group, &state.elements);
     }
@@ -114,81 +100,27 @@ fn remeshed_body(
         card.increment,
         card.frequency
     );
-    let row = |report: &mut Report| report.ledger_row(card.span, "remeshing", card.elements.len(), "elements", detail);
-    Some(RemeshedBody {
-        id: (!waits).then(|| row(report)),
-        group,
-        elements: members.iter().map(|place| place.1 as u32).collect(),
+    let id = report.ledger_row(card.span, "remeshing", card.elements.len(), "elements", detail);
+    Some(RemeshedBody { id: Some(id), ..remeshed_body(places, card, body) })
+}
+
+pub(super) fn remeshed_body(places: &SolidPlaces, card: &Remeshing, body: &ModelBody) -> RemeshedBody {
+    let members = || card.elements.iter().map(|e| places.elements[e]);
+    RemeshedBody {
+        id: None,
+        group: members().next().map_or(0, |place| place.0),
+        elements: members().map(|place| place.1 as u32).collect(),
         nodes: body.nodes.iter().map(|node| places.nodes[node]).collect(),
         quads: body.quads.clone(),
         frequency: card.frequency,
         angle: card.angle,
         increment: card.increment,
         automatic: card.automatic,
-    })
-}
-
-/// Fraction of the largest stable time increment below which a body has collapsed.
-const COLLAPSED: f64 = 0.3;
-/// Smallest angle of the elements of a body that no card names, degrees, after its first new mesh.
-const SHARP: f64 = 15.0;
-/// Increments between two checks.
-const INTERVAL: u64 = 10;
-
-/// Returns the bodies that no card names and that have a new mesh once plastic flow has squashed elements.
-fn automatic_bodies(scene: Scene, pairs: &Pairs, state: &mut State, report: &Report) -> Vec<Remeshing> {
-    let model = scene.model;
-    let excludes = !model.erosions.is_empty()
-        || !report.called_routines.is_empty()
-        || state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some())
-        || scene.places.elements.is_empty()
-        || model.remeshings.iter().any(|card| card.automatic);
-    if excludes {
-        return Vec::new();
     }
-    let mut candidate = model.clone();
-    let mut found = Vec::new();
-    for section in &model.sections {
-        let elements = sorted_unique(section.elements.iter().copied());
-        let Some(group) = elements.first().and_then(|e| scene.places.elements.get(e)).map(|place| place.0) else {
-            continue;
-        };
-        let named = model.remeshings.iter().map(|card| &card.elements);
-        let domains = model.steps.iter().flat_map(|step| &step.adaptive).map(|domain| &domain.elements);
-        let is_named = named.chain(domains).chain([&model.kept_meshes]).any(|list| list.contains(&elements[0]));
-        if is_named || !flows_without_failure(scene, state, (group, section)) {
-            continue;
-        }
-        candidate.remeshings = vec![Remeshing {
-            span: section.span,
-            set: model.materials[section.material.index()].name.clone(),
-            elements,
-            angle: SHARP.to_radians(),
-            increment: COLLAPSED,
-            frequency: INTERVAL,
-            size: None,
-            limits: SizeLimits::default(),
-            automatic: true,
-        }];
-        let (scene, body) = (Scene { model: &candidate, ..scene }, ModelBody::new(&candidate, 0));
-        if unsupported_remeshing(scene, pairs, &candidate.remeshings[0], &body, state, report).is_none() {
-            found.append(&mut candidate.remeshings);
-        }
-    }
-    found
-}
-
-/// Returns whether a group is of quadrilaterals with a plastic strain that are never deleted.
-fn flows_without_failure(scene: Scene, state: &mut State, (group, section): (usize, &SolidSection)) -> bool {
-    let group = &mut state.elements.groups[group];
-    group.topology() == ElementTopology::Quadrilateral
-        && group.value(0, Variable::PlasticStrain.into()).is_some()
-        && group.transfer().is_some()
-        && !fails(&scene.model.materials[section.material.index()])
 }
 
 /// Returns why a body cannot be remeshed, and what could be.
-fn unsupported_remeshing(
+pub(super) fn unsupported_remeshing(
     scene: Scene,
     pairs: &Pairs,
     card: &Remeshing,
@@ -215,7 +147,7 @@ fn unsupported_remeshing(
         let message = format!("the material of `{name}` has no equivalent plastic strain (PEEQ)");
         return Some((message, "remove STRAIN CHANGE, or use a material with plasticity"));
     }
-    if is_shared(scene.model, body) {
+    if is_shared(scene.model, body, &card.elements) {
         let message = format!("elements outside `{name}` use nodes of its elements");
         return Some((message, "separate the bodies, with contact between them"));
     }

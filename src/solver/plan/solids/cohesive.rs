@@ -81,8 +81,8 @@ pub fn cohesive_group(
         thicknesses.iter().filter_map(|&thickness| law(material, thickness, damage)).collect();
     let (interface, name) = (&material.interface, format!("material `{}`", material.name));
     let origin = interface.initiation.as_ref().zip(interface.evolution.as_ref());
-    let what = ("P026", name.as_str(), "*ELASTIC, TYPE=TRACTION");
-    laws.iter().try_for_each(|law| check_energies(origin, law, what, report))?;
+    let part = InterfacePart { code: "P026", name: &name, card: "*ELASTIC, TYPE=TRACTION" };
+    laws.iter().try_for_each(|law| check_energies(origin, law, &part, report))?;
     cohesive_row(section, material, &thicknesses, list.len(), report);
     let deletes = material.interface.evolution.is_some() && section.controls.keep_failed_elements.is_none();
     let shown = (deletes, material.interface.initiation.as_ref().map(variable));
@@ -129,16 +129,25 @@ fn check_section(section: &CohesiveSection, material: &MaterialDefinition, repor
     Some(())
 }
 
+/// An interface in messages.
+pub struct InterfacePart<'a> {
+    /// Code of the errors.
+    pub code: &'static str,
+    pub name: &'a str,
+    /// Card of the stiffness.
+    pub card: &'a str,
+}
+
 /// Reports a fracture energy that is less than the elastic energy at damage initiation: the traction would have to
-/// return to smaller separations. `what` is the code of the error, the name of the interface and the card of its
-/// stiffness.
+/// return to smaller separations.
 pub fn check_energies(
     origin: Option<(&InterfaceInitiation, &InterfaceEvolution)>,
     law: &TractionSeparationLaw,
-    (code, name, card): (&'static str, &str, &str),
+    part: &InterfacePart<'_>,
     report: &mut Report,
 ) -> Option<()> {
     let Some((initiation, evolution)) = origin else { return Some(()) };
+    let InterfacePart { code, name, card } = *part;
     for (mode, of) in ["normal", "shear"].into_iter().enumerate() {
         let Some([elastic, fracture]) = law.energies_of_mode(mode) else { continue };
         if fracture < elastic {
