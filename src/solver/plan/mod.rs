@@ -45,7 +45,7 @@ pub use output::{
     ColumnSource, ElementCorner, FrameField, HistoryColumn, IntegratedSection, StepOutputs, WriteSchedule,
 };
 pub(crate) use report::{LedgerRows, Report};
-pub(crate) use scene::{Pairs, Scene, Shared, StepInput};
+pub(crate) use scene::{GroupInput, Pairs, Scene, Shared, StepInput};
 pub use state::State;
 use steps::PlannedSteps;
 

@@ -5,10 +5,12 @@ use std::rc::Rc;
 use indexmap::{IndexMap, IndexSet};
 
 use crate::deck::Span;
+use crate::element::solid_groups::Connectivity;
 use crate::load::user_amplitude::SubroutineAmplitude;
 use crate::mesh::surface::SurfaceGeometry;
-use crate::model::{AmplitudeId, Model, SurfaceContact};
+use crate::model::{AmplitudeId, MaterialDefinition, Model, SolidSection, SurfaceContact};
 use crate::plan::{Bodies, Links, SolidPlaces, State};
+use crate::state::nodes::Node;
 
 /// The model with its rigid bodies, and the solver indices of its deformable nodes and elements.
 #[derive(Clone, Copy)]
@@ -34,6 +36,18 @@ pub struct StepInput<'a, 's> {
     pub state: &'s State,
     /// Index of the step.
     pub index: usize,
+}
+
+/// A section of elements, and what its element group depends on.
+pub struct GroupInput<'a, S = SolidSection, C = Connectivity> {
+    pub model: &'a Model,
+    pub places: &'a SolidPlaces,
+    pub section: &'a S,
+    pub material: &'a MaterialDefinition,
+    pub elements: &'a [usize],
+    /// Solver nodes of solid elements; `()` for elements whose nodes are taken from the mesh.
+    pub connectivity: &'a C,
+    pub nodes: &'a [Node],
 }
 
 /// Contact pairs of each step, and the names of all pairs for histories.

@@ -181,7 +181,7 @@ impl MeasuredGaps {
         }
     }
 
-    /// Adds the row of a single point: its area is one, its multiplier an impulse.
+    /// Adds the row of a single point: its area is one, its multiplier an impulse. Equation (10.10).
     fn add_point_row(&mut self, pair: &ContactPair, contact: SinglePointContact<'_>, sources: GapSources<'_>) {
         let SinglePointContact { curve, index, key, is_corner, opposite, candidates } = contact;
         if candidates.is_empty() {

@@ -15,9 +15,8 @@ use crate::model::{
     ModeDependence, ModeMixRatio, Model, Step,
 };
 use crate::plan::constraints::connectors::inverse;
-use crate::plan::solids::solid_material::GroupInput;
 use crate::plan::state::SolidState;
-use crate::plan::{Bodies, Links, Report, Scene};
+use crate::plan::{Bodies, GroupInput, Links, Report, Scene};
 use crate::variables::Variable;
 
 /// Depth to which equations of linked nodes are followed.

@@ -10,8 +10,8 @@ use crate::kernel::lists::sorted_unique;
 use crate::kernel::plane_stress::PlaneElastic;
 use crate::kernel::shell::{ShellFrame, simpson};
 use crate::model::{MaterialDefinition, Model, PlasticityModel, ShellSection, ShellThinning};
-use crate::plan::solids::solid_material::{GroupInput, bulk_viscosity, heating, yield_stress};
-use crate::plan::{Bodies, Report, Scene, SolidPlaces};
+use crate::plan::solids::solid_material::{bulk_viscosity, heating, yield_stress};
+use crate::plan::{Bodies, GroupInput, Report, Scene, SolidPlaces};
 use crate::state::nodes::Node;
 
 /// Returns the shell sections with their elements that do not belong to a rigid body.

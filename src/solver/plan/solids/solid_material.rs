@@ -26,8 +26,7 @@ use crate::model::{
 };
 use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
 use crate::plan::solids::user_material::{calls_routines_at_points, law_group, require_length_routine, user_group};
-use crate::plan::{Report, SolidPlaces};
-use crate::state::nodes::Node;
+use crate::plan::{GroupInput, Report};
 
 /// Default hourglass stiffness over the shear modulus (ABAQUS Analysis User's Guide, "Section controls": factor 0.005).
 const HOURGLASS_STIFFNESS: f64 = 0.005;
@@ -54,18 +53,6 @@ const MATERIALS: &[MaterialRow] = &[
     MaterialRow { applies: |m| m.eos.is_some(), law: law_with_equation_of_state },
     MaterialRow { applies: |_| true, law: |solid, report| von_mises_law(solid, None, report) },
 ];
-
-/// A section of elements, and what its element group depends on.
-pub struct GroupInput<'a, S = SolidSection, C = Connectivity> {
-    pub model: &'a Model,
-    pub places: &'a SolidPlaces,
-    pub section: &'a S,
-    pub material: &'a MaterialDefinition,
-    pub elements: &'a [usize],
-    /// Solver nodes of solid elements; `()` for elements whose nodes are taken from the mesh.
-    pub connectivity: &'a C,
-    pub nodes: &'a [Node],
-}
 
 /// Properties of a solid section that the selection of its law takes into account.
 pub struct SolidProperties<'a> {

@@ -19,9 +19,9 @@ use crate::model::{MaterialDefinition, PlasticityModel, SolidSection, StateVaria
 use crate::plan::queries::field_variables;
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::solid_material::{
-    GroupInput, bulk_viscosity, control_rows, elastic_moduli, heating, hourglass_control, rate_factor, yield_stress,
+    bulk_viscosity, control_rows, elastic_moduli, heating, hourglass_control, rate_factor, yield_stress,
 };
-use crate::plan::{Report, Scene};
+use crate::plan::{GroupInput, Report, Scene};
 use crate::user::{MaterialLaw, PointQuantity};
 
 /// Returns whether a material is evaluated point by point, as for user subroutines and tables over field variables.
