@@ -2,11 +2,12 @@
 
 use crate::{own_eos, own_load, own_material};
 
-/// The temperature is that at the start of an increment, a thousandth of the plastic strain.
+/// The temperature is that at the start of an increment, a thousandth of the plastic strain p: with the rate 0.3 of softening
+/// an error of 0.3 p/2000, 4e-5.
 #[test]
 fn heated_law_softens_as_its_closed_form() {
     let [temperature, exact] = own_material::temperatures().expect("a run");
-    assert!(exact > 15.0 && (temperature / exact - 1.0).abs() < 1e-5, "{temperature} {exact}");
+    assert!(exact > 15.0 && (temperature / exact - 1.0).abs() < 1e-4, "{temperature} {exact}");
 }
 
 #[test]

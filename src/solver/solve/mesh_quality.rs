@@ -44,7 +44,7 @@ impl MeshQuality {
         let (nodes, elements) = (&run.state.dofs.nodes, &run.state.elements);
         let stable = elements.stable_increment();
         let is_short = if body.automatic {
-            self.is_collapsed(body.group, elements)
+            self.is_collapsed(body.group, body.increment, elements)
         } else {
             if self.increment == 0.0 {
                 self.increment = stable;
@@ -60,15 +60,15 @@ impl MeshQuality {
             return false;
         }
         self.next = run.now.increment + AutomaticMeshes::INTERVAL;
-        self.is_collapsed(group, &run.state.elements)
+        self.is_collapsed(group, AutomaticMeshes::COLLAPSED, &run.state.elements)
     }
 
     /// Returns whether the elements of a group, squashed by plastic flow, have cost enough increments for a new mesh.
-    fn is_collapsed(&mut self, group: usize, elements: &Elements) -> bool {
+    fn is_collapsed(&mut self, group: usize, limit: f64, elements: &Elements) -> bool {
         let stable = elements.stable_increment();
         self.increment = self.increment.max(stable);
         self.excess += AutomaticMeshes::INTERVAL as f64 * (1.0 - stable / self.increment);
-        let is_short = elements.limiting().0 == group && stable < AutomaticMeshes::COLLAPSED * self.increment;
+        let is_short = elements.limiting().0 == group && stable < limit * self.increment;
         is_short && self.excess > self.price && is_squashed(elements)
     }
 

@@ -31,8 +31,11 @@ struct WaitingBody {
 }
 
 impl AutomaticMeshes {
-    /// Fraction of the largest stable time increment below which a body has collapsed.
-    pub const COLLAPSED: f64 = 0.3;
+    /// Fraction of the largest stable time increment below which a body has collapsed on the mesh of the deck: that of
+    /// warning R307.
+    pub const COLLAPSED: f64 = 0.04;
+    /// The same on later meshes.
+    pub const COLLAPSED_AGAIN: f64 = 0.3;
     /// Increments between two checks.
     pub const INTERVAL: u64 = 10;
 
@@ -104,7 +107,7 @@ fn card_of(model: &Model, section: usize) -> Remeshing {
         set: model.materials[section.material].name.clone(),
         elements: sorted_unique(section.elements.iter().copied()),
         angle: SHARP.to_radians(),
-        increment: AutomaticMeshes::COLLAPSED,
+        increment: AutomaticMeshes::COLLAPSED_AGAIN,
         frequency: AutomaticMeshes::INTERVAL,
         size: None,
         limits: SizeLimits::default(),
