@@ -60,6 +60,7 @@ fn count_run(deck: &str, routines: &Routines) -> (u64, u64, u64) {
     let counted = allocation_counter::measure(|| {
         let outcome = job::run_in_memory(&prepared).0;
         (increments, warnings) = (outcome.increments, outcome.warnings.len() as u64);
+        outcome.warnings.iter().for_each(|warning| println!("{warning}"));
     });
     (increments, counted.count_total, warnings)
 }

@@ -84,6 +84,7 @@ fn six_node_triangles_of_a_law_match_those_of_the_built_in_law() {
     let by_law = built_in.replace(cards, "*User Material, constants=4\n 1.17e5, 0.35, 400., 100.\n*Depvar\n 1,\n");
     let (expected, there) = common::run(&built_in, &[], &Routines::none());
     let (got, here) = common::run(&by_law, &[], &routines(f64::INFINITY));
+    println!("{:?} {:?} {:?} {:?}", expected.steps, got.steps, expected.warnings, got.warnings);
     assert_eq!((got.halt, got.increments), (None, expected.increments));
     for name in ["COOR2@TIP", "COOR1@RIM"] {
         let expected = last(&built_in, &Routines::none(), &there, name);

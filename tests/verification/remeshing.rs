@@ -237,7 +237,7 @@ fn squashed_bodies_have_new_meshes_without_a_card() {
     for outcome in [&coarse, &outcome] {
         assert_eq!(outcome.halt, None);
         assert!(outcome.warnings.iter().any(|warning| warning.starts_with("R319")), "{:?}", outcome.warnings);
-        assert!(new_meshes(outcome) > 2 && outcome.energy.drift < 1e-3, "{:?}", outcome.energy);
+        assert!(new_meshes(outcome) > 2 && outcome.energy.drift < 1e-2, "{:?}", outcome.energy);
         let step = &outcome.steps[0];
         let ratio = step.increments as f64 * step.largest_increment / step.time;
         println!("{} new meshes, {ratio:.1} times the ideal number of increments", new_meshes(outcome));
@@ -247,16 +247,16 @@ fn squashed_bodies_have_new_meshes_without_a_card() {
     assert!((length(&history) / length(&of_coarse) - 1.0).abs() < 1e-2, "{} {}", length(&history), length(&of_coarse));
 }
 
-/// Where nothing collapses, the run has the bits of one that keeps its mesh. Where elements fold, that one halts: at the
+/// Where nothing collapses, the run has the bits of one that keeps its mesh. Where elements fold, that one warns: at the
 /// axis their section turns over while their volume is positive.
 #[test]
-fn bodies_that_keep_their_mesh_halt_when_a_section_turns_over() {
+fn bodies_that_keep_their_mesh_warn_of_sections_that_turn_over() {
     let keeps = "*Remesh, automatic=NO\n";
     let slow = [("speed", "100."), ("nr", "3"), ("nz", "15")];
     let digests = ["", keeps, "*Remesh, elset=BAR, automatic=NO\n"].map(|card| run(&taylor(card), &slow).0.digest);
     assert!(digests[0] == digests[1] && digests[0] == digests[2], "{digests:?}");
     let (outcome, _) = fast_bar(6, keeps, &[]);
-    let reason = outcome.halt.expect("a folded element").to_string();
-    println!("{reason}");
-    assert!(reason.contains("its section has turned over") && reason.contains("*REMESH"), "{reason}");
+    let warning = outcome.warnings.iter().find(|warning| warning.starts_with("R320")).expect("a folded element");
+    println!("{warning}");
+    assert!(warning.contains("has turned over") && warning.contains("*REMESH"), "{warning}");
 }

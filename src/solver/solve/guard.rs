@@ -10,6 +10,7 @@ use crate::constraint::{Constraint, of_kind_mut};
 use crate::element::elements::CollapsedElement;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
+use crate::kernel::shape::middle;
 use crate::kernel::topology::ElementTopology;
 use crate::load::Load;
 use crate::load::stiffness::LoadStiffness;
@@ -107,7 +108,7 @@ impl RunReport {
             );
             return Err(HaltReason::NotFinite(HaltDetails::new(reason)));
         }
-        self.check_sections(run)?;
+        self.warn_of_sections(run);
         self.check_energy_limits(run)?;
         self.check_drift(run)?;
         self.check_contact(run)?;
@@ -197,23 +198,26 @@ impl RunReport {
         }
     }
 
-    /// Checks that no section of an element has turned over: at the axis its volume can be positive. Bodies whose elements
+    /// Warns once of elements whose section has turned over: at the axis their volume can be positive. Bodies whose elements
     /// may be deleted are excluded.
-    ///
-    /// # Errors
-    /// The first such element.
-    pub(super) fn check_sections(&self, run: &RunState<'_>) -> Result<(), HaltReason> {
-        for (group, elements) in run.state.elements.groups.iter().enumerate() {
-            if elements.properties().deletable {
-                continue;
-            }
-            let is_turned = |element: &usize| section_area(run, (group, *element)).is_some_and(|area| area <= 0.0);
-            if let Some(element) = (0..elements.len()).find(is_turned) {
-                let volume = elements.volume(element, run.state.dofs.nodes.as_slice());
-                return Err(self.collapsed(run, CollapsedElement { group, element, volume }));
-            }
-        }
-        Ok(())
+    pub(super) fn warn_of_sections(&mut self, run: &RunState<'_>) {
+        let groups = run.state.elements.groups.iter().enumerate();
+        let kept = groups.filter(|(_, elements)| !self.watch.sections_reported && !elements.properties().deletable);
+        let places = kept.flat_map(|(group, elements)| (0..elements.len()).map(move |element| (group, element)));
+        let mut turned = places.filter(|place| section_area(run, *place).is_some_and(|area| area <= 0.0));
+        let Some(place) = turned.next() else { return };
+        let (count, nodes) = (1 + turned.count(), run.state.elements.groups[place.0].nodes(place.1));
+        let [r, z] = middle([0, 1, 2, 3].inline_map(|i: usize| run.state.dofs.nodes[nodes[i] as usize].place()));
+        self.watch.sections_reported = true;
+        self.outcome.warn("R320", format!(
+            "at increment {}, time {:e} the section of element {} near (r = {r:.4e}, z = {z:.4e}) has turned over{}: results \
+             there are wrong, although its volume is positive{}",
+            run.now.increment,
+            run.now.total_time,
+            run.plan.element_name(place.0, place.1),
+            if count > 1 { format!(", and that of {} more", count - 1) } else { String::new() },
+            name_folding_remedy(run, place.0)
+        ));
     }
 
     /// Returns why an element has failed, and a remedy.

@@ -229,8 +229,9 @@ fn finished(run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, 
     let SolverRun { mut current, mut report, remesh, timing, .. } = run;
     let plan = current.plan;
     timing.position.iter().for_each(|position| position.end());
+    report.warn_of_sections(&current);
     if report.outcome.halt.is_none() {
-        let halt = report.check_sections(&current).and_then(|()| report.check_final_drift(&current)).err();
+        let halt = report.check_final_drift(&current).err();
         report.outcome.halt = halt.map(|halt| located(&current, halt, current.now));
     }
     plan.routines.memory.iter().for_each(|memory| memory.end());

@@ -99,6 +99,8 @@ pub(super) struct RunMonitor {
     /// Whether warnings of a pattern and of small increments have been issued.
     pattern_reported: bool,
     slow_reported: bool,
+    /// Whether a section that has turned over has been reported.
+    pub(super) sections_reported: bool,
     /// Whether the last check found increments too small.
     slow: bool,
     /// Number of increments of the step with the increment of its first check; 0 before it.
