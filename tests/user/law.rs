@@ -79,12 +79,14 @@ fn taylor_bar_of_a_law_in_rust_matches_built_in_law() {
 #[test]
 fn six_node_triangles_of_a_law_match_those_of_the_built_in_law() {
     let built_in = in_six_node_triangles(&copper_bar([4, 20], false, |place| place), [4, 20]);
+    // Rounding decides when the global estimate is renewed.
+    let built_in = built_in.replace("*Dynamic, Explicit", "*Dynamic, Explicit, element by element");
+    assert!(built_in.contains("element by element"), "{built_in}");
     let cards = "*Elastic\n 1.17e5, 0.35\n*Plastic\n 400., 0.\n 500., 1.\n 700., 3.\n";
     assert!(built_in.contains(cards), "{built_in}");
     let by_law = built_in.replace(cards, "*User Material, constants=4\n 1.17e5, 0.35, 400., 100.\n*Depvar\n 1,\n");
     let (expected, there) = common::run(&built_in, &[], &Routines::none());
     let (got, here) = common::run(&by_law, &[], &routines(f64::INFINITY));
-    println!("{:?} {:?} {:?} {:?}", expected.steps, got.steps, expected.warnings, got.warnings);
     assert_eq!((got.halt, got.increments), (None, expected.increments));
     for name in ["COOR2@TIP", "COOR1@RIM"] {
         let expected = last(&built_in, &Routines::none(), &there, name);

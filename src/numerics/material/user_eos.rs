@@ -65,8 +65,8 @@ impl UserEos {
     /// [`advance`](super::eos::advance), solved for the energy at its end by secants.
     pub(super) fn advance_block(&self, energy: &mut Lanes, update: &mut PressureUpdate) {
         for l in 0..LANES {
-            // Unused lanes have no volume.
-            if update.volume[l] <= 0.0 {
+            // Unused lanes have no energy, for which the law may have no sound speed.
+            if update.middle[l] == 0.0 {
                 update.bulk[l] = self.floor;
                 continue;
             }

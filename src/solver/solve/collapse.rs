@@ -4,7 +4,7 @@
 use super::mesh_quality::is_squashed;
 use super::run_state::RunState;
 use crate::element::group::ElementGroup;
-use crate::plan::{MeshCards, Plan};
+use crate::plan::{AutomaticMeshes, MeshCards, Plan};
 use crate::state::archive::Persist;
 
 /// Ratio of the largest stable time increment so far to the increment, from which the increment has collapsed.
@@ -125,8 +125,10 @@ pub(super) fn name_remedies(run: &RunState<'_>, group: usize, least: Option<f64>
     let MeshCards { erodes, controls_distortion, scales_masses } = run.plan.mesh_cards;
     let value = |name: &str| least.map_or_else(String::new, |least| format!(", {name}={least:.1e}"));
     let renewal = name_renewal(run, group);
-    // No other card keeps the shape of an element that plastic flow has squashed.
-    if let Some(renewal) = renewal.filter(|_| is_squashed(&run.state.elements)) {
+    // In a body that can have new meshes, no other card keeps the shape of an element that plastic flow has squashed.
+    let mut supported = run.plan.automatic_meshes.iter().flat_map(AutomaticMeshes::groups);
+    let is_supported = supported.any(|supported| supported == group);
+    if let Some(renewal) = renewal.filter(|_| is_supported && is_squashed(&run.state.elements)) {
         return format!("plastic flow has squashed it: {renewal}");
     }
     let cards = [
