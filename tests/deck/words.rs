@@ -16,9 +16,9 @@ use revolve::deck::{self, Card, DataLine, Deck};
 use revolve::job;
 use revolve::solve;
 use revolve::user::{
-    AmplitudeAnswer, AmplitudeCall, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall, LengthCall, LoadFailure,
-    LoadPoints, MaterialAnswer, MaterialCall, MotionCall, Routines, UserAmplitude, UserFields, UserHardening,
-    UserLengths, UserLoad, UserMaterial, UserMotion,
+    AmplitudeAnswer, AmplitudeCall, EosLaw, EosResponse, FieldAnswer, FieldCall, HardeningAnswer, HardeningCall,
+    LengthCall, LoadFailure, LoadPoints, MaterialAnswer, MaterialCall, MotionCall, Routines, UserAmplitude, UserFields,
+    UserHardening, UserLengths, UserLoad, UserMaterial, UserMotion,
 };
 
 /// Returns every entry of the table with its name, `KEYWORD, PARAMETER` or `KEYWORD, field`.
@@ -100,6 +100,17 @@ impl UserLoad for TestSubroutines {
     }
 }
 
+/// Linear in the density, with the bulk modulus and the density without pressure as constants.
+impl EosLaw for TestSubroutines {
+    fn respond(&self, constants: &[f64], density: f64, energy: f64) -> EosResponse {
+        let [bulk, reference] = [0, 1].map(|i| constants.get(i).copied().unwrap_or(1.0));
+        EosResponse {
+            pressure: bulk * (density / reference - 1.0) + density * energy,
+            sound_speed: (bulk / reference).sqrt(),
+        }
+    }
+}
+
 impl UserMotion for TestSubroutines {
     fn motion(&mut self, call: &MotionCall<'_>) -> Result<f64, LoadFailure> {
         Ok(0.3 * call.now.total_time)
@@ -163,7 +174,8 @@ fn results(folder: &Path, text: &str) -> String {
         .with_load(TestSubroutines)
         .with_motion(TestSubroutines)
         .with_amplitude(TestSubroutines)
-        .with_material(TestSubroutines);
+        .with_material(TestSubroutines)
+        .with_eos("METAL", TestSubroutines);
     let routines = routines.with_hardening(TestSubroutines).with_fields(TestSubroutines).with_lengths(TestSubroutines);
     let name = folder.join("pair.inp");
     let prepared = job::prepare_text(&name.display().to_string(), text, &[], &routines);
