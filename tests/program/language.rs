@@ -425,7 +425,10 @@ fn signatures_have_small_tuples() {
             }
         }
     }
-    assert!(large.is_empty(), "tuples of more than {TUPLE_VALUES} values: make structs of these: {large:#?}");
+    assert!(
+        large.is_empty(),
+        "signatures with tuples of more than {TUPLE_VALUES} values, which must be structs: {large:#?}"
+    );
 }
 
 /// Returns the paragraphs and list items of a page, each with its first line. Tables, headings and formulas are left

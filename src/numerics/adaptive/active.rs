@@ -4,7 +4,7 @@ use super::topology::DomainTopology;
 use crate::kernel::chunks::ChunkLoops;
 use crate::kernel::lists::Memory;
 
-/// A domain, the parts of it that a change of the mesh concerns, and loops over them.
+/// A domain, its active parts, and loops over these parts.
 #[derive(Clone, Copy)]
 pub(super) struct MeshChange<'a> {
     pub domain: &'a DomainTopology,

@@ -13,8 +13,8 @@ use crate::state::halt::HaltReason;
 use crate::state::limit::IncrementLimit;
 use crate::state::magnitude::Magnitude;
 
-/// Distribution of a load over nodes and rigid bodies. The methods have the meaning of those of [`Load`] and
-/// [`LoadOutput`].
+/// Distribution of a load over nodes and rigid bodies. Its methods have the same meaning as the methods of [`Load`] and
+/// [`LoadOutput`] with the same names.
 pub trait LoadDistribution: Any + Clone + Persist + Send + Sync {
     fn targets(&self) -> LoadTargets;
 

@@ -290,7 +290,7 @@ pub trait UserEvents: Send {
 /// Largest number of material points of one call.
 pub const MAX_MATERIAL_BLOCK: usize = 136;
 
-/// Declares the arguments of subroutines for a block of material points: what all of them have, and their own fields.
+/// Declares the arguments of subroutines for a block of material points: common fields, and fields of each subroutine.
 macro_rules! point_calls {
     ($($(#[$about:meta])* $call:ident { $($(#[$doc:meta])* $field:ident: $type:ty,)* })*) => {$(
         $(#[$about])*

@@ -62,7 +62,7 @@ struct Compilation {
     has_contact: bool,
 }
 
-/// A plan, its initial state, and what was found. The plan may be run only if there is no error.
+/// A plan, its initial state, and the diagnostics. The plan may be run only if there is no error.
 #[derive(Default)]
 pub struct CompiledModel {
     /// What does not change in a run.

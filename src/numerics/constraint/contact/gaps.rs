@@ -62,7 +62,7 @@ impl FacetGap {
 pub struct SinglePoint {
     pub point: u32,
     pub place: [f64; 2],
-    /// Normals of the facets at a corner: only opposite facets that face one of them are considered.
+    /// Normals of the facets at a corner: only opposite facets that face one of these normals are considered.
     pub normals: Option<[[f64; 2]; 2]>,
     /// Half the thickness of its body, if the opposite curve is a side of a line; otherwise infinite.
     pub half_thickness: f64,
