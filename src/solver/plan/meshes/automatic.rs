@@ -31,9 +31,11 @@ struct WaitingBody {
 }
 
 impl AutomaticMeshes {
-    /// Fraction of the largest stable time increment below which a body has collapsed on the mesh of the deck: that of
+    /// Ratio of the largest stable time increment to the present one from which the increment has collapsed; also that of
     /// warning R307.
-    pub const COLLAPSED: f64 = 0.04;
+    pub const COLLAPSE_RATIO: f64 = 25.0;
+    /// Fraction of the largest stable time increment below which a body has collapsed on the mesh of the deck.
+    pub const COLLAPSED: f64 = 1.0 / Self::COLLAPSE_RATIO;
     /// The same on later meshes.
     pub const COLLAPSED_AGAIN: f64 = 0.3;
     /// Increments between two checks.
@@ -115,10 +117,10 @@ fn card_of(model: &Model, section: usize) -> Remeshing {
     }
 }
 
-/// Returns whether the deck keeps the mesh of a body, or moves its nodes.
+/// Returns whether the deck keeps the mesh of a body, or moves its nodes; `elements` are in ascending order.
 fn keeps_mesh(model: &Model, elements: &[usize]) -> bool {
     let domains = model.steps.iter().flat_map(|step| &step.adaptive).map(|domain| &domain.elements);
-    domains.chain([&model.kept_meshes]).any(|list| elements.iter().any(|e| list.binary_search(e).is_ok()))
+    domains.chain([&model.kept_meshes]).any(|list| list.iter().any(|e| elements.binary_search(e).is_ok()))
 }
 
 /// Returns whether a group is of quadrilaterals with a plastic strain that are never deleted.
