@@ -36,11 +36,19 @@ pub(super) struct MeshQuality {
 }
 
 impl MeshQuality {
+    /// Returns whether a check is due at an increment, and sets the next one.
+    fn is_due(&mut self, increment: u64, interval: u64) -> bool {
+        let is_due = increment >= self.next;
+        if is_due {
+            self.next = increment + interval;
+        }
+        is_due
+    }
+
     fn is_distorted(&mut self, body: &RemeshedBody, run: &RunState<'_>) -> bool {
-        if run.now.increment < self.next {
+        if !self.is_due(run.now.increment, body.frequency) {
             return false;
         }
-        self.next = run.now.increment + body.frequency;
         let (nodes, elements) = (&run.state.dofs.nodes, &run.state.elements);
         let stable = elements.stable_increment();
         let is_short = if body.automatic {
@@ -56,11 +64,8 @@ impl MeshQuality {
 
     /// Returns whether a body that no card names has collapsed on the mesh of the deck.
     fn has_collapsed(&mut self, group: usize, run: &RunState<'_>) -> bool {
-        if run.now.increment < self.next {
-            return false;
-        }
-        self.next = run.now.increment + AutomaticMeshes::INTERVAL;
-        self.is_collapsed(group, AutomaticMeshes::COLLAPSED, &run.state.elements)
+        self.is_due(run.now.increment, AutomaticMeshes::INTERVAL)
+            && self.is_collapsed(group, AutomaticMeshes::COLLAPSED, &run.state.elements)
     }
 
     /// Returns whether the elements of a group, squashed by plastic flow, have cost enough increments for a new mesh.
