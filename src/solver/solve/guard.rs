@@ -108,7 +108,6 @@ impl RunReport {
             );
             return Err(HaltReason::NotFinite(HaltDetails::new(reason)));
         }
-        self.warn_of_sections(run);
         self.check_energy_limits(run)?;
         self.check_drift(run)?;
         self.check_contact(run)?;

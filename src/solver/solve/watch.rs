@@ -213,6 +213,7 @@ impl RunReport {
         if run.now.increment >= self.watch.next_look {
             self.watch.next_look = run.now.increment + run.now.increment.clamp(LOOK_EVERY[0], LOOK_EVERY[1]);
             self.watch_pattern(run);
+            self.warn_of_sections(run);
             run.masses.record_kinetic(run.balance.kinetic_of_solid(), &run.state);
             self.watch_pace(run);
             if let Some(warning) = self.watch.collapse.check(run) {
