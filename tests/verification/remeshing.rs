@@ -47,6 +47,48 @@ fn taylor_bar_with_new_meshes_keeps_its_length_and_foot() {
     assert!(outcome.energy.drift < 1e-3, "{}", outcome.energy.drift);
 }
 
+/// Histories of a node inside the bar (nr = 10: at half the radius, four elements above the foot) and of two of its side
+/// follow the material through new meshes: places and displacements within 1 % of the mesh that follows the material, and
+/// the place never jumps, so that its change between two rows is the integral of the velocity.
+#[test]
+fn histories_follow_the_material_through_new_meshes() {
+    let request = "*Node Output, nset=POINTS\n U, V, COOR\n*Node Output, nset=TIP\n";
+    let deck = |card: &str| {
+        let set = "*Nset, nset=POINTS\n 50, 33, 154\n*Nset, nset=CORNER\n";
+        let with_set = taylor(card).replace("*Nset, nset=CORNER\n", set);
+        with_set.replace("number interval=100", "number interval=800").replace("*Node Output, nset=TIP\n", request)
+    };
+    let recorded = |card: &str| {
+        let prepared = common::prepared(&deck(card), &[], &Routines::none());
+        let mut output = common::RecordedOutput::default();
+        let (outcome, _) = job::run_into(&prepared, &mut output);
+        assert_eq!(outcome.halt, None);
+        (new_meshes(&outcome), prepared.plan.column_names(), output.rows)
+    };
+    let (_, names, reference) = recorded("");
+    let (count, same_names, rows) = recorded(OFTEN);
+    assert!(count >= 2 && names == same_names, "{count} {same_names:?}");
+    let column = |name: &str| names.iter().position(|n| n == name).unwrap_or_else(|| panic!("{name} of {names:?}"));
+    for node in ["50", "33", "154"] {
+        for axis in ["1", "2"] {
+            let [place, displacement, velocity] = ["COOR", "U", "V"].map(|v| column(&format!("{v}{axis}@{node}")));
+            let last = |rows: &[(f64, Vec<f64>)]| rows[rows.len() - 1].1[displacement];
+            let apart = (last(&rows) - last(&reference)).abs() / last(&reference).abs();
+            let jump = |pair: &[(f64, Vec<f64>)]| {
+                let [before, after] = [&pair[0], &pair[1]];
+                let mean = 0.5 * (before.1[velocity] + after.1[velocity]);
+                (after.1[place] - before.1[place] - mean * (after.0 - before.0)).abs()
+            };
+            let [worst, usual] = [&rows, &reference].map(|rows| rows.windows(2).map(jump).fold(0.0, f64::max));
+            println!("{node} {axis}: {:.3} % apart, jump {worst:.1e} m, without new meshes {usual:.1e}", 100.0 * apart);
+            assert!(apart < 1e-2, "{node} {axis} {apart}");
+            assert!(worst < 2.0 * usual, "{node} {axis} {worst} {usual}");
+            let start = rows[0].1[place];
+            assert!(rows.iter().all(|row| (row.1[place] - start - row.1[displacement]).abs() < 1e-14), "{node} {axis}");
+        }
+    }
+}
+
 /// A free bar that rings: mass and momentum along the axis are the same to rounding after several new meshes.
 #[test]
 fn mass_and_momentum_are_conserved() {

@@ -5,13 +5,15 @@ use std::collections::HashSet;
 use super::name::NewLabels;
 use super::types::{
     ContactDomain, Element, ElementKind, ElementSide, GeneralContact, LoadKind, LoadRegionMut, MemberSet, Mesh, Model,
-    NodeSetId, OutputKind, OutputRegion, SideSelection, Step, SurfaceTraction,
+    NodeSetId, OutputKind, OutputRegion, OutputRequest, SideSelection, Step, SurfaceTraction,
 };
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::quad;
 use crate::kernel::shape::is_triangle;
+use crate::remesh::interpolation::TracerPoint;
 use crate::remesh::outline::{BoundaryEdge, loops};
 use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
+use crate::variables::request::VariableRequest;
 
 /// A list of the model that refers to nodes, elements or faces.
 enum MemberList<'a> {
@@ -45,7 +47,8 @@ impl ModelBody {
         ModelBody { index, nodes, quads }
     }
 
-    fn position(&self, node: usize) -> Option<u32> {
+    /// Returns the own number of a node; `None` for nodes of other bodies.
+    pub fn position(&self, node: usize) -> Option<u32> {
         self.nodes.binary_search(&node).ok().map(|at| at as u32)
     }
 
@@ -82,13 +85,11 @@ impl ModelBody {
         };
         keep_ends(&|edge| edge.ends.iter().all(|n| on_axis(*n)), &on_axis);
         let mut copy = model.clone();
-        // Initial conditions have no effect after the start, and neither have the ends of their sets.
-        for condition in std::mem::take(&mut copy.initial_conditions) {
-            copy.node_sets
-                .values_mut()
-                .filter(|set| set.members == condition.members)
-                .for_each(|set| set.members.clear());
-        }
+        // Initial conditions have no effect after the start, and sets of nodes only on the output for all their members.
+        copy.initial_conditions.clear();
+        let shown = sets_shown_as_a_whole(model);
+        let unused = copy.node_sets.values_mut().enumerate().filter(|(index, _)| !shown.contains(index));
+        unused.for_each(|(_, set)| set.members.clear());
         let mut single = Vec::new();
         visit_lists(&mut copy, &mut |list| match list {
             MemberList::Node(node) => single.extend(self.position(*node)),
@@ -102,20 +103,54 @@ impl ModelBody {
             MemberList::Faces(list) => keep_ends(&|edge| list.contains(&face(edge)), &|_| false),
             MemberList::Elements(_) => {}
         });
-        single.extend(nodes_of_histories(model).filter_map(|node| self.position(node)));
+        single.extend(kept_nodes_of_histories(model).filter_map(|node| self.position(node)));
         single.into_iter().for_each(|at| is_kept[at as usize] = true);
         is_kept
     }
 }
 
-/// Returns the nodes whose own values histories show.
-pub fn nodes_of_histories(model: &Model) -> impl Iterator<Item = usize> {
+/// Returns the requests of histories of single nodes, with the sets of these nodes.
+fn histories_of_nodes(model: &Model) -> impl Iterator<Item = (&OutputRequest, NodeSetId)> {
     let requests = model.steps.iter().flat_map(|step| &step.outputs);
     let single = requests.filter(|request| request.kind == OutputKind::History && request.statistics.is_empty());
-    single.flat_map(|request| match request.region {
-        OutputRegion::Nodes(id) => model.node_sets[id].members.clone(),
-        _ => Vec::new(),
+    single.filter_map(|request| match request.region {
+        OutputRegion::Nodes(id) => Some((request, id)),
+        _ => None,
     })
+}
+
+/// Returns whether points between nodes have all variables of a request.
+fn is_of_points(request: &OutputRequest) -> bool {
+    let is_continuous = |selection: &VariableRequest| {
+        let variables = selection.variables();
+        !variables.is_empty() && variables.iter().all(|variable| variable.is_continuous())
+    };
+    request.sensor.is_none() && request.variables.iter().all(is_continuous)
+}
+
+/// Returns the nodes of histories that must remain, because points between nodes do not have the variables.
+pub fn kept_nodes_of_histories(model: &Model) -> impl Iterator<Item = usize> {
+    let kept = histories_of_nodes(model).filter(|(request, _)| !is_of_points(request));
+    kept.flat_map(|(_, id)| model.node_sets[id].members.iter().copied())
+}
+
+/// Returns the nodes of histories that [points](TracerPoint) between nodes can replace, in ascending order.
+pub fn movable_nodes_of_histories(model: &Model) -> Vec<usize> {
+    let movable = histories_of_nodes(model).filter(|(request, _)| is_of_points(request));
+    let nodes = sorted_unique(movable.flat_map(|(_, id)| model.node_sets[id].members.iter().copied()));
+    let kept = sorted_unique(kept_nodes_of_histories(model));
+    nodes.into_iter().filter(|node| kept.binary_search(node).is_err()).collect()
+}
+
+/// Returns the indices of node sets whose extent output shows: those of frames and of statistics.
+fn sets_shown_as_a_whole(model: &Model) -> HashSet<usize> {
+    let requests = model.steps.iter().flat_map(|step| &step.outputs);
+    let whole = requests.filter(|request| request.kind == OutputKind::Field || !request.statistics.is_empty());
+    let sets = whole.filter_map(|request| match request.region {
+        OutputRegion::Nodes(id) => Some(id.index()),
+        _ => None,
+    });
+    sets.collect()
 }
 
 /// Returns the model with a new mesh of a body. Nodes and elements of other bodies keep their names and their order, and
@@ -133,6 +168,7 @@ pub fn revised(model: &Model, revision: &MeshRevision) -> Model {
     });
     // Nodes of a condition without a node in the new mesh would be taken for those of a rigid body.
     new.initial_conditions.retain(|condition| !condition.members.is_empty());
+    new.output.tracers = relation.tracers(model, revision);
     keep_history_nodes(&mut new, model, &relation);
     new
 }
@@ -144,6 +180,11 @@ fn face_of(quad: &[u32; 4], side: u8) -> ElementSide {
 
 /// Added to the name of a node set for the nodes of its histories.
 const OF_HISTORIES: &str = " (histories)";
+
+/// Returns the name in the deck of a set that a new mesh may have renamed.
+pub fn name_in_deck(set: &str) -> &str {
+    set.strip_suffix(OF_HISTORIES).unwrap_or(set)
+}
 
 /// Gives histories of single nodes the nodes that they had before; their sets may also have new nodes.
 fn keep_history_nodes(new: &mut Model, old: &Model, relation: &MeshRelation) {
@@ -158,7 +199,7 @@ fn keep_history_nodes(new: &mut Model, old: &Model, relation: &MeshRelation) {
         if node_sets[id.index()].members == members {
             continue;
         }
-        let name = if name.ends_with(OF_HISTORIES) { name.clone() } else { format!("{name}{OF_HISTORIES}") };
+        let name = format!("{}{OF_HISTORIES}", name_in_deck(name));
         *id = NodeSetId::new(node_sets.insert_full(name, MemberSet { members, span: *span }).0);
     }
 }
@@ -188,6 +229,10 @@ impl MeshRelation {
         for (new, parents) in revision.parents.iter().enumerate().filter(|(_, [a, b])| a == b && *a != INSIDE) {
             nodes[body.nodes[parents[0] as usize]] = first_node + new;
         }
+        let after_mesh = first_node + revision.mesh.points.len();
+        let replaced = revision.tracers.iter().filter(|point| nodes[point.node] == GONE);
+        let replaced: Vec<usize> = replaced.map(|point| point.node).collect();
+        (after_mesh..).zip(replaced).for_each(|(new, node)| nodes[node] = new);
         MeshRelation { nodes, elements, first_node, first_element }
     }
 
@@ -205,6 +250,22 @@ impl MeshRelation {
         };
         let new = revision.parents.iter().enumerate().filter(|(_, parents)| is_member(parents));
         *list = others.chain(new.map(|(new, _)| self.first_node + new)).collect();
+    }
+
+    /// Returns the points of histories: those between nodes of other bodies, and those of the new mesh.
+    fn tracers(&self, model: &Model, revision: &MeshRevision) -> Vec<TracerPoint> {
+        let is_other = |point: &&TracerPoint| revision.tracers.iter().all(|own| own.node != point.node);
+        let others = model.output.tracers.iter().filter(is_other).map(|point| TracerPoint {
+            node: self.node(point.node),
+            between: point.between.map(|node| self.node(node)),
+            ..point.clone()
+        });
+        let own = revision.tracers.iter().map(|point| TracerPoint {
+            node: self.node(point.node),
+            between: point.between.map(|node| self.first_node + node),
+            ..point.clone()
+        });
+        others.chain(own).collect()
     }
 
     fn follow_elements(&self, list: &mut Vec<usize>, model: &Model, revision: &MeshRevision) {
@@ -252,6 +313,10 @@ impl MeshRelation {
             } else {
                 node_labels.next(&old.node_names[body.nodes[0]])
             });
+        }
+        for point in revision.tracers.iter().filter(|point| body.position(point.node).is_some()) {
+            mesh.points.push(point.start);
+            mesh.node_names.push(old.node_names[point.node].clone());
         }
         for (_, element) in old.elements.iter().enumerate().filter(|(e, _)| self.elements[*e] != GONE) {
             let nodes: Vec<usize> = element.nodes.iter().map(|node| self.nodes[*node]).collect();

@@ -3,6 +3,7 @@
 
 pub mod balanced_parts;
 mod folds;
+pub mod interpolation;
 pub mod mesher;
 pub mod outline;
 pub mod overlap;
@@ -12,6 +13,7 @@ pub mod transfer;
 mod triangulation;
 
 use crate::kernel::lanes::InlineMap;
+use crate::remesh::interpolation::TracerPoint;
 use crate::state::archive::Persist;
 
 /// Quadrilaterals of a body with its own numbering of nodes. The last two nodes of a triangle are the same.
@@ -57,6 +59,8 @@ pub struct MeshRevision {
     pub displacements: Vec<[f64; 2]>,
     /// For each new element the old element at its centre.
     pub origins: Vec<u32>,
+    /// Points of histories in the new mesh, between its nodes. Each belongs to a node or a point of the model before it.
+    pub tracers: Vec<TracerPoint>,
 }
 
 /// Marks nodes that are not on the boundary.

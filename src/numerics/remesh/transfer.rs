@@ -2,11 +2,11 @@
 //! range of their neighbours, are integrated over the common parts of old and new elements.
 
 use super::BodyMesh;
+use super::interpolation::interpolated;
 use super::overlap::CommonPart;
 use crate::kernel::lanes::{InlineMap, PACK, Pack};
 use crate::kernel::quad;
-use crate::kernel::shape::{halves, middle, twice_area};
-use crate::kernel::sorted_boxes::{SortedBoxes, box_of};
+use crate::kernel::shape::middle;
 
 /// Masses and velocities of a body.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -233,44 +233,6 @@ impl<'a> MeshTransfer<'a> {
         }
         sums
     }
-}
-
-/// Returns the values of a field of the nodes of a mesh at places; those outside take values of the nearest element.
-pub fn interpolated(mesh: &BodyMesh, values: &[[f64; 2]], at: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let triangles: Vec<_> = mesh.quads.iter().flat_map(|quad| triangles_of(mesh, quad)).collect();
-    let mut boxes = SortedBoxes::with_capacity(triangles.len());
-    boxes.sort(triangles.iter().map(|(_, corners)| box_of(corners)).zip(0..));
-    let value = |place: [f64; 2]| {
-        let mut reach = 0.0;
-        let mut best = (f64::NEG_INFINITY, u32::MAX, [0.0; 3]);
-        while best.1 == u32::MAX {
-            boxes.near([place, place], reach, |t| {
-                let weights = barycentric(triangles[t as usize].1, place);
-                let least = weights[0].min(weights[1]).min(weights[2]);
-                if least > best.0 || least == best.0 && t < best.1 {
-                    best = (least, t, weights);
-                }
-            });
-            reach = if reach > 0.0 { 2.0 * reach } else { 0.1 * mesh.sizes[0] };
-        }
-        let inside = best.2.inline_map(|w| w.max(0.0));
-        let sum = inside[0] + inside[1] + inside[2];
-        let corners = triangles[best.1 as usize].0.inline_map(|n| values[n as usize]);
-        [0, 1].inline_map(|i: usize| (0..3).map(|k| inside[k] / sum * corners[k][i]).sum())
-    };
-    at.iter().map(|place| value(*place)).collect()
-}
-
-/// Returns the nodes of the triangles of positive area that make up an element.
-fn triangles_of(mesh: &BodyMesh, quad: &[u32; 4]) -> impl Iterator<Item = ([u32; 3], [[f64; 2]; 3])> {
-    let places = mesh.corners(quad);
-    let pair = halves(places).inline_map(|list| (list.inline_map(|i| quad[i]), list.inline_map(|i| places[i])));
-    pair.into_iter().filter(|(_, corners)| twice_area(*corners) > 0.0)
-}
-
-fn barycentric([a, b, c]: [[f64; 2]; 3], p: [f64; 2]) -> [f64; 3] {
-    let whole = twice_area([a, b, c]);
-    [[p, b, c], [a, p, c], [a, b, p]].inline_map(|part| twice_area(part) / whole)
 }
 
 /// Returns the gradient of a linear field by least squares over the corners of an element.

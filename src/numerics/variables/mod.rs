@@ -405,6 +405,18 @@ impl Variable {
         self.place() == VariablePlace::Node
     }
 
+    /// Returns whether nodes have it and it is continuous between them, so that it has a value at any point of a body.
+    pub fn is_continuous(self) -> bool {
+        matches!(
+            self,
+            Variable::Displacement
+                | Variable::Velocity
+                | Variable::Acceleration
+                | Variable::Coordinate
+                | Variable::NodalTemperature
+        )
+    }
+
     /// Returns whether it is a variable of nodal rotations.
     pub fn is_of_rotations(self) -> bool {
         matches!(

@@ -6,6 +6,7 @@ use crate::plan::{
     AutomaticMeshes, ColumnSource, FrameField, FrameLabels, HistoryColumn, IntegratedSection, PlannedRigidBody,
     RemeshPlan, RowExpression, SolidPlaces, StepChanges, StepOutputs,
 };
+use crate::remesh::interpolation::TracerPoint;
 use crate::state::EffectId;
 use crate::user::Routines;
 
@@ -27,6 +28,8 @@ pub struct Plan {
     pub columns: Vec<HistoryColumn>,
     /// Surfaces over which history columns are integrated.
     pub sections: Vec<IntegratedSection>,
+    /// Points between solver nodes that history columns show.
+    pub tracers: Vec<TracerPoint>,
     /// Members of the sets over which history columns are statistics.
     pub sets: Vec<Vec<ColumnSource>>,
     /// Expressions of columns that are computed from previous columns.

@@ -138,6 +138,7 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
         steps,
         columns: columns.list,
         sections: columns.sections,
+        tracers: columns.tracers,
         sets: columns.sets.into_iter().collect(),
         expressions: columns.expressions,
         fields: columns.fields,

@@ -8,7 +8,7 @@ use crate::plan::{AutomaticMeshes, MeshCards, Plan};
 use crate::state::archive::Persist;
 
 /// Ratio of the largest stable time increment so far to the increment, from which the increment has collapsed.
-const COLLAPSED: f64 = AutomaticMeshes::COLLAPSE_RATIO;
+const COLLAPSED: f64 = 25.0;
 /// Ratio of increments from which an element counts among the causes of the collapse.
 const SMALL: f64 = 0.5 * COLLAPSED;
 /// Largest fraction of the elements that may cause a collapse. More elements mean that the model deforms as a whole.

@@ -14,6 +14,7 @@ use crate::element::values;
 use crate::model::OutputPosition;
 use crate::output::{CellList, FieldArray, OutputFrame};
 use crate::plan::{ColumnSource, ElementCorner, FrameField, HistoryColumn, IntegratedSection, SolidPlaces};
+use crate::remesh::interpolation::TracerPoint;
 use crate::state::dofs::{Dof, Dofs};
 use crate::variables::statistic::Statistic;
 use crate::variables::{Variable, VariableComponent, VariablePlace};
@@ -98,6 +99,7 @@ impl RunState<'_> {
             },
             ColumnSource::Body { body, node } => self.body_value(body, node, part),
             ColumnSource::Node(node) => self.node_value(node, part),
+            ColumnSource::Tracer(index) => self.tracer_value(&self.plan.tracers[index], part),
             ColumnSource::Element(group, e) => self.element_value((group, e), part),
             ColumnSource::Section(index) => self.section_value(&self.plan.sections[index], part),
             ColumnSource::Set(statistic, index) => self.statistic(statistic, &self.plan.sets[index], part, row),
@@ -177,6 +179,17 @@ impl RunState<'_> {
                 section.faces.iter().map(area).sum()
             }
             _ => f64::NAN,
+        }
+    }
+
+    /// Returns a value at a point between nodes. Its displacement is that from its own place at the start.
+    fn tracer_value(&self, point: &TracerPoint, part: VariableComponent) -> f64 {
+        let axis = part.component;
+        let place = || point.offset[axis] + point.value(|node| self.state.dofs.nodes[node].place()[axis]);
+        match part.variable {
+            Variable::Coordinate => place(),
+            Variable::Displacement => place() - point.start[axis],
+            _ => point.value(|node| self.node_value(node, part)),
         }
     }
 

@@ -19,10 +19,10 @@ use crate::constraint::contact::ContactConstraint;
 use crate::constraint::of_kind_mut;
 use crate::kernel::lanes::InlineMap;
 use crate::model::Model;
-use crate::model::remesh::{ModelBody, nodes_of_histories, revised};
+use crate::model::remesh::{ModelBody, kept_nodes_of_histories, movable_nodes_of_histories, revised};
 use crate::plan::{self, CompiledModel, Plan, RemeshPlan, State};
+use crate::remesh::interpolation::{TracerPoint, interpolated, places_in_triangles};
 use crate::remesh::mesher::{OutlineRules, new_mesh};
-use crate::remesh::transfer::interpolated;
 use crate::remesh::{BodyMesh, MeshRevision};
 use crate::state::Instant;
 use crate::state::dofs::Dofs;
@@ -248,7 +248,7 @@ fn revision(
     let mut used = vec![false; planned.nodes.len()];
     living.iter().flat_map(|i| planned.quads[*i]).for_each(|n| used[n as usize] = true);
     let is_lost = |node: usize| of_model.nodes.binary_search(&node).is_ok_and(|index| !used[index]);
-    if nodes_of_histories(model).any(is_lost) {
+    if kept_nodes_of_histories(model).any(is_lost) {
         return None;
     }
     let (quads, sizes) = living.iter().map(|i| (planned.quads[*i], sizes[*i])).unzip();
@@ -269,7 +269,47 @@ fn revision(
     new.sides.iter_mut().for_each(|side| side.old.0 = living[side.old.0 as usize] as u32);
     let moved: Vec<[f64; 2]> = planned.nodes.iter().map(|n| nodes.displacement(*n)).collect();
     new.displacements = interpolated(&old, &moved, &new.mesh.points);
+    new.tracers = tracers(run, model, (&of_model, &old), &new);
     Some((old, new))
+}
+
+/// A material point of a history at the instant of a new mesh.
+struct HistoryPoint {
+    /// Node of the model.
+    node: usize,
+    start: [f64; 2],
+    /// Place in the mesh, and that which histories show.
+    place: [f64; 2],
+    shown: [f64; 2],
+}
+
+/// Returns the points of histories in a new mesh: those between nodes of the old mesh, and its nodes that the new one does
+/// not have.
+fn tracers(
+    run: &RunState<'_>,
+    model: &Model,
+    (body, old): (&ModelBody, &BodyMesh),
+    new: &MeshRevision,
+) -> Vec<TracerPoint> {
+    let nodes = &run.state.dofs.nodes;
+    let remains = |index: u32| new.parents.contains(&[index; 2]);
+    let history_point = |node: usize| {
+        let known = model.output.tracers.iter().position(|point| point.node == node);
+        if let Some(index) = known.filter(|index| body.position(model.output.tracers[*index].between[0]).is_some()) {
+            let point = &run.plan.tracers[index];
+            let place = [0, 1].inline_map(|axis: usize| point.value(|node| nodes[node].place()[axis]));
+            let shown = [0, 1].inline_map(|axis: usize| place[axis] + point.offset[axis]);
+            return Some(HistoryPoint { node, start: point.start, place, shown });
+        }
+        let index = body.position(node).filter(|index| !remains(*index))?;
+        let (place, start) = (old.points[index as usize], nodes.start[run.plan.places.nodes[&node]]);
+        Some(HistoryPoint { node, start, place, shown: place })
+    };
+    let points: Vec<HistoryPoint> = movable_nodes_of_histories(model).into_iter().filter_map(history_point).collect();
+    let places: Vec<[f64; 2]> = points.iter().map(|point| point.place).collect();
+    let found = places_in_triangles(&new.mesh, &places);
+    let pairs = points.iter().zip(found);
+    pairs.map(|(point, at)| TracerPoint::new(point.node, point.start, point.shown, (at, &new.mesh.points))).collect()
 }
 
 fn kinetic_energy(dofs: &Dofs) -> f64 {

@@ -3,6 +3,7 @@
 use super::handle::{ElementSetId, InteractionId, NodeSetId, SurfaceId, TimePointsId};
 use super::{SideSelection, SurfaceContact};
 use crate::deck::Span;
+use crate::remesh::interpolation::TracerPoint;
 use crate::variables::VariablePlace;
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
@@ -14,6 +15,8 @@ pub struct OutputDefinitions {
     pub expressions: Vec<OutputExpression>,
     /// `*TIME POINTS` in deck order.
     pub time_points: Vec<TimePoints>,
+    /// Points that histories show in place of nodes that new meshes do not have.
+    pub tracers: Vec<TracerPoint>,
 }
 
 /// An output request: variables, region and interval.

@@ -31,13 +31,8 @@ struct WaitingBody {
 }
 
 impl AutomaticMeshes {
-    /// Ratio of the largest stable time increment to the present one from which the increment has collapsed; also that of
-    /// warning R307.
-    pub const COLLAPSE_RATIO: f64 = 25.0;
-    /// Fraction of the largest stable time increment below which a body has collapsed on the mesh of the deck.
-    pub const COLLAPSED: f64 = 1.0 / Self::COLLAPSE_RATIO;
-    /// The same on later meshes.
-    pub const COLLAPSED_AGAIN: f64 = 0.3;
+    /// Fraction of the largest stable time increment below which squashed elements are worth a new mesh.
+    pub const COLLAPSED: f64 = 0.3;
     /// Increments between two checks.
     pub const INTERVAL: u64 = 10;
 
@@ -109,7 +104,7 @@ fn card_of(model: &Model, section: usize) -> Remeshing {
         set: model.materials[section.material].name.clone(),
         elements: sorted_unique(section.elements.iter().copied()),
         angle: SHARP.to_radians(),
-        increment: AutomaticMeshes::COLLAPSED_AGAIN,
+        increment: AutomaticMeshes::COLLAPSED,
         frequency: AutomaticMeshes::INTERVAL,
         size: None,
         limits: SizeLimits::default(),

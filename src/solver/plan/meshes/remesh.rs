@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::deck::Diagnostic;
 use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementTopology;
-use crate::model::remesh::{ModelBody, is_shared, nodes_of_histories};
+use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories};
 use crate::model::{
     AnalyticalFront, BoundaryCondition, LoadKind, Model, MotionKind, OutputCard, OutputKind, OutputRegion,
     OutputRequest, Remeshing,
@@ -158,9 +158,9 @@ pub(super) fn unsupported_remeshing(
     };
     let used = |node: usize| body.nodes.binary_search(&node).ok();
     let on_boundary: HashSet<u32> = boundaries.iter().flatten().map(|edge| edge.ends[0]).collect();
-    if nodes_of_histories(scene.model).filter_map(used).any(|at| !on_boundary.contains(&(at as u32))) {
+    if kept_nodes_of_histories(scene.model).filter_map(used).any(|at| !on_boundary.contains(&(at as u32))) {
         let message = format!("a history shows the values of a node inside `{name}`, which a new mesh does not keep");
-        return Some((message, "request a statistic of a set, or a node on the boundary"));
+        return Some((message, "request only U, V, A, COOR or NT, a statistic of a set, or a node on the boundary"));
     }
     let exclusion =
         excluded_by_model(scene.model, pairs, state, report).or_else(|| excluded_by_nodes(scene.model, &used));

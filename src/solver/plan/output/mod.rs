@@ -10,6 +10,7 @@ use indexmap::{IndexMap, IndexSet};
 use crate::element::group::GroupSetting;
 use crate::element::values;
 use crate::kernel::lists::Memory;
+use crate::model::remesh::name_in_deck;
 use crate::model::{
     ContactPairFilter, ElementSetId, MemberSet, Model, NodeSetId, OutputCard, OutputInterval, OutputKind,
     OutputPosition, OutputRegion, OutputRequest, RegionType, Step, SurfaceId,
@@ -22,6 +23,7 @@ use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::erosion::ErodingState;
 use crate::plan::solids::user_material::{deletes, fails, materials_present, state_name, state_variables};
 use crate::plan::{Pairs, Report, RowExpression, Scene, State};
+use crate::remesh::interpolation::TracerPoint;
 use crate::variables::request::VariableRequest;
 use crate::variables::statistic::Statistic;
 use crate::variables::{PreselectRule, Variable, VariableComponent, VariablePlace};
@@ -38,6 +40,8 @@ pub enum ColumnSource {
     },
     /// A node of a deformable body, by its solver index.
     Node(usize),
+    /// A point between nodes, by index in [`Plan::tracers`](crate::plan::Plan::tracers).
+    Tracer(usize),
     /// An element: group, index in the group.
     Element(usize, usize),
     /// A surface integral, by index in [`Plan::sections`](crate::plan::Plan::sections).
@@ -180,6 +184,8 @@ pub struct Columns {
     pub fields: Vec<FrameField>,
     /// Surfaces over which history columns are integrated.
     pub sections: Vec<IntegratedSection>,
+    /// Points between solver nodes.
+    pub tracers: Vec<TracerPoint>,
     /// Members of the sets over which history columns are statistics.
     pub sets: IndexSet<Vec<ColumnSource>>,
     pub expressions: Vec<RowExpression>,
@@ -235,7 +241,7 @@ pub fn plan(scene: Scene, pairs: &Pairs, state: ErodingState, report: &mut Repor
         followed_row(scene.model, state.elements.count(), report);
     }
     track_deletion(scene.model, &columns.list, &mut state, report);
-    columns.fields = fields;
+    (columns.fields, columns.tracers) = (fields, tracers(scene));
     (columns, RecordingState(state))
 }
 
@@ -360,6 +366,7 @@ fn node_columns(
 ) {
     let Scene { model, bodies, places } = input.scene;
     let (set, members) = named(&model.node_sets, set.index());
+    let set = name_in_deck(set);
     let mut parts = selected_parts(input.scene, selection, Variable::is_of_nodes);
     parts.retain(|p| nodes_have(input, p.variable));
     let name = |node: usize| model.mesh.node_names[node].as_str();
@@ -376,15 +383,24 @@ fn node_columns(
             sources_of_members.extend(parts.map(|part| MemberSource { part, name: name(node), source }));
             continue;
         }
-        let source = match (places.free_node(node), bodies.of_node.get(&node)) {
-            (Some(node), _) => ColumnSource::Node(node),
-            (_, Some(&body)) => ColumnSource::Body { body, node },
+        let tracer = model.output.tracers.iter().position(|point| point.node == node);
+        let source = match (places.free_node(node), tracer, bodies.of_node.get(&node)) {
+            (Some(node), ..) => ColumnSource::Node(node),
+            (_, Some(index), _) => ColumnSource::Tracer(index),
+            (.., Some(&body)) => ColumnSource::Body { body, node },
             _ => continue,
         };
         let moving = parts.iter().filter(|p| !p.variable.is_of_rotations() && !is_spatial(p.variable));
         sources_of_members.extend(moving.map(|&part| MemberSource { part, name: name(node), source }));
     }
     columns_of_set(set, members.len(), &sources_of_members, &request.statistics, columns);
+}
+
+/// Returns the points of histories with their solver nodes.
+fn tracers(scene: Scene) -> Vec<TracerPoint> {
+    let solver_node = |node: usize| scene.places.nodes.get(&node).copied().unwrap_or_default();
+    let points = scene.model.output.tracers.iter();
+    points.map(|point| TracerPoint { between: point.between.map(solver_node), ..point.clone() }).collect()
 }
 
 /// Source of a variable of a member of a set, which has a name.
