@@ -7,7 +7,7 @@ use revolve::job;
 use revolve::output::HistorySummary;
 use revolve::plan::State;
 use revolve::solve::Outcome;
-use revolve::user::Routines;
+use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
 
 use super::remeshing::{OFTEN, new_meshes, taylor};
 use super::remeshing_contact::{EAGER, last};
@@ -209,4 +209,86 @@ fn other_bodies_erode() {
         last(&ran, "ALLPD") / last(&follows, "ALLPD")
     });
     assert!((work.iter().sum::<f64>() / 3.0 - 1.0).abs() < 0.03, "{work:?}");
+}
+
+/// A bar whose upper end is pushed down by a tenth of its length, from rest: by prescribed displacements, and by the velocity
+/// that belongs to them. With new meshes the end is where the displacement is, to rounding of the coordinates, and the foot
+/// radius and the work agree within 0.5 % with the mesh that follows the material.
+#[test]
+fn prescribed_displacements_continue() {
+    let deck = |card: &str, motion: &str| {
+        let pushed = format!("*Boundary\n FOOT, 2, 2\n{motion}");
+        let deck = taylor(card)
+            .replace("*Boundary\n FOOT, 2, 2\n", &pushed)
+            .replace("*Initial Conditions, type=VELOCITY\n BAR, 2, <v>\n", "")
+            .replace("*Step, ", "*Amplitude, name=RAMP, definition=SMOOTH STEP\n 0., 0., 80.e-6, 1.\n*Step, ");
+        assert!(deck.contains(motion) && !deck.contains("type=VELOCITY\n BAR"));
+        deck
+    };
+    let displaced = "*Boundary, amplitude=RAMP\n TOP, 2, 2, -2.5e-3\n";
+    let [reference, moved] = ["", OFTEN].map(|card| BarRun::of(&deck(card, displaced)));
+    let end = moved.history.0["U2@TIP"].last;
+    let (work, same_work) = (moved.outcome.energy.work, reference.outcome.energy.work);
+    println!("{} new meshes, U2 {end:e}, work {work:e} {same_work:e}", new_meshes(&moved.outcome));
+    assert!(new_meshes(&moved.outcome) >= 1, "{:?}", moved.outcome.new_meshes);
+    assert!((end + 2.5e-3).abs() < 1e-15, "{end:e}");
+    assert!(moved.apart(&reference) < 5e-3, "{}", moved.apart(&reference));
+    assert!((work / same_work - 1.0).abs() < 5e-3, "{work:e} {same_work:e}");
+}
+
+/// A user load of constant pressure on the side acts on new meshes as `*DSLOAD` does, with the same bits. A load with memory
+/// of its points is refused, because new points have none.
+#[test]
+fn user_loads_continue() {
+    struct Remembering;
+    impl UserLoad for Remembering {
+        fn pressure(&mut self, _points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
+            pressure.fill(2e7);
+            Ok(())
+        }
+        fn memory(&self) -> usize {
+            1
+        }
+    }
+    let surface = "*Surface, name=WALL\n BAR, S2\n";
+    let deck = |load: &str| in_step(&taylor(&format!("{surface}{OFTEN}")), &format!("*Dsload\n WALL, {load}\n"));
+    let work = |load: &str, routines: &Routines| {
+        let (outcome, _) = job::run_in_memory(&common::prepared(&deck(load), &[], routines));
+        assert_eq!(outcome.halt, None);
+        assert!(new_meshes(&outcome) >= 2, "{:?}", outcome.new_meshes);
+        outcome.energy.work
+    };
+    let built_in = work("P, 2.e7", &Routines::none());
+    let user = work("PNU", &Routines::none().with_pressure(|_, _| 2e7));
+    assert!(built_in > 0.0 && user.to_bits() == built_in.to_bits(), "{user} {built_in}");
+    let remembering = Routines::none().with_load(Remembering);
+    let refused = job::prepare_text("test.inp", &deck("PNU"), &common::pairs(&[]), &remembering);
+    assert!(refused.diagnostics.iter().any(|d| d.code == "P072" && d.message.contains("memory")));
+}
+
+/// `*DAMPING` of the bar, and a spring between two other bodies: the energy balance closes, length, foot radius and the
+/// energies agree within 1 % with the mesh that follows the material, and the spring has exactly the same energy.
+#[test]
+fn damping_and_springs_continue() {
+    let damped = |deck: String| deck.replacen("*Elastic\n", "*Damping, alpha=2.e4, beta=2.e-9\n*Elastic\n", 1);
+    let [reference, moved] = both(damped);
+    let terms = |run: &BarRun| [run.outcome.energy.viscous, run.outcome.energy.internal];
+    println!("{} new meshes, {:?} {:?}", new_meshes(&moved.outcome), terms(&moved), terms(&reference));
+    assert!(new_meshes(&moved.outcome) >= 1 && moved.outcome.energy.drift < 1e-3, "{:?}", moved.outcome.energy);
+    assert!(moved.apart(&reference) < 1e-2, "{}", moved.apart(&reference));
+    for (a, b) in terms(&moved).into_iter().zip(terms(&reference)) {
+        assert!((a / b - 1.0).abs() < 1e-2, "{a:e} {b:e}");
+    }
+    let sprung = |deck: String| {
+        let masses = "*Node, nset=HUNG\n 90001, 0., 1.\n*Element, type=MASS, elset=HUNG_MASS\n 90001, 90001\n\
+            *Mass, elset=HUNG_MASS\n 0.1,\n*Element, type=SPRING1, elset=HUNG_SPRING\n 90002, 90001\n\
+            *Spring, elset=HUNG_SPRING\n 2,\n 1.e6,\n*Initial Conditions, type=VELOCITY\n HUNG, 2, 3.\n";
+        let with_masses = deck.replacen("*Step, ", &format!("{masses}*Step, "), 1);
+        with_masses.replace("nset=CORNER\n U1, COOR1", "nset=HUNG\n V2\n*Node Output, nset=CORNER\n U1, COOR1")
+    };
+    let [reference, moved] = both(sprung);
+    let (speed, same) = (moved.history.0["V2@HUNG"].last, reference.history.0["V2@HUNG"].last);
+    let exact = 3.0 * (80e-6 * 1e7_f64.sqrt()).cos();
+    println!("{} new meshes, {speed} {same} {exact} m/s", new_meshes(&moved.outcome));
+    assert!((speed / exact - 1.0).abs() < 1e-6 && moved.outcome.energy.drift < 1e-3, "{speed} {exact}");
 }

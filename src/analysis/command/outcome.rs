@@ -35,6 +35,9 @@ pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
         let lost = summary.energy.advection.unwrap_or(0.0);
         print_out!("new meshes: {count} (NREMESH), kinetic energy lost by transport (ALLADV) {lost:.3e}");
     }
+    if let Some(shape) = summary.mesh_shape.filter(|shape| shape.turned_corners > 0) {
+        print_out!("{} elements have a corner that has turned over", shape.turned_corners);
+    }
     if summary.deleted_elements > 0 {
         print_out!("{} elements were deleted", summary.deleted_elements);
     }

@@ -268,10 +268,12 @@ impl StoredConstraint for PrescribedMotion {
             known.into_iter().for_each(|known| *motion = *known);
         }
         let known: HashMap<_, _> = previous.nodes.iter().map(|m| ((m.node, m.axis), m.origin)).collect();
+        // All nodes of a displacement have moved by the same amount, and so have those between them.
         for motion in &mut self.nodes {
-            let same = nodes(motion.node).and_then(|place| place.node());
-            let previous_origin = same.and_then(|node| known.get(&(node, motion.axis)));
-            previous_origin.into_iter().for_each(|origin| motion.origin = *origin);
+            let Some(place) = nodes(motion.node) else { continue };
+            if let [Some(a), Some(b)] = place.nodes.map(|node| known.get(&(node, motion.axis))) {
+                motion.origin = a + place.share * (b - a);
+            }
         }
     }
 }

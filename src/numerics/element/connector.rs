@@ -179,6 +179,14 @@ impl Connectors {
         }
     }
 
+    /// Continues from the same connectors on a previous mesh, and recomputes the bounds with the current masses.
+    pub(super) fn follow_new_mesh(&mut self, previous: &Connectors, nodes: &Nodes) {
+        for (connector, known) in self.list.iter_mut().zip(&previous.list) {
+            (connector.force, connector.released) = (known.force, known.released);
+        }
+        self.bound(nodes);
+    }
+
     /// Returns one over the stable time increment, given that of the elements.
     pub(super) fn rate(&self, elements: f64) -> f64 {
         self.bounds.rate(elements)

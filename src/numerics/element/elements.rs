@@ -222,6 +222,16 @@ impl Elements {
         self.active_nodes.wake();
     }
 
+    /// Continues connectors and damping from the elements before a new mesh, with the current masses.
+    pub fn follow_new_mesh(&mut self, previous: &Elements, nodes: &Nodes) {
+        if let (Some(connectors), Some(previous)) = (&mut self.connectors, &previous.connectors) {
+            connectors.follow_new_mesh(previous, nodes);
+        }
+        if let Some(damping) = &mut self.damping {
+            damping.update_masses(&self.groups);
+        }
+    }
+
     /// Returns whether connectors, damping or distortion control add forces to nodes.
     pub fn has_links(&self) -> bool {
         self.connectors.is_some() || self.damping.is_some() || self.distortion.is_some()

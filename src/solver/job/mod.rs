@@ -34,7 +34,8 @@ use crate::plan::ledger::Ledger;
 use crate::plan::{self, CompiledModel, Plan, State};
 use crate::solve::{
     self, BodyExit, BodyRest, CheckpointInterval, Energy, HaltDetails, HaltReason, Instant, LOST, LimitsOverTime,
-    Outcome, PenetrationSummary, Progress, RunControl, RunPosition, Sink, SinkError, StepSummary, UnfitState,
+    MeshShape, Outcome, PenetrationSummary, Progress, RunControl, RunPosition, Sink, SinkError, StepSummary,
+    UnfitState,
 };
 use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
@@ -266,6 +267,9 @@ pub struct RunSummary {
     /// Number of new meshes of all bodies; `None` without `*REMESH`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub new_meshes: Option<u64>,
+    /// Shapes of the quadrilaterals and triangles at the end; `None` without any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_shape: Option<MeshShape>,
     /// Ledger of the simulated effects.
     pub ledger: Ledger,
     /// Notes and warnings of the deck.
@@ -684,6 +688,9 @@ pub fn run_with<'a>(
     summary.timing.checkpoint_seconds = (checkpoint_seconds > 0.0).then_some(checkpoint_seconds);
     history_failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
     summary.halt.iter().for_each(|halt| status.note(&format!("***ERROR: {halt}")));
+    if let Some(MeshShape { smallest_angle, turned_corners }) = summary.mesh_shape {
+        status.note(&format!("SMALLEST ANGLE {smallest_angle:.1}, ELEMENTS WITH A TURNED CORNER {turned_corners}"));
+    }
     status.note(&format!("THE ANALYSIS HAS {}", summary.status.to_uppercase()));
     status.failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
     finish_files(job, &mut summary, sums);
@@ -779,6 +786,7 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         exits: outcome.exits,
         deleted_elements: outcome.deleted,
         mesh_changes: outcome.mesh_changes.iter().map(|changes| changes.count).reduce(|sum, count| sum + count),
+        mesh_shape: outcome.mesh_shape,
         new_meshes: outcome.new_meshes.iter().map(|changes| changes.count).reduce(|sum, count| sum + count),
         ledger,
         diagnostics: prepared.diagnostics.findings(&deck.sources),

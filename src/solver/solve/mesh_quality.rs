@@ -1,9 +1,11 @@
 //! Quality of the meshes of bodies that are remeshed, and their new meshes so far.
 
-use super::outcome::MeshChanges;
+use super::outcome::{MeshChanges, MeshShape};
 use super::run_state::RunState;
 use crate::element::elements::Elements;
-use crate::plan::{AutomaticMeshes, Plan, RemeshedBody};
+use crate::kernel::shape::smallest_sine;
+use crate::kernel::topology::ElementTopology;
+use crate::plan::{AutomaticMeshes, Plan, RemeshedBody, State};
 use crate::remesh::mesher::sharpest;
 use crate::remesh::{BodyMesh, MeshRevision};
 use crate::state::archive::Persist;
@@ -100,6 +102,21 @@ impl MeshQuality {
 pub(super) fn is_squashed(elements: &Elements) -> bool {
     let (group, element) = elements.limiting();
     elements.groups[group].value(element, Variable::PlasticStrain.into()).is_some_and(|strain| strain > SQUASHED)
+}
+
+/// Returns the shapes of the quadrilaterals and triangles that are not deleted; `None` without any.
+pub(super) fn shape_of(state: &State) -> Option<MeshShape> {
+    let groups = state.elements.groups.iter().filter(|group| group.topology() == ElementTopology::Quadrilateral);
+    let living = groups.flat_map(|group| (0..group.len()).filter(|e| !group.is_deleted(*e)).map(|e| group.nodes(e)));
+    let place = |n: u32| state.dofs.nodes[n as usize].place();
+    let sines = living.map(|nodes| smallest_sine(&[0, 1, 2, 3].map(|i: usize| nodes[i]), place));
+    let (mut smallest, mut turned_corners, mut count) = (1.0_f64, 0, 0);
+    for sine in sines {
+        smallest = smallest.min(sine);
+        turned_corners += usize::from(sine < 0.0);
+        count += 1;
+    }
+    (count > 0).then(|| MeshShape { smallest_angle: libm::asin(smallest).to_degrees(), turned_corners })
 }
 
 /// New meshes of a run.

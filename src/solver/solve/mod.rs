@@ -48,7 +48,9 @@ use increment::IncrementController;
 pub use limits::{IncrementLimits, LimitsOverTime};
 use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
-pub use outcome::{AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, Outcome, PenetrationSummary, StepSummary};
+pub use outcome::{
+    AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, MeshShape, Outcome, PenetrationSummary, StepSummary,
+};
 pub use position::RunPosition;
 use remesh::{DetachedRun, NextMesh, next_mesh, plan_of_revisions};
 pub use restart::{CheckpointInterval, LOST, RunControl, lost};
@@ -248,6 +250,7 @@ fn finished(run: SolverRun<'_>, seconds: f64, sink: &mut dyn Sink) -> (Outcome, 
     }
     outcome.deleted = current.state.elements.deleted();
     outcome.new_meshes = remesh.counts(plan);
+    outcome.mesh_shape = mesh_quality::shape_of(&current.state);
     outcome.energy = current.energy();
     outcome.mesh_changes.extend(current.state.adaptive.iter().map(adaptive_meshes::changes_of));
     outcome.seconds = seconds;

@@ -160,6 +160,7 @@ impl MeshChange<'_> {
             (moved.transfer.with_masses(&scaled), masses)
         };
         self.move_velocities(&transfer, scaled, masses);
+        self.state.elements.follow_new_mesh(&self.old.elements, &self.state.dofs.nodes);
         self.follow_deletions(&places);
         for (i, n) in self.body.nodes.iter().enumerate().filter(|(i, _)| revision.parents[*i][0] != INSIDE) {
             let parents = revision.parents[i];

@@ -13,7 +13,7 @@ use crate::state::halt::HaltReason;
 #[derive(Clone, Debug, Default, Serialize, Persist)]
 // Halts and results at the end do not exist yet; run times belong to this process.
 #[persist(
-    derived: new_meshes, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits,
+    derived: new_meshes, mesh_shape, halt, ended_by_user, energy, penetrations, impacts, unfinished, still_moving, exits,
         deleted, seconds, checkpoint_seconds, digest, lost, effect_seconds
 )]
 pub struct Outcome {
@@ -46,6 +46,8 @@ pub struct Outcome {
     pub mesh_changes: Vec<MeshChanges>,
     /// Number of new meshes of each body of `*REMESH`.
     pub new_meshes: Vec<MeshChanges>,
+    /// Shapes of the quadrilaterals and triangles at the end; `None` without any.
+    pub mesh_shape: Option<MeshShape>,
     /// Warnings issued during the run; each begins with its code.
     pub warnings: Vec<String>,
     /// Increments over all steps.
@@ -72,6 +74,15 @@ pub struct MeshChanges {
     pub row: EffectId,
     /// Number of changes in which nodes moved.
     pub count: u64,
+}
+
+/// Shapes of the quadrilaterals and triangles that are not deleted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MeshShape {
+    /// Smallest angle, or smallest difference of an angle from 180 degrees, in degrees; negative at a turned corner.
+    pub smallest_angle: f64,
+    /// Number of elements with a corner that has turned over: an angle above 180 degrees.
+    pub turned_corners: usize,
 }
 
 impl Outcome {

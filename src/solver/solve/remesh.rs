@@ -210,7 +210,12 @@ fn pause(run: &mut SolverRun<'_>, body: usize, remesh: &RemeshPlan) {
     run.remesh.bodies[body].next = run.current.now.increment + PAUSE * remesh.bodies[body].frequency;
     if !std::mem::replace(&mut run.remesh.reported, true) {
         let (set, time) = (&remesh.model.remeshings[body].set, run.current.now.total_time);
-        let text = format!("no valid mesh was found for `{set}` at time {time:.4e}; it keeps its mesh for now");
+        let reason = if remesh.bodies[body].automatic {
+            format!("plastic flow has squashed elements of the body of material {set}, but")
+        } else {
+            format!("`{set}`:")
+        };
+        let text = format!("{reason} no valid new mesh was found at time {time:.4e}; the body keeps its mesh for now");
         run.report.outcome.warn("R317", text);
     }
 }

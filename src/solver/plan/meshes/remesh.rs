@@ -6,10 +6,7 @@ use crate::deck::Diagnostic;
 use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories};
-use crate::model::{
-    AnalyticalFront, BoundaryCondition, LoadKind, Model, MotionKind, OutputCard, OutputKind, OutputRegion,
-    OutputRequest, Remeshing,
-};
+use crate::model::{AnalyticalFront, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing};
 use crate::plan::contact::cohesion::cohesive_behaviors;
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::BodyMesh;
@@ -48,8 +45,9 @@ pub struct RemeshedBody {
     pub automatic: bool,
 }
 
-/// User subroutines that continue on new meshes: their state is that of elements and amplitudes.
-const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp"];
+/// User subroutines that continue on new meshes: their state is that of elements and amplitudes. A load may have memory of
+/// its points, which is lost, so that such loads are refused.
+const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp", "vdload"];
 
 /// Lists the bodies of all `*REMESH` cards; `None` without any. New meshes keep the `fronts` of analytical surfaces.
 pub fn plan(
@@ -174,20 +172,23 @@ fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Repor
     let contacts = || pairs.by_step.iter().flat_map(|pairs| pairs.iter());
     let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
     let scales = model.scales_masses();
-    let is_users = |kind: &LoadKind| kind.is_user() || matches!(kind, LoadKind::Cavity { .. });
+    let remembers = report
+        .routines
+        .load
+        .as_ref()
+        .is_some_and(|load| load.lock().as_deref_mut().is_some_and(|load| load.memory() > 0));
+    let is_lost = |kind: &LoadKind| kind.is_user() && remembers || matches!(kind, LoadKind::Cavity { .. });
     let exclusions = [
-        (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDLOAD, VDISP and VUCHARLENGTH"),
+        (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDISP and VUCHARLENGTH"),
         (heats && scales, "mass scaling together with nodal temperatures"),
         (elements.distortion.is_some(), "DISTORTION CONTROL"),
-        (elements.damping.is_some(), "*DAMPING"),
         (elements.rings.is_some(), "WEIGHTING=AREA"),
         (elements.fields.is_some(), "field variables"),
-        (elements.connectors.is_some(), "springs and dashpots"),
         (!model.cohesive_sections.is_empty(), "cohesive elements"),
         (cohesive_behaviors(model, pairs).next().is_some(), "*COHESIVE BEHAVIOR"),
         (!model.constraints.ties.is_empty(), "*TIE"),
         (!model.targets.is_empty(), "*TARGET"),
-        (loads().any(|load| is_users(&load.kind)), "user-defined loads"),
+        (loads().any(|load| is_lost(&load.kind)), "user loads with memory and cavity expansion"),
         (state.dofs.bodies.iter().any(BodyState::is_spatial), "oblique rigid bodies"),
         (contacts().any(|pair| pair.clearance.is_some()), "initial clearances of contact"),
     ];
@@ -206,10 +207,6 @@ fn excluded_by_nodes(model: &Model, used: &dyn Fn(usize) -> Option<usize>) -> Op
         _ => None,
     });
     let mut nodes_of_histories = sets_of_histories.flatten().flat_map(|e| model.mesh.elements[*e].nodes.iter());
-    let moves = |boundary: &&BoundaryCondition| {
-        boundary.kind == MotionKind::Displacement && (boundary.value != 0.0 || boundary.user)
-    };
-    let motions = model.steps.iter().flat_map(|step| &step.boundaries).filter(moves);
     let pushed = model.steps.iter().flat_map(|step| &step.loads).filter_map(|load| match &load.kind {
         LoadKind::Concentrated { nodes, .. } => Some(nodes),
         _ => None,
@@ -226,10 +223,6 @@ fn excluded_by_nodes(model: &Model, used: &dyn Fn(usize) -> Option<usize>) -> Op
             "equations, couplings, masses and rigid bodies at nodes of the body",
         ),
         (pushed.flatten().any(|node| is_used(*node)), "*CLOAD on nodes of the body"),
-        (
-            motions.flat_map(|boundary| &boundary.nodes).any(|node| is_used(*node)),
-            "prescribed displacements of nodes of the body other than zero",
-        ),
     ];
     exclusions.into_iter().find(|(is_there, _)| *is_there).map(|(_, what)| what)
 }
