@@ -273,8 +273,8 @@ pub fn refuse_on_spatial_bodies(scene: Scene, links: &Links, report: &mut Report
 /// Reports that `what` is unsupported on an oblique body.
 pub fn refuse_on_spatial_body(span: Span, body: &str, what: &str, report: &mut Report) {
     let message = format!("rigid body `{body}` is oblique: {what} is not supported on it");
-    let help = "an oblique body supports the resistance of targets (CAVITY), pressures (P, PNU), gravity, *CLOAD, and hard \
-                contact with a fixed analytical surface";
+    let help = "an oblique body supports the resistance of targets (CAVITY), pressures (P, PNU), gravity, *CLOAD, and \
+                contact with analytical surfaces";
     report.push(Diagnostic::error("P132", message).at(span, "here").help(help));
 }
 
