@@ -70,10 +70,8 @@ impl WallScene {
         let starts = (1..=6).map(|dof| format!(" REF, {dof}, {:e}\n", self.starts[dof - 1]));
         let WallScene { height, inertia: [axial, across], angles: [a, b], wall, friction, loads, .. } = self;
         let WallScene { friction_options, interaction, wall_motion, wall_mass, contact, time, accuracy, .. } = self;
-        let wall_mass = match *wall_mass {
-            0.0 => String::new(),
-            mass => format!("*Element, type=MASS, elset=W\n 9996, 9000\n*Mass, elset=W\n {mass}\n"),
-        };
+        let mass_cards = format!("*Element, type=MASS, elset=W\n 9996, 9000\n*Mass, elset=W\n {wall_mass}\n");
+        let wall_mass = if *wall_mass > 0.0 { mass_cards } else { String::new() };
         format!(
             "*Node\n{}*Node, nset=REF\n 9999, 0., {height:e}\n*Node, nset=WREF\n 9000, 0., 0.\n\
              *Element, type=RAX2, elset=SKIN\n{}*Element, type=MASS, elset=M\n 9998, 9999\n*Mass, elset=M\n {MASS}\n\
@@ -403,7 +401,7 @@ fn ball_on_a_soft_floor_sinks_by_its_weight() {
         let run = scene.run_deck(&deck, &Routines::none());
         -run.column("U2@REF").into_iter().fold(0.0, f64::min) / overlap
     };
-    let errors = [(128, 64), (256, 128), (512, 256)].map(|(stations, facets)| deepest(stations, facets) - 1.0);
+    let errors = [(64, 32), (128, 64), (256, 128)].map(|(stations, facets)| deepest(stations, facets) - 1.0);
     println!("ball on a soft floor: errors of the largest overlap {errors:?}");
     assert!(errors[2].abs() < 5e-3 && errors[2].abs() < 0.4 * errors[0].abs());
 }
@@ -420,7 +418,7 @@ fn elastic_bounce_of_a_tilted_body_matches_closed_form() {
         angles: [45.0, 0.0],
         wall: floor_plane(0.5 * length + y - 1e-5),
         interaction: "*Surface Behavior, pressure-overclosure=LINEAR\n 1e14,\n".into(),
-        time: 1e-4,
+        time: 2e-4,
         ..scene
     };
     let run = scene.run();
@@ -488,7 +486,7 @@ fn free_wall_takes_momentum_and_energy() {
     let time = time_of_force(&soft, "CFN2@SKIN_WALL") * (stiffness / reduced).sqrt() / PI;
     let found = ["V2@REF", "V2@WREF"].map(|name| soft.last(name));
     println!("free wall: soft {found:?}, time {time}, drift {:e}", soft.outcome.energy.drift);
-    assert!((found[0] - 2.5).abs() < 1e-2 && (found[0] + 3.0 * found[1] + 5.0).abs() < 1e-11);
+    assert!((found[0] - 2.5).abs() < 1e-2 && (found[0] + 3.0 * found[1] + 5.0).abs() < 1e-10);
     assert!((time - 1.0).abs() < 0.03 && soft.outcome.energy.drift < 1e-12);
     let hard = WallScene { interaction: String::new(), ..free.clone() }.run();
     let found = ["V2@REF", "V2@WREF", "ALLCW"].map(|name| hard.last(name));

@@ -14,7 +14,7 @@
 
 use super::curve::{PointCarrier, SurfacePoint};
 use super::dofs::ContactDofs;
-use super::sweeps::{ContactInterval, ContactRow, ContactRows, dashpot, shear_limit, soft_impulse};
+use super::sweeps::{ContactInterval, ContactRow, ContactRows, TOLERANCE, dashpot, shear_limit, soft_impulse};
 use super::wall_stations::{WallDistance, WallPose, WallSurfaces};
 use crate::constraint::{Constraint, ConstraintForces, PairForces, StoredConstraint};
 use crate::kernel::attitude::{SpatialVector, cross, dot, norm, plus, times};
@@ -33,8 +33,11 @@ use crate::state::rigid_body_3d::{RigidBody3d, RigidMotion, Wrench};
 const ROUNDS: usize = 4;
 /// Largest number of sweeps over the points for each gap update.
 const SWEEPS: usize = 500;
-/// Change of an impulse at convergence, relative to the largest impulse.
+/// Change of an impulse at convergence in hard contact, relative to the largest impulse.
 const CONVERGED: f64 = 1e-12;
+/// Cosine below which the projection of an area in soft contact is a smooth function of the attitude: rounding errors would
+/// otherwise turn an upright body, whose shank is perpendicular to the wall.
+const ROUNDED: f64 = 0.01;
 /// Largest squared product of frequency and increment for which pressures follow from the overlaps at the start of the
 /// increment. Only fixed increments are longer; pressures then follow from the overlaps at their end.
 const EXPLICIT: f64 = 1.0;
@@ -155,10 +158,10 @@ impl ContactPoint {
         law: &PressureOverclosure,
         half: f64,
     ) -> ContactPoint {
-        let cosine = dot(facet_normal, self.axes[0]);
-        let projected = area * cosine.abs();
+        let [share, slope] = projection(dot(facet_normal, self.axes[0]));
+        let projected = area * share;
         let stored = if start_gap < law.onset_gap() { law.energy(-start_gap) } else { 0.0 };
-        self.couple = times(-half * area * stored * cosine.signum(), cross(facet_normal, self.axes[0]));
+        self.couple = times(-half * area * stored * slope, cross(facet_normal, self.axes[0]));
         (self.row.area, self.row.gap) = (projected, projected * start_gap);
         self.row.compliance[0] = projected * projected * self.inverse_mass[0];
         self
@@ -267,6 +270,9 @@ impl RigidWallContact {
         let end_pose = WallPose { body: body.pose(), lift: wall.lifts[1] };
         points.clear();
         for (ring, law) in surfaces.rings.iter().map(|ring| ring.law).enumerate() {
+            if is_soft && surfaces.is_far(ring, &end_pose, reach) {
+                continue;
+            }
             // The deepest point has no area.
             let deepest = (!is_soft).then_some(None);
             for station in (0..surfaces.count(ring)).map(Some).chain(deepest) {
@@ -329,6 +335,7 @@ impl RigidWallContact {
         span: ContactInterval,
         law_dt: f64,
     ) -> bool {
+        let tolerance = if self.pair.is_soft() { TOLERANCE } else { CONVERGED };
         for _ in 0..SWEEPS {
             let (mut change, mut largest) = (0.0_f64, 0.0_f64);
             for point in &mut self.points {
@@ -343,7 +350,7 @@ impl RigidWallContact {
                 change = changes.iter().fold(change, |most, d| most.max(d.abs()));
                 largest = largest.max(new[0]);
             }
-            if change <= CONVERGED * largest {
+            if change <= tolerance * largest {
                 return largest > 0.0;
             }
         }
@@ -475,6 +482,18 @@ impl RigidWallContact {
         let time = if speed > 0.0 { ahead / speed } else { f64::INFINITY };
         time.min(self.travel * (24.0 / self.squared_frequency()).sqrt())
     }
+}
+
+/// Returns the projection of a unit area onto a plane from the cosine of the angle between their normals, and its
+/// derivative. It is smooth where the area is perpendicular to the plane, and exact where it is parallel.
+fn projection(cosine: f64) -> [f64; 2] {
+    let size = cosine.abs();
+    let rounded = if size < ROUNDED {
+        [0.5 * size * size / ROUNDED, cosine / ROUNDED]
+    } else {
+        [size - 0.5 * ROUNDED, cosine.signum()]
+    };
+    rounded.inline_map(|value| value / (1.0 - 0.5 * ROUNDED))
 }
 
 /// Returns a unit vector and two unit vectors perpendicular to it.

@@ -100,6 +100,13 @@ impl WallSurfaces {
         if self.rings[ring].place[0] == 0.0 { 1 } else { self.stations.len() }
     }
 
+    /// Returns whether a ring is in front of the wall by more than a distance.
+    pub(super) fn is_far(&self, ring: usize, pose: &WallPose, distance: f64) -> bool {
+        let [radius, z] = self.rings[ring].place;
+        let [x, y, third] = plus(pose.body.centre, z, pose.body.attitude.axis());
+        self.profile.nearest([x.portable_hypot(third), y], pose.lift).gap > distance + radius
+    }
+
     /// Returns the wall distance of a station, or of the deepest point of a ring (`station` is `None`).
     pub(super) fn measure(&self, ring: usize, station: Option<usize>, pose: &WallPose) -> Option<WallDistance> {
         match station {

@@ -48,8 +48,8 @@ fn attitude<'a>(model: &'a Model, rigid: &RigidBody) -> Option<&'a model::Initia
     model.attitudes.iter().find(|attitude| attitude.reference == rigid.reference)
 }
 
-/// Returns whether a body is oblique: it is rotated, hits an inclined target, or has a transverse or angular
-/// initial velocity.
+/// Returns whether a body is oblique: it is rotated, hits an inclined target, or has an attitude and a transverse or
+/// angular initial velocity or a contact pair with an analytical surface.
 pub fn is_oblique(model: &Model, rigid: &RigidBody) -> bool {
     let attitude = attitude(model, rigid);
     let turned = attitude.is_some_and(|a| a.angles != [0.0; 2]);
@@ -61,7 +61,10 @@ pub fn is_oblique(model: &Model, rigid: &RigidBody) -> bool {
         _ => false,
     });
     let across = || initial_velocities_of(model, rigid.reference).iter().enumerate().any(|(i, v)| i != 1 && *v != 0.0);
-    turned || tilted || attitude.is_some() && across()
+    let pairs = || model.steps.iter().flat_map(|s| &s.surface_contacts).filter(|pair| pair.analytical.is_some());
+    let faces = || pairs().flat_map(|pair| &pair.sides).flat_map(|side| &side.faces);
+    let meets_wall = || faces().any(|(e, _)| rigid.elements.contains(e));
+    turned || tilted || attitude.is_some() && (across() || meets_wall())
 }
 
 /// Returns the initial velocities of a reference node along and about directions 1, 2, 3.
