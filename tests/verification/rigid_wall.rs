@@ -417,7 +417,7 @@ fn elastic_bounce_of_a_tilted_body_matches_closed_form() {
     let scene = WallScene {
         angles: [45.0, 0.0],
         wall: floor_plane(0.5 * length + y - 1e-5),
-        interaction: "*Surface Behavior, pressure-overclosure=LINEAR\n 1e14,\n".into(),
+        interaction: "*Surface Behavior, pressure-overclosure=LINEAR\n 1e16,\n".into(),
         time: 2e-4,
         ..scene
     };
@@ -429,9 +429,9 @@ fn elastic_bounce_of_a_tilted_body_matches_closed_form() {
     let lost = run.last("ALLCW") / (0.5 * MASS * speed * speed);
     println!("elastic bounce: {found:?}, expected {expected:?}, ALLCW {lost:e}, {} increments", run.memory.rows.len());
     for (found, expected) in found.iter().zip(expected) {
-        assert!((found / expected - 1.0).abs() < 1e-2, "{found}, expected {expected}");
+        assert!((found / expected - 1.0).abs() < 3e-3, "{found}, expected {expected}");
     }
-    assert!(lost.abs() < 2e-3 && run.last("V1@REF").abs() < 1e-6 && run.outcome.energy.drift < 1e-12);
+    assert!(lost.abs() < 1e-4 && run.last("V1@REF").abs() < 1e-6 && run.outcome.energy.drift < 1e-12);
 }
 
 /// Friction on the foot of a pressed cylinder is limited by TAUMAX times its area, in any direction of the slip.
@@ -454,8 +454,8 @@ fn shear_stress_is_limited_by_taumax() {
     let expected = [1.6 * (1.0 - slowed / 2.0), 1.2 * (1.0 - slowed / 2.0)];
     let found = [run.last("V1@REF"), run.last("V3@REF")];
     println!("TAUMAX: {found:?}, expected {expected:?}, drift {:e}", run.outcome.energy.drift);
-    assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-9 * slowed));
-    assert!((run.last("ALLFD") / (largest * area * (2.0 - 0.5 * slowed) * time) - 1.0).abs() < 1e-6);
+    assert!((0..2).all(|i| (found[i] - expected[i]).abs() < 1e-6 * slowed));
+    assert!((run.last("ALLFD") / (largest * area * (2.0 - 0.5 * slowed) * time) - 1.0).abs() < 1e-2);
 }
 
 /// A damped oscillator that cannot be pulled rebounds with exp(-c (pi - atan(2 c s / (1 - 2 c²))) / s), s = sqrt(1 - c²),
