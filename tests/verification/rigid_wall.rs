@@ -383,6 +383,44 @@ fn flat_cylinder_rebounds_from_a_soft_floor_after_half_a_period() {
     assert!((run.last("VR2@REF") / 100.0 - 1.0).abs() < 1e-12 && run.last("TILT@REF") < 1e-9);
 }
 
+/// A cylinder of one element whose nodes move together, in axisymmetric contact with the same floor.
+fn coupled_cylinder(interaction: &str, [increment, time]: [f64; 2]) -> String {
+    let density = MASS / (PI * 0.006 * 0.006 * 0.04);
+    format!(
+        "*Node\n 1, 0., 0.\n 2, 0.006, 0.\n 3, 0.006, 0.04\n 4, 0., 0.04\n*Node, nset=WREF\n 9000, 0., 0.\n\
+         *Nset, nset=REF\n 1\n*Nset, nset=ALL\n 1, 2, 3, 4\n*Element, type=CAX4R, elset=BODY\n 1, 1, 2, 3, 4\n\
+         *Solid Section, elset=BODY, material=SOFT\n*Material, name=SOFT\n*Density\n {density:e},\n\
+         *Elastic\n 1e6, 0.3\n*MPC\n BEAM, 2, 1\n BEAM, 3, 1\n BEAM, 4, 1\n*Surface, name=SKIN\n BODY, S1\n\
+         *Surface, type=SEGMENTS, name=WALL\n{}*Rigid Body, ref node=WREF, analytical surface=WALL\n\
+         *Surface Interaction, name=RUB\n{interaction}*Initial Conditions, type=VELOCITY\n ALL, 2, -5.\n*Step\n\
+         *Dynamic, Explicit, direct user control\n {increment:e}, {time:e}\n*Boundary\n WREF, 2, 2\n ALL, 1, 1\n\
+         {PAIR}*Output, history, frequency=1\n*Node Output, nset=REF\n V\n*Contact Output\n CFN, CAREA\n*End Step\n",
+        floor_plane(-1e-4)
+    )
+}
+
+/// At angle zero, soft contact is the limit of axisymmetric contact for small increments, which has an error of first
+/// order in the increment.
+#[test]
+fn upright_cylinder_has_the_limit_of_axisymmetric_contact() {
+    let (scene, stiffness) = cylinder_on_soft_floor();
+    let (increment, time) = (PI / (stiffness / MASS).sqrt() / 400.0, 8e-4);
+    let results = |run: &WallRun| {
+        let most = |name: &str| run.column(name).into_iter().fold(0.0, f64::max);
+        [run.last("V2@REF"), most("CFN2@SKIN_WALL"), most("CAREA@SKIN_WALL")]
+    };
+    let axisymmetric = |dt: f64| {
+        let deck = coupled_cylinder(&scene.interaction, [dt, time]);
+        results(&scene.run_deck(&deck, &Routines::none()))
+    };
+    let (coarse, fine, oblique) = (axisymmetric(increment), axisymmetric(0.5 * increment), results(&scene.run()));
+    println!("axisymmetric {coarse:?}, {fine:?}, oblique {oblique:?}");
+    for i in 0..3 {
+        let limit = 2.0 * fine[i] - coarse[i];
+        assert!((oblique[i] / limit - 1.0).abs() < 2e-3, "{} {limit}", oblique[i]);
+    }
+}
+
 /// A ball with its axis along a soft floor sinks from rest until its weight has done the work of the pressure, `pi k o³
 /// (R/3 - o/12)` at the overlap o; the error decreases with the number of stations.
 #[test]

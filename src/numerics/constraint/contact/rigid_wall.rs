@@ -257,7 +257,7 @@ impl RigidWallContact {
     /// Returns the projected area under pressure; NaN in hard contact, `None` if it is the contact of another pair.
     pub fn area_of_pair(&self, pair: usize) -> Option<f64> {
         let pressed = || self.points.iter().map(|point| &point.row).filter(|row| row.normal_impulse > 0.0);
-        let area = || if self.pair.is_soft() { pressed().map(|row| row.area).sum() } else { f64::NAN };
+        let area = || if self.pair.is_soft() { pressed().fold(0.0, |sum, row| sum + row.area) } else { f64::NAN };
         (pair == self.pair.number).then(area)
     }
 
