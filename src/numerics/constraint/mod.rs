@@ -7,7 +7,6 @@ pub mod equation;
 pub mod motion;
 pub mod overlaps;
 mod queries;
-pub mod rigid_wall_contact;
 pub mod system;
 pub mod tie;
 pub mod user_motion;

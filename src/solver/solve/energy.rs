@@ -392,8 +392,9 @@ impl EnergyBalance {
         }
         (self.kinetic, self.done, self.external, self.tied) = (kinetic, work_of_forces, external, tied);
         let mut departure = kinetic - self.previous_steps.initial - work_of_forces;
-        // Without deformable bodies, contact still dissipates energy of rigid bodies.
-        if solid_at.is_some() || dofs.energies.contact != 0.0 || dofs.energies.friction != 0.0 {
+        // Without deformable bodies, contact still stores and dissipates energy of rigid bodies.
+        let EnergyTotals { contact, penalty, friction, .. } = dofs.energies;
+        if solid_at.is_some() || contact != 0.0 || penalty != 0.0 || friction != 0.0 {
             departure += self.add_nodes(&dofs.energies, solid_at);
         } else {
             self.supply.take(self.previous_steps.initial + external);

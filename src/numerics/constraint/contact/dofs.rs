@@ -257,6 +257,18 @@ impl ContactDofs {
         work
     }
 
+    /// Replaces the contact acceleration of free bodies with that of this increment; `other` returns an additional impulse
+    /// on a degree of freedom.
+    pub(super) fn push_bodies(&mut self, dofs: &mut Dofs, other: impl Fn(usize) -> f64) {
+        for known in self.bodies.iter_mut().filter(|known| !known.prescribed) {
+            let body = &mut dofs.bodies[known.body];
+            body.contact -= known.contact_acceleration;
+            let [normal, slip] = self.impulses[known.dof];
+            known.contact_acceleration = (normal + slip + other(known.dof)) * body.inverse_mass / self.half;
+            body.contact += known.contact_acceleration;
+        }
+    }
+
     /// Adds a part of the impulses to the velocities at mid-increment, and returns its work at the current instant.
     pub(super) fn complete_velocities(&mut self, near: &[u32], part: f64, dofs: &mut Dofs) -> ImpulseWork {
         let Dofs { bodies, nodes, energies, .. } = dofs;

@@ -27,12 +27,14 @@ mod mesh_continuation;
 mod mesh_motion;
 mod near;
 mod pairs;
+pub mod rigid_wall;
 mod search;
 mod shown;
 mod slip_damping;
 mod stored_energy;
 mod surfaces;
 mod sweeps;
+pub mod wall_stations;
 
 use self::analytical::AnalyticalSurface;
 use self::cohesion::CohesiveSurfaces;
@@ -347,21 +349,6 @@ impl ContactConstraint {
         }
     }
 
-    /// Replaces the contact acceleration of free bodies with that of this increment.
-    fn push_bodies(&mut self, dofs: &mut Dofs) {
-        for index in 0..self.dofs.bodies.len() {
-            let known = self.dofs.bodies[index];
-            if known.prescribed {
-                continue;
-            }
-            let body = &mut dofs.bodies[known.body];
-            body.contact -= known.contact_acceleration;
-            let acceleration = self.whole_impulse(known.dof) * body.inverse_mass / self.dofs.half;
-            self.dofs.bodies[index].contact_acceleration = acceleration;
-            body.contact += acceleration;
-        }
-    }
-
     /// Solves for the impulses of the rows in an increment of length `dt`.
     fn solve(&mut self, dofs: &mut Dofs, dt: f64) {
         let span = ContactInterval { dt, half: self.dofs.half };
@@ -453,7 +440,8 @@ impl Constraint for ContactConstraint {
         self.solve(dofs, dt);
         self.apply_impulses(dofs, dt);
         self.add_cohesive_work(dofs, dt);
-        self.push_bodies(dofs);
+        let cohesion = self.cohesion.as_ref();
+        self.dofs.push_bodies(dofs, |dof| cohesion.map_or(0.0, |cohesion| cohesion.impulses[dof]));
         self.keys.add_slip(&self.measured.rows, &self.dofs.motion, dt);
     }
 

@@ -527,14 +527,11 @@ impl ContactRows {
             response[term.dof as usize] += motion.inverse_mass[term.dof as usize] * term.normal;
         }
         for row in rows.iter_mut() {
-            let (law, overlap) = (law_of(row), -row.gap / row.area);
-            row.dashpot = match law.damping {
-                Some(damping) if law.is_soft() && overlap > -law.overclosure.onset_gap() => {
-                    let uniform: f64 = row.terms_in(terms).iter().map(|t| t.normal * response[t.dof as usize]).sum();
-                    damping.coefficient(law.overclosure.linearized(overlap)[1], row.area / uniform)
-                }
-                _ => 0.0,
+            let mass = || {
+                let uniform: f64 = row.terms_in(terms).iter().map(|t| t.normal * response[t.dof as usize]).sum();
+                row.area / uniform
             };
+            row.dashpot = dashpot(law_of(row), -row.gap / row.area, mass);
         }
     }
 
@@ -593,6 +590,16 @@ pub(super) fn soft_pressure(row: &ContactRow, law: &PressureOverclosure, rate: f
     [(pressure - row.dashpot * (rate / row.area)).max(0.0), slope]
 }
 
+/// Returns the pressure per closing velocity of contact damping at an overlap, for the mass per area in contact.
+pub(super) fn dashpot(law: &InteractionLaw, overlap: f64, mass: impl FnOnce() -> f64) -> f64 {
+    match law.damping {
+        Some(damping) if law.is_soft() && overlap > -law.overclosure.onset_gap() => {
+            damping.coefficient(law.overclosure.linearized(overlap)[1], mass())
+        }
+        _ => 0.0,
+    }
+}
+
 /// Returns the largest possible impulse along the surface. Equation (10.4).
 pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> f64 {
     let limit = if row.normal_impulse > 0.0 { row.coefficient * row.limiting_impulse()[0] } else { 0.0 };
@@ -602,7 +609,7 @@ pub(super) fn shear_limit(row: &ContactRow, law: &InteractionLaw, half: f64) -> 
 /// Returns the normal impulse of a soft law. The pressure is evaluated at an overlap late enough in the increment that
 /// the stiffness does not limit the time increment. `free` is the rate without the impulse. The root is unique because
 /// the pressure decreases with the impulse.
-fn soft_impulse(row: &ContactRow, law: &PressureOverclosure, free: f64, span: ContactInterval) -> f64 {
+pub(super) fn soft_impulse(row: &ContactRow, law: &PressureOverclosure, free: f64, span: ContactInterval) -> f64 {
     let pressure_at = |impulse: f64| soft_pressure(row, law, free + row.compliance[0] * impulse, span);
     let steeper = span.half * row.evaluation_point(law) * span.dt * row.compliance[0] / row.area;
     let resistance = span.half * row.compliance[0] / row.area * row.dashpot;

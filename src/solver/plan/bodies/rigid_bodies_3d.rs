@@ -48,8 +48,8 @@ fn attitude<'a>(model: &'a Model, rigid: &RigidBody) -> Option<&'a model::Initia
     model.attitudes.iter().find(|attitude| attitude.reference == rigid.reference)
 }
 
-/// Returns whether a body is oblique: it is rotated, hits an inclined target, or has a transverse or angular
-/// initial velocity.
+/// Returns whether a body is oblique: it is rotated, hits an inclined target, or has an attitude and a transverse or
+/// angular initial velocity or a contact pair with an analytical surface.
 pub fn is_oblique(model: &Model, rigid: &RigidBody) -> bool {
     let attitude = attitude(model, rigid);
     let turned = attitude.is_some_and(|a| a.angles != [0.0; 2]);
@@ -61,7 +61,10 @@ pub fn is_oblique(model: &Model, rigid: &RigidBody) -> bool {
         _ => false,
     });
     let across = || initial_velocities_of(model, rigid.reference).iter().enumerate().any(|(i, v)| i != 1 && *v != 0.0);
-    turned || tilted || attitude.is_some() && across()
+    let pairs = || model.steps.iter().flat_map(|s| &s.surface_contacts).filter(|pair| pair.analytical.is_some());
+    let faces = || pairs().flat_map(|pair| &pair.sides).flat_map(|side| &side.faces);
+    let meets_wall = || faces().any(|(e, _)| rigid.elements.contains(e));
+    turned || tilted || attitude.is_some() && (across() || meets_wall())
 }
 
 /// Returns the initial velocities of a reference node along and about directions 1, 2, 3.
@@ -273,8 +276,8 @@ pub fn refuse_on_spatial_bodies(scene: Scene, links: &Links, report: &mut Report
 /// Reports that `what` is unsupported on an oblique body.
 pub fn refuse_on_spatial_body(span: Span, body: &str, what: &str, report: &mut Report) {
     let message = format!("rigid body `{body}` is oblique: {what} is not supported on it");
-    let help = "an oblique body supports the resistance of targets (CAVITY), pressures (P, PNU), gravity, *CLOAD, and hard \
-                contact with a fixed analytical surface";
+    let help = "an oblique body supports the resistance of targets (CAVITY), pressures (P, PNU), gravity, *CLOAD, and \
+                contact with analytical surfaces";
     report.push(Diagnostic::error("P132", message).at(span, "here").help(help));
 }
 

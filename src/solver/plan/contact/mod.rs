@@ -20,7 +20,7 @@ use crate::plan::contact::analytical::{analytical_contact, friction_of};
 use crate::plan::contact::cohesion::{CohesionList, CohesionOrigin, add_cohesion, report_cohesion};
 use crate::plan::contact::curves::{ContactGeometry, CurveContext, add_curve, solid_skin};
 use crate::plan::contact::general::{general_row, pair_name};
-use crate::plan::contact::penalty::{smallest_thickness, spring_laws};
+use crate::plan::contact::penalty::{PENALTY_FACTOR, smallest_thickness, spring_laws};
 use crate::plan::contact::walls::spatial_side;
 use crate::plan::queries::heated_references;
 use crate::plan::{Pairs, Report, Scene, StepInput};
@@ -209,16 +209,7 @@ fn pair_number(pairs: &Pairs, contact: &SurfaceContact) -> usize {
 fn contact_row(contact: &SurfaceContact, geometry: &ContactGeometry, own: usize, report: &mut Report) -> usize {
     let [a, b] = [0, 1].map(|i| contact.sides[i].name.as_str());
     let between = if contact.is_self_contact() { format!("{a} with itself") } else { format!("{a} and {b}") };
-    // A pressure-overclosure relationship replaces penalty springs.
-    let kind = match (&contact.law.overclosure, contact.penalty) {
-        (PressureOverclosure::Hard, Some(factor)) => {
-            format!("penalty, {} times the element stiffness", PENALTY_FACTOR * factor)
-        }
-        (PressureOverclosure::Hard, None) => "hard".into(),
-        (PressureOverclosure::Linear(_) | PressureOverclosure::Spring(_), _) => "linear".into(),
-        (PressureOverclosure::Exponential(_), _) => "exponential".into(),
-        (PressureOverclosure::Table(_), _) => "tabular".into(),
-    };
+    let kind = kind_of(contact);
     let friction = friction_of(contact);
     let count = geometry.curves[own].facets.len();
     let clearance = match contact.clearance {
@@ -226,6 +217,19 @@ fn contact_row(contact: &SurfaceContact, geometry: &ContactGeometry, own: usize,
         _ => String::new(),
     };
     report.ledger_row(contact.span, "contact", count, "facets", format!("{between}, {kind}{friction}{clearance}"))
+}
+
+/// Describes the normal behaviour of a pair. A pressure-overclosure relationship replaces penalty springs.
+fn kind_of(contact: &SurfaceContact) -> String {
+    match (&contact.law.overclosure, contact.penalty) {
+        (PressureOverclosure::Hard, Some(factor)) => {
+            format!("penalty, {} times the element stiffness", PENALTY_FACTOR * factor)
+        }
+        (PressureOverclosure::Hard, None) => "hard".into(),
+        (PressureOverclosure::Linear(_) | PressureOverclosure::Spring(_), _) => "linear".into(),
+        (PressureOverclosure::Exponential(_), _) => "exponential".into(),
+        (PressureOverclosure::Table(_), _) => "tabular".into(),
+    }
 }
 
 /// Returns whether one of the surfaces belongs to a rigid body without temperature.
@@ -286,9 +290,6 @@ fn warn_of_overlap(contact: &SurfaceContact, length: f64, overlap: Option<Surfac
     let finding = Diagnostic::warning("P111", message).at(contact.span, label);
     report.push(finding.help("move the bodies apart, or use *CONTACT CLEARANCE or *CONTACT INITIALIZATION DATA"));
 }
-
-/// Stiffness of penalty springs over that of one layer of elements. It does not limit the increment.
-const PENALTY_FACTOR: f64 = 50.0;
 
 /// Returns whether a pair has penalty springs, which a pressure-overclosure relationship replaces.
 fn has_springs(contact: &SurfaceContact) -> bool {

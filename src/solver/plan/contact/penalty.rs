@@ -6,9 +6,12 @@ use crate::deck::Diagnostic;
 use crate::element::group::ElementStiffness;
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
 use crate::kernel::topology::MOST_NODES;
-use crate::model::{Element, MaterialId, Model, SurfaceContact};
+use crate::model::{Element, ElementSide, MaterialId, Model, SurfaceContact};
 use crate::plan::contact::curves::ContactGeometry;
 use crate::plan::{Report, Scene, StepInput};
+
+/// Stiffness of penalty springs over that of one layer of elements. It does not limit the increment.
+pub const PENALTY_FACTOR: f64 = 50.0;
 
 /// Returns the compliance of a facet, length per pressure, from the stiffness matrix of its element, or else its
 /// thickness over the longitudinal modulus; 0 for rigid facets. `None` if it cannot be determined.
@@ -119,10 +122,7 @@ pub fn spring_laws(
     let (Some(facet_compliances), Some(opposite)) =
         (compliances(pair.secondary).filter(|list| !list.is_empty()), opposite)
     else {
-        let message = "the penalty stiffness cannot be computed for the elements of this pair";
-        let finding = Diagnostic::error("P021", message).at(contact.span, "this pair");
-        report.push(finding.help("give *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, or remove PENALTY"));
-        return None;
+        return refuse_springs(contact, report);
     };
     let mean_opposite = opposite.iter().sum::<f64>() / opposite.len().max(1) as f64;
     let curve = &geometry.curves[pair.secondary];
@@ -136,7 +136,36 @@ pub fn spring_laws(
         };
         factor * 2.0 / (compliance + mean_opposite)
     };
-    let law =
-        |index| InteractionLaw { overclosure: PressureOverclosure::Spring(stiffness(index)), ..contact.law.clone() };
-    Some((0..curve.points.len()).map(law).collect())
+    Some((0..curve.points.len()).map(|index| spring_law(contact, stiffness(index))).collect())
+}
+
+/// Returns the law of the springs of a facet on an oblique rigid body and a rigid wall, from the material of its
+/// element. Equation (10.7).
+pub fn rigid_spring_law(
+    model: &Model,
+    contact: &SurfaceContact,
+    factor: f64,
+    (element, side): (usize, ElementSide),
+    report: &mut Report,
+) -> Option<InteractionLaw> {
+    let (mesh, solid) = (&model.mesh, &model.mesh.elements[element]);
+    let compliance = || {
+        let [a, b] = mesh.side_nodes(element, side)?.map(|n| mesh.points[n]);
+        let modulus = modulus_of(model, element).filter(|_| solid.kind.is_solid())?;
+        Some(height(solid, &mesh.points, libm::hypot(b[0] - a[0], b[1] - a[1])) / modulus)
+    };
+    match compliance() {
+        Some(compliance) => Some(spring_law(contact, PENALTY_FACTOR * factor * 2.0 / compliance)),
+        None => refuse_springs(contact, report),
+    }
+}
+
+fn spring_law(contact: &SurfaceContact, stiffness: f64) -> InteractionLaw {
+    InteractionLaw { overclosure: PressureOverclosure::Spring(stiffness), ..contact.law.clone() }
+}
+
+fn refuse_springs<T>(contact: &SurfaceContact, report: &mut Report) -> Option<T> {
+    let message = "the penalty stiffness cannot be computed for the elements of this pair";
+    let finding = Diagnostic::error("P021", message).at(contact.span, "this pair");
+    report.refuse(finding.help("give *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR, or remove PENALTY"))
 }

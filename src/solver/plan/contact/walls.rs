@@ -1,14 +1,27 @@
-//! Contact of oblique rigid bodies (six degrees of freedom) with fixed analytical surfaces.
+//! Contact of oblique rigid bodies (six degrees of freedom) with analytical surfaces.
 
 use crate::constraint::Constraint;
-use crate::constraint::rigid_wall_contact::{RigidWallContact, WallPair};
+use crate::constraint::contact::rigid_wall::{RigidWallContact, WallPair};
+use crate::constraint::contact::wall_stations::{WallRing, WallSurfaces};
+use crate::kernel::interaction::InteractionLaw;
 use crate::kernel::lists::sorted_unique;
-use crate::model::SurfaceContact;
+use crate::kernel::profile::SurfaceProfile;
+use crate::load::stations::divided_facets;
+use crate::mesh::surface::RigidFacets;
+use crate::model::{ElementSide, RigidSurface, SurfaceContact};
 use crate::plan::bodies::rigid_bodies_3d::refuse_on_spatial_body;
 use crate::plan::contact::analytical::{friction_of, warn_of_front};
-use crate::plan::contact::general::pair_name;
+use crate::plan::contact::general::{body_of_analytical, pair_name};
+use crate::plan::contact::penalty::rigid_spring_law;
+use crate::plan::contact::{check_damping, has_springs, kind_of, place_of};
+use crate::plan::meshes::surfaces::rigid_facet;
 use crate::plan::{Bodies, Report, StepInput};
 use crate::platform::PortableMath as _;
+use crate::state::rigid_body_3d::RigidBody3d;
+
+/// Largest number of stations of a ring in hard contact, which are checked in addition to its deepest point, so that a
+/// flat contact on a plane is stable.
+const MOST_STATIONS: usize = 16;
 
 /// Returns the oblique rigid body of a pair and its side (0 or 1).
 pub fn spatial_side(bodies: &Bodies, pair: &SurfaceContact) -> Option<(usize, usize)> {
@@ -29,7 +42,7 @@ pub fn wall_contacts(input: StepInput, report: &mut Report) -> Vec<Box<dyn Const
     let mut contacts: Vec<Box<dyn Constraint>> = Vec::new();
     for (pair, (body, side)) in walls {
         match wall_contact(input, pair, (body, side), report) {
-            Ok(contact) => contacts.push(Box::new(contact)),
+            Ok(contact) => contacts.extend(contact.map(|contact| Box::new(contact) as Box<dyn Constraint>)),
             Err(what) => {
                 refuse_on_spatial_body(pair.span, &scene.bodies.list[body].name, what, report);
             }
@@ -43,46 +56,103 @@ fn wall_contact(
     pair: &SurfaceContact,
     (body, side): (usize, usize),
     report: &mut Report,
-) -> Result<RigidWallContact, &'static str> {
+) -> Result<Option<RigidWallContact>, &'static str> {
     let StepInput { scene, pairs, state, index, .. } = input;
-    let step = &scene.model.steps[index];
     let Some(analytical) = &pair.analytical else {
         return Err("contact with a surface of elements");
     };
-    if pair.penalty.is_some() || pair.law.is_soft() || pair.law.friction.largest.is_finite() {
-        return Err("soft contact or TAUMAX");
-    }
     let surface = &scene.model.surfaces.analytical[analytical.surface];
-    let wall = surface.reference.and_then(|node| scene.bodies.of_node.get(&node).copied());
-    let is_fixed = |reference: usize| {
-        let fixed = |b: &&crate::model::BoundaryCondition| b.dof == 2 && b.nodes.contains(&reference);
-        step.boundaries.iter().find(fixed).is_some_and(|b| b.value == 0.0 && !b.user)
-    };
-    let Some(wall) = wall.filter(|&wall| is_fixed(scene.bodies.list[wall].reference)) else {
-        return Err("contact with an analytical surface whose rigid body is not fixed (*BOUNDARY along 2)");
+    let wall = body_of_analytical(scene, analytical.surface);
+    let Some(wall) = wall.filter(|&wall| !scene.bodies.list[wall].spatial) else {
+        return Err("contact with an analytical surface that belongs to no rigid body, or to an oblique one");
     };
     let spatial = state.dofs.bodies[body].spatial.as_ref().ok_or("contact")?;
-    let [centre_r, centre_z, third] = spatial.centre;
-    let mut profile = surface.profile.clone();
-    let mesh = &scene.model.mesh;
-    if profile.nearest([centre_r.portable_hypot(third), centre_z], 0.0).gap < 0.0 {
-        let message = format!(
-            "`{}` faces away from `{}`: the analytical surface is reversed",
-            pair.sides[1 - side].name,
-            pair.sides[side].name
-        );
-        warn_of_front(message, surface, "; ABAQUS does not reverse it", Some(pair), report);
-        profile = profile.reversed();
+    let is_soft = (pair.law.is_soft() || pair.penalty.is_some()) && !pair.sides[side].faces.is_empty();
+    if !is_soft && pair.law.friction.largest.is_finite() {
+        return Err("TAUMAX in hard contact, whose pressures are not unique between rigid bodies,");
     }
-    let faces = pair.sides[side].faces.iter().filter_map(|&(e, s)| mesh.side_nodes(e, s)).flatten();
-    let mut nodes: Vec<usize> = sorted_unique(faces.chain(analytical.nodes.iter().copied()));
-    nodes.retain(|n| scene.bodies.of_node.get(n) == Some(&body));
-    let rings: Vec<[f64; 2]> =
-        nodes.iter().map(|&n| [mesh.points[n][0], mesh.points[n][1] - spatial.heights[0]]).collect();
-    let travel = step.increment.travel();
-    let detail = format!("{} on {}, kinematic{}", pair.sides[side].name, pair.sides[1 - side].name, friction_of(pair));
+    let rings = if is_soft {
+        soft_rings(input, pair, (body, side), spatial, report)
+    } else {
+        Some((hard_rings(input, pair, (body, side), spatial), vec![pair.law.clone()]))
+    };
+    let Some((rings, laws)) = rings else { return Ok(None) };
+    let profile = facing_wall(pair, side, (surface, spatial), report);
+    let stations = if is_soft { spatial.stations } else { spatial.stations.min(MOST_STATIONS) };
+    let travel = scene.model.steps[index].increment.travel();
+    let names = [side, 1 - side].map(|side| pair.sides[side].name.as_str());
+    let kind = if is_soft { kind_of(pair) } else { "kinematic".into() };
+    let detail = format!("{} on {}, {kind}{}", names[0], names[1], friction_of(pair));
+    check_damping(pair, report);
     let number = pairs.names.get_index_of(&pair_name(pair)).unwrap_or_default();
     let id = report.ledger_row(pair.span, "contact with a wall", rings.len(), "rings", detail);
-    let pair = WallPair { id, number, first: side == 0, bodies: [body, wall], friction: pair.law.friction };
-    Ok(RigidWallContact::new(pair, profile, rings, spatial.stations, travel))
+    let pair = WallPair { id, number, first: side == 0, bodies: [body, wall], laws };
+    Ok(Some(RigidWallContact::new(pair, WallSurfaces::new(profile, rings, stations), travel)))
+}
+
+/// Returns the profile of the wall with its front towards the centre of mass. Warns if it was reversed.
+fn facing_wall(
+    pair: &SurfaceContact,
+    side: usize,
+    (surface, body): (&RigidSurface, &RigidBody3d),
+    report: &mut Report,
+) -> SurfaceProfile {
+    let [centre_r, centre_z, third] = body.centre;
+    if surface.profile.nearest([centre_r.portable_hypot(third), centre_z], 0.0).gap >= 0.0 {
+        return surface.profile.clone();
+    }
+    let [wall, body] = [1 - side, side].map(|side| &pair.sides[side].name);
+    let message = format!("`{wall}` faces away from `{body}`: the analytical surface is reversed");
+    warn_of_front(message, surface, "; ABAQUS does not reverse it", Some(pair), report);
+    surface.profile.reversed()
+}
+
+/// Returns a ring for each node of the surface of a body.
+fn hard_rings(
+    input: StepInput,
+    pair: &SurfaceContact,
+    (body, side): (usize, usize),
+    spatial: &RigidBody3d,
+) -> Vec<WallRing> {
+    let (scene, mesh) = (input.scene, &input.scene.model.mesh);
+    let faces = pair.sides[side].faces.iter().filter_map(|&(e, s)| mesh.side_nodes(e, s)).flatten();
+    let of_analytical = pair.analytical.iter().flat_map(|analytical| &analytical.nodes);
+    let mut nodes: Vec<usize> = sorted_unique(faces.chain(of_analytical.copied()));
+    nodes.retain(|n| scene.bodies.of_node.get(n) == Some(&body));
+    let ring = |&n: &usize| {
+        let place = [mesh.points[n][0], mesh.points[n][1] - spatial.heights[0]];
+        WallRing { place, normal: [0.0; 2], area: 1.0, law: 0 }
+    };
+    nodes.iter().map(ring).collect()
+}
+
+/// Returns two rings for each part of the facets of a body, with the areas of their hat functions on it, and the laws.
+/// Unknown penalty stiffnesses are reported.
+fn soft_rings(
+    input: StepInput,
+    pair: &SurfaceContact,
+    (body, side): (usize, usize),
+    spatial: &RigidBody3d,
+    report: &mut Report,
+) -> Option<(Vec<WallRing>, Vec<InteractionLaw>)> {
+    let model = input.scene.model;
+    let of_body = |&&(element, _): &&(usize, ElementSide)| input.scene.bodies.of_element.get(&element) == Some(&body);
+    let faces: Vec<(usize, ElementSide)> = pair.sides[side].faces.iter().filter(of_body).copied().collect();
+    let mut laws: Vec<InteractionLaw> = Vec::new();
+    let law_of_face = |face: &(usize, ElementSide)| match pair.penalty.filter(|_| has_springs(pair)) {
+        None => Some(place_of(&mut laws, pair.law.clone())),
+        Some(factor) => Some(place_of(&mut laws, rigid_spring_law(model, pair, factor, *face, report)?)),
+    };
+    let law_of_faces = faces.iter().map(law_of_face).collect::<Option<Vec<usize>>>()?;
+    let facets = faces.iter().enumerate().filter_map(|(i, &(e, s))| Some((i, rigid_facet(model, e, s)?))).collect();
+    let mut rings: Vec<WallRing> = Vec::new();
+    for (face, facet) in divided_facets(&RigidFacets { body, facets }, spatial, f64::INFINITY) {
+        for [place, far] in [[facet.low, facet.high], [facet.high, facet.low]] {
+            let area = std::f64::consts::TAU * facet.length() * (2.0 * place[0] + far[0]) / 6.0;
+            let place = [place[0], place[1] - spatial.heights[0]];
+            rings.push(WallRing { place, normal: facet.normal, area, law: law_of_faces[face] });
+        }
+    }
+    rings.retain(|ring| ring.area > 0.0);
+    Some((rings, laws))
 }

@@ -90,7 +90,7 @@ fn hidden_faces(scene: Scene, sides: &SideSelection) -> InteriorFaces {
 
 /// Returns the rigid facet of a side. Faces of solids run counter-clockwise, so that the outward normal is the
 /// negative side.
-fn rigid_facet(model: &Model, element: usize, side: ElementSide) -> Option<Facet> {
+pub fn rigid_facet(model: &Model, element: usize, side: ElementSide) -> Option<Facet> {
     let mesh = &model.mesh;
     let [from, to] = mesh.side_nodes(element, side)?.map(|n| mesh.points[n]);
     Facet::new(from, to, side == ElementSide::Positive)

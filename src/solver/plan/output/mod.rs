@@ -619,7 +619,7 @@ fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
             PreselectRule::EulerianBoundary => flows,
             _ => true,
         };
-        let lost = walls && *v == Variable::ConstraintWork;
+        let lost = walls && matches!(v, Variable::ConstraintWork | Variable::PenaltyWork);
         v.place() == VariablePlace::Energy && (deforms || lost || !v.row().deforming) && available
     };
     let meshes = [Variable::MeshChanges, Variable::SmallestAngle].into_iter().filter(|_| smooths);
