@@ -141,7 +141,9 @@ fn other_origins_tokens_paths_and_slow_connections_are_refused() {
         "/etc/passwd",
         "frame?frame=99&field=0",
         "frame?frame=0&field=99",
-        "trace?cell=999999&field=0&from=0&to=1",
+        "mesh?frame=99",
+        "trace?mesh=0&cell=999999&field=0&from=0&to=1",
+        "trace?mesh=99&cell=0&field=0&from=0&to=1",
     ] {
         assert_eq!(view.get(path).0, 404, "{path}");
     }

@@ -181,7 +181,7 @@ impl FrameStore {
         series.generation
     }
 
-    /// Returns the fields of the frames that have been read, the first frame among them.
+    /// Returns the fields of the frames that have been read; reads the first frame if there is none.
     ///
     /// # Errors
     /// If there is no frame, or it cannot be read.
