@@ -21,6 +21,7 @@ mod material;
 mod matrix;
 mod memory;
 mod mesh;
+mod new_meshes;
 mod packaging;
 mod parts;
 mod python;

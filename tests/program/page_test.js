@@ -22,10 +22,10 @@ function selfTest() {
     return sum;
   };
   const meridians = runs.filter(r => r.meridian).map(({ meridian: m }) => {
-    const prints = [];
-    for (let i = 0; i < m.frames; i++) { m.setFrame(i); prints.push(print(m.canvas)); }
+    const prints = [], cells = [];
+    for (let i = 0; i < m.frames; i++) { m.setFrame(i); prints.push(print(m.canvas)); cells.push(m.drawnCells()); }
     const byField = m.fields.map((_, i) => { m.setField(i); return print(m.canvas); });
-    return { frames: m.frames, different_frames: new Set(prints).size, fields: m.fields.map(f => f.name), different_fields: new Set(byField).size };
+    return { frames: m.frames, cells, different_frames: new Set(prints).size, fields: m.fields.map(f => f.name), different_fields: new Set(byField).size };
   });
   const plots = [...document.querySelectorAll('.plot > svg')];
   const tips = plots.map(svg => {

@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use crate::browser::{HeadlessBrowser, PageView};
 use crate::common::{self, project, revolve};
+use crate::new_meshes;
 
 /// More connections than the server has.
 const MANY: usize = 40;
@@ -140,7 +141,9 @@ fn other_origins_tokens_paths_and_slow_connections_are_refused() {
         "/etc/passwd",
         "frame?frame=99&field=0",
         "frame?frame=0&field=99",
-        "trace?cell=999999&field=0&from=0&to=1",
+        "mesh?frame=99",
+        "trace?mesh=0&cell=999999&field=0&from=0&to=1",
+        "trace?mesh=99&cell=0&field=0&from=0&to=1",
     ] {
         assert_eq!(view.get(path).0, 404, "{path}");
     }
@@ -180,7 +183,7 @@ fn frames_are_those_of_the_run() {
     assert!(
         view.events().any(|(event, data)| event == "frames" && data["times"].as_array().is_some_and(|t| t.len() == 21))
     );
-    let mesh = words(&view.get("mesh").2);
+    let mesh = words(&view.get("mesh?frame=0").2);
     let [points, cells] = [mesh[0], mesh[1]].map(|n| u32::from_le_bytes(n) as usize);
     assert_eq!((points, cells, mesh.len()), (4 * 13, 36, 2 + 6 * 36));
     let corners: Vec<u32> = mesh[2..2 + 4 * cells].iter().map(|n| u32::from_le_bytes(*n)).collect();
@@ -189,19 +192,95 @@ fn frames_are_those_of_the_run() {
     for index in [0, 7, 20] {
         let frame = &memory.frames[index];
         let answer = words(&view.get(&format!("frame?frame={index}&field=0&shape=1")).2);
-        let counts = [answer[0], answer[1], answer[2]].map(u32::from_le_bytes);
-        assert_eq!(counts, [2 * points as u32, cells as u32, 0]);
-        let numbers: Vec<f32> = answer[3..].iter().map(|n| f32::from_le_bytes(*n)).collect();
+        let counts = [answer[0], answer[1], answer[2], answer[3]].map(u32::from_le_bytes);
+        assert_eq!(counts, [0, 2 * points as u32, cells as u32, 0], "the mesh of frame 0");
+        let numbers: Vec<f32> = answer[4..].iter().map(|n| f32::from_le_bytes(*n)).collect();
         let mises = frame.cell_fields.iter().find(|field| field.name == "MISES").expect("a field");
         let expected = frame.points.iter().flatten().chain(&mises.values).map(|v| *v as f32);
         assert_eq!(numbers, expected.collect::<Vec<_>>(), "frame {index}");
     }
-    let trace = words(&view.get("trace?cell=5&field=0&from=7&to=8").2);
+    let trace = view.get("trace?mesh=0&cell=5&field=0&from=7&to=8").2;
+    assert_eq!((trace.len(), trace[4]), (5, 1), "the mesh of the frame has the element");
+    let trace = words(&trace);
     let mises = memory.frames[7].cell_fields.iter().find(|field| field.name == "MISES").expect("a field").values[5];
     assert_eq!(trace.iter().map(|n| f32::from_le_bytes(*n)).collect::<Vec<_>>(), [mises as f32]);
     let state: Value = serde_json::from_slice(&view.get("state?cell=5&frame=7").2).expect("JSON");
     let shown = state.as_array().expect("a list").iter().find(|row| row[0] == "MISES").expect("a row");
     assert!((shown[1].as_f64().expect("a number") / mises - 1.0).abs() < 1e-6, "{shown}");
+}
+
+/// Frames are sent with the mesh that they have, in any order. Elements are followed by their numbers.
+#[test]
+fn frames_with_new_meshes_are_sent_with_their_mesh() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frames = new_meshes::run_into(folder.path());
+    let starts = new_meshes::first_frames_of_meshes(&frames);
+    let view = ViewProcess::start(&["view", name(folder.path())]);
+    let field = field_index(&view, frames.len(), "MISES");
+    let mises = |frame: usize| &frames[frame].cell_fields.iter().find(|f| f.name == "MISES").expect("a field").values;
+    let mut meshes = Vec::new();
+    for index in [20, 0, starts[1], 20, starts[2], 1] {
+        let answer = words(&view.get(&format!("frame?frame={index}&field={field}&shape=1")).2);
+        let counts = [answer[0], answer[1], answer[2], answer[3]].map(|n| u32::from_le_bytes(n) as usize);
+        let frame = &frames[index];
+        assert_eq!(counts[1..], [2 * frame.points.len(), frame.cells.len(), 0], "frame {index}");
+        let numbers: Vec<f32> = answer[4..].iter().map(|n| f32::from_le_bytes(*n)).collect();
+        let expected = frame.points.iter().flatten().chain(mises(index)).map(|v| *v as f32);
+        assert_eq!(numbers, expected.collect::<Vec<_>>(), "frame {index}");
+        let mesh = words(&view.get(&format!("mesh?frame={}", counts[0])).2);
+        let mesh: Vec<u32> = mesh.iter().map(|n| u32::from_le_bytes(*n)).collect();
+        let elements = &frame.cell_labels.iter().find(|label| label.name == "ELEMENT").expect("numbers").values;
+        assert_eq!(mesh[..2], [frame.points.len() as u32, frame.cells.len() as u32]);
+        let corners = frame.cells.iter().flat_map(|cell| (0..4).map(|i| cell.get(i).map_or(u32::MAX, |p| *p)));
+        let expected: Vec<u32> = corners.chain(elements.iter().map(|e| *e as u32)).collect();
+        assert_eq!(mesh[2..2 + expected.len()], expected, "frame {index}");
+        meshes.push(counts[0]);
+    }
+    assert_eq!(meshes, [20, 0, starts[1], 20, starts[2], 0], "a frame that has the mesh");
+    // An element of the first mesh, and one of the last mesh, in the first 16 frames.
+    let last = starts[starts.len() - 1];
+    assert!((1..16).contains(&last), "{starts:?}");
+    for (mesh, exists) in [(0, 0..starts[1]), (20, last..16)] {
+        let bytes = view.get(&format!("trace?mesh={mesh}&cell=7&field={field}&from=0&to=21")).2;
+        let values: Vec<f32> = words(&bytes[..64]).iter().map(|n| f32::from_le_bytes(*n)).collect();
+        assert_eq!((values.len(), bytes.len()), (16, 80));
+        for frame in 0..16 {
+            let expected = if exists.contains(&frame) { mises(frame)[7] as f32 } else { f32::NAN };
+            assert_eq!(
+                (values[frame].to_bits(), bytes[64 + frame]),
+                (expected.to_bits(), u8::from(!expected.is_nan()))
+            );
+        }
+    }
+    assert_eq!(view.get(&format!("trace?mesh=0&cell=9999&field={field}&from=0&to=1")).0, 404);
+    assert_eq!(view.get("state?cell=9999&frame=0").0, 404);
+}
+
+/// A field that only a later frame has is in the list once this frame has been read; other frames have no values of it.
+#[test]
+fn fields_of_later_frames_are_added_to_the_list() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let frames = new_meshes::run_into(folder.path());
+    new_meshes::rename_field(folder.path(), 20);
+    let view = ViewProcess::start(&["view", name(folder.path())]);
+    let mises = field_index(&view, frames.len(), "MISES");
+    let value_count = |frame: usize, field: usize| {
+        let answer = words(&view.get(&format!("frame?frame={frame}&field={field}")).2);
+        u32::from_le_bytes(answer[2]) as usize
+    };
+    assert_eq!([value_count(0, mises), value_count(20, mises)], [frames[0].cells.len(), 0]);
+    let triax = field_index(&view, frames.len(), "TRIAX");
+    assert_eq!([value_count(0, triax), value_count(20, triax)], [0, frames[20].cells.len()]);
+    assert_eq!(field_index(&view, frames.len(), "MISES"), mises, "the order does not change");
+}
+
+/// Waits until the list of fields of a run with so many frames has a field; returns its index.
+fn field_index(view: &ViewProcess, frame_count: usize, name: &str) -> usize {
+    let index = |(event, data): (String, Value)| {
+        let is_complete = event == "frames" && data["times"].as_array()?.len() == frame_count;
+        data["fields"].as_array()?.iter().position(|field| is_complete && field["name"] == name)
+    };
+    view.events().find_map(index).expect("the stream does not end")
 }
 
 /// Events arrive before the run has ended; the program ends after the page is closed.
@@ -334,5 +413,37 @@ fn page_shows_frames_and_elements_in_a_browser() {
         assert!(browser.errors.is_empty(), "{:?}", browser.errors);
         let own = format!("http://{}{}", view.host, view.path);
         assert!(browser.requests.iter().all(|request| request.starts_with(&own)), "{:?}", browser.requests);
+    }
+}
+
+/// The page switches to the mesh of each frame. An element without a cell in a frame has no values there, and the page
+/// says so.
+#[test]
+fn page_shows_new_meshes_in_a_browser() {
+    let Some(mut browser) = HeadlessBrowser::start() else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let frames = new_meshes::run_into(folder.path());
+    let starts = new_meshes::first_frames_of_meshes(&frames);
+    let view = ViewProcess::start(&["view", name(folder.path())]);
+    for (fragment, kind) in [("", "processor"), ("#webgl", "WebGL 2")] {
+        browser.open_address(
+            &format!("http://{}{}{fragment}", view.host, view.path),
+            PageView { width: 1400, dark: false },
+        );
+        let text = browser.value(include_str!("view_test.js"));
+        let result: Value = serde_json::from_str(text.as_str().expect("the page tested itself")).expect("JSON");
+        assert_eq!((&result["kind"], &result["faults"]), (&kind.into(), &Value::Array(Vec::new())), "{result}");
+        assert_eq!((&result["frames"], &result["different_frames"]), (&21.into(), &21.into()), "{result}");
+        assert_eq!(result["meshes"], starts.len(), "{result}");
+        // The element was picked in the last mesh.
+        let last = starts[starts.len() - 1];
+        assert_eq!((&result["trace"], &result["missing"]), (&(21 - last).into(), &last.into()), "{result}");
+        let reason = result["reason"].as_str().expect("a text");
+        assert!(reason.contains(&format!("is not in frames 1 to {last}: ")), "{reason}");
+        let in_first = result["in_first_frame"].as_str().expect("a text");
+        assert!(in_first.starts_with("The mesh of frame 1 does not have element "), "{in_first}");
+        assert_eq!(result["selected"][0], -1, "{result}");
+        assert_eq!(result["selected"][1], result["selected"][2], "{result}");
+        assert!(browser.errors.is_empty(), "{:?}", browser.errors);
     }
 }

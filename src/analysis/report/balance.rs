@@ -1,8 +1,8 @@
 //! The energy balance as stacked areas: stored energies at the bottom, dissipated energies on top, and the supplied
 //! energy as a line. Energies that the history does not have are one area, so that the areas always add up to the line.
 
-use super::frames::spread;
 use super::history::HistoryColumns;
+use super::pack::spread;
 use super::shorten;
 use super::units::UnitNames;
 use crate::study::chart::{Chart, ChartSeries, SeriesForm};

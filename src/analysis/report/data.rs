@@ -111,25 +111,44 @@ pub struct EffectSavings {
 }
 
 /// Meridian section over time, packed for drawing. Numbers are unsigned 16-bit integers in base64, little endian; 65535
-/// means "none". "none".
+/// means "none".
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct MeridianFrames {
     pub times: Vec<f64>,
+    /// Number of points of the first mesh.
     pub points: usize,
     /// `[r min, r max, z min, z max]` over all frames (length).
     pub bounds: [f64; 4],
     /// r and z of all points of all frames, scaled to the bounds.
     pub places: String,
+    /// Number of cells of the first mesh.
     pub cells: usize,
-    /// Four corners per cell; lines have two, triangles three, and the others are "none".
+    /// Corners of the first mesh.
     pub corners: String,
     pub fields: Vec<PackedField>,
     /// Targets and analytical planes, from the summary.
     pub scene: Value,
-    /// Element number of each cell in the deck; 0 without one.
+    /// Element numbers of the first mesh.
     pub elements: Vec<i32>,
     /// Units of length and time; empty if unknown.
     pub units: [String; 2],
+    /// Meshes after the first one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub new_meshes: Vec<PackedMesh>,
+    /// Mesh of each frame: 0 is the first one, 1 the first of `new_meshes`. Empty if all frames have the first mesh.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub mesh_of_frame: Vec<usize>,
+}
+
+/// Mesh of successive frames.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct PackedMesh {
+    pub points: usize,
+    pub cells: usize,
+    /// Four corners per cell; lines have two, triangles three, and the others are "none".
+    pub corners: String,
+    /// Element number of each cell in the deck; 0 without one.
+    pub elements: Vec<i32>,
 }
 
 /// Scalar field on points or cells, over all frames.

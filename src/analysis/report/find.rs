@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::data::{ColumnSummaryRow, ReportPage, ReportRun};
 use super::read::{in_file, json, text, verified_json, verified_text};
 use super::units::UnitNames;
-use super::{PageOptions, ReportError, balance, compare, frames, history, limits, search, study, sweep};
+use super::{PageOptions, ReportError, balance, compare, frames, history, limits, pack, search, study, sweep};
 use crate::output::HISTORY;
 use crate::output::sums::Checksums;
 use crate::study::cases::{LOG, finished_table};
@@ -128,7 +128,7 @@ fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<ReportRun, String>
         sums.verify(&list)?;
         let series = frames::series(&list)?;
         let scene = run.summary.get("scene").cloned().unwrap_or_default();
-        run.meridian = frames::pack(&series, &scene, (&UnitNames::of(&run.summary), sums), &mut run.notes)?;
+        run.meridian = pack::pack(&series, &scene, (&UnitNames::of(&run.summary), sums), &mut run.notes)?;
     }
     if run.meridian.is_none() {
         run.notes.push("there are no frames: the deck requests no field output".into());

@@ -1,15 +1,8 @@
-//! Reads frames of a `.pvd` series and packs them for a report page, with fewer frames and coarser meshes if necessary.
+//! Reads the list of a `.pvd` series and its frames.
 
 use std::path::{Path, PathBuf};
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-use serde_json::Value;
-
-use super::data::{MeridianFrames, PackedField};
-use super::mesh::{DrawnMesh, bounds, drawn};
 use super::read;
-use super::units::UnitNames;
 use crate::deck::printable;
 use crate::kernel::stress::mises;
 use crate::model::vtk_file;
@@ -18,15 +11,9 @@ use crate::output::sums::Checksums;
 use crate::output::vtu::{BLANKING, REFERENCE};
 use crate::variables::Variable;
 
-/// Largest number of frames on a page.
-pub const FRAMES: usize = 60;
-/// Largest number of cells that are drawn.
-pub const CELLS: usize = 6000;
-/// Largest size of the packed frames of a run, in bytes.
-pub const BYTES: usize = 6_000_000;
-/// Largest number of fields of a run.
-const FIELDS: usize = 20;
-const NONE: u16 = u16::MAX;
+/// Arrays of the element and material numbers of cells.
+const ELEMENT: &str = "ELEMENT";
+const MATERIAL: &str = "MATERIAL";
 
 /// Contents of a frame file, with vectors and tensors split into scalars.
 #[derive(Clone, Debug, Default)]
@@ -83,7 +70,7 @@ pub fn read(time: f64, path: &Path, sums: &Checksums) -> Result<FrameData, Strin
     read_arrays(time, path, sums, &|_| true)
 }
 
-/// Reads a frame with the arrays whose names `wanted` accepts, and those that its shape needs.
+/// Reads a frame with the arrays whose names `wanted` accepts, and those of its mesh and shape.
 pub fn read_arrays(
     time: f64,
     path: &Path,
@@ -92,7 +79,8 @@ pub fn read_arrays(
 ) -> Result<FrameData, String> {
     let text = read::verified_text(path, sums)?;
     let is_reference = text.contains(REFERENCE);
-    let needed = |name: &str| name == BLANKING || name == "U" && is_reference || wanted(name);
+    let of_mesh = |name: &str| [BLANKING, ELEMENT, MATERIAL].contains(&name) || name == "U" && is_reference;
+    let needed = |name: &str| of_mesh(name) || wanted(name);
     let mesh = read::in_file(path, vtk_file::read(path, &needed))?;
     let is_field = |name: &str| name != BLANKING && !EntityLabels::is_name(name);
     let mut scalars = Vec::new();
@@ -112,7 +100,7 @@ pub fn read_arrays(
     let shift = |i: usize| moved.map_or([0.0; 2], |(_, values)| [values[3 * i], values[3 * i + 1]]);
     let places = mesh.points.iter().enumerate().map(|(i, p)| [p[0] + shift(i)[0], p[1] + shift(i)[1]]).collect();
     let of_cells = |name: &str| mesh.cell_arrays.iter().find(|array| array.0 == name).map_or(&[][..], |array| &array.1);
-    let [elements, materials] = ["ELEMENT", "MATERIAL"].map(|name| of_cells(name).iter().map(|v| *v as i32).collect());
+    let [elements, materials] = [ELEMENT, MATERIAL].map(|name| of_cells(name).iter().map(|v| *v as i32).collect());
     let deleted = of_cells(BLANKING).iter().map(|v| *v != 0.0).collect();
     let cells = mesh.cells.into_iter().map(around).collect();
     Ok(FrameData { time, points: places, cells, deleted, elements, materials, scalars })
@@ -167,189 +155,14 @@ pub fn rank(name: &str) -> usize {
     FIRST.iter().position(|f| *f == name).unwrap_or(FIRST.len())
 }
 
-/// Packs a series of frames; `notes` receives remarks on omitted data.
-pub fn pack(
-    files: &[(f64, PathBuf)],
-    scene: &Value,
-    (units, sums): (&UnitNames, &Checksums),
-    notes: &mut Vec<String>,
-) -> Result<Option<MeridianFrames>, String> {
-    let Some(((time, path), _)) = files.split_first() else { return Ok(None) };
-    let first = read(*time, path, sums)?;
-    let mesh = drawn(&first.points, &first.cells, CELLS);
-    if mesh.corners.is_empty() {
-        notes.push("the frames contain nothing to draw".into());
-        return Ok(None);
-    }
-    if mesh.cells.len() < first.cells.iter().filter(|c| c.len() > 1).count() {
-        notes.push(format!("the mesh is drawn coarser, with {} of {} cells", mesh.cells.len(), first.cells.len()));
-    }
-    let fields = chosen_fields(&first, notes);
-    let frame_limit = FRAMES.min(BYTES / bytes_of_frame(&mesh, &fields)).max(2);
-    let chosen = spread(files.len(), frame_limit);
-    if chosen.len() < files.len() {
-        notes.push(format!("{} of {} frames are shown", chosen.len(), files.len()));
-    }
-    let mut frames = vec![DrawnFrame::of(&first, &mesh, &fields)];
-    for &i in &chosen[1..] {
-        let frame = read(files[i].0, &files[i].1, sums)?;
-        if !is_same_mesh(&first, &frame) {
-            notes.push(format!("the frame at time {:e} has a different mesh and is not shown", frame.time));
-            continue;
-        }
-        frames.push(DrawnFrame::of(&frame, &mesh, &fields));
-    }
-    let mut meridian = meridian(&frames, &mesh, &fields, scene);
-    let number = |&cell: &usize| first.elements.get(cell).copied().unwrap_or(0);
-    meridian.elements = mesh.cells.iter().map(number).collect();
-    meridian.units = units.length_and_time();
-    meridian.fields.iter_mut().for_each(|field| field.unit = units.of_column(&field.name));
-    Ok(Some(meridian))
-}
-
 /// Returns whether a field on cells belongs to the facets of rigid bodies; the others belong to elements.
 pub fn is_facet_field(name: &str) -> bool {
     ["PRESSURE", "NORMAL_VELOCITY", "LAYER"].contains(&name)
 }
 
-/// Returns whether a frame has the mesh of the first frame; the cells of deleted elements, collapsed to a point, are
-/// ignored.
-pub fn is_same_mesh(first: &FrameData, frame: &FrameData) -> bool {
-    let gone = |cell: usize| frame.deleted.get(cell).copied().unwrap_or(false);
-    let mut cells = first.cells.iter().zip(&frame.cells).enumerate();
-    let alike = cells.all(|(i, (a, b))| a == b || gone(i) && a.len() == b.len());
-    alike && first.cells.len() == frame.cells.len() && first.points.len() == frame.points.len()
-}
-
-/// Chooses the fields that are packed: name, and whether on cells.
-fn chosen_fields(first: &FrameData, notes: &mut Vec<String>) -> Vec<(String, bool)> {
-    let has_mises = first.scalars.iter().any(|s| s.name == "MISES");
-    let shown_scalars = first.scalars.iter().filter(|s| !(has_mises && s.name == "S_MISES"));
-    let mut fields: Vec<(String, bool)> = shown_scalars.map(|s| (s.name.clone(), s.on_cells)).collect();
-    fields.sort_by_key(|f| rank(&f.0));
-    if fields.len() > FIELDS {
-        let left_out: Vec<&str> = fields[FIELDS..].iter().map(|f| f.0.as_str()).collect();
-        notes.push(format!("fields that are not shown: {}", left_out.join(", ")));
-        fields.truncate(FIELDS);
-    }
-    fields
-}
-
-/// Returns the size of a frame in bytes; base64 needs four bytes for three.
-fn bytes_of_frame(mesh: &DrawnMesh, fields: &[(String, bool)]) -> usize {
-    let numbers = |f: &(String, bool)| if f.1 { mesh.cells.len() } else { mesh.points.len() };
-    let number_count = 2 * mesh.points.len() + fields.iter().map(numbers).sum::<usize>();
-    (number_count * 2 * 4 / 3).max(1)
-}
-
-/// Returns at most `most` of `count` indices, equally spaced, including the first and the last.
-pub fn spread(count: usize, most: usize) -> Vec<usize> {
-    if count <= most {
-        return (0..count).collect();
-    }
-    (0..most).map(|i| i * (count - 1) / (most - 1)).collect()
-}
-
-/// Values of a frame on the drawn mesh.
-struct DrawnFrame {
-    time: f64,
-    points: Vec<[f64; 2]>,
-    values: Vec<Vec<f64>>,
-}
-
-impl DrawnFrame {
-    fn of(frame: &FrameData, mesh: &DrawnMesh, fields: &[(String, bool)]) -> DrawnFrame {
-        let values = |(name, on_cells): &(String, bool)| {
-            let values = frame.values(name, *on_cells).unwrap_or_default();
-            let places = if *on_cells { &mesh.cells } else { &mesh.points };
-            let value_at = |p: &usize| values.get(*p).copied().unwrap_or(f64::NAN);
-            places.iter().map(value_at).collect()
-        };
-        let points = mesh.points.iter().map(|&p| frame.points[p]).collect();
-        DrawnFrame { time: frame.time, points, values: fields.iter().map(values).collect() }
-    }
-}
-
-fn meridian(frames: &[DrawnFrame], mesh: &DrawnMesh, fields: &[(String, bool)], scene: &Value) -> MeridianFrames {
-    let all_points: Vec<[f64; 2]> = frames.iter().flat_map(|f| &f.points).copied().collect();
-    let [low, high] = bounds(&all_points);
-    let places = all_points.iter().flat_map(|p| [0, 1].map(|i| scale(p[i], low[i], high[i])));
-    // Six-node triangles are drawn by their corners.
-    let step = |c: &[usize]| if c.len() == 6 { 2 } else { 1 };
-    let corners = mesh.corners.iter().flat_map(|c| (0..4).map(move |i| c.get(step(c) * i).map_or(NONE, |&p| p as u16)));
-    let mut packed = Vec::new();
-    for (i, (name, on_cells)) in fields.iter().enumerate() {
-        let mut values: Vec<Vec<f64>> = frames.iter().map(|f| f.values[i].clone()).collect();
-        if *on_cells {
-            hide_foreign_zeros(&mut values, mesh);
-        }
-        packed.extend(field(name, *on_cells, &values));
-    }
-    MeridianFrames {
-        times: frames.iter().map(|f| f.time).collect(),
-        points: mesh.points.len(),
-        bounds: [low[0], high[0], low[1], high[1]],
-        places: base64(places),
-        cells: mesh.cells.len(),
-        corners: base64(corners),
-        fields: packed,
-        scene: scene.clone(),
-        ..MeridianFrames::default()
-    }
-}
-
-/// Replaces the zeros of element variables on rigid facets, and of facet variables on deformable elements, by "none".
-fn hide_foreign_zeros(values: &mut [Vec<f64>], mesh: &DrawnMesh) {
-    let lines: Vec<bool> = mesh.corners.iter().map(|c| c.len() == 2).collect();
-    let silent = |kind: bool| {
-        let of_kind = |frame: &Vec<f64>| frame.iter().zip(&lines).all(|(v, l)| *l != kind || *v == 0.0);
-        values.iter().all(of_kind)
-    };
-    let (lines_silent, areas_silent) = (silent(true), silent(false));
-    if lines_silent == areas_silent {
-        return;
-    }
-    for (value, line) in values.iter_mut().flat_map(|frame| frame.iter_mut().zip(&lines)) {
-        if *line == lines_silent {
-            *value = f64::NAN;
-        }
-    }
-}
-
-/// Packs a field; `None` if it has no finite value.
-fn field(name: &str, on_cells: bool, frames: &[Vec<f64>]) -> Option<PackedField> {
-    let finite = || frames.iter().flatten().copied().filter(|v| v.is_finite());
-    let (mut low, mut high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
-    if name == Variable::Status.name() && low <= high {
-        // The page hides cells below the middle of the range, also if all elements have the same status.
-        (low, high) = (0.0, 1.0);
-    }
-    let values = base64(frames.iter().flatten().map(|v| scale(*v, low, high)));
-    (low <= high).then(|| PackedField { name: name.to_owned(), on_cells, low, high, unit: String::new(), values })
-}
-
-/// Scales a value to 65535 steps between `low` and `high`.
-fn scale(value: f64, low: f64, high: f64) -> u16 {
-    if !value.is_finite() {
-        return NONE;
-    }
-    let part = if high > low { (value - low) / (high - low) } else { 0.0 };
-    (part * f64::from(NONE - 1)).round() as u16
-}
-
-fn base64(numbers: impl Iterator<Item = u16>) -> String {
-    STANDARD.encode(numbers.flat_map(u16::to_le_bytes).collect::<Vec<u8>>())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn frames_are_spread_from_the_first_to_the_last() {
-        assert_eq!(spread(3, 60), [0, 1, 2]);
-        assert_eq!(spread(101, 5), [0, 25, 50, 75, 100]);
-    }
 
     #[test]
     fn stress_gives_mises_stress() {
@@ -358,11 +171,5 @@ mod tests {
         assert!((split[0].1[0] - 300.0).abs() < 1e-12, "uniaxial");
         assert!((split[0].1[1] - 100.0 * 3.0_f64.sqrt()).abs() < 1e-12, "shear");
         assert_eq!(split[4], ("S4".to_owned(), vec![0.0, 100.0]));
-    }
-
-    #[test]
-    fn values_are_scaled_to_integer_steps() {
-        assert_eq!([scale(1.0, 1.0, 3.0), scale(2.0, 1.0, 3.0), scale(3.0, 1.0, 3.0)], [0, 32767, 65534]);
-        assert_eq!([scale(f64::NAN, 0.0, 1.0), scale(5.0, 5.0, 5.0)], [NONE, 0]);
     }
 }

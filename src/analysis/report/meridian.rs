@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::frames::{self, CELLS, FrameData, is_facet_field};
-use super::mesh::{bounds, drawn};
+use super::frames::{self, FrameData, ScalarField, is_facet_field};
+use super::mesh::{CELLS, bounds, drawn};
 use super::picture::missing;
 use super::units::UnitNames;
 use super::{ReportError, find};
@@ -112,18 +112,20 @@ impl RunFrames {
         Ok(frames::read(*time, path, &self.sums)?)
     }
 
-    /// Draws a frame, numbered from 1; the last one by default. The direction of the axis is that of the first frame.
+    /// Draws a frame, numbered from 1; the last one by default. The direction of the axis is that of the first frame. A
+    /// field that only other frames have is drawn without values.
     ///
     /// # Errors
-    /// If there is no such frame or field, or if a file cannot be read.
+    /// If there is no such frame, if no frame has the field, or if a file cannot be read.
     pub fn drawing(&self, number: Option<usize>, options: &FieldOptions) -> Result<Drawing, ReportError> {
         let number = number.unwrap_or(self.series.len());
         let frame = self.read(number)?;
-        let picture = FramePicture::of(&frame, options)?;
+        let picture = FramePicture::of(&frame, options);
         let first = bounds(&self.read(1)?.points);
         let mut range = picture.range();
-        if options.range == ColourRange::Run {
-            range = self.limits(options)?.1;
+        if options.range == ColourRange::Run || picture.field.is_none() {
+            let run = self.limits(options)?.1;
+            range = if options.range == ColourRange::Run { run } else { range };
         }
         let view = PictureView::of(picture.bounds(), first);
         Ok(self.draw(number, &picture, view, options, range))
@@ -143,7 +145,7 @@ impl RunFrames {
         let view = PictureView::of(extent, bounds(&self.read(1)?.points));
         for number in 1..=self.series.len() {
             let frame = self.read(number)?;
-            let picture = FramePicture::of(&frame, options)?;
+            let picture = FramePicture::of(&frame, options);
             let range = if options.range == ColourRange::Frame { picture.range() } else { run };
             take(&self.draw(number, &picture, view, options, range))?;
         }
@@ -151,16 +153,24 @@ impl RunFrames {
     }
 
     /// Returns the bounds of the coordinates and the range of the values over all frames.
+    ///
+    /// # Errors
+    /// If no frame has the field, or if a file cannot be read.
     fn limits(&self, options: &FieldOptions) -> Result<([[f64; 2]; 2], [f64; 2]), ReportError> {
         let (mut corners, mut range) = (Vec::new(), [f64::INFINITY, f64::NEG_INFINITY]);
+        let (mut has_field, mut names) = (false, Vec::new());
         for number in 1..=self.series.len() {
             let frame = self.read(number)?;
-            let picture = FramePicture::of(&frame, options)?;
+            let picture = FramePicture::of(&frame, options);
+            has_field |= picture.field.is_some();
+            names.extend(frame.scalars.into_iter().map(|scalar| scalar.name));
             corners.extend(picture.bounds());
             let [low, high] = picture.range();
             range = [range[0].min(low), range[1].max(high)];
         }
-        Ok((bounds(&corners), range))
+        names.sort();
+        names.dedup();
+        if has_field { Ok((bounds(&corners), range)) } else { Err(missing("field", &options.field, &names).into()) }
     }
 
     fn draw(
@@ -175,11 +185,12 @@ impl RunFrames {
         let [length, time] = self.units.length_and_time();
         let unit = if time.is_empty() { String::new() } else { format!(" {time}") };
         let (shown_time, count) = (digits(picture.time, 4), self.series.len());
-        let title = format!("{}: {} at time {shown_time}{unit}, frame {number} of {count}", self.name, picture.field);
+        let field = picture.field.as_deref().unwrap_or(&options.field);
+        let title = format!("{}: {field} at time {shown_time}{unit}, frame {number} of {count}", self.name);
         let canvas = FrameCanvas { view, range, scene: &self.scene };
         let mut drawing = canvas.begin(&title);
         picture.cells.iter().for_each(|cell| canvas.draw_cell(&mut drawing, cell));
-        canvas.end(&mut drawing, &length, &axis::title(&picture.field, &self.units.of_column(&picture.field), 0));
+        canvas.end(&mut drawing, &length, &axis::title(field, &self.units.of_column(field), 0));
         drawing
     }
 }
@@ -192,42 +203,27 @@ struct DrawnCell {
 
 /// Cells of a frame with the values of a field.
 struct FramePicture {
-    field: String,
+    /// Name of the field; `None` if the frame does not have it.
+    field: Option<String>,
     time: f64,
     cells: Vec<DrawnCell>,
 }
 
 impl FramePicture {
-    fn of(frame: &FrameData, options: &FieldOptions) -> Result<FramePicture, ReportError> {
-        let names: Vec<String> = frame.scalars.iter().map(|s| s.name.clone()).collect();
-        let position = names.iter().position(|n| n.eq_ignore_ascii_case(&options.field));
-        let scalar = &frame.scalars[position.ok_or_else(|| missing("field", &options.field, &names))?];
-        let (on_cells, values) = (scalar.on_cells, &scalar.values);
+    fn of(frame: &FrameData, options: &FieldOptions) -> FramePicture {
+        let scalar = frame.scalars.iter().find(|scalar| scalar.name.eq_ignore_ascii_case(&options.field));
         let mesh = drawn(&frame.points, &frame.cells, CELLS);
         let is_present = |cell: usize| !frame.deleted.get(cell).copied().unwrap_or(false);
-        let mean = |corners: &[usize]| corners.iter().map(|&p| values[p]).sum::<f64>() / corners.len() as f64;
-        // Element fields are zero on the facets of rigid bodies, and facet fields on deformable elements.
-        let of_facets = is_facet_field(&scalar.name);
-        let belongs = |corners: usize| !on_cells || (corners == 2) == of_facets;
-        let at_nodes = (options.smooth && on_cells)
-            .then(|| node_means(frame, values, |cell| is_present(cell) && belongs(frame.cells[cell].len())));
+        let values = scalar.map(|scalar| CellValues::of(frame, scalar, options.smooth, is_present));
         let cell = |(corners, &index): (&Vec<usize>, &usize)| {
             let nodes: Vec<usize> = corners.iter().map(|&p| mesh.points[p]).collect();
-            let cell_value = if on_cells { values[index] } else { mean(&frame.cells[index]) };
-            let corner_values: Vec<f64> = match (options.smooth, &at_nodes) {
-                (true, Some(means)) => nodes.iter().map(|&n| means[n]).collect(),
-                (true, None) => nodes.iter().map(|&n| values[n]).collect(),
-                (false, _) => vec![cell_value; nodes.len()],
-            };
-            let is_shown =
-                belongs(corners.len()) && cell_value.is_finite() && corner_values.iter().all(|v| v.is_finite());
             DrawnCell {
                 corners: nodes.iter().map(|&n| frame.points[n]).collect(),
-                values: is_shown.then_some(corner_values),
+                values: values.as_ref().and_then(|values| values.at_corners(index, &nodes)),
             }
         };
         let cells = mesh.corners.iter().zip(&mesh.cells).filter(|c| is_present(*c.1)).map(cell).collect();
-        Ok(FramePicture { field: scalar.name.clone(), time: frame.time, cells })
+        FramePicture { field: scalar.map(|scalar| scalar.name.clone()), time: frame.time, cells }
     }
 
     fn range(&self) -> [f64; 2] {
@@ -237,6 +233,50 @@ impl FramePicture {
 
     fn bounds(&self) -> [[f64; 2]; 2] {
         bounds(&self.cells.iter().flat_map(|c| c.corners.iter().copied()).collect::<Vec<_>>())
+    }
+}
+
+/// Values of a field at the corners of drawn cells.
+struct CellValues<'a> {
+    frame: &'a FrameData,
+    scalar: &'a ScalarField,
+    is_smooth: bool,
+    /// Mean values at the nodes, for a field on cells in smooth shading.
+    at_nodes: Option<Vec<f64>>,
+}
+
+impl CellValues<'_> {
+    fn of<'a>(
+        frame: &'a FrameData,
+        scalar: &'a ScalarField,
+        is_smooth: bool,
+        is_present: impl Fn(usize) -> bool,
+    ) -> CellValues<'a> {
+        let values = CellValues { frame, scalar, is_smooth, at_nodes: None };
+        let counts = |cell: usize| is_present(cell) && values.belongs(frame.cells[cell].len());
+        let at_nodes = (is_smooth && scalar.on_cells).then(|| node_means(frame, &scalar.values, counts));
+        CellValues { at_nodes, ..values }
+    }
+
+    /// Returns whether cells with this number of corners have values: element fields are zero on the facets of rigid
+    /// bodies, and facet fields on deformable elements.
+    fn belongs(&self, corners: usize) -> bool {
+        !self.scalar.on_cells || (corners == 2) == is_facet_field(&self.scalar.name)
+    }
+
+    /// Returns the values at the drawn corners of a cell; `None` if one is not finite.
+    fn at_corners(&self, cell: usize, nodes: &[usize]) -> Option<Vec<f64>> {
+        let values = &self.scalar.values;
+        let mean = |corners: &[usize]| corners.iter().map(|&p| values[p]).sum::<f64>() / corners.len() as f64;
+        let cell_value = if self.scalar.on_cells { values[cell] } else { mean(&self.frame.cells[cell]) };
+        let corner_values: Vec<f64> = match (self.is_smooth, &self.at_nodes) {
+            (true, Some(means)) => nodes.iter().map(|&n| means[n]).collect(),
+            (true, None) => nodes.iter().map(|&n| values[n]).collect(),
+            (false, _) => vec![cell_value; nodes.len()],
+        };
+        let is_shown =
+            self.belongs(nodes.len()) && cell_value.is_finite() && corner_values.iter().all(|v| v.is_finite());
+        is_shown.then_some(corner_values)
     }
 }
 

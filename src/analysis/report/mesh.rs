@@ -1,7 +1,10 @@
 //! Coarsening of a mesh for drawing by vertex clustering (Rossignac and Borrel 1993): points in the same square of a
-//! grid are merged, and collapsed cells are dropped. No gaps appear. It is done once for all frames.
+//! grid are merged, and collapsed cells are dropped. No gaps appear. It is done once for all frames of a mesh.
 
 use std::collections::HashMap;
+
+/// Largest number of cells that are drawn.
+pub const CELLS: usize = 6000;
 
 /// Part of a mesh that is drawn.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -8,6 +8,7 @@ mod compare;
 pub mod data;
 pub mod filter;
 mod find;
+pub(crate) mod frame_mesh;
 pub(crate) mod frames;
 mod history;
 mod html;
@@ -15,6 +16,7 @@ mod labels;
 pub(crate) mod limits;
 pub mod meridian;
 mod mesh;
+mod pack;
 pub mod picture;
 mod read;
 mod search;
@@ -28,10 +30,11 @@ use thiserror::Error;
 
 pub use find::page as gather_with;
 pub(crate) use find::{only_run, run_without_frames};
-pub use frames::{BYTES, CELLS, FRAMES};
 pub use html::html;
 pub(crate) use html::{PageContents, SHARED_SCRIPT, STYLE};
 pub use labels::QuantityLabels;
+pub use mesh::CELLS;
+pub use pack::{BYTES, FRAMES};
 
 use crate::study::table::rounded;
 

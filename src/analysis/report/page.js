@@ -8,10 +8,21 @@ function numbers(text) {
 }
 
 // ---- the meridian ----
+/** Returns for each frame its mesh, and where its points and cells begin in the packed arrays. */
+function framesOf(m) {
+  const meshes = [m, ...(m.new_meshes || [])].map(({ points, cells, corners, elements }) => ({ points, cells, elements, corners: numbers(corners) }));
+  meshes.forEach(mesh => { mesh.chains = outlines(mesh, mesh.corners, NONE); });
+  let point = 0, cell = 0;
+  return m.times.map((time, i) => {
+    const mesh = meshes[m.mesh_of_frame ? m.mesh_of_frame[i] : 0], frame = { mesh, point, cell };
+    point += mesh.points; cell += mesh.cells;
+    return frame;
+  });
+}
 /** Frames of the meridian section, mirrored about the axis; z is horizontal if the model is longer than wide. */
 function drawMeridian(m, onTime) {
-  const places = numbers(m.places), corners = numbers(m.corners), frames = m.times.length;
-  const [r0, r1, z0, z1] = m.bounds, chains = outlines(m, corners, NONE);
+  const places = numbers(m.places), parts = framesOf(m), frames = parts.length;
+  const [r0, r1, z0, z1] = m.bounds;
   const fields = m.fields.filter(f => f.name !== 'STATUS').map(f => ({ ...f, at: numbers(f.values) }));
   const status = m.fields.filter(f => f.name === 'STATUS' && f.on_cells).map(f => numbers(f.values))[0];
   const layers = layersOf(m.scene), faces = layers.flatMap(l => [l.from, l.to]).filter(Number.isFinite);
@@ -27,7 +38,7 @@ function drawMeridian(m, onTime) {
   const state = { frame: frames - 1, field: fields.length ? 0 : -1 };
   chooser.value = state.field;
   const point = (frame, p) => {
-    const k = 2 * (frame * m.points + p);
+    const k = 2 * (parts[frame].point + p);
     return [r0 + (r1 - r0) * places[k] / (NONE - 1), z0 + (z1 - z0) * places[k + 1] / (NONE - 1)];
   };
   /** The view: smallest z, largest z, largest r. */
@@ -35,7 +46,7 @@ function drawMeridian(m, onTime) {
     let a = z0, b = z1, r = Math.max(Math.abs(r0), r1);
     if (view.value === 'near') {
       let low = Infinity, high = -Infinity;
-      for (let p = 0; p < m.points; p++) { const z = point(frame, p)[1]; low = Math.min(low, z); high = Math.max(high, z); }
+      for (let p = 0; p < parts[frame].mesh.points; p++) { const z = point(frame, p)[1]; low = Math.min(low, z); high = Math.max(high, z); }
       const reach = Math.max(high - low, 2 * r);
       [a, b] = [low - 0.2 * reach, high + 0.2 * reach];
     } else {
@@ -46,8 +57,13 @@ function drawMeridian(m, onTime) {
     return [a, b, Math.max(1.35 * r, 0.1 * (b - a))];
   };
   // The last frame in which the field is not constant.
-  const first = fields[0], size = first && (first.on_cells ? m.cells : m.points);
-  const flat = frame => { const part = first.at.subarray(frame * size, (frame + 1) * size).filter(v => v !== NONE); return part.every(v => v === part[0]); };
+  const first = fields[0];
+  /** Returns the packed values of a field in a frame. */
+  const valuesOf = (field, frame) => {
+    const { mesh, point, cell } = parts[frame];
+    return field.on_cells ? field.at.subarray(cell, cell + mesh.cells) : field.at.subarray(point, point + mesh.points);
+  };
+  const flat = frame => { const part = valuesOf(first, frame).filter(v => v !== NONE); return part.every(v => v === part[0]); };
   while (first && state.frame > 0 && flat(state.frame)) state.frame--;
   if (first && flat(state.frame)) state.frame = frames - 1;
   slider.value = state.frame;
@@ -72,9 +88,9 @@ function drawMeridian(m, onTime) {
     drawLayers(g, layers, [a, b, r], project, long);
     drawPlanes(g, m.scene, [a, b, r], project);
     drawAxis(g, [a, b], project);
-    const field = fields[state.field];
-    drawBodies(g, chains, p => point(frame, p), project);
-    seen = drawCells(g, m, corners, field, status, frame, p => point(frame, p), project, range(field, frame), edges.checked);
+    const field = fields[state.field], values = field && valuesOf(field, frame);
+    drawBodies(g, parts[frame].mesh.chains, p => point(frame, p), project);
+    seen = drawCells(g, parts[frame], field, values, status, p => point(frame, p), project, range(field, frame), edges.checked);
     g.restore();
     drawTicks(g, box, long, [a, b, r], project, lengthUnit);
     clock.value = `frame ${frame + 1} of ${frames}, time ${show(m.times[frame], 6)}${timeUnit ? ` ${timeUnit}` : ''}`;
@@ -91,9 +107,8 @@ function drawMeridian(m, onTime) {
   const range = (field, frame) => {
     if (!field) return [0, 1];
     if (!own.checked) return [field.low, field.high];
-    const count = field.on_cells ? m.cells : m.points;
     let low = NONE, high = 0;
-    for (let i = frame * count; i < (frame + 1) * count; i++) if (field.at[i] !== NONE) { low = Math.min(low, field.at[i]); high = Math.max(high, field.at[i]); }
+    for (const v of valuesOf(field, frame)) if (v !== NONE) { low = Math.min(low, v); high = Math.max(high, v); }
     const back = v => field.low + (field.high - field.low) * v / (NONE - 1);
     return low > high ? [field.low, field.high] : [back(low), back(high)];
   };
@@ -116,7 +131,7 @@ function drawMeridian(m, onTime) {
     const hit = seen.find(c => inside(c.shape, x, y));
     tip.hidden = !hit;
     if (tip.hidden) return;
-    const [r, z] = back(x, y), element = (m.elements || [])[hit.cell];
+    const [r, z] = back(x, y), element = parts[state.frame].mesh.elements[hit.cell];
     const said = field ? `${field.name} ${show(hit.value)}${hit.value !== null && field.unit ? ` ${field.unit}` : ''}` : null;
     const lines = [said, element ? `element ${element}` : null, `r ${show(Math.abs(r), 4)}, z ${show(z, 4)}${lengthUnit ? ` ${lengthUnit}` : ''}`];
     tip.replaceChildren(...lines.filter(Boolean).map(line => make('div', {}, line)));
@@ -129,15 +144,15 @@ function drawMeridian(m, onTime) {
   const label = (control, text) => make('label', {}, control, ` ${text}`);
   const controls = make('div', { class: 'controls' }, play, slider, clock, chooser, view, label(own, 'scale of this frame'), label(edges, 'edges'));
   const node = card('Meridian section, mirrored about the axis', controls, make('div', { class: 'plot' }, canvas, tip), scale);
-  return { node, draw, setFrame, setField: i => { state.field = i; chooser.value = i; draw(); }, frames, fields, canvas };
+  return { node, draw, setFrame, drawnCells: () => seen.length, setField: i => { state.field = i; chooser.value = i; draw(); }, frames, fields, canvas };
 }
 /** Draws cells by colour on both sides of the axis; returns the drawn polygons for the tooltip. */
-function drawCells(g, m, corners, field, status, frame, point, project, [low, high], edges) {
+function drawCells(g, { mesh: { cells, corners }, cell }, field, values, status, point, project, [low, high], edges) {
   const seen = [], plain = ink('--body'), line = ink('--soft'), none = ink('--soft');
-  for (let c = 0; c < m.cells; c++) {
-    if (status && status[frame * m.cells + c] < NONE / 2) continue;
+  for (let c = 0; c < cells; c++) {
+    if (status && status[cell + c] < NONE / 2) continue;
     const list = [0, 1, 2, 3].map(i => corners[4 * c + i]).filter(p => p !== NONE);
-    const value = valueOf(field, m, c, list, frame);
+    const value = valueOf(field, values, c, list);
     const part = value === null ? 0 : high > low ? (value - low) / (high - low) : 0;
     const paint = !field ? plain : value === null ? none : COLOURS[Math.round(255 * Math.min(1, Math.max(0, part)))];
     for (const side of [1, -1]) {
@@ -156,12 +171,12 @@ function drawCells(g, m, corners, field, status, frame, point, project, [low, hi
   }
   return seen;
 }
-function valueOf(field, m, cell, list, frame) {
+function valueOf(field, values, cell, list) {
   if (!field) return null;
   const back = v => v === NONE ? null : field.low + (field.high - field.low) * v / (NONE - 1);
-  if (field.on_cells) return back(field.at[frame * m.cells + cell]);
-  const values = list.map(p => back(field.at[frame * m.points + p])).filter(v => v !== null);
-  return values.length ? values.reduce((a, b) => a + b) / values.length : null;
+  if (field.on_cells) return back(values[cell]);
+  const known = list.map(p => back(values[p])).filter(v => v !== null);
+  return known.length ? known.reduce((a, b) => a + b) / known.length : null;
 }
 // ---- sections ----
 function drawRun(run) {

@@ -48,16 +48,16 @@ impl RunAnswers {
         match path {
             "" => Ok(Response::new(HTML, self.page().into_bytes())),
             "report" => self.report(),
-            "mesh" => Ok(Response::new(BYTES, self.store.mesh()?.bytes())),
+            "mesh" => Ok(Response::new(BYTES, self.store.frame(number("frame")?, None)?.mesh.bytes())),
             "frame" => {
                 let frame = self.store.frame(number("frame")?, request.number("field"))?;
                 let body = frame.bytes(request.number("shape").is_some());
                 Ok(Response { reading: Some(frame.reading), ..Response::new(BYTES, body) })
             }
             "trace" => {
-                let (from, cell, field) = (number("from")?, number("cell")?, number("field")?);
+                let (from, picked, field) = (number("from")?, (number("mesh")?, number("cell")?), number("field")?);
                 let end = number("to")?.min(from.saturating_add(TRACE));
-                Ok(Response::new(BYTES, self.store.trace(cell, field, from..end)?))
+                Ok(Response::new(BYTES, self.store.trace(picked, field, from..end)?))
             }
             "state" => {
                 let state = self.store.state(number("cell")?, number("frame")?)?;

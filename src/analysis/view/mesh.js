@@ -161,7 +161,7 @@ function drawingByWebgl(canvas, g) {
     setMesh(mesh) {
       last.mesh = mesh; last.shape = null; last.values = null;
       edges = null;
-      const { vertices, indices } = trianglesOf(mesh);
+      const { vertices, indices } = mesh.triangles ??= trianglesOf(mesh);
       count = indices.length;
       g.bindBuffer(g.ARRAY_BUFFER, buffers[0]);
       g.bufferData(g.ARRAY_BUFFER, vertices, g.STATIC_DRAW);

@@ -1,20 +1,19 @@
 //! Frames of a run in the form in which a page receives them: numbers of 32 bits. The most recently used frames are kept
 //! in memory.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::http::Refusal;
 use crate::output::sums::Checksums;
-use crate::report::frames::{FrameData, ScalarField, is_facet_field, is_same_mesh, rank, read_arrays};
+use crate::report::frame_mesh::FrameMesh;
+use crate::report::frames::{FrameData, ScalarField, is_facet_field, rank, read_arrays};
 use crate::variables::Variable;
 
 /// Largest size of the frames in memory, in bytes.
 const MEMORY: usize = 256 << 20;
-/// Corner that a cell does not have.
-const NONE: u32 = u32::MAX;
 
 /// Scalar field of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,44 +24,33 @@ pub struct ViewField {
     array: String,
 }
 
-/// What all frames have in common.
+/// Mesh of one frame or more.
+#[derive(Default)]
 pub struct ViewMesh {
-    /// First frame, without fields.
-    first: FrameData,
-    pub fields: Vec<ViewField>,
+    /// Index of a frame that has this mesh.
+    id: usize,
+    mesh: FrameMesh,
 }
 
 impl ViewMesh {
-    fn of(data: &FrameData) -> ViewMesh {
-        let field = |scalar: &ScalarField| ViewField {
-            name: scalar.name.clone(),
-            on_cells: scalar.on_cells,
-            array: scalar.array.clone(),
-        };
-        let mut fields: Vec<ViewField> = data.scalars.iter().map(field).collect();
-        let has_mises = fields.iter().any(|f| f.name == "MISES");
-        fields.retain(|f| f.name != Variable::Status.name() && !(has_mises && f.name == "S_MISES"));
-        fields.sort_by_key(|f| rank(&f.name));
-        let (points, cells) = (data.points.clone(), data.cells.clone());
-        let (elements, materials) = (data.elements.clone(), data.materials.clone());
-        let first = FrameData { time: data.time, points, cells, elements, materials, ..FrameData::default() };
-        ViewMesh { first, fields }
-    }
-
     /// Returns the number of points, the number of cells, four corners of each cell, its element number and its material
     /// number, as integers of 32 bits.
     pub fn bytes(&self) -> Vec<u8> {
-        let cells = &self.first.cells;
-        let counts = [self.first.points.len() as u32, cells.len() as u32];
-        // Six-node triangles are drawn by their corners; a point is not drawn.
-        let step = |cell: &[usize]| if cell.len() == 6 { 2 } else { 1 };
-        let corner = |cell: &[usize], i: usize| cell.get(step(cell) * i).map_or(NONE, |&p| p as u32);
-        let corners =
-            cells.iter().flat_map(|cell| (0..4).map(move |i| if cell.len() < 2 { NONE } else { corner(cell, i) }));
-        let labels =
-            |list: &[i32]| (0..cells.len()).map(|i| list.get(i).copied().unwrap_or(0) as u32).collect::<Vec<_>>();
-        let (elements, materials) = (labels(&self.first.elements), labels(&self.first.materials));
-        counts.into_iter().chain(corners).chain(elements).chain(materials).flat_map(u32::to_le_bytes).collect()
+        let FrameMesh { points, corners, elements, materials } = &self.mesh;
+        let counts = [*points as u32, corners.len() as u32];
+        let labels = elements.iter().chain(materials).map(|label| *label as u32);
+        counts.into_iter().chain(corners.iter().flatten().copied()).chain(labels).flat_map(u32::to_le_bytes).collect()
+    }
+
+    /// Returns the cell with the element of a cell of another mesh; `None` if this mesh does not have the element.
+    fn cell_of_element(&self, other: &ViewMesh, cell: usize) -> Option<usize> {
+        let element = *other.mesh.elements.get(cell)?;
+        if self.id == other.id {
+            return Some(cell);
+        }
+        // Meshes often have the element in the same cell.
+        let has_element = |cell: &usize| element != 0 && self.mesh.elements.get(*cell) == Some(&element);
+        std::iter::once(cell).chain(0..self.mesh.elements.len()).find(has_element)
     }
 }
 
@@ -77,8 +65,9 @@ pub struct FrameShape {
 
 #[derive(Default)]
 struct KeptFrame {
+    mesh: Arc<ViewMesh>,
     shape: Arc<FrameShape>,
-    /// Values by the index of the field.
+    /// Values by the index of the field; empty if the frame does not have it.
     values: HashMap<usize, Arc<Vec<f32>>>,
     used: u64,
 }
@@ -92,23 +81,53 @@ impl KeptFrame {
 
 #[derive(Default)]
 struct Series {
-    /// Number of the run in this folder: a restarted run has another mesh.
+    /// Number of the run in this folder.
     generation: u64,
     files: Vec<(f64, PathBuf)>,
     sums: Arc<Checksums>,
-    mesh: Option<Arc<ViewMesh>>,
+    /// Arrays of the frames that have been read.
+    arrays: Vec<String>,
+    /// Fields of these arrays. Their order does not change, because pages know them by index.
+    fields: Vec<ViewField>,
     kept: HashMap<usize, KeptFrame>,
     uses: u64,
 }
 
 impl Series {
-    /// Removes the frames that have not been used for the longest time, until the others fit into memory.
+    /// Removes the frames that have not been used for the longest time, until the others fit into memory with their
+    /// meshes.
     fn forget(&mut self) {
-        let mut bytes: usize = self.kept.values().map(KeptFrame::bytes).sum();
-        while bytes > MEMORY && self.kept.len() > 1 {
+        while self.bytes() > MEMORY && self.kept.len() > 1 {
             let Some(oldest) = self.kept.iter().min_by_key(|kept| kept.1.used).map(|kept| *kept.0) else { return };
-            bytes -= self.kept.remove(&oldest).map_or(0, |kept| kept.bytes());
+            self.kept.remove(&oldest);
         }
+    }
+
+    fn bytes(&self) -> usize {
+        let meshes = self.meshes();
+        let of_meshes: usize = meshes.values().map(|mesh| mesh.mesh.bytes()).sum();
+        of_meshes + self.kept.values().map(KeptFrame::bytes).sum::<usize>()
+    }
+
+    /// Returns the meshes of the frames in memory by their number.
+    fn meshes(&self) -> BTreeMap<usize, Arc<ViewMesh>> {
+        self.kept.values().map(|kept| (kept.mesh.id, kept.mesh.clone())).collect()
+    }
+
+    /// Adds the arrays and fields of a frame that no other frame had.
+    fn add_fields(&mut self, data: &FrameData) {
+        let is_new = |scalar: &&ScalarField| !self.arrays.contains(&scalar.array);
+        let scalars: Vec<&ScalarField> = data.scalars.iter().filter(is_new).collect();
+        self.arrays.extend(scalars.iter().map(|scalar| scalar.array.clone()));
+        let has_mises = self.arrays.iter().any(|array| array == "MISES");
+        let is_shown = |name: &str| name != Variable::Status.name() && !(has_mises && name == "S_MISES");
+        let mut fields: Vec<ViewField> = scalars
+            .into_iter()
+            .filter(|scalar| is_shown(&scalar.name))
+            .map(|s| ViewField { name: s.name.clone(), on_cells: s.on_cells, array: s.array.clone() })
+            .collect();
+        fields.sort_by_key(|field| rank(&field.name));
+        self.fields.extend(fields);
     }
 }
 
@@ -120,20 +139,22 @@ pub struct FrameStore {
     reading: Mutex<()>,
 }
 
-/// Frame for a page: shape, values of a field, and the time to read the file.
+/// Frame for a page: mesh, shape, values of a field, and the time to read the file.
 pub struct ViewFrame {
+    pub mesh: Arc<ViewMesh>,
     pub shape: Arc<FrameShape>,
     pub values: Option<Arc<Vec<f32>>>,
     pub reading: Duration,
 }
 
 impl ViewFrame {
-    /// Returns the numbers of coordinates, hidden cells and values, then these, with or without the shape.
+    /// Returns the number of the mesh, the numbers of coordinates, values and hidden cells, then these, with or without the
+    /// shape.
     pub fn bytes(&self, with_shape: bool) -> Vec<u8> {
         let empty = FrameShape::default();
         let shape = if with_shape { &*self.shape } else { &empty };
         let values = self.values.as_ref().map_or(&[][..], |values| values);
-        let counts = [shape.positions.len(), values.len(), shape.hidden.len()].map(|n| n as u32);
+        let counts = [self.mesh.id, shape.positions.len(), values.len(), shape.hidden.len()].map(|n| n as u32);
         let mut bytes: Vec<u8> = counts.into_iter().flat_map(u32::to_le_bytes).collect();
         bytes.extend(shape.positions.iter().chain(values).flat_map(|v| v.to_le_bytes()));
         bytes.extend_from_slice(&shape.hidden);
@@ -160,24 +181,20 @@ impl FrameStore {
         series.generation
     }
 
-    /// Returns the mesh of the first frame.
+    /// Returns the fields of the frames that have been read; reads the first frame if there is none.
     ///
     /// # Errors
     /// If there is no frame, or it cannot be read.
-    pub fn mesh(&self) -> Result<Arc<ViewMesh>, Refusal> {
-        let mesh = self.lock().mesh.clone();
-        if let Some(mesh) = mesh {
-            return Ok(mesh);
+    pub fn fields(&self) -> Result<Vec<ViewField>, Refusal> {
+        if self.lock().arrays.is_empty() {
+            self.frame(0, None)?;
         }
-        let _one = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
-        let (data, generation) = self.read(0, "first frame", &|_| true)?;
-        let mesh = Arc::new(ViewMesh::of(&data));
-        self.keep(&mesh, 0, &data, generation);
-        let mut series = self.lock();
-        if series.generation == generation {
-            series.mesh = Some(mesh.clone());
-        }
-        Ok(mesh)
+        Ok(self.lock().fields.clone())
+    }
+
+    /// Returns the number of fields of the frames that have been read.
+    pub fn field_count(&self) -> usize {
+        self.lock().fields.len()
     }
 
     /// Returns a frame with the values of a field.
@@ -185,10 +202,6 @@ impl FrameStore {
     /// # Errors
     /// If the frame or field does not exist, or the file cannot be read.
     pub fn frame(&self, index: usize, field: Option<usize>) -> Result<ViewFrame, Refusal> {
-        let mesh = self.mesh()?;
-        if field.is_some_and(|field| field >= mesh.fields.len()) {
-            return Err(absent("field"));
-        }
         if let Some(frame) = self.kept(index, field) {
             return Ok(frame);
         }
@@ -197,11 +210,9 @@ impl FrameStore {
         if let Some(frame) = self.kept(index, field) {
             return Ok(frame);
         }
-        let array = field.map(|field| mesh.fields[field].array.as_str());
-        let is_needed = |name: &str| name == Variable::Status.name() || array == Some(name);
-        let (data, generation) = self.read_alike(&mesh, index, &is_needed)?;
-        self.keep(&mesh, index, &data, generation);
-        let stored_frame = self.kept(index, field).ok_or_else(|| absent("field in this frame"))?;
+        let (data, generation) = self.read(index, field)?;
+        self.keep(index, field, &data, generation);
+        let stored_frame = self.kept(index, field).ok_or_else(|| absent("frame"))?;
         Ok(ViewFrame { reading: begin.elapsed(), ..stored_frame })
     }
 
@@ -215,39 +226,45 @@ impl FrameStore {
             Some(field) => Some(stored.values.get(&field)?.clone()),
             None => None,
         };
-        Some(ViewFrame { shape: stored.shape.clone(), values, reading: Duration::ZERO })
+        Some(ViewFrame { mesh: stored.mesh.clone(), shape: stored.shape.clone(), values, reading: Duration::ZERO })
     }
 
-    /// Reads a frame and returns it with the generation of the run.
-    fn read(&self, index: usize, what: &str, wanted: &dyn Fn(&str) -> bool) -> Result<(FrameData, u64), Refusal> {
-        let (file, sums, generation) = {
+    /// Reads a frame with a field, and with arrays that no other frame had. Returns it with the generation of the run.
+    fn read(&self, index: usize, field: Option<usize>) -> Result<(FrameData, u64), Refusal> {
+        let (file, sums, generation, arrays, array) = {
             let series = self.lock();
-            (series.files.get(index).cloned(), series.sums.clone(), series.generation)
+            let array = match field {
+                Some(field) => Some(series.fields.get(field).ok_or_else(|| absent("field"))?.array.clone()),
+                None => None,
+            };
+            (series.files.get(index).cloned(), series.sums.clone(), series.generation, series.arrays.clone(), array)
         };
-        let (time, path) = file.ok_or_else(|| absent(what))?;
-        let data = read_arrays(time, &path, &sums, wanted).map_err(|why| Refusal::new(500, why))?;
+        let is_needed = |name: &str| {
+            let is_known = arrays.iter().any(|array| array == name);
+            name == Variable::Status.name() || array.as_deref() == Some(name) || !is_known
+        };
+        let (time, path) = file.ok_or_else(|| absent("frame"))?;
+        let data = read_arrays(time, &path, &sums, &is_needed).map_err(|why| Refusal::new(500, why))?;
         Ok((data, generation))
     }
 
-    /// Reads a frame with the mesh of the first one.
-    fn read_alike(
-        &self,
-        mesh: &ViewMesh,
-        index: usize,
-        wanted: &dyn Fn(&str) -> bool,
-    ) -> Result<(FrameData, u64), Refusal> {
-        let (data, generation) = self.read(index, "frame", wanted)?;
-        if is_same_mesh(&mesh.first, &data) {
-            return Ok((data, generation));
-        }
-        Err(Refusal::new(500, format!("the frame at time {:e} has a different mesh and is not shown", data.time)))
-    }
-
-    /// Keeps the shape of a frame, and its fields that have been read, unless the run has been restarted.
-    fn keep(&self, mesh: &ViewMesh, index: usize, data: &FrameData, generation: u64) {
-        let fields = mesh.fields.iter().enumerate();
-        let read: Vec<_> = fields.filter_map(|(i, field)| Some((i, Arc::new(numbers(mesh, field, data)?)))).collect();
-        let shape = shape(mesh, data);
+    /// Keeps the mesh and shape of a frame, and its fields that have been read, unless the run has been restarted.
+    fn keep(&self, index: usize, field: Option<usize>, data: &FrameData, generation: u64) {
+        let (meshes, fields) = {
+            let mut series = self.lock();
+            if series.generation != generation {
+                return;
+            }
+            series.add_fields(data);
+            (series.meshes(), series.fields.clone())
+        };
+        let known = meshes.into_values().find(|mesh| mesh.mesh.is_mesh_of(data));
+        let mesh = known.unwrap_or_else(|| Arc::new(ViewMesh { id: index, mesh: FrameMesh::of(data) }));
+        let shape = Arc::new(shape(&mesh.mesh, data));
+        let mut values: HashMap<usize, Arc<Vec<f32>>> = HashMap::new();
+        values.extend(field.map(|field| (field, Arc::default())));
+        let of_fields = fields.iter().enumerate();
+        values.extend(of_fields.filter_map(|(i, field)| Some((i, Arc::new(numbers(&mesh.mesh, field, data)?)))));
         let mut series = self.lock();
         if series.generation != generation {
             return;
@@ -255,27 +272,40 @@ impl FrameStore {
         series.uses += 1;
         let uses = series.uses;
         let stored = series.kept.entry(index).or_default();
-        (stored.shape, stored.used) = (Arc::new(shape), uses);
-        stored.values.extend(read);
+        (stored.mesh, stored.shape, stored.used) = (mesh, shape, uses);
+        stored.values.extend(values);
         series.forget();
     }
 
-    /// Returns the values of a field at a cell in successive frames; those of points are averaged.
+    /// Returns the values of a field in successive frames at the element of a cell of a mesh; those of points are averaged.
+    /// Then a byte for each frame: 1 if its mesh has the element, else 0.
     ///
     /// # Errors
     /// If a frame, field or cell does not exist, or a file cannot be read.
-    pub fn trace(&self, cell: usize, field: usize, frames: std::ops::Range<usize>) -> Result<Vec<u8>, Refusal> {
-        let mesh = self.mesh()?;
-        let corners = mesh.first.cells.get(cell).ok_or_else(|| absent("cell"))?;
-        let mut bytes = Vec::new();
+    pub fn trace(
+        &self,
+        (mesh, cell): (usize, usize),
+        field: usize,
+        frames: std::ops::Range<usize>,
+    ) -> Result<Vec<u8>, Refusal> {
+        let picked_mesh = self.frame(mesh, None)?.mesh;
+        if cell >= picked_mesh.mesh.corners.len() {
+            return Err(absent("cell"));
+        }
+        let on_cells = self.lock().fields.get(field).ok_or_else(|| absent("field"))?.on_cells;
+        let (mut values, mut has_element) = (Vec::new(), Vec::new());
         for index in frames {
             let frame = self.frame(index, Some(field))?;
-            let values = frame.values.as_ref().ok_or_else(|| absent("field"))?;
-            let hidden = frame.shape.hidden.get(cell).is_some_and(|hidden| *hidden != 0);
-            let value = if hidden { None } else { value_at(&mesh.fields[field], corners, cell, values) };
-            bytes.extend(value.unwrap_or(f32::NAN).to_le_bytes());
+            let cell = frame.mesh.cell_of_element(&picked_mesh, cell);
+            let value = |cell: usize| {
+                let is_hidden = frame.shape.hidden.get(cell).is_some_and(|hidden| *hidden != 0);
+                let values = frame.values.as_ref().filter(|_| !is_hidden)?;
+                value_at(on_cells, &frame.mesh.mesh, cell, values)
+            };
+            values.extend(cell.and_then(value).unwrap_or(f32::NAN).to_le_bytes());
+            has_element.push(u8::from(cell.is_some()));
         }
-        Ok(bytes)
+        Ok([values, has_element].concat())
     }
 
     /// Returns the values of all fields at a cell in a frame.
@@ -283,42 +313,51 @@ impl FrameStore {
     /// # Errors
     /// If the frame or cell does not exist, or the file cannot be read.
     pub fn state(&self, cell: usize, index: usize) -> Result<Vec<(String, f32)>, Refusal> {
-        let mesh = self.mesh()?;
-        let corners = mesh.first.cells.get(cell).ok_or_else(|| absent("cell"))?;
+        let fields = self.fields()?;
+        let (file, sums) = {
+            let series = self.lock();
+            (series.files.get(index).cloned(), series.sums.clone())
+        };
+        let (time, path) = file.ok_or_else(|| absent("frame"))?;
         let _one = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
-        let (data, _) = self.read_alike(&mesh, index, &|_| true)?;
+        let data = read_arrays(time, &path, &sums, &|_| true).map_err(|why| Refusal::new(500, why))?;
+        let mesh = FrameMesh::of(&data);
+        if cell >= mesh.corners.len() {
+            return Err(absent("cell"));
+        }
         let value = |field: &ViewField| {
-            let value = value_at(field, corners, cell, &numbers(&mesh, field, &data)?)?;
+            let value = value_at(field.on_cells, &mesh, cell, &numbers(&mesh, field, &data)?)?;
             value.is_finite().then(|| (field.name.clone(), value))
         };
-        Ok(mesh.fields.iter().filter_map(value).collect())
+        Ok(fields.iter().filter_map(value).collect())
     }
 }
 
-fn value_at(field: &ViewField, corners: &[usize], cell: usize, values: &[f32]) -> Option<f32> {
-    if field.on_cells {
+fn value_at(on_cells: bool, mesh: &FrameMesh, cell: usize, values: &[f32]) -> Option<f32> {
+    if on_cells {
         return values.get(cell).copied();
     }
-    let sum: f32 = corners.iter().filter_map(|&p| values.get(p)).sum();
-    Some(sum / corners.len() as f32)
+    let corners = mesh.corners_of(cell).map(|point| values.get(point).copied());
+    let corner_values: Vec<f32> = corners.collect::<Option<_>>()?;
+    Some(corner_values.iter().sum::<f32>() / corner_values.len() as f32)
 }
 
 /// Returns the values of a field. Element variables are zero on the facets of rigid bodies, and facet variables on
 /// elements: these are no values.
-fn numbers(mesh: &ViewMesh, field: &ViewField, data: &FrameData) -> Option<Vec<f32>> {
+fn numbers(mesh: &FrameMesh, field: &ViewField, data: &FrameData) -> Option<Vec<f32>> {
     let of_facets = is_facet_field(&field.name);
-    let belongs = |cell: usize| !field.on_cells || (mesh.first.cells[cell].len() == 2) == of_facets;
+    let belongs = |cell: usize| !field.on_cells || mesh.is_line(cell) == of_facets;
     let value = |(i, value): (usize, &f64)| if belongs(i) { *value as f32 } else { f32::NAN };
     Some(data.values(&field.name, field.on_cells)?.iter().enumerate().map(value).collect())
 }
 
-fn shape(mesh: &ViewMesh, data: &FrameData) -> FrameShape {
+fn shape(mesh: &FrameMesh, data: &FrameData) -> FrameShape {
     let status = data.values(Variable::Status.name(), true);
     let is_deleted = |cell: usize| {
         let by_status = status.and_then(|values| values.get(cell)).is_some_and(|status| *status < 0.5);
-        data.deleted.get(cell).copied().unwrap_or(false) || by_status && mesh.first.cells[cell].len() > 2
+        data.deleted.get(cell).copied().unwrap_or(false) || by_status && mesh.corners_of(cell).count() > 2
     };
-    let hidden: Vec<u8> = (0..mesh.first.cells.len()).map(|cell| u8::from(is_deleted(cell))).collect();
+    let hidden: Vec<u8> = (0..mesh.corners.len()).map(|cell| u8::from(is_deleted(cell))).collect();
     let hidden = if hidden.contains(&1) { hidden } else { Vec::new() };
     FrameShape { positions: data.points.iter().flatten().map(|x| *x as f32).collect(), hidden }
 }

@@ -6,10 +6,11 @@ const MARGIN = { left: 58, right: 14, top: 10, bottom: 40 };
 const parts = { setup: null, frames: { generation: 0, times: [], fields: [], units: ['', ''] }, status: {}, progress: null, run: null, warnings: [], faults: [], changed: [] };
 
 // ---- frames ----
-/** Frames of the server, kept by number, and the range of each field in the frames that have been loaded. */
+/** Frames of the server, kept by number, their meshes, and the range of each field in the frames that have been loaded. `mesh` is
+ * that of the frame that is shown. */
 const store = {
-  mesh: null, kept: new Map(), bytes: 0, ranges: [], bounds: null, wanted: new Map(), reading: 0,
-  reset() { this.mesh = null; this.kept.clear(); this.bytes = 0; this.ranges = []; this.bounds = null; this.wanted.clear(); },
+  mesh: null, meshes: new Map(), kept: new Map(), bytes: 0, ranges: [], bounds: null, wanted: new Map(), reading: 0,
+  reset() { this.mesh = null; this.meshes.clear(); this.kept.clear(); this.bytes = 0; this.ranges = []; this.bounds = null; this.wanted.clear(); },
   async fetchBytes(address) {
     const answer = await fetch(address);
     if (!answer.ok) throw new Error((await answer.text()).trim());
@@ -17,11 +18,17 @@ const store = {
     if (timing) this.reading = Number(timing[1]);
     return answer.arrayBuffer();
   },
-  async loadMesh() {
-    const bytes = await this.fetchBytes('mesh'), [points, cells] = new Uint32Array(bytes, 0, 2);
-    const at = 8 + 16 * cells;
-    this.mesh = { points, cells, corners: new Uint32Array(bytes, 8, 4 * cells), elements: new Int32Array(bytes, at, cells), materials: new Int32Array(bytes, at + 4 * cells, cells) };
-    return this.mesh;
+  /** Returns a mesh; its number is that of a frame that has it. */
+  loadMesh(number) {
+    if (!this.meshes.has(number)) this.meshes.set(number, this.readMesh(number).catch(error => { this.meshes.delete(number); throw error; }));
+    return this.meshes.get(number);
+  },
+  async readMesh(number) {
+    const bytes = await this.fetchBytes(`mesh?frame=${number}`), [points, cells] = new Uint32Array(bytes, 0, 2), at = 8 + 16 * cells;
+    const mesh = { number, points, cells, corners: new Uint32Array(bytes, 8, 4 * cells), elements: new Int32Array(bytes, at, cells), materials: new Int32Array(bytes, at + 4 * cells, cells) };
+    mesh.chains = outlines(mesh, mesh.corners, NO_CORNER);
+    this.bytes += bytes.byteLength;
+    return mesh;
   },
   /** Returns the frame if it is there, with the values of a field unless `field` is -1. */
   get(frame, field) {
@@ -39,11 +46,12 @@ const store = {
     const bytes = await this.fetchBytes(`frame?frame=${frame}${field < 0 ? '' : `&field=${field}`}${shape}`);
     if (generation !== parts.frames.generation) throw new Error('the run has been restarted');
     // Meanwhile another request may have loaded the frame, or it may have been removed.
+    if (!this.kept.has(frame) && !shape) return this.read(frame, field);
+    const [number, positions, values, hidden] = new Uint32Array(bytes, 0, 4), mesh = shape ? await this.loadMesh(number) : null;
+    if (generation !== parts.frames.generation) throw new Error('the run has been restarted');
     const old = this.kept.get(frame);
-    if (!old && !shape) return this.read(frame, field);
-    const [positions, values, hidden] = new Uint32Array(bytes, 0, 3);
-    const found = old || { positions: new Float32Array(bytes, 12, positions), hidden: new Uint8Array(bytes, 12 + 4 * (positions + values), hidden), values: new Map() };
-    if (field >= 0) found.values.set(field, this.take(new Float32Array(bytes, 12 + 4 * positions, values), field, found.hidden));
+    const found = old || { mesh, positions: new Float32Array(bytes, 16, positions), hidden: new Uint8Array(bytes, 16 + 4 * (positions + values), hidden), values: new Map() };
+    if (field >= 0) found.values.set(field, this.take(new Float32Array(bytes, 16 + 4 * positions, values), field, found.hidden));
     if (!old) this.extend(found.positions);
     this.kept.delete(frame); this.kept.set(frame, found);
     this.bytes += bytes.byteLength;
@@ -51,8 +59,13 @@ const store = {
       if (this.bytes <= MEMORY || oldest === frame) break;
       this.kept.delete(oldest);
       this.bytes -= it.positions.byteLength + it.hidden.byteLength + [...it.values.values()].reduce((sum, v) => sum + v.byteLength, 0);
+      if (it.mesh !== this.mesh && ![...this.kept.values()].some(other => other.mesh === it.mesh)) this.forgetMesh(it.mesh);
     }
     return found;
+  },
+  forgetMesh(mesh) {
+    this.meshes.delete(mesh.number);
+    this.bytes -= mesh.corners.byteLength + mesh.elements.byteLength + mesh.materials.byteLength;
   },
   /** Marks numbers that are no values, and extends the range of the field, without deleted elements. */
   take(values, field, hidden) {
@@ -78,6 +91,12 @@ const store = {
     this.bounds = [r, low, high];
   },
 };
+/** Returns the cell of a chosen element in a mesh; -1 if the mesh does not have the element. */
+function cellIn(mesh, choice) {
+  if (!choice || !mesh || mesh === choice.mesh) return choice ? choice.cell : -1;
+  const element = choice.mesh.elements[choice.cell];
+  return element ? mesh.elements.indexOf(element) : -1;
+}
 
 // ---- the mesh ----
 /** Deformed mesh with its controls. `onShow` is called when a frame is shown, `onPick` when an element is chosen. */
@@ -93,7 +112,7 @@ function meshView(onShow, onPick) {
   const name = make('b', {}), marks = make('div', { class: 'marks' }), scale = make('div', { class: 'scale' }, name, make('div', { class: 'colours' }, bar, marks));
   const empty = make('p', { class: 'soft empty' }, 'No frame has been written yet.');
   const drawing = meshDrawing(canvas);
-  const state = { frame: 0, field: 0, asked: 0, selected: -1, playing: 0, zoom: 1, centre: null, next: 0, later: 0, chains: [], shown: 0 };
+  const state = { frame: 0, field: 0, asked: 0, choice: null, selected: -1, playing: 0, zoom: 1, centre: null, next: 0, later: 0, shown: 0 };
   let fit = null, back = () => [0, 0], pending = false;
   speed.value = 20;
   chooser.append(make('option', { value: -1 }, 'no field'));
@@ -113,23 +132,26 @@ function meshView(onShow, onPick) {
     const ask = ++state.asked, field = state.field;
     slider.value = frame;
     try {
-      if (!store.mesh) {
-        const mesh = await store.loadMesh();
-        drawing.setMesh(mesh);
-        state.chains = outlines(mesh, mesh.corners, NO_CORNER);
-        // The first frame for the bounds of the view.
-        await store.load(0, -1);
-      }
+      // The first frame for the bounds of the view.
+      if (!store.bounds) await store.load(0, -1);
       const found = store.get(frame, field) || await store.load(frame, field);
       if (ask !== state.asked) return;
       state.frame = frame;
+      if (found.mesh !== store.mesh) setMesh(found.mesh);
       drawing.setShape(found);
-      drawing.setValues(field < 0 ? null : found.values.get(field), field >= 0 && parts.frames.fields[field].on_cells);
+      // Without values if the frame does not have the field.
+      const values = field < 0 ? null : found.values.get(field);
+      drawing.setValues(values?.length ? values : null, field >= 0 && parts.frames.fields[field].on_cells);
       draw();
       state.shown++;
       onShow(frame);
       prefetch();
     } catch (error) { if (ask === state.asked) view.fault(error.message); }
+  };
+  const setMesh = mesh => {
+    store.mesh = mesh;
+    drawing.setMesh(mesh);
+    state.selected = cellIn(mesh, state.choice);
   };
   /** Loads all frames of a finished job, for the range of the colours and for playing; they are at most half of the memory. */
   const prefetch = async () => {
@@ -171,7 +193,7 @@ function meshView(onShow, onPick) {
   };
   const paint = () => {
     const found = store.get(state.frame, -1);
-    if (!found) return;
+    if (!found || found.mesh !== store.mesh) return;
     empty.hidden = true;
     const all = whole(), long = all.z[1] - all.z[0] > all.r[1] - all.r[0], ratio = devicePixelRatio || 1;
     const width = stage.clientWidth || 700, spanX = long ? all.z[1] - all.z[0] : all.r[1] - all.r[0], spanY = long ? all.r[1] - all.r[0] : all.z[1] - all.z[0];
@@ -200,7 +222,7 @@ function meshView(onShow, onPick) {
   /** Draws what is below the mesh: targets, planes, axis, rigid bodies, ticks. It is skipped while nothing of it changes. */
   let painted = '';
   const paintUnder = (found, at) => {
-    const key = JSON.stringify([at.width, at.height, at.ratio, at.region, ink('--ground'), view.scene(), state.chains.length ? state.frame : 0]);
+    const key = JSON.stringify([at.width, at.height, at.ratio, at.region, ink('--ground'), view.scene(), found.mesh.chains.length ? state.frame : 0]);
     if (key === painted) return;
     painted = key;
     under.width = Math.round(at.width * at.ratio); under.height = Math.round(at.height * at.ratio);
@@ -211,7 +233,7 @@ function meshView(onShow, onPick) {
     drawLayers(g, layersOf(view.scene()), [a, b, reach], at.project, at.long);
     drawPlanes(g, view.scene(), [a, b, reach], at.project);
     drawAxis(g, [a, b], at.project);
-    drawBodies(g, state.chains, p => [found.positions[2 * p], found.positions[2 * p + 1]], at.project);
+    drawBodies(g, found.mesh.chains, p => [found.positions[2 * p], found.positions[2 * p + 1]], at.project);
     g.restore();
     paintTicks(g, at);
   };
@@ -264,7 +286,7 @@ function meshView(onShow, onPick) {
   const play = button('play', 'play the frames', () => playing(!state.playing));
   const cellAt = (x, y) => {
     const found = store.get(state.frame, -1), { mesh } = store;
-    if (!found || !mesh) return -1;
+    if (!found || found.mesh !== mesh) return -1;
     const [r, z] = back(x + MARGIN.left, y + MARGIN.top), near = 5 / fit.unit;
     const point = (p, side) => [side * found.positions[2 * p], found.positions[2 * p + 1]];
     for (let c = 0; c < mesh.cells; c++) {
@@ -280,8 +302,14 @@ function meshView(onShow, onPick) {
     const t = Math.min(1, Math.max(0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2 || 1)));
     return Math.hypot(x - ax - t * (bx - ax), y - ay - t * (by - ay));
   };
-  const setField = field => { state.field = field; chooser.value = field; onPick(state.selected); return show(state.frame); };
-  const select = cell => { state.selected = cell; draw(); onPick(cell); };
+  const setField = field => { state.field = field; chooser.value = field; onPick(state.choice); return show(state.frame); };
+  /** Chooses the element of a cell of the mesh that is shown; -1 for none. */
+  const select = cell => {
+    state.choice = cell < 0 ? null : { mesh: store.mesh, cell };
+    state.selected = cell;
+    draw();
+    onPick(state.choice);
+  };
   // Dragging moves the view, the wheel changes its scale, a double click shows all. A click without a drag selects.
   let drag = null;
   canvas.addEventListener('pointerdown', e => { if (e.button === 0 && fit) { drag = { x: e.clientX, y: e.clientY, centre: fit.centre, moved: false }; if (e.isTrusted) canvas.setPointerCapture(e.pointerId); } });
@@ -314,8 +342,8 @@ function meshView(onShow, onPick) {
     tip.hidden = cell < 0;
     if (tip.hidden) return;
     const found = store.get(state.frame, state.field), [r, z] = back(e.offsetX + MARGIN.left, e.offsetY + MARGIN.top), values = found && field ? found.values.get(state.field) : null;
-    const list = cornersOf(store.mesh, cell), value = !values ? NO_VALUE : field.on_cells ? values[cell] : list.reduce((sum, p) => sum + values[p], 0) / list.length;
-    const lines = [value < 1e38 ? `${field.name} ${window.show(value)} ${field.unit}` : null, view.elementName(cell), `r ${window.show(Math.abs(r), 4)}, z ${window.show(z, 4)}`];
+    const list = cornersOf(store.mesh, cell), value = !values?.length ? NO_VALUE : field.on_cells ? values[cell] : list.reduce((sum, p) => sum + values[p], 0) / list.length;
+    const lines = [value < 1e38 ? `${field.name} ${window.show(value)} ${field.unit}` : null, view.elementName({ mesh: store.mesh, cell }), `r ${window.show(Math.abs(r), 4)}, z ${window.show(z, 4)}`];
     tip.replaceChildren(...lines.filter(Boolean).map(line => make('div', {}, line)));
     tip.style.left = `${e.offsetX + MARGIN.left + 14}px`; tip.style.top = `${e.offsetY + MARGIN.top + 14}px`;
   };
@@ -335,12 +363,13 @@ function meshView(onShow, onPick) {
     const { times, fields } = parts.frames;
     if (restarted) {
       store.reset(); painted = '';
-      Object.assign(state, { frame: 0, field: fields.length ? 0 : -1, selected: -1, zoom: 1, centre: null, chains: [], next: 0 });
-      onPick(-1);
+      Object.assign(state, { frame: 0, field: fields.length ? 0 : -1, choice: null, selected: -1, zoom: 1, centre: null, next: 0 });
+      onPick(null);
     }
     if (chooser.length !== fields.length + 1) {
+      // Later frames may have more fields; the chosen one remains.
+      if (chooser.length === 1 || state.field >= fields.length) state.field = fields.length ? 0 : -1;
       chooser.replaceChildren(make('option', { value: -1 }, 'no field'), ...fields.map((f, i) => make('option', { value: i }, f.name)));
-      state.field = fields.length ? 0 : -1;
     }
     chooser.value = state.field;
     slider.max = Math.max(0, times.length - 1);
@@ -361,12 +390,9 @@ const view = (() => {
   const facts = () => summary() || parts.setup || {};
   const ended = () => !!(summary() || parts.status.ended);
   const scene = () => facts().scene || null;
-  const elementName = cell => {
-    const { mesh } = store;
-    return mesh.elements[cell] ? `element ${mesh.elements[cell]}` : `cell ${cell + 1}`;
-  };
-  const material = cell => {
-    const number = store.mesh.materials[cell], name = (facts().materials || [])[number - 1];
+  const elementName = ({ mesh, cell }) => mesh.elements[cell] ? `element ${mesh.elements[cell]}` : `cell ${cell + 1}`;
+  const material = ({ mesh, cell }) => {
+    const number = mesh.materials[cell], name = (facts().materials || [])[number - 1];
     return number ? name || `material ${number}` : 'no material';
   };
   /** Draws a chart, or again with new data, with its zoom and hidden series. */
@@ -419,11 +445,11 @@ const view = (() => {
     more.replaceChildren(...[book, energies(s), steps(s), findings(s), messages(s), parts.run ? columns(parts.run) : null].filter(Boolean));
   };
   // ---- the chosen element ----
-  let chosen = { cell: -1, field: -1, values: [], generation: 0, busy: false };
+  let chosen = { choice: null, field: -1, values: [], missing: [], busy: false };
   const drawElement = () => {
-    const { cell, values } = chosen;
-    if (cell < 0) { element.replaceChildren(); return; }
-    const field = parts.frames.fields[chosen.field], title = field ? `${field.name} of ${elementName(cell)}` : '';
+    const { choice, values, missing } = chosen;
+    if (!choice) { element.replaceChildren(); return; }
+    const field = parts.frames.fields[chosen.field], title = field ? `${field.name} of ${elementName(choice)}` : '';
     const close = make('button', { type: 'button' }, 'close');
     close.addEventListener('click', () => mesh.select(-1));
     chosen.table ??= make('div', {});
@@ -431,19 +457,28 @@ const view = (() => {
     for (const name of [...charts.keys()]) if (name.includes(' of ') && name !== title) charts.delete(name);
     const before = charts.get(title), plot = make('div', {});
     if (before) plot.append(before.drawn.node);
-    element.replaceChildren(card('', make('div', { class: 'title' }, make('h3', {}, `${elementName(cell)}, ${material(cell)}`), make('span', { class: 'take' }, close)), plot, chosen.table));
+    const reason = missing.length ? make('p', { class: 'soft' }, `${elementName(choice)} is not in ${intervals(missing)}: its body has another mesh there. The history has no values in these frames.`) : null;
+    element.replaceChildren(card('', make('div', { class: 'title' }, make('h3', {}, `${elementName(choice)}, ${material(choice)}`), make('span', { class: 'take' }, close)), plot, reason, chosen.table));
     if (field && points.length > 1) {
       chart(plot, { title, x_label: 'time', y_label: field.name, units: [parts.frames.units[1], field.unit], logarithmic: false,
         series: [{ name: field.name, form: 'line', x: points.map(p => p[0]), y: points.map(p => p[1]) }] });
     }
   };
+  /** Returns ascending frames, counted from 0, as text: frames 3 to 7, 9. */
+  const intervals = frames => {
+    const ends = [];
+    for (const frame of frames) ends.length && ends.at(-1)[1] === frame - 1 ? ends.at(-1)[1] = frame : ends.push([frame, frame]);
+    return `frame${frames.length > 1 ? 's' : ''} ${ends.map(([a, b]) => a === b ? a + 1 : `${a + 1} to ${b + 1}`).join(', ')}`;
+  };
   const readState = async () => {
-    const { cell } = chosen, frame = mesh.state.frame;
-    if (cell < 0 || chosen.frame === frame || mesh.state.playing) return;
+    const { choice } = chosen, frame = mesh.state.frame;
+    if (!choice || chosen.frame === frame || mesh.state.playing) return;
     chosen.frame = frame;
+    const cell = cellIn(store.mesh, choice);
+    if (cell < 0) { chosen.table?.replaceChildren(make('p', { class: 'soft' }, `The mesh of frame ${frame + 1} does not have ${elementName(choice)}.`)); return; }
     try {
       const values = await (await fetch(`state?cell=${cell}&frame=${frame}`)).json();
-      if (chosen.cell !== cell || chosen.frame !== frame) return;
+      if (chosen.choice !== choice || chosen.frame !== frame) return;
       const unit = name => (parts.frames.fields.find(f => f.name === name) || {}).unit || '';
       chosen.table?.replaceChildren(make('p', { class: 'soft' }, `State in frame ${frame + 1}`), factList(values.map(([name, v]) => [name, `${show(v, 5)} ${unit(name)}`])));
     } catch (error) { fault(error.message); }
@@ -451,21 +486,25 @@ const view = (() => {
   /** Reads the values of the chosen field in all frames, a few frames at a time. */
   const readTrace = async () => {
     const it = chosen;
-    if (it.cell < 0 || it.busy || it.field < 0) return;
+    if (!it.choice || it.busy || it.field < 0) return;
     it.busy = true;
     try {
       while (it === chosen && it.values.length < parts.frames.times.length) {
-        const from = it.values.length, bytes = await store.fetchBytes(`trace?cell=${it.cell}&field=${it.field}&from=${from}&to=${parts.frames.times.length}`);
-        it.values.push(...new Float32Array(bytes));
+        const from = it.values.length, { mesh: { number }, cell } = it.choice;
+        const bytes = await store.fetchBytes(`trace?mesh=${number}&cell=${cell}&field=${it.field}&from=${from}&to=${parts.frames.times.length}`);
+        // Values, then whether the mesh of each frame has the element.
+        const count = bytes.byteLength / 5;
+        it.values.push(...new Float32Array(bytes, 0, count));
+        new Uint8Array(bytes, 4 * count).forEach((has, i) => { if (!has) it.missing.push(from + i); });
         if (it === chosen) drawElement();
       }
     } catch (error) { if (it === chosen) fault(error.message); }
     it.busy = false;
   };
-  const pick = cell => {
-    chosen = { cell, field: mesh ? mesh.state.field : -1, values: [], busy: false, frame: -1, table: null };
+  const pick = choice => {
+    chosen = { choice, field: mesh ? mesh.state.field : -1, values: [], missing: [], busy: false, frame: -1, table: null };
     drawElement();
-    if (cell >= 0) { readState(); readTrace(); }
+    if (choice) { readState(); readTrace(); }
   };
   let marked = 0;
   const mark = () => {
@@ -492,7 +531,7 @@ const view = (() => {
       const restarted = value.generation !== parts.frames.generation || value.times.length < parts.frames.times.length || !store.mesh && value.times.length > 0 && !parts.frames.times.length;
       parts.frames = value;
       mesh.update(restarted);
-      if (chosen.cell >= 0) readTrace();
+      if (chosen.choice) readTrace();
     },
     status(value) { parts.status = value; drawHead(); drawCharts(); },
     progress(value) { parts.progress = value; drawHead(); },

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::board::StateBoard;
 use super::changed_files;
 use super::status::JobStatus;
-use super::store::{FrameStore, ViewMesh};
+use super::store::{FrameStore, ViewField};
 use crate::deck::files;
 use crate::output::sums::{Checksums, SUMS};
 use crate::output::{HISTORY, JobFiles, SETUP, STATUS};
@@ -70,14 +70,17 @@ pub struct FolderWatch {
     sums: Arc<Checksums>,
     /// Times of the frames, and the state of the first file.
     series: (Vec<f64>, FileStamp),
+    /// Number of the run in the folder, and of the fields that have been posted.
+    generation: u64,
+    field_count: usize,
     units: UnitNames,
     ended: bool,
 }
 
 impl FolderWatch {
     pub fn new(job: JobFiles, board: Arc<StateBoard>, store: Arc<FrameStore>) -> FolderWatch {
-        let (deck, sums, series, units) = Default::default();
-        FolderWatch { job, board, store, deck, sums, series, units, ended: false }
+        let (deck, sums, series, generation, field_count, units) = Default::default();
+        FolderWatch { job, board, store, deck, sums, series, generation, field_count, units, ended: false }
     }
 
     /// Looks at the files until the process ends.
@@ -91,6 +94,7 @@ impl FolderWatch {
                 watched[0].look(std::slice::from_ref(&status), || self.read_status()),
                 watched[1].look(&[summary.clone(), history.clone(), sums.clone()], || self.read_run()),
                 watched[2].look(&[list.clone(), summary.clone(), sums.clone()], || self.read_frames()),
+                self.post_new_fields(),
             ];
             let faults: Vec<String> = faults.into_iter().filter_map(Result::err).collect();
             self.board.post("faults", json!(faults).to_string());
@@ -156,18 +160,25 @@ impl FolderWatch {
         let times: Vec<f64> = files.iter().map(|file| file.0).collect();
         let first = files.first().and_then(|file| stamp(&file.1));
         let is_restarted = first != self.series.1 || !times.starts_with(&self.series.0);
-        let generation = self.store.set_files(files, self.sums.clone(), is_restarted);
+        self.generation = self.store.set_files(files, self.sums.clone(), is_restarted);
         self.series = (times, first);
-        let mesh = if self.series.0.is_empty() { None } else { Some(self.store.mesh().map_err(|why| why.reason)?) };
-        self.post_frames(generation, mesh.as_deref());
-        Ok(())
+        self.post_frames()
     }
 
-    fn post_frames(&self, generation: u64, mesh: Option<&ViewMesh>) {
-        let fields = mesh.map_or(&[][..], |mesh| &mesh.fields);
-        let field = |field: &super::store::ViewField| json!({"name": field.name, "on_cells": field.on_cells, "unit": self.units.of_column(&field.name)});
+    /// Posts the fields again if a frame with others has been read for a page.
+    fn post_new_fields(&mut self) -> Result<(), String> {
+        if self.store.field_count() > self.field_count { self.post_frames() } else { Ok(()) }
+    }
+
+    /// Posts the times of the frames, and the fields of those that have been read.
+    fn post_frames(&mut self) -> Result<(), String> {
+        let no_frames = self.series.0.is_empty();
+        let fields = if no_frames { Vec::new() } else { self.store.fields().map_err(|why| why.reason)? };
+        self.field_count = fields.len();
+        let field = |field: &ViewField| json!({"name": field.name, "on_cells": field.on_cells, "unit": self.units.of_column(&field.name)});
         let fields: Vec<Value> = fields.iter().map(field).collect();
-        let frames = json!({"generation": generation, "times": self.series.0, "fields": fields, "units": self.units.length_and_time()});
+        let frames = json!({"generation": self.generation, "times": self.series.0, "fields": fields, "units": self.units.length_and_time()});
         self.board.post("frames", frames.to_string());
+        Ok(())
     }
 }
