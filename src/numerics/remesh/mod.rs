@@ -3,11 +3,13 @@
 
 pub mod balanced_parts;
 mod folds;
+mod improvement;
 pub mod mesher;
 pub mod outline;
 pub mod overlap;
 mod pairing;
 pub mod sizes;
+mod splitting;
 pub mod transfer;
 mod triangulation;
 
