@@ -4,10 +4,12 @@
 use super::BodyMesh;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad::stable_edge;
-use crate::kernel::shape::{corner_shape, elements_around};
+use crate::kernel::shape::{elements_around, is_triangle, smallest_sine};
 
 /// Quality of the elements around a node from which on it stays: that of squares at the axis.
 const SUFFICIENT: f64 = 0.75;
+/// Sine of angles below which the quality of a quadrilateral is reduced, 37 degrees.
+const SHARP: f64 = 0.6;
 /// First step of the search for a better place of a node, in units of the wanted edge.
 const STEP: f64 = 0.15;
 /// Steps of the search.
@@ -26,13 +28,14 @@ pub(super) fn improve(mesh: &mut BodyMesh, on_boundary: &[bool]) {
 }
 
 /// Returns the quality of an element: the edge of the square with its stable time increment over the wanted edge, reduced
-/// if it is nearly concave; not positive if it is concave.
+/// in quadrilaterals with sharp or flat angles; not positive if it is concave.
 pub(super) fn quality(quad: &[u32; 4], points: &[[f64; 2]], wanted: f64) -> f64 {
-    let shape = corner_shape(quad, points);
-    if shape <= 0.0 {
-        return shape;
+    let sine = smallest_sine(quad, |n| points[n as usize]);
+    if sine <= 0.0 {
+        return sine;
     }
-    stable_edge(quad.inline_map(|n| points[n as usize])) / wanted * (2.0 * shape).min(1.0)
+    let factor = if is_triangle(quad) { 1.0 } else { (sine / SHARP).min(1.0) };
+    factor * stable_edge(quad.inline_map(|n| points[n as usize])) / wanted
 }
 
 /// Returns the quality of the worst element at a node.

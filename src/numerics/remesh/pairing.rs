@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use super::triangulation::TriangleMesh;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::shape::{distance, smallest_sine};
+use crate::kernel::shape::{smallest_sine, triangle};
 
 /// Smallest sine of the angles of a quadrilateral, 30 degrees.
 const SMALLEST: f64 = 0.5;
@@ -30,7 +30,7 @@ pub(super) fn elements(mesh: &TriangleMesh) -> Vec<[u32; 4]> {
         let free = partners[first as usize].iter().filter(|partner| is_free[partner.triangle as usize]);
         let best = free.copied().max_by(|a, b| a.sine.total_cmp(&b.sine).then(b.triangle.cmp(&a.triangle)));
         let Some(best) = best else {
-            quads.push(single(mesh, mesh.triangles[first as usize]));
+            quads.push(triangle(mesh.triangles[first as usize], |n| mesh.points[n as usize]));
             continue;
         };
         is_free[best.triangle as usize] = false;
@@ -45,15 +45,6 @@ pub(super) fn elements(mesh: &TriangleMesh) -> Vec<[u32; 4]> {
         }
     }
     quads
-}
-
-/// Returns a triangle as an element. Its last corner is opposite the longest side, which gives the largest stable time
-/// increment: the bound (4.7) takes the sides at this corner.
-fn single(mesh: &TriangleMesh, triangle: [u32; 3]) -> [u32; 4] {
-    let side = |i: usize| distance(mesh.points[triangle[i] as usize], mesh.points[triangle[(i + 1) % 3] as usize]);
-    let longest = (0..3).max_by(|i, k| side(*i).total_cmp(&side(*k))).unwrap_or_default();
-    let [a, b, c] = [0, 1, 2].inline_map(|i: usize| triangle[(longest + i) % 3]);
-    [a, b, c, c]
 }
 
 /// Returns for each triangle those with which it makes a quadrilateral with valid angles.

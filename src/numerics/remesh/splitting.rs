@@ -8,7 +8,7 @@ use super::BodyMesh;
 use super::improvement::quality;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::sorted_pair;
-use crate::kernel::shape::{distance, is_triangle};
+use crate::kernel::shape::{distance, is_triangle, triangle};
 
 /// Length of a side across a thin part, in units of the wanted edge, below which one element is better than two.
 const THIN: f64 = 0.9;
@@ -106,11 +106,11 @@ impl Splitting {
     /// Returns the elements without further points that fill a polygon and of which the worst one is the best.
     fn fill(&self, polygon: &[u32], wanted: f64) -> Filling {
         let last = polygon.len() - 1;
-        let mut best = Filling { quads: Vec::new(), worst: if last < 2 { f64::INFINITY } else { f64::NEG_INFINITY } };
+        let mut best = Filling { quads: Vec::new(), worst: f64::NEG_INFINITY };
         for i in 1..last {
             for k in i..last {
                 let quad = if i == k {
-                    self.triangle([polygon[0], polygon[i], polygon[last]])
+                    triangle([polygon[0], polygon[i], polygon[last]], |n| self.mesh.points[n as usize])
                 } else {
                     [polygon[0], polygon[i], polygon[k], polygon[last]]
                 };
@@ -121,22 +121,12 @@ impl Splitting {
                     worst = worst.min(filling.worst);
                     quads.extend(filling.quads);
                 }
-                if worst > best.worst {
+                if best.quads.is_empty() || worst > best.worst {
                     best = Filling { quads, worst };
                 }
             }
         }
         best
-    }
-
-    /// Returns a triangle whose last corner is opposite its longest side: the bound of its stable time increment takes the
-    /// other ones.
-    fn triangle(&self, corners: [u32; 3]) -> [u32; 4] {
-        let places = corners.inline_map(|n| self.mesh.points[n as usize]);
-        let side = |i: usize| distance(places[i], places[(i + 1) % 3]);
-        let longest = (0..3).max_by(|i, k| side(*i).total_cmp(&side(*k))).unwrap_or_default();
-        let [a, b, c] = [0, 1, 2].inline_map(|i: usize| corners[(longest + i) % 3]);
-        [a, b, c, c]
     }
 
     fn mean(&self, nodes: &[u32]) -> [f64; 2] {
@@ -169,5 +159,39 @@ impl Splitting {
         let mut used = is_used.into_iter();
         mesh.points.retain(|_| used.next().unwrap_or(true));
         mesh
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::split;
+    use crate::kernel::shape::is_triangle;
+    use crate::remesh::BodyMesh;
+
+    /// Returns a strip of coarse squares with the side 2 and this height, its last one a triangle, as its outline and its
+    /// coarse mesh; the wanted edge is 1.
+    fn strip(height: f64) -> (Vec<[f64; 2]>, BodyMesh) {
+        let (low, high) =
+            ((0..=6).map(|i| [5.0 + f64::from(i), 0.0]), (0..5).rev().map(|i| [5.0 + f64::from(i), height]));
+        let mut outline: Vec<[f64; 2]> = low.collect();
+        outline.push([10.0, 0.5 * height]);
+        outline.extend(high);
+        outline.push([5.0, 0.5 * height]);
+        let points: Vec<[f64; 2]> = outline.iter().step_by(2).copied().collect();
+        // Coarse points: 0 to 3 below, 4 to 6 above from the tip.
+        (outline, BodyMesh { points, quads: vec![[0, 1, 5, 6], [1, 2, 4, 5], [2, 3, 4, 4]], sizes: Vec::new() })
+    }
+
+    #[test]
+    fn elements_have_no_triangles_and_thin_parts_have_one_element_across() {
+        for (height, count, triangles) in [(2.0, 11, 0), (0.5, 6, 2)] {
+            let (outline, coarse) = strip(height);
+            let mut removable = vec![true; outline.len()];
+            let fine = split(&coarse, &[outline], &mut removable, &|_| 1.0);
+            let found = fine.quads.iter().filter(|quad| is_triangle(quad)).count();
+            assert_eq!((fine.quads.len(), found), (count, triangles), "{height}: {:?}", fine.quads);
+            let is_used = |n: usize| fine.quads.iter().flatten().any(|corner| *corner as usize == n);
+            assert!((0..fine.points.len()).all(is_used));
+        }
     }
 }
