@@ -13,8 +13,8 @@ use super::{BodyMesh, INSIDE, MeshRevision, RevisedSide};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::{corner_shape, middle, share_between, smallest_sine};
 
-/// Ways to divide a body, tried one after the other. With the first edge, two triangles have the area of a square; the
-/// others follow a more curved outline.
+/// Ways to divide a body, tried one after the other up to the first good mesh. With an edge of 1.07, two triangles have the
+/// area of a square; the shorter ones follow a more curved outline.
 const DIVISIONS: [Division; 6] = [
     Division { edge: 1.1, splits: true },
     Division { edge: 0.95, splits: true },
@@ -75,7 +75,7 @@ pub fn new_mesh(old: &BodyMesh, rules: &OutlineRules<'_>, limited: Option<Vec<f6
         if best.as_ref().is_none_or(|(_, other)| worst > *other) {
             best = Some((revision, worst));
         }
-        if worst > SUFFICIENT {
+        if worst > SUFFICIENT || !division.splits {
             break;
         }
     }
