@@ -188,8 +188,8 @@ mod tests {
             let (outline, coarse) = strip(height);
             let mut removable = vec![true; outline.len()];
             let fine = split(&coarse, &[outline], &mut removable, &|_| 1.0);
-            let found = fine.quads.iter().filter(|quad| is_triangle(quad)).count();
-            assert_eq!((fine.quads.len(), found), (count, triangles), "{height}: {:?}", fine.quads);
+            let triangle_count = fine.quads.iter().filter(|quad| is_triangle(quad)).count();
+            assert_eq!((fine.quads.len(), triangle_count), (count, triangles), "{height}: {:?}", fine.quads);
             let is_used = |n: usize| fine.quads.iter().flatten().any(|corner| *corner as usize == n);
             assert!((0..fine.points.len()).all(is_used));
         }
