@@ -181,6 +181,18 @@ pub fn volume_gradient(r: [f64; 4], z: [f64; 4]) -> VolumeGradient {
     VolumeGradient { volume, by_r, by_z: at_corners([0.0, d, e, f]) }
 }
 
+/// Returns the edge of the square far from the axis that has the stable time increment of an element with these corners, by
+/// the bound (4.7) with a uniform density; 0 if its volume is not positive.
+pub fn stable_edge(corners: [[f64; 2]; 4]) -> f64 {
+    let g = gradient(corners.inline_map(|c| c[0]), corners.inline_map(|c| c[1]));
+    if g.volume <= 0.0 {
+        return 0.0;
+    }
+    let masses = corner_masses(corners, 1.0);
+    let corner = |i: usize| (g.r[i] * g.r[i] + g.z[i] * g.z[i] + g.hoop[i] * g.hoop[i]) / masses[i];
+    (8.0 * g.volume / (UNIT * ((corner(0) + corner(1)) + (corner(2) + corner(3))))).sqrt()
+}
+
 /// Returns the area of the plane section, positive for corners that run counter-clockwise.
 #[inline(always)]
 pub fn section(r: [f64; 4], z: [f64; 4]) -> f64 {

@@ -58,6 +58,15 @@ pub fn is_triangle(corners: &[u32; 4]) -> bool {
     corners[2] == corners[3]
 }
 
+/// Returns a triangle as an element with four corners. The last one is opposite the longest side: the bound of the stable
+/// time increment takes the other sides.
+pub fn triangle(corners: [u32; 3], place: impl Fn(u32) -> [f64; 2]) -> [u32; 4] {
+    let side = |i: usize| distance(place(corners[i]), place(corners[(i + 1) % 3]));
+    let longest = (0..3).max_by(|i, k| side(*i).total_cmp(&side(*k))).unwrap_or_default();
+    let [a, b, c] = [0, 1, 2].inline_map(|i: usize| corners[(longest + i) % 3]);
+    [a, b, c, c]
+}
+
 /// Returns the elements at each of `count` nodes.
 pub fn elements_around(corners: &[[u32; 4]], count: usize) -> Vec<Vec<u32>> {
     let mut around = vec![Vec::new(); count];

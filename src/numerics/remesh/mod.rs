@@ -3,12 +3,14 @@
 
 pub mod balanced_parts;
 mod folds;
+mod improvement;
 pub mod interpolation;
 pub mod mesher;
 pub mod outline;
 pub mod overlap;
 mod pairing;
 pub mod sizes;
+mod splitting;
 pub mod transfer;
 mod triangulation;
 

@@ -65,14 +65,20 @@ pub fn loops(mesh: &BodyMesh) -> Option<Vec<Vec<BoundaryEdge>>> {
 }
 
 /// Divides a loop into edges of about `factor` times the sizes of the elements. Corners, and the nodes that are `kept`,
-/// remain. A loop that is too short for three edges keeps all its nodes.
-pub fn divide(mesh: &BodyMesh, edges: &[BoundaryEdge], kept: &[bool], factor: f64) -> Vec<OutlinePoint> {
+/// remain; the number of edges between two of them is a multiple of `multiple`. A loop that is too short for three edges
+/// keeps all its nodes.
+pub fn divide(
+    mesh: &BodyMesh,
+    edges: &[BoundaryEdge],
+    kept: &[bool],
+    (factor, multiple): (f64, usize),
+) -> Vec<OutlinePoint> {
     let starts = ends_of_runs(mesh, edges, kept);
     let mut points = Vec::new();
     for (i, &start) in starts.iter().enumerate() {
         let end = if i + 1 < starts.len() { starts[i + 1] } else { starts[0] + edges.len() };
         let run: Vec<BoundaryEdge> = (start..end).map(|at| edges[at % edges.len()]).collect();
-        divide_run(mesh, &run, factor, &mut points);
+        divide_run(mesh, &run, (factor, multiple), &mut points);
     }
     if points.len() < 3 {
         return edges.iter().map(|edge| old_node(mesh, edge)).collect();
@@ -124,7 +130,7 @@ fn old_node(mesh: &BodyMesh, edge: &BoundaryEdge) -> OutlinePoint {
 }
 
 /// Divides the edges between two nodes that remain; the last node is the first one of the next run.
-fn divide_run(mesh: &BodyMesh, run: &[BoundaryEdge], factor: f64, points: &mut Vec<OutlinePoint>) {
+fn divide_run(mesh: &BodyMesh, run: &[BoundaryEdge], (factor, multiple): (f64, usize), points: &mut Vec<OutlinePoint>) {
     // Lengths in units of the wanted edge, summed up to the start of each edge.
     let mut sums = vec![0.0];
     for edge in run {
@@ -133,7 +139,7 @@ fn divide_run(mesh: &BodyMesh, run: &[BoundaryEdge], factor: f64, points: &mut V
         sums.push(sums[sums.len() - 1] + distance(a, b) / size);
     }
     let total = sums[run.len()];
-    let count = (total.round() as usize).max(1);
+    let count = multiple * ((total / multiple as f64).round() as usize).max(1);
     let step = total / count as f64;
     for i in 0..count {
         let target_length = i as f64 * step;
@@ -184,7 +190,7 @@ mod tests {
         let (mesh, kept_nodes) = block(4, 6, |_, _| false);
         let all_loops = loops(&mesh).unwrap_or_default();
         assert_eq!((all_loops.len(), all_loops[0].len()), (1, 20));
-        let points = divide(&mesh, &all_loops[0], &kept_nodes, 1.0);
+        let points = divide(&mesh, &all_loops[0], &kept_nodes, (1.0, 1));
         assert_eq!(points.len(), 20);
         assert!(points.iter().all(|p| p.parents[0] == p.parents[1]));
     }
@@ -193,7 +199,7 @@ mod tests {
     fn kept_nodes_remain_and_new_nodes_are_on_old_edges() {
         let (mesh, kept_nodes) = block(5, 8, |i, j| i == 5 && j == 3);
         let all_loops = loops(&mesh).unwrap_or_default();
-        let points = divide(&mesh, &all_loops[0], &kept_nodes, 1.3);
+        let points = divide(&mesh, &all_loops[0], &kept_nodes, (1.3, 1));
         assert!(points.iter().any(|p| p.place == [5.0, 3.0] && p.parents == [23, 23]));
         let is_on_edge = |p: [f64; 2]| p[0] == 0.0 || p[0] == 5.0 || p[1] == 0.0 || p[1] == 8.0;
         assert!(points.iter().all(|p| is_on_edge(p.place)));

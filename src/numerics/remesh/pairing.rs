@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 
 use super::triangulation::TriangleMesh;
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::shape::smallest_sine;
+use crate::kernel::shape::{smallest_sine, triangle};
 
 /// Smallest sine of the angles of a quadrilateral, 30 degrees.
 const SMALLEST: f64 = 0.5;
@@ -30,8 +30,7 @@ pub(super) fn elements(mesh: &TriangleMesh) -> Vec<[u32; 4]> {
         let free = partners[first as usize].iter().filter(|partner| is_free[partner.triangle as usize]);
         let best = free.copied().max_by(|a, b| a.sine.total_cmp(&b.sine).then(b.triangle.cmp(&a.triangle)));
         let Some(best) = best else {
-            let [a, b, c] = mesh.triangles[first as usize];
-            quads.push([a, b, c, c]);
+            quads.push(triangle(mesh.triangles[first as usize], |n| mesh.points[n as usize]));
             continue;
         };
         is_free[best.triangle as usize] = false;

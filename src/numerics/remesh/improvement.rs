@@ -1,0 +1,85 @@
+//! Better shapes of the elements of a new mesh: nodes inside move where this increases the smallest stable time increment
+//! around them (optimisation-based smoothing: Freitag and Ollivier-Gooch 1997, Int. J. Numer. Meth. Eng. 40, 3979).
+
+use super::BodyMesh;
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::quad::stable_edge;
+use crate::kernel::shape::{elements_around, is_triangle, smallest_sine};
+
+/// Quality of the elements around a node from which on it stays: that of squares at the axis.
+const SUFFICIENT: f64 = 0.75;
+/// Sine of angles below which the quality of a quadrilateral is reduced, 37 degrees.
+const SHARP: f64 = 0.6;
+/// First step of the search for a better place of a node, in units of the wanted edge.
+const STEP: f64 = 0.15;
+/// Steps of the search.
+const STEPS: usize = 3;
+/// Sweeps over all nodes.
+const SWEEPS: usize = 4;
+
+/// Moves nodes inside where this improves the worst element around them, in several sweeps.
+pub(super) fn improve(mesh: &mut BodyMesh, on_boundary: &[bool]) {
+    let around = elements_around(&mesh.quads, mesh.points.len());
+    for _ in 0..SWEEPS {
+        for n in (0..mesh.points.len()).filter(|n| !on_boundary[*n]) {
+            improve_node(mesh, n, &around[n]);
+        }
+    }
+}
+
+/// Returns the quality of an element: the edge of the square with its stable time increment over the wanted edge, reduced
+/// in quadrilaterals with sharp or flat angles; not positive if it is concave.
+pub(super) fn quality(quad: &[u32; 4], points: &[[f64; 2]], wanted: f64) -> f64 {
+    let sine = smallest_sine(quad, |n| points[n as usize]);
+    if sine <= 0.0 {
+        return sine;
+    }
+    let factor = if is_triangle(quad) { 1.0 } else { (sine / SHARP).min(1.0) };
+    factor * stable_edge(quad.inline_map(|n| points[n as usize])) / wanted
+}
+
+/// Returns the quality of the worst element at a node.
+fn worst_around(mesh: &BodyMesh, around: &[u32]) -> f64 {
+    let quality = |e: &u32| quality(&mesh.quads[*e as usize], &mesh.points, mesh.sizes[*e as usize]);
+    around.iter().map(quality).fold(f64::INFINITY, f64::min)
+}
+
+/// Moves a node to the middle of its neighbours in the elements around it if this improves the worst element; otherwise
+/// to the best of several places around it.
+fn improve_node(mesh: &mut BodyMesh, n: usize, around: &[u32]) {
+    let (mut sum, mut count) = ([0.0; 2], 0.0);
+    for quad in around.iter().map(|e| &mesh.quads[*e as usize]) {
+        for i in (0..4).filter(|i| quad[*i] as usize == n) {
+            for other in [quad[(i + 1) % 4], quad[(i + 3) % 4]].into_iter().filter(|other| *other as usize != n) {
+                let neighbour = mesh.points[other as usize];
+                (sum, count) = ([sum[0] + neighbour[0], sum[1] + neighbour[1]], count + 1.0);
+            }
+        }
+    }
+    let mut best = (worst_around(mesh, around), mesh.points[n]);
+    if best.0 > SUFFICIENT {
+        return;
+    }
+    let mut step = STEP * mesh.sizes[around[0] as usize];
+    let middle = sum.inline_map(|x| x / count);
+    let places = |p: [f64; 2], step: f64| {
+        [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]
+            .inline_map(|d: [f64; 2]| [p[0] + step * d[0], p[1] + step * d[1]])
+    };
+    let mut attempt = |place: [f64; 2], best: &mut (f64, [f64; 2])| {
+        mesh.points[n] = place;
+        let worst = worst_around(mesh, around);
+        if worst > best.0 {
+            *best = (worst, place);
+        }
+    };
+    attempt(middle, &mut best);
+    for _ in 0..STEPS {
+        let centre = best.1;
+        places(centre, step).into_iter().for_each(|place| attempt(place, &mut best));
+        if best.1 == centre {
+            step *= 0.5;
+        }
+    }
+    mesh.points[n] = best.1;
+}
