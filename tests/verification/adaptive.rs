@@ -27,7 +27,8 @@ fn taylor(card: &str) -> String {
 /// Length and foot radius within .3 % of the mesh that follows the material; the drift includes the lost kinetic energy.
 #[test]
 fn taylor_bar_keeps_its_length_and_foot() {
-    let (follows, reference) = run(&taylor(""), &[]);
+    let keeps_mesh = "*Remesh, automatic=NO\n*Material, name=COPPER";
+    let (follows, reference) = run(&taylor("").replacen("*Material, name=COPPER", keeps_mesh, 1), &[]);
     for card in [BAR, "*Adaptive Mesh, elset=BAR, frequency=1\n", "*Adaptive Mesh, elset=BAR, mesh sweeps=3\n"] {
         let (outcome, history) = run(&taylor(card), &[]);
         assert_eq!(outcome.halt, None);

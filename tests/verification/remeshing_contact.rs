@@ -163,7 +163,7 @@ fn a_rigid_body_and_a_remeshed_block_conserve_momentum() {
     let ran = run(&deck).whole();
     let momentum = ran.momentum() / (-2e-6 * 1e5) - 1.0;
     println!("{} meshes: momentum {momentum:.1e}, drift {:.1e}", new_meshes(&ran.outcome), ran.outcome.energy.drift);
-    assert!(new_meshes(&ran.outcome) >= 4 && momentum.abs() < 1e-12, "{momentum:e}");
+    assert!(new_meshes(&ran.outcome) >= 2 && momentum.abs() < 1e-12, "{momentum:e}");
     assert!(ran.outcome.energy.drift < 1e-3, "{}", ran.outcome.energy.drift);
 }
 

@@ -46,7 +46,7 @@ impl BarRun {
 
 /// Returns the Taylor bar with a card in the model and one in the step, without and with new meshes.
 fn both(edit: impl Fn(String) -> String) -> [BarRun; 2] {
-    ["", OFTEN].map(|card| BarRun::of(&edit(taylor(card))))
+    ["*Remesh, automatic=NO\n", OFTEN].map(|card| BarRun::of(&edit(taylor(card))))
 }
 
 fn in_step(deck: &str, cards: &str) -> String {
@@ -211,8 +211,7 @@ fn other_bodies_erode() {
     assert!((work.iter().sum::<f64>() / 3.0 - 1.0).abs() < 0.03, "{work:?}");
 }
 
-/// A bar whose upper end is pushed down by a tenth of its length, from rest: by prescribed displacements, and by the velocity
-/// that belongs to them. With new meshes the end is where the displacement is, to rounding of the coordinates, and the foot
+/// A bar whose upper end is pushed down by 31 % of its length by prescribed displacements. With new meshes the end is where the displacement is, to rounding of the coordinates, and the foot
 /// radius and the work agree within 0.5 % with the mesh that follows the material.
 #[test]
 fn prescribed_displacements_continue() {
@@ -225,13 +224,14 @@ fn prescribed_displacements_continue() {
         assert!(deck.contains(motion) && !deck.contains("type=VELOCITY\n BAR"));
         deck
     };
-    let displaced = "*Boundary, amplitude=RAMP\n TOP, 2, 2, -2.5e-3\n";
-    let [reference, moved] = ["", OFTEN].map(|card| BarRun::of(&deck(card, displaced)));
+    let displaced = "*Boundary, amplitude=RAMP\n TOP, 2, 2, -1.e-2\n";
+    let cards = ["*Remesh, automatic=NO\n", OFTEN];
+    let [reference, moved] = cards.map(|card| BarRun::of(&deck(card, displaced)));
     let end = moved.history.0["U2@TIP"].last;
     let (work, same_work) = (moved.outcome.energy.work, reference.outcome.energy.work);
     println!("{} new meshes, U2 {end:e}, work {work:e} {same_work:e}", new_meshes(&moved.outcome));
     assert!(new_meshes(&moved.outcome) >= 1, "{:?}", moved.outcome.new_meshes);
-    assert!((end + 2.5e-3).abs() < 1e-15, "{end:e}");
+    assert!((end + 1e-2).abs() < 1e-15, "{end:e}");
     assert!(moved.apart(&reference) < 5e-3, "{}", moved.apart(&reference));
     assert!((work / same_work - 1.0).abs() < 5e-3, "{work:e} {same_work:e}");
 }

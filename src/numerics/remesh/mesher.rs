@@ -104,7 +104,8 @@ fn mesh_with(
     let mesh = &mut revision.mesh;
     mesh.sizes = mesh.quads.iter().map(|quad| field.size(middle(mesh.corners(quad)))).collect();
     improve(mesh, &on_boundary);
-    if mesh.quads.is_empty() || !mesh.quads.iter().all(|quad| corner_shape(quad, &mesh.points) > FLAT) {
+    let has_flat_elements = !mesh.quads.iter().all(|quad| corner_shape(quad, &mesh.points) > FLAT);
+    if mesh.quads.is_empty() || has_flat_elements || super::outline::loops(mesh)?.len() != outlines.len() {
         return None;
     }
     revision.origins = mesh.quads.iter().map(|quad| field.element(middle(mesh.corners(quad)))).collect();

@@ -65,9 +65,9 @@ impl MeshQuality {
     }
 
     /// Returns whether a body that no card names has collapsed on the mesh of the deck.
-    fn has_collapsed(&mut self, group: usize, run: &RunState<'_>) -> bool {
+    fn has_collapsed(&mut self, (group, limit): (usize, f64), run: &RunState<'_>) -> bool {
         self.is_due(run.now.increment, AutomaticMeshes::INTERVAL)
-            && self.is_collapsed(group, AutomaticMeshes::COLLAPSED, &run.state.elements)
+            && self.is_collapsed(group, limit, &run.state.elements)
     }
 
     /// Returns whether the elements of a group, squashed by plastic flow, have cost enough increments for a new mesh.
@@ -144,8 +144,9 @@ impl RemeshMonitor {
         if let Some(waiting) = &run.plan.automatic_meshes {
             return waiting
                 .groups()
+                .zip(waiting.limits())
                 .zip(&mut self.bodies)
-                .position(|(group, quality)| quality.has_collapsed(group, run));
+                .position(|(body, quality)| quality.has_collapsed(body, run));
         }
         let bodies = &run.plan.remesh.as_ref()?.bodies;
         bodies.iter().zip(&mut self.bodies).position(|(body, quality)| quality.is_distorted(body, run))

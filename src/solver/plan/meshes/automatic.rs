@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::ModelBody;
-use crate::model::{AnalyticalFront, Model, Remeshing, SolidSection};
+use crate::model::{AnalyticalFront, AnalyticalSide, Model, Remeshing, SideSelection, SolidSection};
 use crate::plan::meshes::remesh::{RemeshPlan, remeshed_body, unsupported_remeshing};
 use crate::plan::solids::user_material::fails;
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
@@ -28,11 +28,15 @@ struct WaitingBody {
     group: usize,
     /// Index of its section in the model.
     section: usize,
+    /// Fraction of the largest stable time increment below which it has its first new mesh.
+    limit: f64,
 }
 
 impl AutomaticMeshes {
     /// Fraction of the largest stable time increment below which squashed elements are worth a new mesh.
-    pub const COLLAPSED: f64 = 0.3;
+    const COLLAPSED: f64 = 0.3;
+    /// The same for the first new mesh of a body in contact, whose forces a new outline disturbs.
+    const COLLAPSED_IN_CONTACT: f64 = 0.04;
     /// Increments between two checks.
     pub const INTERVAL: u64 = 10;
 
@@ -61,13 +65,19 @@ impl AutomaticMeshes {
         let sections = model.sections.iter().enumerate();
         let waiting = sections.filter_map(|(index, section)| {
             let group = scene.places.elements.get(section.elements.first()?)?.0;
-            let may_have_new_mesh = flows_without_failure(scene, state, (group, section)) && {
-                let card = card_of(model, index);
-                let body = ModelBody::of_elements(&model.mesh, 0, &card.elements);
-                !keeps_mesh(model, &card.elements)
-                    && unsupported_remeshing(scene, pairs, &card, &body, state, report).is_none()
-            };
-            may_have_new_mesh.then_some(WaitingBody { group, section: index })
+            if !flows_without_failure(scene, state, (group, section)) {
+                return None;
+            }
+            let card = card_of(model, index);
+            let body = ModelBody::of_elements(&model.mesh, 0, &card.elements);
+            if keeps_mesh(model, &card.elements)
+                || unsupported_remeshing(scene, pairs, &card, &body, state, report).is_some()
+            {
+                return None;
+            }
+            let touches = is_in_contact(pairs, &card.elements, &body);
+            let limit = if touches { AutomaticMeshes::COLLAPSED_IN_CONTACT } else { AutomaticMeshes::COLLAPSED };
+            Some(WaitingBody { group, section: index, limit })
         });
         let bodies: Vec<WaitingBody> = waiting.collect();
         let shares = || shared.map_or_else(|| Arc::new(model.clone()), Arc::clone);
@@ -77,6 +87,11 @@ impl AutomaticMeshes {
     /// Returns the element group of each body.
     pub fn groups(&self) -> impl Iterator<Item = usize> {
         self.bodies.iter().map(|body| body.group)
+    }
+
+    /// Returns for each body the fraction of the largest stable time increment below which it has its first new mesh.
+    pub fn limits(&self) -> impl Iterator<Item = f64> {
+        self.bodies.iter().map(|body| body.limit)
     }
 
     /// Returns the model with a card for each body.
@@ -116,6 +131,16 @@ fn card_of(model: &Model, section: usize) -> Remeshing {
 fn keeps_mesh(model: &Model, elements: &[usize]) -> bool {
     let domains = model.steps.iter().flat_map(|step| &step.adaptive).map(|domain| &domain.elements);
     domains.chain([&model.kept_meshes]).any(|list| list.iter().any(|e| elements.binary_search(e).is_ok()))
+}
+
+/// Returns whether a surface of a body takes part in contact; `elements` are in ascending order.
+fn is_in_contact(pairs: &Pairs, elements: &[usize], body: &ModelBody) -> bool {
+    let is_own = |element: &usize| elements.binary_search(element).is_ok();
+    let touches =
+        |side: &SideSelection| side.faces.iter().any(|(e, _)| is_own(e)) || side.free_face_elements.iter().any(is_own);
+    let has_node = |side: &AnalyticalSide| side.nodes.iter().any(|node| body.position(*node).is_some());
+    let mut all_pairs = pairs.by_step.iter().flat_map(|pairs| pairs.iter());
+    all_pairs.any(|pair| pair.sides.iter().any(touches) || pair.analytical.as_ref().is_some_and(has_node))
 }
 
 /// Returns whether a group is of quadrilaterals with a plastic strain that are never deleted.
