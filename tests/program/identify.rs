@@ -237,7 +237,7 @@ fn outline_passes_through_the_nodes_of_the_side() {
         let deck = DeckSource::File(project("input/validation/taylor_bar.inp"));
         let (fixed, names) = (vec![("nr".into(), "4".into())], vec!["V".into()]);
         let evaluator = SampleEvaluator::new(deck, fixed, names, quantities, UserRoutines::Absent);
-        evaluator.expect("an evaluator").table(&[210.0], 1).expect("a thread")
+        evaluator.expect("an evaluator").table(&[120.0], 1).expect("a thread")
     };
     let (nodes, _) = bar(&["COOR1@25", "COOR2@25", "COOR1@50", "COOR2@50"].map(|column| format!("final({column})")));
     let (radii, _) = bar(&[nodes[1], nodes[3]].map(|z| format!("outline({z:?})")));

@@ -53,7 +53,7 @@ impl Scene {
 /// Returns the copper bar with a law for each scene, and scenes of contact, shells and cavity expansion.
 fn scenes() -> Vec<Scene> {
     let bar = |name, law: String| {
-        let deck = common::bar_with_law(&law).replace(" , 80.e-6", " , <duration>");
+        let deck = common::bar_with_law(&(law + "*Remesh, automatic=NO\n")).replace(" , 80.e-6", " , <duration>");
         Scene { name, deck, durations: ["4.e-6", "20.e-6"] }
     };
     let input = |name, file: &str, line: &str, durations| {

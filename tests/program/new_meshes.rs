@@ -19,7 +19,11 @@ pub const SETTINGS: [(&str, &str); 2] = [("nr", "4"), ("nz", "20")];
 /// Writes the deck of the copper bar with new meshes, runs it into the folder, and returns its frames.
 pub fn run_into(folder: &Path) -> Vec<OutputFrame> {
     let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck");
-    let text = text.replacen("*Material, name", "*Remesh, elset=BAR, angle=59., frequency=100\n*Material, name", 1);
+    let text = text.replacen(
+        "*Material, name",
+        "*Remesh, elset=BAR, angle=59., frequency=20, increment=0.8\n*Material, name",
+        1,
+    );
     let deck = folder.join("bar.inp");
     std::fs::write(&deck, &text).expect("a deck");
     let [deck, out] = [&deck, folder].map(|path| path.to_str().expect("a name"));

@@ -172,12 +172,14 @@ fn sent(view: &ViewProcess, text: &str) -> TcpStream {
 #[test]
 fn frames_are_those_of_the_run() {
     let folder = tempfile::tempdir().expect("a folder");
-    let settings = [("nr", "3"), ("nz", "12")];
+    let settings = [("nr", "3"), ("nz", "12"), ("speed", "100.")];
     let text = std::fs::read_to_string(project("input/taylor_copper.inp")).expect("a deck");
     let (_, memory) = common::run(&text, &settings, &Routines::none());
     let out = name(folder.path());
     assert!(
-        revolve(&["run", "input/taylor_copper.inp", "-q", "-o", out, "-s", "nr=3", "-s", "nz=12"]).status.success()
+        revolve(&["run", "input/taylor_copper.inp", "-q", "-o", out, "-s", "nr=3", "-s", "nz=12", "-s", "speed=100"])
+            .status
+            .success()
     );
     let view = ViewProcess::start(&["view", out]);
     assert!(
@@ -389,7 +391,9 @@ fn page_shows_frames_and_elements_in_a_browser() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = name(folder.path());
     assert!(
-        revolve(&["run", "input/taylor_copper.inp", "-q", "-o", out, "-s", "nr=4", "-s", "nz=20"]).status.success()
+        revolve(&["run", "input/taylor_copper.inp", "-q", "-o", out, "-s", "nr=4", "-s", "nz=20", "-s", "speed=100"])
+            .status
+            .success()
     );
     let view = ViewProcess::start(&["view", out]);
     for (fragment, kind) in [("", "processor"), ("#webgl", "WebGL 2")] {

@@ -93,7 +93,7 @@ impl TracerPoint {
         TracerPoint { node, between: at.nodes.inline_map(|n| n as usize), shares: at.shares, start, offset }
     }
 
-    /// Returns the value at the point of a quantity of nodes. Equation (18.11a), without the offset of a place.
+    /// Returns the value at the point of a quantity of nodes. The offset of a place is not included. Equation (18.11a).
     pub fn value(&self, of_node: impl Fn(usize) -> f64) -> f64 {
         (0..3).map(|k| self.shares[k] * of_node(self.between[k])).sum()
     }
