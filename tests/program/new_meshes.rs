@@ -21,7 +21,7 @@ pub fn run_into(folder: &Path) -> Vec<OutputFrame> {
     let text = std::fs::read_to_string(common::project("input/taylor_copper.inp")).expect("a deck");
     let text = text.replacen(
         "*Material, name",
-        "*Remesh, elset=BAR, angle=59., frequency=20, increment=0.8\n*Material, name",
+        "*Remesh, elset=BAR, angle=59., frequency=40, increment=0.7\n*Material, name",
         1,
     );
     let deck = folder.join("bar.inp");

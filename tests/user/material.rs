@@ -108,6 +108,7 @@ fn example_deck_matches_the_built_in_example() {
     let depth = |deck: &str, option: &str, settings: &[(&str, &str)], routines: &Routines| {
         let text = std::fs::read_to_string(common::project(deck)).expect("the deck");
         let text = text.replace("Explicit, element by element\n", "Explicit\n");
+        let text = text.replacen("*Material,", "*Remesh, automatic=NO\n*Material,", 1);
         let text = text.replace("*Dynamic, Explicit\n", &format!("*Dynamic, Explicit{option}\n"));
         let prepared = job::prepare_text(deck, &text, &common::pairs(settings), routines);
         assert!(!prepared.diagnostics.has_errors(), "{}", prepared.diagnostics.render(&prepared.deck.sources));

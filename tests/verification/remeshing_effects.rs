@@ -7,7 +7,7 @@ use revolve::job;
 use revolve::output::HistorySummary;
 use revolve::plan::State;
 use revolve::solve::Outcome;
-use revolve::user::{LoadFailure, LoadPoints, Routines, UserLoad};
+use revolve::user::Routines;
 
 use super::remeshing::{OFTEN, new_meshes, taylor};
 use super::remeshing_contact::{EAGER, last};
@@ -234,36 +234,6 @@ fn prescribed_displacements_continue() {
     assert!((end + 1e-2).abs() < 1e-15, "{end:e}");
     assert!(moved.apart(&reference) < 5e-3, "{}", moved.apart(&reference));
     assert!((work / same_work - 1.0).abs() < 5e-3, "{work:e} {same_work:e}");
-}
-
-/// A user load of constant pressure on the whole surface acts on new meshes as `*DSLOAD` does, with the same bits. A load with memory
-/// of its points is refused, because new points have none.
-#[test]
-fn user_loads_continue() {
-    struct Remembering;
-    impl UserLoad for Remembering {
-        fn pressure(&mut self, _points: &LoadPoints<'_>, pressure: &mut [f64]) -> Result<(), LoadFailure> {
-            pressure.fill(2e7);
-            Ok(())
-        }
-        fn memory(&self) -> usize {
-            1
-        }
-    }
-    let surface = "*Surface, name=WALL\n BAR,\n";
-    let deck = |load: &str| in_step(&taylor(&format!("{surface}{OFTEN}")), &format!("*Dsload\n WALL, {load}\n"));
-    let work = |load: &str, routines: &Routines| {
-        let (outcome, _) = job::run_in_memory(&common::prepared(&deck(load), &[], routines));
-        assert_eq!(outcome.halt, None);
-        assert!(new_meshes(&outcome) >= 2, "{:?}", outcome.new_meshes);
-        outcome.energy.work
-    };
-    let built_in = work("P, 2.e7", &Routines::none());
-    let user = work("PNU", &Routines::none().with_pressure(|_, _| 2e7));
-    assert!(built_in > 0.0 && user.to_bits() == built_in.to_bits(), "{user} {built_in}");
-    let remembering = Routines::none().with_load(Remembering);
-    let refused = job::prepare_text("test.inp", &deck("PNU"), &common::pairs(&[]), &remembering);
-    assert!(refused.diagnostics.iter().any(|d| d.code == "P072" && d.message.contains("memory")));
 }
 
 /// `*DAMPING` of the bar, and a spring between two other bodies: the energy balance closes, length, foot radius and the

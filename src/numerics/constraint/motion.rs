@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::{Constraint, ConstraintForces, NodeRelation, StoredConstraint};
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 use crate::state::EffectId;
 use crate::state::archive::Persist;
@@ -271,7 +272,7 @@ impl StoredConstraint for PrescribedMotion {
         // All nodes of a displacement have moved by the same amount, and so have those between them.
         for motion in &mut self.nodes {
             let Some(place) = nodes(motion.node) else { continue };
-            if let [Some(a), Some(b)] = place.nodes.map(|node| known.get(&(node, motion.axis))) {
+            if let [Some(a), Some(b)] = place.nodes.inline_map(|node| known.get(&(node, motion.axis))) {
                 motion.origin = a + place.share * (b - a);
             }
         }

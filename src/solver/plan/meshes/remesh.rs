@@ -45,9 +45,8 @@ pub struct RemeshedBody {
     pub automatic: bool,
 }
 
-/// User subroutines that continue on new meshes: their state is that of elements and amplitudes. A load may have memory of
-/// its points, which is lost, so that such loads are refused.
-const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp", "vdload"];
+/// User subroutines that continue on new meshes: their state is that of elements and amplitudes.
+const CARRIED_ROUTINES: &[&str] = &["vumat", "vuhard", "vusdfld", "vuamp"];
 
 /// Lists the bodies of all `*REMESH` cards; `None` without any. New meshes keep the `fronts` of analytical surfaces.
 pub fn plan(
@@ -172,14 +171,9 @@ fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Repor
     let contacts = || pairs.by_step.iter().flat_map(|pairs| pairs.iter());
     let heats = state.thermal.as_ref().is_some_and(|thermal| thermal.heat.is_some());
     let scales = model.scales_masses();
-    let remembers = report
-        .routines
-        .load
-        .as_ref()
-        .is_some_and(|load| load.lock().as_deref_mut().is_some_and(|load| load.memory() > 0));
-    let is_lost = |kind: &LoadKind| kind.is_user() && remembers || matches!(kind, LoadKind::Cavity { .. });
+    let is_users = |kind: &LoadKind| kind.is_user() || matches!(kind, LoadKind::Cavity { .. });
     let exclusions = [
-        (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDISP and VUCHARLENGTH"),
+        (report.called_routines.iter().any(|name| !CARRIED_ROUTINES.contains(name)), "VDLOAD, VDISP and VUCHARLENGTH"),
         (heats && scales, "mass scaling together with nodal temperatures"),
         (elements.distortion.is_some(), "DISTORTION CONTROL"),
         (elements.rings.is_some(), "WEIGHTING=AREA"),
@@ -188,7 +182,7 @@ fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Repor
         (cohesive_behaviors(model, pairs).next().is_some(), "*COHESIVE BEHAVIOR"),
         (!model.constraints.ties.is_empty(), "*TIE"),
         (!model.targets.is_empty(), "*TARGET"),
-        (loads().any(|load| is_lost(&load.kind)), "user loads with memory and cavity expansion"),
+        (loads().any(|load| is_users(&load.kind)), "user-defined loads"),
         (state.dofs.bodies.iter().any(BodyState::is_spatial), "oblique rigid bodies"),
         (contacts().any(|pair| pair.clearance.is_some()), "initial clearances of contact"),
     ];
