@@ -3,6 +3,7 @@
 use super::outcome::{MeshChanges, MeshShape};
 use super::run_state::RunState;
 use crate::element::elements::Elements;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::smallest_sine;
 use crate::kernel::topology::ElementTopology;
 use crate::plan::{AutomaticMeshes, Plan, RemeshedBody, State};
@@ -109,7 +110,7 @@ pub(super) fn shape_of(state: &State) -> Option<MeshShape> {
     let groups = state.elements.groups.iter().filter(|group| group.topology() == ElementTopology::Quadrilateral);
     let living = groups.flat_map(|group| (0..group.len()).filter(|e| !group.is_deleted(*e)).map(|e| group.nodes(e)));
     let place = |n: u32| state.dofs.nodes[n as usize].place();
-    let sines = living.map(|nodes| smallest_sine(&[0, 1, 2, 3].map(|i: usize| nodes[i]), place));
+    let sines = living.map(|nodes| smallest_sine(&[0, 1, 2, 3].inline_map(|i: usize| nodes[i]), place));
     let (mut smallest, mut turned_corners, mut count) = (1.0_f64, 0, 0);
     for sine in sines {
         smallest = smallest.min(sine);
