@@ -1,4 +1,4 @@
-//! Frames of a run whose body has new meshes: reports and pictures show all of them, each with its own mesh.
+//! Frames of a run whose body has new meshes: reports and pictures show every frame with its own mesh.
 
 use std::path::Path;
 

@@ -258,7 +258,7 @@ fn frames_with_new_meshes_are_sent_with_their_mesh() {
     assert_eq!(view.get("state?cell=9999&frame=0").0, 404);
 }
 
-/// A field that only a later frame has is in the list once this frame has been read; other frames have no values of it.
+/// A field that only a later frame has is in the list once this frame has been read; in other frames the field has no values.
 #[test]
 fn fields_of_later_frames_are_added_to_the_list() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -57,7 +57,7 @@ impl FrameMesh {
 }
 
 /// Returns the corners of a cell whose points are listed along its boundary; every second point of six is a midpoint.
-fn corners(cell: &[usize]) -> [u32; 4] {
+pub fn corners(cell: &[usize]) -> [u32; 4] {
     let step = if cell.len() == 6 { 2 } else { 1 };
     let listed = if cell.len() < 2 { &[] } else { cell };
     let mut corners = [NO_CORNER; 4];

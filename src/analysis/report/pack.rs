@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
 use super::data::{MeridianFrames, PackedField, PackedMesh};
-use super::frame_mesh::FrameMesh;
+use super::frame_mesh::{FrameMesh, NO_CORNER, corners};
 use super::frames::{self, FrameData, ScalarField, rank};
 use super::mesh::{CELLS, DrawnMesh, bounds, drawn};
 use super::units::UnitNames;
@@ -96,10 +96,8 @@ impl SeriesMesh {
     }
 
     fn packed(&self) -> PackedMesh {
-        // Six-node triangles are drawn by their corners.
-        let step = |c: &[usize]| if c.len() == 6 { 2 } else { 1 };
-        let corner = |c: &[usize], i: usize| c.get(step(c) * i).map_or(NONE, |&p| p as u16);
-        let corners = self.drawn.corners.iter().flat_map(|c| (0..4).map(move |i| corner(c, i)));
+        let number = |corner: u32| if corner == NO_CORNER { NONE } else { corner as u16 };
+        let corners = self.drawn.corners.iter().flat_map(|cell| corners(cell)).map(number);
         PackedMesh {
             points: self.drawn.points.len(),
             cells: self.drawn.cells.len(),

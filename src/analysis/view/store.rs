@@ -87,13 +87,32 @@ struct Series {
     sums: Arc<Checksums>,
     /// Arrays of the frames that have been read.
     arrays: Vec<String>,
-    /// Fields of these arrays. Their order does not change, because pages know them by index.
+    /// Fields of the arrays. Their order does not change, because pages know them by index.
     fields: Vec<ViewField>,
     kept: HashMap<usize, KeptFrame>,
     uses: u64,
 }
 
+/// File of a frame, and the checksums of its folder.
+struct FrameFile {
+    time: f64,
+    path: PathBuf,
+    sums: Arc<Checksums>,
+}
+
+impl FrameFile {
+    /// Reads the frame with the arrays whose names `wanted` accepts.
+    fn read(&self, wanted: &dyn Fn(&str) -> bool) -> Result<FrameData, Refusal> {
+        read_arrays(self.time, &self.path, &self.sums, wanted).map_err(|why| Refusal::new(500, why))
+    }
+}
+
 impl Series {
+    fn file(&self, index: usize) -> Result<FrameFile, Refusal> {
+        let (time, path) = self.files.get(index).cloned().ok_or_else(|| absent("frame"))?;
+        Ok(FrameFile { time, path, sums: self.sums.clone() })
+    }
+
     /// Removes the frames that have not been used for the longest time, until the others fit into memory with their
     /// meshes.
     fn forget(&mut self) {
@@ -231,21 +250,19 @@ impl FrameStore {
 
     /// Reads a frame with a field, and with arrays that no other frame had. Returns it with the generation of the run.
     fn read(&self, index: usize, field: Option<usize>) -> Result<(FrameData, u64), Refusal> {
-        let (file, sums, generation, arrays, array) = {
+        let (file, generation, arrays, array) = {
             let series = self.lock();
             let array = match field {
                 Some(field) => Some(series.fields.get(field).ok_or_else(|| absent("field"))?.array.clone()),
                 None => None,
             };
-            (series.files.get(index).cloned(), series.sums.clone(), series.generation, series.arrays.clone(), array)
+            (series.file(index)?, series.generation, series.arrays.clone(), array)
         };
         let is_needed = |name: &str| {
             let is_known = arrays.iter().any(|array| array == name);
             name == Variable::Status.name() || array.as_deref() == Some(name) || !is_known
         };
-        let (time, path) = file.ok_or_else(|| absent("frame"))?;
-        let data = read_arrays(time, &path, &sums, &is_needed).map_err(|why| Refusal::new(500, why))?;
-        Ok((data, generation))
+        Ok((file.read(&is_needed)?, generation))
     }
 
     /// Keeps the mesh and shape of a frame, and its fields that have been read, unless the run has been restarted.
@@ -314,13 +331,9 @@ impl FrameStore {
     /// If the frame or cell does not exist, or the file cannot be read.
     pub fn state(&self, cell: usize, index: usize) -> Result<Vec<(String, f32)>, Refusal> {
         let fields = self.fields()?;
-        let (file, sums) = {
-            let series = self.lock();
-            (series.files.get(index).cloned(), series.sums.clone())
-        };
-        let (time, path) = file.ok_or_else(|| absent("frame"))?;
+        let file = self.lock().file(index)?;
         let _one = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
-        let data = read_arrays(time, &path, &sums, &|_| true).map_err(|why| Refusal::new(500, why))?;
+        let data = file.read(&|_| true)?;
         let mesh = FrameMesh::of(&data);
         if cell >= mesh.corners.len() {
             return Err(absent("cell"));

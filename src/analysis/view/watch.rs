@@ -170,7 +170,7 @@ impl FolderWatch {
         if self.store.field_count() > self.field_count { self.post_frames() } else { Ok(()) }
     }
 
-    /// Posts the times of the frames, and the fields of those that have been read.
+    /// Posts the times of all frames, and the fields of the frames that have been read.
     fn post_frames(&mut self) -> Result<(), String> {
         let no_frames = self.series.0.is_empty();
         let fields = if no_frames { Vec::new() } else { self.store.fields().map_err(|why| why.reason)? };

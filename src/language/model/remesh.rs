@@ -109,7 +109,7 @@ impl ModelBody {
     }
 }
 
-/// Returns the requests of histories of single nodes, with the sets of these nodes.
+/// Returns the requests of histories of single nodes, with their node sets.
 fn histories_of_nodes(model: &Model) -> impl Iterator<Item = (&OutputRequest, NodeSetId)> {
     let requests = model.steps.iter().flat_map(|step| &step.outputs);
     let single = requests.filter(|request| request.kind == OutputKind::History && request.statistics.is_empty());
@@ -212,6 +212,11 @@ struct MeshRelation {
     first_element: usize,
 }
 
+/// Returns the points that take the places of nodes of a body. They are the last nodes of the revised model.
+fn replaced_nodes<'a>(body: &'a ModelBody, revision: &'a MeshRevision) -> impl Iterator<Item = &'a TracerPoint> {
+    revision.tracers.iter().filter(|point| body.position(point.node).is_some())
+}
+
 /// Marks what the new mesh does not have.
 const GONE: usize = usize::MAX;
 
@@ -230,9 +235,7 @@ impl MeshRelation {
             nodes[body.nodes[parents[0] as usize]] = first_node + new;
         }
         let after_mesh = first_node + revision.mesh.points.len();
-        let replaced = revision.tracers.iter().filter(|point| nodes[point.node] == GONE);
-        let replaced: Vec<usize> = replaced.map(|point| point.node).collect();
-        (after_mesh..).zip(replaced).for_each(|(new, node)| nodes[node] = new);
+        (after_mesh..).zip(replaced_nodes(body, revision)).for_each(|(new, point)| nodes[point.node] = new);
         MeshRelation { nodes, elements, first_node, first_element }
     }
 
@@ -254,18 +257,14 @@ impl MeshRelation {
 
     /// Returns the points of histories: those between nodes of other bodies, and those of the new mesh.
     fn tracers(&self, model: &Model, revision: &MeshRevision) -> Vec<TracerPoint> {
-        let is_other = |point: &&TracerPoint| revision.tracers.iter().all(|own| own.node != point.node);
-        let others = model.output.tracers.iter().filter(is_other).map(|point| TracerPoint {
-            node: self.node(point.node),
-            between: point.between.map(|node| self.node(node)),
-            ..point.clone()
-        });
-        let own = revision.tracers.iter().map(|point| TracerPoint {
-            node: self.node(point.node),
-            between: point.between.map(|node| self.first_node + node),
-            ..point.clone()
-        });
-        others.chain(own).collect()
+        let is_other = |point: &&TracerPoint| TracerPoint::index_in(&revision.tracers, point.node).is_none();
+        let others = model.output.tracers.iter().filter(is_other);
+        let others = others.map(|point| point.renumbered(self.node(point.node), |node| self.node(node)));
+        let own = revision.tracers.iter();
+        let own = own.map(|point| point.renumbered(self.node(point.node), |node| self.first_node + node));
+        let mut tracers: Vec<TracerPoint> = others.chain(own).collect();
+        tracers.sort_unstable_by_key(|point| point.node);
+        tracers
     }
 
     fn follow_elements(&self, list: &mut Vec<usize>, model: &Model, revision: &MeshRevision) {
@@ -314,7 +313,7 @@ impl MeshRelation {
                 node_labels.next(&old.node_names[body.nodes[0]])
             });
         }
-        for point in revision.tracers.iter().filter(|point| body.position(point.node).is_some()) {
+        for point in replaced_nodes(body, revision) {
             mesh.points.push(point.start);
             mesh.node_names.push(old.node_names[point.node].clone());
         }

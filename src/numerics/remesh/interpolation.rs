@@ -72,7 +72,7 @@ pub struct TracerPoint {
     pub node: usize,
     /// Nodes between which it is.
     pub between: [usize; 3],
-    /// Share of each of them in its motion; their sum is 1.
+    /// Share of each node in its motion; their sum is 1.
     pub shares: [f64; 3],
     /// Place at the start of the analysis.
     pub start: [f64; 2],
@@ -91,6 +91,17 @@ impl TracerPoint {
         let place = at.value(points);
         let offset = [0, 1].inline_map(|i: usize| shown[i] - place[i]);
         TracerPoint { node, between: at.nodes.inline_map(|n| n as usize), shares: at.shares, start, offset }
+    }
+
+    /// Returns the point in another numbering: `node` is the node whose name it has, `number` that of the others.
+    #[must_use]
+    pub fn renumbered(&self, node: usize, number: impl Fn(usize) -> usize) -> TracerPoint {
+        TracerPoint { node, between: self.between.inline_map(number), ..self.clone() }
+    }
+
+    /// Returns the index of the point of a node in a list in the order of these nodes.
+    pub fn index_in(list: &[TracerPoint], node: usize) -> Option<usize> {
+        list.binary_search_by_key(&node, |point| point.node).ok()
     }
 
     /// Returns the value at the point of a quantity of nodes. The offset of a place is not included. Equation (18.11a).

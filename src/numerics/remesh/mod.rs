@@ -61,7 +61,8 @@ pub struct MeshRevision {
     pub displacements: Vec<[f64; 2]>,
     /// For each new element the old element at its centre.
     pub origins: Vec<u32>,
-    /// Points of histories in the new mesh, between its nodes. Each belongs to a node or a point of the model before it.
+    /// Points of histories in the new mesh, between its nodes, in the order of the nodes of the model before it whose names
+    /// they have.
     pub tracers: Vec<TracerPoint>,
 }
 

@@ -65,7 +65,7 @@ pub fn loops(mesh: &BodyMesh) -> Option<Vec<Vec<BoundaryEdge>>> {
 }
 
 /// Divides a loop into edges of about `factor` times the sizes of the elements. Corners, and the nodes that are `kept`,
-/// remain; the number of edges between two of them is a multiple of `multiple`. A loop that is too short for three edges
+/// remain; the number of edges between two remaining nodes is a multiple of `multiple`. A loop that is too short for three edges
 /// keeps all its nodes.
 pub fn divide(
     mesh: &BodyMesh,

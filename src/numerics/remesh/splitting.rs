@@ -14,8 +14,8 @@ use crate::kernel::shape::{distance, is_triangle, triangle};
 const THIN: f64 = 0.9;
 
 /// Divides elements of a coarse mesh whose first points are every second one of the closed polygons `outlines`. The points
-/// of the new mesh begin with those of the polygons. Points that are `removable` may be missing: `removable` then tells
-/// which ones are. `size` is the wanted edge at a place.
+/// of the new mesh begin with those of the polygons. Points that are `removable` may be missing; on
+/// return, `removable` marks the missing points. `size` is the wanted edge at a place.
 pub(super) fn split(
     coarse: &BodyMesh,
     outlines: &[Vec<[f64; 2]>],
@@ -141,7 +141,7 @@ impl Splitting {
         self.mesh.points.len() as u32 - 1
     }
 
-    /// Removes points without elements, and tells which points of the outline they are.
+    /// Removes points without elements, and marks those of the outline in `is_removed`.
     fn without_unused_points(self, is_removed: &mut [bool]) -> BodyMesh {
         let Splitting { mut mesh, .. } = self;
         let mut is_used = vec![false; mesh.points.len()];

@@ -143,11 +143,7 @@ impl RemeshMonitor {
     #[inline]
     pub(super) fn body_to_mesh(&mut self, run: &RunState<'_>) -> Option<usize> {
         if let Some(waiting) = &run.plan.automatic_meshes {
-            return waiting
-                .groups()
-                .zip(waiting.limits())
-                .zip(&mut self.bodies)
-                .position(|(body, quality)| quality.has_collapsed(body, run));
+            return waiting.limits().zip(&mut self.bodies).position(|(body, quality)| quality.has_collapsed(body, run));
         }
         let bodies = &run.plan.remesh.as_ref()?.bodies;
         bodies.iter().zip(&mut self.bodies).position(|(body, quality)| quality.is_distorted(body, run))

@@ -23,7 +23,7 @@ use crate::model::remesh::{ModelBody, kept_nodes_of_histories, movable_nodes_of_
 use crate::plan::{self, CompiledModel, Plan, RemeshPlan, State};
 use crate::remesh::interpolation::{TracerPoint, interpolated, places_in_triangles};
 use crate::remesh::mesher::{OutlineRules, new_mesh};
-use crate::remesh::{BodyMesh, MeshRevision};
+use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
 use crate::state::Instant;
 use crate::state::dofs::Dofs;
 use crate::state::halt::{HaltDetails, HaltReason};
@@ -297,16 +297,17 @@ fn tracers(
     new: &MeshRevision,
 ) -> Vec<TracerPoint> {
     let nodes = &run.state.dofs.nodes;
-    let remains = |index: u32| new.parents.contains(&[index; 2]);
+    let mut remains = vec![false; old.points.len()];
+    new.parents.iter().filter(|[a, b]| a == b && *a != INSIDE).for_each(|parents| remains[parents[0] as usize] = true);
     let history_point = |node: usize| {
-        let known = model.output.tracers.iter().position(|point| point.node == node);
+        let known = TracerPoint::index_in(&model.output.tracers, node);
         if let Some(index) = known.filter(|index| body.position(model.output.tracers[*index].between[0]).is_some()) {
             let point = &run.plan.tracers[index];
             let place = [0, 1].inline_map(|axis: usize| point.value(|node| nodes[node].place()[axis]));
             let shown = [0, 1].inline_map(|axis: usize| place[axis] + point.offset[axis]);
             return Some(HistoryPoint { node, start: point.start, place, shown });
         }
-        let index = body.position(node).filter(|index| !remains(*index))?;
+        let index = body.position(node).filter(|index| !remains[*index as usize])?;
         let (place, start) = (old.points[index as usize], nodes.start[run.plan.places.nodes[&node]]);
         Some(HistoryPoint { node, start, place, shown: place })
     };

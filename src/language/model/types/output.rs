@@ -15,7 +15,8 @@ pub struct OutputDefinitions {
     pub expressions: Vec<OutputExpression>,
     /// `*TIME POINTS` in deck order.
     pub time_points: Vec<TimePoints>,
-    /// Points that histories show in place of nodes that new meshes do not have.
+    /// Points that histories show in place of nodes that new meshes do not have, in the order of the nodes whose names they
+    /// have.
     pub tracers: Vec<TracerPoint>,
 }
 

@@ -89,9 +89,10 @@ impl AutomaticMeshes {
         self.bodies.iter().map(|body| body.group)
     }
 
-    /// Returns for each body the fraction of the largest stable time increment below which it has its first new mesh.
-    pub fn limits(&self) -> impl Iterator<Item = f64> {
-        self.bodies.iter().map(|body| body.limit)
+    /// Returns the element group of each body, and the fraction of the largest stable time increment below which it has its
+    /// first new mesh.
+    pub fn limits(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.bodies.iter().map(|body| (body.group, body.limit))
     }
 
     /// Returns the model with a card for each body.

@@ -157,7 +157,7 @@ pub(super) fn unsupported_remeshing(
     let on_boundary: HashSet<u32> = boundaries.iter().flatten().map(|edge| edge.ends[0]).collect();
     if kept_nodes_of_histories(scene.model).filter_map(used).any(|at| !on_boundary.contains(&(at as u32))) {
         let message = format!("a history shows the values of a node inside `{name}`, which a new mesh does not keep");
-        return Some((message, "request only U, V, A, COOR or NT, a statistic of a set, or a node on the boundary"));
+        return Some((message, "request only U, V, A, COORD or NT, a statistic of a set, or a node on the boundary"));
     }
     let exclusion =
         excluded_by_model(scene.model, pairs, state, report).or_else(|| excluded_by_nodes(scene.model, &used));

@@ -383,7 +383,7 @@ fn node_columns(
             sources_of_members.extend(parts.map(|part| MemberSource { part, name: name(node), source }));
             continue;
         }
-        let tracer = model.output.tracers.iter().position(|point| point.node == node);
+        let tracer = TracerPoint::index_in(&model.output.tracers, node);
         let source = match (places.free_node(node), tracer, bodies.of_node.get(&node)) {
             (Some(node), ..) => ColumnSource::Node(node),
             (_, Some(index), _) => ColumnSource::Tracer(index),
@@ -400,7 +400,7 @@ fn node_columns(
 fn tracers(scene: Scene) -> Vec<TracerPoint> {
     let solver_node = |node: usize| scene.places.nodes.get(&node).copied().unwrap_or_default();
     let points = scene.model.output.tracers.iter();
-    points.map(|point| TracerPoint { between: point.between.map(solver_node), ..point.clone() }).collect()
+    points.map(|point| point.renumbered(point.node, solver_node)).collect()
 }
 
 /// Source of a variable of a member of a set, which has a name.
