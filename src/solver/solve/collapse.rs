@@ -131,10 +131,12 @@ pub(super) fn name_remedies(run: &RunState<'_>, group: usize, least: Option<f64>
     if let Some(renewal) = renewal.filter(|_| is_supported && is_squashed(&run.state.elements)) {
         return format!("plastic flow has squashed it: {renewal}");
     }
+    // Distortion control is refused on meshes that do not follow the material.
+    let follows_material = run.plan.remesh.is_none() && run.state.adaptive.is_empty();
     let cards = [
         renewal.map(str::to_owned),
         (!erodes).then(|| format!("*EROSION{} deletes such elements", value("INCREMENT"))),
-        (!controls_distortion)
+        (!controls_distortion && follows_material)
             .then(|| "DISTORTION CONTROL=YES on *SECTION CONTROLS keeps them from being squashed".to_owned()),
         (!scales_masses)
             .then(|| format!("*VARIABLE MASS SCALING, TYPE=BELOW MIN{} adds mass to them alone", value("DT"))),
