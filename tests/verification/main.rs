@@ -34,6 +34,7 @@ mod erosion_criteria;
 mod erosion_friction;
 mod erosion_loads;
 mod erosion_rod;
+mod failed_material;
 mod failure_energy;
 mod fidelity;
 mod finite_targets;

@@ -269,7 +269,8 @@ impl TensionTest<'_> {
                 DamageEvolution::Displacement(value) | DamageEvolution::Energy(value) => {
                     *value *= size / self.request.length;
                 }
-                DamageEvolution::Sudden | DamageEvolution::Absent => {}
+                DamageEvolution::Strain(_, Some(length)) => *length *= size / self.request.length,
+                DamageEvolution::Sudden | DamageEvolution::Absent | DamageEvolution::Strain(_, None) => {}
             }
         }
         model.materials = vec![material];

@@ -113,12 +113,12 @@ fn check_element_deletion(context: &mut Context<'_>) {
         let material = context.model.materials.get(section.material.index())?;
         let sudden = material.failures.iter().any(|f| f.evolution == DamageEvolution::Sudden);
         let fails = sudden || material.tensile_failure.is_some_and(|t| t.deletes);
-        section.controls.keep_failed_elements.filter(|_| fails)
+        section.controls.keep_failed_elements.filter(|_| fails && material.failed.is_none())
     };
     let spans: Vec<Span> = context.model.sections.iter().filter_map(deletes).collect();
     for span in spans {
         let message = "ELEMENT DELETION=NO requires *DAMAGE EVOLUTION; *SHEAR \
-                       FAILURE and *TENSILE FAILURE delete elements";
+                       FAILURE and *TENSILE FAILURE delete elements, unless *FAILED MATERIAL keeps them";
         context.error("M104", message, span, "not supported");
     }
 }

@@ -119,13 +119,14 @@ impl ConsistencyCheck<'_> {
     }
 
     fn remeshing(&mut self, remeshing: &Remeshing) {
-        let Remeshing { span, elements, angle, increment, frequency, size, limits, .. } = remeshing;
+        let Remeshing { span, elements, angle, increment, frequency, thickness, size, limits, .. } = remeshing;
         self.elements(*span, elements);
         self.ascending(*span, "elements of a body", elements);
-        let fields = fields!(adaptive::Remesh: "ANGLE", "INCREMENT", "FREQUENCY", "SIZE", "CURVATURE ANGLE", "STRAIN CHANGE", "MINIMUM SIZE");
+        let fields = fields!(adaptive::Remesh: "ANGLE", "INCREMENT", "FREQUENCY", "THICKNESS", "SIZE", "CURVATURE ANGLE", "STRAIN CHANGE", "MINIMUM SIZE");
         let (angle, curvature) = (Some(angle.to_degrees()), limits.curvature_angle.map(f64::to_degrees));
         let (increment, frequency) = (Some(*increment), Some(*frequency as f64));
-        let values = [angle, increment, frequency, *size, curvature, limits.strain_change, limits.smallest];
+        let values =
+            [angle, increment, frequency, Some(*thickness), *size, curvature, limits.strain_change, limits.smallest];
         self.ranges(*span, "", fields, values);
         self.accept("", *span, check_size_limits(limits));
     }

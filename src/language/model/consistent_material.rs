@@ -154,11 +154,17 @@ impl ConsistencyCheck<'_> {
     fn failure(&mut self, material: &MaterialDefinition) {
         let cutoff = material.tensile_failure.map(|t| [t.cutoff]);
         self.rows(material, fields!(cards::TensileFailure: "mean stress, tension"), cutoff.as_slice());
+        let failed = material.failed.map(|f| [f.residual, f.crossings]);
+        self.rows(material, fields!(cards::FailedMaterial: "residual strength", "crossings"), failed.as_slice());
         for criterion in &material.failures {
             self.check_of(material, criterion.strain.check());
             if let DamageEvolution::Displacement(value) | DamageEvolution::Energy(value) = criterion.evolution {
                 let message = format!("the value of damage evolution must not be negative, found {value}");
                 self.check_of(material, require(is_non_negative(value), message));
+            }
+            if let DamageEvolution::Strain(critical, length) = criterion.evolution {
+                let values = [[critical, length.unwrap_or(f64::NAN)]];
+                self.rows(material, fields!(cards::CoupledDamage: "critical damage", "length"), &values);
             }
         }
     }

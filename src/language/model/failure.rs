@@ -1,9 +1,9 @@
-//! Material failure: `*SHEAR FAILURE`, `*TENSILE FAILURE`, `*DAMAGE INITIATION`, `*DAMAGE EVOLUTION`.
+//! Material failure: `*SHEAR FAILURE`, `*TENSILE FAILURE`, `*DAMAGE INITIATION`, `*DAMAGE EVOLUTION`, `*COUPLED DAMAGE`.
 
 use super::context::Context;
 use super::families::MaterialReader;
 use super::faults::{ValueCheck, require, require_line};
-use super::types::{DamageEvolution, FailureCriterion, StrainAtFailure};
+use super::types::{DamageEvolution, FailedMaterial, FailureCriterion, StrainAtFailure};
 use super::{cohesive, cohesive_contact};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
@@ -13,7 +13,11 @@ use crate::kernel::levels::NestedTable;
 const DUCTILE: usize = 1;
 
 pub fn read_shear_failure(context: &mut Context<'_>, card: &Card) {
-    let cards::ShearFailure { johnson_cook } = card.values();
+    let cards::ShearFailure { johnson_cook, deletes } = card.values();
+    if !deletes {
+        let without_strength = FailedMaterial { residual: 0.0, crossings: 0.0, span: card.span };
+        context.last_material().failed.get_or_insert(without_strength);
+    }
     let Some(line) = context.first_line(card) else { return };
     let strain = if johnson_cook {
         StrainAtFailure::JohnsonCook(card.read_lines(), None)
@@ -102,6 +106,18 @@ pub fn read_damage_evolution(context: &mut Context<'_>, materials: &mut Material
     let cards::DamageEvolution { energy, rows, .. } = card.values();
     let value = rows.first().map_or(f64::NAN, |row| row[0]);
     let evolution = if energy { DamageEvolution::Energy(value) } else { DamageEvolution::Displacement(value) };
+    set_evolution(context, card, evolution);
+}
+
+/// Reads `*COUPLED DAMAGE`.
+pub fn read_coupled_damage(context: &mut Context<'_>, card: &Card) {
+    let cards::CoupledDamage { values: [critical, length] } = card.values();
+    let length = Some(length).filter(|length| !length.is_nan());
+    set_evolution(context, card, DamageEvolution::Strain(critical, length));
+}
+
+/// Sets how the damage of the last criterion evolves.
+fn set_evolution(context: &mut Context<'_>, card: &Card, evolution: DamageEvolution) {
     let is_refused = context.missing.has_card("DAMAGE INITIATION");
     match context.last_material().failures.last_mut() {
         Some(last) if last.evolution == DamageEvolution::Absent => last.evolution = evolution,

@@ -2,7 +2,9 @@
 //! cards whose state the function changes.
 
 use super::builder::ModelBuilder;
-use super::types::{FoamYieldSurface, MaterialDefinition, RayleighCoefficients, TensileFailure, ThermalExpansion};
+use super::types::{
+    FailedMaterial, FoamYieldSurface, MaterialDefinition, RayleighCoefficients, TensileFailure, ThermalExpansion,
+};
 use super::{
     adaptive, amplitudes, blast, bodies, boundary, clearance, cohesive, cohesive_contact, connectors, contact,
     controls, copies, elements, eos, equations, erosion, expressions, failure, fields, general_contact, heading,
@@ -84,6 +86,7 @@ static READERS: &[CardReader] = readers! {
     "CAVITY EXPANSION" => materials::read_cavity_expansion(context, materials);
     "DAMAGE INITIATION" => failure::read_damage_initiation(context, materials);
     "DAMAGE EVOLUTION" => failure::read_damage_evolution(context, materials);
+    "COUPLED DAMAGE" => failure::read_coupled_damage(context);
     "DAMAGE STABILIZATION" => failure::read_damage_stabilization(context, materials);
     "PHYSICAL CONSTANTS" => eos::read_physical_constants(context);
     always "SOLID SECTION" => materials::read_solid_section(context, sections);
@@ -152,6 +155,9 @@ static READERS: &[CardReader] = readers! {
         };
         TensileFailure => |material, cards::TensileFailure { deletes, cutoff: [cutoff] }, span| {
             material.tensile_failure = Some(TensileFailure { cutoff, deletes, span });
+        };
+        FailedMaterial => |material, cards::FailedMaterial { values: [residual, crossings] }, span| {
+            material.failed = Some(FailedMaterial { residual, crossings, span });
         };
         CrushableFoam => |material, cards::CrushableFoam { isotropic, ratios }, span| {
             let shape = if isotropic { FoamYieldSurface::Isotropic } else { FoamYieldSurface::Volumetric };

@@ -345,6 +345,7 @@ fn visit_lists(model: &mut Model, visit: &mut dyn FnMut(MemberList<'_>)) {
         visit(MemberList::Faces(&mut surface.faces));
         visit(MemberList::Elements(&mut surface.free_face_elements));
     }
+    surfaces.parts.iter_mut().flatten().for_each(|part| visit(MemberList::Elements(part)));
     surfaces.nodes.values_mut().for_each(|nodes| visit(MemberList::Nodes(nodes)));
     let references = surfaces.analytical.values_mut().filter_map(|surface| surface.reference.as_mut());
     references.for_each(|node| visit(MemberList::Node(node)));

@@ -7,14 +7,14 @@
 use std::collections::BTreeSet;
 
 use super::same_bits::{
-    AMBIENT, compacted, crushed, explosive, failing, gas, general, kinematic, lines, mooney, moving, ogden, subroutine,
-    table, tearing, us_up, user_eos, user_law,
+    AMBIENT, compacted, crushed, explosive, failing, gas, general, kinematic, lines, mooney, moving, ogden, staying,
+    subroutine, table, tearing, us_up, user_eos, user_law,
 };
 use super::solid_groups::{HardeningLaw, MaterialVisitor, SolidMaterial};
 use crate::kernel::lanes::{InlineMap, LANES, Lanes, column, inline_from_fn};
 use crate::kernel::moduli::ElasticModuli;
 use crate::kernel::rotation::{rotate, rotation_of_spin};
-use crate::kernel::stress::mises;
+use crate::kernel::stress::{mises, undamaged};
 use crate::material::equation_of_state::EquationOfState;
 use crate::material::hyperelastic::NeoHooke;
 use crate::material::increment::{StrainIncrement, StressUpdate};
@@ -54,7 +54,7 @@ macro_rules! laws {
     };
 }
 
-use HardeningLaw::{Elastic, Kinematic, PiecewiseLinear, RateDependent, RateKinematic};
+use HardeningLaw::{Elastic, Failing, Kinematic, PiecewiseLinear, RateDependent, RateKinematic};
 use SolidMaterial::{DetailedPoint, Foam, Ogden, Point, Polynomial, UserFlow, UserStress, VonMises};
 
 laws! {
@@ -73,6 +73,8 @@ laws! {
     rate_dependent_us_up: VonMises(RateDependent(general(), None), Some(us_up()));
     failing_rate_dependent: VonMises(RateDependent(general(), Some(failing())), None);
     failing_gas: VonMises(RateDependent(general(), Some(failing())), Some(gas()));
+    staying_rate_dependent: VonMises(Failing(general(), staying()), None);
+    staying_us_up: VonMises(Failing(general(), staying()), Some(us_up()));
     linear_kinematic: VonMises(Kinematic(kinematic()), None);
     linear_kinematic_us_up: VonMises(Kinematic(kinematic()), Some(us_up()));
     rate_kinematic: VonMises(RateKinematic(moving()), None);
@@ -106,6 +108,7 @@ fn number(material: &SolidMaterial) -> usize {
         DetailedPoint(_) => 12,
         UserStress(_) => 13,
         UserFlow(_) => 14,
+        VonMises(Failing(..), _) => 15,
     }
 }
 
@@ -250,7 +253,8 @@ impl<'m, M: Material> Specimen<'m, M> {
             let increment = [rr, zz, hoop, 0.5 * (rz + zr)];
             strain.spin[l] = 0.5 * (rz - zr);
             let share = if M::FAILS { material.share(&self.state, l) } else { 1.0 };
-            let undamaged = column(&self.stress, l).inline_map(|s| if share > 0.0 { s / share } else { 0.0 });
+            let shares = [share, if M::FAILS { material.mean_share(&self.state, l) } else { 1.0 }];
+            let undamaged = if share > 0.0 { undamaged(column(&self.stress, l), shares) } else { [0.0; 4] };
             let carried = rotate(undamaged, rotation_of_spin(strain.spin[l]));
             let mean = (carried[0] + carried[1] + carried[2]) / 3.0;
             let dilation = rr + zz + hoop;

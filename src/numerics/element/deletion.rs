@@ -3,7 +3,8 @@
 
 use super::block::{CornerNodes, ElementBlock, TaskWorkspace};
 use super::eroded::height;
-use crate::kernel::lanes::{BlockCornerForces, LANES};
+use crate::kernel::lanes::{BlockCornerForces, LANES, column, put_column};
+use crate::kernel::stress::undamaged;
 use crate::material::Material;
 use crate::mesh::corner_forces::clear_lane;
 
@@ -56,7 +57,9 @@ impl<S: Clone> ElementBlock<S> {
             let share = material.share(&self.state, l);
             // Lanes after the last element repeat it; the element may be deleted.
             if share > 0.0 && l < scratch.strain.count {
-                self.stress.iter_mut().for_each(|s| s[l] /= share);
+                let shares = [share, material.mean_share(&self.state, l)];
+                let stress = undamaged(column(&self.stress, l), shares);
+                put_column(&mut self.stress, l, stress);
                 continue;
             }
             scratch.mask_lane(nodes, l, height(material.initial_volume(&self.state, l)));

@@ -18,6 +18,7 @@ use crate::material::PointValue;
 use crate::material::eos::{IdealGas, Tabulated, UsUp};
 use crate::material::equation_of_state::EquationOfState;
 use crate::material::explosive::{DetonationPoint, HighExplosive, JwlProducts};
+use crate::material::failed::KeptFailure;
 use crate::material::failure::{EvolutionLaw, FailureStrain, MaterialFailure, StrainCriterion, TensionCutoff};
 use crate::material::foam::{FoamHardening, FoamMaterial};
 use crate::material::hyperelastic::HyperelasticMaterial;
@@ -265,6 +266,12 @@ pub(super) fn failing() -> MaterialFailure {
         criteria: vec![StrainCriterion { strain, evolution: EvolutionLaw::Displacement(0.002) }],
         ..MaterialFailure::default()
     }
+}
+
+/// Returns the same damage with failed elements that stay.
+pub(super) fn staying() -> KeptFailure {
+    let failure = MaterialFailure { cutoff: tearing().cutoff, ..failing() };
+    KeptFailure { failure, residual: 0.1, speed: 0.05 / DT }
 }
 
 /// Returns a tensile cutoff that some elements reach.

@@ -630,7 +630,7 @@ impl<M: Material, B: SolidBlock<State = M::State>> SolidElements for SolidGroup<
             let expansions = B::expansions(block.element(lane), nodes, dt, by_area);
             for (p, (point, expansion)) in block.points_mut().iter_mut().zip(expansions).enumerate() {
                 let PointExpansion { volume, factor, span, dilation } = expansion;
-                let pressure = self.material.share(&point.state, lane) * 3.0 * bulk * strain;
+                let pressure = self.material.mean_share(&point.state, lane) * 3.0 * bulk * strain;
                 let sum = (point.stress[0][lane] + point.stress[1][lane]) + point.stress[2][lane];
                 work.supplied -= volume * strain * (sum - 1.5 * pressure);
                 if is_subtracted_later {

@@ -10,6 +10,7 @@ use crate::kernel::quad::corner_masses;
 use crate::kernel::topology::ElementTopology;
 use crate::material::Material;
 use crate::material::equation_of_state::EquationOfState;
+use crate::material::failed::KeptFailure;
 use crate::material::failure::MaterialFailure;
 use crate::material::foam::FoamMaterial;
 use crate::material::hyperelastic::{HyperelasticMaterial, NeoHooke};
@@ -82,6 +83,8 @@ pub enum HardeningLaw {
     PiecewiseLinear(PiecewiseLinearHardening),
     /// Isotropic hardening that may depend on rate and temperature.
     RateDependent(RateDependentHardening, Option<MaterialFailure>),
+    /// The same with failed elements that stay.
+    Failing(RateDependentHardening, KeptFailure),
     /// J2 plasticity with linear kinematic hardening.
     Kinematic(KinematicHardening),
     /// Linear kinematic hardening that depends on rate or temperature.
@@ -173,6 +176,7 @@ impl HardeningLaw {
             HardeningLaw::RateDependent(hardening, Some(failure)) => {
                 visitor.visit(VonMises { hardening, volumetric, failure })
             }
+            HardeningLaw::Failing(hardening, failure) => visitor.visit(VonMises { hardening, volumetric, failure }),
             HardeningLaw::Kinematic(law) => visitor.visit(VonMises::new(law, volumetric)),
             HardeningLaw::RateKinematic(law) => visitor.visit(VonMises::new(law, volumetric)),
         }

@@ -86,6 +86,14 @@ pub fn column(list: &[Lanes; 4], l: usize) -> [f64; 4] {
     [list[0][l], list[1][l], list[2][l], list[3][l]]
 }
 
+/// Sets the four values of one element.
+#[inline(always)]
+pub fn put_column(list: &mut [Lanes; 4], l: usize, values: [f64; 4]) {
+    for (list, value) in list.iter_mut().zip(values) {
+        list[l] = value;
+    }
+}
+
 /// Returns the scalar product of four numbers, summed in this order.
 #[inline(always)]
 pub fn dot<T: Real>(a: [T; 4], b: [T; 4]) -> T {

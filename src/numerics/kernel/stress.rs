@@ -15,6 +15,17 @@ pub fn pressure([rr, zz, hoop, _]: [f64; 4]) -> f64 {
     -(rr + zz + hoop) / 3.0
 }
 
+/// Returns the stress whose product with a factor on it, and another one on its mean stress, is given.
+#[inline(always)] // Likewise.
+pub fn undamaged(stress: [f64; 4], [factor, of_mean]: [f64; 2]) -> [f64; 4] {
+    if factor == of_mean {
+        return stress.inline_map(|s| s / factor);
+    }
+    let mean = -pressure(stress);
+    let [rr, zz, hoop] = [stress[0], stress[1], stress[2]].inline_map(|s| (s - mean) / factor + mean / of_mean);
+    [rr, zz, hoop, stress[3] / factor]
+}
+
 /// Returns the principal stresses, ascending: two in the plane of r and z, and the hoop stress.
 pub fn principal([rr, zz, hoop, rz]: [f64; 4]) -> [f64; 3] {
     let (centre, radius) = (0.5 * (rr + zz), (0.25 * (rr - zz) * (rr - zz) + rz * rz).sqrt());

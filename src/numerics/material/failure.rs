@@ -13,6 +13,8 @@ pub trait FailureLaw: Send + Sync + 'static {
     /// State variables of a block of elements.
     type State: Clone + Send + Sync + Persist + CarriedState;
     const FAILS: bool;
+    /// Whether failed elements stay: [`FailureLaw::stiffness_shares`] can fall below 1.
+    const STAYS: bool = false;
     /// Returns the initial state of a block, from the section areas, whose square roots are the characteristic lengths,
     /// and the volumes of its elements.
     fn fresh(&self, area: &Lanes, volume: &Lanes) -> Self::State;
@@ -29,9 +31,17 @@ pub trait FailureLaw: Send + Sync + 'static {
     fn volume(&self, state: &Self::State, lane: usize) -> f64;
     /// Returns the factor on the stress, 1 minus damage; 0 for a deleted element.
     fn share(&self, state: &Self::State, lane: usize) -> f64;
+    /// Returns the factor on the mean stress, where it is not that on the stress.
+    fn mean_share(&self, state: &Self::State, lane: usize) -> f64 {
+        self.share(state, lane)
+    }
     /// Returns the largest mean stress in tension; infinite without a limit.
-    fn tension_limit(&self) -> f64 {
+    fn tension_limit(&self, _state: &Self::State, _lane: usize) -> f64 {
         f64::INFINITY
+    }
+    /// Returns the factors on bulk and shear modulus of an element that limit the increment, where the moduli are constant.
+    fn stiffness_shares(&self, _state: &Self::State, _lane: usize) -> [f64; 2] {
+        [1.0; 2]
     }
     /// Returns an output variable of an element: damage, the largest initiation criterion of a kind (1 where damage
     /// begins), or 1 until the element is deleted. `None` if the model does not have it.
@@ -51,6 +61,8 @@ pub struct FailureInput {
     pub mises: Lanes,
     /// Temperature; 0 if it is not computed.
     pub temperature: Lanes,
+    /// Bulk modulus of a law whose mean stress is the sum of its increments; 0 for an equation of state.
+    pub bulk: f64,
     pub dt: f64,
     /// Number of elements of the block.
     pub count: usize,
@@ -75,6 +87,8 @@ impl FailureInput {
 pub struct RemainingStress {
     /// Factors on the stress of the undamaged material.
     pub stress: Lanes,
+    /// Factors on its mean stress.
+    pub spherical: Lanes,
     /// Mean stress of the undamaged material, limited by the tension cutoff.
     pub mean: Lanes,
 }
@@ -93,7 +107,7 @@ impl FailureLaw for NoDamage {
     }
 
     fn degrade(&self, (): &mut (), input: &FailureInput) -> RemainingStress {
-        RemainingStress { stress: [1.0; LANES], mean: input.mean }
+        RemainingStress { stress: [1.0; LANES], spherical: [1.0; LANES], mean: input.mean }
     }
 
     fn share(&self, (): &(), _lane: usize) -> f64 {
@@ -177,6 +191,9 @@ pub enum EvolutionLaw {
     /// Linear, with the fracture energy per area: the displacement at failure is twice the energy over the yield stress
     /// at initiation.
     Energy(f64),
+    /// Proportional to the sum of the plastic strain over the failure strain from the start, up to the critical damage at
+    /// which the material fails. Strain in an element counts by its length over this one; `None` counts it fully.
+    Strain(f64, Option<f64>),
 }
 
 /// A criterion on the plastic strain, and the damage evolution after it.
@@ -261,7 +278,16 @@ impl FailureLaw for MaterialFailure {
         if state.alive[lane] { state.share[lane] } else { 0.0 }
     }
 
-    fn tension_limit(&self) -> f64 {
+    fn mean_share(&self, state: &DamageState, lane: usize) -> f64 {
+        // Coupled damage reduces the flow stress only.
+        if state.alive[lane] && self.criteria.iter().any(StrainCriterion::is_coupled) {
+            1.0
+        } else {
+            self.share(state, lane)
+        }
+    }
+
+    fn tension_limit(&self, _state: &DamageState, _lane: usize) -> f64 {
         self.cutoff.map_or(f64::INFINITY, |cutoff| cutoff.stress)
     }
 
@@ -288,14 +314,9 @@ impl FailureLaw for MaterialFailure {
 
     #[inline(always)]
     fn degrade(&self, state: &mut DamageState, input: &FailureInput) -> RemainingStress {
-        let mut remaining = RemainingStress { stress: [1.0; LANES], mean: input.mean };
+        let mut remaining = RemainingStress { stress: [1.0; LANES], spherical: [1.0; LANES], mean: input.mean };
         let mut worst = [0.0; LANES];
-        // Criteria change only with plastic flow.
-        if input.plastic[..input.count].iter().any(|plastic| *plastic != 0.0) {
-            for (c, criterion) in self.criteria.iter().enumerate() {
-                criterion.grow(state, c, input);
-            }
-        }
+        self.grow(state, input);
         for damage in &state.damage[..self.criteria.len()] {
             for l in 0..LANES {
                 worst[l] = if damage[l] > worst[l] { damage[l] } else { worst[l] };
@@ -305,6 +326,7 @@ impl FailureLaw for MaterialFailure {
         for l in (0..input.count).filter(|l| alive[*l]) {
             self.apply_damage(state, l, worst[l], &mut remaining.mean[l]);
             remaining.stress[l] = self.share(state, l);
+            remaining.spherical[l] = self.mean_share(state, l);
         }
         remaining
     }
@@ -329,11 +351,59 @@ impl MaterialFailure {
         }
         state.share[l] = 1.0 - worst;
     }
+
+    /// Returns whether a criterion reduces or ends the stress.
+    pub fn can_fail(&self) -> bool {
+        let evolves = |c: &StrainCriterion| c.evolution != EvolutionLaw::Absent;
+        self.cutoff.is_some_and(|cutoff| cutoff.deletes) || self.criteria.iter().any(evolves)
+    }
+
+    /// Advances the criteria, which change only with plastic flow.
+    #[inline(always)]
+    pub(super) fn grow(&self, state: &mut DamageState, input: &FailureInput) {
+        if input.plastic[..input.count].iter().any(|plastic| *plastic != 0.0) {
+            for (c, criterion) in self.criteria.iter().enumerate() {
+                criterion.grow(state, c, input);
+            }
+        }
+    }
+
+    /// Returns whether a mean stress exceeds a cutoff at which elements fail.
+    pub(super) fn tears(&self, mean: f64) -> bool {
+        self.cutoff.is_some_and(|cutoff| cutoff.deletes && mean > cutoff.stress)
+    }
+
+    /// Returns whether a criterion has coupled damage.
+    pub(super) fn is_coupled(&self, c: usize) -> bool {
+        self.criteria.get(c).is_some_and(StrainCriterion::is_coupled)
+    }
+}
+
+impl DamageState {
+    /// Returns the damage of an element by a criterion.
+    pub(super) fn damage(&self, c: usize, l: usize) -> f64 {
+        self.damage[c][l]
+    }
+
+    /// Returns the characteristic length of an element.
+    pub(super) fn length(&self, l: usize) -> f64 {
+        self.length[l]
+    }
+
+    /// Sets the damage of an element to 1.
+    pub(super) fn fail(&mut self, l: usize) {
+        self.damage[0][l] = 1.0;
+    }
 }
 
 impl StrainCriterion {
+    /// Returns whether damage reduces the flow stress from the start.
+    pub fn is_coupled(&self) -> bool {
+        matches!(self.evolution, EvolutionLaw::Strain(..))
+    }
+
     /// Advances this criterion for elements with plastic flow. A NaN does not delete an element, so that the run halts.
-    /// Equation (6.16).
+    /// Equations (6.16), (6.18a).
     #[inline(always)]
     fn grow(&self, state: &mut DamageState, c: usize, input: &FailureInput) {
         let strains = self.strain.strains(input);
@@ -343,6 +413,14 @@ impl StrainCriterion {
             let part = if strains[l] > 0.0 { input.plastic[l] / strains[l] } else { 1.0 };
             let goes_on = (input.plastic[l] > 0.0) & (followed | (state.begun[c][l] < 1.0));
             more[l] = if goes_on { part } else { 0.0 };
+        }
+        if let EvolutionLaw::Strain(critical, length) = self.evolution {
+            for l in 0..input.count {
+                state.begun[c][l] += more[l] * length.map_or(1.0, |length| state.length[l] / length);
+                let fails = state.begun[c][l] >= 1.0;
+                state.damage[c][l] = if fails { 1.0 } else { critical * state.begun[c][l] };
+            }
+            return;
         }
         let alive = state.alive;
         for l in (0..input.count).filter(|l| input.plastic[*l] > 0.0 && alive[*l]) {
@@ -358,7 +436,7 @@ impl StrainCriterion {
     fn evolve(&self, state: &mut DamageState, (c, l): (usize, usize), begun: bool, input: &FailureInput) {
         if !begun {
             state.at_failure[c][l] = match self.evolution {
-                EvolutionLaw::Sudden | EvolutionLaw::Absent => 0.0,
+                EvolutionLaw::Sudden | EvolutionLaw::Absent | EvolutionLaw::Strain(..) => 0.0,
                 EvolutionLaw::Displacement(displacement) => displacement,
                 EvolutionLaw::Energy(energy) => 2.0 * energy / input.mises[l],
             };

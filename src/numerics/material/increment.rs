@@ -99,6 +99,15 @@ impl StressUpdate {
         *self = StressUpdate { returned: [1.0; LANES], tension_excess, ..StressUpdate::default() };
     }
 
+    /// Adds the averaged part of the dilation to the mean stress of the trial.
+    #[inline(always)]
+    pub(super) fn add_averaged_dilation(&mut self, strain: &StrainIncrement) {
+        let Some(averaging) = &strain.averaging else { return };
+        for l in 0..LANES {
+            self.mean[l] += strain.moduli.bulk * averaging[l];
+        }
+    }
+
     /// Computes the factor that returns the deviator to the yield surface from [`StressUpdate::flow`]. Equation (6.3).
     #[inline(always)]
     pub(super) fn return_to_yield_surface(&mut self, strain: &StrainIncrement) {

@@ -5,6 +5,7 @@ pub mod carried;
 pub mod eos;
 pub mod equation_of_state;
 pub mod explosive;
+pub mod failed;
 pub mod failure;
 pub mod foam;
 #[cfg(test)]
@@ -137,6 +138,11 @@ pub trait Material: Send + Sync + 'static {
     /// Returns the share of the stress that damage leaves, 0 for a deleted element.
     fn share(&self, _state: &Self::State, _lane: usize) -> f64 {
         1.0
+    }
+
+    /// Returns the share of the mean stress that damage leaves, where it is not that of the stress.
+    fn mean_share(&self, state: &Self::State, lane: usize) -> f64 {
+        self.share(state, lane)
     }
 
     fn can_delete(&self) -> bool {

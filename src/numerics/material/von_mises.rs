@@ -46,7 +46,7 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
     type State = VonMisesState<H::State, V::State, F::State>;
 
     const FLOW: PlasticFlow = if H::PLASTIC { PlasticFlow::Deviatoric } else { PlasticFlow::None };
-    const MODULI_VARY: bool = V::EOS;
+    const MODULI_VARY: bool = V::EOS || F::STAYS;
     const EQUATION_OF_STATE: bool = V::EOS;
     const FAILS: bool = F::FAILS;
     const USES_SPIN: bool = H::BACKSTRESS;
@@ -73,6 +73,9 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
         update: &mut StressUpdate,
     ) {
         let shear3 = 3.0 * strain.moduli.shear;
+        if F::STAYS && !V::EOS {
+            update.add_averaged_dilation(strain);
+        }
         if H::BACKSTRESS {
             update.plastic = self.hardening.back_stress(&state.hardening);
             update.shift(&strain.spin);
@@ -133,6 +136,11 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
         self.failure.share(&state.failure, lane)
     }
 
+    #[inline(always)]
+    fn mean_share(&self, state: &Self::State, lane: usize) -> f64 {
+        self.failure.mean_share(&state.failure, lane)
+    }
+
     fn can_delete(&self) -> bool {
         self.failure.deletes()
     }
@@ -164,7 +172,8 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> Material for VonMises<H, 
     }
 
     fn recoverable_energy(&self, state: &Self::State, lane: usize, element: ElementSize) -> Option<f64> {
-        self.volumetric.recoverable_energy(&state.volumetric, lane, element, self.failure.tension_limit())
+        let limit = self.failure.tension_limit(&state.failure, lane);
+        self.volumetric.recoverable_energy(&state.volumetric, lane, element, limit)
     }
 
     fn set(&self, state: &mut Self::State, lane: usize, value: PointValue) -> bool {
@@ -235,43 +244,64 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             mean: [0.0; LANES],
             mises: [0.0; LANES],
             temperature: [0.0; LANES],
+            bulk: if V::EOS { 0.0 } else { bulk },
             dt: strain.dt,
             count: strain.count,
         };
-        let (mut share_at_start, limit) = ([0.0; LANES], self.failure.tension_limit());
+        let (mut share_at_start, mut spherical_at_start) = ([0.0; LANES], [0.0; LANES]);
+        let mut limit_at_start = [f64::INFINITY; LANES];
         for l in 0..LANES {
             let stress = column(stress, l);
             (input.mean[l], input.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
-            if V::EOS {
-                update.tension_excess[l] = input.mean[l] - limit;
-            }
         }
         for l in 0..strain.count {
             share_at_start[l] = self.failure.share(&state.failure, l);
+            spherical_at_start[l] = self.failure.mean_share(&state.failure, l);
+            limit_at_start[l] = self.failure.tension_limit(&state.failure, l);
             input.temperature[l] = self.temperature(state, l).unwrap_or(0.0);
         }
         let remaining = self.failure.degrade(&mut state.failure, &input);
         let per_shear = if shear > 0.0 { 1.0 / (6.0 * shear) } else { 0.0 };
+        if F::STAYS && !V::EOS {
+            update.shear = [shear; LANES];
+            // Of the modulus of plane waves, the shear modulus is taken into account as a constant.
+            update.bulk = inline_from_fn(|l| {
+                let [of_bulk, of_shear] = self.failure.stiffness_shares(&state.failure, l);
+                bulk * of_bulk - 4.0 / 3.0 * shear * (1.0 - of_shear)
+            });
+        }
+        if V::EOS {
+            for l in 0..LANES {
+                update.tension_excess[l] = input.mean[l] - self.failure.tension_limit(&state.failure, l);
+            }
+        }
         for l in 0..strain.count {
             if share_at_start[l] == 0.0 {
                 stress.iter_mut().for_each(|s| s[l] = 0.0);
                 continue;
             }
             let (full, mean, mises) = (column(stress, l), input.mean[l], input.mises[l]);
-            let (remaining, limited) = (remaining.stress[l], remaining.mean[l]);
+            let (remaining, spherical, limited) = (remaining.stress[l], remaining.spherical[l], remaining.mean[l]);
+            // What the factors on the mean stress add to those on the stress, before and after.
+            let [added_before, added_after] = [spherical_at_start[l] - share_at_start[l], spherical - remaining];
+            let carried_mean = (strain.carried[0][l] + strain.carried[1][l] + strain.carried[2][l]) * (1.0 / 3.0);
+            let limit = self.failure.tension_limit(&state.failure, l);
             let shift = [limited - mean, limited - mean, limited - mean, 0.0];
             let (mut work, mut unloaded, volume) = (0.0, 0.0, strain.volume[l]);
             // Plastic work of the previous and the new stress without damage.
             let (mut flowed_before, mut flowed) = (0.0, 0.0);
             let flow = if input.plastic[l] > 0.0 { 1.5 * input.plastic[l] / update.trial[l] } else { 0.0 };
             for i in 0..4 {
-                let degraded = remaining * (full[i] + shift[i]);
+                let normal = if i == 3 { 0.0 } else { 1.0 };
+                let degraded = remaining * (full[i] + shift[i]) + normal * added_after * limited;
                 let (increment, carried) = (strain.strain[i][l], strain.carried[i][l]);
                 let added = carried + full[i];
                 let twice = if i == 3 { 2.0 } else { 1.0 };
-                work += twice * increment * (share_at_start[l] * carried + degraded - added);
-                let undamaged = if V::EOS { full[i] + shift[i] } else { full[i] };
-                unloaded += twice * increment * (share_at_start[l] * undamaged - degraded);
+                let degraded_before = share_at_start[l] * carried + normal * added_before * carried_mean;
+                work += twice * increment * (degraded_before + degraded - added);
+                let (undamaged, undamaged_mean) = if V::EOS { (full[i] + shift[i], limited) } else { (full[i], mean) };
+                let lasting = share_at_start[l] * undamaged + normal * added_before * undamaged_mean;
+                unloaded += twice * increment * (lasting - degraded);
                 let plastic = twice * flow * update.deviator[i][l];
                 flowed_before += plastic * carried;
                 flowed += plastic * full[i];
@@ -280,21 +310,24 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             update.internal[l] += 0.5 * volume * work;
             let distortion = mises * mises * per_shear;
             // Only a change of the factor takes elastic energy.
-            let volumetric = if !V::EOS {
-                mean * mean / (2.0 * bulk)
-            } else if share_at_start[l] == remaining {
-                0.0
+            let [volumetric_before, volumetric_after] = if !V::EOS {
+                [mean * mean / (2.0 * bulk), limited * limited / (2.0 * bulk)]
+            } else if share_at_start[l] == remaining && limit_at_start[l] == limit {
+                [0.0; 2]
             } else {
                 let element = ElementSize { volume: strain.current_volume[l], mass: strain.mass[l] };
-                self.recoverable_energy(state, l, element).unwrap_or(0.0) / volume
+                [limit_at_start[l], limit].inline_map(|limit| {
+                    let energy = self.volumetric.recoverable_energy(&state.volumetric, l, element, limit);
+                    energy.unwrap_or(0.0) / volume
+                })
             };
-            let elastic = distortion + volumetric;
-            let (energy_before, energy_after) = (share_at_start[l] * elastic, remaining * elastic);
+            let energy_before = share_at_start[l] * (distortion + volumetric_before) + added_before * volumetric_before;
+            let energy_after = remaining * (distortion + volumetric_after) + added_after * volumetric_after;
             // The work of the increment is that of the degraded stress (trapezoidal rule), without this elastic part.
             let missing = 0.5 * (unloaded - (share_at_start[l] - remaining) * flowed);
             let mut lost = (energy_before - energy_after) - missing;
             if V::EOS && limit < f64::INFINITY {
-                lost += share_at_start[l] * update.limit_tension(strain, l, (mean, limit));
+                lost += spherical_at_start[l] * update.limit_tension(strain, l, (mean, limit));
             }
             let not_flowed = 0.5 * ((1.0 - share_at_start[l]) * flowed_before + (1.0 - remaining) * flowed);
             update.dissipated[l] += volume * (lost - not_flowed);

@@ -9,6 +9,7 @@ pub mod mesher;
 pub mod outline;
 pub mod overlap;
 mod pairing;
+pub mod sheets;
 pub mod sizes;
 mod splitting;
 pub mod transfer;

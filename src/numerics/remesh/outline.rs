@@ -33,10 +33,10 @@ pub struct OutlinePoint {
     pub side: (u32, u8),
 }
 
-/// Returns the closed loops of boundary edges; `None` if the boundary touches itself in a node.
-pub fn loops(mesh: &BodyMesh) -> Option<Vec<Vec<BoundaryEdge>>> {
+/// Returns the boundary edges of elements, in the order of their nodes.
+pub fn boundary_edges(quads: &[[u32; 4]]) -> Vec<BoundaryEdge> {
     let mut open: HashMap<[u32; 2], BoundaryEdge> = HashMap::new();
-    for (e, quad) in mesh.quads.iter().enumerate() {
+    for (e, quad) in quads.iter().enumerate() {
         for side in 0..4 {
             let ends = [quad[side], quad[(side + 1) % 4]];
             if ends[0] != ends[1] && open.remove(&[ends[1], ends[0]]).is_none() {
@@ -46,6 +46,12 @@ pub fn loops(mesh: &BodyMesh) -> Option<Vec<Vec<BoundaryEdge>>> {
     }
     let mut edges: Vec<BoundaryEdge> = open.into_values().collect();
     edges.sort_unstable_by_key(|edge| edge.ends);
+    edges
+}
+
+/// Returns the closed loops of boundary edges; `None` if the boundary touches itself in a node.
+pub fn loops(mesh: &BodyMesh) -> Option<Vec<Vec<BoundaryEdge>>> {
+    let edges = boundary_edges(&mesh.quads);
     if edges.windows(2).any(|pair| pair[0].ends[0] == pair[1].ends[0]) {
         return None;
     }

@@ -766,6 +766,9 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
     }
     for changes in &outcome.new_meshes {
         ledger.add_result(changes.row, &format!("NREMESH {}", changes.count));
+        if changes.removed_mass > 0.0 {
+            ledger.add_result(changes.row, &format!("mass of sheets left out {:.4e}", changes.removed_mass));
+        }
     }
     RunSummary {
         halt: outcome.halt.clone(),

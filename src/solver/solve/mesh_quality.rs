@@ -36,6 +36,8 @@ pub(super) struct MeshQuality {
     pub(super) next: u64,
     /// Number of new meshes.
     count: u64,
+    /// Mass of sheets that they left out.
+    pub(super) removed_mass: f64,
 }
 
 impl MeshQuality {
@@ -152,6 +154,9 @@ impl RemeshMonitor {
     /// Returns the number of new meshes of each ledger row.
     pub(super) fn counts(&self, plan: &Plan) -> Vec<MeshChanges> {
         let bodies = plan.remesh.iter().flat_map(|remesh| &remesh.bodies).zip(&self.bodies);
-        bodies.filter_map(|(body, quality)| Some(MeshChanges { row: body.id?, count: quality.count })).collect()
+        let changes = |(body, quality): (&RemeshedBody, &MeshQuality)| {
+            Some(MeshChanges { row: body.id?, count: quality.count, removed_mass: quality.removed_mass })
+        };
+        bodies.filter_map(changes).collect()
     }
 }

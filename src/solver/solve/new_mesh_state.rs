@@ -24,13 +24,15 @@ use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
 use crate::state::archive::{Persist, StateArchive};
 use crate::state::nodes::Node;
 
-/// A body with its old mesh, of the elements that are not deleted, and its new one.
+/// A body with its old mesh, of the elements that are neither deleted nor left out, and its new one.
 #[derive(Clone, Copy)]
 pub(super) struct ReplacedMesh<'a> {
     pub(super) body: usize,
     /// Bodies with their old meshes.
     pub(super) old_plan: &'a RemeshPlan,
     pub(super) old: &'a BodyMesh,
+    /// Elements of the old mesh, as indices in the body.
+    pub(super) living: &'a [usize],
     pub(super) revision: &'a MeshRevision,
 }
 
@@ -138,11 +140,11 @@ impl MeshChange<'_> {
 
     /// Moves the body to its new mesh. `places` are the old places of the nodes of other bodies.
     fn move_body(&mut self, mut places: Vec<Option<PreviousPlace>>) {
-        let ReplacedMesh { old: old_mesh, revision, .. } = self.mesh;
+        let ReplacedMesh { old: old_mesh, living, revision, .. } = self.mesh;
         if let Some(transfer) = self.old.elements.groups[self.old_body.group].transfer() {
             transfer.prepare();
         }
-        let living = LivingElements::new(self.old_body, self.old);
+        let living = LivingElements::new(self.old_body, living);
         let (scaled, factors) = (living.masses(self.old), living.factors(self.old));
         self.old.elements.remove_scaling(self.old_body.group);
         let old_masses = living.masses(self.old);
@@ -302,16 +304,15 @@ impl MeshChange<'_> {
     }
 }
 
-/// Elements of the old mesh of a body that are not deleted, as indices in their group.
+/// Elements of the old mesh of a body, as indices in their group.
 struct LivingElements {
     group: usize,
     elements: Vec<u32>,
 }
 
 impl LivingElements {
-    fn new(body: &RemeshedBody, state: &State) -> LivingElements {
-        let group = &state.elements.groups[body.group];
-        let elements = body.elements.iter().copied().filter(|e| !group.is_deleted(*e as usize)).collect();
+    fn new(body: &RemeshedBody, living: &[usize]) -> LivingElements {
+        let elements = living.iter().map(|i| body.elements[*i]).collect();
         LivingElements { group: body.group, elements }
     }
 

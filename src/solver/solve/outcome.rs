@@ -68,12 +68,14 @@ pub struct Outcome {
 }
 
 /// Number of changes of an adaptive mesh (NADAPT).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Persist)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Persist)]
 pub struct MeshChanges {
     /// Ledger row of the domain.
     pub row: EffectId,
     /// Number of changes in which nodes moved.
     pub count: u64,
+    /// Mass of sheets that new meshes left out.
+    pub removed_mass: f64,
 }
 
 /// Shapes of the quadrilaterals and triangles that are not deleted.

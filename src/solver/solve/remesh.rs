@@ -18,11 +18,13 @@ use super::watch::RunReport;
 use crate::constraint::contact::ContactConstraint;
 use crate::constraint::of_kind_mut;
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::shape::middle;
 use crate::model::Model;
 use crate::model::remesh::{ModelBody, kept_nodes_of_histories, movable_nodes_of_histories, revised};
 use crate::plan::{self, CompiledModel, Plan, RemeshPlan, State};
 use crate::remesh::interpolation::{TracerPoint, interpolated, places_in_triangles};
 use crate::remesh::mesher::{OutlineRules, new_mesh};
+use crate::remesh::sheets::thin_elements;
 use crate::remesh::{BodyMesh, INSIDE, MeshRevision};
 use crate::state::Instant;
 use crate::state::dofs::Dofs;
@@ -158,7 +160,9 @@ pub(super) fn next_mesh(
     let first = old_plan.automatic_meshes.as_ref().map(|waiting| waiting.remesh_plan(&old_plan.places));
     let Some(remesh) = first.as_ref().or(old_plan.remesh.as_deref()) else { return Ok(None) };
     let planned = &remesh.bodies[body];
-    let Some((old_mesh, revision)) = revision(&run.current, &run.remesh.revisions, body, remesh) else {
+    let Some(BodyRevision { old: old_mesh, living, left_out, revision }) =
+        body_revision(&run.current, &run.remesh.revisions, body, remesh)
+    else {
         pause(run, body, remesh);
         return Ok(None);
     };
@@ -188,7 +192,8 @@ pub(super) fn next_mesh(
     observing.add_completion(&run.current);
     let kinetic = complete_velocities(&mut run.current.state);
     RunHistory::take(run).give_to(&mut next);
-    let mesh = ReplacedMesh { body, old_plan: remesh, old: &old_mesh, revision: &revision };
+    leave_out(run, (body, remesh), &left_out);
+    let mesh = ReplacedMesh { body, old_plan: remesh, old: &old_mesh, living: &living, revision: &revision };
     take_over(&mut next.current, &mut run.current, mesh);
     if let Err(halt) = evaluate_new_mesh(&mut next, kinetic) {
         RunHistory::take(&mut next).give_to(run);
@@ -231,13 +236,46 @@ fn warn_of_first_mesh(run: &mut SolverRun<'_>, material: &str, [old, new]: [f64;
     run.report.outcome.warn("R319", text);
 }
 
+/// A body at the instant of a new mesh.
+struct BodyRevision {
+    /// Its mesh without deleted elements and thin sheets.
+    old: BodyMesh,
+    /// Elements of this mesh, and elements of thin sheets, as indices in the body.
+    living: Vec<usize>,
+    left_out: Vec<usize>,
+    revision: MeshRevision,
+}
+
+/// Adds the elements of thin sheets of a body, which its new mesh does not have, to its account: their elastic energy counts as
+/// dissipated. The first time is reported.
+fn leave_out(run: &mut SolverRun<'_>, (body, remesh): (usize, &RemeshPlan), left_out: &[usize]) {
+    let (planned, quality) = (&remesh.bodies[body], &mut run.remesh.bodies[body]);
+    let Some(&first) = left_out.first() else { return };
+    let State { elements, dofs, .. } = &mut run.current.state;
+    let group = &elements.groups[planned.group];
+    let was_reported = quality.removed_mass > 0.0;
+    for element in left_out.iter().map(|i| planned.elements[*i] as usize) {
+        quality.removed_mass += group.masses(element).into_iter().sum::<f64>();
+        dofs.energies.plastic += group.value(element, Variable::ElementStrainEnergy.into()).unwrap_or(0.0).max(0.0);
+    }
+    if !was_reported {
+        let [r, z] = middle(planned.quads[first].inline_map(|n| dofs.nodes[planned.nodes[n as usize]].place()));
+        let text = format!(
+            "`{}`: sheets of the body that are thinner than {} of the edges of new elements are left out of new meshes, first near \
+             (r = {r:.4e}, z = {z:.4e}) at time {:.4e}; the summary has their mass",
+            remesh.model.remeshings[body].set, remesh.model.remeshings[body].thickness, run.current.now.total_time
+        );
+        run.report.outcome.warn("R321", text);
+    }
+}
+
 /// Returns the mesh of a body at this instant, and the one that replaces it. `revisions` are the previous new meshes.
-fn revision(
+fn body_revision(
     run: &RunState<'_>,
     revisions: &[MeshRevision],
     body: usize,
     remesh: &RemeshPlan,
-) -> Option<(BodyMesh, MeshRevision)> {
+) -> Option<BodyRevision> {
     let (planned, model, nodes) = (&remesh.bodies[body], &remesh.model, &run.state.dofs.nodes);
     let of_model = ModelBody::new(model, body);
     let last = revisions.iter().rev().find(|revision| revision.body == body);
@@ -246,18 +284,31 @@ fn revision(
         (None, Some(last)) => last.mesh.sizes.clone(),
         (None, None) => of_model.sizes(&model.mesh),
     };
-    let points = planned.nodes.iter().map(|n| nodes[*n].place()).collect();
+    let points: Vec<[f64; 2]> = planned.nodes.iter().map(|n| nodes[*n].place()).collect();
     let group = &run.state.elements.groups[planned.group];
     let is_living = |i: &usize| !group.is_deleted(planned.elements[*i] as usize);
     let living: Vec<usize> = (0..planned.quads.len()).filter(is_living).collect();
+    let of_living = |living: &[usize]| {
+        let (quads, sizes) = living.iter().map(|i| (planned.quads[*i], sizes[*i])).unzip();
+        BodyMesh { points: Vec::clone(&points), quads, sizes }
+    };
+    let (kept, old) = (of_model.kept(model), of_living(&living));
+    let (living, left_out, old) = match thin_elements(&old, model.remeshings[body].thickness, |n| kept[n as usize]) {
+        Some(thin) => {
+            let [rest, left_out] = [false, true].map(|is_thin| {
+                living.iter().zip(&thin).filter(|(_, thin)| **thin == is_thin).map(|(i, _)| *i).collect::<Vec<_>>()
+            });
+            let old = of_living(&rest);
+            (rest, left_out, old)
+        }
+        None => (living, Vec::new(), old),
+    };
     let mut used = vec![false; planned.nodes.len()];
     living.iter().flat_map(|i| planned.quads[*i]).for_each(|n| used[n as usize] = true);
     let is_lost = |node: usize| of_model.nodes.binary_search(&node).is_ok_and(|index| !used[index]);
     if kept_nodes_of_histories(model).any(is_lost) {
         return None;
     }
-    let (quads, sizes) = living.iter().map(|i| (planned.quads[*i], sizes[*i])).unzip();
-    let old = BodyMesh { points, quads, sizes };
     let strain = |i: usize| {
         let element = planned.elements[living[i]] as usize;
         group.value(element, Variable::PlasticStrain.into()).unwrap_or(0.0)
@@ -267,7 +318,7 @@ fn revision(
         let ends = ends.inline_map(|n| planned.nodes[n as usize]);
         run.contacts().find_map(|contact| contact.place_between(ends, share, &run.state.dofs))
     };
-    let rules = OutlineRules { kept: &of_model.kept(model), place: &place_between };
+    let rules = OutlineRules { kept: &kept, place: &place_between };
     let mut new = new_mesh(&old, &rules, limited)?;
     new.body = body;
     new.origins.iter_mut().for_each(|origin| *origin = living[*origin as usize] as u32);
@@ -275,7 +326,7 @@ fn revision(
     let moved: Vec<[f64; 2]> = planned.nodes.iter().map(|n| nodes.displacement(*n)).collect();
     new.displacements = interpolated(&old, &moved, &new.mesh.points);
     new.tracers = tracers(run, model, (&of_model, &old), &new);
-    Some((old, new))
+    Some(BodyRevision { old, living, left_out, revision: new })
 }
 
 /// A material point of a history at the instant of a new mesh.

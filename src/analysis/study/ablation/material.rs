@@ -23,7 +23,7 @@ pub(super) const LIST: &[EffectRemoval] = &[
         |model| {
             for material in &mut model.materials {
                 material.failures.clear();
-                material.tensile_failure = None;
+                (material.tensile_failure, material.failed) = (None, None);
             }
         },
     ),

@@ -126,7 +126,7 @@ card!(Damping: "DAMPING", "Rayleigh damping of a material", (once below "MATERIA
 
 card!(ShearFailure: "SHEAR FAILURE", "Failure by plastic strain", (once below "MATERIAL"), {
     johnson_cook: bool = "TYPE" (variant(&["TABULAR", "JOHNSON COOK"]).or(0.0)),
-    "ELEMENT DELETION" only ["YES"] "failed elements are always deleted",
+    deletes: bool = "ELEMENT DELETION" (YES_NO.or(1.0)) "NO: failed elements stay without shear strength and tension; *FAILED MATERIAL leaves a residual strength",
     "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
 }, [
     (when "TYPE" = "JOHNSON COOK" lines ["d1" (ZERO), "d2" (ZERO), "d3" (ZERO), "d4" (ZERO), "d5" (ZERO)]),
@@ -213,6 +213,22 @@ card!(DamageEvolution: "DAMAGE EVOLUTION", "Damage evolution", (below "MATERIAL"
         "temperature" inert "the values do not depend on temperature",
     ]),
     (lines ["displacement or energy at failure" (NOT_NEGATIVE.required()), "temperature" inert "the value does not depend on temperature"]),
+]);
+
+card!(CoupledDamage: extension "COUPLED DAMAGE", "Damage that reduces the flow stress from the start: the critical damage times the sum of the plastic strain over the failure strain of *DAMAGE INITIATION. At a sum of 1 the material fails", (below "MATERIAL"), {},
+values: [f64; 2] = [
+    (lines [
+        "critical damage" (NUMBER.from(0.0).below(1.0).required()) "Damage at failure, e.g. 0.3 for Weldox 460 E (Borvik and others 2001)",
+        "length" (POSITIVE) "Element length for which the failure strain holds. In elements of another length, the strain to failure is inversely proportional to it: the width of a shear band is that of an element. Default: no dependence on the length",
+    ]),
+]);
+
+card!(FailedMaterial: extension "FAILED MATERIAL", "Failed elements stay: they keep the pressure in compression and a fraction of the shear strength, and have no tension", (once below "MATERIAL"), {},
+values: [f64; 2] = [
+    (lines [
+        "residual strength" (NUMBER.from(0.0).below(1.0).or(0.1)) "Fraction of the deviatoric stress that remains",
+        "crossings" (NOT_NEGATIVE.or(1.0)) "Time of the loss of strength, in crossings of the element by a pressure wave",
+    ]),
 ]);
 
 card!(DamageStabilization: "DAMAGE STABILIZATION", "Viscosity of the damage of cohesive elements and surfaces: the damage that acts follows that of the law with a delay", (below "MATERIAL" | "SURFACE INTERACTION"), {
@@ -349,7 +365,7 @@ card!(SectionControls: "SECTION CONTROLS", "Hourglass, distortion and viscosity 
     hourglass: Option<usize> = "HOURGLASS" (variant(&["RELAX STIFFNESS", "STIFFNESS", "VISCOUS", "COMBINED", "ENHANCED"])) "Default: RELAX STIFFNESS (stiffness whose force relaxes with plastic flow); VISCOUS for materials without shear modulus; ENHANCED (assumed strains) for *HYPERELASTIC",
     distortion: bool = "DISTORTION CONTROL" (YES_NO.or(0.0).bare(1.0)),
     length_ratio: Option<f64> = "LENGTH RATIO" (POSITIVE.below(1.0)) "For distortion control: a corner is pushed back if its distance from the line between its neighbours, relative to the initial one, is below this ratio; default 0.1",
-    deletes: bool = "ELEMENT DELETION" (YES_NO.or(1.0)) "NO: elements failed by *DAMAGE EVOLUTION remain with the fraction (1 - MAX DEGRADATION) of their stiffness; an error with *SHEAR FAILURE and *TENSILE FAILURE, which delete elements",
+    deletes: bool = "ELEMENT DELETION" (YES_NO.or(1.0)) "NO: elements failed by *DAMAGE EVOLUTION remain with the fraction (1 - MAX DEGRADATION) of their stiffness; an error with *SHEAR FAILURE and *TENSILE FAILURE, which delete elements, unless *FAILED MATERIAL keeps them",
     most_damage: Option<f64> = "MAX DEGRADATION" (POSITIVE.to(1.0)) "Damage at which an element is deleted (default 1), or the maximum damage if elements are not deleted (default 0.99)",
     "SECOND ORDER ACCURACY" only ["NO"] "rotations are integrated to first order",
     "KINEMATIC SPLIT" only ["AVERAGE STRAIN"] "strains are averaged over the element",
@@ -394,6 +410,8 @@ pub const CARDS: &[Keyword] = &[
     TensileFailure::ROW,
     DamageInitiation::ROW,
     DamageEvolution::ROW,
+    CoupledDamage::ROW,
+    FailedMaterial::ROW,
     DamageStabilization::ROW,
     PhysicalConstants::ROW,
     Plastic::ROW,

@@ -94,6 +94,8 @@ pub struct Remeshing {
     pub increment: f64,
     /// Increments between two checks.
     pub frequency: u64,
+    /// Thickness below which sheets are left out of new meshes, as a fraction of the edge length of new elements.
+    pub thickness: f64,
     /// Edge length of new elements; `None` for that of the mesh at the start.
     pub size: Option<f64>,
     /// Limits of the edge length by curvature and strain.

@@ -21,6 +21,8 @@ pub struct SurfaceDefinitions {
     /// Fronts of analytical surfaces that were determined at the start of a run, in a model with new meshes; `None` in the
     /// model of a deck.
     pub fronts: Option<Vec<AnalyticalFront>>,
+    /// Elements of each connected part before new meshes separated any, ascending; they name the surfaces of general contact.
+    pub parts: Option<Vec<Vec<usize>>>,
 }
 
 /// Front of an analytical surface in contact.

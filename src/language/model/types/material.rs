@@ -46,6 +46,8 @@ pub struct MaterialDefinition {
     pub failures: Vec<FailureCriterion>,
     /// Failure at a limit of the tensile hydrostatic stress (`*TENSILE FAILURE`).
     pub tensile_failure: Option<TensileFailure>,
+    /// What remains of failed elements that stay (`*FAILED MATERIAL`, `*SHEAR FAILURE, ELEMENT DELETION=NO`).
+    pub failed: Option<FailedMaterial>,
     /// Traction-separation law of cohesive elements.
     pub interface: InterfaceDefinition,
     /// Resistance to cavity expansion (`*CAVITY EXPANSION`, extension).
@@ -214,7 +216,8 @@ pub struct FailureCriterion {
 impl FailureCriterion {
     /// Returns whether the damage evolution depends on the element length.
     pub fn takes_length(&self) -> bool {
-        matches!(self.evolution, DamageEvolution::Displacement(_) | DamageEvolution::Energy(_))
+        use DamageEvolution::{Displacement, Energy, Strain};
+        matches!(self.evolution, Displacement(_) | Energy(_) | Strain(_, Some(_)))
     }
 }
 
@@ -244,6 +247,9 @@ pub enum DamageEvolution {
     Displacement(f64),
     /// Linear softening; fracture energy per area.
     Energy(f64),
+    /// Proportional to the sum of the plastic strain over the failure strain (`*COUPLED DAMAGE`): critical damage, at which
+    /// the material fails, and the element length for which the failure strain holds.
+    Strain(f64, Option<f64>),
 }
 
 /// Traction-separation law of cohesive elements: `*ELASTIC, TYPE=TRACTION` or `COUPLED TRACTION`, `*DAMAGE INITIATION`
@@ -291,6 +297,17 @@ pub struct InterfaceInitiation {
 pub struct InterfaceEvolution {
     /// Form of the softening.
     pub softening: InterfaceSoftening,
+    /// Source position of the keyword line.
+    pub span: Span,
+}
+
+/// What remains of failed elements that stay (`*FAILED MATERIAL`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FailedMaterial {
+    /// Fraction of the deviatoric stress that remains.
+    pub residual: f64,
+    /// Time of the loss of strength, in crossings of the element by a pressure wave; 0 for a sudden loss.
+    pub crossings: f64,
     /// Source position of the keyword line.
     pub span: Span,
 }

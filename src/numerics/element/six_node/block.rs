@@ -8,9 +8,9 @@ use super::triangles::{TriangleLanes, WorkArrays, operators_at, places};
 use crate::element::block::{ElementBlock, TaskWorkspace};
 use crate::element::constants::ElementConstants;
 use crate::element::solid::{BlockPass, BlockPlace, InitialBlock, SolidIncrement};
-use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, column, inline_from_fn, put_column};
 use crate::kernel::six_node_triangle::{NODES, POINTS, TriangleOperators};
-use crate::kernel::stress::mises;
+use crate::kernel::stress::{mises, undamaged};
 use crate::kernel::topology::ElementTopology;
 use crate::material::volumetric::ElementSize;
 use crate::material::{BlockStart, Material, PlasticFlow};
@@ -137,8 +137,9 @@ impl<S: Clone> TriangleBlock<S> {
         if M::FAILS {
             // The stress of the undamaged material.
             for l in (0..scratch.strain.count).filter(|l| !deleted[*l]) {
-                let share = material.share(&point.state, l);
-                point.stress.iter_mut().for_each(|s| s[l] /= share);
+                let shares = [material.share(&point.state, l), material.mean_share(&point.state, l)];
+                let stress = undamaged(column(&point.stress, l), shares);
+                put_column(&mut point.stress, l, stress);
             }
         }
         scratch.set_gradients(dt, &work.points[p].gradients, &work.points[p].middle);
@@ -256,6 +257,6 @@ fn moduli<M: Material>(constants: &ElementConstants, scratch: &TaskWorkspace) ->
         PlasticFlow::None if !M::EQUATION_OF_STATE => {
             [scratch.stress.bulk, scratch.stress.shear.inline_map(|s| 3.0 * s)]
         }
-        _ => [scratch.stress.bulk, constant[1]],
+        _ => [scratch.stress.bulk.inline_map(|bulk| bulk.max(0.0)), constant[1]],
     }
 }

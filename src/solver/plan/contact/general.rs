@@ -204,13 +204,20 @@ fn analytical_side(scene: Scene, pairing: &SurfacePairing) -> Option<AnalyticalS
     Some(AnalyticalSide { side: 1, surface, nodes })
 }
 
-/// Returns the exterior surface of each connected part; for shells the positive and the negative side.
-fn outsides(scene: Scene) -> Vec<SideSelection> {
+/// Returns the elements of each connected part that can be in contact, ascending.
+pub fn parts_in_contact(scene: Scene) -> Vec<Vec<usize>> {
     let mesh = &scene.model.mesh;
     let known = |e: &usize| scene.places.elements.contains_key(e) || scene.bodies.of_element.contains_key(e);
     let elements: Vec<usize> =
         (0..mesh.elements.len()).filter(|e| !mesh.elements[*e].kind.is_discrete()).filter(known).collect();
-    let pieces = pieces(mesh, &elements);
+    pieces(mesh, &elements)
+}
+
+/// Returns the exterior surface of each connected part; for shells the positive and the negative side.
+fn outsides(scene: Scene) -> Vec<SideSelection> {
+    let mesh = &scene.model.mesh;
+    let mut pieces = scene.model.surfaces.parts.clone().unwrap_or_else(|| parts_in_contact(scene));
+    pieces.retain(|piece| !piece.is_empty());
     let outside = exterior_faces_of(mesh, pieces.iter().map(Vec::as_slice));
     let mut surfaces: Vec<SideSelection> = Vec::new();
     let sets = SetsOfParts::new(scene.model, pieces.iter().map(Vec::as_slice));

@@ -122,6 +122,7 @@ fn card_of(model: &Model, section: usize) -> Remeshing {
         angle: SHARP.to_radians(),
         increment: AutomaticMeshes::COLLAPSED,
         frequency: AutomaticMeshes::INTERVAL,
+        thickness: 0.0,
         size: None,
         limits: SizeLimits::default(),
         automatic: true,

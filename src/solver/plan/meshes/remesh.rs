@@ -8,6 +8,7 @@ use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories};
 use crate::model::{AnalyticalFront, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing};
 use crate::plan::contact::cohesion::cohesive_behaviors;
+use crate::plan::contact::general::parts_in_contact;
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::BodyMesh;
 use crate::remesh::outline::loops;
@@ -71,6 +72,7 @@ pub fn plan(
     }
     let mut model = model.clone();
     model.surfaces.fronts = Some(fronts.to_vec());
+    model.surfaces.parts.get_or_insert_with(|| parts_in_contact(scene));
     Some(Box::new(RemeshPlan { model, bodies }))
 }
 

@@ -174,7 +174,7 @@ fn refusal(material: &MaterialDefinition, warms: bool) -> Option<&'static str> {
     if warms && material.thermal.expansion.is_some() {
         return Some("thermal strain of shells is not supported");
     }
-    if !material.failures.is_empty() || material.tensile_failure.is_some() {
+    if super::user_material::fails(material) {
         return Some("failure of shells is not supported");
     }
     if !material.elastic_table.is_empty() || matches!(material.plastic, Some(PlasticityModel::OverFields(_))) {

@@ -60,7 +60,7 @@ pub fn foam_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMat
     if material.elastic.is_none() || material.eos.is_some() {
         return no_material(span, format!("material `{name}`: foam needs *ELASTIC"), report);
     }
-    if material.plastic.is_some() || !material.failures.is_empty() || material.tensile_failure.is_some() {
+    if material.plastic.is_some() || super::user_material::fails(material) {
         let message = format!("material `{name}` has foam with *PLASTIC or failure, which is not supported");
         return no_material(span, message, report);
     }

@@ -13,6 +13,7 @@ use crate::kernel::levels::NestedTable;
 use crate::kernel::moduli::ElasticModuli;
 use crate::material::eos::{IdealGas, Tabulated, UsUp};
 use crate::material::equation_of_state::EquationOfState;
+use crate::material::failed::KeptFailure;
 use crate::material::failure::{
     CRITERIA, EvolutionLaw, FailureStrain, MaterialFailure, StrainCriterion, TensionCutoff,
 };
@@ -21,8 +22,8 @@ use crate::material::kinematic_rate::RateKinematicHardening;
 use crate::material::plasticity::{PiecewiseLinearHardening, RateDependentHardening};
 use crate::material::user_eos::{EOS_TYPES, UserEos};
 use crate::model::{
-    DamageEvolution, EosKind, FailureCriterion, HourglassMethod, MaterialDefinition, Model, PlasticityModel,
-    RateDependence, SectionControls, SolidSection, StrainAtFailure,
+    DamageEvolution, EosKind, FailedMaterial, FailureCriterion, HourglassMethod, MaterialDefinition, Model,
+    PlasticityModel, RateDependence, SectionControls, SolidSection, StrainAtFailure,
 };
 use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
 use crate::plan::solids::user_material::{calls_routines_at_points, law_group, require_length_routine, user_group};
@@ -274,7 +275,15 @@ fn hardening_law(solid: &SolidProperties, report: &mut Report) -> Option<Hardeni
         keep_elements: solid.keep_elements,
         ..failing
     });
+    let failed = failed_material(material, failing.as_ref(), report);
     let Some(plastic) = &material.plastic else {
+        if let Some(failed) = failed {
+            return no_failure(
+                failed.span,
+                "*FAILED MATERIAL keeps a fraction of the yield stress and needs *PLASTIC",
+                report,
+            );
+        }
         return Some(HardeningLaw::Elastic(failing));
     };
     if let PlasticityModel::Kinematic(lines) = plastic {
@@ -291,8 +300,12 @@ fn hardening_law(solid: &SolidProperties, report: &mut Report) -> Option<Hardeni
         return Some(HardeningLaw::RateKinematic(law));
     }
     let law = yield_stress(plastic, material, span, report)?;
-    if failing.is_some() {
-        return Some(HardeningLaw::RateDependent(RateDependentHardening { law, heating }, failing));
+    if let Some(failure) = failing {
+        let law = RateDependentHardening { law, heating };
+        return Some(match failed {
+            Some(failed) => HardeningLaw::Failing(law, kept_failure(failure, failed, solid, report)),
+            None => HardeningLaw::RateDependent(law, Some(failure)),
+        });
     }
     let cold = |rows: &[[f64; 3]]| rows.iter().all(|r| r[2].is_nan());
     if let (PlasticityModel::Tabular(rows), None, PlasticHeating::None) = (plastic, &material.rate, &heating)
@@ -352,6 +365,8 @@ fn check_by_area(input: &GroupInput, report: &mut Report) -> Option<()> {
         Some("WEIGHTING=AREA of CAX6M is not supported")
     } else if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.shape.is_some() {
         Some("WEIGHTING=AREA needs *ELASTIC, and no foam")
+    } else if material.failed.is_some() {
+        Some("WEIGHTING=AREA with *FAILED MATERIAL is not supported")
     } else if model.steps.iter().any(|s| s.bulk_viscosity.linear <= 0.0) {
         Some("WEIGHTING=AREA needs linear bulk viscosity: without it some modes are unstable")
     } else if model.sections.iter().any(|s| !s.controls.by_area) {
@@ -465,6 +480,7 @@ fn material_failure(material: &MaterialDefinition, report: &mut Report) -> Optio
             DamageEvolution::Sudden => EvolutionLaw::Sudden,
             DamageEvolution::Displacement(value) => EvolutionLaw::Displacement(value),
             DamageEvolution::Energy(value) => EvolutionLaw::Energy(value),
+            DamageEvolution::Strain(critical, length) => EvolutionLaw::Strain(critical, length),
             // Other plasticity models do not evaluate the criterion, and it has no effect on the stress.
             DamageEvolution::Absent
                 if !matches!(material.plastic, Some(PlasticityModel::Tabular(_) | PlasticityModel::JohnsonCook(_))) =>
@@ -482,8 +498,12 @@ fn material_failure(material: &MaterialDefinition, report: &mut Report) -> Optio
         let detail = match criterion.evolution {
             DamageEvolution::Displacement(value) => format!("damage over a displacement of {value}"),
             DamageEvolution::Energy(value) => format!("damage over an energy of {value} per area"),
+            DamageEvolution::Strain(critical, None) => format!("damage from the start up to {critical}"),
+            DamageEvolution::Strain(critical, Some(length)) => {
+                format!("damage from the start up to {critical}, for elements of length {length}")
+            }
             DamageEvolution::Absent => "evaluated without damage (DMICRT)".into(),
-            DamageEvolution::Sudden => "immediate deletion".into(),
+            DamageEvolution::Sudden => "immediate".into(),
         };
         let effect = if evolution == EvolutionLaw::Absent { "damage initiation" } else { "failure" };
         report.ledger_row(criterion.span, effect, 1, "criterion", detail);
@@ -502,6 +522,35 @@ fn material_failure(material: &MaterialDefinition, report: &mut Report) -> Optio
         failing.cutoff = Some(TensionCutoff { stress: tensile.cutoff, deletes: tensile.deletes });
     }
     Some((!failing.criteria.is_empty() || failing.cutoff.is_some()).then_some(failing))
+}
+
+/// Returns what remains of failed elements, if the material fails.
+fn failed_material(
+    material: &MaterialDefinition,
+    failing: Option<&MaterialFailure>,
+    report: &mut Report,
+) -> Option<FailedMaterial> {
+    let failed = material.failed?;
+    if failing.is_some_and(MaterialFailure::can_fail) {
+        return Some(failed);
+    }
+    report.add_unused_card(failed.span, "*FAILED MATERIAL", "the material does not fail");
+    None
+}
+
+/// Returns the failure of a material whose failed elements stay.
+fn kept_failure(
+    failure: MaterialFailure,
+    failed: FailedMaterial,
+    solid: &SolidProperties,
+    report: &mut Report,
+) -> KeptFailure {
+    let FailedMaterial { residual, crossings, span } = failed;
+    let detail = format!("pressure, {residual} of the shear strength after {crossings} crossings of a wave");
+    report.ledger_row(span, "failed elements stay", 1, "material", detail);
+    let ElementConstants { bulk, shear, .. } = solid.constants;
+    let speed = ((bulk + 4.0 / 3.0 * shear) / solid.density).sqrt() / crossings;
+    KeptFailure { failure, residual, speed }
 }
 
 fn no_failure<T>(span: Span, message: &str, report: &mut Report) -> Option<T> {

@@ -191,6 +191,7 @@ fn user_flow<'m>(input: &GroupInput<'m>, report: &mut Report) -> Option<(UserLaw
         (material.foam.shape.is_some(), "*CRUSHABLE FOAM"),
         (!material.failures.is_empty(), "*DAMAGE INITIATION or *SHEAR FAILURE"),
         (material.tensile_failure.is_some(), "*TENSILE FAILURE"),
+        (material.failed.is_some(), "*FAILED MATERIAL"),
         (matches!(material.plastic, Some(PlasticityModel::Kinematic(_))), "HARDENING=KINEMATIC"),
         (material.rate.is_some() && material.has_user_hardening(), "*RATE DEPENDENT"),
     ];
@@ -318,13 +319,14 @@ fn law_beside_user_material(material: &MaterialDefinition) -> Option<&'static st
         (material.rate.is_some(), "*RATE DEPENDENT"),
         (!material.failures.is_empty(), "*DAMAGE INITIATION or *SHEAR FAILURE"),
         (material.tensile_failure.is_some(), "*TENSILE FAILURE"),
+        (material.failed.is_some(), "*FAILED MATERIAL"),
     ];
     laws.iter().find(|(there, _)| *there).map(|(_, card)| *card)
 }
 
 /// Returns whether a material can be damaged or fail by its own criteria.
 pub fn fails(material: &MaterialDefinition) -> bool {
-    !material.failures.is_empty() || material.tensile_failure.is_some()
+    !material.failures.is_empty() || material.tensile_failure.is_some() || material.failed.is_some()
 }
 
 /// Returns tables of moduli over temperature and field variables; `None` if the moduli are constant.

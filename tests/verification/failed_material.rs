@@ -1,0 +1,116 @@
+//! Failed material that stays (`*FAILED MATERIAL`), and coupled damage.
+//!
+//! Goal: pressure, residual strength, crack opening and loss of strength of single elements, and the energy that they
+//! dissipate.
+//! Source: closed forms of one element in uniaxial strain; the tolerance is stated at each test.
+
+use crate::common::bodies::{DeckRun, run};
+use crate::common::solid::{grid, material};
+
+const MODULUS: f64 = 200e3;
+const RATIO: f64 = 0.3;
+const DENSITY: f64 = 7.85e-9;
+const BULK: f64 = MODULUS / (3.0 * (1.0 - 2.0 * RATIO));
+const SHEAR: f64 = MODULUS / (2.0 * (1.0 + RATIO));
+const YIELD: f64 = 400.0;
+/// Edge of the element.
+const SIZE: f64 = 1.0;
+
+/// Runs one element in uniaxial strain, whose upper face follows rows of time and displacement.
+fn pulled(cards: &str, path: &[[f64; 2]], size: f64) -> DeckRun {
+    let rows: String = path.iter().map(|[time, u]| format!(" {time:e}, {u}\n")).collect();
+    let time = path.last().expect("a row")[0];
+    let deck = grid(1, 1, false, |i, j| [size * i as f64, size * j as f64])
+        + &material(MODULUS, RATIO, DENSITY, &format!("*Plastic\n {YIELD}, 0.\n{cards}"))
+        + &format!(
+            "*Amplitude, name=PATH\n{rows}*Step\n*Dynamic, Explicit\n , {time:e}\n*Boundary\n ALL, 1, 1\n J0, 2, 2\n\
+             *Boundary, amplitude=PATH\n J1, 2, 2, {size}\n*Output, history, frequency=1\n*Element Output, elset=SOLID\n PRESS, \
+             MISES, PEEQ, SDEG\n*Energy Output\n ALLKE, ALLIE, ALLSE, ALLPD, ALLDMD, ALLVD, ALLAE, ALLWK\n*End Step\n"
+        );
+    run(&deck).whole()
+}
+
+/// Returns the last value of a column.
+fn last(ran: &DeckRun, name: &str) -> f64 {
+    ran.column(name).last().expect("a row")[1]
+}
+
+/// Returns the value of a column at a time.
+fn at(ran: &DeckRun, name: &str, time: f64) -> f64 {
+    let rows = ran.column(name);
+    rows[rows.partition_point(|row| row[0] < time).min(rows.len() - 1)][1]
+}
+
+/// An element fails in tension, its cracks open by 10 %, close again and are compressed. The pressure is zero while they are
+/// open, and K times the volumetric strain afterwards. The strength is the residual one, reduced by the largest opening. All
+/// work on the element is stored or dissipated. Within 1e-3, the change of strain in an increment.
+#[test]
+fn cracks_open_without_tension_and_close_before_a_pressure() {
+    let residual = 0.2;
+    let cards = format!("*Shear Failure\n 0.01,\n*Failed Material\n {residual}, 1.\n");
+    let ran = pulled(&cards, &[[0.0, 0.0], [4e-4, 0.1], [8e-4, 0.0], [8.8e-4, -0.02]], SIZE);
+    for (time, u) in [(4e-4, 0.1), (6e-4, 0.05), (7.9e-4, 0.0025)] {
+        let pressure = at(&ran, "PRESS@SOLID", time);
+        assert!(pressure.abs() < 1e-9 * BULK, "open by {u}: {pressure}");
+    }
+    let (pressure, mises) = (last(&ran, "PRESS@SOLID"), last(&ran, "MISES@SOLID"));
+    let [expected_pressure, expected] = [-BULK * 0.98_f64.ln(), YIELD * residual / 1.1];
+    println!("{pressure} {expected_pressure}, {mises} {expected}");
+    assert!((pressure / expected_pressure - 1.0).abs() < 1e-3 && (mises / expected - 1.0).abs() < 1e-3);
+    let [stored, work, internal] = ["ALLSE", "ALLWK", "ALLIE"].map(|name| last(&ran, name));
+    let volume = std::f64::consts::PI * SIZE.powi(3);
+    // The elastic energy of the remaining stress.
+    let of_stress =
+        volume * 0.98 * (pressure * pressure / (2.0 * BULK) + mises * mises / (6.0 * SHEAR * residual / 1.1));
+    println!("ALLSE {stored} {of_stress}; ALLWK {work} ALLIE {internal}");
+    assert!((stored / of_stress - 1.0).abs() < 0.03);
+    assert!((internal / work - 1.0).abs() < 1e-2);
+}
+
+/// The strength falls from its full to the residual value in N l / c.
+#[test]
+fn strength_is_lost_in_the_time_of_crossings() {
+    let (residual, crossings) = (0.1, 8.0);
+    let speed = ((BULK + 4.0 / 3.0 * SHEAR) / DENSITY).sqrt();
+    let cards = format!("*Shear Failure\n 0.002,\n*Failed Material\n {residual}, {crossings}\n");
+    let ran = pulled(&cards, &[[0.0, 0.0], [1e-4, -0.05]], SIZE);
+    let damage = ran.column("SDEG@SOLID");
+    let begin = damage.iter().position(|row| row[1] > 0.0).expect("failure");
+    let end = damage.iter().position(|row| row[1] > 1.0 - residual - 1e-12).expect("residual strength");
+    let (time, expected) = (damage[end][0] - damage[begin - 1][0], crossings * SIZE / speed);
+    let increment = damage[end][0] - damage[end - 1][0];
+    println!("{time:e} s, expected {expected:e}, increment {increment:e}");
+    assert!((time - expected).abs() < 1.01 * increment);
+    let [pressure, mises] = ["PRESS@SOLID", "MISES@SOLID"].map(|name| last(&ran, name));
+    assert!((pressure + BULK * 0.95_f64.ln()).abs() < 1e-3 * pressure);
+    assert!((mises / (residual * YIELD) - 1.0).abs() < 1e-9);
+}
+
+/// `*SHEAR FAILURE, ELEMENT DELETION=NO` leaves a pressure without strength.
+#[test]
+fn shear_failure_without_deletion_leaves_the_pressure() {
+    let ran = pulled("*Shear Failure, element deletion=NO\n 0.002,\n", &[[0.0, 0.0], [1e-4, -0.05]], SIZE);
+    let [pressure, mises] = ["PRESS@SOLID", "MISES@SOLID"].map(|name| last(&ran, name));
+    println!("{pressure} {mises}");
+    assert!((pressure + BULK * 0.95_f64.ln()).abs() < 1e-3 * pressure && mises < 1e-5 * YIELD);
+}
+
+/// Coupled damage: the flow stress is 1 - D_c p / p_f times the yield stress, and the pressure is that of the undamaged
+/// material; with a length, p counts in proportion to the size of the element. To rounding.
+#[test]
+fn coupled_damage_reduces_the_flow_stress() {
+    let (critical, failure) = (0.3, 0.08);
+    for (size, length) in [(1.0, ""), (1.0, "2."), (0.5, "2.")] {
+        let cards = format!(
+            "*Damage Initiation, criterion=DUCTILE\n {failure}, 0., 0.\n*Coupled Damage\n {critical}, {length}\n\
+             *Failed Material\n 0.1,\n"
+        );
+        let ran = pulled(&cards, &[[0.0, 0.0], [1e-4, 0.05]], size);
+        let [pressure, mises, strain] = ["PRESS@SOLID", "MISES@SOLID", "PEEQ@SOLID"].map(|name| last(&ran, name));
+        let weight = if length.is_empty() { 1.0 } else { size / 2.0 };
+        let expected = YIELD * (1.0 - critical * weight * strain / failure);
+        println!("{size} {length}: {mises} {expected} {strain}");
+        assert!((mises / expected - 1.0).abs() < 1e-9 && strain > 0.04);
+        assert!((pressure / (-BULK * 1.05_f64.ln()) - 1.0).abs() < 1e-3);
+    }
+}
