@@ -190,9 +190,9 @@ pub(super) fn next_mesh(
         begin_step(&mut next, index, &mut output, &mut begun);
     }
     observing.add_completion(&run.current);
+    leave_out(run, (body, remesh), &left_out);
     let kinetic = complete_velocities(&mut run.current.state);
     RunHistory::take(run).give_to(&mut next);
-    leave_out(run, (body, remesh), &left_out);
     let mesh = ReplacedMesh { body, old_plan: remesh, old: &old_mesh, living: &living, revision: &revision };
     take_over(&mut next.current, &mut run.current, mesh);
     if let Err(halt) = evaluate_new_mesh(&mut next, kinetic) {
