@@ -2,7 +2,7 @@
 
 make.py            writes the tables into docs/validation.md and as CSV into docs/validation
 make.py --check    computes them again and compares with the page; exit status 1 if they differ
-make.py --only NAME[,NAME]   only these families: apm2, rods, concrete, taylor, plates, materials
+make.py --only NAME[,NAME]   only these families: apm2, rods, concrete, taylor, bars, outlines, plates, materials
 make.py --plot     also draws the pictures (requires matplotlib)
 
 The environment variable REVOLVE names the program (default: target/release/revolve). Standard library only.
@@ -11,6 +11,7 @@ libraries of elementary functions differ between machines.
 """
 
 import csv
+import io
 import itertools
 import math
 import os
@@ -19,6 +20,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -63,6 +65,22 @@ def run(deck, **values):
     out = WORK / "run"
     revolve("run", DECKS / f"{deck}.inp", *settings(values), "--out", out, "-q")
     return [{k: float(v) for k, v in row.items()} for row in table(out / f"{deck}_history.csv")]
+
+
+def attempt(deck, **values):
+    """Runs a deck in a folder of its own; returns its history, or the code of the error that stops it."""
+    with tempfile.TemporaryDirectory(dir=WORK) as out:
+        command = [REVOLVE, "run", str(DECKS / f"{deck}.inp"), *settings(values), "--out", out, "-q", "--threads", "1"]
+        done = subprocess.run(command, check=False, capture_output=True, text=True, cwd=ROOT)
+        if done.returncode == 0:
+            return [{k: float(v) for k, v in row.items()} for row in table(Path(out) / f"{deck}_history.csv")]
+    code = re.search(r"error\[(R\d+)\]", done.stderr)
+    return code[1] if code else sys.exit(f"{' '.join(command)}\n{done.stderr or done.stdout}")
+
+
+def two_at_a_time(function, items):
+    with ThreadPoolExecutor(2) as pool:
+        return list(pool.map(function, items))
 
 
 def percent(computed, measured):
@@ -562,6 +580,183 @@ def identified_bars(tests):
     return ["bar left out", "A, MPa", "B, MPa", "error of its length, %", "error of its foot radius, %"], rows
 
 
+# Taylor bars of the collection
+
+BAR_MATERIALS = {
+    "OFHC copper": ("copper_ofhc.inp", "COPPER_OFHC", "Cu_A", 90e6),
+    "ETP copper": ("copper_ofhc.inp", "COPPER_OFHC", "Cu_A", 90e6),
+    "6061-T6 aluminium": ("aluminium_6061_t6.inp", "AL6061_T6", "Al_A", 324e6),
+    "4340 steel": ("steel_4340.inp", "STEEL_4340", "St_A", 792e6),
+}
+TITANIUM = (
+    ("Lesuer 2000", "titanium_6al4v.inp", "TI6AL4V"),
+    ("Johnson 1985", "titanium_6al4v_1985.inp", "TI6AL4V_1985"),
+)
+RANGES = (("294 to 295 K", 0, 400), ("635 to 765 K", 400, 1000), ("1230 to 1285 K", 1000, 2000))
+
+
+def bar_outline(test, file, material, faster=1.0, **values):
+    """Returns the length, the radius of the foot and the points of the side in mm, or the code of a stop."""
+    shape = {
+        "V": float(test["v0_mps"]) * faster,
+        "length": float(test["L0_mm"]) / 1e3,
+        "d": float(test["D0_mm"]) / 1e3,
+        "T0": float(test["T0_K"]),
+    }
+    rows = attempt("taylor_bars", **shape, file=file, material=material, **values)
+    if isinstance(rows, str):
+        return rows
+    # The bar vibrates: its length is the mean over the last fifth of the time.
+    return 1e3 * statistics.mean(r["COOR2@TIP"] for r in rows[-10:]), *outline(rows)[1:]
+
+
+def bar(test, stronger=None, **values):
+    """Returns length, foot diameter and the diameter at 0.2 of the initial length in mm, or the code of a stop."""
+    file, material, name, strength = BAR_MATERIALS[test["material"]]
+    if stronger:
+        values[name] = stronger * strength
+    found = bar_outline(test, file, material, **values)
+    if isinstance(found, str):
+        return found
+    length, foot, points = found
+    return length, 2 * foot, 2 * radius_at(points, 0.2 * float(test["L0_mm"]))
+
+
+def bars():
+    tests = table(DATA / "taylor_bars.csv")
+    measures = (("length", "Lf_mm"), ("foot", "Df_mm"), ("diameter at 0.2 L", "W_mm"))
+    base = two_at_a_time(bar, tests)
+    errors = []
+    for test, found in zip(tests, base):
+        e = {}
+        if not isinstance(found, str):
+            e = {n: 100 * (x / float(test[c]) - 1) for (n, c), x in zip(measures, found) if test[c]}
+            initial, final = float(test["L0_mm"]), float(test["Lf_mm"])
+            e["shortening"] = 100 * ((initial - found[0]) / (initial - final) - 1)
+        errors.append(e)
+    names = ("length", "shortening", "foot", "diameter at 0.2 L")
+    rows, short = [], []
+    for material in BAR_MATERIALS:
+        for label, low, high in RANGES:
+            chosen = [i for i, t in enumerate(tests) if t["material"] == material and low < float(t["T0_K"]) < high]
+            if not chosen:
+                continue
+            cells = []
+            for n in names:
+                e = [errors[i][n] for i in chosen if n in errors[i]]
+                size = f"{statistics.median(map(abs, e)):.1f} / {max(map(abs, e)):.1f}" if e else ""
+                cells += [size, f"{statistics.median(e):+.1f}"] if n == "length" else [size]
+            cells[3] += f" ({sum('foot' in errors[i] for i in chosen)})" if cells[3] else ""
+            stops = sum(isinstance(base[i], str) for i in chosen)
+            rows.append([material, label, f"{len(chosen)}", f"{stops}", *cells])
+    finished = [i for i, e in enumerate(errors) if e]
+
+    def change(**values):
+        """Returns the median absolute changes of length and foot in percent, of each third bar."""
+        chosen = finished[::3]
+        found = two_at_a_time(lambda i: bar(tests[i], **values), chosen)
+        pairs = [(a, base[i]) for i, a in zip(chosen, found) if not isinstance(a, str)]
+        return [statistics.median(abs(100 * (a[k] / b[k] - 1)) for a, b in pairs) for k in (0, 1)]
+
+    parts = [
+        ("numerical, 6 to 12 elements over the radius", *change(nr=12)),
+        ("A, 10 % (assumed)", *change(stronger=1.1)),
+        ("velocity, 1 % (assumed)", *change(faster=1.01)),
+    ]
+    budget = [[n, f"{x:.2f}", f"{y:.2f}"] for n, x, y in parts]
+    total = [root_sum_square(*(p[k] for p in parts)) for k in (1, 2)]
+    budget.append(["root of the sum of squares", *(f"{x:.2f}" for x in total)])
+    in_range = [i for i in finished if float(tests[i]["T0_K"]) < 1000]
+    for material in BAR_MATERIALS:
+        for n, what, u in (("length", "length", total[0]), ("foot", "foot diameter", total[1])):
+            e = [errors[i][n] for i in in_range if tests[i]["material"] == material and n in errors[i]]
+            short.append(summary(f"90 Taylor bars: {material}, below 1000 K, {what}", e, u))
+    hot = [errors[i]["length"] for i in finished if i not in in_range]
+    short.append(summary("90 Taylor bars: above 1200 K, outside the range of the constants, length", hot, total[0]))
+
+    def row(i):
+        t, found = tests[i], base[i]
+        stop = isinstance(found, str)
+        cells = [t["number"], t["material"], t["T0_K"], t["v0_mps"], t["L0_mm"]]
+        for k, (n, c) in enumerate(measures):
+            value = "" if stop else f"{found[k]:.2f}"
+            cells += [t[c], value, f"{errors[i][n]:+.1f}" if n in errors[i] else ""]
+        return [*cells, found if stop else ""]
+
+    head = ["number", "material", "initial temperature, K", "velocity, m/s", "initial length, mm"]
+    for n, _ in measures:
+        head += [f"{n}, measured, mm", "computed", "error, %"]
+    head.append("stop")
+    all_rows = [row(i) for i in range(len(tests))]
+    worst = sorted(in_range, key=lambda i: -abs(errors[i]["length"]))[:6]
+    plot_bar_scatter(tests, base)
+    return {
+        "summary": short,
+        "bars": (
+            [
+                "material",
+                "temperature",
+                "bars",
+                "stops",
+                "length, absolute error, median / largest, %",
+                "length, median error, %",
+                "shortening, %",
+                "foot, % (bars)",
+                "diameter at 0.2 L, %",
+            ],
+            rows,
+        ),
+        "bars-worst": (head[:8], [all_rows[i][:8] for i in worst]),
+        "bars-uncertainty": (["contribution, median absolute change", "length, %", "foot diameter, %"], budget),
+        "files": {"bars-all": (head, all_rows)},
+    }
+
+
+def outlines():
+    """Compares digitised outlines; plastic flow keeps the volume, so that the volume of an outline shows its quality."""
+    tests = {}
+    for r in table(DATA / "taylor_outlines.csv"):
+        tests.setdefault(r["outline"], (r, []))[1].append((max(0.0, float(r["z_mm"])), float(r["r_mm"])))
+    cases = []
+    for t, points in tests.values():
+        if t["material"] == "Ti-6Al-4V":
+            cases += [(t, points, *x) for x in TITANIUM]
+        else:
+            cases.append((t, points, "", *BAR_MATERIALS[t["material"]][:2]))
+    found = two_at_a_time(lambda c: bar_outline(c[0], *c[3:]), cases)
+    rows, errors = [], []
+    for (t, points, label, *_), (length, _, side) in zip(cases, found):
+        points.sort()
+        volume = sum(math.pi * (b - a) * (r * r + r * s + s * s) / 3 for (a, r), (b, s) in itertools.pairwise(points))
+        volume /= math.pi / 4 * float(t["D0_mm"]) ** 2 * float(t["L0_mm"])
+        shared = [(z, r) for z, r in points if z <= length]
+        rms = math.sqrt(statistics.mean((radius_at(side, z) - r) ** 2 for z, r in shared))
+        measured, (lowest, measured_foot) = points[-1][0], points[0]
+        foot = radius_at(side, lowest)
+        errors.append([100 * (length / measured - 1), 100 * (foot / measured_foot - 1)])
+        cells = [f"{measured:.2f}", f"{length:.2f}", percent(length, measured)]
+        cells += [f"{measured_foot:.2f}", f"{foot:.2f}", percent(foot, measured_foot), f"{rms:.2f}"]
+        name = f"{t['outline']}, {label}" if label else t["outline"]
+        rows.append([name, t["material"], t["v0_mps"], t["T0_K"], f"{100 * (volume - 1):+.1f}", *cells])
+    head = ["outline", "material", "velocity, m/s", "initial temperature, K", "volume of the outline, %"]
+    head += ["length, measured, mm", "computed", "error, %", "radius at the lowest point, mm", "computed", "error, %"]
+
+    def change(k, **values):
+        """Returns the median absolute change of length (0) or foot (1) in percent."""
+        changed = two_at_a_time(lambda c: bar_outline(c[0], *c[3:], **values), cases)
+        return statistics.median(abs(100 * (a[k] / b[k] - 1)) for a, b in zip(changed, found))
+
+    short = [
+        summary(
+            f"outlines of Taylor bars, {what}",
+            [e[k] for e in errors],
+            root_sum_square(change(k, nr=12), change(k, faster=1.01)),
+        )
+        for k, what in ((0, "length"), (1, "radius at the lowest point"))
+    ]
+    return {"summary": short, "outlines": ([*head, "outline, rms difference, mm"], rows)}
+
+
 # Plate impacts
 
 
@@ -829,6 +1024,30 @@ def plot_bars(curves):
         save(fig, "taylor")
 
 
+def plot_bar_scatter(tests, found):
+    fig, axes = figure(10, 4.8, 2)
+    if fig:
+        quantities = ((0, "Lf_mm", "L0_mm", "length / initial length"), (1, "Df_mm", "D0_mm", "foot / initial diameter"))
+        for ax, (k, column, initial, name) in zip(axes[0], quantities):
+            for material, colour in zip(BAR_MATERIALS, ("tab:red", "tab:orange", "tab:blue", "0.3")):
+                for hot, mark in ((False, "o"), (True, "^")):
+                    xy = [
+                        (float(t[column]) / float(t[initial]), f[k] / float(t[initial]))
+                        for t, f in zip(tests, found)
+                        if t["material"] == material and t[column] and not isinstance(f, str)
+                        and (float(t["T0_K"]) > 400) == hot
+                    ]
+                    if xy:
+                        ax.plot(*zip(*xy), mark, ms=4, color=colour, label=material + (", heated" if hot else ""))
+            line = ax.get_xlim()
+            ax.plot(line, line, "k-", lw=1)
+            for f in (0.95, 1.05):
+                ax.plot(line, [f * x for x in line], "k--", lw=0.7)
+            ax.set(xlabel=f"measured {name}", ylabel=f"computed {name}")
+        axes[0][0].legend(fontsize="small")
+        save(fig, "bars")
+
+
 def plot_plates(pictures):
     tests = list(dict.fromkeys(p[0] for p in pictures))
     fig, axes = figure(4 * len(tests), 4, len(tests))
@@ -862,6 +1081,14 @@ def plot_curves(curves):
 def markdown(head, rows):
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
+
+
+def comma_separated(head, rows):
+    output = io.StringIO()
+    writer = csv.writer(output, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(rows)
+    return output.getvalue()
 
 
 def marked(name):
@@ -904,6 +1131,8 @@ def main():
         "rods": rods,
         "concrete": concrete,
         "taylor": taylor,
+        "bars": bars,
+        "outlines": outlines,
         "plates": plates,
         "materials": materials,
     }
@@ -913,6 +1142,12 @@ def main():
             continue
         tables = compute()
         file = MATERIALS_PAGE if family == "materials" else PAGE
+        for name, (head, rows) in tables.pop("files", {}).items():
+            stored = ROOT / "docs" / "validation" / f"{name}.csv"
+            if check:
+                wrong += differences(name, stored.read_text(encoding="utf-8"), comma_separated(head, rows))
+            else:
+                stored.write_text(comma_separated(head, rows), encoding="utf-8")
         if "summary" in tables:
             tables["summary"] = merged_summary(family, tables["summary"], list(families))
         for name, (head, rows) in tables.items():
@@ -925,10 +1160,7 @@ def main():
                 wrong += differences(name, place[2], text)
                 continue
             file.write_text(page[: place.start(2)] + text + page[place.end(2) :], encoding="utf-8")
-            with open(ROOT / "docs" / "validation" / f"{name}.csv", "w", newline="", encoding="utf-8") as output:
-                writer = csv.writer(output, lineterminator="\n")
-                writer.writerow(head)
-                writer.writerows(rows)
+            (ROOT / "docs" / "validation" / f"{name}.csv").write_text(comma_separated(head, rows), encoding="utf-8")
         print(f"{family}: done", flush=True)
     if wrong:
         sys.exit("\n".join(wrong))
