@@ -2,7 +2,8 @@
 
 make.py            writes the tables into docs/validation.md and as CSV into docs/validation
 make.py --check    computes them again and compares with the page; exit status 1 if they differ
-make.py --only NAME[,NAME]   only these families: apm2, rods, concrete, taylor, bars, outlines, plates, materials
+make.py --only NAME[,NAME]   only these families: apm2, rods, concrete, taylor, bars, outlines, plates,
+                             gauge, flow, hugoniots, blast, materials
 make.py --plot     also draws the pictures (requires matplotlib)
 
 The environment variable REVOLVE names the program (default: target/release/revolve). Standard library only.
@@ -94,7 +95,8 @@ def root_sum_square(*parts):
 def summary(quantity, errors, uncertainty):
     """Returns a row of the summary: errors and validation uncertainty in percent."""
     sizes = [abs(e) for e in errors]
-    return [quantity, f"{len(sizes)}", f"{statistics.median(sizes):.1f}", f"{max(sizes):.1f}", f"{uncertainty:.1f}"]
+    limit = "unknown" if uncertainty is None else f"{uncertainty:.1f}"
+    return [quantity, f"{len(sizes)}", f"{statistics.median(sizes):.1f}", f"{max(sizes):.1f}", limit]
 
 
 def observed_uncertainty(deck, refine, quantity, **values):
@@ -931,6 +933,211 @@ def plates():
     }
 
 
+# Stress at a face of copper and titanium
+
+
+def measures_gauge(points):
+    """The zero of time of the record is not the impact: times count from the arrival of the main wave."""
+    main = crossing(points, 3.4)
+    falling = next(
+        t0 + (t1 - t0) * (v0 - 6.0) / (v0 - v1)
+        for (t0, v0), (t1, v1) in itertools.pairwise(points)
+        if t0 > main + 1 and v0 >= 6.0 > v1
+    )
+    return [
+        ("plateau, 0.60 to 1.50 µs after the main wave (3.4 GPa), GPa", mean(points, main + 0.6, main + 1.5), 3),
+        ("release (6 GPa) after the main wave, µs", falling - main, 3),
+    ]
+
+
+def gauge():
+    points = record("gauge_ti64_454")
+    measured = measures_gauge(points)
+
+    def computed(**values):
+        return measures_gauge(curve(run("plate_gauge", **values), "S22@GAUGE", -1e-9))
+
+    rows, errors = [], {}
+    for label, _, material in TITANIUM:
+        fine, coarse = computed(material=material), computed(material=material, size=20e-6)
+        for (name, e, digits), (_, s, _), (_, c, _) in zip(measured, fine, coarse):
+            rows.append([label, name, f"{e:.{digits}f}", f"{s:.{digits}f}", percent(s, e), f"{100 * abs(s - c) / s:.2f}"])
+            errors.setdefault(name, []).append((100 * (s / e - 1), 100 * (c / s - 1)))
+    base = computed()
+    changed = [computed(Cu_c0=1.01 * 3940.0), computed(Ti_c0=1.01 * 5130.0), computed(V=1.01 * 454.0)]
+    short = []
+    for i, (name, e) in enumerate(errors.items()):
+        inputs = [100 * (c[i][1] / base[i][1] - 1) for c in changed]
+        quantity = f"gauge at a titanium face, {name.partition(' ')[0].rstrip(',')}"
+        short.append(summary(quantity, [x for x, _ in e], root_sum_square(*inputs, *(u for _, u in e[:1]))))
+    head = ["constants", "quantity", "measured", "computed", "error, %", "change from 20 to 10 µm, %"]
+    return {"summary": short, "gauge": (head, rows)}
+
+
+# Flow stresses
+
+FLOW_STRAINS = (0.02, 0.05, 0.1, 0.2)
+FLOW_FILE = "taylor_bars_material.csv"
+
+
+def flow():
+    """Compares digitised stress-strain curves with `revolve material`; above 1 per s plastic work heats the element."""
+    tests = table(DATA / "flow_stress.csv")
+    files = {"6061-T6 aluminium": "6061-T6 aluminium", "annealed copper": "OFHC copper"}
+
+    def stresses(test, stronger=1.0):
+        file, material, name, strength = BAR_MATERIALS[files[test["material"]]]
+        rate, temperature = test["rate_1_s"], test["T0_K"]
+        with tempfile.TemporaryDirectory(dir=WORK) as out:
+            options = settings({"file": file, "material": material, name: stronger * strength})
+            options += ["--rates", rate, "--temperatures", temperature, "--strain", 0.21, "--out", out, "-q"]
+            heating = [] if float(rate) > 1 else ["--isothermal"]
+            revolve("material", DECKS / "taylor_bars.inp", *options, *heating)
+            points = [(float(r["true strain"]), float(r["true stress"]) / 1e6) for r in table(Path(out) / FLOW_FILE)]
+        return [value(points, strain) for strain in FLOW_STRAINS]
+
+    found = two_at_a_time(stresses, tests)
+    groups = (
+        ("6061-T6 aluminium", "77 to 250 K", 0, 250),
+        ("6061-T6 aluminium", "250 to 310 K", 250, 310),
+        ("6061-T6 aluminium", "360 to 480 K", 310, 500),
+        ("6061-T6 aluminium", "530 to 644 K", 500, 700),
+        ("annealed copper", "298 K", 0, 310),
+        ("annealed copper", "473 to 873 K", 310, 1000),
+    )
+
+    def errors(chosen, computed=found):
+        measured = ([t[f"s{e:g}_MPa"] for e in FLOW_STRAINS] for t in tests)
+        pairs = zip(tests, measured, computed)
+        return [[100 * (c / float(m) - 1) if m else None for m, c in zip(x, y)] for t, x, y in pairs if chosen(t)]
+
+    rows, short = [], []
+    for material, label, low, high in groups:
+        for speed, slow, fast in (("to 1", 0, 1), ("1.1 to 150", 1, 150), ("380 to 4000", 150, 1e4)):
+            chosen = errors(
+                lambda t: t["material"] == material
+                and low < float(t["T0_K"]) < high
+                and slow < float(t["rate_1_s"]) <= fast
+            )
+            cells = []
+            for column in zip(*chosen):
+                e = [x for x in column if x is not None]
+                cells.append(f"{statistics.median(e):+.1f} / {max(e, key=abs):+.1f}" if e else "")
+            if chosen:
+                rows.append([material, label, speed, f"{len(chosen)}", *cells])
+    ranges = {"6061-T6 aluminium": (293, 700, 1e-3, 1e4), "annealed copper": (223, 1000, 1, 1e5)}
+
+    def in_range(t):
+        """Returns whether a curve is in the range that the file of the material states."""
+        cold, hot, slow, fast = ranges[t["material"]]
+        return cold <= float(t["T0_K"]) <= hot and slow <= float(t["rate_1_s"]) <= fast
+
+    strong = two_at_a_time(lambda t: stresses(t, 1.1), tests)
+    for label, rule in (
+        ("6061-T6 aluminium, 294 to 300 K", lambda t: t["material"][0] == "6" and in_range(t) and float(t["T0_K"]) < 310),
+        ("6061-T6 aluminium, 366 to 618 K", lambda t: t["material"][0] == "6" and in_range(t) and float(t["T0_K"]) > 310),
+        ("annealed copper", lambda t: t["material"][0] == "a" and in_range(t)),
+        ("both metals outside the range of the constants", lambda t: not in_range(t)),
+    ):
+        change = [100 * (b[1] / a[1] - 1) for t, a, b in zip(tests, found, strong) if rule(t)]
+        e = [x for row in errors(rule) for x in row if x is not None]
+        short.append(summary(f"flow stress of {label}", e, statistics.median(change)))
+    plot_flow(tests, found)
+    head = ["curve", "rate, per s", "temperature, K"]
+    for e in FLOW_STRAINS:
+        head += [f"at {e:g}, measured, MPa", "computed", "error, %"]
+    single = []
+    for t, c in zip(tests, found):
+        cells = [t["curve"], t["rate_1_s"], t["T0_K"]]
+        for e, x in zip(FLOW_STRAINS, c):
+            m = t[f"s{e:g}_MPa"]
+            cells += [m, f"{x:.1f}", percent(x, float(m)) if m else ""]
+        single.append(cells)
+    columns = ["material", "temperature", "rate, per s", "curves"] + [f"strain {e:g}" for e in FLOW_STRAINS]
+    return {"summary": short, "flow": (columns, rows), "files": {"flow-all": (head, single)}}
+
+
+# Blast
+
+DISTANCES = ("overpressure_kPa", "impulse_Pas", "arrival_ms")
+
+
+def blast():
+    tests = table(DATA / "blast_surface_10kg.csv")
+    mass = 1e6  # per area, as in the deck
+
+    def wave(distance, **values):
+        rows = run("blast_surface", R=distance, **values)
+        first = next(r for r in rows if r["A2@REF"] != 0)
+        return -mass * first["A2@REF"] / 1e3, -mass * rows[-1]["V2@REF"], 1e3 * first["time"]
+
+    def simplified(distance, mass=10.0):
+        """Returns the incident overpressure in kPa of the simplified equation of Swisdak 1994, 0.2 to 23.8 m/kg^(1/3)."""
+        near, far = (7.2106, -2.1069, -0.3229, 0.1117, 0.0685), (7.5938, -3.0523, 0.40977, 0.0261, -0.01267)
+        log = math.log(distance / mass ** (1 / 3))
+        return math.exp(sum(c * log**i for i, c in enumerate(near if log < math.log(2.9) else far)))
+
+    found = [wave(float(t["distance_m"])) for t in tests]
+    rows, errors = [], {k: [] for k in (*DISTANCES, "simplified")}
+    for t, w in zip(tests, found):
+        x = simplified(float(t["distance_m"]))
+        cells = [t["distance_m"], f"{x:.4g}", percent(w[0], x)]
+        errors["simplified"].append(100 * (w[0] / x - 1))
+        for k, x in zip(DISTANCES, w):
+            cells += [t[k], f"{x:.4g}", percent(x, float(t[k]))]
+            errors[k].append(100 * (x / float(t[k]) - 1))
+        rows.append(cells)
+    heavy = [wave(float(t["distance_m"]), W=10.5) for t in tests]
+    wide = [wave(float(t["distance_m"]), width=1e-2) for t in tests]
+    short = []
+    names = ("overpressure of the set", "impulse of the set", "arrival of the set", "simplified overpressure")
+    for i, (e, name) in enumerate(zip(errors.values(), names)):
+        parts = (statistics.median(abs(100 * (a[i % 3] / b[i % 3] - 1)) for a, b in zip(x, found)) for x in (heavy, wide))
+        short.append(summary(f"surface burst, {name}", e, root_sum_square(*parts)))
+    head = ["distance, m", "simplified overpressure, kPa", "difference, %"]
+    for name in ("overpressure of the set, kPa", "impulse of the set, Pa s", "arrival of the set, ms"):
+        head += [name, "Revolve", "difference, %"]
+    return {"summary": short, "blast": (head, rows)}
+
+
+# Hugoniots
+
+HUGONIOTS = (
+    ("copper_ofhc", "Cu_OFHC"),
+    ("copper_half_hard", "Cu"),
+    ("aluminium_2024_t351", "Al_2024"),
+    ("aluminium_6061_t6", "Al_6061"),
+    ("aluminium_7075_t651", "Al_7075_T6"),
+    ("titanium_6al4v", "Ti_6Al_4V"),
+    ("tungsten_alloy", "W"),
+    ("PMMA of plate_titanium_pmma", "PMMA"),
+)
+
+
+def hugoniots():
+    """Compares constants of the decks with published lines, and the pressure at a particle velocity of 500 m/s."""
+    lines = {r["line"]: r for r in table(DATA / "hugoniots.csv")}
+    rows, errors = [], []
+    for name, line in HUGONIOTS:
+        published = [float(lines[line][k]) for k in ("rho_kg_m3", "c0_m_s", "s")]
+        path = DECKS / "plate_titanium_pmma.inp" if line == "PMMA" else ROOT / "input" / "materials" / f"{name}.inp"
+        text = path.read_text(encoding="utf-8")
+        density = re.search(r"\*Density\n *([^,]+),", text)[1]
+        c0, s = (x.strip() for x in re.search(r"type=USUP\n(.*)", text)[1].split(",")[:2])
+        if c0.startswith("<"):
+            c0 = re.search(rf"{c0[1:-1]} = (\S+)", text)[1]
+        given = [float(density), float(c0), float(s)]
+        pressure = [r * (c + k * 500.0) * 500.0 / 1e9 for r, c, k in (given, published)]
+        cells = [f"{g:g} ({percent(g, p)})" for g, p in zip(given, published)]
+        errors.append(100 * (pressure[0] / pressure[1] - 1))
+        file = f"`{name}.inp`" if line != "PMMA" else "PMMA of `plate_titanium_pmma.inp`"
+        source = lines[line]["citation"].partition(",")[0]
+        rows.append([file, f"{line}, {source}", *cells, f"{pressure[0]:.2f} ({percent(*pressure)})"])
+    head = ["file", "published line", "density, kg/m³ (difference, %)", "$c_0$, m/s", "$s$", "pressure at 500 m/s, GPa"]
+    independent = [e for e, (name, _) in zip(errors, HUGONIOTS) if name.startswith(("aluminium_6", "aluminium_2", "PMMA"))]
+    return {"summary": [summary("pressure at 500 m/s of lines of other sources", independent, None)], "hugoniots": (head, rows)}
+
+
 # Ready materials
 
 ALL_MATERIALS = {
@@ -1022,6 +1229,26 @@ def plot_bars(curves):
         axes[0][0].set_ylabel("height, mm")
         axes[0][-1].legend()
         save(fig, "taylor")
+
+
+def plot_flow(tests, found):
+    fig, axes = figure(10, 4.8, 2)
+    if fig:
+        for ax, material in zip(axes[0], ("6061-T6 aluminium", "annealed copper")):
+            for k, strain in enumerate(FLOW_STRAINS):
+                xy = [
+                    (float(t[f"s{strain:g}_MPa"]), c[k])
+                    for t, c in zip(tests, found)
+                    if t["material"] == material and t[f"s{strain:g}_MPa"]
+                ]
+                ax.plot(*zip(*xy), "o", ms=4, label=f"strain {strain:g}")
+            line = (30, max(ax.get_xlim()[1], ax.get_ylim()[1]))
+            ax.plot(line, line, "k-", lw=1)
+            for f in (0.9, 1.1):
+                ax.plot(line, [f * x for x in line], "k--", lw=0.7)
+            ax.set(title=material, xlabel="measured stress, MPa", ylabel="computed stress, MPa")
+        axes[0][0].legend(fontsize="small")
+        save(fig, "flow")
 
 
 def plot_bar_scatter(tests, found):
@@ -1134,6 +1361,10 @@ def main():
         "bars": bars,
         "outlines": outlines,
         "plates": plates,
+        "gauge": gauge,
+        "flow": flow,
+        "hugoniots": hugoniots,
+        "blast": blast,
         "materials": materials,
     }
     check, wrong = "--check" in sys.argv, []
