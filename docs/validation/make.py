@@ -961,7 +961,9 @@ def gauge():
     for label, _, material in TITANIUM:
         fine, coarse = computed(material=material), computed(material=material, size=20e-6)
         for (name, e, digits), (_, s, _), (_, c, _) in zip(measured, fine, coarse):
-            rows.append([label, name, f"{e:.{digits}f}", f"{s:.{digits}f}", percent(s, e), f"{100 * abs(s - c) / s:.2f}"])
+            rows.append(
+                [label, name, f"{e:.{digits}f}", f"{s:.{digits}f}", percent(s, e), f"{100 * abs(s - c) / s:.2f}"]
+            )
             errors.setdefault(name, []).append((100 * (s / e - 1), 100 * (c / s - 1)))
     base = computed()
     changed = [computed(Cu_c0=1.01 * 3940.0), computed(Ti_c0=1.01 * 5130.0), computed(V=1.01 * 454.0)]
@@ -1006,19 +1008,16 @@ def flow():
         ("annealed copper", "473 to 873 K", 310, 1000),
     )
 
-    def errors(chosen, computed=found):
-        measured = ([t[f"s{e:g}_MPa"] for e in FLOW_STRAINS] for t in tests)
-        pairs = zip(tests, measured, computed)
-        return [[100 * (c / float(m) - 1) if m else None for m, c in zip(x, y)] for t, x, y in pairs if chosen(t)]
-
+    measured = ([t[f"s{e:g}_MPa"] for e in FLOW_STRAINS] for t in tests)
+    errors = [[100 * (c / float(m) - 1) if m else None for m, c in zip(x, y)] for x, y in zip(measured, found)]
     rows, short = [], []
     for material, label, low, high in groups:
         for speed, slow, fast in (("to 1", 0, 1), ("1.1 to 150", 1, 150), ("380 to 4000", 150, 1e4)):
-            chosen = errors(
-                lambda t: t["material"] == material
-                and low < float(t["T0_K"]) < high
-                and slow < float(t["rate_1_s"]) <= fast
-            )
+            chosen = [
+                e
+                for t, e in zip(tests, errors)
+                if t["material"] == material and low < float(t["T0_K"]) < high and slow < float(t["rate_1_s"]) <= fast
+            ]
             cells = []
             for column in zip(*chosen):
                 e = [x for x in column if x is not None]
@@ -1034,13 +1033,19 @@ def flow():
 
     strong = two_at_a_time(lambda t: stresses(t, 1.1), tests)
     for label, rule in (
-        ("6061-T6 aluminium, 294 to 300 K", lambda t: t["material"][0] == "6" and in_range(t) and float(t["T0_K"]) < 310),
-        ("6061-T6 aluminium, 366 to 618 K", lambda t: t["material"][0] == "6" and in_range(t) and float(t["T0_K"]) > 310),
+        (
+            "6061-T6 aluminium, 294 to 300 K",
+            lambda t: t["material"][0] == "6" and in_range(t) and float(t["T0_K"]) < 310,
+        ),
+        (
+            "6061-T6 aluminium, 366 to 618 K",
+            lambda t: t["material"][0] == "6" and in_range(t) and float(t["T0_K"]) > 310,
+        ),
         ("annealed copper", lambda t: t["material"][0] == "a" and in_range(t)),
         ("both metals outside the range of the constants", lambda t: not in_range(t)),
     ):
         change = [100 * (b[1] / a[1] - 1) for t, a, b in zip(tests, found, strong) if rule(t)]
-        e = [x for row in errors(rule) for x in row if x is not None]
+        e = [x for t, row in zip(tests, errors) if rule(t) for x in row if x is not None]
         short.append(summary(f"flow stress of {label}", e, statistics.median(change)))
     plot_flow(tests, found)
     head = ["curve", "rate, per s", "temperature, K"]
@@ -1092,7 +1097,9 @@ def blast():
     short = []
     names = ("overpressure of the set", "impulse of the set", "arrival of the set", "simplified overpressure")
     for i, (e, name) in enumerate(zip(errors.values(), names)):
-        parts = (statistics.median(abs(100 * (a[i % 3] / b[i % 3] - 1)) for a, b in zip(x, found)) for x in (heavy, wide))
+        parts = (
+            statistics.median(abs(100 * (a[i % 3] / b[i % 3] - 1)) for a, b in zip(x, found)) for x in (heavy, wide)
+        )
         short.append(summary(f"surface burst, {name}", e, root_sum_square(*parts)))
     head = ["distance, m", "simplified overpressure, kPa", "difference, %"]
     for name in ("overpressure of the set, kPa", "impulse of the set, Pa s", "arrival of the set, ms"):
@@ -1134,8 +1141,11 @@ def hugoniots():
         source = lines[line]["citation"].partition(",")[0]
         rows.append([file, f"{line}, {source}", *cells, f"{pressure[0]:.2f} ({percent(*pressure)})"])
     head = ["file", "published line", "density, kg/m³ (difference, %)", "$c_0$, m/s", "$s$", "pressure at 500 m/s, GPa"]
-    independent = [e for e, (name, _) in zip(errors, HUGONIOTS) if name.startswith(("aluminium_6", "aluminium_2", "PMMA"))]
-    return {"summary": [summary("pressure at 500 m/s of lines of other sources", independent, None)], "hugoniots": (head, rows)}
+    independent = [e for e, (name, _) in zip(errors, HUGONIOTS) if name.startswith(("aluminium_6", "PMMA"))]
+    return {
+        "summary": [summary("pressure at 500 m/s of lines of other sources", independent, None)],
+        "hugoniots": (head, rows),
+    }
 
 
 # Ready materials
@@ -1254,14 +1264,19 @@ def plot_flow(tests, found):
 def plot_bar_scatter(tests, found):
     fig, axes = figure(10, 4.8, 2)
     if fig:
-        quantities = ((0, "Lf_mm", "L0_mm", "length / initial length"), (1, "Df_mm", "D0_mm", "foot / initial diameter"))
+        quantities = (
+            (0, "Lf_mm", "L0_mm", "length / initial length"),
+            (1, "Df_mm", "D0_mm", "foot / initial diameter"),
+        )
         for ax, (k, column, initial, name) in zip(axes[0], quantities):
             for material, colour in zip(BAR_MATERIALS, ("tab:red", "tab:orange", "tab:blue", "0.3")):
                 for hot, mark in ((False, "o"), (True, "^")):
                     xy = [
                         (float(t[column]) / float(t[initial]), f[k] / float(t[initial]))
                         for t, f in zip(tests, found)
-                        if t["material"] == material and t[column] and not isinstance(f, str)
+                        if t["material"] == material
+                        and t[column]
+                        and not isinstance(f, str)
                         and (float(t["T0_K"]) > 400) == hot
                     ]
                     if xy:
