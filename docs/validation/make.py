@@ -2,7 +2,8 @@
 
 make.py            writes the tables into docs/validation.md and as CSV into docs/validation
 make.py --check    computes them again and compares with the page; exit status 1 if they differ
-make.py --only NAME[,NAME]   only these families: apm2, rods, concrete, taylor, plates, materials
+make.py --only NAME[,NAME]   only these families: apm2, rods, concrete, taylor, bars, outlines, plates,
+                             gauge, flow, hugoniots, blast, materials
 make.py --plot     also draws the pictures (requires matplotlib)
 
 The environment variable REVOLVE names the program (default: target/release/revolve). Standard library only.
@@ -11,6 +12,7 @@ libraries of elementary functions differ between machines.
 """
 
 import csv
+import io
 import itertools
 import math
 import os
@@ -19,6 +21,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -65,6 +68,22 @@ def run(deck, **values):
     return [{k: float(v) for k, v in row.items()} for row in table(out / f"{deck}_history.csv")]
 
 
+def attempt(deck, **values):
+    """Runs a deck in a folder of its own; returns its history, or the code of the error that stops it."""
+    with tempfile.TemporaryDirectory(dir=WORK) as out:
+        command = [REVOLVE, "run", str(DECKS / f"{deck}.inp"), *settings(values), "--out", out, "-q", "--threads", "1"]
+        done = subprocess.run(command, check=False, capture_output=True, text=True, cwd=ROOT)
+        if done.returncode == 0:
+            return [{k: float(v) for k, v in row.items()} for row in table(Path(out) / f"{deck}_history.csv")]
+    code = re.search(r"error\[(R\d+)\]", done.stderr)
+    return code[1] if code else sys.exit(f"{' '.join(command)}\n{done.stderr or done.stdout}")
+
+
+def two_at_a_time(function, items):
+    with ThreadPoolExecutor(2) as pool:
+        return list(pool.map(function, items))
+
+
 def percent(computed, measured):
     return f"{100 * (computed - measured) / measured:+.1f}"
 
@@ -76,7 +95,8 @@ def root_sum_square(*parts):
 def summary(quantity, errors, uncertainty):
     """Returns a row of the summary: errors and validation uncertainty in percent."""
     sizes = [abs(e) for e in errors]
-    return [quantity, f"{len(sizes)}", f"{statistics.median(sizes):.1f}", f"{max(sizes):.1f}", f"{uncertainty:.1f}"]
+    limit = "unknown" if uncertainty is None else f"{uncertainty:.1f}"
+    return [quantity, f"{len(sizes)}", f"{statistics.median(sizes):.1f}", f"{max(sizes):.1f}", limit]
 
 
 def observed_uncertainty(deck, refine, quantity, **values):
@@ -562,6 +582,183 @@ def identified_bars(tests):
     return ["bar left out", "A, MPa", "B, MPa", "error of its length, %", "error of its foot radius, %"], rows
 
 
+# Taylor bars of the collection
+
+BAR_MATERIALS = {
+    "OFHC copper": ("copper_ofhc.inp", "COPPER_OFHC", "Cu_A", 90e6),
+    "ETP copper": ("copper_ofhc.inp", "COPPER_OFHC", "Cu_A", 90e6),
+    "6061-T6 aluminium": ("aluminium_6061_t6.inp", "AL6061_T6", "Al_A", 324e6),
+    "4340 steel": ("steel_4340.inp", "STEEL_4340", "St_A", 792e6),
+}
+TITANIUM = (
+    ("Lesuer 2000", "titanium_6al4v.inp", "TI6AL4V"),
+    ("Johnson 1985", "titanium_6al4v_1985.inp", "TI6AL4V_1985"),
+)
+RANGES = (("294 to 295 K", 0, 400), ("635 to 765 K", 400, 1000), ("1230 to 1285 K", 1000, 2000))
+
+
+def bar_outline(test, file, material, faster=1.0, **values):
+    """Returns the length, the radius of the foot and the points of the side in mm, or the code of a stop."""
+    shape = {
+        "V": float(test["v0_mps"]) * faster,
+        "length": float(test["L0_mm"]) / 1e3,
+        "d": float(test["D0_mm"]) / 1e3,
+        "T0": float(test["T0_K"]),
+    }
+    rows = attempt("taylor_bars", **shape, file=file, material=material, **values)
+    if isinstance(rows, str):
+        return rows
+    # The bar vibrates: its length is the mean over the last fifth of the time.
+    return 1e3 * statistics.mean(r["COOR2@TIP"] for r in rows[-10:]), *outline(rows)[1:]
+
+
+def bar(test, stronger=None, **values):
+    """Returns length, foot diameter and the diameter at 0.2 of the initial length in mm, or the code of a stop."""
+    file, material, name, strength = BAR_MATERIALS[test["material"]]
+    if stronger:
+        values[name] = stronger * strength
+    found = bar_outline(test, file, material, **values)
+    if isinstance(found, str):
+        return found
+    length, foot, points = found
+    return length, 2 * foot, 2 * radius_at(points, 0.2 * float(test["L0_mm"]))
+
+
+def bars():
+    tests = table(DATA / "taylor_bars.csv")
+    measures = (("length", "Lf_mm"), ("foot", "Df_mm"), ("diameter at 0.2 L", "W_mm"))
+    base = two_at_a_time(bar, tests)
+    errors = []
+    for test, found in zip(tests, base):
+        e = {}
+        if not isinstance(found, str):
+            e = {n: 100 * (x / float(test[c]) - 1) for (n, c), x in zip(measures, found) if test[c]}
+            initial, final = float(test["L0_mm"]), float(test["Lf_mm"])
+            e["shortening"] = 100 * ((initial - found[0]) / (initial - final) - 1)
+        errors.append(e)
+    names = ("length", "shortening", "foot", "diameter at 0.2 L")
+    rows, short = [], []
+    for material in BAR_MATERIALS:
+        for label, low, high in RANGES:
+            chosen = [i for i, t in enumerate(tests) if t["material"] == material and low < float(t["T0_K"]) < high]
+            if not chosen:
+                continue
+            cells = []
+            for n in names:
+                e = [errors[i][n] for i in chosen if n in errors[i]]
+                size = f"{statistics.median(map(abs, e)):.1f} / {max(map(abs, e)):.1f}" if e else ""
+                cells += [size, f"{statistics.median(e):+.1f}"] if n == "length" else [size]
+            cells[3] += f" ({sum('foot' in errors[i] for i in chosen)})" if cells[3] else ""
+            stops = sum(isinstance(base[i], str) for i in chosen)
+            rows.append([material, label, f"{len(chosen)}", f"{stops}", *cells])
+    finished = [i for i, e in enumerate(errors) if e]
+
+    def change(**values):
+        """Returns the median absolute changes of length and foot in percent, of each third bar."""
+        chosen = finished[::3]
+        found = two_at_a_time(lambda i: bar(tests[i], **values), chosen)
+        pairs = [(a, base[i]) for i, a in zip(chosen, found) if not isinstance(a, str)]
+        return [statistics.median(abs(100 * (a[k] / b[k] - 1)) for a, b in pairs) for k in (0, 1)]
+
+    parts = [
+        ("numerical, 6 to 12 elements over the radius", *change(nr=12)),
+        ("A, 10 % (assumed)", *change(stronger=1.1)),
+        ("velocity, 1 % (assumed)", *change(faster=1.01)),
+    ]
+    budget = [[n, f"{x:.2f}", f"{y:.2f}"] for n, x, y in parts]
+    total = [root_sum_square(*(p[k] for p in parts)) for k in (1, 2)]
+    budget.append(["root of the sum of squares", *(f"{x:.2f}" for x in total)])
+    in_range = [i for i in finished if float(tests[i]["T0_K"]) < 1000]
+    for material in BAR_MATERIALS:
+        for n, what, u in (("length", "length", total[0]), ("foot", "foot diameter", total[1])):
+            e = [errors[i][n] for i in in_range if tests[i]["material"] == material and n in errors[i]]
+            short.append(summary(f"90 Taylor bars: {material}, below 1000 K, {what}", e, u))
+    hot = [errors[i]["length"] for i in finished if i not in in_range]
+    short.append(summary("90 Taylor bars: above 1200 K, outside the range of the constants, length", hot, total[0]))
+
+    def row(i):
+        t, found = tests[i], base[i]
+        stop = isinstance(found, str)
+        cells = [t["number"], t["material"], t["T0_K"], t["v0_mps"], t["L0_mm"]]
+        for k, (n, c) in enumerate(measures):
+            value = "" if stop else f"{found[k]:.2f}"
+            cells += [t[c], value, f"{errors[i][n]:+.1f}" if n in errors[i] else ""]
+        return [*cells, found if stop else ""]
+
+    head = ["number", "material", "initial temperature, K", "velocity, m/s", "initial length, mm"]
+    for n, _ in measures:
+        head += [f"{n}, measured, mm", "computed", "error, %"]
+    head.append("stop")
+    all_rows = [row(i) for i in range(len(tests))]
+    worst = sorted(in_range, key=lambda i: -abs(errors[i]["length"]))[:6]
+    plot_bar_scatter(tests, base)
+    return {
+        "summary": short,
+        "bars": (
+            [
+                "material",
+                "temperature",
+                "bars",
+                "stops",
+                "length, absolute error, median / largest, %",
+                "length, median error, %",
+                "shortening, %",
+                "foot, % (bars)",
+                "diameter at 0.2 L, %",
+            ],
+            rows,
+        ),
+        "bars-worst": (head[:8], [all_rows[i][:8] for i in worst]),
+        "bars-uncertainty": (["contribution, median absolute change", "length, %", "foot diameter, %"], budget),
+        "files": {"bars-all": (head, all_rows)},
+    }
+
+
+def outlines():
+    """Compares digitised outlines; plastic flow keeps the volume, so that the volume of an outline shows its quality."""
+    tests = {}
+    for r in table(DATA / "taylor_outlines.csv"):
+        tests.setdefault(r["outline"], (r, []))[1].append((max(0.0, float(r["z_mm"])), float(r["r_mm"])))
+    cases = []
+    for t, points in tests.values():
+        if t["material"] == "Ti-6Al-4V":
+            cases += [(t, points, *x) for x in TITANIUM]
+        else:
+            cases.append((t, points, "", *BAR_MATERIALS[t["material"]][:2]))
+    found = two_at_a_time(lambda c: bar_outline(c[0], *c[3:]), cases)
+    rows, errors = [], []
+    for (t, points, label, *_), (length, _, side) in zip(cases, found):
+        points.sort()
+        volume = sum(math.pi * (b - a) * (r * r + r * s + s * s) / 3 for (a, r), (b, s) in itertools.pairwise(points))
+        volume /= math.pi / 4 * float(t["D0_mm"]) ** 2 * float(t["L0_mm"])
+        shared = [(z, r) for z, r in points if z <= length]
+        rms = math.sqrt(statistics.mean((radius_at(side, z) - r) ** 2 for z, r in shared))
+        measured, (lowest, measured_foot) = points[-1][0], points[0]
+        foot = radius_at(side, lowest)
+        errors.append([100 * (length / measured - 1), 100 * (foot / measured_foot - 1)])
+        cells = [f"{measured:.2f}", f"{length:.2f}", percent(length, measured)]
+        cells += [f"{measured_foot:.2f}", f"{foot:.2f}", percent(foot, measured_foot), f"{rms:.2f}"]
+        name = f"{t['outline']}, {label}" if label else t["outline"]
+        rows.append([name, t["material"], t["v0_mps"], t["T0_K"], f"{100 * (volume - 1):+.1f}", *cells])
+    head = ["outline", "material", "velocity, m/s", "initial temperature, K", "volume of the outline, %"]
+    head += ["length, measured, mm", "computed", "error, %", "radius at the lowest point, mm", "computed", "error, %"]
+
+    def change(k, **values):
+        """Returns the median absolute change of length (0) or foot (1) in percent."""
+        changed = two_at_a_time(lambda c: bar_outline(c[0], *c[3:], **values), cases)
+        return statistics.median(abs(100 * (a[k] / b[k] - 1)) for a, b in zip(changed, found))
+
+    short = [
+        summary(
+            f"outlines of Taylor bars, {what}",
+            [e[k] for e in errors],
+            root_sum_square(change(k, nr=12), change(k, faster=1.01)),
+        )
+        for k, what in ((0, "length"), (1, "radius at the lowest point"))
+    ]
+    return {"summary": short, "outlines": ([*head, "outline, rms difference, mm"], rows)}
+
+
 # Plate impacts
 
 
@@ -736,6 +933,221 @@ def plates():
     }
 
 
+# Stress at a face of copper and titanium
+
+
+def measures_gauge(points):
+    """The zero of time of the record is not the impact: times count from the arrival of the main wave."""
+    main = crossing(points, 3.4)
+    falling = next(
+        t0 + (t1 - t0) * (v0 - 6.0) / (v0 - v1)
+        for (t0, v0), (t1, v1) in itertools.pairwise(points)
+        if t0 > main + 1 and v0 >= 6.0 > v1
+    )
+    return [
+        ("plateau, 0.60 to 1.50 µs after the main wave (3.4 GPa), GPa", mean(points, main + 0.6, main + 1.5), 3),
+        ("release (6 GPa) after the main wave, µs", falling - main, 3),
+    ]
+
+
+def gauge():
+    points = record("gauge_ti64_454")
+    measured = measures_gauge(points)
+
+    def computed(**values):
+        return measures_gauge(curve(run("plate_gauge", **values), "S22@GAUGE", -1e-9))
+
+    rows, errors = [], {}
+    for label, _, material in TITANIUM:
+        fine, coarse = computed(material=material), computed(material=material, size=20e-6)
+        for (name, e, digits), (_, s, _), (_, c, _) in zip(measured, fine, coarse):
+            rows.append(
+                [label, name, f"{e:.{digits}f}", f"{s:.{digits}f}", percent(s, e), f"{100 * abs(s - c) / s:.2f}"]
+            )
+            errors.setdefault(name, []).append((100 * (s / e - 1), 100 * (c / s - 1)))
+    base = computed()
+    changed = [computed(Cu_c0=1.01 * 3940.0), computed(Ti_c0=1.01 * 5130.0), computed(V=1.01 * 454.0)]
+    short = []
+    for i, (name, e) in enumerate(errors.items()):
+        inputs = [100 * (c[i][1] / base[i][1] - 1) for c in changed]
+        quantity = f"gauge at a titanium face, {name.partition(' ')[0].rstrip(',')}"
+        short.append(summary(quantity, [x for x, _ in e], root_sum_square(*inputs, *(u for _, u in e[:1]))))
+    head = ["constants", "quantity", "measured", "computed", "error, %", "change from 20 to 10 µm, %"]
+    return {"summary": short, "gauge": (head, rows)}
+
+
+# Flow stresses
+
+FLOW_STRAINS = (0.02, 0.05, 0.1, 0.2)
+FLOW_FILE = "taylor_bars_material.csv"
+
+
+def flow():
+    """Compares digitised stress-strain curves with `revolve material`; above 1 per s plastic work heats the element."""
+    tests = table(DATA / "flow_stress.csv")
+    files = {"6061-T6 aluminium": "6061-T6 aluminium", "annealed copper": "OFHC copper"}
+
+    def stresses(test, stronger=1.0):
+        file, material, name, strength = BAR_MATERIALS[files[test["material"]]]
+        rate, temperature = test["rate_1_s"], test["T0_K"]
+        with tempfile.TemporaryDirectory(dir=WORK) as out:
+            options = settings({"file": file, "material": material, name: stronger * strength})
+            options += ["--rates", rate, "--temperatures", temperature, "--strain", 0.21, "--out", out, "-q"]
+            heating = [] if float(rate) > 1 else ["--isothermal"]
+            revolve("material", DECKS / "taylor_bars.inp", *options, *heating)
+            points = [(float(r["true strain"]), float(r["true stress"]) / 1e6) for r in table(Path(out) / FLOW_FILE)]
+        return [value(points, strain) for strain in FLOW_STRAINS]
+
+    found = two_at_a_time(stresses, tests)
+    groups = (
+        ("6061-T6 aluminium", "77 to 250 K", 0, 250),
+        ("6061-T6 aluminium", "250 to 310 K", 250, 310),
+        ("6061-T6 aluminium", "360 to 480 K", 310, 500),
+        ("6061-T6 aluminium", "530 to 644 K", 500, 700),
+        ("annealed copper", "298 K", 0, 310),
+        ("annealed copper", "473 to 873 K", 310, 1000),
+    )
+
+    measured = ([t[f"s{e:g}_MPa"] for e in FLOW_STRAINS] for t in tests)
+    errors = [[100 * (c / float(m) - 1) if m else None for m, c in zip(x, y)] for x, y in zip(measured, found)]
+    rows, short = [], []
+    for material, label, low, high in groups:
+        for speed, slow, fast in (("to 1", 0, 1), ("1.1 to 150", 1, 150), ("380 to 4000", 150, 1e4)):
+            chosen = [
+                e
+                for t, e in zip(tests, errors)
+                if t["material"] == material and low < float(t["T0_K"]) < high and slow < float(t["rate_1_s"]) <= fast
+            ]
+            cells = []
+            for column in zip(*chosen):
+                e = [x for x in column if x is not None]
+                cells.append(f"{statistics.median(e):+.1f} / {max(e, key=abs):+.1f}" if e else "")
+            if chosen:
+                rows.append([material, label, speed, f"{len(chosen)}", *cells])
+    ranges = {"6061-T6 aluminium": (293, 700, 1e-3, 1e4), "annealed copper": (223, 1000, 1, 1e5)}
+
+    def in_range(t):
+        """Returns whether a curve is in the range that the file of the material states."""
+        cold, hot, slow, fast = ranges[t["material"]]
+        return cold <= float(t["T0_K"]) <= hot and slow <= float(t["rate_1_s"]) <= fast
+
+    strong = two_at_a_time(lambda t: stresses(t, 1.1), tests)
+    for label, rule in (
+        (
+            "6061-T6 aluminium, 294 to 300 K",
+            lambda t: t["material"][0] == "6" and in_range(t) and float(t["T0_K"]) < 310,
+        ),
+        (
+            "6061-T6 aluminium, 366 to 618 K",
+            lambda t: t["material"][0] == "6" and in_range(t) and float(t["T0_K"]) > 310,
+        ),
+        ("annealed copper", lambda t: t["material"][0] == "a" and in_range(t)),
+        ("both metals outside the range of the constants", lambda t: not in_range(t)),
+    ):
+        change = [100 * (b[1] / a[1] - 1) for t, a, b in zip(tests, found, strong) if rule(t)]
+        e = [x for t, row in zip(tests, errors) if rule(t) for x in row if x is not None]
+        short.append(summary(f"flow stress of {label}", e, statistics.median(change)))
+    plot_flow(tests, found)
+    head = ["curve", "rate, per s", "temperature, K"]
+    for e in FLOW_STRAINS:
+        head += [f"at {e:g}, measured, MPa", "computed", "error, %"]
+    single = []
+    for t, c in zip(tests, found):
+        cells = [t["curve"], t["rate_1_s"], t["T0_K"]]
+        for e, x in zip(FLOW_STRAINS, c):
+            m = t[f"s{e:g}_MPa"]
+            cells += [m, f"{x:.1f}", percent(x, float(m)) if m else ""]
+        single.append(cells)
+    columns = ["material", "temperature", "rate, per s", "curves"] + [f"strain {e:g}" for e in FLOW_STRAINS]
+    return {"summary": short, "flow": (columns, rows), "files": {"flow-all": (head, single)}}
+
+
+# Blast
+
+DISTANCES = ("overpressure_kPa", "impulse_Pas", "arrival_ms")
+
+
+def blast():
+    tests = table(DATA / "blast_surface_10kg.csv")
+    mass = 1e6  # per area, as in the deck
+
+    def wave(distance, **values):
+        rows = run("blast_surface", R=distance, **values)
+        first = next(r for r in rows if r["A2@REF"] != 0)
+        return -mass * first["A2@REF"] / 1e3, -mass * rows[-1]["V2@REF"], 1e3 * first["time"]
+
+    def simplified(distance, mass=10.0):
+        """Returns the incident overpressure in kPa of the simplified equation of Swisdak 1994, 0.2 to 23.8 m/kg^(1/3)."""
+        near, far = (7.2106, -2.1069, -0.3229, 0.1117, 0.0685), (7.5938, -3.0523, 0.40977, 0.0261, -0.01267)
+        log = math.log(distance / mass ** (1 / 3))
+        return math.exp(sum(c * log**i for i, c in enumerate(near if log < math.log(2.9) else far)))
+
+    found = [wave(float(t["distance_m"])) for t in tests]
+    rows, errors = [], {k: [] for k in (*DISTANCES, "simplified")}
+    for t, w in zip(tests, found):
+        x = simplified(float(t["distance_m"]))
+        cells = [t["distance_m"], f"{x:.4g}", percent(w[0], x)]
+        errors["simplified"].append(100 * (w[0] / x - 1))
+        for k, x in zip(DISTANCES, w):
+            cells += [t[k], f"{x:.4g}", percent(x, float(t[k]))]
+            errors[k].append(100 * (x / float(t[k]) - 1))
+        rows.append(cells)
+    heavy = [wave(float(t["distance_m"]), W=10.5) for t in tests]
+    wide = [wave(float(t["distance_m"]), width=1e-2) for t in tests]
+    short = []
+    names = ("overpressure of the set", "impulse of the set", "arrival of the set", "simplified overpressure")
+    for i, (e, name) in enumerate(zip(errors.values(), names)):
+        parts = (
+            statistics.median(abs(100 * (a[i % 3] / b[i % 3] - 1)) for a, b in zip(x, found)) for x in (heavy, wide)
+        )
+        short.append(summary(f"surface burst, {name}", e, root_sum_square(*parts)))
+    head = ["distance, m", "simplified overpressure, kPa", "difference, %"]
+    for name in ("overpressure of the set, kPa", "impulse of the set, Pa s", "arrival of the set, ms"):
+        head += [name, "Revolve", "difference, %"]
+    return {"summary": short, "blast": (head, rows)}
+
+
+# Hugoniots
+
+HUGONIOTS = (
+    ("copper_ofhc", "Cu_OFHC"),
+    ("copper_half_hard", "Cu"),
+    ("aluminium_2024_t351", "Al_2024"),
+    ("aluminium_6061_t6", "Al_6061"),
+    ("aluminium_7075_t651", "Al_7075_T6"),
+    ("titanium_6al4v", "Ti_6Al_4V"),
+    ("tungsten_alloy", "W"),
+    ("PMMA of plate_titanium_pmma", "PMMA"),
+)
+
+
+def hugoniots():
+    """Compares constants of the decks with published lines, and the pressure at a particle velocity of 500 m/s."""
+    lines = {r["line"]: r for r in table(DATA / "hugoniots.csv")}
+    rows, errors = [], []
+    for name, line in HUGONIOTS:
+        published = [float(lines[line][k]) for k in ("rho_kg_m3", "c0_m_s", "s")]
+        path = DECKS / "plate_titanium_pmma.inp" if line == "PMMA" else ROOT / "input" / "materials" / f"{name}.inp"
+        text = path.read_text(encoding="utf-8")
+        density = re.search(r"\*Density\n *([^,]+),", text)[1]
+        c0, s = (x.strip() for x in re.search(r"type=USUP\n(.*)", text)[1].split(",")[:2])
+        if c0.startswith("<"):
+            c0 = re.search(rf"{c0[1:-1]} = (\S+)", text)[1]
+        given = [float(density), float(c0), float(s)]
+        pressure = [r * (c + k * 500.0) * 500.0 / 1e9 for r, c, k in (given, published)]
+        cells = [f"{g:g} ({percent(g, p)})" for g, p in zip(given, published)]
+        errors.append(100 * (pressure[0] / pressure[1] - 1))
+        file = f"`{name}.inp`" if line != "PMMA" else "PMMA of `plate_titanium_pmma.inp`"
+        source = lines[line]["citation"].partition(",")[0]
+        rows.append([file, f"{line}, {source}", *cells, f"{pressure[0]:.2f} ({percent(*pressure)})"])
+    head = ["file", "published line", "density, kg/m³ (difference, %)", "$c_0$, m/s", "$s$", "pressure at 500 m/s, GPa"]
+    independent = [e for e, (name, _) in zip(errors, HUGONIOTS) if name.startswith(("aluminium_6", "PMMA"))]
+    return {
+        "summary": [summary("pressure at 500 m/s of lines of other sources", independent, None)],
+        "hugoniots": (head, rows),
+    }
+
+
 # Ready materials
 
 ALL_MATERIALS = {
@@ -829,6 +1241,55 @@ def plot_bars(curves):
         save(fig, "taylor")
 
 
+def plot_flow(tests, found):
+    fig, axes = figure(10, 4.8, 2)
+    if fig:
+        for ax, material in zip(axes[0], ("6061-T6 aluminium", "annealed copper")):
+            for k, strain in enumerate(FLOW_STRAINS):
+                xy = [
+                    (float(t[f"s{strain:g}_MPa"]), c[k])
+                    for t, c in zip(tests, found)
+                    if t["material"] == material and t[f"s{strain:g}_MPa"]
+                ]
+                ax.plot(*zip(*xy), "o", ms=4, label=f"strain {strain:g}")
+            line = (30, max(ax.get_xlim()[1], ax.get_ylim()[1]))
+            ax.plot(line, line, "k-", lw=1)
+            for f in (0.9, 1.1):
+                ax.plot(line, [f * x for x in line], "k--", lw=0.7)
+            ax.set(title=material, xlabel="measured stress, MPa", ylabel="computed stress, MPa")
+        axes[0][0].legend(fontsize="small")
+        save(fig, "flow")
+
+
+def plot_bar_scatter(tests, found):
+    fig, axes = figure(10, 4.8, 2)
+    if fig:
+        quantities = (
+            (0, "Lf_mm", "L0_mm", "length / initial length"),
+            (1, "Df_mm", "D0_mm", "foot / initial diameter"),
+        )
+        for ax, (k, column, initial, name) in zip(axes[0], quantities):
+            for material, colour in zip(BAR_MATERIALS, ("tab:red", "tab:orange", "tab:blue", "0.3")):
+                for hot, mark in ((False, "o"), (True, "^")):
+                    xy = [
+                        (float(t[column]) / float(t[initial]), f[k] / float(t[initial]))
+                        for t, f in zip(tests, found)
+                        if t["material"] == material
+                        and t[column]
+                        and not isinstance(f, str)
+                        and (float(t["T0_K"]) > 400) == hot
+                    ]
+                    if xy:
+                        ax.plot(*zip(*xy), mark, ms=4, color=colour, label=material + (", heated" if hot else ""))
+            line = ax.get_xlim()
+            ax.plot(line, line, "k-", lw=1)
+            for f in (0.95, 1.05):
+                ax.plot(line, [f * x for x in line], "k--", lw=0.7)
+            ax.set(xlabel=f"measured {name}", ylabel=f"computed {name}")
+        axes[0][0].legend(fontsize="small")
+        save(fig, "bars")
+
+
 def plot_plates(pictures):
     tests = list(dict.fromkeys(p[0] for p in pictures))
     fig, axes = figure(4 * len(tests), 4, len(tests))
@@ -862,6 +1323,14 @@ def plot_curves(curves):
 def markdown(head, rows):
     lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
+
+
+def comma_separated(head, rows):
+    output = io.StringIO()
+    writer = csv.writer(output, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(rows)
+    return output.getvalue()
 
 
 def marked(name):
@@ -904,7 +1373,13 @@ def main():
         "rods": rods,
         "concrete": concrete,
         "taylor": taylor,
+        "bars": bars,
+        "outlines": outlines,
         "plates": plates,
+        "gauge": gauge,
+        "flow": flow,
+        "hugoniots": hugoniots,
+        "blast": blast,
         "materials": materials,
     }
     check, wrong = "--check" in sys.argv, []
@@ -913,6 +1388,12 @@ def main():
             continue
         tables = compute()
         file = MATERIALS_PAGE if family == "materials" else PAGE
+        for name, (head, rows) in tables.pop("files", {}).items():
+            stored = ROOT / "docs" / "validation" / f"{name}.csv"
+            if check:
+                wrong += differences(name, stored.read_text(encoding="utf-8"), comma_separated(head, rows))
+            else:
+                stored.write_text(comma_separated(head, rows), encoding="utf-8")
         if "summary" in tables:
             tables["summary"] = merged_summary(family, tables["summary"], list(families))
         for name, (head, rows) in tables.items():
@@ -925,10 +1406,7 @@ def main():
                 wrong += differences(name, place[2], text)
                 continue
             file.write_text(page[: place.start(2)] + text + page[place.end(2) :], encoding="utf-8")
-            with open(ROOT / "docs" / "validation" / f"{name}.csv", "w", newline="", encoding="utf-8") as output:
-                writer = csv.writer(output, lineterminator="\n")
-                writer.writerow(head)
-                writer.writerows(rows)
+            (ROOT / "docs" / "validation" / f"{name}.csv").write_text(comma_separated(head, rows), encoding="utf-8")
         print(f"{family}: done", flush=True)
     if wrong:
         sys.exit("\n".join(wrong))
