@@ -333,7 +333,7 @@ fn untrusted_command_ends_at_its_time_limit() {
 fn untrusted_commands_show_no_lines_of_included_files() {
     let scratch = tempfile::tempdir().expect("a folder");
     let folder = scratch.path();
-    fs::copy(project("input/rod_plate.inp"), folder.join("rod.inp")).expect("a deck");
+    fs::copy(project("input/rod_plate_deletion.inp"), folder.join("rod.inp")).expect("a deck");
     let deck = fs::read_to_string(folder.join("rod.inp")).expect("a deck");
     let (head, step) = deck.split_once("*Contact\n").expect("contact");
     let deck = format!("{head}*Include, input=own.inc\n*End Step\n").replace("40.e-6", "1.e-8");

@@ -323,7 +323,7 @@ fn listed_and_allocated_bytes(text: &str, routines: &Routines) -> (usize, usize)
 
 /// Returns a rod on a plate with element deletion: contact reserves memory for every face that deletion may expose.
 fn eroding_plate() -> String {
-    let text = std::fs::read_to_string(common::project("input/rod_plate.inp")).expect("a deck");
+    let text = std::fs::read_to_string(common::project("input/rod_plate_deletion.inp")).expect("a deck");
     text.split("*Output").next().expect("text").replace("<time>", "1e-8") + "*End Step\n"
 }
 
@@ -444,7 +444,7 @@ fn memory_of_a_run_per_element_is_small() {
 /// 40 identical steps need no more memory than one: bytes of the ledger, of plan and state, and allocated in planning.
 #[test]
 fn memory_does_not_grow_with_the_number_of_steps() {
-    let text = std::fs::read_to_string(common::project("input/rod_plate.inp")).expect("a deck");
+    let text = std::fs::read_to_string(common::project("input/rod_plate_deletion.inp")).expect("a deck");
     let (head, step) = text.split_at(text.find("*Step").expect("a step"));
     let conditions = &step[step.find("*Contact\n").expect("contact")..step.find("*Output").expect("output")];
     let bytes = |steps: usize| {

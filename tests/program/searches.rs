@@ -37,7 +37,7 @@ fn number(value: &Value) -> f64 {
 /// rod with a step that lasts ten times as long. The limit is the same with and without a residual velocity.
 #[test]
 fn meshed_rod_that_is_still_in_the_plate_has_not_perforated() {
-    let text = fs::read_to_string(project("input/rod_plate.inp")).expect("a deck");
+    let text = fs::read_to_string(project("input/rod_plate_deletion.inp")).expect("a deck");
     let [before, after] = ["*Dynamic, Explicit\n , 40.e-6", "*Energy Output"];
     assert!(text.contains(before) && text.contains(after), "the deck has changed");
     let parts = text.replace(after, "*Energy Output, elset=ROD\n PARTVEL\n*Energy Output");
@@ -64,7 +64,7 @@ fn meshed_rod_that_is_still_in_the_plate_has_not_perforated() {
 /// A rod that has not reached the plate at the end of the step, even after its extension, has not perforated.
 #[test]
 fn rod_that_does_not_reach_the_plate_has_not_met_it() {
-    let text = fs::read_to_string(project("input/rod_plate.inp")).expect("a deck");
+    let text = fs::read_to_string(project("input/rod_plate_deletion.inp")).expect("a deck");
     let short = text.replace("*Dynamic, Explicit\n , 40.e-6", "*Dynamic, Explicit\n , 1.e-8");
     assert_ne!(short, text);
     let folder = tempfile::tempdir().expect("a folder");

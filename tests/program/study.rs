@@ -340,7 +340,7 @@ fn target_is_met_with_singular_corners() {
 /// over the last third less than half as much. Bar: no uncertainty is below the noise. An elastic wave does not amplify perturbations.
 #[test]
 fn noise_of_an_eroding_model_limits_the_uncertainty() {
-    let eroding = || deck_study("input/rod_plate.inp", "mesh=1/2,1", "final(V2@TAIL)", None, 8).0;
+    let eroding = || deck_study("input/rod_plate_deletion.inp", "mesh=1/2,1", "final(V2@TAIL)", None, 8).0;
     let study = eroding();
     let noise = study.noise.as_ref().expect("noise");
     println!("{noise:?}");

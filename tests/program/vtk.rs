@@ -73,11 +73,12 @@ fn pyvista_pictures_match_the_results() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
     for points in ["current", "reference"] {
-        let output = common::revolve(&["run", "input/rod_plate.inp", "-q", "-o", &out(points), "--points", points]);
+        let output =
+            common::revolve(&["run", "input/rod_plate_deletion.inp", "-q", "-o", &out(points), "--points", points]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/pictures.py");
-    let series = ["current", "reference"].map(|points| format!("{}/rod_plate.pvd", out(points)));
+    let series = ["current", "reference"].map(|points| format!("{}/rod_plate_deletion.pvd", out(points)));
     let output = Command::new(python).arg(script).args(series).arg(folder.path()).output().expect("python runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
@@ -102,11 +103,12 @@ fn vtk_library_warps_hides_and_reads_tensors() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = |name: &str| folder.path().join(name).to_str().expect("a name").to_owned();
     for (name, points) in [("now", "current"), ("start", "reference")] {
-        let output = common::revolve(&["run", "input/rod_plate.inp", "-q", "-o", &out(name), "--points", points]);
+        let output =
+            common::revolve(&["run", "input/rod_plate_deletion.inp", "-q", "-o", &out(name), "--points", points]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     }
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/warp_vtk.py");
-    let series = |name: &str| format!("{}/rod_plate.pvd", out(name));
+    let series = |name: &str| format!("{}/rod_plate_deletion.pvd", out(name));
     let output = Command::new(python).args([script, &series("now"), &series("start")]).output().expect("python runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");

@@ -118,8 +118,8 @@ fn announced_output_matches_written_files() {
 #[test]
 fn announced_bytes_of_examples_match_written_files() {
     let folder = tempfile::tempdir().expect("a folder");
-    let text_of_rod = std::fs::read_to_string(project("input/rod_plate.inp")).expect("a deck");
-    let rod = path_in(&folder, "rod_plate.inp");
+    let text_of_rod = std::fs::read_to_string(project("input/rod_plate_deletion.inp")).expect("a deck");
+    let rod = path_in(&folder, "rod_plate_deletion.inp");
     std::fs::write(&rod, text_of_rod.replace("40.e-6", "4.e-6")).expect("a deck");
     for (deck, settings) in [
         ("input/ogive.inp", &[][..]),

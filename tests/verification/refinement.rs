@@ -83,7 +83,7 @@ fn refined_decks_have_the_results_of_generated_meshes() {
         (&taylor, &[("nr", "8"), ("nz", "40")]),
     );
     // Without element deletion, which depends on rounding errors.
-    let rod = input("rod_plate.inp").replace("80.e-6", "40.e-6");
+    let rod = input("rod_plate_deletion.inp").replace("80.e-6", "40.e-6");
     let fine = [("nr", "6"), ("nz", "30"), ("mr", "30"), ("mz", "15"), ("strain", "60")];
     let coarse = [("nr", "2"), ("nz", "10"), ("mr", "10"), ("mz", "5"), ("strain", "60"), ("mesh", "3")];
     compare("rod and plate", (&rod, &coarse), (&rod, &fine));
@@ -435,7 +435,7 @@ fn coarsened_decks_have_the_results_of_coarse_meshes() {
     let taylor = input("taylor_copper.inp");
     let fine = [("nr", "8"), ("nz", "40"), ("mesh", "1/2")];
     compare("merged Taylor bar", (&taylor, &fine), (&taylor, &[("nr", "4"), ("nz", "20")]));
-    let rod = input("rod_plate.inp");
+    let rod = input("rod_plate_deletion.inp");
     let fine = [("nr", "6"), ("nz", "30"), ("mr", "30"), ("mz", "15"), ("strain", "60"), ("mesh", "1/3")];
     let coarse = [("nr", "2"), ("nz", "10"), ("mr", "10"), ("mz", "5"), ("strain", "60")];
     compare("merged rod and plate", (&rod, &fine), (&rod, &coarse));

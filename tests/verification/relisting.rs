@@ -53,7 +53,7 @@ fn written_decks_have_the_results_of_refined_decks() {
     assert_same_results("Taylor bar", &taylor, &[("nr", "4"), ("nz", "20"), ("mesh", "2")]);
     assert_same_results("merged Taylor bar", &taylor, &[("nr", "4"), ("nz", "20"), ("mesh", "1/2")]);
     assert_same_results("listed Taylor bar", &taylor, &[("nr", "4"), ("nz", "20"), ("mesh", "1")]);
-    let rod = short("rod_plate.inp", "40.e-6", "4.e-6");
+    let rod = short("rod_plate_deletion.inp", "40.e-6", "4.e-6");
     let sizes = [("nr", "2"), ("nz", "10"), ("mr", "10"), ("mz", "5"), ("mesh", "3")];
     assert_same_results("rod and plate", &rod, &sizes);
     assert_same_results("ogive", &input("ogive.inp"), &[("n", "5"), ("V", "500"), ("mesh", "4")]);

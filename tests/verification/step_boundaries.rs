@@ -265,7 +265,7 @@ fn deformable_examples_do_not_depend_on_steps() {
         "press_fit",
         "punch_rubber",
         "push_out",
-        "rod_plate",
+        "rod_plate_deletion",
         "sphere_on_plate",
         "taylor_copper",
         "tube_crush",

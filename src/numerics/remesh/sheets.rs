@@ -19,15 +19,16 @@ const SMALLEST: f64 = 0.25;
 const ATTEMPTS: usize = 10;
 
 /// Returns which elements form sheets that are thinner than a fraction of the wanted edge, and what they hold: small parts, and
-/// elements at nodes in which the rest would touch itself. `None` if nothing is left out, if nothing else remains, or if an
-/// element with a node that is `needed` would be left out.
+/// elements at nodes in which the rest would touch itself. Elements with a node that is `needed` stay. `None` if nothing can be
+/// left out.
 pub fn thin_elements(mesh: &BodyMesh, fraction: f64, needed: impl Fn(u32) -> bool) -> Option<Vec<bool>> {
     if fraction == 0.0 {
         return None;
     }
     let mut thin = vec![false; mesh.quads.len()];
+    let is_needed = |e: usize| mesh.quads[e].iter().any(|n| needed(*n));
     for edge in thin_edges(mesh, fraction) {
-        thin[edge.side.0 as usize] = true;
+        thin[edge.side.0 as usize] = !is_needed(edge.side.0 as usize);
     }
     if !thin.contains(&true) {
         return None;
@@ -35,8 +36,8 @@ pub fn thin_elements(mesh: &BodyMesh, fraction: f64, needed: impl Fn(u32) -> boo
     for _ in 0..ATTEMPTS {
         leave_out_small_parts(mesh, &mut thin);
         if !separate(mesh, &mut thin) {
-            let is_needed = mesh.quads.iter().zip(&thin).any(|(quad, thin)| *thin && quad.iter().any(|n| needed(*n)));
-            return (thin.contains(&false) && !is_needed).then_some(thin);
+            let loses = (0..thin.len()).any(|e| thin[e] && is_needed(e));
+            return (thin.contains(&false) && !loses).then_some(thin);
         }
     }
     None
@@ -165,8 +166,9 @@ mod tests {
         assert_eq!((thin.iter().filter(|thin| **thin).count(), thin.iter().rposition(|thin| !thin)), (4, Some(31)));
         assert_eq!(thin_elements(&blocks(0.2), 0.1, |_| false), None);
         assert_eq!(thin_elements(&blocks(0.05), 0.0, |_| false), None);
-        let last = blocks(0.05).quads[35][0];
-        assert_eq!(thin_elements(&blocks(0.05), 0.1, |n| n == last), None);
+        // The last element of the web stays, and a part of it is left that is too small: so does the whole.
+        let last = blocks(0.05).quads[35][2];
+        assert!(thin_elements(&blocks(0.05), 0.1, |n| n == last).is_some_and(|thin| !thin[35] && thin[34]));
     }
 
     /// The tip of a wedge has no thickness, but is no sheet.
