@@ -4,6 +4,8 @@
 //! dissipate.
 //! Source: closed forms of one element in uniaxial strain; the tolerance is stated at each test.
 
+use revolve::user::Routines;
+
 use crate::common::bodies::{DeckRun, run};
 use crate::common::solid::{grid, material};
 
@@ -113,4 +115,28 @@ fn coupled_damage_reduces_the_flow_stress() {
         assert!((mises / expected - 1.0).abs() < 1e-9 && strain > 0.04);
         assert!((pressure / (-BULK * 1.05_f64.ln()) - 1.0).abs() < 1e-3);
     }
+}
+
+/// The deck of `revolve new plate` on two meshes: the loss of the contact falls with the size of the elements, and the velocity
+/// of the rod changes by less than with deletion of elements it scatters.
+#[test]
+fn loss_of_a_perforation_falls_with_the_size_of_the_elements() {
+    let deck = std::fs::read_to_string(crate::common::project("input/rod_plate.inp")).expect("a deck");
+    let values = ["1", "2"].map(|mesh| {
+        let settings = [("mesh", mesh)];
+        let (outcome, memory) = crate::common::run(&deck, &settings, &Routines::none());
+        assert!(outcome.halt.is_none());
+        let prepared = crate::common::prepared(&deck, &settings, &Routines::none());
+        let value = |name: &str, row: usize| {
+            let at = prepared.plan.columns.iter().position(|c| c.name == name).expect("a column");
+            memory.rows[row].1[at]
+        };
+        let last = memory.rows.len() - 1;
+        let put_in = value("ALLKE", 0);
+        let drift = (value("ETOTAL", last) - value("ETOTAL", 0)) / put_in;
+        [value("ALLCW", last) / put_in, value("PARTVEL@ROD", last), drift]
+    });
+    println!("{values:?}");
+    assert!(values[0][0] < 0.012 && values[1][0] < 0.6 * values[0][0]);
+    assert!(values.iter().all(|[_, velocity, drift]| (-450e3..-400e3).contains(velocity) && drift.abs() < 1e-3));
 }

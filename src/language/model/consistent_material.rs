@@ -163,8 +163,9 @@ impl ConsistencyCheck<'_> {
                 self.check_of(material, require(is_non_negative(value), message));
             }
             if let DamageEvolution::Strain(critical, length) = criterion.evolution {
-                let values = [[critical, length.unwrap_or(f64::NAN)]];
-                self.rows(material, fields!(cards::CoupledDamage: "critical damage", "length"), &values);
+                self.rows(material, fields!(cards::CoupledDamage: "critical damage"), &[[critical]]);
+                let length = length.map(|length| [length]);
+                self.rows(material, fields!(cards::CoupledDamage: "length"), length.as_slice());
             }
         }
     }

@@ -541,8 +541,8 @@ fn name_absorbed_energy(run: &RunState<'_>, share: f64) -> String {
                 if run.plan.remesh.is_some() {
                     ""
                 } else {
-                    ". Failed material that is kept (ELEMENT DELETION=NO on *SECTION CONTROLS, with *DAMAGE EVOLUTION) in a \
-                     body with *REMESH has a loss that falls with the size of the elements"
+                    ". Failed material that is kept (*FAILED MATERIAL) in a body with *REMESH has a loss that falls with the \
+                     size of the elements"
                 }
             ),
         ),
