@@ -112,7 +112,7 @@ fn coupled_damage_reduces_the_flow_stress() {
         let weight = if length.is_empty() { 1.0 } else { size / 2.0 };
         let expected = YIELD * (1.0 - critical * weight * strain / failure);
         println!("{size} {length}: {mises} {expected} {strain}");
-        assert!((mises / expected - 1.0).abs() < 1e-9 && strain > 0.04);
+        assert!((mises / expected - 1.0).abs() < 1e-9 && strain > 0.03);
         assert!((pressure / (-BULK * 1.05_f64.ln()) - 1.0).abs() < 1e-3);
     }
 }

@@ -2,6 +2,8 @@
 //! velocities of all pieces at the end of the run.
 
 use super::shot::{CREEP, ShotEnd};
+use crate::constraint::of_kind;
+use crate::constraint::tie::TiedNodes;
 use crate::element::parts::PartTotals;
 use crate::kernel::disjoint_sets::DisjointSets;
 use crate::plan::{Plan, State};
@@ -72,7 +74,7 @@ pub(super) fn end(plan: &Plan, start: &State, state: &State) -> Option<PassageEn
     if speed == 0.0 || mass == 0.0 || target == 0.0 {
         return None;
     }
-    let pieces = PieceList::new(plan, state, direction).within(&bodies);
+    let pieces = PieceList::new(plan, state, direction).within(&bodies, start);
     let momentum: f64 = pieces.iter().filter(|p| is_projectile[p.body]).map(|p| p.momentum).sum();
     if (momentum - direction * sum(true, |piece| piece.momentum)).abs() <= UNTOUCHED * mass * speed {
         return Some(PassageEnd { end: ShotEnd::NotMet, speed, remaining: f64::INFINITY });
@@ -111,23 +113,28 @@ fn end_of(piece: &Piece, obstacles: &[&Piece], speed: f64) -> PassageEnd {
     PassageEnd { end, speed: velocity.abs(), remaining }
 }
 
+/// What belongs to a piece in any mesh: new meshes change the nodes.
+#[derive(Clone, Copy, Debug)]
+enum PieceMember {
+    Element(usize, usize),
+    RigidBody(usize),
+}
+
 /// The pieces of a model in a state.
 struct PieceList {
     pieces: Vec<Piece>,
     /// Piece of each solver node, then of each rigid body.
     of: Vec<usize>,
-    /// A node or rigid body of each piece, as an index of `of`.
-    members: Vec<usize>,
+    /// A rigid body of each piece as an index of `of`, or one of its elements as group and index.
+    members: Vec<PieceMember>,
 }
 
 impl PieceList {
     fn new(plan: &Plan, state: &State, direction: f64) -> PieceList {
         let nodes = state.dofs.nodes.len();
         let mut sets = DisjointSets::new(nodes + state.dofs.bodies.len());
-        for (mesh_node, body) in plan.places.tied.iter() {
-            if let Some(node) = plan.places.nodes.get(&mesh_node) {
-                sets.unite(*node, nodes + body);
-            }
+        for tie in of_kind::<TiedNodes>(&state.constraints) {
+            tie.nodes.iter().for_each(|node| sets.unite(*node, nodes + tie.body));
         }
         let groups = &state.elements.groups;
         let active = || {
@@ -146,7 +153,7 @@ impl PieceList {
         };
         for (g, e) in active() {
             let members = groups[g].boundary(e);
-            let piece = list.piece_at(&mut sets, members[0] as usize);
+            let piece = list.piece_at(&mut sets, members[0] as usize, PieceMember::Element(g, e));
             let mut totals = PartTotals::default();
             state.elements.add_to_part(&mut totals, (g, e), &state.dofs.nodes);
             let places = || members.iter().map(|node| direction * state.dofs.nodes[*node as usize].z);
@@ -156,7 +163,7 @@ impl PieceList {
             piece.masses.push((places().sum::<f64>() / members.iter().count() as f64, totals.mass));
         }
         for (b, body) in state.dofs.bodies.iter().enumerate() {
-            let piece = list.piece_at(&mut sets, nodes + b);
+            let piece = list.piece_at(&mut sets, nodes + b, PieceMember::RigidBody(b));
             piece.mass += body.mass;
             piece.momentum += direction * body.mass * state.dofs.velocity(Dof::Body(b));
             let ends = plan.bodies[b].along_z.map(|z| direction * (z + body.displacement));
@@ -165,21 +172,28 @@ impl PieceList {
         list
     }
 
-    /// Returns the piece of a node or rigid body; creates it if it is new.
-    fn piece_at(&mut self, sets: &mut DisjointSets, member: usize) -> &mut Piece {
-        let root = sets.representative(member);
+    /// Returns the piece of a node or rigid body, to which a member belongs; creates it if it is new.
+    fn piece_at(&mut self, sets: &mut DisjointSets, place: usize, member: PieceMember) -> &mut Piece {
+        let root = sets.representative(place);
         if self.of[root] == usize::MAX {
             self.of[root] = self.pieces.len();
             self.members.push(member);
             self.pieces.push(Piece { front: f64::NEG_INFINITY, ..Piece::default() });
         }
-        self.of[member] = self.of[root];
-        &mut self.pieces[self.of[root]]
+        self.of[place] = self.of[root];
+        &mut self.pieces[self.of[place]]
     }
 
-    /// Returns the pieces with the index of the body to which each belonged at the start.
-    fn within(self, bodies: &PieceList) -> Vec<Piece> {
-        let body = |member: &usize| bodies.of[*member];
+    /// Returns the pieces with the index of the body to which each belonged in the state `start`. A body with new meshes is a
+    /// whole group of elements.
+    fn within(self, bodies: &PieceList, start: &State) -> Vec<Piece> {
+        let body = |member: &PieceMember| match *member {
+            PieceMember::Element(g, e) => {
+                let group = &start.elements.groups[g];
+                bodies.of[group.boundary(e.min(group.len() - 1))[0] as usize]
+            }
+            PieceMember::RigidBody(b) => bodies.of[start.dofs.nodes.len() + b],
+        };
         self.pieces
             .into_iter()
             .zip(&self.members)

@@ -26,14 +26,13 @@ pub struct KeptState {
     damage: DamageState,
     /// Factor on the deviatoric stress.
     share: Lanes,
-    /// Fraction of the tensile strength that remains, and mean stress when it began to fall, 0 in compression.
+    /// Factor on a tensile mean stress.
     cohesion: Lanes,
-    tension: Lanes,
     /// Volumetric strain of open cracks, which close before a pressure builds up.
     opening: Lanes,
 }
 
-carried_state!(KeptState { damage, share, cohesion, tension, opening });
+carried_state!(KeptState { damage, share, cohesion, opening });
 
 impl FailureLaw for KeptFailure {
     type State = KeptState;
@@ -45,7 +44,6 @@ impl FailureLaw for KeptFailure {
             damage: self.failure.fresh(area, volume),
             share: [1.0; LANES],
             cohesion: [1.0; LANES],
-            tension: [0.0; LANES],
             opening: [0.0; LANES],
         }
     }
@@ -72,10 +70,8 @@ impl FailureLaw for KeptFailure {
         1.0
     }
 
-    #[inline(always)]
     fn tension_limit(&self, state: &KeptState, lane: usize) -> f64 {
-        let cutoff = self.failure.tension_limit(&state.damage, lane);
-        if state.cohesion[lane] < 1.0 { cutoff.min(state.tension[lane] * state.cohesion[lane]) } else { cutoff }
+        if self.failure.tears(f64::INFINITY) { f64::INFINITY } else { self.failure.tension_limit(&state.damage, lane) }
     }
 
     fn stiffness_shares(&self, state: &KeptState, lane: usize) -> [f64; 2] {
@@ -100,30 +96,32 @@ impl FailureLaw for KeptFailure {
         }
         remaining
     }
+
+    #[inline(always)]
+    fn tension(&self, state: &KeptState, lane: usize) -> [f64; 2] {
+        [state.cohesion[lane], state.opening[lane]]
+    }
 }
 
 impl KeptFailure {
-    /// Reduces the shear strength of an element towards its residual fraction, in the time in which the loss crosses the
-    /// element, and its tensile strength in proportion. Returns the mean stress. Equations (6.20), (6.21).
+    /// Reduces the shear strength of an element towards its residual fraction, and its tensile strength towards zero, in the
+    /// time in which the loss crosses the element. Returns the mean stress. Equations (6.20), (6.21).
     fn weaken(&self, state: &mut KeptState, l: usize, input: &FailureInput) -> f64 {
-        let mean = input.mean[l];
-        if self.failure.tears(mean) {
+        let closed = input.mean[l] + input.bulk * state.opening[l];
+        if self.failure.tears(closed) {
             state.damage.fail(l);
         }
         let [damage, loosening] = self.damages(&state.damage, l);
-        if loosening > 0.0 && state.cohesion[l] == 1.0 {
-            state.tension[l] = mean.max(0.0).min(self.tension_limit(state, l));
-        }
         let lost = input.dt * self.speed / state.damage.length(l);
         let fall = |before: f64, target: f64, lost: f64| target.max(before - lost).min(before);
         state.cohesion[l] = fall(state.cohesion[l], 1.0 - loosening, lost);
-        let closed = mean + input.bulk * state.opening[l];
-        let limited = closed.min(self.tension_limit(state, l));
-        state.opening[l] = if input.bulk > 0.0 { (closed - limited) / input.bulk } else { 0.0 };
+        let tension = (state.cohesion[l] * closed).min(self.tension_limit(state, l));
+        let mean = if closed > 0.0 { tension } else { closed };
+        state.opening[l] = if input.bulk > 0.0 { (closed - mean) / input.bulk } else { 0.0 };
         // Fragments that have separated have no strength.
         let residual = (self.residual * libm::exp(-state.opening[l])).max(LEAST);
         state.share[l] = fall(state.share[l], (1.0 - damage).max(residual), (1.0 - self.residual) * lost);
-        limited
+        mean
     }
 
     /// Returns the largest damage of an element, and the largest one that reduces the tensile strength: coupled damage does so

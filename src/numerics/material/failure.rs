@@ -39,6 +39,11 @@ pub trait FailureLaw: Send + Sync + 'static {
     fn tension_limit(&self, _state: &Self::State, _lane: usize) -> f64 {
         f64::INFINITY
     }
+    /// Returns the factor on a tensile mean stress, and the volumetric strain by which the material has opened, where failed
+    /// elements stay.
+    fn tension(&self, _state: &Self::State, _lane: usize) -> [f64; 2] {
+        [1.0, 0.0]
+    }
     /// Returns the factors on bulk and shear modulus of an element that limit the increment, where the moduli are constant.
     fn stiffness_shares(&self, _state: &Self::State, _lane: usize) -> [f64; 2] {
         [1.0; 2]

@@ -249,7 +249,7 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             count: strain.count,
         };
         let (mut share_at_start, mut spherical_at_start) = ([0.0; LANES], [0.0; LANES]);
-        let mut limit_at_start = [f64::INFINITY; LANES];
+        let mut tension_at_start = [[1.0, 0.0]; LANES];
         for l in 0..LANES {
             let stress = column(stress, l);
             (input.mean[l], input.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
@@ -257,7 +257,9 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
         for l in 0..strain.count {
             share_at_start[l] = self.failure.share(&state.failure, l);
             spherical_at_start[l] = self.failure.mean_share(&state.failure, l);
-            limit_at_start[l] = self.failure.tension_limit(&state.failure, l);
+            if F::STAYS {
+                tension_at_start[l] = self.failure.tension(&state.failure, l);
+            }
             input.temperature[l] = self.temperature(state, l).unwrap_or(0.0);
         }
         let remaining = self.failure.degrade(&mut state.failure, &input);
@@ -286,6 +288,8 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             let [added_before, added_after] = [spherical_at_start[l] - share_at_start[l], spherical - remaining];
             let carried_mean = (strain.carried[0][l] + strain.carried[1][l] + strain.carried[2][l]) * (1.0 / 3.0);
             let limit = self.failure.tension_limit(&state.failure, l);
+            let tension =
+                [tension_at_start[l], if F::STAYS { self.failure.tension(&state.failure, l) } else { [1.0, 0.0] }];
             let shift = [limited - mean, limited - mean, limited - mean, 0.0];
             let (mut work, mut unloaded, volume) = (0.0, 0.0, strain.volume[l]);
             // Plastic work of the previous and the new stress without damage.
@@ -299,8 +303,9 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
                 let twice = if i == 3 { 2.0 } else { 1.0 };
                 let degraded_before = share_at_start[l] * carried + normal * added_before * carried_mean;
                 work += twice * increment * (degraded_before + degraded - added);
-                let (undamaged, undamaged_mean) = if V::EOS { (full[i] + shift[i], limited) } else { (full[i], mean) };
-                let lasting = share_at_start[l] * undamaged + normal * added_before * undamaged_mean;
+                // The mean stress of elements that stay has its own account.
+                let undamaged = if V::EOS || F::STAYS { full[i] + shift[i] } else { full[i] };
+                let lasting = share_at_start[l] * undamaged + normal * added_before * limited;
                 unloaded += twice * increment * (lasting - degraded);
                 let plastic = twice * flow * update.deviator[i][l];
                 flowed_before += plastic * carried;
@@ -310,22 +315,22 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             update.internal[l] += 0.5 * volume * work;
             let distortion = mises * mises * per_shear;
             // Only a change of the factor takes elastic energy.
-            let [volumetric_before, volumetric_after] = if !V::EOS {
-                [mean * mean / (2.0 * bulk), limited * limited / (2.0 * bulk)]
-            } else if share_at_start[l] == remaining && limit_at_start[l] == limit {
-                [0.0; 2]
+            let volumetric = if F::STAYS || V::EOS && share_at_start[l] == remaining {
+                0.0
+            } else if !V::EOS {
+                mean * mean / (2.0 * bulk)
             } else {
                 let element = ElementSize { volume: strain.current_volume[l], mass: strain.mass[l] };
-                [limit_at_start[l], limit].inline_map(|limit| {
-                    let energy = self.volumetric.recoverable_energy(&state.volumetric, l, element, limit);
-                    energy.unwrap_or(0.0) / volume
-                })
+                self.recoverable_energy(state, l, element).unwrap_or(0.0) / volume
             };
-            let energy_before = share_at_start[l] * (distortion + volumetric_before) + added_before * volumetric_before;
-            let energy_after = remaining * (distortion + volumetric_after) + added_after * volumetric_after;
+            let elastic = distortion + volumetric;
+            let (energy_before, energy_after) = (share_at_start[l] * elastic, remaining * elastic);
             // The work of the increment is that of the degraded stress (trapezoidal rule), without this elastic part.
             let missing = 0.5 * (unloaded - (share_at_start[l] - remaining) * flowed);
             let mut lost = (energy_before - energy_after) - missing;
+            if F::STAYS {
+                lost += self.lost_tension(state, strain, update, (l, mean), tension);
+            }
             if V::EOS && limit < f64::INFINITY {
                 lost += spherical_at_start[l] * update.limit_tension(strain, l, (mean, limit));
             }
@@ -334,6 +339,35 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             update.damaged[l] += volume * lost;
             update.deleted += usize::from(remaining == 0.0);
         }
+    }
+
+    /// Returns the volumetric energy per volume that elements which stay lose while their factor on tension falls, from the mean
+    /// stress `mean` of the trial or of the equation of state, and the factors and openings before and after. The specific
+    /// energy, which has the work of the undamaged tension, is corrected. Equation (6.22).
+    fn lost_tension(
+        &self,
+        state: &VonMisesState<H::State, V::State, F::State>,
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
+        (l, mean): (usize, f64),
+        [[factor_before, opening], [factor, _]]: [[f64; 2]; 2],
+    ) -> f64 {
+        let ElasticModuli { bulk, .. } = strain.moduli;
+        let dilation = strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l];
+        if V::EOS {
+            let excess = if mean > 0.0 { (1.0 - factor) * mean } else { 0.0 };
+            update.heat[l] += 0.5 * strain.volume[l] * dilation * excess;
+            if factor == factor_before || mean <= 0.0 {
+                return 0.0;
+            }
+            let element = ElementSize { volume: strain.current_volume[l], mass: strain.mass[l] };
+            return (factor_before - factor) * self.recoverable_energy(state, l, element).unwrap_or(0.0)
+                / strain.volume[l];
+        }
+        let after = mean + bulk * opening;
+        let before = after - bulk * dilation;
+        let of_sign = |mean: f64, factor: f64| if mean > 0.0 { factor } else { 1.0 };
+        (of_sign(before, factor_before) - of_sign(after, factor)) * before * after / (2.0 * bulk)
     }
 }
 

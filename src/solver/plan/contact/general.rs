@@ -9,7 +9,7 @@ use crate::model::{
     AnalyticalSide, ContactDomain, ElementSide, GeneralContact, Model, RigidSurfaceId, SideSelection, Step,
     SurfaceContact,
 };
-use crate::plan::meshes::pieces::{SetsOfParts, exterior_faces_of, pieces};
+use crate::plan::meshes::pieces::{SetsOfParts, exterior_faces_of, parts_in_contact};
 use crate::plan::{Pairs, Report, Scene};
 
 type ElementFace = (usize, ElementSide);
@@ -202,15 +202,6 @@ fn analytical_side(scene: Scene, pairing: &SurfacePairing) -> Option<AnalyticalS
     let is_rigid = nodes.iter().all(|n| scene.places.free_node(*n).is_none());
     nodes.retain(|n| is_rigid || scene.places.free_node(*n).is_some());
     Some(AnalyticalSide { side: 1, surface, nodes })
-}
-
-/// Returns the elements of each connected part that can be in contact, ascending.
-pub fn parts_in_contact(scene: Scene) -> Vec<Vec<usize>> {
-    let mesh = &scene.model.mesh;
-    let known = |e: &usize| scene.places.elements.contains_key(e) || scene.bodies.of_element.contains_key(e);
-    let elements: Vec<usize> =
-        (0..mesh.elements.len()).filter(|e| !mesh.elements[*e].kind.is_discrete()).filter(known).collect();
-    pieces(mesh, &elements)
 }
 
 /// Returns the exterior surface of each connected part; for shells the positive and the negative side.

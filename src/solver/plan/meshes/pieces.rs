@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use crate::kernel::disjoint_sets::DisjointSets;
 use crate::model::{ElementSide, Mesh, Model};
+use crate::plan::Scene;
 
 /// Splits elements into parts that are connected by common nodes, in the order of their first elements.
 pub fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
@@ -23,6 +24,15 @@ pub fn pieces(mesh: &Mesh, elements: &[usize]) -> Vec<Vec<usize>> {
         pieces[piece].push(e);
     }
     pieces
+}
+
+/// Returns the elements of each connected part that can be in contact, ascending.
+pub fn parts_in_contact(scene: Scene) -> Vec<Vec<usize>> {
+    let mesh = &scene.model.mesh;
+    let known = |e: &usize| scene.places.elements.contains_key(e) || scene.bodies.of_element.contains_key(e);
+    let elements: Vec<usize> =
+        (0..mesh.elements.len()).filter(|e| !mesh.elements[*e].kind.is_discrete()).filter(known).collect();
+    pieces(mesh, &elements)
 }
 
 /// Returns the index of the part to which each element of the mesh belongs.

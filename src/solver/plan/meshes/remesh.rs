@@ -8,7 +8,7 @@ use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::{ModelBody, is_shared, kept_nodes_of_histories};
 use crate::model::{AnalyticalFront, LoadKind, Model, OutputCard, OutputKind, OutputRegion, OutputRequest, Remeshing};
 use crate::plan::contact::cohesion::cohesive_behaviors;
-use crate::plan::contact::general::parts_in_contact;
+use crate::plan::meshes::pieces::parts_in_contact;
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::BodyMesh;
 use crate::remesh::outline::loops;
