@@ -123,14 +123,14 @@ test("completion offers the words that the page names", async () => {
     const list = (await connection.sendRequest("textDocument/completion", { textDocument: { uri }, position })) as { items: { label: string }[] };
     return list.items.map((item) => item.label);
   };
-  assert.equal(lines[112], " U2, V2");
-  assert.ok((await offered(113, " U2, V2, A")).includes("A"));
+  assert.equal(lines[117], " U2, V2");
+  assert.ok((await offered(118, " U2, V2, A")).includes("A"));
   assert.deepEqual((await offered(69, "*Solid Section, elset=")).sort(), ["PLATE", "ROD"]);
 });
 
-test("the run of the extended deck deletes the number of elements that the page states", () => {
-  writeFileSync(deck, withLine(113, " U2, V2, A"));
+test("the run of the extended deck makes the number of new meshes that the page states", () => {
+  writeFileSync(deck, withLine(118, " U2, V2, A"));
   const run = spawnSync(program, ["run", path.basename(deck)], { cwd: folder, encoding: "utf8" });
-  const [, count] = /\n(\d+) elements were deleted/.exec(page) ?? assert.fail("no number");
-  assert.match(run.stdout + run.stderr, new RegExp(`\\n${count} elements were deleted`));
+  const [, count] = /\nThe plate had (\d+) new meshes/.exec(page) ?? assert.fail("no number");
+  assert.match(run.stdout + run.stderr, new RegExp(`\\nnew meshes: ${count} `));
 });

@@ -20,13 +20,22 @@ pub struct KeptFailure {
 /// Smallest factor on the deviatoric stress: 0 marks deleted elements.
 const LEAST: f64 = 1e-6;
 
+/// Fraction of the tensile strength below which there is none. New meshes mix cracks with material that can be in tension: it
+/// forgets their opening.
+const LOOSE: f64 = 0.05;
+
+/// Returns the factor on a tensile mean stress.
+fn factor(cohesion: f64) -> f64 {
+    if cohesion < LOOSE { 0.0 } else { cohesion }
+}
+
 /// State of a block.
 #[derive(Clone, Debug, Persist)]
 pub struct KeptState {
     damage: DamageState,
     /// Factor on the deviatoric stress.
     share: Lanes,
-    /// Factor on a tensile mean stress.
+    /// Fraction of the tensile strength that remains.
     cohesion: Lanes,
     /// Volumetric strain of open cracks, which close before a pressure builds up.
     opening: Lanes,
@@ -88,40 +97,51 @@ impl FailureLaw for KeptFailure {
 
     #[inline(always)]
     fn degrade(&self, state: &mut KeptState, input: &FailureInput) -> RemainingStress {
-        let mut remaining = RemainingStress { stress: [1.0; LANES], spherical: [1.0; LANES], mean: input.mean };
+        let mut remaining = RemainingStress::of(input);
         self.failure.grow(&mut state.damage, input);
         for l in 0..input.count {
-            remaining.mean[l] = self.weaken(state, l, input);
+            (remaining.mean[l], remaining.released[l]) = self.weaken(state, l, input);
             remaining.stress[l] = state.share[l];
         }
         remaining
-    }
-
-    #[inline(always)]
-    fn tension(&self, state: &KeptState, lane: usize) -> [f64; 2] {
-        [state.cohesion[lane], state.opening[lane]]
     }
 }
 
 impl KeptFailure {
     /// Reduces the shear strength of an element towards its residual fraction, and its tensile strength towards zero, in the
-    /// time in which the loss crosses the element. Returns the mean stress. Equations (6.20), (6.21).
-    fn weaken(&self, state: &mut KeptState, l: usize, input: &FailureInput) -> f64 {
-        let closed = input.mean[l] + input.bulk * state.opening[l];
-        if self.failure.tears(closed) {
+    /// time in which the loss crosses the element. Returns the mean stress, and the volumetric energy that is lost
+    /// ([`RemainingStress::released`]). Equations (6.20), (6.21), (6.22).
+    fn weaken(&self, state: &mut KeptState, l: usize, input: &FailureInput) -> (f64, f64) {
+        let (bulk, factor_before) = (input.bulk, factor(state.cohesion[l]));
+        // The mean stress of the material without cracks, before and after. Where tension remains, it follows from the stress.
+        let (before, after) = if bulk > 0.0 {
+            let stress = input.mean[l] - bulk * input.dilation[l];
+            let before = match factor_before {
+                0.0 => stress + bulk * state.opening[l],
+                factor if stress > 0.0 => stress / factor,
+                _ => stress,
+            };
+            (before, before + bulk * input.dilation[l])
+        } else {
+            (input.mean[l], input.mean[l])
+        };
+        if self.failure.tears(after) {
             state.damage.fail(l);
         }
         let [damage, loosening] = self.damages(&state.damage, l);
         let lost = input.dt * self.speed / state.damage.length(l);
         let fall = |before: f64, target: f64, lost: f64| target.max(before - lost).min(before);
         state.cohesion[l] = fall(state.cohesion[l], 1.0 - loosening, lost);
-        let tension = (state.cohesion[l] * closed).min(self.tension_limit(state, l));
-        let mean = if closed > 0.0 { tension } else { closed };
-        state.opening[l] = if input.bulk > 0.0 { (closed - mean) / input.bulk } else { 0.0 };
+        let factor_after = factor(state.cohesion[l]);
+        let mean = if after > 0.0 { (factor_after * after).min(self.tension_limit(state, l)) } else { after };
+        let is_open = bulk > 0.0 && factor_after == 0.0;
+        state.opening[l] = if is_open { (after - mean) / bulk } else { 0.0 };
         // Fragments that have separated have no strength.
         let residual = (self.residual * libm::exp(-state.opening[l])).max(LEAST);
         state.share[l] = fall(state.share[l], (1.0 - damage).max(residual), (1.0 - self.residual) * lost);
-        mean
+        let of_sign = |mean: f64, factor: f64| if mean > 0.0 { factor } else { 1.0 };
+        let change = of_sign(before, factor_before) - of_sign(after, factor_after);
+        (mean, if bulk > 0.0 { change * before * after / (2.0 * bulk) } else { change })
     }
 
     /// Returns the largest damage of an element, and the largest one that reduces the tensile strength: coupled damage does so

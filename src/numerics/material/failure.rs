@@ -39,11 +39,6 @@ pub trait FailureLaw: Send + Sync + 'static {
     fn tension_limit(&self, _state: &Self::State, _lane: usize) -> f64 {
         f64::INFINITY
     }
-    /// Returns the factor on a tensile mean stress, and the volumetric strain by which the material has opened, where failed
-    /// elements stay.
-    fn tension(&self, _state: &Self::State, _lane: usize) -> [f64; 2] {
-        [1.0, 0.0]
-    }
     /// Returns the factors on bulk and shear modulus of an element that limit the increment, where the moduli are constant.
     fn stiffness_shares(&self, _state: &Self::State, _lane: usize) -> [f64; 2] {
         [1.0; 2]
@@ -68,6 +63,8 @@ pub struct FailureInput {
     pub temperature: Lanes,
     /// Bulk modulus of a law whose mean stress is the sum of its increments; 0 for an equation of state.
     pub bulk: f64,
+    /// Volumetric strain increments, where failed elements stay.
+    pub dilation: Lanes,
     pub dt: f64,
     /// Number of elements of the block.
     pub count: usize,
@@ -96,6 +93,18 @@ pub struct RemainingStress {
     pub spherical: Lanes,
     /// Mean stress of the undamaged material, limited by the tension cutoff.
     pub mean: Lanes,
+    /// Where failed elements stay: volumetric energy per volume that is lost; with an equation of state, the factor on the
+    /// energy of tension.
+    pub released: Lanes,
+}
+
+impl RemainingStress {
+    /// Returns the stress without damage.
+    #[inline(always)]
+    pub(super) fn of(input: &FailureInput) -> RemainingStress {
+        let unit = [1.0; LANES];
+        RemainingStress { stress: unit, spherical: unit, mean: input.mean, released: [0.0; LANES] }
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -112,7 +121,7 @@ impl FailureLaw for NoDamage {
     }
 
     fn degrade(&self, (): &mut (), input: &FailureInput) -> RemainingStress {
-        RemainingStress { stress: [1.0; LANES], spherical: [1.0; LANES], mean: input.mean }
+        RemainingStress::of(input)
     }
 
     fn share(&self, (): &(), _lane: usize) -> f64 {
@@ -319,7 +328,7 @@ impl FailureLaw for MaterialFailure {
 
     #[inline(always)]
     fn degrade(&self, state: &mut DamageState, input: &FailureInput) -> RemainingStress {
-        let mut remaining = RemainingStress { stress: [1.0; LANES], spherical: [1.0; LANES], mean: input.mean };
+        let mut remaining = RemainingStress::of(input);
         let mut worst = [0.0; LANES];
         self.grow(state, input);
         for damage in &state.damage[..self.criteria.len()] {

@@ -245,11 +245,11 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             mises: [0.0; LANES],
             temperature: [0.0; LANES],
             bulk: if V::EOS { 0.0 } else { bulk },
+            dilation: [0.0; LANES],
             dt: strain.dt,
             count: strain.count,
         };
         let (mut share_at_start, mut spherical_at_start) = ([0.0; LANES], [0.0; LANES]);
-        let mut tension_at_start = [[1.0, 0.0]; LANES];
         for l in 0..LANES {
             let stress = column(stress, l);
             (input.mean[l], input.mises[l]) = (-stress::pressure(stress), stress::mises(stress));
@@ -258,7 +258,7 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             share_at_start[l] = self.failure.share(&state.failure, l);
             spherical_at_start[l] = self.failure.mean_share(&state.failure, l);
             if F::STAYS {
-                tension_at_start[l] = self.failure.tension(&state.failure, l);
+                input.dilation[l] = strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l];
             }
             input.temperature[l] = self.temperature(state, l).unwrap_or(0.0);
         }
@@ -283,13 +283,12 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
                 continue;
             }
             let (full, mean, mises) = (column(stress, l), input.mean[l], input.mises[l]);
-            let (remaining, spherical, limited) = (remaining.stress[l], remaining.spherical[l], remaining.mean[l]);
+            let (released, limited) = (remaining.released[l], remaining.mean[l]);
+            let (remaining, spherical) = (remaining.stress[l], remaining.spherical[l]);
             // What the factors on the mean stress add to those on the stress, before and after.
             let [added_before, added_after] = [spherical_at_start[l] - share_at_start[l], spherical - remaining];
             let carried_mean = (strain.carried[0][l] + strain.carried[1][l] + strain.carried[2][l]) * (1.0 / 3.0);
             let limit = self.failure.tension_limit(&state.failure, l);
-            let tension =
-                [tension_at_start[l], if F::STAYS { self.failure.tension(&state.failure, l) } else { [1.0, 0.0] }];
             let shift = [limited - mean, limited - mean, limited - mean, 0.0];
             let (mut work, mut unloaded, volume) = (0.0, 0.0, strain.volume[l]);
             // Plastic work of the previous and the new stress without damage.
@@ -328,8 +327,15 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             // The work of the increment is that of the degraded stress (trapezoidal rule), without this elastic part.
             let missing = 0.5 * (unloaded - (share_at_start[l] - remaining) * flowed);
             let mut lost = (energy_before - energy_after) - missing;
-            if F::STAYS {
-                lost += self.lost_tension(state, strain, update, (l, mean), tension);
+            if F::STAYS && !V::EOS {
+                lost += released;
+            } else if F::STAYS {
+                let dilation = strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l];
+                update.heat[l] += 0.5 * volume * dilation * (mean - limited).max(0.0);
+                if released != 0.0 {
+                    let element = ElementSize { volume: strain.current_volume[l], mass: strain.mass[l] };
+                    lost += released * self.recoverable_energy(state, l, element).unwrap_or(0.0) / volume;
+                }
             }
             if V::EOS && limit < f64::INFINITY {
                 lost += spherical_at_start[l] * update.limit_tension(strain, l, (mean, limit));
@@ -339,35 +345,6 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             update.damaged[l] += volume * lost;
             update.deleted += usize::from(remaining == 0.0);
         }
-    }
-
-    /// Returns the volumetric energy per volume that elements which stay lose while their factor on tension falls, from the mean
-    /// stress `mean` of the trial or of the equation of state, and the factors and openings before and after. The specific
-    /// energy, which has the work of the undamaged tension, is corrected. Equation (6.22).
-    fn lost_tension(
-        &self,
-        state: &VonMisesState<H::State, V::State, F::State>,
-        strain: &StrainIncrement,
-        update: &mut StressUpdate,
-        (l, mean): (usize, f64),
-        [[factor_before, opening], [factor, _]]: [[f64; 2]; 2],
-    ) -> f64 {
-        let ElasticModuli { bulk, .. } = strain.moduli;
-        let dilation = strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l];
-        if V::EOS {
-            let excess = if mean > 0.0 { (1.0 - factor) * mean } else { 0.0 };
-            update.heat[l] += 0.5 * strain.volume[l] * dilation * excess;
-            if factor == factor_before || mean <= 0.0 {
-                return 0.0;
-            }
-            let element = ElementSize { volume: strain.current_volume[l], mass: strain.mass[l] };
-            return (factor_before - factor) * self.recoverable_energy(state, l, element).unwrap_or(0.0)
-                / strain.volume[l];
-        }
-        let after = mean + bulk * opening;
-        let before = after - bulk * dilation;
-        let of_sign = |mean: f64, factor: f64| if mean > 0.0 { factor } else { 1.0 };
-        (of_sign(before, factor_before) - of_sign(after, factor)) * before * after / (2.0 * bulk)
     }
 }
 
