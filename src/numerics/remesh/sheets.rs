@@ -1,5 +1,5 @@
-//! Sheets and webs of a body that have become thinner than a fraction of its elements. They are left out of a new mesh, which
-//! may then consist of more parts than the old one.
+//! Sheets and webs of a body that have become thinner than a fraction of its elements, and loose fragments. They are left out of
+//! a new mesh, which may then consist of more parts than the old one.
 
 use super::BodyMesh;
 use super::outline::{BoundaryEdge, boundary_edges};
@@ -18,17 +18,22 @@ const SMALLEST: f64 = 0.25;
 /// Attempts to separate parts that touch in a node.
 const ATTEMPTS: usize = 10;
 
-/// Returns which elements form sheets that are thinner than a fraction of the wanted edge, and what they hold: small parts, and
-/// elements at nodes in which the rest would touch itself. Elements with a node that is `needed` stay. `None` if nothing can be
+/// Returns which elements form sheets that are thinner than a fraction of the wanted edge, or are loose, and what they hold: small
+/// parts, and elements at nodes in which the rest would touch itself. Elements with a node that is `needed` stay. `None` if nothing can be
 /// left out.
-pub fn thin_elements(mesh: &BodyMesh, fraction: f64, needed: impl Fn(u32) -> bool) -> Option<Vec<bool>> {
+pub fn thin_elements(
+    mesh: &BodyMesh,
+    fraction: f64,
+    is_loose: impl Fn(usize) -> bool,
+    needed: impl Fn(u32) -> bool,
+) -> Option<Vec<bool>> {
     if fraction == 0.0 {
         return None;
     }
-    let mut thin = vec![false; mesh.quads.len()];
     let is_needed = |e: usize| mesh.quads[e].iter().any(|n| needed(*n));
+    let mut thin: Vec<bool> = (0..mesh.quads.len()).map(|e| is_loose(e) && !is_needed(e)).collect();
     for edge in thin_edges(mesh, fraction) {
-        thin[edge.side.0 as usize] = !is_needed(edge.side.0 as usize);
+        thin[edge.side.0 as usize] |= !is_needed(edge.side.0 as usize);
     }
     if !thin.contains(&true) {
         return None;
@@ -162,13 +167,13 @@ mod tests {
 
     #[test]
     fn a_thin_web_is_left_out_and_a_thick_one_is_not() {
-        let thin = thin_elements(&blocks(0.05), 0.1, |_| false).expect("a web");
+        let thin = thin_elements(&blocks(0.05), 0.1, |_| false, |_| false).expect("a web");
         assert_eq!((thin.iter().filter(|thin| **thin).count(), thin.iter().rposition(|thin| !thin)), (4, Some(31)));
-        assert_eq!(thin_elements(&blocks(0.2), 0.1, |_| false), None);
-        assert_eq!(thin_elements(&blocks(0.05), 0.0, |_| false), None);
+        assert_eq!(thin_elements(&blocks(0.2), 0.1, |_| false, |_| false), None);
+        assert_eq!(thin_elements(&blocks(0.05), 0.0, |_| false, |_| false), None);
         // The last element of the web stays, and a part of it is left that is too small: so does the whole.
         let last = blocks(0.05).quads[35][2];
-        assert!(thin_elements(&blocks(0.05), 0.1, |n| n == last).is_some_and(|thin| !thin[35] && thin[34]));
+        assert!(thin_elements(&blocks(0.05), 0.1, |_| false, |n| n == last).is_some_and(|thin| !thin[35] && thin[34]));
     }
 
     /// The tip of a wedge has no thickness, but is no sheet.
@@ -186,6 +191,6 @@ mod tests {
             mesh.quads.push([2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]);
         }
         mesh.sizes = vec![1.0; 10];
-        assert_eq!(thin_elements(&mesh, 0.1, |_| false), None);
+        assert_eq!(thin_elements(&mesh, 0.1, |_| false, |_| false), None);
     }
 }

@@ -17,7 +17,9 @@ use super::timing::TimeSums;
 use super::watch::RunReport;
 use crate::constraint::contact::ContactConstraint;
 use crate::constraint::of_kind_mut;
+use crate::element::group::ElementGroup;
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::quad;
 use crate::kernel::shape::middle;
 use crate::model::Model;
 use crate::model::remesh::{ModelBody, kept_nodes_of_histories, movable_nodes_of_histories, revised};
@@ -32,6 +34,10 @@ use crate::state::halt::{HaltDetails, HaltReason};
 use crate::user::Routines;
 use crate::variables::Variable;
 
+/// Damage above which an element that stays has failed, and fraction of the largest density of the body below which it consists
+/// of fragments.
+const FAILED: f64 = 0.5;
+const EXPANDED: f64 = 0.5;
 /// Checks without a new mesh after one could not be made, in units of the interval of checks.
 const PAUSE: u64 = 5;
 
@@ -261,7 +267,8 @@ fn leave_out(run: &mut SolverRun<'_>, (body, remesh): (usize, &RemeshPlan), left
     if !was_reported {
         let [r, z] = middle(planned.quads[first].inline_map(|n| dofs.nodes[planned.nodes[n as usize]].place()));
         let text = format!(
-            "`{}`: sheets of the body that are thinner than {} of the edges of new elements are left out of new meshes, first near \
+            "`{}`: sheets of the body that are thinner than {} of the edges of new elements, and failed elements of less than half \
+             the density, are left out of new meshes, first near \
              (r = {r:.4e}, z = {z:.4e}) at time {:.4e}; the summary has their mass",
             remesh.model.remeshings[body].set, remesh.model.remeshings[body].thickness, run.current.now.total_time
         );
@@ -293,16 +300,18 @@ fn body_revision(
         BodyMesh { points: Vec::clone(&points), quads, sizes }
     };
     let (kept, old) = (of_model.kept(model), of_living(&living));
-    let (living, left_out, old) = match thin_elements(&old, model.remeshings[body].thickness, |n| kept[n as usize]) {
-        Some(thin) => {
-            let [rest, left_out] = [false, true].map(|is_thin| {
-                living.iter().zip(&thin).filter(|(_, thin)| **thin == is_thin).map(|(i, _)| *i).collect::<Vec<_>>()
-            });
-            let old = of_living(&rest);
-            (rest, left_out, old)
-        }
-        None => (living, Vec::new(), old),
-    };
+    let loose = loose_elements(&**group, &old, |i| planned.elements[living[i]] as usize);
+    let (living, left_out, old) =
+        match thin_elements(&old, model.remeshings[body].thickness, |i| loose[i], |n| kept[n as usize]) {
+            Some(thin) => {
+                let [rest, left_out] = [false, true].map(|is_thin| {
+                    living.iter().zip(&thin).filter(|(_, thin)| **thin == is_thin).map(|(i, _)| *i).collect::<Vec<_>>()
+                });
+                let old = of_living(&rest);
+                (rest, left_out, old)
+            }
+            None => (living, Vec::new(), old),
+        };
     let mut used = vec![false; planned.nodes.len()];
     living.iter().flat_map(|i| planned.quads[*i]).for_each(|n| used[n as usize] = true);
     let is_lost = |node: usize| of_model.nodes.binary_search(&node).is_ok_and(|index| !used[index]);
@@ -327,6 +336,21 @@ fn body_revision(
     new.displacements = interpolated(&old, &moved, &new.mesh.points);
     new.tracers = tracers(run, model, (&of_model, &old), &new);
     Some(BodyRevision { old, living, left_out, revision: new })
+}
+
+/// Returns which elements of a mesh have failed, stay, and have expanded: cracks have separated them into fragments. `element`
+/// returns the index in the group.
+fn loose_elements(group: &dyn ElementGroup, mesh: &BodyMesh, element: impl Fn(usize) -> usize) -> Vec<bool> {
+    let has_failed = |i: usize| {
+        let damage = group.value(element(i), Variable::Degradation.into());
+        !group.properties().deletable && damage.is_some_and(|damage| damage > FAILED)
+    };
+    let density = |(i, quad): (usize, &[u32; 4])| {
+        group.masses(element(i)).into_iter().sum::<f64>() / quad::volume(mesh.corners(quad))
+    };
+    let densities: Vec<f64> = mesh.quads.iter().enumerate().map(density).collect();
+    let whole = densities.iter().copied().fold(0.0, f64::max);
+    (0..densities.len()).map(|i| densities[i] < EXPANDED * whole && has_failed(i)).collect()
 }
 
 /// A material point of a history at the instant of a new mesh.

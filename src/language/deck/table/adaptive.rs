@@ -43,7 +43,7 @@ card!(Remesh: extension "REMESH", "Remeshes a body during the run whenever its e
     angle: f64 = "ANGLE" (POSITIVE.below(60.0).or(15.0)) "Smallest angle of the elements in degrees below which the body is remeshed, unless the last mesh had a similar one",
     increment: f64 = "INCREMENT" (NUMBER.from(0.0).below(1.0).or(0.3)) "Fraction of the stable time increment after the last mesh below which the body is remeshed; 0 does not limit it",
     frequency: usize = "FREQUENCY" (COUNT.or(10.0)) "Increments between two checks of the mesh",
-    thickness: f64 = "THICKNESS" (NUMBER.from(0.0).below(1.0).or(0.1)) "Fraction of the edge length of new elements: sheets and webs of the body that are thinner are left out of a new mesh, and the body parts; their mass is reported (R321); 0 keeps them",
+    thickness: f64 = "THICKNESS" (NUMBER.from(0.0).below(1.0).or(0.1)) "Fraction of the edge length of new elements: sheets and webs of the body that are thinner, and failed elements of *FAILED MATERIAL of less than half the density, are left out of a new mesh, and the body parts; their mass is reported (R321); 0 keeps them",
     size: Option<f64> = "SIZE" (POSITIVE) "Edge length of new elements; default: the square root of the area that the elements had at the start at the same material",
     curvature_angle: Option<f64> = "CURVATURE ANGLE" (POSITIVE.below(90.0)) "Largest angle in degrees that an edge of a curved outline spans; default: curvature has no effect",
     strain_change: Option<f64> = "STRAIN CHANGE" (POSITIVE) "Largest change of the equivalent plastic strain across an element, for materials with this strain; default: the strain has no effect",
