@@ -415,7 +415,7 @@ impl SampleBatch<'_> {
         let mut prepared = accepted(job::prepare_read(read, &routines))?;
         evaluator.reduce_output(&mut prepared.plan);
         evaluator.run_extended(last_duration(&prepared.plan), &mut |duration| {
-            set_last_duration(&mut prepared.plan, duration);
+            prepared.plan.set_last_duration(duration);
             let mut history = evaluator.history(&prepared.plan);
             let mut sink = HistorySink { history: &mut history, look };
             let (outcome, state) = job::run_until(&prepared, &mut sink, self.interrupt);
@@ -430,10 +430,6 @@ impl SampleBatch<'_> {
 
 fn last_duration(plan: &Plan) -> f64 {
     plan.steps.last().map_or(0.0, |step| step.duration)
-}
-
-fn set_last_duration(plan: &mut Plan, duration: f64) {
-    plan.steps.iter_mut().next_back().into_iter().for_each(|step| step.duration = duration);
 }
 
 fn lock<T>(shared: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
@@ -512,14 +508,14 @@ impl ReusablePlan {
         let ReusablePlan { plan, state: start, history, .. } = self;
         let duration = last_duration(plan);
         let result = batch.evaluator.run_extended(duration, &mut |duration| {
-            set_last_duration(plan, duration);
+            plan.set_last_duration(duration);
             history.clear();
             let mut sink = HistorySink { history, look };
             let control = RunControl { interrupt: Some(batch.interrupt), ..RunControl::default() };
             let (outcome, state) = solve::run_with(plan, start.clone(), &mut sink, control).unwrap_or_default();
             batch.evaluator.finish(EndedRun { row, plan, history, outcome, state: &state }, start, out)
         });
-        set_last_duration(plan, duration);
+        plan.set_last_duration(duration);
         result
     }
 }

@@ -137,6 +137,15 @@ impl Plan {
         self.columns.iter().map(|c| c.name.clone()).collect()
     }
 
+    /// Sets the duration of the last step, also in the models from which plans of new meshes are compiled.
+    pub fn set_last_duration(&mut self, duration: f64) {
+        let Some(step) = self.steps.last_mut().filter(|step| step.duration != duration) else { return };
+        step.duration = duration;
+        let set = |model: &mut Model| model.steps.last_mut().into_iter().for_each(|step| step.duration = duration);
+        self.remesh.iter_mut().for_each(|remesh| set(&mut remesh.model));
+        self.automatic_meshes.iter_mut().for_each(|waiting| set(waiting.model_mut()));
+    }
+
     /// Returns the name of an element, given its group and its index in the group.
     pub fn element_name(&self, group: usize, element: usize) -> &str {
         self.places.element_at((group, element)).map_or("", |e| &self.mesh.elements[e].name)

@@ -95,6 +95,11 @@ impl AutomaticMeshes {
         self.bodies.iter().map(|body| (body.group, body.limit))
     }
 
+    /// Returns the model without cards; a shared one is copied first.
+    pub fn model_mut(&mut self) -> &mut Model {
+        Arc::make_mut(&mut self.model)
+    }
+
     /// Returns the model with a card for each body.
     pub fn model(&self) -> Model {
         let mut model = (*self.model).clone();
