@@ -238,6 +238,8 @@ pub struct MaterialFailure {
     pub deletion_margin: f64,
     /// Whether elements are kept at that damage (`ELEMENT DELETION=NO`).
     pub keep_elements: bool,
+    /// Whether damage before failure does not reduce the mean stress: that of coupled damage reduces the flow stress only.
+    pub keeps_pressure: bool,
 }
 
 /// Largest number of criteria of a material.
@@ -288,19 +290,17 @@ impl FailureLaw for MaterialFailure {
         !self.keep_elements && (self.cutoff.is_some() || !self.criteria.iter().all(harmless))
     }
 
+    #[inline(always)]
     fn share(&self, state: &DamageState, lane: usize) -> f64 {
         if state.alive[lane] { state.share[lane] } else { 0.0 }
     }
 
+    #[inline(always)]
     fn mean_share(&self, state: &DamageState, lane: usize) -> f64 {
-        // Coupled damage reduces the flow stress only.
-        if state.alive[lane] && self.criteria.iter().any(StrainCriterion::is_coupled) {
-            1.0
-        } else {
-            self.share(state, lane)
-        }
+        if self.keeps_pressure && state.alive[lane] { 1.0 } else { self.share(state, lane) }
     }
 
+    #[inline(always)]
     fn tension_limit(&self, _state: &DamageState, _lane: usize) -> f64 {
         self.cutoff.map_or(f64::INFINITY, |cutoff| cutoff.stress)
     }

@@ -521,6 +521,7 @@ fn material_failure(material: &MaterialDefinition, report: &mut Report) -> Optio
         report.ledger_row(tensile.span, "tensile failure", 1, "criterion", format!("{end} at {}", tensile.cutoff));
         failing.cutoff = Some(TensionCutoff { stress: tensile.cutoff, deletes: tensile.deletes });
     }
+    failing.keeps_pressure = failing.criteria.iter().any(StrainCriterion::is_coupled);
     Some((!failing.criteria.is_empty() || failing.cutoff.is_some()).then_some(failing))
 }
 
