@@ -57,6 +57,11 @@ pub struct MaterialDefinition {
 }
 
 impl MaterialDefinition {
+    /// Returns whether the material can be damaged or fail by its own criteria.
+    pub fn has_failure(&self) -> bool {
+        !self.failures.is_empty() || self.tensile_failure.is_some() || self.failed.is_some()
+    }
+
     /// Returns whether the equation of state is that of an ideal gas.
     pub fn is_ideal_gas(&self) -> bool {
         matches!(self.eos, Some(EquationOfState { kind: EosKind::IdealGas(_), .. }))

@@ -7,7 +7,7 @@ use crate::kernel::topology::ElementTopology;
 use crate::model::remesh::ModelBody;
 use crate::model::{AnalyticalFront, AnalyticalSide, Model, Remeshing, SideSelection, SolidSection};
 use crate::plan::meshes::remesh::{RemeshPlan, remeshed_body, unsupported_remeshing};
-use crate::plan::solids::user_material::fails;
+
 use crate::plan::{Pairs, Report, Scene, SolidPlaces, State};
 use crate::remesh::sizes::SizeLimits;
 use crate::variables::Variable;
@@ -156,5 +156,5 @@ fn flows_without_failure(scene: Scene, state: &mut State, (group, section): (usi
     group.topology() == ElementTopology::Quadrilateral
         && group.value(0, Variable::PlasticStrain.into()).is_some()
         && group.transfer().is_some()
-        && !fails(&scene.model.materials[section.material])
+        && !scene.model.materials[section.material].has_failure()
 }

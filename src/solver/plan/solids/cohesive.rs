@@ -343,7 +343,7 @@ fn refusal(material: &MaterialDefinition) -> Option<(&'static str, &'static str)
             "give the stiffness: normal and shear traction over the nominal strain",
         ));
     }
-    if super::user_material::fails(material) {
+    if material.has_failure() {
         return Some((
             "has a failure criterion of solids",
             "cohesive elements support *DAMAGE INITIATION with CRITERION=MAXS, QUADS, MAXE or QUADE",

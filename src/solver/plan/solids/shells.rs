@@ -174,7 +174,7 @@ fn refusal(material: &MaterialDefinition, warms: bool) -> Option<&'static str> {
     if warms && material.thermal.expansion.is_some() {
         return Some("thermal strain of shells is not supported");
     }
-    if super::user_material::fails(material) {
+    if material.has_failure() {
         return Some("failure of shells is not supported");
     }
     if !material.elastic_table.is_empty() || matches!(material.plastic, Some(PlasticityModel::OverFields(_))) {

@@ -60,7 +60,7 @@ pub fn foam_law(solid: &SolidProperties, report: &mut Report) -> Option<SolidMat
     if material.elastic.is_none() || material.eos.is_some() {
         return no_material(span, format!("material `{name}`: foam needs *ELASTIC"), report);
     }
-    if material.plastic.is_some() || super::user_material::fails(material) {
+    if material.plastic.is_some() || material.has_failure() {
         let message = format!("material `{name}` has foam with *PLASTIC or failure, which is not supported");
         return no_material(span, message, report);
     }

@@ -301,7 +301,7 @@ pub fn state_name(scene: Scene<'_>, variable: usize) -> Option<&str> {
 
 /// Returns whether elements of the model can be deleted.
 pub fn deletes(scene: Scene) -> bool {
-    let deletes = |m: &MaterialDefinition| m.user.state.delete.is_some() || fails(m);
+    let deletes = |m: &MaterialDefinition| m.user.state.delete.is_some() || m.has_failure();
     let fragile = |s: &crate::model::CohesiveSection| s.controls.keep_failed_elements.is_none();
     !scene.model.erosions.is_empty()
         || materials_present(scene).any(deletes)
@@ -322,11 +322,6 @@ fn law_beside_user_material(material: &MaterialDefinition) -> Option<&'static st
         (material.failed.is_some(), "*FAILED MATERIAL"),
     ];
     laws.iter().find(|(there, _)| *there).map(|(_, card)| *card)
-}
-
-/// Returns whether a material can be damaged or fail by its own criteria.
-pub fn fails(material: &MaterialDefinition) -> bool {
-    !material.failures.is_empty() || material.tensile_failure.is_some() || material.failed.is_some()
 }
 
 /// Returns tables of moduli over temperature and field variables; `None` if the moduli are constant.
