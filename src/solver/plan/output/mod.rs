@@ -21,7 +21,7 @@ use crate::plan::contact::walls::spatial_side;
 use crate::plan::output::expressions::expression_columns;
 use crate::plan::solids::cohesive::damaged_interfaces;
 use crate::plan::solids::erosion::ErodingState;
-use crate::plan::solids::user_material::{deletes, fails, materials_present, state_name, state_variables};
+use crate::plan::solids::user_material::{deletes, materials_present, state_name, state_variables};
 use crate::plan::{Pairs, Report, RowExpression, Scene, State};
 use crate::remesh::interpolation::TracerPoint;
 use crate::variables::request::VariableRequest;
@@ -597,7 +597,7 @@ fn frame_fields(
 fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
     let deforms = !scene.places.elements.is_empty();
     let (conducts, deletes) = (scene.model.solves_for_temperatures(), deletes(scene));
-    let damages = materials_present(scene).any(fails)
+    let damages = materials_present(scene).any(|material| material.has_failure())
         || damaged_interfaces(scene.model).next().is_some()
         || cohesive_behaviors(scene.model, pairs).any(|cohesion| cohesion.evolution.is_some());
     let (scales, smooths) = (deforms && scene.model.scales_masses(), scene.model.has_adaptive_mesh());
