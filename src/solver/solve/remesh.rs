@@ -304,7 +304,7 @@ fn body_revision(
     let (living, left_out, old) =
         match thin_elements(&old, model.remeshings[body].thickness, |i| loose[i], |n| kept[n as usize]) {
             Some(thin) => {
-                let [rest, left_out] = [false, true].map(|is_thin| {
+                let [rest, left_out] = [false, true].inline_map(|is_thin| {
                     living.iter().zip(&thin).filter(|(_, thin)| **thin == is_thin).map(|(i, _)| *i).collect::<Vec<_>>()
                 });
                 let old = of_living(&rest);
