@@ -304,11 +304,11 @@ fn body_revision(
     let (living, left_out, old) =
         match thin_elements(&old, model.remeshings[body].thickness, |i| loose[i], |n| kept[n as usize]) {
             Some(thin) => {
-                let [rest, left_out] = [false, true].inline_map(|is_thin| {
-                    living.iter().zip(&thin).filter(|(_, thin)| **thin == is_thin).map(|(i, _)| *i).collect::<Vec<_>>()
-                });
-                let old = of_living(&rest);
-                (rest, left_out, old)
+                let with = |is_thin: bool| {
+                    let pairs = living.iter().zip(&thin).filter(|(_, thin)| **thin == is_thin);
+                    pairs.map(|(i, _)| *i).collect::<Vec<usize>>()
+                };
+                (with(false), with(true), of_living(&with(false)))
             }
             None => (living, Vec::new(), old),
         };
