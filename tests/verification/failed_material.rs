@@ -140,3 +140,19 @@ fn loss_of_a_perforation_falls_with_the_size_of_the_elements() {
     assert!(values[0][0] < 0.012 && values[1][0] < 0.6 * values[0][0]);
     assert!(values.iter().all(|[_, velocity, drift]| (-450e3..-400e3).contains(velocity) && drift.abs() < 1e-3));
 }
+
+/// Coupled damage takes the elastic energy of the deviator only: ALLSE is the energy of the stress, with and without
+/// `*FAILED MATERIAL`. Within 5 %: the volume of the element changes by as much.
+#[test]
+fn coupled_damage_keeps_the_energy_of_the_pressure() {
+    for stays in ["", "*Failed Material\n 0.1,\n"] {
+        let cards = format!("*Damage Initiation, criterion=DUCTILE\n 0.08, 0., 0.\n*Coupled Damage\n 0.3,\n{stays}");
+        let ran = pulled(&cards, &[[0.0, 0.0], [1e-3, -0.05]], SIZE);
+        let [pressure, mises, damage, stored] =
+            ["PRESS@SOLID", "MISES@SOLID", "SDEG@SOLID", "ALLSE"].map(|name| last(&ran, name));
+        let volume = std::f64::consts::PI * SIZE.powi(3) * 0.95;
+        let expected = volume * (pressure * pressure / (2.0 * BULK) + mises * mises / (6.0 * SHEAR * (1.0 - damage)));
+        println!("{stored} {expected} {damage}");
+        assert!((stored / expected - 1.0).abs() < 0.05 && damage > 0.1);
+    }
+}

@@ -4,12 +4,10 @@
 use super::shot::{CREEP, ShotEnd};
 use crate::constraint::of_kind;
 use crate::constraint::tie::TiedNodes;
-use crate::element::group::ElementGroup;
 use crate::element::parts::PartTotals;
 use crate::kernel::disjoint_sets::DisjointSets;
 use crate::plan::{Plan, State};
 use crate::state::dofs::Dof;
-use crate::variables::Variable;
 
 /// Fraction of the largest initial velocity above which a body belongs to the projectile.
 const FAST: f64 = 0.5;
@@ -17,8 +15,6 @@ const FAST: f64 = 0.5;
 const HEAVY: f64 = 0.1;
 /// Fraction of the mass of a piece that must be beyond the target.
 const PASSED: f64 = 0.9;
-/// Damage above which an element that stays has failed.
-const LOOSE: f64 = 0.5;
 /// Relative change of momentum below which the projectile has met no target.
 const UNTOUCHED: f64 = 1e-6;
 
@@ -117,12 +113,6 @@ fn end_of(piece: &Piece, obstacles: &[&Piece], speed: f64) -> PassageEnd {
     PassageEnd { end, speed: velocity.abs(), remaining }
 }
 
-/// Returns whether an element has failed and stays: it does not hold a piece together.
-fn is_loose(group: &dyn ElementGroup, element: usize) -> bool {
-    let damage = || group.value(element, Variable::Degradation.into());
-    !group.properties().deletable && damage().is_some_and(|damage| damage > LOOSE)
-}
-
 /// What belongs to a piece in any mesh: new meshes change the nodes.
 #[derive(Clone, Copy, Debug)]
 enum PieceMember {
@@ -150,7 +140,8 @@ impl PieceList {
         let active = || {
             let numbered_elements =
                 groups.iter().enumerate().flat_map(|(g, group)| (0..group.len()).map(move |e| (g, e)));
-            numbered_elements.filter(|(g, e)| !groups[*g].is_deleted(*e) && !is_loose(&*groups[*g], *e))
+            // Failed elements that stay hold no piece together.
+            numbered_elements.filter(|(g, e)| !groups[*g].is_deleted(*e) && !groups[*g].has_failed(*e))
         };
         for (g, e) in active() {
             let members = groups[g].boundary(e);

@@ -140,6 +140,9 @@ pub enum GroupSetting {
     Instructions(Arch),
 }
 
+/// Damage above which an element that stays has failed.
+const FAILED: f64 = 0.5;
+
 impl dyn ElementGroup + '_ {
     /// Returns whether the group has no elements.
     pub fn is_empty(&self) -> bool {
@@ -154,6 +157,12 @@ impl dyn ElementGroup + '_ {
     /// Returns whether the boundary of an element encloses its volume.
     pub fn is_solid(&self) -> bool {
         self.topology().is_solid()
+    }
+
+    /// Returns whether an element has failed but stays (`*FAILED MATERIAL`, `ELEMENT DELETION=NO`).
+    pub fn has_failed(&self, element: usize) -> bool {
+        let damage = || self.value(element, Variable::Degradation.into());
+        !self.properties().deletable && damage().is_some_and(|damage| damage > FAILED)
     }
 
     /// Returns the number of blocks of corner forces of all elements.

@@ -31,6 +31,10 @@ pub trait FailureLaw: Send + Sync + 'static {
     fn volume(&self, state: &Self::State, lane: usize) -> f64;
     /// Returns the factor on the stress, 1 minus damage; 0 for a deleted element.
     fn share(&self, state: &Self::State, lane: usize) -> f64;
+    /// Returns whether [`FailureLaw::mean_share`] can differ from [`FailureLaw::share`].
+    fn keeps_pressure(&self) -> bool {
+        Self::STAYS
+    }
     /// Returns the factor on the mean stress, where it is not that on the stress.
     fn mean_share(&self, state: &Self::State, lane: usize) -> f64 {
         self.share(state, lane)
@@ -89,8 +93,6 @@ impl FailureInput {
 pub struct RemainingStress {
     /// Factors on the stress of the undamaged material.
     pub stress: Lanes,
-    /// Factors on its mean stress.
-    pub spherical: Lanes,
     /// Mean stress of the undamaged material, limited by the tension cutoff.
     pub mean: Lanes,
     /// Where failed elements stay: volumetric energy per volume that is lost; with an equation of state, the factor on the
@@ -102,8 +104,7 @@ impl RemainingStress {
     /// Returns the stress without damage.
     #[inline(always)]
     pub(super) fn of(input: &FailureInput) -> RemainingStress {
-        let unit = [1.0; LANES];
-        RemainingStress { stress: unit, spherical: unit, mean: input.mean, released: [0.0; LANES] }
+        RemainingStress { stress: [1.0; LANES], mean: input.mean, released: [0.0; LANES] }
     }
 }
 
@@ -296,6 +297,11 @@ impl FailureLaw for MaterialFailure {
     }
 
     #[inline(always)]
+    fn keeps_pressure(&self) -> bool {
+        self.keeps_pressure
+    }
+
+    #[inline(always)]
     fn mean_share(&self, state: &DamageState, lane: usize) -> f64 {
         if self.keeps_pressure && state.alive[lane] { 1.0 } else { self.share(state, lane) }
     }
@@ -340,7 +346,6 @@ impl FailureLaw for MaterialFailure {
         for l in (0..input.count).filter(|l| alive[*l]) {
             self.apply_damage(state, l, worst[l], &mut remaining.mean[l]);
             remaining.stress[l] = self.share(state, l);
-            remaining.spherical[l] = self.mean_share(state, l);
         }
         remaining
     }

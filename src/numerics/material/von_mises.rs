@@ -249,6 +249,8 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             dt: strain.dt,
             count: strain.count,
         };
+        // Whether the mean stress has its own factors.
+        let keeps_pressure = self.failure.keeps_pressure();
         let (mut share_at_start, mut spherical_at_start) = ([0.0; LANES], [0.0; LANES]);
         for l in 0..LANES {
             let stress = column(stress, l);
@@ -256,7 +258,10 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
         }
         for l in 0..strain.count {
             share_at_start[l] = self.failure.share(&state.failure, l);
-            spherical_at_start[l] = self.failure.mean_share(&state.failure, l);
+            spherical_at_start[l] = share_at_start[l];
+            if keeps_pressure {
+                spherical_at_start[l] = self.failure.mean_share(&state.failure, l);
+            }
             if F::STAYS {
                 input.dilation[l] = strain.strain[0][l] + strain.strain[1][l] + strain.strain[2][l];
             }
@@ -284,10 +289,10 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             }
             let (full, mean, mises) = (column(stress, l), input.mean[l], input.mises[l]);
             let (released, limited) = (remaining.released[l], remaining.mean[l]);
-            let (remaining, spherical) = (remaining.stress[l], remaining.spherical[l]);
+            let remaining = remaining.stress[l];
+            let spherical = if keeps_pressure { self.failure.mean_share(&state.failure, l) } else { remaining };
             // What the factors on the mean stress add to those on the stress, before and after.
             let [added_before, added_after] = [spherical_at_start[l] - share_at_start[l], spherical - remaining];
-            let carried_mean = (strain.carried[0][l] + strain.carried[1][l] + strain.carried[2][l]) * (1.0 / 3.0);
             let limit = self.failure.tension_limit(&state.failure, l);
             let shift = [limited - mean, limited - mean, limited - mean, 0.0];
             let (mut work, mut unloaded, volume) = (0.0, 0.0, strain.volume[l]);
@@ -295,16 +300,21 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             let (mut flowed_before, mut flowed) = (0.0, 0.0);
             let flow = if input.plastic[l] > 0.0 { 1.5 * input.plastic[l] / update.trial[l] } else { 0.0 };
             for i in 0..4 {
-                let normal = if i == 3 { 0.0 } else { 1.0 };
-                let degraded = remaining * (full[i] + shift[i]) + normal * added_after * limited;
+                let mut degraded = remaining * (full[i] + shift[i]);
                 let (increment, carried) = (strain.strain[i][l], strain.carried[i][l]);
                 let added = carried + full[i];
                 let twice = if i == 3 { 2.0 } else { 1.0 };
-                let degraded_before = share_at_start[l] * carried + normal * added_before * carried_mean;
-                work += twice * increment * (degraded_before + degraded - added);
+                let mut degraded_before = share_at_start[l] * carried;
                 // The mean stress of elements that stay has its own account.
                 let undamaged = if V::EOS || F::STAYS { full[i] + shift[i] } else { full[i] };
-                let lasting = share_at_start[l] * undamaged + normal * added_before * limited;
+                let mut lasting = share_at_start[l] * undamaged;
+                if keeps_pressure && i < 3 {
+                    let carried = (strain.carried[0][l] + strain.carried[1][l] + strain.carried[2][l]) * (1.0 / 3.0);
+                    degraded += added_after * limited;
+                    degraded_before += added_before * carried;
+                    lasting += added_before * limited;
+                }
+                work += twice * increment * (degraded_before + degraded - added);
                 unloaded += twice * increment * (lasting - degraded);
                 let plastic = twice * flow * update.deviator[i][l];
                 flowed_before += plastic * carried;
@@ -314,7 +324,7 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
             update.internal[l] += 0.5 * volume * work;
             let distortion = mises * mises * per_shear;
             // Only a change of the factor takes elastic energy.
-            let volumetric = if F::STAYS || V::EOS && share_at_start[l] == remaining {
+            let volumetric = if F::STAYS || V::EOS && spherical_at_start[l] == spherical {
                 0.0
             } else if !V::EOS {
                 mean * mean / (2.0 * bulk)
@@ -323,7 +333,8 @@ impl<H: HardeningLaw, V: VolumetricLaw, F: FailureLaw> VonMises<H, V, F> {
                 self.recoverable_energy(state, l, element).unwrap_or(0.0) / volume
             };
             let elastic = distortion + volumetric;
-            let (energy_before, energy_after) = (share_at_start[l] * elastic, remaining * elastic);
+            let energy_before = share_at_start[l] * elastic + added_before * volumetric;
+            let energy_after = remaining * elastic + added_after * volumetric;
             // The work of the increment is that of the degraded stress (trapezoidal rule), without this elastic part.
             let missing = 0.5 * (unloaded - (share_at_start[l] - remaining) * flowed);
             let mut lost = (energy_before - energy_after) - missing;

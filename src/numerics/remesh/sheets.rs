@@ -171,7 +171,7 @@ mod tests {
         assert_eq!((thin.iter().filter(|thin| **thin).count(), thin.iter().rposition(|thin| !thin)), (4, Some(31)));
         assert_eq!(thin_elements(&blocks(0.2), 0.1, |_| false, |_| false), None);
         assert_eq!(thin_elements(&blocks(0.05), 0.0, |_| false, |_| false), None);
-        // The last element of the web stays, and a part of it is left that is too small: so does the whole.
+        // An element with a needed node stays, the others of the web are left out.
         let last = blocks(0.05).quads[35][2];
         assert!(thin_elements(&blocks(0.05), 0.1, |_| false, |n| n == last).is_some_and(|thin| !thin[35] && thin[34]));
     }

@@ -17,7 +17,7 @@ use super::timing::TimeSums;
 use super::watch::RunReport;
 use crate::constraint::contact::ContactConstraint;
 use crate::constraint::of_kind_mut;
-use crate::element::group::ElementGroup;
+use crate::element::elements::Elements;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::quad;
 use crate::kernel::shape::middle;
@@ -34,9 +34,7 @@ use crate::state::halt::{HaltDetails, HaltReason};
 use crate::user::Routines;
 use crate::variables::Variable;
 
-/// Damage above which an element that stays has failed, and fraction of the largest density of the body below which it consists
-/// of fragments.
-const FAILED: f64 = 0.5;
+/// Fraction of the largest density of a body below which a failed element consists of fragments.
 const EXPANDED: f64 = 0.5;
 /// Checks without a new mesh after one could not be made, in units of the interval of checks.
 const PAUSE: u64 = 5;
@@ -261,7 +259,7 @@ fn leave_out(run: &mut SolverRun<'_>, (body, remesh): (usize, &RemeshPlan), left
     let group = &elements.groups[planned.group];
     let was_reported = quality.removed_mass > 0.0;
     for element in left_out.iter().map(|i| planned.elements[*i] as usize) {
-        quality.removed_mass += group.masses(element).into_iter().sum::<f64>();
+        quality.removed_mass += mass_of(elements, planned.group, element);
         dofs.energies.plastic += group.value(element, Variable::ElementStrainEnergy.into()).unwrap_or(0.0).max(0.0);
     }
     if !was_reported {
@@ -300,7 +298,7 @@ fn body_revision(
         BodyMesh { points: Vec::clone(&points), quads, sizes }
     };
     let (kept, old) = (of_model.kept(model), of_living(&living));
-    let loose = loose_elements(&**group, &old, |i| planned.elements[living[i]] as usize);
+    let loose = loose_elements(&run.state.elements, planned.group, &old, |i| planned.elements[living[i]] as usize);
     let (living, left_out, old) =
         match thin_elements(&old, model.remeshings[body].thickness, |i| loose[i], |n| kept[n as usize]) {
             Some(thin) => {
@@ -308,7 +306,9 @@ fn body_revision(
                     let pairs = living.iter().zip(&thin).filter(|(_, thin)| **thin == is_thin);
                     pairs.map(|(i, _)| *i).collect::<Vec<usize>>()
                 };
-                (with(false), with(true), of_living(&with(false)))
+                let rest = with(false);
+                let old = of_living(&rest);
+                (rest, with(true), old)
             }
             None => (living, Vec::new(), old),
         };
@@ -338,19 +338,20 @@ fn body_revision(
     Some(BodyRevision { old, living, left_out, revision: new })
 }
 
+/// Returns the mass of an element without mass scaling.
+fn mass_of(elements: &Elements, group: usize, element: usize) -> f64 {
+    elements.groups[group].masses(element).into_iter().sum::<f64>() * elements.unscaled_shares(group, element)[0]
+}
+
 /// Returns which elements of a mesh have failed, stay, and have expanded: cracks have separated them into fragments. `element`
 /// returns the index in the group.
-fn loose_elements(group: &dyn ElementGroup, mesh: &BodyMesh, element: impl Fn(usize) -> usize) -> Vec<bool> {
-    let has_failed = |i: usize| {
-        let damage = group.value(element(i), Variable::Degradation.into());
-        !group.properties().deletable && damage.is_some_and(|damage| damage > FAILED)
-    };
-    let density = |(i, quad): (usize, &[u32; 4])| {
-        group.masses(element(i)).into_iter().sum::<f64>() / quad::volume(mesh.corners(quad))
-    };
+fn loose_elements(elements: &Elements, group: usize, mesh: &BodyMesh, element: impl Fn(usize) -> usize) -> Vec<bool> {
+    let density =
+        |(i, quad): (usize, &[u32; 4])| mass_of(elements, group, element(i)) / quad::volume(mesh.corners(quad));
     let densities: Vec<f64> = mesh.quads.iter().enumerate().map(density).collect();
     let whole = densities.iter().copied().fold(0.0, f64::max);
-    (0..densities.len()).map(|i| densities[i] < EXPANDED * whole && has_failed(i)).collect()
+    let is_loose = |i: usize| densities[i] < EXPANDED * whole && elements.groups[group].has_failed(element(i));
+    (0..densities.len()).map(is_loose).collect()
 }
 
 /// A material point of a history at the instant of a new mesh.
