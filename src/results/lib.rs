@@ -148,7 +148,7 @@ impl FromIterator<Vec<usize>> for CellList {
 /// Integer labels of points or cells: node and element numbers of the deck, materials, members of sets.
 #[derive(Clone, Debug)]
 pub struct EntityLabels {
-    /// `NODE`, `ELEMENT`, `MATERIAL`, `NSET …` or `ELSET …`.
+    /// `NODE`, `ELEMENT`, `MATERIAL`, `NSET_…` or `ELSET_…`. Frames of earlier versions have a blank in place of `_`.
     pub name: String,
     /// One value for each point or cell.
     pub values: Vec<i32>,
@@ -157,7 +157,7 @@ pub struct EntityLabels {
 impl EntityLabels {
     /// Returns whether this is the name of a label array.
     pub fn is_name(name: &str) -> bool {
-        ["NODE", "ELEMENT", "MATERIAL"].contains(&name) || name.starts_with("NSET ") || name.starts_with("ELSET ")
+        ["NODE", "ELEMENT", "MATERIAL"].contains(&name) || name.starts_with("NSET") || name.starts_with("ELSET")
     }
 }
 

@@ -7,6 +7,7 @@ mod dialects;
 mod histories;
 mod language;
 mod mesh_files;
+mod mesh_groups;
 mod mistakes;
 mod variables;
 mod words;

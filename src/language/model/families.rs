@@ -98,6 +98,9 @@ pub struct MeshReader {
     pub system: Option<LocalSystem>,
     /// Nodes with transformed directions (`*TRANSFORM`).
     pub transforms: Vec<(Vec<usize>, Span)>,
+    /// Node sets and surfaces that follow from groups of mesh files; a card of the deck with the name replaces them.
+    pub derived_node_sets: HashSet<String>,
+    pub derived_surfaces: HashSet<String>,
     /// Members of UNSORTED node sets in the given order, by set name.
     pub unsorted: HashMap<String, Vec<usize>>,
 }

@@ -1,23 +1,22 @@
 //! Reader of Gmsh mesh files (`.msh`), versions 2.2 and 4.1 as text (Gmsh reference manual, "MSH file format").
-//! Physical surfaces become element sets and node sets, physical curves and points become node sets.
+//! Physical groups become the groups of [`super::mesh_data`].
 
 use std::collections::{BTreeMap, HashMap};
 use std::str::SplitAsciiWhitespace;
 
-use super::mesh_data::{MeshFile, MeshGroups};
+use super::mesh_data::{LabelledMesh, PlaneMesh};
 
 /// Numbers of nodes and dimensions of the Gmsh element types 1 to 21.
 const NODE_COUNTS: [usize; 21] = [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13, 9, 10];
 const DIMENSIONS: [usize; 21] = [1, 2, 2, 3, 3, 3, 3, 1, 2, 2, 3, 3, 3, 3, 0, 2, 3, 3, 3, 2, 2];
 
-pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
+/// What to save in place of other versions.
+const SAVE_AS: &str = "save it as version 4.1 or 2.2, as text (Mesh.MshFileVersion = 4.1, Mesh.Binary = 0)";
+
+pub(super) fn parse(text: &str) -> Result<PlaneMesh, String> {
+    let version = version(text)?;
     let sections = sections(text)?;
     let section = |name: &str| sections.get(name).map(|t| WordReader(t.split_ascii_whitespace()));
-    let mut format = section("MeshFormat").ok_or("it has no $MeshFormat section, so it is not a Gmsh mesh")?;
-    let version = format.word()?.to_owned();
-    if format.number()? != 0.0 {
-        return Err("binary files are not supported: save it as text (Mesh.Binary = 0)".into());
-    }
     let mut names: HashMap<(usize, i64), String> = HashMap::new();
     if let Some(text) = sections.get("PhysicalNames") {
         for line in text.lines().skip_while(|l| l.trim().is_empty()).skip(1) {
@@ -29,18 +28,33 @@ pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
     }
     let nodes = section("Nodes").ok_or("it has no $Nodes section")?;
     let elements = section("Elements").ok_or("it has no $Elements section")?;
-    let mut grouped = MeshGroups::default();
+    let mut mesh = LabelledMesh::default();
     if version.starts_with("2.") {
-        nodes_of_2(nodes, &mut grouped)?;
-        elements_of_2(elements, &names, &mut grouped)?;
+        nodes_of_2(nodes, &mut mesh)?;
+        elements_of_2(elements, &names, &mut mesh)?;
     } else if version == "4.1" {
-        nodes_of_4(nodes, &mut grouped)?;
+        nodes_of_4(nodes, &mut mesh)?;
         let groups = section("Entities").map_or(Ok(HashMap::new()), entities)?;
-        elements_of_4(elements, &groups, &names, &mut grouped)?;
+        elements_of_4(elements, &groups, &names, &mut mesh)?;
     } else {
-        return Err(format!("version {version} is not supported: save it as 2.2 or 4.1 (Mesh.MshFileVersion)"));
+        return Err(format!("version {version} is not supported: {SAVE_AS}"));
     }
-    grouped.finish(true)
+    mesh.in_plane()
+}
+
+/// Returns the version of a text file.
+fn version(text: &str) -> Result<&str, String> {
+    if text.trim_start().starts_with("$NOD") {
+        return Err(format!("version 1.0 is not supported: {SAVE_AS}"));
+    }
+    let header = text.trim_start().strip_prefix("$MeshFormat");
+    let header = header.ok_or("it does not begin with $MeshFormat, so it is not a Gmsh mesh")?;
+    let mut words = WordReader(header.split_ascii_whitespace());
+    let version = words.word()?;
+    if words.number()? != 0.0 {
+        return Err(format!("binary files are not supported: {SAVE_AS}"));
+    }
+    Ok(version)
 }
 
 /// Returns the text between `$Name` and `$EndName` of each section.
@@ -90,10 +104,10 @@ impl<'a> WordReader<'a> {
     }
 }
 
-fn nodes_of_2(mut words: WordReader<'_>, mesh: &mut MeshGroups) -> Result<(), String> {
+fn nodes_of_2(mut words: WordReader<'_>, mesh: &mut LabelledMesh) -> Result<(), String> {
     for _ in 0..words.count()? {
         let label = words.whole()?;
-        mesh.node(label, words.point()?);
+        mesh.add_point(label, words.point()?);
     }
     Ok(())
 }
@@ -110,7 +124,7 @@ fn kind(number: usize) -> Result<(usize, usize), String> {
 fn elements_of_2(
     mut words: WordReader<'_>,
     names: &HashMap<(usize, i64), String>,
-    mesh: &mut MeshGroups,
+    mesh: &mut LabelledMesh,
 ) -> Result<(), String> {
     for _ in 0..words.count()? {
         let label = words.whole()?;
@@ -118,14 +132,16 @@ fn elements_of_2(
         let tags = words.count()?;
         let group = if tags > 0 { words.whole()? } else { 0 };
         words.skip(tags.saturating_sub(1))?;
-        let sets = if group == 0 { Vec::new() } else { vec![name_of(names, dimension, group.abs())] };
         let nodes = (0..count).map(|_| words.whole()).collect::<Result<_, _>>()?;
-        mesh.cell(label, dimension, nodes, &sets);
+        let cell = mesh.add_cell(label, dimension, nodes);
+        if group != 0 {
+            mesh.listed.add_cells(&name_of(names, dimension, group.abs()), [cell]);
+        }
     }
     Ok(())
 }
 
-fn nodes_of_4(mut words: WordReader<'_>, mesh: &mut MeshGroups) -> Result<(), String> {
+fn nodes_of_4(mut words: WordReader<'_>, mesh: &mut LabelledMesh) -> Result<(), String> {
     let blocks = words.count()?;
     words.skip(3)?;
     for _ in 0..blocks {
@@ -135,7 +151,7 @@ fn nodes_of_4(mut words: WordReader<'_>, mesh: &mut MeshGroups) -> Result<(), St
         let count = words.count()?;
         let labels = (0..count).map(|_| words.whole()).collect::<Result<Vec<_>, _>>()?;
         for label in labels {
-            mesh.node(label, words.point()?);
+            mesh.add_point(label, words.point()?);
             words.skip(extra)?;
         }
     }
@@ -165,7 +181,7 @@ fn elements_of_4(
     mut words: WordReader<'_>,
     groups: &HashMap<(usize, i64), Vec<i64>>,
     names: &HashMap<(usize, i64), String>,
-    mesh: &mut MeshGroups,
+    mesh: &mut LabelledMesh,
 ) -> Result<(), String> {
     let blocks = words.count()?;
     words.skip(3)?;
@@ -177,7 +193,8 @@ fn elements_of_4(
         for _ in 0..words.count()? {
             let label = words.whole()?;
             let nodes = (0..count).map(|_| words.whole()).collect::<Result<_, _>>()?;
-            mesh.cell(label, dimension, nodes, &sets);
+            let cell = mesh.add_cell(label, dimension, nodes);
+            sets.iter().for_each(|set| mesh.listed.add_cells(set, [cell]));
         }
     }
     Ok(())

@@ -1,27 +1,21 @@
-//! Reader of mesh files in ABAQUS format (`.inp`): `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`. Other cards are listed in a
-//! note. The `*MESH` card determines the element type.
+//! Reader of mesh files in ABAQUS format (`.inp`): `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`, `*SURFACE` of element faces,
+//! parts and instances. Other cards are listed in a note. The `*MESH` card determines the element type.
 
 use std::collections::HashMap;
 
-use super::mesh_data::{MeshFile, MeshGroups};
+use super::element_words::element_shape;
+use super::mesh_data::{LabelledMesh, PlaneMesh};
+use super::placement::InstancePlacement;
+use crate::deck::number::parse_number;
 
-pub(super) fn parse(text: &str) -> Result<MeshFile, String> {
-    let mut reader = InpReader { most: MEMBERS[0] + MEMBERS[1] * text.len(), ..InpReader::default() };
+pub(super) fn parse(text: &str) -> Result<PlaneMesh, String> {
+    let has_instances = text.lines().any(|line| keyword_of(line.trim()).is_some_and(|keyword| keyword == "INSTANCE"));
+    let mut reader =
+        InpReader { largest_member_count: MEMBERS[0] + MEMBERS[1] * text.len(), has_instances, ..InpReader::default() };
     for (number, line) in text.lines().enumerate() {
-        let line = line.trim();
-        let result = if line.starts_with("**") || line.is_empty() {
-            Ok(())
-        } else if let Some(card) = line.strip_prefix('*') {
-            reader.begin(card)
-        } else {
-            let reading = std::mem::take(&mut reader.reading);
-            let result = reader.data(&reading, line);
-            reader.reading = reading;
-            result
-        };
-        result.map_err(|why| format!("line {}: {why}", number + 1))?;
+        reader.line(number + 1, line.trim())?;
     }
-    reader.mesh.finish(false)
+    reader.mesh.in_plane()
 }
 
 /// Largest number of set members in a file: a constant, plus a number per byte of the file. GENERATE and sets of sets
@@ -32,146 +26,360 @@ const MEMBERS: [usize; 2] = [100_000, 64];
 #[derive(Clone, Debug, Default, PartialEq)]
 enum InpSection {
     #[default]
-    Nothing,
+    Ignored,
     Nodes(Option<String>),
     /// Number of nodes and dimension of the elements, and their set.
     Elements(usize, usize, Option<String>),
-    /// Name, whether it is a node set, and whether the labels are generated.
-    Set(String, bool, bool),
+    Set(SetCard),
+    /// Name of a surface of element faces.
+    Surface(String),
+    /// Data lines of `*INSTANCE` so far: a translation and a rotation.
+    Instance(Vec<Vec<f64>>),
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct SetCard {
+    name: String,
+    is_node_set: bool,
+    is_generated: bool,
+    /// Name of the instance whose labels are listed.
+    instance: Option<String>,
+}
+
+/// Labels and sets of an instance, or of the lines outside of instances.
+#[derive(Debug, Default)]
+struct LabelScope {
+    /// Labels in the mesh that differ from those of the file.
+    nodes: HashMap<i64, i64>,
+    elements: HashMap<i64, i64>,
+    /// Members of sets: labels in the mesh.
+    node_sets: HashMap<String, Vec<i64>>,
+    element_sets: HashMap<String, Vec<i64>>,
 }
 
 #[derive(Default)]
-struct InpReader {
-    mesh: MeshGroups,
-    reading: InpSection,
+struct InpReader<'a> {
+    mesh: LabelledMesh,
+    section: InpSection,
     /// Values read so far of an element that continues on the next line.
-    begun: Vec<i64>,
-    nodes: HashMap<String, Vec<i64>>,
-    elements: HashMap<String, Vec<i64>>,
+    element_values: Vec<i64>,
+    /// Lines of each part with their numbers, and the part whose lines are collected.
+    parts: HashMap<String, Vec<(usize, &'a str)>>,
+    open_part: Option<String>,
+    /// Whether the file has instances; without them parts are read where they are.
+    has_instances: bool,
+    /// Labels and sets by instance; the name is empty outside of instances.
+    scopes: HashMap<String, LabelScope>,
+    scope: String,
+    /// Part of the open instance, and its placement once it is known.
+    instance_part: Option<String>,
+    placement: Option<InstancePlacement>,
     /// Number of set members so far, and its limit.
-    members: usize,
-    most: usize,
+    member_count: usize,
+    largest_member_count: usize,
 }
 
-/// Returns the number of nodes and the dimension of an ABAQUS element type; `None` for unsupported types.
-fn shape(name: &str) -> Option<(usize, usize)> {
-    let digits: String =
-        name.chars().rev().skip_while(|c| !c.is_ascii_digit()).take_while(char::is_ascii_digit).collect();
-    let count: usize = digits.chars().rev().collect::<String>().parse().ok()?;
-    let line = ["T2D", "T3D", "B2", "B3", "RAX", "R2D", "SAX", "MAX"].iter().any(|p| name.starts_with(p));
-    match name {
-        "MASS" | "ROTARYI" | "SPRING1" | "DASHPOT1" => Some((1, 0)),
-        "B21" | "B31" | "SAX1" | "MAX1" => Some((2, 1)),
-        "B22" | "B32" | "SAX2" | "MAX2" => Some((3, 1)),
-        "T2D2" | "T3D2" | "RAX2" | "R2D2" => Some((2, 1)),
-        "T2D3" | "T3D3" => Some((3, 1)),
-        _ if line || name.starts_with("C3D") || name.starts_with("COH") => None,
-        _ => Some((count, 2)),
+/// A keyword line: keyword and parameters in capitals.
+struct InpCard<'a> {
+    keyword: String,
+    parameters: Vec<(String, &'a str)>,
+}
+
+impl<'a> InpCard<'a> {
+    fn new(line: &'a str) -> InpCard<'a> {
+        let parameters = line.split(',').skip(1).map(str::trim);
+        let parameters = parameters
+            .map(|p| p.split_once('=').unwrap_or((p, "")))
+            .map(|(name, value)| (name.trim().to_uppercase(), value.trim().trim_matches('"')));
+        InpCard { keyword: keyword_of(line).unwrap_or_default(), parameters: parameters.collect() }
+    }
+
+    fn value(&self, name: &str) -> Option<&'a str> {
+        self.parameters.iter().find(|p| p.0 == name).map(|p| p.1)
+    }
+
+    fn required(&self, name: &str) -> Result<String, String> {
+        let value = self.value(name).filter(|value| !value.is_empty());
+        value.map(str::to_uppercase).ok_or_else(|| format!("*{} has no {name}=", self.keyword))
+    }
+
+    fn optional(&self, name: &str) -> Option<String> {
+        self.value(name).map(str::to_uppercase)
     }
 }
 
-impl InpReader {
-    fn begin(&mut self, card: &str) -> Result<(), String> {
-        let mut parts = card.split(',').map(str::trim);
-        let keyword: String =
-            parts.next().unwrap_or("").split_whitespace().collect::<Vec<_>>().join(" ").to_uppercase();
-        let parameters: Vec<(String, &str)> = parts
-            .map(|p| p.split_once('=').unwrap_or((p, "")))
-            .map(|(name, value)| (name.trim().to_uppercase(), value.trim().trim_matches('"')))
-            .collect();
-        let value = |name: &str| parameters.iter().find(|p| p.0 == name).map(|p| p.1);
-        let owned = |name: &str| value(name).map(str::to_owned);
-        self.reading = match keyword.as_str() {
-            "NODE" => InpSection::Nodes(owned("NSET")),
+/// Returns the placement that the data lines of `*INSTANCE` give: a translation and a rotation.
+fn placement(lines: &[Vec<f64>]) -> Result<Option<InstancePlacement>, String> {
+    let Some(translation) = lines.first() else { return Ok(None) };
+    let component = |i: usize| translation.get(i).copied().unwrap_or(0.0);
+    if component(2) != 0.0 {
+        return Err("an instance is moved out of the r-z plane".into());
+    }
+    let rotation = lines.get(1).map(|values| <[f64; 7]>::try_from(values.as_slice()));
+    let rotation = rotation.transpose().map_err(|_| "the rotation of an instance has 7 values")?;
+    Ok(Some(InstancePlacement::new([component(0), component(1)], rotation)?))
+}
+
+/// Returns the keyword of a line in capitals; `None` for comments and data lines.
+fn keyword_of(line: &str) -> Option<String> {
+    let text = line.strip_prefix('*').filter(|text| !text.starts_with('*'))?;
+    let words = text.split(',').next().unwrap_or("").split_whitespace();
+    Some(words.collect::<Vec<_>>().join(" ").to_uppercase())
+}
+
+fn data_fields(line: &str) -> impl Iterator<Item = &str> {
+    line.split(',').map(str::trim).filter(|field| !field.is_empty())
+}
+
+fn whole_number(field: &str) -> Result<i64, String> {
+    field.parse().map_err(|_| format!("`{field}` is not a whole number"))
+}
+
+fn real_number(field: &str) -> Result<f64, String> {
+    parse_number(field).map_err(|_| format!("`{field}` is not a number"))
+}
+
+impl<'a> InpReader<'a> {
+    /// Reads a line of the file; errors have its number.
+    fn line(&mut self, number: usize, line: &'a str) -> Result<(), String> {
+        let keyword = keyword_of(line);
+        if let Some(part) = self.open_part.clone() {
+            if keyword.as_deref() == Some("END PART") {
+                self.open_part = None;
+            } else {
+                self.parts.entry(part).or_default().push((number, line));
+            }
+            return Ok(());
+        }
+        let result = match keyword {
+            None if line.is_empty() || line.starts_with("**") => Ok(()),
+            None => {
+                let mut section = std::mem::take(&mut self.section);
+                let result = self.data_line(&mut section, line);
+                self.section = section;
+                result
+            }
+            Some(_) => {
+                let card = InpCard::new(line);
+                self.place_part(&card).and_then(|()| self.begin(&card))
+            }
+        };
+        // Lines of parts have their own number.
+        result.map_err(|why| if why.starts_with("line ") { why } else { format!("line {number}: {why}") })
+    }
+
+    fn begin(&mut self, card: &InpCard<'_>) -> Result<(), String> {
+        self.element_values.clear();
+        self.section = match card.keyword.as_str() {
+            "NODE" => InpSection::Nodes(card.optional("NSET")),
             "ELEMENT" => {
-                let name = value("TYPE").ok_or("*ELEMENT has no TYPE=")?.to_uppercase();
-                let (count, dimension) =
-                    shape(&name).ok_or(format!("element type {name} is not an element of the r-z plane"))?;
-                InpSection::Elements(count, dimension, owned("ELSET"))
+                let name = card.required("TYPE")?;
+                let (count, dimension) = element_shape(&name)?;
+                InpSection::Elements(count, dimension, card.optional("ELSET"))
             }
-            "NSET" | "ELSET" => {
-                let name = owned(&keyword).ok_or(format!("*{keyword} has no {keyword}="))?;
-                InpSection::Set(name, keyword == "NSET", value("GENERATE").is_some())
+            "NSET" | "ELSET" => InpSection::Set(SetCard {
+                name: card.required(&card.keyword)?,
+                is_node_set: card.keyword == "NSET",
+                is_generated: card.value("GENERATE").is_some(),
+                instance: card.optional("INSTANCE"),
+            }),
+            "SURFACE" if card.value("TYPE").is_none_or(|kind| kind.eq_ignore_ascii_case("ELEMENT")) => {
+                InpSection::Surface(card.required("NAME")?)
             }
-            "HEADING" | "UNITS" => InpSection::Nothing,
-            _ => {
-                if !self.mesh.unread.contains(&keyword) {
-                    self.mesh.unread.push(keyword);
-                }
-                InpSection::Nothing
+            "PART" if self.has_instances => {
+                self.open_part = Some(card.required("NAME")?);
+                InpSection::Ignored
+            }
+            "INSTANCE" => {
+                self.scope = card.required("NAME")?;
+                self.instance_part = card.optional("PART");
+                InpSection::Instance(Vec::new())
+            }
+            "END INSTANCE" => {
+                self.scope.clear();
+                self.placement = None;
+                InpSection::Ignored
+            }
+            "HEADING" | "UNITS" | "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" => InpSection::Ignored,
+            other => {
+                self.note_unread(other.to_owned());
+                InpSection::Ignored
             }
         };
         Ok(())
     }
 
-    fn data(&mut self, reading: &InpSection, line: &str) -> Result<(), String> {
-        let fields = || line.split(',').map(str::trim).filter(|f| !f.is_empty());
-        let whole = |f: &str| f.parse::<i64>().map_err(|_| format!("`{f}` is not a whole number"));
-        match reading {
-            InpSection::Nothing => {}
-            InpSection::Nodes(set) => {
-                let mut words = fields();
-                let label = whole(words.next().unwrap_or(""))?;
-                let mut point = [0.0; 3];
-                for (value, field) in point.iter_mut().zip(words) {
-                    *value =
-                        crate::deck::number::parse_number(field).map_err(|_| format!("`{field}` is not a number"))?;
-                }
-                self.mesh.node(label, point);
-                if let Some(set) = set {
-                    self.nodes.entry(set.to_uppercase()).or_default().push(label);
-                    self.mesh.add_nodes(set, &[label]);
-                }
+    /// Reads the lines of the part of an instance, whose data lines end at a card.
+    fn place_part(&mut self, card: &InpCard<'_>) -> Result<(), String> {
+        let InpSection::Instance(lines) = std::mem::take(&mut self.section) else { return Ok(()) };
+        self.placement = placement(&lines)?;
+        let Some(part) = self.instance_part.take() else { return Ok(()) };
+        let known = self.parts.get(&part).cloned();
+        let is_independent = card.keyword == "NODE";
+        let lines = match known {
+            Some(lines) => lines,
+            None if is_independent => return Ok(()),
+            None => return Err(format!("*INSTANCE names the part {part}, which is not defined before it")),
+        };
+        lines.into_iter().try_for_each(|(number, line)| self.line(number, line))
+    }
+
+    fn data_line(&mut self, section: &mut InpSection, line: &str) -> Result<(), String> {
+        match section {
+            InpSection::Ignored => Ok(()),
+            InpSection::Nodes(set) => self.node(set.as_deref(), line),
+            InpSection::Elements(count, dimension, set) => self.element(*count, *dimension, set.as_deref(), line),
+            InpSection::Set(card) => self.set_members(card, line),
+            InpSection::Surface(name) => self.surface_faces(name, line),
+            InpSection::Instance(lines) => {
+                lines.push(data_fields(line).map(real_number).collect::<Result<_, _>>()?);
+                Ok(())
             }
-            InpSection::Elements(count, dimension, set) => {
-                for field in fields() {
-                    self.begun.push(whole(field)?);
-                }
-                if self.begun.len() > *count {
-                    let words = std::mem::take(&mut self.begun);
-                    let sets = set.as_slice();
-                    if let Some(set) = sets.first() {
-                        self.elements.entry(set.to_uppercase()).or_default().push(words[0]);
-                    }
-                    self.mesh.cell(words[0], *dimension, words[1..=*count].to_vec(), sets);
-                }
+        }
+    }
+
+    fn node(&mut self, set: Option<&str>, line: &str) -> Result<(), String> {
+        let mut fields = line.split(',').map(str::trim);
+        let label = whole_number(fields.next().unwrap_or(""))?;
+        let mut point = [0.0; 3];
+        for (value, field) in point.iter_mut().zip(fields).filter(|(_, field)| !field.is_empty()) {
+            *value = real_number(field)?;
+        }
+        if let Some(placement) = &self.placement {
+            let [r, z] = placement.apply([point[0], point[1]]);
+            point = [r, z, point[2]];
+        }
+        let label = self.mesh_label(label, true);
+        let index = self.mesh.add_point(label, point);
+        if let Some(set) = set {
+            self.remember(set, true, &[label]);
+            self.mesh.listed.add_points(set, [index]);
+        }
+        Ok(())
+    }
+
+    fn element(&mut self, count: usize, dimension: usize, set: Option<&str>, line: &str) -> Result<(), String> {
+        for field in data_fields(line) {
+            self.element_values.push(whole_number(field)?);
+        }
+        if self.element_values.len() <= count {
+            return Ok(());
+        }
+        let values = std::mem::take(&mut self.element_values);
+        let nodes = values[1..=count].iter().map(|&node| self.known_label(&self.scope, node, true)).collect();
+        let label = self.mesh_label(values[0], false);
+        let cell = self.mesh.add_cell(label, dimension, nodes);
+        if let Some(set) = set {
+            self.remember(set, false, &[label]);
+            self.mesh.listed.add_cells(set, [cell]);
+        }
+        Ok(())
+    }
+
+    /// Returns the label in the mesh for a new label of the current scope. A label that another scope uses is replaced.
+    fn mesh_label(&mut self, label: i64, is_node: bool) -> i64 {
+        let known = if is_node { self.mesh.point(label) } else { self.mesh.cell(label) }.is_some();
+        let scope = self.scopes.entry(self.scope.clone()).or_default();
+        let labels = if is_node { &mut scope.nodes } else { &mut scope.elements };
+        if let Some(label) = labels.get(&label) {
+            return *label;
+        }
+        let is_other = known && !self.scope.is_empty();
+        let mesh_label = if is_other { self.mesh.largest_label() + 1 } else { label };
+        if !self.scope.is_empty() {
+            labels.insert(label, mesh_label);
+        }
+        mesh_label
+    }
+
+    /// Returns the label in the mesh for a label of an instance.
+    fn known_label(&self, instance: &str, label: i64, is_node: bool) -> i64 {
+        let scope = self.scopes.get(instance);
+        let labels = scope.map(|scope| if is_node { &scope.nodes } else { &scope.elements });
+        labels.and_then(|labels| labels.get(&label)).copied().unwrap_or(label)
+    }
+
+    /// Adds members to a set of the current scope, to which later sets may refer.
+    fn remember(&mut self, set: &str, is_node_set: bool, members: &[i64]) {
+        let mut names = vec![(self.scope.clone(), set.to_uppercase())];
+        if !self.scope.is_empty() {
+            names.push((String::new(), format!("{}.{}", self.scope, set.to_uppercase())));
+        }
+        for (scope, name) in names {
+            let scope = self.scopes.entry(scope).or_default();
+            let sets = if is_node_set { &mut scope.node_sets } else { &mut scope.element_sets };
+            sets.entry(name).or_default().extend(members);
+        }
+    }
+
+    /// Returns the members that a word of a data line denotes in a scope: a set or a label.
+    fn members(&self, instance: &str, word: &str, is_node_set: bool) -> Result<Vec<i64>, String> {
+        let of_scope = |scope: &str| {
+            let scope = self.scopes.get(scope)?;
+            if is_node_set { &scope.node_sets } else { &scope.element_sets }.get(&word.to_uppercase())
+        };
+        match of_scope(instance).or_else(|| of_scope("")) {
+            Some(members) => Ok(members.clone()),
+            None => {
+                let (instance, label) = word
+                    .rsplit_once('.')
+                    .map_or((instance.to_owned(), word), |(scope, label)| (scope.to_uppercase(), label));
+                Ok(vec![self.known_label(&instance, whole_number(label)?, is_node_set)])
             }
-            InpSection::Set(name, of_nodes, generated) => {
-                let known = if *of_nodes { &self.nodes } else { &self.elements };
-                let mut members = Vec::new();
-                if *generated {
-                    let numbers = fields().map(whole).collect::<Result<Vec<_>, _>>()?;
-                    let (first, last) = (numbers.first().copied().unwrap_or(0), numbers.get(1).copied().unwrap_or(0));
-                    let step = numbers.get(2).copied().unwrap_or(1).max(1);
-                    // One member above the limit is enough for the check below.
-                    members.extend((first..=last).step_by(step as usize).take(self.most + 1));
-                } else {
-                    for field in fields() {
-                        match known.get(&field.to_uppercase()) {
-                            Some(set) => members.extend(set),
-                            None => members.push(whole(field)?),
-                        }
-                        if members.len() > self.most {
-                            break;
-                        }
-                    }
-                }
-                self.members += members.len();
-                if self.members > self.most {
-                    return Err(format!(
-                        "the sets have more than {} members, the limit for a file of this size",
-                        self.most
-                    ));
-                }
-                let known_sets = if *of_nodes { &mut self.nodes } else { &mut self.elements };
-                known_sets.entry(name.to_uppercase()).or_default().extend(&members);
-                if *of_nodes {
-                    self.mesh.add_nodes(name, &members);
-                } else {
-                    self.mesh.add_cells(name, &members);
+        }
+    }
+
+    fn set_members(&mut self, card: &SetCard, line: &str) -> Result<(), String> {
+        let instance = card.instance.clone().unwrap_or_else(|| self.scope.clone());
+        let mut members = Vec::new();
+        if card.is_generated {
+            let numbers = data_fields(line).map(whole_number).collect::<Result<Vec<_>, _>>()?;
+            let (first, last) = (numbers.first().copied().unwrap_or(0), numbers.get(1).copied().unwrap_or(0));
+            let step = numbers.get(2).copied().unwrap_or(1).max(1);
+            // One member above the limit is enough for the check below.
+            let labels = (first..=last).step_by(step as usize).take(self.largest_member_count + 1);
+            members.extend(labels.map(|label| self.known_label(&instance, label, card.is_node_set)));
+        } else {
+            for field in data_fields(line) {
+                members.extend(self.members(&instance, field, card.is_node_set)?);
+                if members.len() > self.largest_member_count {
+                    break;
                 }
             }
         }
+        self.member_count += members.len();
+        if self.member_count > self.largest_member_count {
+            let limit = self.largest_member_count;
+            return Err(format!("the sets have more than {limit} members, the limit for a file of this size"));
+        }
+        self.remember(&card.name, card.is_node_set, &members);
+        if card.is_node_set {
+            let points: Vec<usize> = members.iter().filter_map(|&label| self.mesh.point(label)).collect();
+            self.mesh.listed.add_points(&card.name, points);
+        } else {
+            let cells: Vec<usize> = members.iter().filter_map(|&label| self.mesh.cell(label)).collect();
+            self.mesh.listed.add_cells(&card.name, cells);
+        }
         Ok(())
+    }
+
+    fn surface_faces(&mut self, name: &str, line: &str) -> Result<(), String> {
+        let mut fields = data_fields(line);
+        let (word, side) = (fields.next().unwrap_or(""), fields.next().unwrap_or(""));
+        let number = side.strip_prefix(['S', 's']).and_then(|digits| digits.parse::<usize>().ok());
+        let Some(face) = number.and_then(|number| number.checked_sub(1)) else {
+            self.note_unread(format!("SURFACE, NAME={name}"));
+            return Ok(());
+        };
+        let members = self.members(&self.scope, word, false)?;
+        let faces: Vec<_> = members.iter().filter_map(|&label| Some((self.mesh.cell(label)?, face))).collect();
+        self.mesh.listed.surfaces.entry(name.to_owned()).or_default().extend(faces);
+        Ok(())
+    }
+
+    fn note_unread(&mut self, card: String) {
+        if !self.mesh.listed.unread.contains(&card) {
+            self.mesh.listed.unread.push(card);
+        }
     }
 }

@@ -1,124 +1,310 @@
-//! Contents of mesh files, independent of the format: points, cells, labels and sets.
+//! Meshes of files, independent of the format: cells of any dimension and named groups, and the elements, sets and
+//! surfaces of the r-z plane that follow from them.
+//!
+//! One rule holds for all formats. Faces become elements, counter-clockwise; a cell that is listed more than once (once
+//! per group in Gmsh's MSH 2.2) is one element. Groups of faces become element sets and node sets; groups of edges
+//! become node sets and surfaces; groups of points become node sets. Lines that are no edge of a face are rigid
+//! elements.
 
 use std::collections::HashMap;
 
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 
-/// Points, cells and arrays of a mesh file.
+/// A cell of a file.
+#[derive(Clone, Debug)]
+pub(super) struct MeshCell {
+    pub label: i64,
+    pub dimension: usize,
+    /// Point indices: corners before midside points.
+    pub points: Vec<usize>,
+}
+
+/// A mesh as a file lists it.
 #[derive(Debug, Default)]
-pub struct MeshFile {
-    /// Coordinates of the points.
+pub(super) struct ListedMesh {
+    /// Coordinates and labels of the points.
     pub points: Vec<[f64; 3]>,
-    /// Point indices of each cell.
-    pub cells: Vec<Vec<usize>>,
-    /// Name and values of each array with one value per point.
-    pub point_arrays: Vec<(String, Vec<f64>)>,
-    /// Name and values of each array with one value per cell.
-    pub cell_arrays: Vec<(String, Vec<f64>)>,
-    /// Keywords of cards that were not read.
+    pub point_labels: Vec<i64>,
+    pub cells: Vec<MeshCell>,
+    /// Names of groups, with indices of cells or points.
+    pub cell_groups: IndexMap<String, Vec<usize>>,
+    pub point_groups: IndexMap<String, Vec<usize>>,
+    /// Surfaces: cell, and face counted from 0.
+    pub surfaces: IndexMap<String, Vec<(usize, usize)>>,
+    /// Cards or arrays that are not read.
     pub unread: Vec<String>,
+    /// Whether the file is a complete model: each cell is an element, and all node sets are listed.
+    pub is_complete: bool,
 }
 
-/// A mesh with labels and named groups, as written by mesh generators.
+/// Elements, sets and surfaces in the r-z plane; members of sets are indices.
 #[derive(Debug, Default)]
-pub(super) struct MeshGroups {
-    labels: Vec<i64>,
-    points: Vec<[f64; 3]>,
-    /// Point index by label; a later definition of a label replaces the earlier one.
-    by_label: HashMap<i64, usize>,
-    cells: Vec<LabelledCell>,
-    /// Labels of the cells in each set.
-    cell_sets: IndexMap<String, Vec<i64>>,
-    node_sets: IndexMap<String, Vec<i64>>,
-    /// Keywords of cards that were not read.
-    pub(super) unread: Vec<String>,
+pub(super) struct PlaneMesh {
+    pub points: Vec<[f64; 3]>,
+    pub point_labels: Vec<i64>,
+    pub elements: Vec<MeshCell>,
+    pub node_sets: IndexMap<String, Vec<usize>>,
+    /// Nodes of the cells of each group, unless the file has a node set of this name.
+    pub nodes_of_groups: IndexMap<String, Vec<usize>>,
+    pub element_sets: IndexMap<String, Vec<usize>>,
+    /// Surfaces: element, and face counted from 0.
+    pub surfaces: IndexMap<String, Vec<(usize, usize)>>,
+    pub unread: Vec<String>,
+    /// Number of cells that repeat another one.
+    pub repeated_cells: usize,
 }
 
-/// A cell by labels, with its dimension.
-#[derive(Debug)]
-struct LabelledCell {
-    label: i64,
-    dimension: usize,
-    nodes: Vec<i64>,
+/// Faces of the elements by the two corners of each.
+struct EdgeMap(HashMap<[usize; 2], EdgeOwner>);
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum EdgeOwner {
+    /// Cell, and face counted from 0.
+    One(usize, usize),
+    Several,
 }
 
-impl MeshGroups {
-    pub(super) fn node(&mut self, label: i64, point: [f64; 3]) {
-        if let Some(&known) = self.by_label.get(&label) {
-            self.points[known] = point;
-            return;
+impl EdgeMap {
+    fn new(cells: &[MeshCell], is_used: impl Fn(usize) -> bool) -> EdgeMap {
+        let mut owners = HashMap::new();
+        let faces = cells.iter().enumerate().filter(|(index, cell)| cell.dimension == 2 && is_used(*index));
+        for (index, cell) in faces {
+            let corners = cell.corners();
+            for face in 0..corners.len() {
+                let edge = sorted([corners[face], corners[(face + 1) % corners.len()]]);
+                let owner = EdgeOwner::One(index, face);
+                owners.entry(edge).and_modify(|known| *known = EdgeOwner::Several).or_insert(owner);
+            }
         }
-        self.by_label.insert(label, self.points.len());
-        self.labels.push(label);
-        self.points.push(point);
+        EdgeMap(owners)
     }
 
-    pub(super) fn cell(&mut self, label: i64, dimension: usize, nodes: Vec<i64>, sets: &[String]) {
-        self.cells.push(LabelledCell { label, dimension, nodes });
-        sets.iter().for_each(|set| self.add_cells(set, &[label]));
+    /// Returns the owner of a line, if it is an edge of a face.
+    fn owner(&self, line: &MeshCell) -> Option<EdgeOwner> {
+        (line.dimension == 1).then(|| self.0.get(&sorted([line.points[0], line.points[1]])).copied())?
+    }
+}
+
+fn sorted([a, b]: [usize; 2]) -> [usize; 2] {
+    [a.min(b), a.max(b)]
+}
+
+impl MeshCell {
+    /// Returns the corners: a face of six points has three midside points.
+    fn corners(&self) -> &[usize] {
+        &self.points[..corner_count(self.points.len())]
     }
 
-    pub(super) fn add_cells(&mut self, set: &str, labels: &[i64]) {
-        self.cell_sets.entry(set.to_uppercase()).or_default().extend(labels);
+    /// Reverses the order around the boundary; the first corner stays.
+    fn reverse(&mut self) {
+        let corner_count = corner_count(self.points.len());
+        let (corners, middles) = self.points.split_at_mut(corner_count);
+        corners[1..].reverse();
+        middles.reverse();
     }
 
-    pub(super) fn add_nodes(&mut self, set: &str, labels: &[i64]) {
-        self.node_sets.entry(set.to_uppercase()).or_default().extend(labels);
+    fn area(&self, points: &[[f64; 3]]) -> f64 {
+        let corners = self.corners();
+        let pair = |i: usize| (points[corners[i]], points[corners[(i + 1) % corners.len()]]);
+        (0..corners.len()).map(pair).map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1])).sum()
+    }
+}
+
+fn corner_count(points: usize) -> usize {
+    if points == 6 { 3 } else { points }
+}
+
+impl ListedMesh {
+    /// Adds cells to a group.
+    pub fn add_cells(&mut self, group: &str, cells: impl IntoIterator<Item = usize>) {
+        self.cell_groups.entry(group_name(group)).or_default().extend(cells);
     }
 
-    /// Returns the mesh. Cells of the highest dimension are its elements. Sets of other cells become node sets. With
-    /// `all`, sets of elements also become node sets, and clockwise cells are reversed.
-    pub(super) fn finish(mut self, all: bool) -> Result<MeshFile, String> {
+    /// Adds points to a group.
+    pub fn add_points(&mut self, group: &str, points: impl IntoIterator<Item = usize>) {
+        self.point_groups.entry(group_name(group)).or_default().extend(points);
+    }
+
+    /// Returns elements, sets and surfaces.
+    ///
+    /// # Errors
+    /// The reason if there are no cells, or cells that are no elements of the r-z plane.
+    pub fn in_plane(mut self) -> Result<PlaneMesh, String> {
+        self.check_cells()?;
+        let representatives = self.representatives();
+        let repeated_cells = representatives.iter().enumerate().filter(|(index, first)| index != *first).count();
+        let edges = EdgeMap::new(&self.cells, |index| representatives[index] == index);
+        let indices = self.element_indices(&representatives, &edges);
+        let element = |cell: usize| indices[representatives[cell]];
+        let mut mesh = PlaneMesh { unread: std::mem::take(&mut self.unread), repeated_cells, ..PlaneMesh::default() };
+        self.sets_of_cell_groups(&edges, &element, &mut mesh);
+        for (name, faces) in std::mem::take(&mut self.surfaces) {
+            let faces = faces.into_iter().filter_map(|(cell, face)| Some((element(cell)?, face)));
+            mesh.surfaces.entry(group_name(&name)).or_default().extend(faces);
+        }
+        let is_element = indices.iter().map(Option::is_some);
+        mesh.elements =
+            self.cells.into_iter().zip(is_element).filter(|(_, is_element)| *is_element).map(|c| c.0).collect();
+        (mesh.points, mesh.point_labels) = (self.points, self.point_labels);
+        mesh.turn_clockwise_elements();
+        Ok(mesh)
+    }
+
+    fn check_cells(&self) -> Result<(), String> {
         let highest = self.cells.iter().map(|c| c.dimension).max().ok_or("it has no elements")?;
         if highest > 2 {
             return Err("it has three-dimensional elements; mesh the r-z half plane instead".into());
         }
-        let by_label: HashMap<i64, &LabelledCell> = self.cells.iter().map(|cell| (cell.label, cell)).collect();
-        let mut element_sets: Vec<(String, Vec<i64>)> = Vec::new();
-        for (name, labels) in std::mem::take(&mut self.cell_sets) {
-            let is_element = |l: &&i64| by_label.get(l).is_some_and(|c| c.dimension == highest);
-            let elements: Vec<i64> = labels.iter().filter(is_element).copied().collect();
-            if all || elements.len() < labels.len() {
-                let nodes = labels.iter().filter_map(|l| by_label.get(l)).flat_map(|c| &c.nodes).copied();
-                self.node_sets.entry(name.clone()).or_default().extend(nodes);
-            }
-            if !elements.is_empty() {
-                element_sets.push((name, elements));
-            }
+        let higher_order =
+            self.cells.iter().find(|cell| cell.dimension == 2 && ![3, 4, 6].contains(&cell.points.len()));
+        if let Some(cell) = higher_order {
+            return Err(format!(
+                "element {} has {} nodes; faces have 3, 4 or 6 nodes: write quadrilaterals of first order",
+                cell.label,
+                cell.points.len()
+            ));
         }
-        let (mut cells, mut labels) = (Vec::new(), Vec::new());
-        for LabelledCell { label, dimension, nodes } in self.cells.iter().filter(|c| c.dimension == highest) {
-            let indices: Option<Vec<usize>> = nodes.iter().map(|n| self.by_label.get(n).copied()).collect();
-            let mut cell = indices.ok_or_else(|| format!("element {label} refers to an undefined node"))?;
-            // Corner nodes precede midside nodes.
-            let corners = if cell.len() == 6 { 3 } else { cell.len() };
-            if all && *dimension == 2 && area(&self.points, &cell[..corners]) < 0.0 {
-                let (corners, middles) = cell.split_at_mut(corners);
-                corners[1..].reverse();
-                middles.reverse();
-            }
-            cells.push(cell);
-            labels.push(*label);
+        Ok(())
+    }
+
+    /// Returns for each cell the first one with the same points.
+    fn representatives(&self) -> Vec<usize> {
+        if self.is_complete {
+            return (0..self.cells.len()).collect();
         }
-        let mark = |labels: &[i64], members: &[i64]| {
-            let members: std::collections::HashSet<i64> = members.iter().copied().collect();
-            labels.iter().map(|l| f64::from(u8::from(members.contains(l)))).collect::<Vec<f64>>()
+        let mut first_cells: HashMap<Vec<usize>, usize> = HashMap::with_capacity(self.cells.len());
+        let first_of = |(index, cell): (usize, &MeshCell)| {
+            let mut points = cell.points.clone();
+            points.sort_unstable();
+            *first_cells.entry(points).or_insert(index)
         };
-        let numbers = |labels: &[i64]| labels.iter().map(|l| *l as f64).collect::<Vec<f64>>();
-        let mut point_arrays = vec![("NODE_LABEL".to_owned(), numbers(&self.labels))];
-        point_arrays.extend(self.node_sets.iter().map(|(n, m)| (format!("NSET_{n}"), mark(&self.labels, m))));
-        let mut cell_arrays = vec![("ELEMENT_LABEL".to_owned(), numbers(&labels))];
-        cell_arrays.extend(element_sets.iter().map(|(n, m)| (format!("ELSET_{n}"), mark(&labels, m))));
-        Ok(MeshFile { points: self.points, cells, point_arrays, cell_arrays, unread: self.unread })
+        self.cells.iter().enumerate().map(first_of).collect()
+    }
+
+    /// Returns the element index of each cell; `None` for cells that only belong to groups, and for repeated cells.
+    fn element_indices(&self, representatives: &[usize], edges: &EdgeMap) -> Vec<Option<usize>> {
+        let highest = self.cells.iter().map(|cell| cell.dimension).max().unwrap_or(0);
+        let mut is_in_group = vec![false; self.cells.len()];
+        self.cell_groups.values().flatten().for_each(|&cell| is_in_group[representatives[cell]] = true);
+        let is_element = |index: usize, cell: &MeshCell| match cell.dimension {
+            _ if self.is_complete || cell.dimension == highest => true,
+            1 => edges.owner(cell).is_none() && is_in_group[index],
+            _ => false,
+        };
+        let mut count = 0;
+        let mut index_of = |(index, cell)| {
+            (representatives[index] == index && is_element(index, cell)).then(|| {
+                count += 1;
+                count - 1
+            })
+        };
+        self.cells.iter().enumerate().map(&mut index_of).collect()
+    }
+
+    fn sets_of_cell_groups(&mut self, edges: &EdgeMap, element: &dyn Fn(usize) -> Option<usize>, mesh: &mut PlaneMesh) {
+        mesh.node_sets = std::mem::take(&mut self.point_groups);
+        for (name, cells) in std::mem::take(&mut self.cell_groups) {
+            if !self.is_complete && !mesh.node_sets.contains_key(&name) {
+                let points: IndexSet<usize> = cells.iter().flat_map(|&c| &self.cells[c].points).copied().collect();
+                mesh.nodes_of_groups.insert(name.clone(), points.into_iter().collect());
+            }
+            let members: IndexSet<usize> = cells.iter().filter_map(|&cell| element(cell)).collect();
+            if !members.is_empty() {
+                mesh.element_sets.insert(name.clone(), members.into_iter().collect());
+            }
+            let boundary = cells.iter().filter(|cell| element(**cell).is_none());
+            let faces: IndexSet<(usize, usize)> = boundary
+                .filter_map(|&cell| match edges.owner(&self.cells[cell])? {
+                    EdgeOwner::One(owner, face) => Some((element(owner)?, face)),
+                    EdgeOwner::Several => None,
+                })
+                .collect();
+            if !faces.is_empty() {
+                mesh.surfaces.insert(name, faces.into_iter().collect());
+            }
+        }
     }
 }
 
-fn area(points: &[[f64; 3]], cell: &[usize]) -> f64 {
-    let pair = |i: usize| (points[cell[i]], points[cell[(i + 1) % cell.len()]]);
-    (0..cell.len()).map(pair).map(|(p, q)| 0.5 * (p[0] * q[1] - q[0] * p[1])).sum()
+impl PlaneMesh {
+    /// Reverses faces that are clockwise; faces of surfaces follow.
+    fn turn_clockwise_elements(&mut self) {
+        let points = &self.points;
+        let turned: Vec<bool> =
+            self.elements.iter().map(|element| element.dimension == 2 && element.area(points) < 0.0).collect();
+        for (element, _) in self.elements.iter_mut().zip(&turned).filter(|(_, turned)| **turned) {
+            element.reverse();
+        }
+        for (element, face) in self.surfaces.values_mut().flatten().filter(|(element, _)| turned[*element]) {
+            let count = corner_count(self.elements[*element].points.len());
+            *face = count.saturating_sub(1 + *face);
+        }
+    }
 }
 
-/// Returns whether an array defines a set or labels.
-pub(super) fn is_recognized_array(name: &str) -> bool {
-    name.starts_with("NSET_") || name.starts_with("ELSET_") || name.ends_with("_LABEL")
+/// Returns the name of a group in capitals. Names that Salome fills with underscores up to 80 characters lose these.
+fn group_name(name: &str) -> String {
+    let is_filled = name.chars().count() == 80;
+    if is_filled { name.trim_end_matches('_') } else { name }.to_uppercase()
+}
+
+/// A mesh whose cells and groups refer to labels, as Gmsh and ABAQUS write it.
+#[derive(Debug, Default)]
+pub(super) struct LabelledMesh {
+    pub listed: ListedMesh,
+    points_by_label: HashMap<i64, usize>,
+    cells_by_label: HashMap<i64, usize>,
+    /// Point labels of each cell.
+    cell_points: Vec<Vec<i64>>,
+}
+
+impl LabelledMesh {
+    /// Adds a point; a later definition of a label replaces the earlier one.
+    pub fn add_point(&mut self, label: i64, point: [f64; 3]) -> usize {
+        if let Some(&known) = self.points_by_label.get(&label) {
+            self.listed.points[known] = point;
+            return known;
+        }
+        self.points_by_label.insert(label, self.listed.points.len());
+        self.listed.point_labels.push(label);
+        self.listed.points.push(point);
+        self.listed.points.len() - 1
+    }
+
+    /// Adds a cell of points with the given labels.
+    pub fn add_cell(&mut self, label: i64, dimension: usize, points: Vec<i64>) -> usize {
+        let index = self.listed.cells.len();
+        self.cells_by_label.insert(label, index);
+        self.listed.cells.push(MeshCell { label, dimension, points: Vec::new() });
+        self.cell_points.push(points);
+        index
+    }
+
+    /// Returns the index of the point with a label.
+    pub fn point(&self, label: i64) -> Option<usize> {
+        self.points_by_label.get(&label).copied()
+    }
+
+    /// Returns the index of the last cell with a label.
+    pub fn cell(&self, label: i64) -> Option<usize> {
+        self.cells_by_label.get(&label).copied()
+    }
+
+    /// Returns the largest label of a point or cell.
+    pub fn largest_label(&self) -> i64 {
+        let labels = self.points_by_label.keys().chain(self.cells_by_label.keys());
+        labels.copied().max().unwrap_or(0)
+    }
+
+    /// Returns elements, sets and surfaces.
+    ///
+    /// # Errors
+    /// The reason if a cell refers to an undefined point, or those of [`ListedMesh::in_plane`].
+    pub fn in_plane(mut self) -> Result<PlaneMesh, String> {
+        for (cell, labels) in self.listed.cells.iter_mut().zip(&self.cell_points) {
+            let points: Option<Vec<usize>> = labels.iter().map(|n| self.points_by_label.get(n).copied()).collect();
+            cell.points = points.ok_or_else(|| format!("element {} refers to an undefined node", cell.label))?;
+        }
+        self.listed.in_plane()
+    }
 }

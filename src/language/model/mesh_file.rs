@@ -1,33 +1,50 @@
-//! `*MESH`: mesh files (`.vtu`, `.vtk`, `.vtp`, `.msh`, `.inp`). In VTK files sets are point and cell arrays
-//! `NSET_name` and `ELSET_name`, nonzero on members; labels are `NODE_LABEL` and `ELEMENT_LABEL`.
+//! `*MESH`: mesh files (`.vtu`, `.vtk`, `.vtp`, `.msh`, `.inp`), by the rule of [`super::mesh_data`].
 
 use std::path::Path;
 
 use super::context::Context;
 use super::families::MeshReader;
-use super::mesh_data::{MeshFile, is_recognized_array};
-use super::names::SetKind;
-use super::types::ElementKind;
+use super::mesh_data::{MeshCell, PlaneMesh};
+use super::names::{SetKind, qualified};
+use super::types::{ElementKind, ElementSide, ElementSurface};
 use super::vtk_file::read;
+use super::vtk_mesh::is_mesh_array;
 use super::{elements, nodes, sets};
 use super::{gmsh_file, inp_file};
 use crate::deck::{Card, Diagnostic, Span, files, untrusted};
 
-/// Help text for VTK files that cannot be read.
-const RESAVE: &str = "save it as one .vtu file with zlib, LZ4 or no compression; LZMA and legacy files with a FIELD block \
-                      are not supported";
+/// Help texts for files that cannot be read.
+const VTK_HELP: &str =
+    "save it as one .vtu or legacy .vtk file with zlib, LZ4 or no compression; LZMA is not supported";
+const GMSH_HELP: &str = "for linear elements: Mesh.ElementOrder = 1, or SetOrder 1 after the mesh is made";
+const INP_HELP: &str = "write linear elements (CPS3, CPS4, CAX3, CAX4R) of the half-plane z = 0";
+/// Formats that are not read, by the ending of the file.
+const OTHER_FORMATS: [(&str, &str); 7] = [
+    ("med", "MED"),
+    ("unv", "I-DEAS universal"),
+    ("bdf", "Nastran"),
+    ("nas", "Nastran"),
+    ("e", "Exodus"),
+    ("exo", "Exodus"),
+    ("stl", "STL"),
+];
+const CONVERT: &str =
+    "convert it to .msh, .inp or .vtu, for example `gmsh FILE -save -o mesh.msh` or `meshio convert FILE mesh.vtu`";
 
 /// Reads a mesh file by its extension.
 ///
 /// # Errors
-/// The reason, and a help text if there is one.
-fn read_any(path: &Path) -> Result<MeshFile, (String, Option<&'static str>)> {
-    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+/// The reason, and a help text.
+fn read_any(path: &Path) -> Result<PlaneMesh, (String, &'static str)> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if let Some((_, format)) = OTHER_FORMATS.iter().find(|(other, _)| *other == ending) {
+        return Err((format!("the format {format} is not supported"), CONVERT));
+    }
     let text = || files::read(path).map(lossy_text).map_err(|e| e.to_string());
-    match ending.as_deref() {
-        Some("msh") => text().and_then(|t| gmsh_file::parse(&t)).map_err(|why| (why, None)),
-        Some("inp") => text().and_then(|t| inp_file::parse(&t)).map_err(|why| (why, None)),
-        _ => read(path, &is_recognized_array).map_err(|why| (why, Some(RESAVE))),
+    match ending.as_str() {
+        "msh" => text().and_then(|t| gmsh_file::parse(&t)).map_err(|why| (why, GMSH_HELP)),
+        "inp" => text().and_then(|t| inp_file::parse(&t)).map_err(|why| (why, INP_HELP)),
+        _ => read(path, &is_mesh_array).and_then(|mesh| mesh.into_listed().in_plane()).map_err(|why| (why, VTK_HELP)),
     }
 }
 
@@ -51,18 +68,12 @@ pub fn read_mesh_file(context: &mut Context<'_>, mesh: &mut MeshReader, card: &C
         Ok(file) => add_mesh(context, mesh, &file, kind, card.span),
         Err((why, help)) => {
             let message = format!("cannot read the mesh file `{}`: {why}", input.text);
-            let diagnostic = Diagnostic::error("M150", message).at(input.span, "this file");
-            context.diagnostics.push(match help {
-                Some(help) => diagnostic.help(help),
-                None => diagnostic,
-            });
+            context.diagnostics.push(Diagnostic::error("M150", message).at(input.span, "this file").help(help));
         }
     }
 }
 
-fn add_mesh(context: &mut Context<'_>, mesh: &mut MeshReader, file: &MeshFile, kind: Option<ElementKind>, span: Span) {
-    let node_labels = labels(&file.point_arrays, "NODE_LABEL", file.points.len());
-    let element_labels = labels(&file.cell_arrays, "ELEMENT_LABEL", file.cells.len());
+fn add_mesh(context: &mut Context<'_>, mesh: &mut MeshReader, file: &PlaneMesh, kind: Option<ElementKind>, span: Span) {
     let in_plane = |p: &[f64; 3]| p[2] == 0.0 && p[0] >= 0.0 && p[0].is_finite() && p[1].is_finite();
     if let Some(i) = file.points.iter().position(|p| !in_plane(p)) {
         let [x, y, z] = file.points[i];
@@ -70,78 +81,113 @@ fn add_mesh(context: &mut Context<'_>, mesh: &mut MeshReader, file: &MeshFile, k
         let diagnostic = Diagnostic::error("M126", message).at(span, "this mesh");
         return context.diagnostics.push(diagnostic.help("x of the file is r, and y is z of the axisymmetric model"));
     }
+    let node_offset = label_offset(context, SetKind::Nodes, file.point_labels.iter().copied(), span);
+    let element_labels = file.elements.iter().map(|cell| cell.label);
+    let element_offset = label_offset(context, SetKind::Elements, element_labels, span);
+    let labels = file.point_labels.iter().map(|label| label + node_offset);
     let nodes: Vec<usize> =
-        file.points.iter().zip(&node_labels).map(|(p, &l)| nodes::add_node(context, mesh, l, [p[0], p[1]])).collect();
-    let mut elements = Vec::with_capacity(file.cells.len());
-    for (cell, &label) in file.cells.iter().zip(&element_labels) {
-        elements.push(mesh_cell(context, cell, label, kind, &nodes, span));
-    }
+        file.points.iter().zip(labels).map(|(p, label)| nodes::add_node(context, mesh, label, [p[0], p[1]])).collect();
+    let element = |cell| mesh_element(context, cell, element_offset, kind, &nodes, span);
+    let elements: Vec<Option<usize>> = file.elements.iter().map(element).collect();
     report_unread(context, file, span);
-    for (name, values) in &file.point_arrays {
-        if let Some(name) = name.strip_prefix("NSET_") {
-            let members = nodes.iter().zip(values).filter(|(_, v)| **v != 0.0).map(|(n, _)| *n).collect();
-            sets::add_set(context, SetKind::Nodes, name, members, span);
+    for (name, points) in &file.node_sets {
+        sets::add_set(context, SetKind::Nodes, name, points.iter().map(|&point| nodes[point]).collect(), span);
+    }
+    for (name, points) in &file.nodes_of_groups {
+        let key = qualified(&context.scope, name);
+        if !context.model.node_sets.contains_key(&key) {
+            sets::add_set(context, SetKind::Nodes, name, points.iter().map(|&point| nodes[point]).collect(), span);
+            mesh.derived_node_sets.insert(key);
         }
     }
-    for (name, values) in &file.cell_arrays {
-        if let Some(name) = name.strip_prefix("ELSET_") {
-            let members = elements.iter().zip(values).filter(|(_, v)| **v != 0.0).filter_map(|(e, _)| *e).collect();
-            sets::add_set(context, SetKind::Elements, name, members, span);
-        }
+    for (name, cells) in &file.element_sets {
+        let members = cells.iter().filter_map(|&cell| elements[cell]).collect();
+        sets::add_set(context, SetKind::Elements, name, members, span);
+    }
+    for (name, faces) in &file.surfaces {
+        add_surface(context, mesh, name, faces, &elements, span);
     }
 }
 
-/// Reports cards and arrays that were not read; a set may only lack its prefix.
-fn report_unread(context: &mut Context<'_>, mesh: &MeshFile, span: Span) {
-    if !mesh.unread.is_empty() {
-        let message = format!("cards of the mesh file are not read: *{}", mesh.unread.join(", *"));
-        let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");
-        context.diagnostics.push(
-            diagnostic
-                .help("only nodes, elements and sets of an .inp file are read; use *INCLUDE to read the whole file"),
-        );
+/// Returns the number that is added to the labels of a file: 0, or the largest label that the deck has so far if one of
+/// the file is among these.
+fn label_offset(context: &mut Context<'_>, kind: SetKind, mut labels: impl Iterator<Item = i64>, span: Span) -> i64 {
+    let Some(scope) = context.labels(kind).scope(&context.scope) else { return 0 };
+    if !labels.any(|label| scope.find(label).is_some()) {
+        return 0;
     }
-    let arrays = mesh.point_arrays.iter().chain(&mesh.cell_arrays).map(|a| a.0.as_str());
-    let unread: Vec<&str> = arrays.filter(|name| !is_recognized_array(name)).collect();
-    if !unread.is_empty() {
-        let message = format!("arrays of the mesh file are not read: {}", unread.join(", "));
-        let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");
-        context
-            .diagnostics
-            .push(diagnostic.help("a set is an array named NSET_name or ELSET_name, nonzero on its members"));
-    }
+    let (offset, what) = (scope.largest(), if kind == SetKind::Nodes { "node" } else { "element" });
+    let message =
+        format!("{what} labels of the mesh file are increased by {offset}: the deck already has some of them");
+    context.diagnostics.push(Diagnostic::note("M143", message).at(span, "this mesh"));
+    offset
 }
 
-fn mesh_cell(
+/// Adds a surface of element faces, unless the deck defines one of this name; a later card of the deck replaces it.
+fn add_surface(
     context: &mut Context<'_>,
-    cell: &[usize],
-    label: i64,
+    mesh: &mut MeshReader,
+    name: &str,
+    faces: &[(usize, usize)],
+    elements: &[Option<usize>],
+    span: Span,
+) {
+    let key = qualified(&context.scope, name);
+    let surfaces = &mut context.model.surfaces;
+    if surfaces.faces.contains_key(&key) || surfaces.nodes.contains_key(&key) {
+        return;
+    }
+    let of_face = |&(cell, face): &(usize, usize)| {
+        let element = elements[cell]?;
+        let sides = context.model.mesh.elements[element].kind.face(face as u8 + 1);
+        Some(sides.map(move |side| (element, ElementSide::Face(side))))
+    };
+    let faces = faces.iter().filter_map(of_face).flatten().collect();
+    let surface = ElementSurface { name: name.to_owned(), faces, free_face_elements: Vec::new(), span };
+    surfaces.faces.insert(key.clone(), surface);
+    mesh.derived_surfaces.insert(key);
+}
+
+/// Reports cards and arrays that were not read, and cells that are listed more than once.
+fn report_unread(context: &mut Context<'_>, file: &PlaneMesh, span: Span) {
+    if !file.unread.is_empty() {
+        let message = format!("the mesh file has data that are not read: {}", file.unread.join(", "));
+        let diagnostic = Diagnostic::note("M143", message).at(span, "this mesh");
+        context.diagnostics.push(diagnostic.help(
+            "nodes, elements, sets and surfaces are read; in VTK files a set is an array named NSET_name or ELSET_name, \
+             nonzero on its members; *INCLUDE reads a whole .inp file",
+        ));
+    }
+    if file.repeated_cells > 0 {
+        let message =
+            format!("{} cells of the mesh file are listed more than once; each is one element", file.repeated_cells);
+        context.diagnostics.push(Diagnostic::note("M143", message).at(span, "this mesh"));
+    }
+}
+
+fn mesh_element(
+    context: &mut Context<'_>,
+    cell: &MeshCell,
+    label_offset: i64,
     expected: Option<ElementKind>,
     nodes: &[usize],
     span: Span,
 ) -> Option<usize> {
-    let by_count = match cell.len() {
-        1 => Some(ElementKind::Mass),
-        2 => Some(ElementKind::Rax2),
-        3 => Some(ElementKind::Cax3),
-        4 => Some(ElementKind::Cax4r),
-        6 => Some(ElementKind::Cax6m),
+    let by_shape = match (cell.dimension, cell.points.len()) {
+        (0, 1) => Some(ElementKind::Mass),
+        (1, 2) => Some(ElementKind::Rax2),
+        (2, 3) => Some(ElementKind::Cax3),
+        (2, 4) => Some(ElementKind::Cax4r),
+        (2, 6) => Some(ElementKind::Cax6m),
         _ => None,
     };
-    let kind = expected.or(by_count);
-    let fits = kind.filter(|k| k.node_count() == cell.len());
-    let corners: Option<Vec<usize>> = cell.iter().map(|&p| nodes.get(p).copied()).collect();
-    if let (Some(kind), Some(corners)) = (fits, corners) {
-        return elements::add_element(context, label, kind, kind.around(&corners), span);
+    let kind = expected.or(by_shape);
+    if let Some(kind) = kind.filter(|k| k.node_count() == cell.points.len()) {
+        let corners: Vec<usize> = cell.points.iter().map(|&point| nodes[point]).collect();
+        return elements::add_element(context, cell.label + label_offset, kind, kind.around(&corners), span);
     }
     let expected = kind.map_or("an element type", ElementKind::name);
-    let message = format!("cell {label} of the mesh file has {} points, which does not match {expected}", cell.len());
+    let count = cell.points.len();
+    let message = format!("cell {} of the mesh file has {count} points, which does not match {expected}", cell.label);
     context.diagnostics.refuse(Diagnostic::error("M121", message).at(span, "this mesh"))
-}
-
-fn labels(arrays: &[(String, Vec<f64>)], name: &str, count: usize) -> Vec<i64> {
-    match arrays.iter().find(|a| a.0 == name && a.1.len() == count) {
-        Some((_, values)) => values.iter().map(|v| *v as i64).collect(),
-        None => (1..=count as i64).collect(),
-    }
 }

@@ -25,6 +25,7 @@ mod controls;
 mod copies;
 pub mod derive;
 mod element_nodes;
+mod element_words;
 mod elements;
 mod eos;
 mod equations;
@@ -48,7 +49,7 @@ mod lost;
 mod mass_scaling;
 mod materials;
 mod mates;
-pub mod mesh_data;
+mod mesh_data;
 mod mesh_file;
 mod name;
 mod named_clearances;
@@ -80,6 +81,7 @@ pub mod vtk_file;
 #[cfg(not(feature = "mesh-files"))]
 #[path = "no_vtk_file.rs"]
 mod vtk_file;
+pub mod vtk_mesh;
 #[cfg(feature = "mesh-files")]
 mod xml_array;
 #[cfg(feature = "mesh-files")]

@@ -42,6 +42,12 @@ impl ScopeLabels {
         dense.or_else(|| self.sparse.get(&label)).map(|index| *index as usize)
     }
 
+    /// Returns the largest label; 0 if there are none.
+    pub fn largest(&self) -> i64 {
+        let dense = self.dense.iter().rposition(|index| *index != NONE).map_or(0, |label| label as i64);
+        self.sparse.keys().copied().fold(dense, i64::max)
+    }
+
     /// Sets the index of a label; returns the previous one.
     fn insert(&mut self, label: i64, index: usize) -> Option<usize> {
         let previous = self.find(label);

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::mesh_data::MeshFile;
+use super::vtk_mesh::VtkMesh;
 
 /// Returns an error for every file.
-pub fn read(_path: &Path, _wanted: &dyn Fn(&str) -> bool) -> Result<MeshFile, String> {
+pub fn read(_path: &Path, _wanted: &dyn Fn(&str) -> bool) -> Result<VtkMesh, String> {
     Err("this build cannot read mesh files: the feature `mesh-files` is off".into())
 }
 

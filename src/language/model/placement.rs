@@ -35,25 +35,36 @@ impl InstancePlacement {
     }
 }
 
+/// Message of a rotation that moves the r-z plane.
+const OUT_OF_PLANE: &str =
+    "an instance may be rotated about an axis normal to the r-z plane, or by 180 degrees about an axis in it";
+
+impl InstancePlacement {
+    /// Creates a placement from a translation, and from two points of an axis of rotation with the angle in degrees.
+    ///
+    /// # Errors
+    /// The reason if the rotation does not map the r-z plane to itself.
+    pub fn new([r, z]: [f64; 2], rotation: Option<[f64; 7]>) -> Result<InstancePlacement, &'static str> {
+        let rotation = rotation.map(|n| {
+            let axis = Unit::try_new(Vector3::new(n[3] - n[0], n[4] - n[1], n[5] - n[2]), 0.0);
+            let is_in_plane = n[2] == 0.0 && n[5] == 0.0 && (n[6] % 180.0).abs() < 1e-9;
+            let axis = axis.filter(|a| a.x == 0.0 && a.y == 0.0 || is_in_plane).ok_or(OUT_OF_PLANE)?;
+            Ok((Point3::new(n[0], n[1], n[2]), Rotation3::from_axis_angle(&axis, n[6].to_radians())))
+        });
+        Ok(InstancePlacement { translation: Vector3::new(r, z, 0.0), rotation: rotation.transpose()? })
+    }
+}
+
 /// Reads the placement of an instance; `None` if it is not moved, or after an error.
 pub fn read_placement(context: &mut Context<'_>, card: &Card) -> Option<InstancePlacement> {
     card.lines.first()?;
-    let [r, z]: [f64; 2] = card.read_lines();
     let rotation = match (card.lines.get(1), card.read_lines::<Vec<[f64; 7]>>().get(1)) {
-        (Some(line), Some(n)) if n.iter().all(|number| number.is_finite()) => {
-            let axis = Unit::try_new(Vector3::new(n[3] - n[0], n[4] - n[1], n[5] - n[2]), 0.0);
-            let lies = n[2] == 0.0 && n[5] == 0.0 && (n[6] % 180.0).abs() < 1e-9;
-            let Some(axis) = axis.filter(|a| a.x == 0.0 && a.y == 0.0 || lies) else {
-                let message = "an instance may be rotated about an axis normal to the r-z \
-                               plane, or by 180 degrees about an axis in it";
-                return context
-                    .diagnostics
-                    .refuse(Diagnostic::error("M126", message).at(line.span, "rotation out of the r-z plane"));
-            };
-            Some((Point3::new(n[0], n[1], n[2]), Rotation3::from_axis_angle(&axis, n[6].to_radians())))
-        }
+        (Some(_), Some(n)) if n.iter().all(|number| number.is_finite()) => Some(*n),
         (None, _) => None,
         _ => return None,
     };
-    Some(InstancePlacement { translation: Vector3::new(r, z, 0.0), rotation })
+    let placement = InstancePlacement::new(card.read_lines(), rotation);
+    let span = card.lines.get(1).map_or(card.span, |line| line.span);
+    let refused = |message| Diagnostic::error("M126", message).at(span, "rotation out of the r-z plane");
+    placement.map_err(|message| context.diagnostics.push(refused(message))).ok()
 }

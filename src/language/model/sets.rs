@@ -26,6 +26,10 @@ pub fn read_nset(context: &mut Context<'_>, parts: &mut PartReader<'_>, mesh: &m
     if card.has("UNSORTED") || mesh.unsorted.contains_key(&qualified(&context.scope, &name.text)) {
         mesh.unsorted.entry(qualified(&context.scope, &name.text)).or_default().extend(&members);
     }
+    let key = qualified(&context.scope, &name.text);
+    if mesh.derived_node_sets.remove(&key) {
+        context.model.node_sets.shift_remove(&key);
+    }
     add_set(context, SetKind::Nodes, &name.text, members, card.span);
 }
 

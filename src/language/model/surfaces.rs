@@ -11,6 +11,10 @@ use crate::deck::{Card, Diagnostic, Word};
 
 pub fn read_surface(context: &mut Context<'_>, mesh: &mut MeshReader, steps: &mut StepReader, card: &Card) {
     let Some(name) = context.required(card, "NAME") else { return };
+    let key = qualified(&context.scope, &name.text);
+    if mesh.derived_surfaces.remove(&key) {
+        context.model.surfaces.faces.shift_remove(&key);
+    }
     let of_faces = card.value("TYPE").is_none_or(|w| w.is("ELEMENT"));
     if let Some(parameter) = card.parameters.iter().find(|p| p.name == "REGION TYPE").filter(|_| !of_faces) {
         let message = "REGION TYPE applies to surfaces of element faces";

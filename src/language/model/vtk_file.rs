@@ -10,7 +10,7 @@ use std::path::Path;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, DataSet, VertexNumbers};
 
-use super::mesh_data::{MeshFile, is_recognized_array};
+use super::vtk_mesh::{VtkMesh, is_mesh_array};
 use super::xml_mesh;
 use crate::deck::files;
 
@@ -36,12 +36,12 @@ pub fn silence_caught_panics() {
 ///
 /// # Errors
 /// The reason if the file is damaged or not supported.
-pub fn read(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<MeshFile, String> {
+pub fn read(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<VtkMesh, String> {
     if path.metadata().is_ok_and(|file| file.len() > MAX_BYTES) {
         return Err(format!("the file is larger than {} GB", MAX_BYTES >> 30));
     }
     let bytes = files::read(path).map_err(|e| e.to_string())?;
-    let (mesh, types) = if bytes.starts_with(b"# vtk DataFile") {
+    let mut mesh = if bytes.starts_with(b"# vtk DataFile") {
         READING.set(true);
         let read = catch_unwind(|| parse_legacy(&bytes));
         READING.set(false);
@@ -49,12 +49,12 @@ pub fn read(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<MeshFile, Stri
     } else {
         xml_mesh::parse(&bytes, wanted)?
     };
-    check_types(&types, &mesh.cells)?;
+    check_types(&mesh.types, &mut mesh.cells)?;
     check_arrays(mesh)
 }
 
-/// Returns the mesh of a legacy file, and the types of its cells unless it is poly data.
-fn parse_legacy(bytes: &[u8]) -> Result<(MeshFile, Vec<u8>), String> {
+/// Returns the contents of a legacy file.
+fn parse_legacy(bytes: &[u8]) -> Result<VtkMesh, String> {
     let vtk = Vtk::parse_legacy_be(bytes).map_err(|e| e.to_string())?;
     let (points, cells, types, data) = match vtk.data {
         DataSet::UnstructuredGrid { pieces, .. } => {
@@ -75,26 +75,46 @@ fn parse_legacy(bytes: &[u8]) -> Result<(MeshFile, Vec<u8>), String> {
     let values: Vec<f64> = points.cast_into().ok_or("its point coordinates are not numbers")?;
     let points = values.as_chunks::<3>().0.to_vec();
     let (point_arrays, cell_arrays) = (arrays(data.point), arrays(data.cell));
-    Ok((MeshFile { points, cells, point_arrays, cell_arrays, unread: Vec::new() }, types))
+    Ok(VtkMesh { points, cells, types, point_arrays, cell_arrays })
 }
 
 /// Supported cell types: number in VTK, name, number of points.
-const TYPES: [(u8, &str, usize); 5] =
-    [(1, "vertex", 1), (3, "line", 2), (5, "triangle", 3), (9, "quadrilateral", 4), (22, "six-point triangle", 6)];
+const TYPES: [(u8, &str, usize); 7] = [
+    (1, "vertex", 1),
+    (3, "line", 2),
+    (5, "triangle", 3),
+    (PIXEL, "pixel", 4),
+    (9, "quadrilateral", 4),
+    (21, "three-point line", 3),
+    (22, "six-point triangle", 6),
+];
+/// Rectangle whose points are in the order of a grid.
+const PIXEL: u8 = 8;
+/// Quadrilaterals of second order.
+const SECOND_ORDER: [u8; 3] = [23, 28, 30];
 
-/// Checks that all cells are of supported types with the matching number of points.
-fn check_types(types: &[u8], cells: &[Vec<usize>]) -> Result<(), String> {
+/// Checks that all cells are of supported types with the matching number of points; pixels become quadrilaterals.
+fn check_types(types: &[u8], cells: &mut [Vec<usize>]) -> Result<(), String> {
     for (i, (number, cell)) in types.iter().zip(cells).enumerate() {
         let (i, points) = (i + 1, cell.len());
         match TYPES.iter().find(|t| t.0 == *number) {
-            Some((_, _, expected)) if *expected == points => {}
+            Some((kind, _, expected)) if *expected == points => {
+                if *kind == PIXEL {
+                    cell.swap(2, 3);
+                }
+            }
             Some((_, name, expected)) => {
                 return Err(format!("cell {i} is a {name} with {points} points, expected {expected}"));
             }
+            None if SECOND_ORDER.contains(number) => {
+                return Err(format!(
+                    "cell {i} is a quadrilateral of second order (VTK type {number}): write elements of first order"
+                ));
+            }
             None => {
                 return Err(format!(
-                    "cell {i} has the VTK type {number}; supported are vertices (1), lines (3), triangles (5), \
-                     quadrilaterals (9) and six-point triangles (22)"
+                    "cell {i} has the VTK type {number}; supported are vertices (1), lines (3, 21), triangles (5), pixels \
+                     (8), quadrilaterals (9) and six-point triangles (22)"
                 ));
             }
         }
@@ -117,7 +137,7 @@ fn cells(numbers: Option<VertexNumbers>) -> Vec<Vec<usize>> {
 }
 
 /// Checks the references of cells to points and the lengths of sets and labels.
-fn check_arrays(mesh: MeshFile) -> Result<MeshFile, String> {
+fn check_arrays(mesh: VtkMesh) -> Result<VtkMesh, String> {
     let (points, cells) = (mesh.points.len(), mesh.cells.len());
     if let Some(cell) = mesh.cells.iter().position(|c| c.is_empty() || c.iter().any(|&p| p >= points)) {
         return Err(format!("cell {} refers to points that do not exist", cell + 1));
@@ -130,13 +150,24 @@ fn check_arrays(mesh: MeshFile) -> Result<MeshFile, String> {
 
 /// Returns the name of the first set or label array with a wrong length.
 fn misfit(arrays: &[(String, Vec<f64>)], count: usize) -> Option<&str> {
-    arrays.iter().find(|(name, values)| is_recognized_array(name) && values.len() != count).map(|a| a.0.as_str())
+    arrays.iter().find(|(name, values)| is_mesh_array(name) && values.len() != count).map(|a| a.0.as_str())
 }
 
+/// Returns the arrays of a legacy file, alone or in FIELD blocks. Names are encoded with percent signs.
 fn arrays(attributes: Vec<Attribute>) -> Vec<(String, Vec<f64>)> {
-    let array = |a: Attribute| match a {
-        Attribute::DataArray(array) => Some((array.name, array.data.cast_into()?)),
-        Attribute::Field { .. } => None,
-    };
-    attributes.into_iter().filter_map(array).collect()
+    let arrays = attributes.into_iter().flat_map(|attribute| match attribute {
+        Attribute::DataArray(array) => vec![(array.name, array.data)],
+        Attribute::Field { data_array, .. } => data_array.into_iter().map(|array| (array.name, array.data)).collect(),
+    });
+    arrays.filter_map(|(name, data)| Some((percent_decoded(&name), data.cast_into()?))).collect()
+}
+
+/// Decodes `%20` and the like, by which legacy files write blanks in names.
+fn percent_decoded(name: &str) -> String {
+    let Some((before, after)) = name.split_once('%') else { return name.to_owned() };
+    let byte = after.get(..2).and_then(|digits| u8::from_str_radix(digits, 16).ok()).filter(u8::is_ascii);
+    match byte {
+        Some(byte) => format!("{before}{}{}", byte as char, percent_decoded(&after[2..])),
+        None => format!("{before}%{}", percent_decoded(after)),
+    }
 }

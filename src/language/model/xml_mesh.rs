@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::mesh_data::MeshFile;
+use super::vtk_mesh::VtkMesh;
 use super::xml_array::{ArrayBudget, ArrayFormat, Compression, NumberType, StoredArray, decode};
 
 /// Largest number of arrays of a file.
@@ -115,7 +115,7 @@ const CELLS: [(&[u8], &str); 5] = [
 ///
 /// # Errors
 /// The reason if the file is damaged or not supported.
-pub(super) fn parse(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<(MeshFile, Vec<u8>), String> {
+pub(super) fn parse(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<VtkMesh, String> {
     let file = XmlMesh::scan(bytes)?;
     let values = file.decode(b"Points", "", file.points, 3, &file.mesh_budget)?;
     let points = values.as_chunks::<3>().0.to_vec();
@@ -131,7 +131,7 @@ pub(super) fn parse(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<(Mesh
     }
     let point_arrays = file.data(b"PointData", points.len(), wanted)?;
     let cell_arrays = file.data(b"CellData", cells.len(), wanted)?;
-    Ok((MeshFile { points, cells, point_arrays, cell_arrays, unread: Vec::new() }, types))
+    Ok(VtkMesh { points, cells, types, point_arrays, cell_arrays })
 }
 
 impl<'a> XmlMesh<'a> {

@@ -49,7 +49,7 @@ impl FrameLabels {
         let of_node = |n: usize| number(&mesh.node_names[n], n);
         let mut points = vec![label("NODE", nodes.iter().map(|&n| of_node(n as usize)).collect())];
         let set_labels = |kind: &str, (name, members): &(String, Vec<u32>), count: usize, items: &[u32]| {
-            label(&format!("{kind} {name}"), marks(members, count, items))
+            label(&format!("{kind}_{name}"), marks(members, count, items))
         };
         points.extend(self.node_sets.iter().map(|set| set_labels("NSET", set, mesh.points.len(), nodes)));
         let of_element = |e: usize| number(&mesh.elements[e].name, e);
