@@ -4,8 +4,7 @@
     python examples/revolved_body.py out/taylor_copper/taylor_copper.pvd PEEQ body.vtp body.png
 
 Needs the `vtk` wheel (pip install vtk). In ParaView: Extract Surface, Rotational Extrusion with the axis (0, 1, 0), the axis
-of symmetry. Deleted elements are hidden in the frames; extrusion needs a Threshold of vtkGhostType below 0.5 first,
-as in this script.
+of symmetry.
 """
 import os
 import sys
@@ -14,8 +13,6 @@ import xml.etree.ElementTree as ElementTree
 import vtkmodules.vtkInteractionStyle  # noqa: F401
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
 from vtkmodules.vtkCommonCore import vtkLookupTable
-from vtkmodules.vtkCommonDataModel import vtkDataObject
-from vtkmodules.vtkFiltersCore import vtkThreshold
 from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
 from vtkmodules.vtkFiltersModeling import vtkRotationalExtrusionFilter
 from vtkmodules.vtkIOImage import vtkPNGWriter
@@ -43,16 +40,8 @@ def revolved(path):
     reader = vtkXMLUnstructuredGridReader()
     reader.SetFileName(path)
     reader.Update()
-    there = vtkThreshold()
-    there.SetInputConnection(reader.GetOutputPort())
     surface = vtkGeometryFilter()
     surface.SetInputConnection(reader.GetOutputPort())
-    if reader.GetOutput().GetCellData().HasArray("vtkGhostType"):
-        # Deleted elements would otherwise be part of the extruded surface.
-        there.SetInputArrayToProcess(0, 0, 0, vtkDataObject.FIELD_ASSOCIATION_CELLS, "vtkGhostType")
-        there.SetThresholdFunction(vtkThreshold.THRESHOLD_LOWER)
-        there.SetLowerThreshold(0.5)
-        surface.SetInputConnection(there.GetOutputPort())
     turned = vtkRotationalExtrusionFilter()
     turned.SetInputConnection(surface.GetOutputPort())
     turned.SetRotationAxis(0.0, 1.0, 0.0)

@@ -163,7 +163,6 @@ impl Run {
         )?;
         frame_dict.set_item("starts", starts.into_pyarray(py))?;
         frame_dict.set_item("corners", corners.into_pyarray(py))?;
-        frame_dict.set_item("deleted", frame.deleted.clone().into_pyarray(py))?;
         frame_dict.set_item("point_fields", fields(py, &frame.point_fields)?)?;
         frame_dict.set_item("cell_fields", fields(py, &frame.cell_fields)?)?;
         Ok(frame_dict)

@@ -73,8 +73,6 @@ pub struct OutputFrame {
     pub third_at_start: Vec<f64>,
     /// Cells as point indices: 1 = vertex, 2 = line, 3 = triangle, 4 = quadrilateral.
     pub cells: CellList,
-    /// Whether the element of each cell is deleted; empty if none is.
-    pub deleted: Vec<bool>,
     /// Arrays with one value or vector per point.
     pub point_fields: Vec<FieldArray>,
     /// Arrays with one value or vector per cell.
@@ -85,6 +83,46 @@ pub struct OutputFrame {
     pub point_labels: Vec<EntityLabels>,
     /// Labels of cells, constant over time.
     pub cell_labels: Vec<EntityLabels>,
+}
+
+impl OutputFrame {
+    /// Removes cells, and the points that belonged to these only, with their values and labels.
+    pub fn remove_cells(&mut self, is_removed: &[bool]) {
+        let mut keeps_point = vec![true; self.points.len()];
+        for keeps in [false, true] {
+            let cells = self.cells.iter().zip(is_removed).filter(|(_, is_removed)| **is_removed != keeps);
+            cells.flat_map(|(cell, _)| cell).for_each(|&point| keeps_point[point as usize] = keeps);
+        }
+        let keeps_cell: Vec<bool> = is_removed.iter().map(|is_removed| !is_removed).collect();
+        let mut new_index = vec![0; self.points.len()];
+        let mut count = 0;
+        for (index, _) in new_index.iter_mut().zip(&keeps_point).filter(|(_, keeps)| **keeps) {
+            *index = count;
+            count += 1;
+        }
+        let cells = self.cells.iter().zip(&keeps_cell).filter(|(_, keeps)| **keeps);
+        self.cells = cells.map(|(cell, _)| cell.iter().map(|&point| new_index[point as usize]).collect()).collect();
+        retain(&mut self.points, 1, &keeps_point);
+        retain(&mut self.start, 1, &keeps_point);
+        retain(&mut self.third, 1, &keeps_point);
+        retain(&mut self.third_at_start, 1, &keeps_point);
+        for (fields, labels, keeps) in [
+            (&mut self.point_fields, &mut self.point_labels, &keeps_point),
+            (&mut self.cell_fields, &mut self.cell_labels, &keeps_cell),
+        ] {
+            fields.iter_mut().for_each(|field| retain(&mut field.values, field.components, keeps));
+            labels.iter_mut().for_each(|label| retain(&mut label.values, 1, keeps));
+        }
+    }
+}
+
+/// Retains the groups of `width` values that `keeps` marks; an empty list stays empty.
+fn retain<T>(values: &mut Vec<T>, width: usize, keeps: &[bool]) {
+    let mut index = 0;
+    values.retain(|_| {
+        index += 1;
+        keeps[(index - 1) / width]
+    });
 }
 
 /// Point indices of cells, in one list.

@@ -12,10 +12,6 @@ use super::{CellList, EntityLabels, FieldArray, FramePoints, OutputFrame};
 /// Bytes of an uncompressed block; resetting the compressor costs as much as compressing some tens of KiB.
 const BLOCK: usize = 1 << 20;
 
-/// Name of VTK's blanking array, and its value for a hidden cell (vtkDataSetAttributes, HIDDENCELL).
-pub const BLANKING: &str = "vtkGhostType";
-const HIDDEN: u8 = 32;
-
 /// Writer of `.vtu` text. It reuses the compressor and its buffers, because allocating them costs more than compressing
 /// small arrays.
 #[derive(Debug)]
@@ -64,8 +60,8 @@ impl VtuWriter {
         let fields = frame.point_fields.iter().chain(&frame.cell_fields).map(field).sum::<u64>();
         let labels = frame.point_labels.iter().chain(&frame.cell_labels);
         let labels: u64 = labels.map(|label| array(4 * label.values.len()) + label.name.len() as u64).sum();
-        // Points, and U if the points have initial coordinates; cells, their offsets, types and blanking.
-        fields + labels + 2 * array(24 * points) + array(8 * corners) + array(8 * cells) + 2 * array(cells) + 1000
+        // Points, and U if the points have initial coordinates; cells, their offsets and types.
+        fields + labels + 2 * array(24 * points) + array(8 * corners) + array(8 * cells) + array(cells) + 1000
     }
 
     /// Returns the text of a frame.
@@ -103,7 +99,7 @@ impl VtuWriter {
         self.array("Float64", "Points", " NumberOfComponents=\"3\"", places.flat_map(f64::to_le_bytes));
         self.line("</Points>");
         self.flush(out)?;
-        self.topology(&frame.cells, &frame.deleted, out)?;
+        self.topology(&frame.cells, out)?;
         self.line("</Piece>\n</UnstructuredGrid>\n</VTKFile>");
         self.flush(out)
     }
@@ -137,19 +133,11 @@ impl VtuWriter {
         Ok(())
     }
 
-    /// Writes arrays over cells. Cells of deleted elements are hidden (VTK's blanking: HIDDENCELL of `vtkGhostType`).
+    /// Writes arrays over cells.
     fn cell_data(&mut self, frame: &OutputFrame, out: &mut dyn Write) -> io::Result<()> {
         self.line("<CellData>");
         frame.cell_fields.iter().try_for_each(|field| self.field(field, out))?;
         frame.cell_labels.iter().try_for_each(|label| self.label(label, out))?;
-        if !frame.deleted.is_empty() {
-            self.array(
-                "UInt8",
-                BLANKING,
-                "",
-                frame.deleted.iter().map(|is_deleted| if *is_deleted { HIDDEN } else { 0 }),
-            );
-        }
         self.line("</CellData>");
         Ok(())
     }
@@ -196,11 +184,10 @@ impl VtuWriter {
 
     /// Writes cells. The cell of a deleted element is reduced to one point, because its nodes may be far apart and not
     /// every VTK filter respects hidden cells (vtkGeometryFilter of 9.7 draws those of unstructured grids).
-    fn topology(&mut self, cells: &CellList, deleted: &[bool], out: &mut dyn Write) -> io::Result<()> {
-        let connectivity = cells.iter().enumerate().flat_map(|(c, cell)| {
-            let point = cell.first().filter(|_| deleted.get(c) == Some(&true)).copied();
+    fn topology(&mut self, cells: &CellList, out: &mut dyn Write) -> io::Result<()> {
+        let connectivity = cells.iter().flat_map(|cell| {
             let order = if cell.len() == QUADRATIC.len() { &QUADRATIC[..] } else { &IN_ORDER[..cell.len()] };
-            order.iter().map(move |&i| i64::from(point.unwrap_or(cell[i])))
+            order.iter().map(move |&i| i64::from(cell[i]))
         });
         let offsets = cells.iter().scan(0, |sum, cell| {
             *sum += cell.len() as i64;

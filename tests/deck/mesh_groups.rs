@@ -184,3 +184,36 @@ fn unsupported_files_name_the_format_to_save() {
     let (_, messages) = read("h.inp", eight, "");
     assert!(messages.contains("has 8 nodes") && messages.contains("linear elements"), "{messages}");
 }
+
+/// Words of other families are explained; those of faces and edges name `*MESH`.
+#[test]
+fn element_words_of_abaqus_have_a_reason() {
+    for (word, nodes, expected) in [
+        ("CGAX4R", "1, 2, 3, 4", "twist about the axis"),
+        ("DSAX1", "1, 2", "shells do not conduct heat"),
+        ("ACAX4R", "1, 2, 3, 4", "acoustic elements are not simulated"),
+        ("GAPUNI", "1, 2", "*CONTACT PAIR"),
+        ("CAX4P", "1, 2, 3, 4", "*MESH, INPUT=FILE, or write TYPE=CAX4R"),
+        ("S4", "1, 2, 3, 4", "*MESH, INPUT=FILE, or write TYPE=CAX4R"),
+        ("R3D3", "1, 2, 3", "*MESH, INPUT=FILE, or write TYPE=CAX3"),
+        ("B31H", "1, 2", "which makes sets and surfaces of its edges"),
+        ("C3D8R", "1, 2, 3, 4, 5, 6, 7, 8", "three-dimensional"),
+    ] {
+        let text = format!("*Node\n 1, 0, 0\n 2, 1, 0\n 3, 1, 1\n 4, 0, 1\n*Element, type={word}\n 1, {nodes}\n");
+        let (deck, _) = deck::read_text("t.inp", &text, &[]);
+        let messages = model::build(&deck).1.render(&deck.sources);
+        assert!(messages.contains(expected) && !messages.contains("did you mean"), "{word}: {messages}");
+    }
+}
+
+/// Sets may precede their elements, labels may be written as `3.0`, and members that do not exist are reported.
+#[test]
+fn sets_of_inp_files_are_resolved_at_the_end() {
+    let text = "*ELSET, ELSET=TIP\n3.0\n*NODE\n1, 0., 0.\n2, 1., 0.\n3, 1., 1.\n4, 0., 1.\n*NSET, NSET=GONE\n 77,\n\
+                *ELEMENT, TYPE=CPS4\n3, 1, 2, 3, 4\n*ELSET, ELSET=ALL\n TIP\n";
+    let (model, messages) = built("late.inp", text, "");
+    assert_eq!(model.element_sets["TIP"].members, [0]);
+    assert_eq!(model.element_sets["ALL"].members, [0]);
+    assert!(!model.node_sets.contains_key("GONE"));
+    assert!(messages.contains("1 members of the set GONE of the mesh file are not defined"), "{messages}");
+}

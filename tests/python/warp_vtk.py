@@ -6,7 +6,8 @@ import sys
 from xml.etree import ElementTree
 
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkDataSetAttributes
+from vtkmodules.vtkCommonDataModel import vtkDataObject
+from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
 from vtkmodules.vtkFiltersGeneral import vtkWarpVector
 from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
@@ -31,24 +32,21 @@ warped = vtk_to_numpy(warp.GetOutput().GetPoints().GetData())
 surface = vtkDataSetSurfaceFilter()
 surface.SetInputConnection(current.GetOutputPort())
 surface.Update()
+sizes = vtkCellSizeFilter()
+sizes.SetInputConnection(current.GetOutputPort())
+sizes.Update()
 cells = current.GetOutput().GetCellData()
-places = vtk_to_numpy(current.GetOutput().GetPoints().GetData())
 grid = current.GetOutput()
-corners = [
-    [grid.GetCell(i).GetPointId(k) for k in range(grid.GetCell(i).GetNumberOfPoints())]
-    for i in range(grid.GetNumberOfCells())
-    if cells.GetArray("vtkGhostType").GetValue(i)
-]
+used = sorted({grid.GetCell(i).GetPointId(k) for i in range(grid.GetNumberOfCells()) for k in range(grid.GetCell(i).GetNumberOfPoints())})
 print(
     json.dumps(
         {
-            "extent": max(float(abs(places[c] - places[c[0]]).max()) for c in corners),
+            "smallest": float(vtk_to_numpy(sizes.GetOutput().GetCellData().GetArray("Area")).min()),
+            "unused": grid.GetNumberOfPoints() - len(used),
             "moved": float(abs(there - vtk_to_numpy(reference.GetOutput().GetPoints().GetData())).max()),
             "apart": float(abs(there - warped).max()),
             "cells": current.GetOutput().GetNumberOfCells(),
-            "hidden": int((vtk_to_numpy(cells.GetArray("vtkGhostType")) == vtkDataSetAttributes.HIDDENCELL).sum()),
             "shown": surface.GetOutput().GetNumberOfCells(),
-            "deleted": int((vtk_to_numpy(cells.GetArray("STATUS")) == 0).sum()) if cells.HasArray("STATUS") else 0,
             "stress": [
                 cells.GetArray("S").GetComponentName(i) for i in range(cells.GetArray("S").GetNumberOfComponents())
             ],

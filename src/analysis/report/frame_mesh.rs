@@ -1,6 +1,7 @@
 //! Mesh of a frame: corners and labels of its cells. It is compared with later frames, whose bodies may have new meshes.
 
 use super::frames::FrameData;
+use crate::variables::Variable;
 
 /// Corner that a cell does not have.
 pub const NO_CORNER: u32 = u32::MAX;
@@ -10,6 +11,8 @@ pub const NO_CORNER: u32 = u32::MAX;
 pub struct FrameMesh {
     /// Number of points.
     pub points: usize,
+    /// Node number of each point in the deck; 0 without one.
+    pub nodes: Vec<i32>,
     /// Points at the corners of each cell; lines have two, triangles three, cells that are a point none.
     pub corners: Vec<[u32; 4]>,
     /// Element number of each cell in the deck; 0 without one.
@@ -20,14 +23,51 @@ pub struct FrameMesh {
 
 impl FrameMesh {
     pub fn of(frame: &FrameData) -> FrameMesh {
-        let labels =
-            |list: &[i32]| (0..frame.cells.len()).map(|cell| list.get(cell).copied().unwrap_or(0)).collect::<Vec<_>>();
+        let labels = |list: &[i32], count: usize| (0..count).map(|i| list.get(i).copied().unwrap_or(0)).collect();
         FrameMesh {
             points: frame.points.len(),
+            nodes: labels(&frame.nodes, frame.points.len()),
             corners: frame.cells.iter().map(|cell| corners(cell)).collect(),
-            elements: labels(&frame.elements),
-            materials: labels(&frame.materials),
+            elements: labels(&frame.elements, frame.cells.len()),
+            materials: labels(&frame.materials, frame.cells.len()),
         }
+    }
+
+    /// Completes a frame of this mesh from which the cells of deleted elements, and points, are missing. Returns whether
+    /// the frame has this mesh.
+    pub fn complete(&self, frame: &mut FrameData) -> bool {
+        if self.is_mesh_of(frame) {
+            return true;
+        }
+        let Some((points, cells)) = self.places_of(frame) else { return false };
+        // Missing points lie at one that exists.
+        let anywhere = frame.points.first().copied().unwrap_or_default();
+        frame.points = scattered(&frame.points, &points, self.points, anywhere);
+        frame.nodes.clone_from(&self.nodes);
+        frame.cells.iter_mut().flatten().for_each(|point| *point = points[*point]);
+        frame.cells = scattered(&frame.cells, &cells, self.corners.len(), Vec::new());
+        frame.deleted = scattered(&vec![false; cells.len()], &cells, self.corners.len(), true);
+        (frame.elements, frame.materials) = (self.elements.clone(), self.materials.clone());
+        for scalar in &mut frame.scalars {
+            let (places, count) = if scalar.on_cells { (&cells, self.corners.len()) } else { (&points, self.points) };
+            let missing = if scalar.name == Variable::Status.name() { 0.0 } else { f64::NAN };
+            scalar.values = scattered(&scalar.values, places, count, missing);
+        }
+        true
+    }
+
+    /// Returns the places of the points and of the cells of a frame in this mesh, if it has all of them in this order.
+    fn places_of(&self, frame: &FrameData) -> Option<(Vec<usize>, Vec<usize>)> {
+        let points = places(&frame.nodes, self.points, |node, place| self.nodes[place] == *node)?;
+        let place_of = |point: &usize| points.get(*point).copied();
+        let cells = places(&frame.cells, self.corners.len(), |cell, place| {
+            let cell: Option<Vec<usize>> = cell.iter().map(place_of).collect();
+            cell.is_some_and(|cell| corners(&cell) == self.corners[place])
+        })?;
+        let same_element = |(place, element): (&usize, &i32)| self.elements[*place] == *element;
+        let same_elements = cells.iter().zip(&frame.elements).all(same_element);
+        (points.len() == frame.points.len() && frame.elements.len() == cells.len() && same_elements)
+            .then_some((points, cells))
     }
 
     /// Returns whether a frame has this mesh. The cells of its deleted elements, collapsed to a point, are ignored.
@@ -52,8 +92,29 @@ impl FrameMesh {
 
     /// Returns the size of the arrays in bytes.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.corners[..]) + size_of_val(&self.elements[..]) + size_of_val(&self.materials[..])
+        size_of_val(&self.nodes[..])
+            + size_of_val(&self.corners[..])
+            + size_of_val(&self.elements[..])
+            + size_of_val(&self.materials[..])
     }
+}
+
+/// Returns the place of each item among `count` places: the first one behind that of the previous item that fits.
+fn places<T>(items: &[T], count: usize, fits: impl Fn(&T, usize) -> bool) -> Option<Vec<usize>> {
+    let mut next = 0;
+    let mut place_of = |item: &T| {
+        let place = (next..count).find(|&place| fits(item, place))?;
+        next = place + 1;
+        Some(place)
+    };
+    items.iter().map(&mut place_of).collect()
+}
+
+/// Returns a list of `count` values with `values` at `places`, and `missing` elsewhere.
+fn scattered<T: Clone>(values: &[T], places: &[usize], count: usize, missing: T) -> Vec<T> {
+    let mut list = vec![missing; count];
+    places.iter().zip(values).for_each(|(place, value)| list[*place] = value.clone());
+    list
 }
 
 /// Returns the corners of a cell whose points are listed along its boundary; every second point of six is a midpoint.
@@ -68,6 +129,7 @@ pub fn corners(cell: &[usize]) -> [u32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::frames::ScalarField;
 
     fn frame(cells: &[&[usize]], elements: &[i32], deleted: &[bool]) -> FrameData {
         FrameData {
@@ -92,6 +154,31 @@ mod tests {
         // The mesh of a frame without the cell does not serve a frame that has it.
         let late = FrameMesh::of(&frame(&collapsed, &[7, 8], &[true, false]));
         assert!(!late.is_mesh_of(&frame(&cells, &[7, 8], &[])));
+    }
+
+    /// The cell of a deleted element and its own points are not in the frame.
+    #[test]
+    fn frames_without_deleted_elements_are_completed() {
+        let whole = FrameData {
+            points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.5]],
+            nodes: vec![1, 2, 3, 4, 5],
+            ..frame(&[&[1, 4, 2], &[0, 1, 2, 3]], &[7, 8], &[])
+        };
+        let mesh = FrameMesh::of(&whole);
+        let scalars = vec![ScalarField { name: "P".into(), on_cells: true, values: vec![3.0], array: "P".into() }];
+        let mut late = FrameData {
+            points: whole.points[..4].iter().map(|[r, z]| [*r, z + 5.0]).collect(),
+            nodes: vec![1, 2, 3, 4],
+            scalars,
+            ..frame(&[&[0, 1, 2, 3]], &[8], &[])
+        };
+        assert!(mesh.complete(&mut late));
+        assert_eq!((&late.points[1], late.points.len()), (&[1.0, 5.0], 5));
+        assert_eq!(late.deleted, [true, false]);
+        assert_eq!((late.cells[1].clone(), late.elements), (vec![0, 1, 2, 3], vec![7, 8]));
+        assert!(late.scalars[0].values[0].is_nan() && late.scalars[0].values[1] == 3.0);
+        let mut other = FrameData { nodes: vec![1, 2, 3, 9], ..frame(&[&[0, 1, 2, 3]], &[8], &[]) };
+        assert!(!mesh.complete(&mut other));
     }
 
     #[test]

@@ -6,12 +6,14 @@ use super::read;
 use crate::deck::printable;
 use crate::kernel::stress::mises;
 use crate::model::vtk_file;
+use crate::model::vtk_mesh::BLANKING;
 use crate::output::EntityLabels;
 use crate::output::sums::Checksums;
-use crate::output::vtu::{BLANKING, REFERENCE};
+use crate::output::vtu::REFERENCE;
 use crate::variables::Variable;
 
-/// Arrays of the element and material numbers of cells.
+/// Arrays of the node numbers of points, and of the element and material numbers of cells.
+const NODE: &str = "NODE";
 const ELEMENT: &str = "ELEMENT";
 const MATERIAL: &str = "MATERIAL";
 
@@ -22,6 +24,8 @@ pub struct FrameData {
     /// `[r, z]` of each point.
     pub points: Vec<[f64; 2]>,
     pub cells: Vec<Vec<usize>>,
+    /// Node number of each point in the deck; empty if the file has none.
+    pub nodes: Vec<i32>,
     /// Whether the element of each cell is deleted; empty if none is.
     pub deleted: Vec<bool>,
     /// Element number of each cell in the deck; empty if the file has none.
@@ -79,7 +83,7 @@ pub fn read_arrays(
 ) -> Result<FrameData, String> {
     let text = read::verified_text(path, sums)?;
     let is_reference = text.contains(REFERENCE);
-    let of_mesh = |name: &str| [BLANKING, ELEMENT, MATERIAL].contains(&name) || name == "U" && is_reference;
+    let of_mesh = |name: &str| [BLANKING, NODE, ELEMENT, MATERIAL].contains(&name) || name == "U" && is_reference;
     let needed = |name: &str| of_mesh(name) || wanted(name);
     let mesh = read::in_file(path, vtk_file::read(path, &needed))?;
     let is_field = |name: &str| name != BLANKING && !EntityLabels::is_name(name);
@@ -101,9 +105,11 @@ pub fn read_arrays(
     let places = mesh.points.iter().enumerate().map(|(i, p)| [p[0] + shift(i)[0], p[1] + shift(i)[1]]).collect();
     let of_cells = |name: &str| mesh.cell_arrays.iter().find(|array| array.0 == name).map_or(&[][..], |array| &array.1);
     let [elements, materials] = [ELEMENT, MATERIAL].map(|name| of_cells(name).iter().map(|v| *v as i32).collect());
+    let nodes = mesh.point_arrays.iter().find(|array| array.0 == NODE).map_or(&[][..], |array| &array.1);
+    let nodes = nodes.iter().map(|number| *number as i32).collect();
     let deleted = of_cells(BLANKING).iter().map(|v| *v != 0.0).collect();
     let cells = mesh.cells.into_iter().map(around).collect();
-    Ok(FrameData { time, points: places, cells, deleted, elements, materials, scalars })
+    Ok(FrameData { time, points: places, cells, nodes, deleted, elements, materials, scalars })
 }
 
 fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {

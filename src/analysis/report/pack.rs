@@ -115,9 +115,9 @@ struct SeriesMeshes {
 
 impl SeriesMeshes {
     /// Returns the next frame of the series on its mesh.
-    fn draw(&mut self, frame: FrameData) -> DrawnFrame {
+    fn draw(&mut self, mut frame: FrameData) -> DrawnFrame {
         let (_, mesh) = match self.last.take() {
-            Some(known) if known.0.is_mesh_of(&frame) => self.last.insert(known),
+            Some(known) if known.0.complete(&mut frame) => self.last.insert(known),
             _ => {
                 let mesh = FrameMesh::of(&frame);
                 let drawn_mesh = Rc::new(SeriesMesh::of(&frame, &mesh));

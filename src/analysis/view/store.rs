@@ -36,7 +36,7 @@ impl ViewMesh {
     /// Returns the number of points, the number of cells, four corners of each cell, its element number and its material
     /// number, as integers of 32 bits.
     pub fn bytes(&self) -> Vec<u8> {
-        let FrameMesh { points, corners, elements, materials } = &self.mesh;
+        let FrameMesh { points, nodes: _, corners, elements, materials } = &self.mesh;
         let counts = [*points as u32, corners.len() as u32];
         let labels = elements.iter().chain(materials).map(|label| *label as u32);
         counts.into_iter().chain(corners.iter().flatten().copied()).chain(labels).flat_map(u32::to_le_bytes).collect()
@@ -230,7 +230,7 @@ impl FrameStore {
             return Ok(frame);
         }
         let (data, generation) = self.read(index, field)?;
-        self.keep(index, field, &data, generation);
+        self.keep(index, field, data, generation);
         let stored_frame = self.kept(index, field).ok_or_else(|| absent("frame"))?;
         Ok(ViewFrame { reading: begin.elapsed(), ..stored_frame })
     }
@@ -266,22 +266,22 @@ impl FrameStore {
     }
 
     /// Keeps the mesh and shape of a frame, and its fields that have been read, unless the run has been restarted.
-    fn keep(&self, index: usize, field: Option<usize>, data: &FrameData, generation: u64) {
+    fn keep(&self, index: usize, field: Option<usize>, mut data: FrameData, generation: u64) {
         let (meshes, fields) = {
             let mut series = self.lock();
             if series.generation != generation {
                 return;
             }
-            series.add_fields(data);
+            series.add_fields(&data);
             (series.meshes(), series.fields.clone())
         };
-        let known = meshes.into_values().find(|mesh| mesh.mesh.is_mesh_of(data));
-        let mesh = known.unwrap_or_else(|| Arc::new(ViewMesh { id: index, mesh: FrameMesh::of(data) }));
-        let shape = Arc::new(shape(&mesh.mesh, data));
+        let known = meshes.into_values().find(|mesh| mesh.mesh.complete(&mut data));
+        let mesh = known.unwrap_or_else(|| Arc::new(ViewMesh { id: index, mesh: FrameMesh::of(&data) }));
+        let shape = Arc::new(shape(&mesh.mesh, &data));
         let mut values: HashMap<usize, Arc<Vec<f32>>> = HashMap::new();
         values.extend(field.map(|field| (field, Arc::default())));
         let of_fields = fields.iter().enumerate();
-        values.extend(of_fields.filter_map(|(i, field)| Some((i, Arc::new(numbers(&mesh.mesh, field, data)?)))));
+        values.extend(of_fields.filter_map(|(i, field)| Some((i, Arc::new(numbers(&mesh.mesh, field, &data)?)))));
         let mut series = self.lock();
         if series.generation != generation {
             return;
@@ -332,14 +332,15 @@ impl FrameStore {
     pub fn state(&self, cell: usize, index: usize) -> Result<Vec<(String, f32)>, Refusal> {
         let fields = self.fields()?;
         let file = self.lock().file(index)?;
+        let mesh = &self.frame(index, None)?.mesh.mesh;
         let _one = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
-        let data = file.read(&|_| true)?;
-        let mesh = FrameMesh::of(&data);
+        let mut data = file.read(&|_| true)?;
+        mesh.complete(&mut data);
         if cell >= mesh.corners.len() {
             return Err(absent("cell"));
         }
         let value = |field: &ViewField| {
-            let value = value_at(field.on_cells, &mesh, cell, &numbers(&mesh, field, &data)?)?;
+            let value = value_at(field.on_cells, mesh, cell, &numbers(mesh, field, &data)?)?;
             value.is_finite().then(|| (field.name.clone(), value))
         };
         Ok(fields.iter().filter_map(value).collect())

@@ -7,6 +7,7 @@ use indexmap::IndexMap;
 use super::budget::BudgetedItem;
 use super::context::Context;
 use super::element_nodes::NodeIndices;
+use super::element_words::element_shape;
 use super::families::MeshReader;
 use super::name::EntityName;
 use super::names::{DuplicateLabel, SetKind};
@@ -34,15 +35,33 @@ const AXISYMMETRIC: &[(&str, &str)] = &[
     ("CAX8RT", "use CAX4RT; explicit dynamics requires linear elements"),
     ("SAX2", "use SAX1; explicit dynamics requires linear elements"),
     ("MAX1", "membranes are not simulated"),
-    ("SFMAX1", "surface elements on solids are not simulated"),
     ("SPRING2", "use SPRINGA or SPRING1"),
     ("DASHPOT2", "use DASHPOTA or DASHPOT1"),
-    ("CONN2D2", "connectors are not simulated"),
+];
+
+/// Families of element types that ABAQUS knows for the r-z plane and that are not supported: prefix, and the reason.
+const FAMILIES: &[(&str, &str)] = &[
+    ("CGAX", "it has twist about the axis; use CAX3 or CAX4R, which have none"),
+    ("MGAX", "membranes are not simulated"),
+    ("SFM", "surface elements are not simulated"),
+    ("CAXA", "its deformation is not axisymmetric"),
+    ("SAXA", "its deformation is not axisymmetric"),
+    ("CINAX", "infinite elements are not simulated; extend the mesh so that no reflection returns within the step"),
+    ("CAX", "it has pore pressure, a hybrid formulation or second order; use CAX3, CAX4R or CAX6M"),
+    ("ACAX", "acoustic elements are not simulated; model the fluid as CAX4R with *EOS"),
+    ("DCAX", "use CAX3T or CAX4RT, which also conduct heat"),
+    ("DSAX", "shells do not conduct heat; use CAX4RT"),
+    ("COHAX", "use COHAX4"),
+    ("GAP", "use *CONTACT PAIR or general contact"),
+    ("ITS", "use *CONTACT PAIR or general contact"),
+    ("CONN2D", "connectors are not simulated"),
+    ("HEATCAP", "heat capacities at nodes are not simulated"),
+    ("DCOUP", "distributing couplings are not simulated; use *COUPLING with *KINEMATIC"),
 ];
 
 /// Other geometries, with the prefixes of the names of their element types.
 const OTHER_GEOMETRY: &[(&str, &[&str])] = &[
-    ("three-dimensional", &["C3D", "SC6", "SC8", "R3D", "SFM3D", "COH3D"]),
+    ("three-dimensional", &["C3D", "SC6", "SC8", "R3D", "COH3D"]),
     ("a three-dimensional shell", &["S3", "S4", "S8", "STRI"]),
     ("a three-dimensional membrane", &["M3D"]),
     ("a three-dimensional truss", &["T3D"]),
@@ -115,14 +134,16 @@ impl ElementKind {
     }
 }
 
-/// Returns the advice for an element type that mesh generators write for a mesh in the r-z plane.
+/// Returns the advice for an element type that mesh generators write for a mesh in the r-z plane: edges and faces.
 fn replacement(name: &str) -> Option<String> {
     const READ: &str = "read the file of a mesh generator with *MESH, INPUT=FILE";
-    if ["T2D", "T3D"].iter().any(|head| name.starts_with(head)) {
-        return Some(format!("{READ}, which makes node sets of its edges, or delete these lines"));
-    }
-    let digits = ["CPS", "CPE"].iter().find_map(|head| name.strip_prefix(head))?;
-    let counterpart = [("3", "CAX3"), ("4", "CAX4R"), ("6", "CAX6M")].iter().find(|c| digits.starts_with(c.0))?.1;
+    let counterpart = match element_shape(name).ok()? {
+        (2, 1) => return Some(format!("{READ}, which makes sets and surfaces of its edges, or delete these lines")),
+        (3, 2) => "CAX3",
+        (4, 2) => "CAX4R",
+        (6, 2) => "CAX6M",
+        _ => return None,
+    };
     Some(format!("{READ}, or write TYPE={counterpart}"))
 }
 
@@ -156,6 +177,10 @@ pub fn element_kind(context: &mut Context<'_>, word: &Word) -> Option<ElementKin
     let supported = format!("supported: {}", supported_names.join(", "));
     let diagnostic = if let Some((_, instead)) = AXISYMMETRIC.iter().find(|a| a.0 == name) {
         Diagnostic::error("M121", format!("element type {name} is not supported: {instead}")).help(supported)
+    } else if let Some((_, reason)) = FAMILIES.iter().find(|family| name.starts_with(family.0)) {
+        let instead = replacement(&name).map_or_else(String::new, |help| format!("{help}; "));
+        Diagnostic::error("M121", format!("element type {name} is not supported: {reason}"))
+            .help(format!("{instead}{supported}"))
     } else if let Some((what, _)) =
         OTHER_GEOMETRY.iter().find(|(_, heads)| heads.iter().any(|head| name.starts_with(head)))
     {

@@ -15,6 +15,7 @@ pub(super) fn parse(text: &str) -> Result<PlaneMesh, String> {
     for (number, line) in text.lines().enumerate() {
         reader.line(number + 1, line.trim())?;
     }
+    reader.read_deferred_lines()?;
     reader.mesh.in_plane()
 }
 
@@ -35,6 +36,15 @@ enum InpSection {
     Surface(String),
     /// Data lines of `*INSTANCE` so far: a translation and a rotation.
     Instance(Vec<Vec<f64>>),
+}
+
+/// Data line of a set or surface, which may refer to elements and nodes of later lines.
+struct DeferredLine<'a> {
+    number: usize,
+    /// Instance in which the line is.
+    scope: String,
+    card: InpSection,
+    line: &'a str,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +84,7 @@ struct InpReader<'a> {
     /// Part of the open instance, and its placement once it is known.
     instance_part: Option<String>,
     placement: Option<InstancePlacement>,
+    deferred: Vec<DeferredLine<'a>>,
     /// Number of set members so far, and its limit.
     member_count: usize,
     largest_member_count: usize,
@@ -131,8 +142,10 @@ fn data_fields(line: &str) -> impl Iterator<Item = &str> {
     line.split(',').map(str::trim).filter(|field| !field.is_empty())
 }
 
+/// Reads a label. Some programs write `15.0`.
 fn whole_number(field: &str) -> Result<i64, String> {
-    field.parse().map_err(|_| format!("`{field}` is not a whole number"))
+    let digits = field.strip_suffix(".0").unwrap_or(field);
+    digits.parse().map_err(|_| format!("`{field}` is not a whole number"))
 }
 
 fn real_number(field: &str) -> Result<f64, String> {
@@ -155,7 +168,7 @@ impl<'a> InpReader<'a> {
             None if line.is_empty() || line.starts_with("**") => Ok(()),
             None => {
                 let mut section = std::mem::take(&mut self.section);
-                let result = self.data_line(&mut section, line);
+                let result = self.data_line(&mut section, number, line);
                 self.section = section;
                 result
             }
@@ -224,18 +237,35 @@ impl<'a> InpReader<'a> {
         lines.into_iter().try_for_each(|(number, line)| self.line(number, line))
     }
 
-    fn data_line(&mut self, section: &mut InpSection, line: &str) -> Result<(), String> {
+    fn data_line(&mut self, section: &mut InpSection, number: usize, line: &'a str) -> Result<(), String> {
         match section {
             InpSection::Ignored => Ok(()),
             InpSection::Nodes(set) => self.node(set.as_deref(), line),
             InpSection::Elements(count, dimension, set) => self.element(*count, *dimension, set.as_deref(), line),
-            InpSection::Set(card) => self.set_members(card, line),
-            InpSection::Surface(name) => self.surface_faces(name, line),
+            InpSection::Set(_) | InpSection::Surface(_) => {
+                let (scope, card) = (self.scope.clone(), section.clone());
+                self.deferred.push(DeferredLine { number, scope, card, line });
+                Ok(())
+            }
             InpSection::Instance(lines) => {
                 lines.push(data_fields(line).map(real_number).collect::<Result<_, _>>()?);
                 Ok(())
             }
         }
+    }
+
+    /// Reads the lines of sets and surfaces, after all nodes and elements.
+    fn read_deferred_lines(&mut self) -> Result<(), String> {
+        for DeferredLine { number, scope, card, line } in std::mem::take(&mut self.deferred) {
+            self.scope = scope;
+            let result = match card {
+                InpSection::Set(card) => self.set_members(&card, line),
+                InpSection::Surface(name) => self.surface_faces(&name, line),
+                _ => Ok(()),
+            };
+            result.map_err(|why| format!("line {number}: {why}"))?;
+        }
+        Ok(())
     }
 
     fn node(&mut self, set: Option<&str>, line: &str) -> Result<(), String> {
@@ -353,12 +383,15 @@ impl<'a> InpReader<'a> {
             return Err(format!("the sets have more than {limit} members, the limit for a file of this size"));
         }
         self.remember(&card.name, card.is_node_set, &members);
-        if card.is_node_set {
-            let points: Vec<usize> = members.iter().filter_map(|&label| self.mesh.point(label)).collect();
-            self.mesh.listed.add_points(&card.name, points);
-        } else {
-            let cells: Vec<usize> = members.iter().filter_map(|&label| self.mesh.cell(label)).collect();
-            self.mesh.listed.add_cells(&card.name, cells);
+        let index = |label: &i64| if card.is_node_set { self.mesh.point(*label) } else { self.mesh.cell(*label) };
+        let known: Vec<usize> = members.iter().filter_map(index).collect();
+        if known.len() < members.len() {
+            *self.mesh.listed.undefined_members.entry(card.name.clone()).or_default() += members.len() - known.len();
+        }
+        match (known.is_empty(), card.is_node_set) {
+            (true, _) => {}
+            (false, true) => self.mesh.listed.add_points(&card.name, known),
+            (false, false) => self.mesh.listed.add_cells(&card.name, known),
         }
         Ok(())
     }

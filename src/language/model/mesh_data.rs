@@ -33,6 +33,8 @@ pub(super) struct ListedMesh {
     pub surfaces: IndexMap<String, Vec<(usize, usize)>>,
     /// Cards or arrays that are not read.
     pub unread: Vec<String>,
+    /// Sets with members that are not defined, and the number of these.
+    pub undefined_members: IndexMap<String, usize>,
     /// Whether the file is a complete model: each cell is an element, and all node sets are listed.
     pub is_complete: bool,
 }
@@ -50,6 +52,7 @@ pub(super) struct PlaneMesh {
     /// Surfaces: element, and face counted from 0.
     pub surfaces: IndexMap<String, Vec<(usize, usize)>>,
     pub unread: Vec<String>,
+    pub undefined_members: IndexMap<String, usize>,
     /// Number of cells that repeat another one.
     pub repeated_cells: usize,
 }
@@ -136,7 +139,12 @@ impl ListedMesh {
         let edges = EdgeMap::new(&self.cells, |index| representatives[index] == index);
         let indices = self.element_indices(&representatives, &edges);
         let element = |cell: usize| indices[representatives[cell]];
-        let mut mesh = PlaneMesh { unread: std::mem::take(&mut self.unread), repeated_cells, ..PlaneMesh::default() };
+        let mut mesh = PlaneMesh {
+            unread: std::mem::take(&mut self.unread),
+            undefined_members: std::mem::take(&mut self.undefined_members),
+            repeated_cells,
+            ..PlaneMesh::default()
+        };
         self.sets_of_cell_groups(&edges, &element, &mut mesh);
         for (name, faces) in std::mem::take(&mut self.surfaces) {
             let faces = faces.into_iter().filter_map(|(cell, face)| Some((element(cell)?, face)));
@@ -245,7 +253,7 @@ impl PlaneMesh {
 /// Returns the name of a group in capitals. Names that Salome fills with underscores up to 80 characters lose these.
 fn group_name(name: &str) -> String {
     let is_filled = name.chars().count() == 80;
-    if is_filled { name.trim_end_matches('_') } else { name }.to_uppercase()
+    if is_filled { name.trim_end_matches('_') } else { name }.trim_end().to_uppercase()
 }
 
 /// A mesh whose cells and groups refer to labels, as Gmsh and ABAQUS write it.

@@ -158,6 +158,13 @@ fn report_unread(context: &mut Context<'_>, file: &PlaneMesh, span: Span) {
              nonzero on its members; *INCLUDE reads a whole .inp file",
         ));
     }
+    for (set, count) in &file.undefined_members {
+        let message = format!("{count} members of the set {set} of the mesh file are not defined in the file");
+        let diagnostic = Diagnostic::warning("M166", message).at(span, "this mesh");
+        context
+            .diagnostics
+            .push(diagnostic.help("export the elements or nodes of all sets; the set has the other members"));
+    }
     if file.repeated_cells > 0 {
         let message =
             format!("{} cells of the mesh file are listed more than once; each is one element", file.repeated_cells);

@@ -55,7 +55,7 @@ pub fn read(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<VtkMesh, Strin
 
 /// Returns the contents of a legacy file.
 fn parse_legacy(bytes: &[u8]) -> Result<VtkMesh, String> {
-    let vtk = Vtk::parse_legacy_be(bytes).map_err(|e| e.to_string())?;
+    let vtk = Vtk::parse_legacy_be(&adapted(bytes)[..]).map_err(|e| e.to_string())?;
     let (points, cells, types, data) = match vtk.data {
         DataSet::UnstructuredGrid { pieces, .. } => {
             let [piece] = <[_; 1]>::try_from(pieces).map_err(|_| "it has several pieces; save it as one piece")?;
@@ -76,6 +76,26 @@ fn parse_legacy(bytes: &[u8]) -> Result<VtkMesh, String> {
     let points = values.as_chunks::<3>().0.to_vec();
     let (point_arrays, cell_arrays) = (arrays(data.point), arrays(data.cell));
     Ok(VtkMesh { points, cells, types, point_arrays, cell_arrays })
+}
+
+/// Returns a legacy file in the form that vtkio 0.7.0-rc2 reads: without fields of the data set, such as TimeValue,
+/// before the points, and with the number type `long` in place of `vtktypeint64`.
+fn adapted(bytes: &[u8]) -> Vec<u8> {
+    const INT64: &[u8] = b" vtktypeint64";
+    let find = |bytes: &[u8], word: &[u8]| bytes.windows(word.len()).position(|window| window == word);
+    let points = find(bytes, b"\nPOINTS ").unwrap_or(0);
+    let fields = find(&bytes[..points], b"\nFIELD ").unwrap_or(points);
+    let mut adapted = bytes[..fields].to_vec();
+    let mut remaining = &bytes[points..];
+    while let Some(at) = find(remaining, INT64) {
+        let line = remaining[..at].rsplit(|byte| *byte == b'\n').next().unwrap_or_default();
+        let is_cell_list = line == b"OFFSETS" || line == b"CONNECTIVITY";
+        adapted.extend_from_slice(&remaining[..at]);
+        adapted.extend_from_slice(if is_cell_list { INT64 } else { b" long" });
+        remaining = &remaining[at + INT64.len()..];
+    }
+    adapted.extend_from_slice(remaining);
+    adapted
 }
 
 /// Supported cell types: number in VTK, name, number of points.
@@ -162,9 +182,10 @@ fn arrays(attributes: Vec<Attribute>) -> Vec<(String, Vec<f64>)> {
     arrays.filter_map(|(name, data)| Some((percent_decoded(&name), data.cast_into()?))).collect()
 }
 
-/// Decodes `%20` and the like, by which legacy files write blanks in names.
+/// Decodes `%20` and the like, by which legacy files write blanks in names. VTK writes `%%20` for some arrays.
 fn percent_decoded(name: &str) -> String {
-    let Some((before, after)) = name.split_once('%') else { return name.to_owned() };
+    let name = name.replace("%%", "%");
+    let Some((before, after)) = name.split_once('%') else { return name };
     let byte = after.get(..2).and_then(|digits| u8::from_str_radix(digits, 16).ok()).filter(u8::is_ascii);
     match byte {
         Some(byte) => format!("{before}{}{}", byte as char, percent_decoded(&after[2..])),

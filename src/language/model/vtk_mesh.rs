@@ -4,7 +4,9 @@
 use std::collections::HashSet;
 
 use super::mesh_data::{ListedMesh, MeshCell};
-use crate::output::vtu::BLANKING;
+
+/// Array that marks hidden cells (`vtkDataSetAttributes`).
+pub const BLANKING: &str = "vtkGhostType";
 
 /// Points, cells and arrays of a VTK file.
 #[derive(Debug, Default)]

@@ -176,7 +176,5 @@ def _grid(frame: dict[str, Any]) -> pv.UnstructuredGrid:
         grid.point_data[name] = values
     for name, values in frame["cell_fields"].items():
         grid.cell_data[name] = values
-    if len(frame["deleted"]):
-        grid.cell_data["DELETED"] = frame["deleted"]
     grid.field_data["TimeValue"] = np.array([frame["time"]])
     return grid

@@ -250,7 +250,8 @@ impl RunState<'_> {
     }
 }
 
-/// Returns the current frame: deformable bodies, and the facets of all rigid bodies at their current positions.
+/// Returns the current frame: deformable bodies without deleted elements, and the facets of all rigid bodies at their
+/// current positions.
 pub(super) fn frame(run: &RunState<'_>) -> OutputFrame {
     let mesh = &run.plan.mesh;
     let mut frame = OutputFrame { time: run.now.total_time, increment: run.now.increment, ..OutputFrame::default() };
@@ -281,11 +282,6 @@ pub(super) fn frame(run: &RunState<'_>) -> OutputFrame {
     }
     drop(point_of_node);
     add_surfaces(run, &mut frame, &mut elements, &mut of_point);
-    let is_deleted_element = |&(group, e): &(usize, usize)| run.state.elements.groups[group].is_deleted(e);
-    if places.elements.values().any(is_deleted_element) {
-        frame.deleted = places.elements.values().map(is_deleted_element).collect();
-        frame.deleted.resize(elements.len(), false);
-    }
     for field in &run.plan.fields {
         let values = match (field.variable().place(), field.position) {
             (VariablePlace::Node, _) => of_nodes(run, field, &of_point),
@@ -303,6 +299,12 @@ pub(super) fn frame(run: &RunState<'_>) -> OutputFrame {
     let start = of_point.in_plane.iter().map(|(node, _)| mesh.points[*node as usize]);
     frame.start = start.chain(std::mem::take(&mut frame.start)).collect();
     (frame.point_labels, frame.cell_labels) = run.plan.labels.of_frame(mesh, &of_point.nodes(), &elements);
+    let is_deleted_element = |&(group, e): &(usize, usize)| run.state.elements.groups[group].is_deleted(e);
+    if places.elements.values().any(is_deleted_element) {
+        let mut is_removed: Vec<bool> = places.elements.values().map(is_deleted_element).collect();
+        is_removed.resize(elements.len(), false);
+        frame.remove_cells(&is_removed);
+    }
     frame
 }
 
