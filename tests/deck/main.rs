@@ -11,3 +11,4 @@ mod mesh_groups;
 mod mistakes;
 mod variables;
 mod words;
+mod writers;

@@ -3,7 +3,6 @@
 use std::error::Error;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
 
 use crate::deck::Finding;
 use crate::job::{self, PreparedJob};
@@ -14,9 +13,6 @@ use serde::Serialize;
 
 use super::options::{DeckOptions, OutputOptions, QuietOption};
 use super::{CommandStatus, accept, words};
-
-/// Wall-clock time of the trial run from which the run time of the whole analysis is estimated.
-const TRIAL_TIME: Duration = Duration::from_millis(500);
 
 /// Check a deck without running it: diagnostics, model summary and ledger of the simulated effects.
 #[derive(Args)]
@@ -59,7 +55,7 @@ impl CheckCommand {
             if prepared.diagnostics.is_empty() {
                 Arc::make_mut(&mut prepared.deck.sources).release_texts(|_| true);
             }
-            overview.effort = if self.no_look { None } else { overview::measure(plan, state, TRIAL_TIME) };
+            overview.effort = if self.no_look { None } else { overview::measure(plan, state, 1.0) };
             overview.output = Some(sizes.with_effort(plan, overview.effort.as_ref()));
         }
         if json {

@@ -37,9 +37,6 @@ use super::{CommandStatus, accept, outcome, print_findings};
 /// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
 const STACK: usize = 64 << 20;
 
-/// Wall-clock time of the trial run that counts increments, if an output depends on their number.
-const COUNTING_TIME: Duration = Duration::from_millis(30);
-
 /// Run a deck and write frames, histories and a summary file.
 #[derive(Args)]
 pub struct RunCommand {
@@ -240,7 +237,7 @@ impl RunCommand {
         let (frames, restart) = (!self.no_frames, self.checkpoint_every.is_some());
         let (sizes, unchanged) = StorageEstimate::of(plan, std::mem::take(state), frames, restart);
         *state = unchanged;
-        let effort = if counts { overview::measure(plan, state.clone(), COUNTING_TIME) } else { None };
+        let effort = if counts { overview::measure(plan, state.clone(), overview::COUNTING_SHARE) } else { None };
         let estimate = sizes.with_effort(plan, effort.as_ref());
         let free = super::free_space(&job.folder);
         if !self.is_silent() {

@@ -177,6 +177,9 @@ fn plain_bytes(stored: StoredArray<'_>, size: u64, format: ArrayFormat) -> Resul
     let (head, data) = leading_bytes(stored, header)?;
     let declared = unsigned(&head, format.big_endian);
     if declared != size {
+        if head.iter().all(|byte| *byte == b' ') {
+            return Err("its size is blank, as MEDCoupling writes it: write text with WriteVTK(name, False)".into());
+        }
         return Err(format!("it declares {declared} bytes, expected {size}"));
     }
     let alone = match stored {

@@ -673,6 +673,7 @@ pub fn run_with<'a>(
     let control = RunControl {
         every: options.every,
         interrupt: options.interrupt,
+        most_increments: None,
         state: saved_state,
         position: options.position,
     };

@@ -11,7 +11,7 @@ use crate::output::history::row_length;
 use crate::output::sums::SummedWriter;
 use crate::output::vtu::VtuWriter;
 use crate::plan::{Plan, State};
-use crate::solve::{self, HaltReason, Instant, Progress, RunControl, Sink, SinkError};
+use crate::solve::{self, END_OF_TRIAL, HaltReason, Instant, Progress, RunControl, Sink, SinkError};
 
 /// Estimated increments and run time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -38,12 +38,11 @@ pub struct RunEstimate {
     pub halt: Option<String>,
 }
 
-/// Sink that interrupts a run after a given wall-clock time.
+/// Sink that counts output, and interrupts a run that takes very long.
 struct TrialRun<'a> {
     /// Whether the deck requests frames.
     frames: bool,
     begin: Stopwatch,
-    length: Duration,
     stop: &'a AtomicUsize,
     increment: f64,
     limiting: String,
@@ -53,14 +52,23 @@ struct TrialRun<'a> {
     skipped: Cell<bool>,
     /// Number and bytes of frames and of history rows.
     written: [[f64; 2]; 2],
+    /// Number of points of the frames so far.
+    frame_points: usize,
     last_frame: f64,
     /// Wall-clock time for frames and rows.
     output_time: Duration,
 }
 
-/// Time for frames in any case, and the inverse of the largest share of the trial time for more frames.
-const FRAME_TIME: Duration = Duration::from_millis(50);
-const FRAME_SHARE: u32 = 4;
+/// Number of increments times elements of the trial run, and of additional elements for the cost of an increment itself:
+/// about .5 s. The same deck thus has the same estimate on each machine.
+const WORK: f64 = 2e7;
+const WORK_OF_INCREMENT: f64 = 50.0;
+/// Share of the work of `check` that `run` does to count increments.
+pub const COUNTING_SHARE: f64 = 0.06;
+/// Largest number of points of the frames of a trial run.
+const FRAME_POINTS: usize = 100_000;
+/// Wall-clock time after which a trial run ends in any case.
+const LONGEST: Duration = Duration::from_secs(10);
 
 impl TrialRun<'_> {
     /// Returns the bytes of a frame and of a row, if there are any: means, or the last frame after the initial one.
@@ -73,7 +81,7 @@ impl TrialRun<'_> {
 
 impl Sink for TrialRun<'_> {
     fn wants_frames(&self) -> bool {
-        let is_worth_a_frame = self.output_time < FRAME_TIME || FRAME_SHARE * self.output_time < self.begin.elapsed();
+        let is_worth_a_frame = self.frame_points < FRAME_POINTS;
         self.skipped.set(self.skipped.get() || !is_worth_a_frame);
         self.frames && is_worth_a_frame
     }
@@ -88,6 +96,7 @@ impl Sink for TrialRun<'_> {
         let mut out = SummedWriter::new(std::io::sink());
         self.vtu.write(frame, &mut out)?;
         self.last_frame = out.length() as f64;
+        self.frame_points += frame.points.len();
         (*number, *bytes) = (*number + 1.0, *bytes + self.last_frame);
         self.output_time += begin.elapsed();
         Ok(())
@@ -103,8 +112,8 @@ impl Sink for TrialRun<'_> {
     }
 
     fn progress(&mut self, progress: &Progress<'_>) {
-        if self.begin.elapsed() >= self.length {
-            self.stop.store(usize::MAX, Ordering::Relaxed);
+        if self.begin.elapsed() >= LONGEST {
+            self.stop.store(END_OF_TRIAL, Ordering::Relaxed);
         }
         if progress.increment > 0.0 && !progress.ends {
             self.increment = progress.increment;
@@ -114,9 +123,9 @@ impl Sink for TrialRun<'_> {
     }
 }
 
-/// Runs a plan from its initial state for a limited wall-clock time and estimates the whole run; `None` with user
-/// subroutines or if no increment was completed.
-pub fn measure(plan: &Plan, state: State, length: Duration) -> Option<RunEstimate> {
+/// Runs a plan from its initial state for a limited number of increments and estimates the whole run; `None` with user
+/// subroutines or if no increment was completed. `share` scales the number of increments.
+pub fn measure(plan: &Plan, state: State, share: f64) -> Option<RunEstimate> {
     if plan.routines.any() {
         return None;
     }
@@ -124,7 +133,6 @@ pub fn measure(plan: &Plan, state: State, length: Duration) -> Option<RunEstimat
     let mut trial = TrialRun {
         frames: plan.steps.iter().any(|step| !step.outputs.field.is_empty()),
         begin: Stopwatch::now(),
-        length,
         stop: &stop,
         increment: 0.0,
         limiting: String::new(),
@@ -132,12 +140,15 @@ pub fn measure(plan: &Plan, state: State, length: Duration) -> Option<RunEstimat
         vtu: VtuWriter::default(),
         skipped: Cell::new(false),
         written: [[0.0; 2]; 2],
+        frame_points: 0,
         last_frame: 0.0,
         output_time: Duration::ZERO,
     };
-    let control = RunControl { interrupt: Some(&stop), ..RunControl::default() };
+    let most_increments = (share * WORK / (WORK_OF_INCREMENT + plan.mesh.elements.len() as f64)).ceil() as u64;
+    let control =
+        RunControl { interrupt: Some(&stop), most_increments: Some(most_increments), ..RunControl::default() };
     let (outcome, _) = solve::run_with(plan, state, &mut trial, control).ok()?;
-    let ended = stop.load(Ordering::Relaxed) == 0;
+    let ended = !matches!(outcome.halt, Some(HaltReason::Interrupted(_)));
     let (mean_bytes, [[frames, _], [rows, _]]) = (trial.mean_bytes(ended), trial.written);
     let counted = [(ended && !trial.skipped.get()).then_some(frames), ended.then_some(rows)];
     let TrialRun { increment, limiting, fraction, output_time, .. } = trial;

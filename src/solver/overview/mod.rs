@@ -11,7 +11,7 @@ use crate::kernel::moduli::ElasticModuli;
 use crate::model::{DeckUnits, MaterialDefinition, Model};
 use crate::plan::{Plan, State};
 pub use bodies::PartOverview;
-pub use effort::{RunEstimate, measure};
+pub use effort::{COUNTING_SHARE, RunEstimate, measure};
 pub use storage::{StorageEstimate, size};
 
 /// Summary of a model before it runs.

@@ -101,7 +101,8 @@ fn effort(effort: &RunEstimate, unit: &str) -> String {
     };
     // The increment decreases when elements are compressed, so the estimate is a lower bound.
     let least = if effort.looked_at < 1.0 { "at least " } else { "" };
-    let time = seconds(effort.seconds);
+    // One digit: the measured time varies.
+    let time = seconds(one_digit(effort.seconds));
     let looked = if effort.looked_at < 1.0 {
         format!("extrapolated from {} of the run", percent(effort.looked_at))
     } else {
@@ -116,6 +117,12 @@ fn effort(effort: &RunEstimate, unit: &str) -> String {
 
 fn percent(fraction: f64) -> String {
     if fraction < 1e-3 { "0.1 %".into() } else { format!("{:.1} %", 100.0 * fraction) }
+}
+
+/// Rounds to one digit.
+fn one_digit(value: f64) -> f64 {
+    let unit = 10.0_f64.powi(value.max(f64::MIN_POSITIVE).log10().floor() as i32);
+    (value / unit).round() * unit
 }
 
 /// Rounds an estimate to two digits.

@@ -53,7 +53,7 @@ pub use outcome::{
 };
 pub use position::RunPosition;
 use remesh::{DetachedRun, NextMesh, next_mesh, plan_of_revisions};
-pub use restart::{CheckpointInterval, LOST, RunControl, lost};
+pub use restart::{CheckpointInterval, END_OF_TRIAL, LOST, RunControl, lost};
 use restart::{Checkpointer, RunCursor, begin_step, restore, saved_revisions};
 use run::SolverRun;
 use run_state::RunState;

@@ -339,7 +339,7 @@ impl RunOutput {
 }
 
 /// Passes step, time, energies and the limiting element to the sink.
-fn report_progress(run: &RunState<'_>, frame: bool, is_over: bool, sink: &mut dyn Sink) {
+pub(super) fn report_progress(run: &RunState<'_>, frame: bool, is_over: bool, sink: &mut dyn Sink) {
     let total: f64 = run.plan.steps.iter().map(|s| s.duration).sum();
     let limiting = if run.state.elements.is_empty() { (0, 0) } else { run.limits() };
     sink.progress(&Progress {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant as Stopwatch};
 
 use super::adaptive_meshes::restore_masses;
 use super::increment::IncrementController;
-use super::observe::{ClockReadings, OutputSchedule, RunOutput, output_failure};
+use super::observe::{ClockReadings, OutputSchedule, RunOutput, output_failure, report_progress};
 use super::position::RunPosition;
 use super::{Sink, SinkError, SolverRun};
 use crate::plan::StepPlan;
@@ -34,11 +34,16 @@ pub struct RunControl<'a> {
     pub every: Option<CheckpointInterval>,
     /// Number of the signal that has arrived, else 0; the run then ends after the current increment.
     pub interrupt: Option<&'a AtomicUsize>,
+    /// Number of increments after which the run ends as by a signal.
+    pub most_increments: Option<u64>,
     /// Saved state to continue from.
     pub state: Option<&'a [u8]>,
     /// Position of the run, for other threads.
     pub position: Option<&'a RunPosition>,
 }
+
+/// Signal of a run that has made its largest number of increments.
+pub const END_OF_TRIAL: usize = usize::MAX;
 
 /// Increments between states that are stored for [`Checkpointer::rewind`]; storing one costs about ten increments.
 const HELD_EVERY: u64 = 4096;
@@ -117,7 +122,10 @@ impl<'a> Checkpointer<'a> {
     #[inline]
     pub(super) fn write_if_due(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let now = &at.run.current.now;
-        let signal = self.control.interrupt.map_or(0, |signal| signal.load(Ordering::Relaxed));
+        let signal = match self.control.most_increments {
+            Some(most) if now.increment >= most => END_OF_TRIAL,
+            _ => self.control.interrupt.map_or(0, |signal| signal.load(Ordering::Relaxed)),
+        };
         if signal == 0 && now.increment < self.next_increment && now.step_time < self.next_time {
             return Ok(());
         }
@@ -153,7 +161,11 @@ impl<'a> Checkpointer<'a> {
             at.run.report.outcome.checkpoint_seconds += begin.elapsed().as_secs_f64();
         }
         self.plan_ahead(&now);
-        if signal == 0 { Ok(()) } else { Err(interrupted(signal, &now)) }
+        if signal == 0 {
+            return Ok(());
+        }
+        report_progress(&at.run.current, false, false, sink);
+        Err(interrupted(signal, &now))
     }
 
     /// Stores the state for a return to this instant: a large one in a file of the sink, if there is one.
