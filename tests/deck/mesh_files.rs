@@ -283,7 +283,7 @@ fn files_of_mesh_generators_are_read() {
     refused("a.msh", &GMSH2.replace("2.2 0", "2.2 1"), "binary");
     refused("b.msh", &GMSH2.replace("2.2 0", "3.0 0"), "version 3.0 is not supported");
     refused("c.msh", &GMSH2.replace("$EndElements", ""), "not closed");
-    refused("n.msh", "$\r\u{fffd}M\n3 1\n$End\u{fffd}M\n", "no name");
+    refused("n.msh", "$\r\u{fffd}M\n3 1\n$End\u{fffd}M\n", "does not begin with $MeshFormat");
     refused("d.msh", &GMSH2.replace("8 1 1 2 3 4", "8 1 1 2 3 9"), "refers to an undefined node");
     refused("e.inp", &INP.replace("CPS4", "C3D4"), "three-dimensional");
     refused("f.inp", &INP.replace("1, 1, 4", "1, x, 4"), "not a whole number");

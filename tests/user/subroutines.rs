@@ -486,6 +486,69 @@ fn vuamp_vdisp_and_vexternaldb_match_closed_forms() {
     assert_eq!(words, ["0", "1", "1", "1", "5", "1", "6", "1"]);
 }
 
+/// Sensors of coordinates, reactions, elements and energies: bodies that move with the velocity of a sensor have, one
+/// increment later, the value of its history.
+#[test]
+fn sensors_have_the_values_of_histories() {
+    if !fortran() {
+        return;
+    }
+    let source = "      subroutine vuamp(ampName, time, ampValueOld, dt, nprops, props, nSvars, svars, lFlagsInfo, nSensor,\n     \
+        1 sensorValues, sensorNames, jSensorLookUpTable, ampValueNew, lFlagsDefine, ampDerivative, ampSecDerivative, ampIncIntegral)\n      \
+        include 'vaba_param.inc'\n      dimension time(2), props(nprops), svars(nSvars), lFlagsInfo(*), sensorValues(nSensor), lFlagsDefine(*)\n      \
+        character*80 sensorNames(nSensor), ampName\n      \
+        ampValueNew = vGetSensorValue(ampName, jSensorLookUpTable, sensorValues)\n      end\n";
+    let sensors = [
+        ("PLACE", "Node Output, nset=TOP", "COOR2@TOP"),
+        ("FORCE", "Node Output, nset=FOOT", "RF2@FOOT"),
+        ("STRESS", "Element Output, elset=E", "S22@E"),
+        ("ENERGY", "Energy Output", "ALLKE"),
+    ];
+    let mut deck = String::from(
+        "*Heading\n sensors\n*Node, nset=ALL\n 1, 0., 0.\n 2, 1., 0.\n 3, 1., 1.\n 4, 0., 1.\n 11, 5., 0.\n 12, 6., 0.\n 13, 7., 0.\n 14, 8., 0.\n\
+         *Nset, nset=TOP\n 4\n*Nset, nset=FOOT\n 1\n*Nset, nset=UPPER\n 3, 4\n\
+         *Element, type=CAX4R, elset=E\n 1, 1, 2, 3, 4\n*Solid Section, elset=E, material=M\n*Material, name=M\n*Density\n 1000.,\n*Elastic\n 1e9, 0.\n\
+         *Initial Conditions, type=VELOCITY\n UPPER, 2, 10.\n",
+    );
+    let mut step = String::from(
+        "*Step\n*Dynamic, Explicit, direct user control\n 1.e-5, 1.e-3\n*Boundary\n 1, 1, 2\n 2, 2\n 4, 1\n",
+    );
+    let mut outputs = String::from("*Output, history, op=ADD, time interval=1.e-5\n");
+    for (i, (name, region, column)) in sensors.iter().enumerate() {
+        let node = 11 + i;
+        deck += &format!(
+            "*Element, type=MASS, elset=B{node}\n {node}, {node}\n*Mass, elset=B{node}\n 1.,\n*Nset, nset=N{node}\n {node}\n\
+             *Rigid Body, ref node={node}, elset=B{node}\n*Amplitude, name={name}, definition=USER\n"
+        );
+        let variable = column.split('@').next().expect("a variable");
+        step += &format!("*Boundary, type=VELOCITY, amplitude={name}\n {node}, 2, 2, 1.\n");
+        outputs += &format!("*{region}\n {variable}\n*Node Output, nset=N{node}\n V2\n");
+        step += &format!("*Output, history, sensor, name={name}\n*{region}\n {variable}\n");
+    }
+    let user_dir = UserFolder::new();
+    let file = user_dir.write("pick.f", source);
+    let path = user_dir.write("sensors.inp", &(deck + &step + &outputs + "*End Step\n"));
+    let output = user_dir.run(&path, &[&file], &[]);
+    assert!(output.status.success(), "{}", message_text(&output));
+    let history = std::fs::read_to_string(user_dir.path("sensors_history.csv")).expect("a history");
+    let mut lines = history.lines().filter(|line| !line.starts_with('#'));
+    let names: Vec<&str> = lines.next().expect("names").split(',').collect();
+    let rows: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|value| value.parse().unwrap_or(f64::NAN)).collect()).collect();
+    let column = |name: &str| {
+        let index = names.iter().position(|known| *known == name).unwrap_or_else(|| panic!("{name} in {names:?}"));
+        rows.iter().map(|row| row[index]).collect::<Vec<f64>>()
+    };
+    for (i, (_, _, name)) in sensors.iter().enumerate() {
+        let (sensed, velocity) = (column(name), column(&format!("V2@N{}", 11 + i)));
+        let largest = sensed.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        assert!(largest > 0.0 && sensed.len() > 90, "{name}: {largest}");
+        for (k, (value, next)) in sensed.iter().zip(&velocity[1..]).enumerate().skip(2) {
+            assert!((value - next).abs() < 1e-6 * largest, "{name}, row {k}: {value} and {next}");
+        }
+    }
+}
+
 #[test]
 fn sweep_gives_each_run_its_own_subroutine_state() {
     if !fortran() {

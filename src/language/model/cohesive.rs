@@ -275,7 +275,7 @@ pub fn report_exchanged_faces(context: &mut Context<'_>) {
     let diagnostic = Diagnostic::error("M123", message).at(element.span, "this element");
     context.diagnostics.push(diagnostic.help(
         "the nodes 1 and 2 must be on the lower body, seen with the direction from node 1 to node 2 to the right: \
-         list the nodes as 3, 4, 1, 2",
+         list the nodes as 2, 1, 4, 3",
     ));
     context.missing.bodies = true;
 }

@@ -351,10 +351,12 @@ impl<'a> InpReader<'a> {
         match of_scope(instance).or_else(|| of_scope("")) {
             Some(members) => Ok(members.clone()),
             None => {
-                let (instance, label) = word
-                    .rsplit_once('.')
-                    .map_or((instance.to_owned(), word), |(scope, label)| (scope.to_uppercase(), label));
-                Ok(vec![self.known_label(&instance, whole_number(label)?, is_node_set)])
+                let (instance, label) = match (whole_number(word), word.rsplit_once('.')) {
+                    (Ok(label), _) => (instance.to_owned(), label),
+                    (Err(_), Some((instance, label))) => (instance.to_uppercase(), whole_number(label)?),
+                    (Err(_), None) => return Err(format!("`{word}` is neither a set nor a label")),
+                };
+                Ok(vec![self.known_label(&instance, label, is_node_set)])
             }
         }
     }

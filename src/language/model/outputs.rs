@@ -1,12 +1,14 @@
 //! `*OUTPUT` with the cards that follow it, `*RESTART`, `*TIME POINTS`.
 
+use indexmap::IndexSet;
+
 use super::contact;
 use super::context::{Context, MAX_GENERATED};
 use super::families::{OutputReader, StepReader};
 use super::names::{SetKind, upper};
 use super::types::{
-    ContactPairFilter, ElementSetId, MemberSet, NodeSetId, OutputCard, OutputInterval, OutputKind, OutputPosition,
-    OutputRegion, OutputRequest, RestartRequest, TimePoints, TimePointsId,
+    ContactPairFilter, ElementSetId, MemberSet, Model, NodeSetId, OutputCard, OutputInterval, OutputKind,
+    OutputPosition, OutputRegion, OutputRequest, RestartRequest, TimePoints, TimePointsId,
 };
 use crate::deck::{Card, Diagnostic, Word};
 use crate::variables::request::{self, SectionPoint, VariableRequest};
@@ -87,6 +89,14 @@ fn note_time_marks(context: &mut Context<'_>, card: &Card) {
         let message = "with TIME MARKS=YES output is written at the first increment at or after the requested time";
         let note = Diagnostic::note("M142", message).at(card.span, "output does not change the increments");
         context.diagnostics.push(note);
+    }
+}
+
+impl Model {
+    /// Returns the names of the sensors of all steps, each once: `*OUTPUT, HISTORY, SENSOR, NAME=`.
+    pub fn sensor_names(&self) -> Vec<String> {
+        let names = self.steps.iter().flat_map(|step| &step.outputs).filter_map(|request| request.sensor.clone());
+        names.collect::<IndexSet<String>>().into_iter().collect()
     }
 }
 

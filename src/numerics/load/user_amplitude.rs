@@ -4,21 +4,13 @@ use crate::kernel::amplitude::SampledAmplitude;
 use crate::kernel::lists::Memory;
 use crate::routines::{AmplitudeCall, LoadFailure, LockedRoutines, RunAction};
 use crate::state::archive::Persist;
-use crate::state::dofs::{Dof, Dofs};
 use crate::state::halt::HaltReason;
 use crate::state::{EffectId, Instant};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SensorQuantity {
-    Displacement(Dof),
-    Velocity(Dof),
-    Acceleration(Dof),
-}
-
 /// A user amplitude, evaluated once per increment for all loads and conditions that use it.
 #[derive(Clone, Debug, Persist, Memory)]
-// Sensor values are read before each call; amplitude values are saved with the run.
-#[persist(fixed: variables; derived: id, name, properties, sensor_names, sensors, sensor_values, index)]
+// Amplitude values are saved with the run.
+#[persist(fixed: variables; derived: id, name, properties, sensor_names, index)]
 pub struct SubroutineAmplitude {
     pub id: EffectId,
     /// Name, upper case.
@@ -27,14 +19,13 @@ pub struct SubroutineAmplitude {
     pub properties: Vec<f64>,
     pub variables: Vec<f64>,
     pub sensor_names: Vec<String>,
-    pub sensors: Vec<SensorQuantity>,
-    pub sensor_values: Vec<f64>,
     /// Index among the user amplitudes.
     pub index: usize,
 }
 
 impl SubroutineAmplitude {
     /// Calls the subroutine for the value at `arrival`, the end of an increment (of length 0 at the start of a step).
+    /// `sensor_values` are those at the start of the increment.
     ///
     /// # Errors
     /// If the subroutine fails or returns a value that is not finite; the run halts.
@@ -42,18 +33,11 @@ impl SubroutineAmplitude {
         &mut self,
         arrival: &Instant,
         increment: f64,
-        dofs: &Dofs,
+        sensor_values: &[f64],
         user_amplitudes: &mut [SampledAmplitude],
         user: &mut LockedRoutines,
     ) -> Result<RunAction, HaltReason> {
         let Some(routine) = user.amplitude.as_deref_mut() else { return Ok(RunAction::Continue) };
-        for (value, sensor) in self.sensor_values.iter_mut().zip(&self.sensors) {
-            *value = match *sensor {
-                SensorQuantity::Displacement(dof) => dofs.displacement(dof),
-                SensorQuantity::Velocity(dof) => dofs.velocity(dof),
-                SensorQuantity::Acceleration(dof) => dofs.acceleration(dof),
-            };
-        }
         let mut call = AmplitudeCall {
             name: &self.name,
             now: *arrival,
@@ -63,7 +47,7 @@ impl SubroutineAmplitude {
             properties: &self.properties,
             variables: &mut self.variables,
             sensor_names: &self.sensor_names,
-            sensor_values: &self.sensor_values,
+            sensor_values,
         };
         let answer = routine.amplitude(&mut call).and_then(|answer| {
             let reason = || LoadFailure::new(format!("it returned the value {}", answer.value));

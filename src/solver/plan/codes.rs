@@ -15,7 +15,7 @@ pub const CODES: &[DiagnosticCode] = codes! {
     "P007" "prescribed motion on a dependent node" "The nodes of a rigid body follow its reference node; prescribe the motion there."
     "P008" "two prescribed motions on one body" "The same degree of freedom is prescribed twice with different values."
     "P009" "node or element in two rigid bodies" "A node or element can follow one reference node only."
-    "P010" "sensor without one value" "A sensor passes one number to a user amplitude: *OUTPUT, HISTORY, SENSOR, NAME=… followed by *NODE OUTPUT with a node set of one node and U2, V2 or A2."
+    "P010" "sensor without one value" "A sensor passes one number to a user amplitude: *OUTPUT, HISTORY, SENSOR, NAME=… followed by a request of one component at one node or element (U2, COOR2, RF2, S22, PEEQ), or of one variable of the whole model (ALLKE)."
     "P011" "node that follows a rigid body" "Nodes that a rigid body shares with deformable elements follow the rigid body along z and are fixed along r. They cannot have other constraints."
     "P012" "element without volume" "The nodes of a solid element must be numbered counter-clockwise in the r-z plane, with r >= 0. A negative volume means clockwise numbering; zero means that corners coincide or are collinear."
     "P013" "material without density or elasticity" "The material of deformable elements needs *DENSITY and *ELASTIC, or *DENSITY and *EOS; with *EOS the shear modulus is given by *ELASTIC, TYPE=SHEAR. An ideal gas needs *SPECIFIC HEAT."

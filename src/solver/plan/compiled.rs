@@ -34,6 +34,8 @@ pub struct Plan {
     pub sets: Vec<Vec<ColumnSource>>,
     /// Expressions of columns that are computed from previous columns.
     pub expressions: Vec<RowExpression>,
+    /// Columns that user amplitudes read.
+    pub sensors: Vec<HistoryColumn>,
     /// Output arrays of frames.
     pub fields: Vec<FrameField>,
     /// User subroutines. Their own static memory is not part of the state.

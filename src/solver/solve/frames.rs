@@ -87,6 +87,15 @@ impl RunState<'_> {
         }
     }
 
+    /// Computes the current values of the sensors. Reactions are those of the last increment.
+    pub(super) fn sensor_values(&self, values: &mut Vec<f64>) {
+        let needs_energy = self.plan.sensors.iter().any(|sensor| sensor.source == ColumnSource::Model);
+        let energy = if needs_energy { self.energy() } else { Energy::default() };
+        let row = RowSources { energy: &energy, reactions: &ReactionMeans::default() };
+        values.clear();
+        values.extend(self.plan.sensors.iter().map(|sensor| self.column_value(sensor, &row, &[])));
+    }
+
     fn value(&self, source: ColumnSource, part: VariableComponent, row: &RowSources<'_>) -> f64 {
         if let Some(mean) = row.reactions.value(source, part) {
             return mean;

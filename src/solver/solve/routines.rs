@@ -14,6 +14,8 @@ use crate::user::{AnalysisMoment, LockedRoutines, Routines, RunAction, SavedMemo
 pub(super) struct UserSession {
     pub routines: LockedRoutines,
     pub requested_action: RunAction,
+    /// Values of the sensors at the start of the increment.
+    pub sensor_values: Vec<f64>,
     /// Whether the subroutines have been informed that the increment is complete.
     pub increment_reported: bool,
     /// Whether a warning has named memory of the subroutines that checkpoints do not contain.
@@ -69,11 +71,14 @@ impl UserSession {
 
     /// Calls the subroutines for amplitudes and motions at `arrival`, which is `increment` after the current instant.
     fn call(&mut self, run: &mut RunState<'_>, arrival: &Instant, increment: f64) -> Result<(), HaltReason> {
+        if !run.state.amplitude_routines.is_empty() {
+            run.sensor_values(&mut self.sensor_values);
+        }
         for amplitude in &mut run.state.amplitude_routines {
             let action = amplitude.call(
                 arrival,
                 increment,
-                &run.state.dofs,
+                &self.sensor_values,
                 &mut run.state.user_amplitudes,
                 &mut self.routines,
             )?;

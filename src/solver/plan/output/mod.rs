@@ -7,13 +7,14 @@ use std::sync::Arc;
 
 use indexmap::{IndexMap, IndexSet};
 
+use crate::deck::Diagnostic;
 use crate::element::group::GroupSetting;
 use crate::element::values;
 use crate::kernel::lists::Memory;
 use crate::model::remesh::name_in_deck;
 use crate::model::{
-    ContactPairFilter, ElementSetId, MemberSet, Model, NodeSetId, OutputCard, OutputInterval, OutputKind,
-    OutputPosition, OutputRegion, OutputRequest, RegionType, Step, SurfaceId,
+    AmplitudeDefinition, ContactPairFilter, ElementSetId, MemberSet, Model, NodeSetId, OutputCard, OutputInterval,
+    OutputKind, OutputPosition, OutputRegion, OutputRequest, RegionType, Step, SurfaceId,
 };
 use crate::plan::contact::cohesion::{cohesive_behaviors, has_cohesive_variable};
 use crate::plan::contact::general::pair_name;
@@ -189,6 +190,28 @@ pub struct Columns {
     /// Members of the sets over which history columns are statistics.
     pub sets: IndexSet<Vec<ColumnSource>>,
     pub expressions: Vec<RowExpression>,
+    /// Columns that user amplitudes read, in the order of the names of sensors.
+    pub sensors: Vec<HistoryColumn>,
+}
+
+impl Columns {
+    /// Adds the sensor of a request, of which `first` is the index of the first column.
+    fn add_sensor(&mut self, request: &OutputRequest, first: usize, model: &Model, report: &mut Report) {
+        let Some(name) = &request.sensor else { return };
+        let position = model.sensor_names().iter().position(|known| known == name);
+        if position.is_some_and(|position| position < self.sensors.len()) {
+            return;
+        }
+        match &self.list[first..] {
+            [column] if column.source.pair().is_none() => self.sensors.push(column.clone()),
+            columns if model.amplitudes.iter().any(|a| matches!(a.definition, AmplitudeDefinition::User { .. })) => {
+                let message = format!("sensor `{name}` must be one history column, found {}", columns.len());
+                let help = "request one component at one node or element, or one variable of the whole model";
+                report.push(Diagnostic::error("P010", message).at(request.span, "this sensor").help(help));
+            }
+            _ => {}
+        }
+    }
 }
 
 /// The products on which history columns depend.
@@ -220,7 +243,11 @@ pub fn plan(scene: Scene, pairs: &Pairs, state: ErodingState, report: &mut Repor
     for step in &model.steps {
         for request in step.outputs.iter().filter(|r| r.interval != OutputInterval::Never) {
             match request.kind {
-                OutputKind::History => history_columns(input, request, &mut columns, report),
+                OutputKind::History => {
+                    let first = columns.list.len();
+                    history_columns(input, request, &mut columns, report);
+                    columns.add_sensor(request, first, model, report);
+                }
                 OutputKind::Field => frame_fields(scene, request, &available, &mut fields, report),
             }
         }
