@@ -28,3 +28,4 @@ mod material;
 mod memory;
 mod six_nodes;
 mod subroutines;
+mod written;

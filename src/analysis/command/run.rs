@@ -180,6 +180,7 @@ impl RunCommand {
         }
         let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
         let end = print_end(&summary, &job, frames, signal);
+        routines.memory.iter().for_each(|memory| memory.close());
         if matches!(summary.halt, Some(HaltReason::UserRoutine(_))) {
             crate::user::crash::leave(CommandStatus::HALTED.0);
         }

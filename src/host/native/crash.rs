@@ -44,21 +44,20 @@ arrays; --check-user finds indices out of bounds\n";
 /// Whether a subroutine may have damaged memory, so that a later signal is attributed to it.
 static HURT: AtomicBool = AtomicBool::new(false);
 
-/// Exits at once after a user subroutine halted the run, because it may have damaged memory that destructors would use.
-/// Fortran output is flushed first.
+/// Exits after a user subroutine halted the run, without destructors of Rust: the subroutine may have damaged memory that
+/// they would use. Exit handlers of its libraries, which close its files, run; a crash of one ends the process silently.
 pub fn leave(status: u8) -> ! {
     HURT.store(true, Ordering::Relaxed);
-    let _ = std::io::Write::flush(&mut std::io::stdout());
-    guard::flush();
-    // SAFETY: ends the process without cleanup; nothing runs afterwards.
-    unsafe { guard::end(status.into()) }
+    std::process::exit(status.into())
 }
 
 extern "C" fn at_exit() {
     // A process forked by a subroutine may end in any way.
     if guard::is_own_process() && report_failure("ended the process") {
-        // SAFETY: ends the process without returning to interrupted code.
-        unsafe { guard::end(1) }
+        HURT.store(true, Ordering::Relaxed);
+        // SAFETY: in the C library, a nested exit runs the remaining handlers, which close the files of the subroutine,
+        // and ends the process with the new status.
+        unsafe { libc::exit(1) }
     }
 }
 

@@ -4,7 +4,7 @@
 use std::os::unix::net::UnixStream;
 
 use super::super::host::{self, JobInfo};
-use super::super::{Routines, SavedMemory, call, guard};
+use super::super::{Routines, SavedMemory, call};
 use super::opening::{OpeningReport, receive, send};
 use super::server::RoutineServer;
 use super::shared_memory::{ProcessSide, REQUEST, SharedMemory, TurnPurpose};
@@ -94,7 +94,6 @@ fn answer_request(stream: &mut UnixStream, routines: &Routines) -> Option<()> {
         }
         _ => {
             memory.end();
-            guard::flush();
             send(stream, 0, &mut host::take_messages())
         }
     }
