@@ -12,6 +12,7 @@ mod own_material;
 
 mod built_in_twin;
 mod cache;
+mod compilers;
 mod corotational;
 mod created_energy;
 mod deformable;

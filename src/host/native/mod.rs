@@ -6,6 +6,7 @@ mod call;
 pub mod compile;
 mod compiled;
 pub mod crash;
+mod fortran;
 mod guard;
 mod host_routines;
 mod isolate;
