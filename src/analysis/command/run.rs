@@ -34,9 +34,6 @@ use super::watchdog::Watchdog;
 use super::words::{self, print_err, print_out};
 use super::{CommandStatus, accept, outcome, print_findings};
 
-/// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
-const STACK: usize = 64 << 20;
-
 /// Wall-clock time of the trial run that counts increments, if an output depends on their number.
 const COUNTING_TIME: Duration = Duration::from_millis(30);
 
@@ -213,7 +210,7 @@ impl RunCommand {
     /// be woken in each pass.
     fn start_threads(&self, prepared: &PreparedJob) -> Result<(), String> {
         let count = self.threads.count().min(prepared.most_threads());
-        start_threads(rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count))
+        start_threads(count)
     }
 
     fn frames(&self) -> FrameOutput {

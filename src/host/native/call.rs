@@ -157,8 +157,7 @@ pub fn report_failure(what: &str) -> bool {
         }
         let elements = str::from_utf8(&elements.0[..elements.1]).unwrap_or_default();
         print_line(format_args!(
-            "error: {}{on}{}{elements} {what}: step {}, increment {}, total time {:e}. Frames written earlier are complete; \
-             --check-user finds indices out of bounds.",
+            "error: {}{on}{}{elements} {what}: step {}, increment {}, total time {:e}. Frames written earlier are complete.",
             call.routine, call.name, call.now.step, call.now.increment, call.now.total_time
         ));
         true

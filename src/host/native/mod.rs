@@ -15,6 +15,7 @@ mod memory;
 mod own_symbols;
 mod prototype;
 mod source;
+mod stack;
 mod subroutines;
 mod symbols;
 
