@@ -23,6 +23,7 @@ mod hardening;
 mod in_the_wild;
 mod isolate;
 mod law;
+mod limits;
 mod load;
 mod manners;
 mod material;

@@ -88,6 +88,17 @@ impl LoadFailure {
     }
 }
 
+/// Returns the advice for a subroutine that wrote past an argument: gfortran checks no array that is declared with `*`.
+pub fn bounds_advice(argument: &str) -> String {
+    let sizes = match argument {
+        "stateNew" => "nblock,nstatev",
+        "stressNew" => "nblock,ndir+nshr",
+        "field" => "nblock,nfieldv",
+        _ => return String::new(),
+    };
+    format!("; if it is declared with `*`, declare {argument}({sizes}): --check-user then names the line")
+}
+
 /// A user load: the pressure at each point. What it keeps between calls is in [`LoadPoints::memory`]. It is called once per increment,
 /// surface and block of at most [`MAX_BLOCK`] points.
 ///
