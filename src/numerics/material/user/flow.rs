@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over points, with one array per quantity.
 
 use super::description::{BuiltInPlasticity, PointYieldStress, UserMaterialData, YieldOverFields, YieldSource};
-use super::points::{GUARD_COMPONENTS, PointArguments, check_guards, check_values, guard_values};
+use super::points::{CHECKED_COMPONENTS, PointArguments, check_guards, check_values, guard_values};
 use crate::kernel::hardening::{YieldStress, plastic_increment};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
@@ -62,7 +62,7 @@ impl ReturnScratch {
             (returning.low, returning.high) = (vec![0.0; n], vec![0.0; n]);
             returning.open = Vec::with_capacity(n);
             // Guard values follow each result, as for material results.
-            let state_and_guards = material.variables + GUARD_COMPONENTS + 1;
+            let state_and_guards = material.variables + CHECKED_COMPONENTS + 1;
             returning.buffers = HardeningBuffers {
                 points: Vec::with_capacity(n),
                 elements: Vec::with_capacity(n),
@@ -333,7 +333,7 @@ impl PointArguments {
         let variables = context.material.variables;
         let states = || (0..variables).flat_map(|v| open.iter().map(move |&i| self.state[0][v * self.count + i]));
         refill(&mut buffers.state[0], states());
-        refill(&mut buffers.state[1], states().chain(guard_values(n)));
+        refill(&mut buffers.state[1], states().chain(guard_values(CHECKED_COMPONENTS * n)));
         refill(&mut buffers.stress, std::iter::repeat_n(f64::NAN, n).chain(guard_values(0)));
         refill(&mut buffers.by_temperature, std::iter::repeat_n(0.0, n).chain(guard_values(0)));
         refill(&mut buffers.slopes, std::iter::repeat_n(0.0, 2 * n).chain(guard_values(0)));

@@ -18,7 +18,9 @@ use crate::variables::{Variable, VariableComponent};
 const GUARD: usize = 8;
 /// Number of guard values per point after stresses and state variables: components that do not exist, which a subroutine
 /// can write if it declares the array with `*`.
-pub(super) const GUARD_COMPONENTS: usize = 16;
+const GUARD_COMPONENTS: usize = 16;
+/// Number of these components of which all values are checked; two values are checked of each other one.
+pub(super) const CHECKED_COMPONENTS: usize = 4;
 /// Number of tensor components of three-dimensional solids that axisymmetric solids lack. They are allocated, so that a
 /// subroutine for three dimensions only is detected without damage.
 const SPARE: usize = 2;
@@ -71,7 +73,8 @@ fn guarded(length: usize) -> Vec<f64> {
 
 /// Returns two arrays of zeros with so many components of `count` points, followed by guard values.
 fn guarded_components(components: usize, count: usize) -> OldAndNew {
-    [(); 2].map(|()| std::iter::repeat_n(0.0, components * count).chain(guard_values(count)).collect())
+    [(); 2]
+        .map(|()| std::iter::repeat_n(0.0, components * count).chain(guard_values(GUARD_COMPONENTS * count)).collect())
 }
 
 fn pair(length: usize) -> OldAndNew {
@@ -428,16 +431,18 @@ impl PreviousPointValues<'_> {
     }
 }
 
-/// Returns the guard values that follow a result; with [`GUARD_COMPONENTS`] of so many points.
-pub(super) fn guard_values(points: usize) -> impl Iterator<Item = f64> {
-    std::iter::repeat_n(f64::from_bits(MARK), GUARD + GUARD_COMPONENTS * points)
+/// Returns the guard values that follow a result, with so many more.
+pub(super) fn guard_values(more: usize) -> impl Iterator<Item = f64> {
+    std::iter::repeat_n(f64::from_bits(MARK), GUARD + more)
 }
 
 /// Checks that a subroutine has not changed the guard values after a result.
 pub(super) fn check_guards(name: &str, list: &mut [f64], n: usize, components: usize) -> Result<(), LoadFailure> {
     let guard = &mut list[components * n..];
+    let (next, others) = guard.split_at(guard.len().min(GUARD + CHECKED_COMPONENTS * n));
     // Without a branch per value, so that the loop is vectorised.
-    if guard.iter().fold(0, |changed, value| changed | (value.to_bits() ^ MARK)) == 0 {
+    let change = |changed: u64, value: &f64| changed | (value.to_bits() ^ MARK);
+    if next.iter().fold(0, change) == 0 && others.iter().step_by((n / 2).max(1)).fold(0, change) == 0 {
         return Ok(());
     }
     let first = guard.iter().position(|value| value.to_bits() != MARK).unwrap_or_default();
