@@ -73,8 +73,9 @@ fn guarded(length: usize) -> Vec<f64> {
 
 /// Returns two arrays of zeros with so many components of `count` points, followed by guard values.
 fn guarded_components(components: usize, count: usize) -> OldAndNew {
-    [(); 2]
-        .map(|()| std::iter::repeat_n(0.0, components * count).chain(guard_values(GUARD_COMPONENTS * count)).collect())
+    let list: Vec<f64> =
+        std::iter::repeat_n(0.0, components * count).chain(guard_values(GUARD_COMPONENTS * count)).collect();
+    [list.clone(), list]
 }
 
 fn pair(length: usize) -> OldAndNew {
