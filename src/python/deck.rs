@@ -11,17 +11,14 @@ use revolve::output::{FramePoints, JobFiles};
 use revolve::solve::Progress;
 use revolve::study::evaluate::{DeckSource, SampleEvaluator, UserRoutines};
 use revolve::study::quantity::Quantity;
-use revolve::user::Routines;
 use revolve::user::compile::Compiled;
+use revolve::user::{Routines, thread_pool};
 
 use crate::errors;
 use crate::evaluate::Evaluator;
 use crate::load::{PythonLoad, RaisedException, raised};
 use crate::run::Run;
 use crate::waiting::PythonWait;
-
-/// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
-const STACK: usize = 64 << 20;
 
 /// Values of deck parameters by name.
 pub type ParameterSettings = Vec<(String, String)>;
@@ -224,13 +221,14 @@ impl Deck {
         };
         let job = job::default_job(Path::new(name), request.out.clone()).map_err(RunError::Named)?;
         let threads = request.threads.min(prepared.most_threads()).max(1);
-        if threads == 1 && prepared.most_threads() == 1 {
+        // The stack of the Python thread may be too small for compiled user subroutines.
+        let is_compiled = prepared.plan.routines.memory.is_some();
+        if threads == 1 && prepared.most_threads() == 1 && !is_compiled {
             return work(prepared, &job, &request, user, waiting, &mut |progress| {
                 waiting.look(progress.0, &progress.1)
             });
         }
-        let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(threads);
-        let pool = pool.build().map_err(|e| RunError::Threads(format!("cannot start threads: {e}")))?;
+        let pool = thread_pool(threads).build().map_err(|e| RunError::Threads(format!("cannot start threads: {e}")))?;
         let (sender, receiver) = std::sync::mpsc::channel();
         let mut ran = None;
         pool.in_place_scope(|scope| {

@@ -12,6 +12,7 @@ use crate::job::{self, JobError};
 use crate::output::JobFiles;
 use crate::output::lock::FolderLock;
 use crate::report::QuantityLabels;
+use crate::user::thread_pool;
 
 /// Values of deck parameters.
 #[derive(Args)]
@@ -83,13 +84,13 @@ impl ThreadOption {
 
     /// Starts the threads of all later parallel loops.
     pub fn start(self) -> Result<(), String> {
-        start_threads(rayon::ThreadPoolBuilder::new().num_threads(self.count()))
+        start_threads(self.count())
     }
 }
 
-/// Starts a thread pool for all later parallel loops.
-pub fn start_threads(pool: rayon::ThreadPoolBuilder) -> Result<(), String> {
-    pool.build_global().map_err(|e| format!("cannot start threads: {e}"))
+/// Starts so many threads for all later parallel loops.
+pub fn start_threads(count: usize) -> Result<(), String> {
+    thread_pool(count).build_global().map_err(|e| format!("cannot start threads: {e}"))
 }
 
 /// Result folder of a command that writes several files.

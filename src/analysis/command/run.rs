@@ -34,8 +34,6 @@ use super::watchdog::Watchdog;
 use super::words::{self, print_err, print_out};
 use super::{CommandStatus, accept, outcome, print_findings};
 
-/// Stack size of a thread in bytes: user subroutines may have large local arrays, as in the main thread.
-const STACK: usize = 64 << 20;
 
 /// Run a deck and write frames, histories and a summary file.
 #[derive(Args)]
@@ -177,6 +175,7 @@ impl RunCommand {
         }
         let signal = signal.load(std::sync::atomic::Ordering::Relaxed);
         let end = print_end(&summary, &job, frames, signal);
+        routines.memory.iter().for_each(|memory| memory.close());
         if matches!(summary.halt, Some(HaltReason::UserRoutine(_))) {
             crate::user::crash::leave(CommandStatus::HALTED.0);
         }
@@ -209,7 +208,7 @@ impl RunCommand {
     /// be woken in each pass.
     fn start_threads(&self, prepared: &PreparedJob) -> Result<(), String> {
         let count = self.threads.count().min(prepared.most_threads());
-        start_threads(rayon::ThreadPoolBuilder::new().stack_size(STACK).num_threads(count))
+        start_threads(count)
     }
 
     fn frames(&self) -> FrameOutput {

@@ -13,6 +13,7 @@ use crate::study::grid::CaseGrid;
 use crate::study::quantity::{self, Quantity};
 use crate::study::{StudyError, sweep};
 use crate::user::compile::Compiled;
+use crate::user::thread_pool;
 use crate::{job, output};
 use clap::Args;
 use indexmap::IndexMap;
@@ -166,10 +167,7 @@ impl SweepCommand {
         kept: Option<&output::JobFiles>,
         listed: Option<&output::JobFiles>,
     ) -> Result<sweep::SweepResults, Box<dyn Error>> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(self.results.threads.count())
-            .build()
-            .map_err(|e| e.to_string())?;
+        let pool = thread_pool(self.results.threads.count()).build().map_err(|e| e.to_string())?;
         let bar = progress::over_runs(cases.len() as u64, self.output.quiet.quiet);
         let PreparedSweep { grid, origin, quantities, compiled, .. } = prepared;
         let identity = prepared.identity();

@@ -21,8 +21,8 @@ use crate::output::RunHistory;
 use crate::plan::revise::{PlanReviser, RevisablePlan};
 use crate::plan::{self, CompiledModel, Plan, State, WriteSchedule};
 use crate::solve::{self, Instant, Outcome, Progress, RunControl, Sink, SinkError};
-use crate::user::Routines;
 use crate::user::compile::Compiled;
+use crate::user::{Routines, thread_pool};
 
 /// Source of a deck: a file or a text in memory.
 #[derive(Clone, Debug)]
@@ -346,7 +346,7 @@ impl SampleBatch<'_> {
         look: &mut dyn FnMut(usize),
     ) -> Result<Vec<SampleFailure>, StudyError> {
         let wrong = |e: rayon::ThreadPoolBuildError| StudyError::Setting(format!("cannot start threads: {e}"));
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(wrong)?;
+        let pool = thread_pool(threads).build().map_err(wrong)?;
         let size = (self.samples.count / (16 * threads)).clamp(1, CHUNK);
         let width = self.evaluator.row_width().max(1);
         let chunks = Mutex::new(table.chunks_mut(size * width).enumerate());

@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use std::sync::atomic::{AtomicPtr, Ordering};
 
 use super::PointValues;
+use super::host::{self, MessageLevel};
 use revolve_numerics::state::Instant;
 
 /// A call of a user subroutine in progress.
@@ -105,39 +106,60 @@ pub fn report_failure_in(words: *mut FailureText) {
     ELSEWHERE.store(words, Ordering::Relaxed);
 }
 
+/// A line of text for standard error, truncated to its capacity.
+struct LineBuffer([u8; 512], usize);
+
+impl std::fmt::Write for LineBuffer {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        let count = text.len().min(self.0.len() - self.1);
+        self.0[self.1..self.1 + count].copy_from_slice(&text.as_bytes()[..count]);
+        self.1 += count;
+        Ok(())
+    }
+}
+
+/// Writes a line to standard error without allocation.
+fn print_line(text: std::fmt::Arguments<'_>) {
+    let mut line = LineBuffer([0; 512], 0);
+    let _ = writeln!(line, "{text}");
+    line.0[line.1 - 1] = b'\n';
+    // SAFETY: the buffer has this length.
+    unsafe { libc::write(2, line.0.as_ptr().cast(), line.1) };
+}
+
+/// Prints the messages of the subroutine, because the run cannot print them at its end.
+fn print_messages() {
+    host::print_pending(|level, text| {
+        let level = match level {
+            MessageLevel::Note => "note",
+            MessageLevel::Warning => "warning",
+            MessageLevel::Error => "error",
+        };
+        print_line(format_args!("{level} from a user subroutine: {text}"));
+    });
+}
+
 /// Reports that the call in progress ended the process; `false` without a call. Allocates nothing, because a signal may
 /// interrupt the allocator.
 pub fn report_failure(what: &str) -> bool {
-    struct LineBuffer([u8; 512], usize);
-    impl std::fmt::Write for LineBuffer {
-        fn write_str(&mut self, text: &str) -> std::fmt::Result {
-            let count = text.len().min(self.0.len() - self.1);
-            self.0[self.1..self.1 + count].copy_from_slice(&text.as_bytes()[..count]);
-            self.1 += count;
-            Ok(())
-        }
-    }
     current(|call| {
         let Some(call) = call else { return false };
+        print_messages();
         // SAFETY: null, or memory that is mapped until the process ends; the other process reads it afterwards.
         if let Some(words) = unsafe { ELSEWHERE.load(Ordering::Relaxed).as_mut() } {
             words.set(what);
             return true;
         }
-        let mut line = LineBuffer([0; 512], 0);
         let on = if call.name.is_empty() { "" } else { " for " };
-        let _ = write!(line, "error: {}{on}{}", call.routine, call.name);
+        let mut elements = LineBuffer([0; 512], 0);
         if let [first, .., last] | [first @ last] = call.elements {
-            let _ = write!(line, ", elements {first} to {last},");
+            let _ = write!(elements, ", elements {first} to {last},");
         }
-        let _ = writeln!(
-            line,
-            " {what}: step {}, increment {}, total time {:e}. Frames written earlier are complete; \
-             --check-user finds indices out of bounds.",
-            call.now.step, call.now.increment, call.now.total_time
-        );
-        // SAFETY: the buffer has this length.
-        unsafe { libc::write(2, line.0.as_ptr().cast(), line.1) };
+        let elements = str::from_utf8(&elements.0[..elements.1]).unwrap_or_default();
+        print_line(format_args!(
+            "error: {}{on}{}{elements} {what}: step {}, increment {}, total time {:e}. Frames written earlier are complete.",
+            call.routine, call.name, call.now.step, call.now.increment, call.now.total_time
+        ));
         true
     })
 }

@@ -1,44 +1,31 @@
 //! Compiles Fortran and C files to a shared library. Nothing is written next to the files.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 use std::time::SystemTime;
 
 use super::cache::{BuildInputs, BuiltLibrary, LibraryCache, search_environment};
+use super::fortran::{self, FortranCompiler, rule_into, run};
 use super::source::{HEADER, PreparedSource, candidates, included};
+use super::symbols::LibrarySymbols;
 use super::{MAX_BLOCK, Routines, UncallableRoutine, isolate, library, prototype};
 use revolve_diagnostics::digest::hash;
 use revolve_diagnostics::{Diagnostic, Diagnostics, files};
 
-/// Flags similar to those of the ABAQUS compile command: long lines, legacy Fortran and DEC extensions (Cray pointers,
-/// structures, D comment lines) are allowed, local arrays are on the stack. No contraction to fused multiply-add, so
-/// that results have the same bits as in Rust.
-const FORTRAN_FLAGS: &[&str] = &[
+/// Flags of C. No warnings, which would hide the errors.
+const C_FLAGS: &[&str] = &[
     "-c",
+    "-w",
     "-fPIC",
-    "-cpp",
-    "-std=legacy",
-    "-fallow-argument-mismatch",
-    "-fdec",
-    "-frecursive",
+    "-fstack-clash-protection",
     "-O2",
     "-g",
-    "-fbacktrace",
     "-fexceptions",
     "-ffp-contract=off",
-    "-ffixed-line-length-none",
-    "-ffree-line-length-none",
     "-fdiagnostics-color=never",
 ];
-const C_FLAGS: &[&str] =
-    &["-c", "-fPIC", "-O2", "-g", "-fexceptions", "-ffp-contract=off", "-fdiagnostics-color=never"];
-/// Additional flag for files whose subroutines have arguments in single precision.
-const PROMOTE_FLAG: &str = "-freal-4-real-8";
-/// Additional flags of `--check-user`.
-const CHECK_FLAGS: &[&str] = &["-fcheck=bounds,do,mem,pointer"];
-
 /// Shared libraries ready to be opened.
 #[derive(Debug)]
 pub struct Compiled {
@@ -132,15 +119,33 @@ pub fn compile(files: &[PathBuf], checked: bool) -> Result<Compiled, Diagnostics
     if !sources.is_empty() {
         let BuiltLibrary { bytes, identity, uncallable: found, promoted } = build(&sources, checked, &mut notes)?;
         for file in promoted {
-            let message = format!("`{}` is in single precision; it was compiled in double precision", file.display());
+            let message =
+                format!("`{}` has reals in single precision; it was compiled in double precision", file.display());
             notes.push(Diagnostic::note("U014", message));
         }
         // Messages name the user's first file.
         libraries.insert(0, SharedLibrary { name: sources[0].0.to_owned(), bytes, identity });
         uncallable = found;
     }
+    note_separate_commons(&libraries, &mut notes);
     let third_coordinate = notes.iter().any(|n| n.code == "U008");
     Ok(Compiled { libraries, notes, third_coordinate, uncallable, files })
+}
+
+/// Adds a note for each COMMON block or module variable that several libraries define: each has its own copy.
+fn note_separate_commons(libraries: &[SharedLibrary], notes: &mut Diagnostics) {
+    let mut owners = BTreeMap::<String, BTreeSet<&Path>>::new();
+    for library in libraries.iter().filter(|_| libraries.len() > 1) {
+        let symbols = LibrarySymbols::read(&library.bytes);
+        for variable in symbols.variables.iter().filter(|variable| variable.is_shared_data()) {
+            owners.entry(variable.plain_name()).or_default().insert(&library.name);
+        }
+    }
+    for (variable, files) in owners.into_iter().filter(|(_, files)| files.len() > 1) {
+        let files: Vec<String> = files.iter().map(|file| format!("`{}`", file.display())).collect();
+        let message = format!("{variable} is in {}: each library has its own copy", files.join(" and "));
+        notes.push(Diagnostic::note("U015", message).help("to share it, pass the sources in place of the libraries"));
+    }
 }
 
 /// Returns the path in a form that a compiler does not mistake for an option.
@@ -184,7 +189,7 @@ fn build(
         let what = |_| "the line reads a third coordinate; an axisymmetric model has two, r and z".to_owned();
         note_lines(file, "U008", reads_third_coordinate, what, notes);
     }
-    let tools = CompilerSet::find(sources).map_err(|e| fault("U002", e))?;
+    let tools = CompilerSet::find(sources, checked).map_err(|e| fault("U002", e))?;
     let cache = LibraryCache::find().unwrap_or_else(|why| {
         let warning =
             Diagnostic::warning("U011", format!("{why}: the user subroutines are compiled again for this run"));
@@ -233,14 +238,14 @@ fn build(
 /// The compilers that the sources need, and their versions.
 #[derive(Default)]
 struct CompilerSet {
-    fortran: Option<OsString>,
+    fortran: Option<FortranCompiler>,
     c: OsString,
     version: String,
 }
 
 impl CompilerSet {
-    fn find(sources: &[(&Path, SourceLanguage)]) -> Result<Self, String> {
-        let CompilerSet { mut fortran, mut c, mut version } = CompilerSet::default();
+    fn find(sources: &[(&Path, SourceLanguage)], checked: bool) -> Result<Self, String> {
+        let mut tools = CompilerSet::default();
         let mut find = |language, variable, name: &str, install| {
             let program = std::env::var_os(variable).unwrap_or_else(|| name.into());
             let missing = || {
@@ -250,23 +255,34 @@ impl CompilerSet {
                      compiler in {variable}"
                 )
             };
-            version += &tool_version(&program).ok_or_else(missing)?;
-            Ok::<_, String>(program)
+            let (path, version) = tool_version(&program).ok_or_else(missing)?;
+            tools.version += &version;
+            Ok::<_, String>((program, path))
         };
         let packages = "gfortran (Debian, Ubuntu: apt install gfortran; Fedora: dnf install gcc-gfortran)";
         if sources.iter().any(|s| s.1 != SourceLanguage::C) {
-            fortran = Some(find("Fortran", "FC", "gfortran", packages)?);
+            let (program, path) = find("Fortran", "FC", "gfortran", packages)?;
+            let compiler = FortranCompiler::identify(program, &path)?;
+            if checked && compiler.check_flags().is_empty() {
+                let shown = compiler.program().display();
+                return Err(format!("`{shown}` (FC) cannot check array bounds: --check-user requires gfortran"));
+            }
+            tools.fortran = Some(compiler);
         }
         if sources.iter().any(|s| s.1 == SourceLanguage::C) {
-            c = find("C", "CC", "cc", "gcc (Debian, Ubuntu: apt install gcc)")?;
+            tools.c = find("C", "CC", "cc", "gcc (Debian, Ubuntu: apt install gcc)")?.0;
         }
-        Ok(CompilerSet { fortran, c, version })
+        Ok(tools)
+    }
+
+    fn linker(&self) -> &OsString {
+        self.fortran.as_ref().map_or(&self.c, FortranCompiler::program)
     }
 }
 
-/// Returns path, size and modification time of a program, which identify its version without running it; `None` if it
-/// does not exist.
-fn tool_version(tool: &OsString) -> Option<String> {
+/// Returns the path of a program, and its path, size and modification time, which identify its version without running
+/// it; `None` if it does not exist.
+fn tool_version(tool: &OsString) -> Option<(PathBuf, String)> {
     let program = |path: PathBuf| path.is_file().then_some(path);
     let path = if Path::new(tool).components().count() > 1 {
         program(PathBuf::from(tool))
@@ -275,13 +291,15 @@ fn tool_version(tool: &OsString) -> Option<String> {
     }?;
     let path = path.canonicalize().ok()?;
     let metadata = path.metadata().ok()?;
-    Some(format!("{} {} {:?}", path.display(), metadata.len(), metadata.modified().ok()?))
+    let version = format!("{} {} {:?}", path.display(), metadata.len(), metadata.modified().ok()?);
+    Some((path, version))
 }
 
 /// Returns the hash of the inputs known before compilation: sources, their includes, flags, compilers; independent of
 /// folders.
 fn content(sources: &[(&Path, SourceLanguage)], tools: &CompilerSet, checked: bool) -> String {
-    let flags = format!("{FORTRAN_FLAGS:?} {C_FLAGS:?} {checked} {:?}", includes_text());
+    let fortran_flags = tools.fortran.as_ref().map(FortranCompiler::flags);
+    let flags = format!("{fortran_flags:?} {C_FLAGS:?} {checked} {:?}", includes_text());
     let mut pieces: Vec<Vec<u8>> =
         [env!("CARGO_PKG_VERSION"), &tools.version, &flags].map(|text| text.as_bytes().to_vec()).into();
     for (file, language) in sources {
@@ -451,20 +469,6 @@ impl CallGraph {
     }
 }
 
-/// Compiles a Fortran file to an object, with its call graph and the list of files read.
-fn compile_to(object: &Path, compiler: &OsString, arguments: &[OsString]) -> std::io::Result<Output> {
-    let more = ["-fcallgraph-info".into()].into_iter().chain(rule_into(object));
-    run(compiler, &arguments.iter().cloned().chain(more).collect::<Vec<_>>())
-}
-
-/// Returns the C prototypes of the subroutines of a Fortran file.
-fn prototypes(compiler: &OsString, arguments: &[OsString]) -> String {
-    let mut arguments: Vec<OsString> = arguments.iter().filter(|a| *a != "-c").cloned().collect();
-    arguments.extend(["-fsyntax-only".into(), "-fc-prototypes-external".into()]);
-    let printed = run(compiler, &arguments).map(|o| o.stdout).unwrap_or_default();
-    String::from_utf8_lossy(&printed).into_owned()
-}
-
 struct LibraryBuilder<'a> {
     tools: &'a CompilerSet,
     scratch: &'a Path,
@@ -483,7 +487,7 @@ impl LibraryBuilder<'_> {
         let object = self.scratch.join(format!("{index}.o"));
         match language {
             SourceLanguage::C => {
-                let mut arguments = self.arguments((file, file), &object, C_FLAGS, None);
+                let mut arguments = self.arguments((file, file), &object, C_FLAGS);
                 arguments.extend(rule_into(&object));
                 let output = run(&self.tools.c, &arguments);
                 let made = self.check_output(file, output);
@@ -516,24 +520,10 @@ impl LibraryBuilder<'_> {
     }
 
     /// Returns the compiler arguments for a user file and its prepared copy.
-    fn arguments(
-        &self,
-        (file, ready): (&Path, &Path),
-        object: &Path,
-        flags: &[&str],
-        form: Option<&str>,
-    ) -> Vec<OsString> {
+    fn arguments(&self, (file, ready): (&Path, &Path), object: &Path, flags: &[&str]) -> Vec<OsString> {
         let mut list: Vec<OsString> = flags.iter().map(OsString::from).collect();
-        list.extend(form.map(OsString::from));
         for include in [folder_of(ready), folder_of(file), self.scratch] {
-            list.push("-I".into());
-            list.push(include.into());
-        }
-        if form.is_some() {
-            list.extend(["-J".into(), self.scratch.into()]);
-            if self.checked {
-                list.extend(CHECK_FLAGS.iter().map(OsString::from));
-            }
+            list.extend(["-I".into(), include.into()]);
         }
         list.extend([ready.into(), "-o".into(), object.into()]);
         list
@@ -548,34 +538,37 @@ impl LibraryBuilder<'_> {
         }
         let mut failures = Vec::new();
         for form in forms {
-            let arguments = self.arguments((file, ready), object, FORTRAN_FLAGS, Some(form));
-            let output = compile_to(object, compiler, &arguments);
-            if output.as_ref().is_ok_and(|o| o.status.success()) {
-                let mut prototypes = prototypes(compiler, &arguments);
-                if prototype::has_single_precision(&prototypes) {
-                    let in_double: Vec<OsString> = [PROMOTE_FLAG.into()].into_iter().chain(arguments).collect();
-                    let output = compile_to(object, compiler, &in_double);
-                    if !output.as_ref().is_ok_and(|o| o.status.success()) {
-                        return output.is_ok_and(|output| self.check_output(file, Ok(output)));
-                    }
-                    prototypes = self::prototypes(compiler, &in_double);
-                    self.promoted.push(file.to_owned());
+            let checks = if self.checked { compiler.check_flags() } else { &[] };
+            let flags = [compiler.flags(), &[form], checks].concat();
+            let mut arguments = self.arguments((file, ready), object, &flags);
+            arguments.extend(["-J".into(), self.scratch.into()]);
+            match compile_fortran(compiler, object, arguments) {
+                Ok(compiled) => {
+                    self.accept_object(file, object, &compiled);
+                    return true;
                 }
-                self.calls.read(&std::fs::read_to_string(object.with_extension("ci")).unwrap_or_default());
-                self.record_inputs(file, object);
-                for (routine, difference) in prototype::check(&prototypes) {
-                    let message = format!("{}: {difference}", file.display());
-                    self.uncallable.push(UncallableRoutine { routine, code: "U004".into(), message });
-                }
-                return true;
+                Err(output) => failures.push(output),
             }
-            failures.push(output);
         }
         let errors = |o: &std::io::Result<Output>| {
-            o.as_ref().map_or(usize::MAX, |o| String::from_utf8_lossy(&o.stderr).matches("Error:").count())
+            o.as_ref()
+                .map_or(usize::MAX, |o| String::from_utf8_lossy(&o.stderr).to_lowercase().matches("error:").count())
         };
         let best = failures.into_iter().min_by_key(errors);
         best.is_some_and(|output| self.check_output(file, output))
+    }
+
+    /// Records what a compiled file calls, reads and defines.
+    fn accept_object(&mut self, file: &Path, object: &Path, compiled: &CompiledFortran) {
+        if compiled.promoted {
+            self.promoted.push(file.to_owned());
+        }
+        self.calls.read(&std::fs::read_to_string(object.with_extension("ci")).unwrap_or_default());
+        self.record_inputs(file, object);
+        for (routine, difference) in prototype::check(&compiled.prototypes) {
+            let message = format!("{}: {difference}", file.display());
+            self.uncallable.push(UncallableRoutine { routine, code: "U004".into(), message });
+        }
     }
 
     fn check_output(&mut self, file: &Path, output: std::io::Result<Output>) -> bool {
@@ -644,9 +637,9 @@ impl LibraryBuilder<'_> {
             "subroutine stub() bind(C, name=\"{symbol}\")\n  external rvmissing\n  call rvmissing('{name}')\nend subroutine\n"
         );
         std::fs::write(&file, text).ok()?;
-        let arguments: Vec<OsString> =
-            vec!["-c".into(), "-fPIC".into(), "-fexceptions".into(), file.into(), "-o".into(), object.clone().into()];
-        run(compiler, &arguments).ok().filter(|o| o.status.success())?;
+        let mut arguments: Vec<OsString> = compiler.flags().iter().map(OsString::from).collect();
+        arguments.extend([file.into(), "-o".into(), object.clone().into()]);
+        run(compiler.program(), &arguments).ok().filter(|o| o.status.success())?;
         Some(object)
     }
 
@@ -656,8 +649,9 @@ impl LibraryBuilder<'_> {
         let mut arguments: Vec<OsString> = vec!["-shared".into(), "-Wl,-Bsymbolic".into()];
         arguments.extend(objects.iter().map(Into::into));
         arguments.extend(more.iter().map(OsString::from));
+        arguments.extend(self.tools.fortran.iter().flat_map(|compiler| compiler.link_flags()).map(OsString::from));
         arguments.extend(["-o".into(), library.clone().into()]);
-        let output = run(self.tools.fortran.as_ref().unwrap_or(&self.tools.c), &arguments)?;
+        let output = run(self.tools.linker(), &arguments)?;
         Ok((output, library))
     }
 
@@ -674,18 +668,46 @@ impl LibraryBuilder<'_> {
     }
 }
 
+/// A Fortran file that was compiled.
+struct CompiledFortran {
+    prototypes: String,
+    /// Whether it was compiled in double precision in place of single precision.
+    promoted: bool,
+}
+
+/// Compiles a Fortran file; in double precision if it mixes single precision with that of the calls.
+///
+/// # Errors
+/// The output of the compiler, or why it cannot be started.
+fn compile_fortran(
+    compiler: &FortranCompiler,
+    object: &Path,
+    arguments: Vec<OsString>,
+) -> Result<CompiledFortran, std::io::Result<Output>> {
+    let output = compiler.compile(object, &arguments);
+    let succeeds = |output: &std::io::Result<Output>| output.as_ref().is_ok_and(|o| o.status.success());
+    let is_mixed = if succeeds(&output) {
+        let interfaces = compiler.interfaces(&arguments);
+        if !interfaces.mixes_precision && !prototype::has_single_precision(&interfaces.prototypes) {
+            return Ok(CompiledFortran { prototypes: interfaces.prototypes, promoted: false });
+        }
+        true
+    } else {
+        output.as_ref().is_ok_and(|o| fortran::mentions_single(&String::from_utf8_lossy(&o.stderr)))
+    };
+    if !is_mixed {
+        return Err(output);
+    }
+    let arguments = compiler.promoted(&arguments);
+    let in_double = compiler.compile(object, &arguments);
+    if !succeeds(&in_double) {
+        return Err(if succeeds(&output) { in_double } else { output });
+    }
+    Ok(CompiledFortran { prototypes: compiler.interfaces(&arguments).prototypes, promoted: true })
+}
+
 fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
-/// Returns the arguments with which the compiler writes the list of files that it reads.
-fn rule_into(object: &Path) -> [OsString; 3] {
-    ["-MD".into(), "-MF".into(), object.with_extension("d").into()]
-}
-
-fn run(tool: &OsString, arguments: &[OsString]) -> std::io::Result<Output> {
-    // Compiler messages are quoted, so they are requested in English.
-    Command::new(tool).args(arguments).env("LC_ALL", "C").output()
 }
 
 /// Returns the first lines of a message.

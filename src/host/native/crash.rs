@@ -6,7 +6,7 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::call::report_failure;
-use super::guard;
+use super::{guard, stack};
 
 /// Installs the exit and signal handlers, which name the user subroutine that was running. Only the first call has an
 /// effect.
@@ -14,13 +14,14 @@ pub fn watch() {
     static WATCH: Once = Once::new();
     WATCH.call_once(|| {
         guard::watch();
+        stack::enlarge();
         // SAFETY: the handlers only read a thread-local pointer and write to standard error.
         unsafe {
             libc::atexit(at_exit);
             for signal in [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT] {
                 let mut action: libc::sigaction = std::mem::zeroed();
                 action.sa_sigaction = on_signal as *const () as usize;
-                action.sa_flags = libc::SA_ONSTACK | libc::SA_RESETHAND | libc::SA_NODEFER;
+                action.sa_flags = libc::SA_ONSTACK | libc::SA_RESETHAND | libc::SA_NODEFER | libc::SA_SIGINFO;
                 libc::sigaction(signal, &action, std::ptr::null_mut());
             }
         }
@@ -33,38 +34,41 @@ static CALLED: AtomicBool = AtomicBool::new(false);
 /// Records that a subroutine is called.
 #[inline]
 pub fn note_call() {
+    stack::prepare();
     CALLED.store(true, Ordering::Relaxed);
 }
 
 /// Message about damaged memory.
 const DAMAGED: &[u8] =
     b"error: the memory of the process is damaged, probably by a user subroutine that wrote past one of its \
-arrays; --check-user finds indices out of bounds\n";
+arrays; --check-user finds indices out of bounds, but not in arrays that are declared with `*`: declare \
+stateNew(nblock,nstatev), not stateNew(nblock,*)\n";
 
 /// Whether a subroutine may have damaged memory, so that a later signal is attributed to it.
 static HURT: AtomicBool = AtomicBool::new(false);
 
-/// Exits at once after a user subroutine halted the run, because it may have damaged memory that destructors would use.
-/// Fortran output is flushed first.
+/// Exits after a user subroutine halted the run, without destructors of Rust: the subroutine may have damaged memory that
+/// they would use. Exit handlers of its libraries, which close its files, run; a crash of one ends the process silently.
 pub fn leave(status: u8) -> ! {
     HURT.store(true, Ordering::Relaxed);
-    let _ = std::io::Write::flush(&mut std::io::stdout());
-    guard::flush();
-    // SAFETY: ends the process without cleanup; nothing runs afterwards.
-    unsafe { guard::end(status.into()) }
+    std::process::exit(status.into())
 }
 
 extern "C" fn at_exit() {
     // A process forked by a subroutine may end in any way.
     if guard::is_own_process() && report_failure("ended the process") {
-        // SAFETY: ends the process without returning to interrupted code.
-        unsafe { guard::end(1) }
+        HURT.store(true, Ordering::Relaxed);
+        // SAFETY: in the C library, a nested exit runs the remaining handlers, which close the files of the subroutine,
+        // and ends the process with the new status.
+        unsafe { libc::exit(1) }
     }
 }
 
-extern "C" fn on_signal(signal: c_int) {
+extern "C" fn on_signal(signal: c_int, info: *mut libc::siginfo_t, context: *mut libc::ucontext_t) {
     let what = match signal {
-        libc::SIGSEGV | libc::SIGBUS => "accessed invalid memory (an array index out of bounds?)",
+        // SAFETY: the system passes both.
+        libc::SIGSEGV | libc::SIGBUS if unsafe { stack::has_overflowed(&*info, &*context) } => stack::OVERFLOW,
+        libc::SIGSEGV | libc::SIGBUS => "accessed invalid memory (an array index out of bounds? --check-user finds it)",
         libc::SIGFPE => "divided an integer by zero",
         libc::SIGABRT => "aborted",
         _ => "executed an illegal instruction",

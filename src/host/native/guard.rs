@@ -8,6 +8,7 @@ use std::fs::File;
 use std::os::fd::AsRawFd as _;
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 thread_local! {
     /// The working folder before a subroutine changed it.
@@ -309,16 +310,43 @@ pub extern "C" fn leave(status: c_int) -> ! {
     unsafe { end(if failed { 1 } else { status }) }
 }
 
+/// Longest time for flushing: a unit stays locked if a routine stopped within a WRITE statement.
+const FLUSH_TIME: Duration = Duration::from_secs(1);
+
 /// Flushes the output of Fortran and C.
 pub fn flush() {
-    // SAFETY: flushes all units of the Fortran runtime, if it is loaded, and all C streams.
-    unsafe {
-        let flush = libc::dlsym(libc::RTLD_DEFAULT, c"_gfortran_flush_i4".as_ptr());
-        if !flush.is_null() {
-            let flush = std::mem::transmute::<*mut c_void, extern "C" fn(*const i32)>(flush);
-            flush(std::ptr::null());
+    let functions: Vec<FlushUnits> =
+        super::library::FORTRAN_RUNTIMES.iter().filter_map(|name| flush_function(name)).collect();
+    let (ended, ends) = std::sync::mpsc::channel();
+    let flush_all = move || {
+        // SAFETY: a null unit number means all units; a null stream means all streams of C.
+        unsafe {
+            functions.iter().for_each(|flush| flush(std::ptr::null()));
+            libc::fflush(std::ptr::null_mut());
         }
-        libc::fflush(std::ptr::null_mut());
+        // The receiver may have been dropped.
+        let _ = ended.send(());
+    };
+    if std::thread::Builder::new().name("flush".into()).spawn(flush_all).is_ok() {
+        let _ = ends.recv_timeout(FLUSH_TIME);
+    }
+}
+
+/// Function `flush` of a Fortran run-time library.
+type FlushUnits = unsafe extern "C" fn(*const i32);
+
+/// Returns the function of a Fortran run-time library that flushes units, if the library is loaded. Libraries of the user
+/// are opened with local symbols, so that a search among the global ones does not find it.
+fn flush_function(runtime: &CStr) -> Option<FlushUnits> {
+    // SAFETY: RTLD_NOLOAD only affects loaded libraries, so no initialiser runs; the function has this type.
+    unsafe {
+        let library = libc::dlopen(runtime.as_ptr(), libc::RTLD_NOW | libc::RTLD_NOLOAD);
+        if library.is_null() {
+            return None;
+        }
+        let function = libc::dlsym(library, c"_gfortran_flush_i4".as_ptr());
+        libc::dlclose(library);
+        std::mem::transmute::<*mut c_void, Option<FlushUnits>>(function)
     }
 }
 

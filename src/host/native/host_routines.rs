@@ -353,7 +353,21 @@ host_routines! {
         end(format!("it called exit({})", status.as_ref().copied().unwrap_or(0)))
     }
 
-    "_gfortran_abort" => fn fortran_abort() -> ! { end("it called abort".into()) }
+    "_gfortran_abort", "__wrap__FortranAAbort" => fn fortran_abort() -> ! { end("it called abort".into()) }
+
+    /// `STOP` and `ERROR STOP` of Flang, whose codes are 0 and 1 if none is given.
+    "__wrap__FortranAStopStatement" => fn flang_stop(code: c_int, is_error: bool, _quiet: bool) -> ! {
+        let code_text = if code == c_int::from(is_error) { String::new() } else { format!(" {code}") };
+        end(format!("it executed {}STOP{code_text}", if is_error { "ERROR " } else { "" }))
+    }
+
+    "__wrap__FortranAStopStatementText" => fn flang_stop_text(
+        text: *const c_char, length: usize, is_error: bool, _quiet: bool
+    ) -> ! {
+        end(format!("it executed {}STOP {}", if is_error { "ERROR " } else { "" }, words(text, length)))
+    }
+
+    "__wrap__FortranAExit" => fn flang_exit(status: c_int) -> ! { end(format!("it called exit({status})")) }
 
     /// Checks of the Fortran runtime. These functions take values like C's `printf`; the first few are passed in
     /// registers.

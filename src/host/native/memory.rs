@@ -132,6 +132,7 @@ impl PersistentMemory for RoutineMemory {
                 format!("{routine} started {threads}: the run has ended and does not wait"),
             );
         }
+        guard::flush();
     }
 
     fn save(&self) -> SavedMemory {

@@ -6,6 +6,7 @@ mod call;
 pub mod compile;
 mod compiled;
 pub mod crash;
+mod fortran;
 mod guard;
 mod host_routines;
 mod isolate;
@@ -14,6 +15,7 @@ mod memory;
 mod own_symbols;
 mod prototype;
 mod source;
+mod stack;
 mod subroutines;
 mod symbols;
 

@@ -82,6 +82,13 @@ impl LibrarySymbols {
 }
 
 impl LibraryVariable {
+    /// Returns whether this is a COMMON block or a variable of a module, which subroutines share by its name.
+    pub fn is_shared_data(&self) -> bool {
+        let symbol = self.symbol.as_str();
+        let is_common = symbol.ends_with('_') && symbol.starts_with(|c: char| c.is_ascii_alphabetic());
+        is_common || symbol == "__BLNK__" || symbol.starts_with("__") && symbol.contains("_MOD_")
+    }
+
     /// Returns the name in the source: gfortran writes `x.12` for a local variable with SAVE, `__m_MOD_x` for one of a
     /// module, an underscore after the name of a COMMON block, `__BLNK__` for blank COMMON.
     pub fn plain_name(&self) -> String {

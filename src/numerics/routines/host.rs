@@ -3,6 +3,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::mem::ManuallyDrop;
 use std::sync::Mutex;
 
 use serde::Serialize;
@@ -57,14 +58,15 @@ static OPENING: Mutex<Vec<String>> = Mutex::new(Vec::new());
 thread_local! {
     static ARRAYS: RefCell<BTreeMap<(u8, i32), HostArray>> = const { RefCell::new(BTreeMap::new()) };
     static JOB: RefCell<JobInfo> = RefCell::default();
-    static MESSAGES: RefCell<Vec<RoutineMessage>> = const { RefCell::new(Vec::new()) };
+    /// Never dropped, so that they can still be printed while the process exits.
+    static MESSAGES: RefCell<ManuallyDrop<Vec<RoutineMessage>>> = const { RefCell::new(ManuallyDrop::new(Vec::new())) };
 }
 
 /// Sets the job of the user subroutines that this thread calls, and clears arrays and messages of the previous job.
 pub fn begin_job(job: JobInfo) {
     JOB.with_borrow_mut(|j| *j = job);
     ARRAYS.with_borrow_mut(BTreeMap::clear);
-    MESSAGES.with_borrow_mut(Vec::clear);
+    MESSAGES.with_borrow_mut(|list| list.clear());
     let opening = OPENING.lock().map(|warnings| warnings.clone()).unwrap_or_default();
     opening.into_iter().for_each(|text| report_message(MessageLevel::Warning, text));
 }
@@ -81,7 +83,16 @@ pub fn report_opening(text: String) {
 
 /// Returns and clears the messages since the job began.
 pub fn take_messages() -> Vec<RoutineMessage> {
-    MESSAGES.take()
+    MESSAGES.with_borrow_mut(|list| std::mem::take(&mut **list))
+}
+
+/// Passes the messages since the job began to `print`, also in a signal handler or while the process exits: it allocates
+/// nothing, and skips them if they are being changed.
+pub fn print_pending(mut print: impl FnMut(MessageLevel, &str)) {
+    MESSAGES.with(|list| {
+        let list = list.try_borrow().into_iter();
+        list.for_each(|list| list.iter().for_each(|message| print(message.level, &message.text)));
+    });
 }
 
 /// Archives the messages since the job began.

@@ -5,6 +5,7 @@ pub mod eos;
 pub mod host;
 pub mod law;
 mod saved_memory;
+mod stack;
 
 use crate::state::archive::Persist;
 use std::cell::Cell;
@@ -15,6 +16,7 @@ use crate::state::halt::{HaltDetails, HaltReason};
 pub use eos::{EosLaw, EosResponse};
 pub use law::{ElasticModuli, MaterialLaw, MaterialPoint, PointQuantity};
 pub use saved_memory::{PersistentMemory, SavedMemory};
+pub use stack::{STACK, thread_pool};
 
 /// Largest number of points of one call: `maxblk` of `vaba_param.inc`. Larger surfaces are divided into blocks.
 pub const MAX_BLOCK: usize = 512;
@@ -84,6 +86,17 @@ impl LoadFailure {
         );
         HaltReason::UserRoutine(HaltDetails::at_instant(reason, *now))
     }
+}
+
+/// Returns the advice for a subroutine that wrote past an argument: gfortran checks no array that is declared with `*`.
+pub fn bounds_advice(argument: &str) -> String {
+    let sizes = match argument {
+        "stateNew" => "nblock,nstatev",
+        "stressNew" => "nblock,ndir+nshr",
+        "field" => "nblock,nfieldv",
+        _ => return String::new(),
+    };
+    format!("; if it is declared with `*`, declare {argument}({sizes}): --check-user then names the line")
 }
 
 /// A user load: the pressure at each point. What it keeps between calls is in [`LoadPoints::memory`]. It is called once per increment,

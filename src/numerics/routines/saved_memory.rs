@@ -24,6 +24,8 @@ pub trait PersistentMemory: Send + Sync {
     /// # Errors
     /// If it belongs to other libraries; nothing is written then.
     fn restore(&self, kept: &SavedMemory) -> Result<(), UnfitState>;
+    /// Ends a separate process of the subroutines after the last run, and waits until it has closed their files.
+    fn close(&self) {}
 }
 
 impl SavedMemory {

@@ -16,6 +16,7 @@ use crate::study::statistics::design::{draws, unit};
 use crate::study::statistics::least_squares::ParameterFit;
 use crate::study::statistics::summary::between;
 use crate::study::statistics::{IntervalEstimate, TAIL, normal};
+use crate::user::thread_pool;
 
 /// Number of independent ensembles; R-hat compares them.
 const ENSEMBLES: usize = 4;
@@ -102,7 +103,7 @@ pub fn posterior(
     look: &(dyn Fn(usize) + Sync),
 ) -> Result<Posterior, StudyError> {
     let wrong = |e: rayon::ThreadPoolBuildError| StudyError::Setting(format!("cannot start threads: {e}"));
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(problem.threads).build().map_err(wrong)?;
+    let pool = thread_pool(problem.threads).build().map_err(wrong)?;
     let likelihood = PosteriorDensity::new(problem, fit, request.model_error, look);
     let mut posterior = pool.install(|| ensembles(&likelihood, fit, request))?;
     posterior.predictions = likelihood.predictions(&posterior.draws, request.seed)?;

@@ -63,15 +63,19 @@ impl RoutineChannel {
         ended.is_none()
     }
 
-    /// Returns the reason why the process does not answer.
-    pub fn failure_reason(&self) -> String {
-        let checks = std::iter::repeat_with(|| self.is_there()).take(200);
-        for there in checks {
-            if !there {
+    /// Waits until the process has ended, at most a second.
+    fn wait_for_end(&self) {
+        for _ in 0..1000 {
+            if !self.is_there() {
                 break;
             }
-            std::thread::sleep(std::time::Duration::from_millis(5));
+            std::thread::sleep(std::time::Duration::from_millis(1));
         }
+    }
+
+    /// Returns the reason why the process does not answer.
+    pub fn failure_reason(&self) -> String {
+        self.wait_for_end();
         let said = self.memory.with(|exchange| exchange.failure.get());
         if !said.is_empty() {
             return said;
@@ -107,12 +111,8 @@ impl RoutineChannel {
 }
 
 impl Drop for RoutineChannel {
-    /// Ends the process.
     fn drop(&mut self) {
-        if self.is_there() {
-            self.memory.with(|exchange| exchange.purpose = LEAVE);
-            self.memory.hand_to(ProcessSide::Routines);
-        }
+        self.close();
     }
 }
 
@@ -142,6 +142,14 @@ impl PersistentMemory for RoutineChannel {
             Some(None) => Ok(()),
             Some(Some(reason)) => Err(UnfitState { reason }),
             None => Err(UnfitState { reason: "the process of the user subroutines has ended".into() }),
+        }
+    }
+
+    fn close(&self) {
+        if self.is_there() {
+            self.memory.with(|exchange| exchange.purpose = LEAVE);
+            self.memory.hand_to(ProcessSide::Routines);
+            self.wait_for_end();
         }
     }
 }

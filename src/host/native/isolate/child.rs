@@ -4,7 +4,7 @@
 use std::os::unix::net::UnixStream;
 
 use super::super::host::{self, JobInfo};
-use super::super::{Routines, SavedMemory, call, guard};
+use super::super::{Routines, STACK, SavedMemory, call};
 use super::opening::{OpeningReport, receive, send};
 use super::server::RoutineServer;
 use super::shared_memory::{ProcessSide, REQUEST, SharedMemory, TurnPurpose};
@@ -19,9 +19,6 @@ pub const KEEP: u8 = 2;
 pub const TAKE_UP: u8 = 3;
 /// Request: the run has ended; return the remaining messages.
 pub const END: u8 = 4;
-
-/// Stack size for the user subroutines in bytes, equal to that of the run's threads.
-const STACK: usize = 64 << 20;
 
 /// Runs the forked process until its end.
 pub fn live(
@@ -94,7 +91,6 @@ fn answer_request(stream: &mut UnixStream, routines: &Routines) -> Option<()> {
         }
         _ => {
             memory.end();
-            guard::flush();
             send(stream, 0, &mut host::take_messages())
         }
     }

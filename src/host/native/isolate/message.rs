@@ -2,7 +2,7 @@
 //! they were written.
 #![allow(unsafe_code)]
 
-use super::super::LoadFailure;
+use super::super::{LoadFailure, MAX_MATERIAL_BLOCK};
 use revolve_numerics::state::Instant;
 
 /// Largest number of scalars, of lists, and of 8-byte words in all lists of a call.
@@ -205,51 +205,65 @@ impl<'m, T: MessageField<'m>, const N: usize> MessageField<'m> for [T; N] {
     }
 }
 
+/// Number of guard values after each list: 16 components of all points of a material, which a subroutine can write if it
+/// declares the array with `*`.
+const GUARDS: usize = 16 * MAX_MATERIAL_BLOCK;
+
 /// Buffers for the result lists of a subroutine, each followed by guard values: writing past the end of a list is
 /// detected and does no damage.
 #[derive(Default)]
 pub struct AnswerLists {
     data: Vec<f64>,
     lengths: Vec<usize>,
+    /// Whether the guard values after the lists of these lengths are unchanged.
+    is_guarded: bool,
 }
 
 impl AnswerLists {
     /// Returns the buffers, filled with the lists of a message.
     pub fn take<const N: usize>(&mut self, from: &mut MessageReader<'_>) -> [&mut [f64]; N] {
         let previous: [&[f64]; N] = MessageField::get(from);
+        let lengths = previous.iter().map(|list| list.len());
+        let is_guarded = self.is_guarded && lengths.clone().eq(self.lengths.iter().copied());
         self.lengths.clear();
-        self.lengths.extend(previous.iter().map(|list| list.len()));
-        let size: usize = self.lengths.iter().map(|length| length + LINE).sum();
+        self.lengths.extend(lengths);
+        let size: usize = self.lengths.iter().map(|length| length + GUARDS).sum();
         self.data.resize(self.data.len().max(size), 0.0);
         let mut unused = &mut self.data[..size];
+        self.is_guarded = true;
         previous.map(|previous| {
             let (list, after) = std::mem::take(&mut unused).split_at_mut(previous.len());
-            let (guard, after) = after.split_at_mut(LINE);
+            let (guard, after) = after.split_at_mut(GUARDS);
             list.copy_from_slice(previous);
-            guard.fill(f64::from_bits(GUARD));
+            if !is_guarded {
+                guard.fill(f64::from_bits(GUARD));
+            }
             unused = after;
             list
         })
     }
 
     /// Writes all lists; returns the index of the first list that was exceeded.
-    pub fn write(&self, writer: &mut MessageWriter<'_>) -> Option<usize> {
+    pub fn write(&mut self, writer: &mut MessageWriter<'_>) -> Option<usize> {
         let (mut start, mut overrun) = (0, None);
         for (place, length) in self.lengths.iter().enumerate() {
-            let (list, guard) = (&self.data[start..start + length], &self.data[start + length..start + length + LINE]);
-            if guard.iter().any(|number| number.to_bits() != GUARD) {
+            let (list, guard) =
+                (&self.data[start..start + length], &self.data[start + length..start + length + GUARDS]);
+            // Without a branch per value, so that the loop is vectorised.
+            if guard.iter().fold(0, |changed, number| changed | (number.to_bits() ^ GUARD)) != 0 {
                 overrun.get_or_insert(place);
             }
             writer.list(list);
-            start += length + LINE;
+            start += length + GUARDS;
         }
+        self.is_guarded = overrun.is_none();
         overrun
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{AnswerLists, CallMessage, MessageField as _, WORDS};
+    use super::{AnswerLists, CallMessage, GUARDS, MessageField as _, WORDS};
     use revolve_numerics::state::Instant;
 
     fn message() -> Box<CallMessage> {
@@ -307,7 +321,7 @@ mod tests {
         let [a, b] = answers.take(&mut call.read());
         (a[0], b[1]) = (1.0, 2.0);
         assert_eq!(answers.write(&mut message.write()), None);
-        answers.data[3 + 8 + 2] = f64::NAN;
+        answers.data[3 + GUARDS + 2] = f64::NAN;
         assert_eq!(answers.write(&mut message.write()), Some(1));
         let mut reader = message.read();
         assert_eq!((reader.list::<f64>()[0], reader.list::<f64>()[1]), (1.0, 2.0));

@@ -4,7 +4,7 @@
 use super::super::subroutines::{ArgumentKind, interface};
 use super::super::{
     AmplitudeCall, AnalysisMoment, HardeningAnswer, HardeningCall, LengthCall, LoadFailure, LoadPoints, LockedRoutines,
-    MaterialAnswer, MaterialCall, MotionCall,
+    MaterialAnswer, MaterialCall, MotionCall, bounds_advice,
 };
 use super::message::{AnswerLists, MessageField as _, MessageReader, get};
 use super::shared_memory::{CallExchange, TurnPurpose};
@@ -25,7 +25,7 @@ impl RoutineServer {
         let overrun = self.answers.write(&mut writer);
         let failure = called.err().or_else(|| writer.end().err()).or_else(|| {
             let name = interface(purpose.routine())?.arguments_of(ArgumentKind::RealResult).nth(overrun?)?;
-            Some(LoadFailure::new(format!("it wrote past the end of its argument {name}")))
+            Some(LoadFailure::new(format!("it wrote past the end of its argument {name}{}", bounds_advice(name))))
         });
         exchange.failure.set(failure.as_ref().map_or("", |failure| &failure.reason));
         exchange.point = failure.and_then(|failure| failure.point).map_or(-1, |point| point as i32);

@@ -4,7 +4,7 @@
 #![allow(clippy::needless_range_loop)] // Loops over points, with one array per quantity.
 
 use super::description::{BuiltInPlasticity, PointYieldStress, UserMaterialData, YieldOverFields, YieldSource};
-use super::points::{PointArguments, check_guards, check_values, guard_values};
+use super::points::{CHECKED_COMPONENTS, PointArguments, check_guards, check_values, guard_values};
 use crate::kernel::hardening::{YieldStress, plastic_increment};
 use crate::kernel::heating::PlasticHeating;
 use crate::kernel::lanes::InlineMap;
@@ -62,12 +62,13 @@ impl ReturnScratch {
             (returning.low, returning.high) = (vec![0.0; n], vec![0.0; n]);
             returning.open = Vec::with_capacity(n);
             // Guard values follow each result, as for material results.
+            let state_and_guards = material.variables + CHECKED_COMPONENTS + 1;
             returning.buffers = HardeningBuffers {
                 points: Vec::with_capacity(n),
                 elements: Vec::with_capacity(n),
                 temperature: [reserved(1), reserved(1)],
                 field: [reserved(material.fields), reserved(material.fields)],
-                state: [reserved(material.variables), reserved(material.variables + 1)],
+                state: [reserved(material.variables), reserved(state_and_guards)],
                 strain: reserved(1),
                 rate: reserved(1),
                 stress: reserved(2),
@@ -332,10 +333,10 @@ impl PointArguments {
         let variables = context.material.variables;
         let states = || (0..variables).flat_map(|v| open.iter().map(move |&i| self.state[0][v * self.count + i]));
         refill(&mut buffers.state[0], states());
-        refill(&mut buffers.state[1], states().chain(guard_values()));
-        refill(&mut buffers.stress, std::iter::repeat_n(f64::NAN, n).chain(guard_values()));
-        refill(&mut buffers.by_temperature, std::iter::repeat_n(0.0, n).chain(guard_values()));
-        refill(&mut buffers.slopes, std::iter::repeat_n(0.0, 2 * n).chain(guard_values()));
+        refill(&mut buffers.state[1], states().chain(guard_values(CHECKED_COMPONENTS * n)));
+        refill(&mut buffers.stress, std::iter::repeat_n(f64::NAN, n).chain(guard_values(0)));
+        refill(&mut buffers.by_temperature, std::iter::repeat_n(0.0, n).chain(guard_values(0)));
+        refill(&mut buffers.slopes, std::iter::repeat_n(0.0, 2 * n).chain(guard_values(0)));
     }
 
     /// Converts the point of a failure from its index in the call to its index in the chunk.

@@ -9,13 +9,18 @@ use crate::kernel::rotation::polar_decomposition;
 use crate::kernel::topology::PerNode;
 use crate::routines::{
     FieldAnswer, FieldCall, LengthCall, LoadFailure, MaterialAnswer, MaterialCall, PointValues, UserFields,
-    UserLengths, UserMaterial, host,
+    UserLengths, UserMaterial, bounds_advice, host,
 };
 use crate::state::Instant;
 use crate::variables::{Variable, VariableComponent};
 
 /// Number of guard values after each result, which a subroutine must not change.
 const GUARD: usize = 8;
+/// Number of guard values per point after stresses and state variables: components that do not exist, which a subroutine
+/// can write if it declares the array with `*`.
+const GUARD_COMPONENTS: usize = 16;
+/// Number of these components of which all values are checked; two values are checked of each other one.
+pub(super) const CHECKED_COMPONENTS: usize = 4;
 /// Number of tensor components of three-dimensional solids that axisymmetric solids lack. They are allocated, so that a
 /// subroutine for three dimensions only is detected without damage.
 const SPARE: usize = 2;
@@ -63,9 +68,14 @@ pub struct PointArguments {
 
 /// Returns an array of zeros, followed by guard values.
 fn guarded(length: usize) -> Vec<f64> {
-    let mut list = vec![0.0; length];
-    list.resize(length + GUARD, f64::from_bits(MARK));
-    list
+    std::iter::repeat_n(0.0, length).chain(guard_values(0)).collect()
+}
+
+/// Returns two arrays of zeros with so many components of `count` points, followed by guard values.
+fn guarded_components(components: usize, count: usize) -> OldAndNew {
+    let list: Vec<f64> =
+        std::iter::repeat_n(0.0, components * count).chain(guard_values(GUARD_COMPONENTS * count)).collect();
+    [list.clone(), list]
 }
 
 fn pair(length: usize) -> OldAndNew {
@@ -93,9 +103,9 @@ impl PointArguments {
             temperature: [vec![0.0; count], vec![0.0; count]],
             stretch: pair(4 * count),
             gradient: pair(5 * count),
-            stress: pair((4 + SPARE) * count),
-            state: pair(variables * count),
-            field: pair(fields * count),
+            stress: guarded_components(4 + SPARE, count),
+            state: guarded_components(variables, count),
+            field: guarded_components(fields, count),
             moduli: [vec![f64::NAN; varying], vec![f64::NAN; varying]],
             internal: pair(count),
             inelastic: pair(count),
@@ -182,7 +192,7 @@ impl PointArguments {
         stress_old[4 * n..(4 + SPARE) * n].fill(0.0);
         stress[4 * n..(4 + SPARE) * n].fill(f64::from_bits(MARK));
         // A subroutine need not set state variables and energies.
-        state.copy_from_slice(state_old);
+        state[..m * n].copy_from_slice(&state_old[..m * n]);
         internal.copy_from_slice(internal_old);
         inelastic.copy_from_slice(inelastic_old);
         let call = MaterialCall {
@@ -422,24 +432,36 @@ impl PreviousPointValues<'_> {
     }
 }
 
-/// Returns the guard values that follow a result.
-pub(super) fn guard_values() -> impl Iterator<Item = f64> {
-    std::iter::repeat_n(f64::from_bits(MARK), GUARD)
+/// Returns the guard values that follow a result, with so many more.
+pub(super) fn guard_values(more: usize) -> impl Iterator<Item = f64> {
+    std::iter::repeat_n(f64::from_bits(MARK), GUARD + more)
 }
 
 /// Checks that a subroutine has not changed the guard values after a result.
 pub(super) fn check_guards(name: &str, list: &mut [f64], n: usize, components: usize) -> Result<(), LoadFailure> {
     let guard = &mut list[components * n..];
-    if guard.iter().any(|g| g.to_bits() != MARK) {
-        guard.fill(f64::from_bits(MARK));
-        let more = match name {
-            "stateNew" => format!("; *DEPVAR defines nstatev = {components} state variables"),
-            "field" => format!("; the model has nfieldv = {components} field variables"),
-            _ => String::new(),
-        };
-        return Err(LoadFailure::new(format!("it wrote past the nblock = {n} points of its argument {name}{more}")));
+    let (next, others) = guard.split_at(guard.len().min(GUARD + CHECKED_COMPONENTS * n));
+    // Without a branch per value, so that the loop is vectorised.
+    let change = |changed: u64, value: &f64| changed | (value.to_bits() ^ MARK);
+    if next.iter().fold(0, change) == 0 && others.iter().step_by((n / 2).max(1)).fold(0, change) == 0 {
+        return Ok(());
     }
-    Ok(())
+    let first = guard.iter().position(|value| value.to_bits() != MARK).unwrap_or_default();
+    guard.fill(f64::from_bits(MARK));
+    let more = match name {
+        "stateNew" => format!("; *DEPVAR defines nstatev = {components} state variables"),
+        "field" => format!("; the model has nfieldv = {components} field variables"),
+        _ => String::new(),
+    };
+    let place = if components == 1 && more.is_empty() {
+        format!("{}", n + first + 1)
+    } else {
+        format!("{},{}", first % n + 1, components + first / n + 1)
+    };
+    let bounds = bounds_advice(name);
+    let reason =
+        format!("it wrote past the nblock = {n} points of its argument {name}, at {name}({place}){more}{bounds}");
+    Err(LoadFailure::new(reason))
 }
 
 /// Checks the guard values of a result, and that all values are finite.
