@@ -98,7 +98,11 @@ pub fn uncertainty(
         let inputs = RandomInputs::parse(&distributions, &[])?;
         let source = |overrides: &job::ParameterOverrides| deck.source.read(overrides);
         let request = UncertaintyRequest {
-            source: RunSource { deck: &source, user: user.map(|user| &*user.compiled), interrupt: Some(&waiting.interrupt) },
+            source: RunSource {
+                deck: &source,
+                user: user.map(|user| &*user.compiled),
+                interrupt: Some(&waiting.interrupt),
+            },
             overrides: &settings,
             traits: &ModelTraits::of(&model::build(&source(&settings).0).0),
             quantities: &quantities,
