@@ -356,11 +356,17 @@ def test_dakota_forms_are_listed() -> None:
     assert any("parameters_format json results_format json" in form for form in forms)
 
 
+def test_dakota_calibration_example_uses_the_documented_method() -> None:
+    text = (ROOT / "examples" / "dakota_calibration.in").read_text()
+    words = [line.strip() for line in text.split("\nmethod\n")[1].split("\n\n")[0].splitlines()]
+    assert " ".join(word for word in words if not word.startswith("#")) == dakota_rows("### Calibration")[0]
+
+
 @pytest.mark.parametrize("method", dakota_rows("### Calibration"))
 def test_dakota_calibration_matches_identify(folder: Path, method: str) -> None:
     text = Path("examples/dakota_calibration.in").read_text()
-    assert "\n  nl2sol\n" in text
-    (folder / "fit.in").write_text(text.replace("\n  nl2sol\n", f"\n  {method}\n"))
+    before, after = text.split("\nmethod\n")[0], text.split("\n\nvariables\n")[1]
+    (folder / "fit.in").write_text(f"{before}\nmethod\n  {method}\n\nvariables\n{after}")
     lines = dakota("fit.in").splitlines()
     (best,) = (lines[i + 1].split() for i, line in enumerate(lines) if line.startswith("<<<<< Best parameters"))
     shots = [line.replace(" ", ",") for line in Path("examples/dakota_shots.dat").read_text().splitlines()]
