@@ -156,10 +156,14 @@ impl SlurmCluster {
                 daemon.kill().and_then(|()| daemon.wait()).expect("a node");
             }
         }
-        let own = format!("SLURMD_NODENAME={node}");
+        // Other tests have nodes of the same name.
+        let configuration = self.folder.join("slurm.conf");
+        let variables = [format!("SLURMD_NODENAME={node}"), format!("SLURM_CONF={}", configuration.display())];
         for process in fs::read_dir("/proc").expect("processes").flatten() {
             let read = |file: &str| fs::read_to_string(process.path().join(file)).unwrap_or_default();
-            if read("environ").split('\0').any(|variable| variable == own) {
+            let environment = read("environ");
+            let has = |wanted: &String| environment.split('\0').any(|variable| variable == wanted);
+            if variables.iter().all(has) {
                 // The job's supervising process is killed as well.
                 let parent = read("status").lines().find_map(|l| l.strip_prefix("PPid:").map(|p| p.trim().to_owned()));
                 let watches = |id: &str| {

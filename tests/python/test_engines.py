@@ -26,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import revolve as rv
-from revolve import _threads
+from revolve import _revolve, _threads
 
 ROOT = Path(__file__).resolve().parents[2]
 DEPTH = "-1000*final(U2@REF)"
@@ -126,7 +126,8 @@ def test_workers_use_one_thread_unless_more_are_requested(folder: Path, worker: 
 
 
 def test_other_processes_use_all_processors_or_those_of_their_task(folder: Path) -> None:
-    assert _threads.resolved(None) == _threads.resolved(0) == len(os.sched_getaffinity(0))
+    assert _threads.resolved(None) == _threads.resolved(0) == _revolve.default_threads()
+    assert 1 <= _revolve.default_threads() <= len(os.sched_getaffinity(0))
     assert count_load_threads(2) == 2
     show = "from revolve import _threads; print(_threads.resolved(None))"
     for variables, threads in (

@@ -1,6 +1,8 @@
 //! Batch script of Slurm that started the program.
 
-use std::{env, fs, process};
+use std::{env, process};
+
+use crate::platform::process_status;
 
 /// Name of a process that runs a batch script: `slurmd` stores the script under this name.
 const SCRIPT: &str = "slurm_script";
@@ -15,8 +17,7 @@ const SIGTERM_BIT: u64 = 1 << 14;
 /// process is killed before it can write a checkpoint. A process that was started with `exec` or `srun` is a child of
 /// `slurmstepd` instead, and has `KillWait` seconds.
 pub fn has_no_grace_period() -> bool {
-    let status = |id: u32| fs::read_to_string(format!("/proc/{id}/status")).ok();
-    env::var_os("SLURM_JOB_ID").is_some() && script_ends_at_sigterm(process::id(), &status)
+    env::var_os("SLURM_JOB_ID").is_some() && script_ends_at_sigterm(process::id(), &process_status)
 }
 
 /// Returns whether an ancestor of process `id` is a batch script that neither catches nor ignores SIGTERM. `status`
