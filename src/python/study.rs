@@ -82,6 +82,7 @@ pub fn study(
 
 /// Runs a deck in memory with its companion runs and returns the certificate as JSON.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "keywords of Python")]
 pub fn uncertainty(
     py: Python<'_>,
     deck: &Deck,
