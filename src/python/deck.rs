@@ -11,14 +11,14 @@ use revolve::output::{FramePoints, JobFiles};
 use revolve::solve::Progress;
 use revolve::study::evaluate::{DeckSource, SampleEvaluator, UserRoutines};
 use revolve::study::quantity::Quantity;
+use revolve::user::Routines;
 use revolve::user::compile::Compiled;
-use revolve::user::{Routines, thread_pool};
 
 use crate::errors;
 use crate::evaluate::Evaluator;
 use crate::load::{PythonLoad, RaisedException, raised};
 use crate::run::Run;
-use crate::waiting::PythonWait;
+use crate::waiting::{self, PythonWait};
 
 /// Values of deck parameters by name.
 pub type ParameterSettings = Vec<(String, String)>;
@@ -228,25 +228,16 @@ impl Deck {
                 waiting.look(progress.0, &progress.1)
             });
         }
-        let pool = thread_pool(threads).build().map_err(|e| RunError::Threads(format!("cannot start threads: {e}")))?;
-        let (sender, receiver) = std::sync::mpsc::channel();
-        let mut ran = None;
-        pool.in_place_scope(|scope| {
-            let (ran, request, job) = (&mut ran, &request, &job);
-            scope.spawn(move |_| {
-                // The receiver may have been dropped.
-                *ran = Some(work(prepared, job, request, user, waiting, &mut |progress| drop(sender.send(progress))));
-            });
-            let mut now = (0.0, String::new());
-            loop {
-                match receiver.recv_timeout(std::time::Duration::from_millis(50)) {
-                    Ok(progress) => now = progress,
-                    Err(std::sync::mpsc::RecvTimeoutError::Timeout) => waiting.look(now.0, &now.1),
-                    Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => break,
-                }
-            }
-        });
-        ran.unwrap_or_else(|| Err(RunError::Threads("the run ended without a result".into())))
+        let mut now = (0.0, String::new());
+        let ran = waiting::on_threads(
+            threads,
+            |tell| work(prepared, &job, &request, user, waiting, &mut |progress| tell(progress)),
+            &mut |message| match message {
+                Some(progress) => now = progress,
+                None => waiting.look(now.0, &now.1),
+            },
+        );
+        ran.unwrap_or_else(|why| Err(RunError::Threads(why)))
     }
 }
 

@@ -1,7 +1,9 @@
 //! Python functions for studies and charts.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
 
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use revolve::job;
 use revolve::model::{self, Model};
@@ -22,7 +24,7 @@ use revolve::study::uncertainty::{self as uncertainties, ModelTraits, Uncertaint
 
 use crate::deck::{Deck, ParameterSettings, User};
 use crate::errors;
-use crate::waiting::PythonWait;
+use crate::waiting::{self, ProgressMessage, PythonWait};
 
 /// Name, x, y, and whether the points are drawn as separate markers.
 type NamedPoints = (String, Vec<f64>, Vec<f64>, bool);
@@ -62,18 +64,25 @@ pub fn study(
     target: Option<String>,
     jitter: Option<usize>,
     repeat: usize,
+    threads: usize,
     user: Option<&User>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let request = StudyRequest { settings, refine, quantity, exact, target, jitter, repeat };
     let waiting = PythonWait::new(progress);
-    let studied = py.detach(|| deck.studied(&request, user, &waiting));
+    let mut receive = |message: Option<ProgressMessage>| match message {
+        Some((fraction, text)) => waiting.look(fraction, &text),
+        None => waiting.check_signals(),
+    };
+    let work = |tell: &dyn Fn(ProgressMessage)| deck.studied(&request, user, &waiting.interrupt, tell);
+    let studied = py.detach(|| waiting::on_threads(threads, work, &mut receive));
     waiting.end()?;
-    studied.map_err(|why| errors::study(py, &why))
+    studied.map_err(PyOSError::new_err)?.map_err(|why| errors::study(py, &why))
 }
 
 /// Runs a deck in memory with its companion runs and returns the certificate as JSON.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "keywords of Python")]
 pub fn uncertainty(
     py: Python<'_>,
     deck: &Deck,
@@ -81,14 +90,20 @@ pub fn uncertainty(
     quantities: Vec<String>,
     budget: f64,
     distributions: Vec<String>,
+    threads: usize,
     user: Option<&User>,
 ) -> PyResult<String> {
-    let estimate = || {
+    let waiting = PythonWait::new(None);
+    let estimate = |_: &dyn Fn(ProgressMessage)| {
         let quantities = quantities.iter().map(|text| Quantity::parse(text)).collect::<Result<Vec<_>, _>>()?;
         let inputs = RandomInputs::parse(&distributions, &[])?;
         let source = |overrides: &job::ParameterOverrides| deck.source.read(overrides);
         let request = UncertaintyRequest {
-            source: RunSource { deck: &source, user: user.map(|user| &*user.compiled), interrupt: None },
+            source: RunSource {
+                deck: &source,
+                user: user.map(|user| &*user.compiled),
+                interrupt: Some(&waiting.interrupt),
+            },
             overrides: &settings,
             traits: &ModelTraits::of(&model::build(&source(&settings).0).0),
             quantities: &quantities,
@@ -97,7 +112,9 @@ pub fn uncertainty(
         };
         uncertainties::run_and_estimate(&request)
     };
-    let certificate = py.detach(estimate).map_err(|why| errors::study(py, &why))?;
+    let estimated = py.detach(|| waiting::on_threads(threads, estimate, &mut |_| waiting.check_signals()));
+    waiting.end()?;
+    let certificate = estimated.map_err(PyOSError::new_err)?.map_err(|why| errors::study(py, &why))?;
     Ok(serde_json::json!(certificate).to_string())
 }
 
@@ -129,7 +146,13 @@ pub fn limit(
 }
 
 impl Deck {
-    fn studied(&self, request: &StudyRequest, user: Option<&User>, waiting: &PythonWait) -> Result<String, StudyError> {
+    fn studied(
+        &self,
+        request: &StudyRequest,
+        user: Option<&User>,
+        interrupt: &AtomicUsize,
+        tell: &dyn Fn(ProgressMessage),
+    ) -> Result<String, StudyError> {
         let quantity = Quantity::parse(&request.quantity)?;
         let exact = convergence::exact(request.exact.as_deref(), &quantity)?;
         let target = request.target.as_deref().map(ErrorTarget::parse).transpose()?;
@@ -146,18 +169,18 @@ impl Deck {
         let finished_runs = std::cell::Cell::new(0_usize);
         let count = || {
             finished_runs.set(finished_runs.get() + 1);
-            waiting.look((finished_runs.get() as f64 / runs as f64).min(1.0), &format!("{} runs", finished_runs.get()));
+            tell(((finished_runs.get() as f64 / runs as f64).min(1.0), format!("{} runs", finished_runs.get())));
         };
         let compiled = user.map(|user| &*user.compiled);
         let mut bench = StudyRunner::new(&source, &request.settings, compiled, &quantity, request.repeat, &count);
-        bench.interrupted_by(&waiting.interrupt);
+        bench.interrupted_by(interrupt);
         let request = RefinementRequest {
             axes: &axes,
             exact,
             target,
             noise: NoiseRequest::new(request.jitter, &model),
             causes: causes::limits_of_order(&model),
-            announce: &|line| waiting.look(1.0, line),
+            announce: &|line| tell((1.0, line.to_owned())),
             around: false,
         };
         let completed = convergence::refine(&mut bench, &request)?;

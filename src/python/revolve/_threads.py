@@ -8,7 +8,11 @@ from . import _revolve
 
 
 def _in_worker() -> bool:
-    """Return whether the code runs in a Dask worker; other workers use the other processors."""
+    """Return whether the code runs in one of several workers: a child process of multiprocessing, or a Dask worker."""
+    # Children have this module (ProcessPoolExecutor, joblib with loky, Dask); without it, it need not be imported.
+    process = sys.modules.get("multiprocessing.process")
+    if process is not None and process.parent_process() is not None:
+        return True
     distributed = sys.modules.get("distributed")
     if distributed is None:
         return False
@@ -20,7 +24,11 @@ def _in_worker() -> bool:
 
 
 def resolved(threads: int | None) -> int:
-    """Return the number of threads; ``None`` and 0 mean all processors, or those assigned to a worker or task."""
+    """Return the number of threads.
+
+    ``None`` and 0 mean one thread in a worker process (child process of multiprocessing or loky, Dask worker), the
+    assigned processors in a task of a scheduler, and all processors elsewhere.
+    """
     if threads is not None and threads < 0:
         raise ValueError(f"threads={threads}: expected 0 (all processors) or a number of threads")
     if threads:

@@ -1,0 +1,43 @@
+"""Shots as a model of UM-Bridge, for samplers and optimisers in any language.
+
+    pip install . umbridge
+    python examples/umbridge_server.py [PORT]
+
+Input: velocity in m/s and friction coefficient. Output: depth in millimetres; -1e6 for a failed shot.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import revolve as rv
+import umbridge
+
+DECK = Path(__file__).resolve().parents[1] / "input" / "ogive.inp"
+SHOT = rv.sampler(rv.Deck(DECK), ["V", "friction"], "-1000*final(U2@REF)")
+
+
+class Depth(umbridge.Model):
+    """Depth of penetration over velocity and friction."""
+
+    def get_input_sizes(self, config: dict) -> list[int]:
+        """Return the lengths of the inputs."""
+        return [2]
+
+    def get_output_sizes(self, config: dict) -> list[int]:
+        """Return the lengths of the outputs."""
+        return [1]
+
+    def supports_evaluate(self) -> bool:
+        """Return that the model can be evaluated."""
+        return True
+
+    def __call__(self, parameters: list[list[float]], config: dict) -> list[list[float]]:
+        """Run a shot. UM-Bridge sends JSON, which has no NaN."""
+        return [np.nan_to_num(SHOT(parameters[0]), nan=-1e6).tolist()]
+
+
+if __name__ == "__main__":
+    umbridge.serve_models([Depth("depth")], int(sys.argv[1]) if len(sys.argv) > 1 else 4242)
