@@ -93,6 +93,43 @@ fn check_estimates_the_run_time() {
     assert!(part["limiting_element"].as_str().is_some_and(|e| e.parse::<u32>().is_ok()), "{part}");
 }
 
+/// The trial run is bounded by increments, not by time: the estimate is the same each time.
+#[test]
+fn check_estimates_the_same_increment_each_time() {
+    let estimates = || {
+        let output = revolve(&["check", "--json", "input/rod_plate_deletion.inp"]);
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let effort = &found["overview"]["effort"];
+        ["increment", "limiting_element", "increments", "looked_at"].map(|key| effort[key].clone())
+    };
+    let first = estimates();
+    assert!(number(&first[0]) > 0.0);
+    assert_eq!(first, estimates());
+}
+
+/// A frame is a mesh file: with the sets of the deck, without the elements that have been deleted.
+#[test]
+fn frames_are_read_as_meshes_with_their_sets() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = path_in(&folder, "out");
+    assert!(revolve(&["run", "input/rod_plate_deletion.inp", "-q", "-o", &out]).status.success());
+    let summary = std::fs::read_to_string(folder.path().join("out/rod_plate_deletion.json")).expect("a summary");
+    let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
+    let frames = std::fs::read_dir(&out).expect("files").filter_map(|e| e.ok()?.file_name().into_string().ok());
+    let last = frames.filter(|name| name.ends_with(".vtu")).max().expect("frames");
+    let text = format!("*Mesh, input=\"{out}/{last}\"\n");
+    let (deck, _) = revolve::deck::read_text("frame.inp", &text, &[]);
+    let (model, diagnostics) = revolve::model::build(&deck);
+    let messages = diagnostics.render(&deck.sources);
+    assert!(!diagnostics.has_errors(), "{messages}");
+    let deleted = number(&summary["deleted_elements"]) as usize;
+    assert!(deleted > 0);
+    assert_eq!(model.mesh.elements.len(), 280 - deleted);
+    let [rod, plate] = ["ROD", "PLATE"].map(|name| model.element_sets[name].members.clone());
+    assert_eq!(rod.len() + plate.len(), model.mesh.elements.len());
+    assert!(rod.iter().all(|element| !plate.contains(element)));
+}
+
 /// `check` announces the bytes of frames and of the history within 5 %, if its trial run is the whole run.
 #[test]
 fn announced_output_matches_written_files() {
