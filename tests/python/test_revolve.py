@@ -115,6 +115,26 @@ def cavity(coordinates, velocities, normals, time, pressures):
     pressures[:] = np.where(into > 0.0, 276e6 * (5.0394 + 0.9830 * x * x), 0.0)
 
 
+def test_large_local_arrays_run_on_all_threads(tmp_path: Path) -> None:
+    """A local array of 4 MB fits the stack of one thread, of several, and of a small Python thread."""
+    text = (ROOT / "input" / "vumat_hardening.f90").read_text()
+    work = "  large(1:500000:512) = totalTime; if (sum(large(1:500000:512)) .lt. 0.d0) print *, large(1)\n"
+    text = text.replace("  dimension s(6)\n", "  dimension s(6)\n  real(8) :: large(500000)\n", 1)
+    source = tmp_path / "law.f90"
+    source.write_text(text.replace("  twog =", f"{work}  twog =", 1))
+    deck = rv.Deck(ROOT / "input" / "taylor_vumat.inp")
+    results = [deck.run(user=source, threads=threads).final("U2@TIP") for threads in (1, 2)]
+    for threads in (1, 2):
+        results.append(deck.evaluate({"speed": [227.0]}, "final(U2@TIP)", user=source, threads=threads).values[0, 0])
+    size = threading.stack_size(1 << 20)
+    thread = threading.Thread(target=lambda: results.append(deck.run(user=source, threads=1).final("U2@TIP")))
+    thread.start()
+    thread.join()
+    threading.stack_size(size)
+    assert len(results) == 5
+    assert set(results) == {results[0]}
+
+
 def test_python_load_matches_fortran() -> None:
     deck = rv.Deck(USER)
     fortran = deck.run(user=CAVITY, V=600)
