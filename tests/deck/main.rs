@@ -9,6 +9,7 @@ mod language;
 mod mesh_files;
 mod mesh_groups;
 mod mistakes;
+mod test_data;
 mod variables;
 mod words;
 mod writers;

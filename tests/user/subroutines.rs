@@ -502,7 +502,7 @@ fn sensors_have_the_values_of_histories() {
         ("PLACE", "Node Output, nset=TOP", "COOR2@TOP"),
         ("FORCE", "Node Output, nset=FOOT", "RF2@FOOT"),
         ("STRESS", "Element Output, elset=E", "S22@E"),
-        ("ENERGY", "Energy Output", "ALLKE"),
+        ("ENERGY", "Energy Output", "ALLIE"),
     ];
     let mut deck = String::from(
         "*Heading\n sensors\n*Node, nset=ALL\n 1, 0., 0.\n 2, 1., 0.\n 3, 1., 1.\n 4, 0., 1.\n 11, 5., 0.\n 12, 6., 0.\n 13, 7., 0.\n 14, 8., 0.\n\

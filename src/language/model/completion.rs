@@ -3,6 +3,7 @@
 
 use super::context::Context;
 use super::families::{ConditionReader, MaterialReader, RotationalCondition};
+use super::rubber_fit::fit_rubber;
 use super::types::{DamageEvolution, InitialKind, LoadKind};
 use super::{derive, targets};
 use crate::deck::{Diagnostic, Span};
@@ -15,6 +16,7 @@ pub fn complete(context: &mut Context<'_>, materials: &mut MaterialReader, condi
         initial_densities(context);
     }
     derive::derive_resistances(context, materials);
+    fit_rubber(context, materials);
     targets::check_free_surfaces(context);
     check_element_deletion(context);
     report_missing_dofs(context, conditions);

@@ -7,6 +7,7 @@ use indexmap::IndexMap;
 use super::context::Context;
 use super::history::StepHistory;
 use super::placement::InstancePlacement;
+use super::rubber_fit::RubberFit;
 use super::types::{
     AdaptiveControls, AdaptiveMesh, AdaptiveRegion, BlastProperty, BoundaryCondition, EnergyLimit, GeneralContact,
     Load, MassScaling, OutputRequest, PrescribedClearance, PrescribedField, RestartRequest, SectionControls, Step,
@@ -145,6 +146,8 @@ pub struct MaterialReader {
     pub in_interaction: bool,
     /// Cavity expansion constants to be derived after all cards are read.
     pub derivations: Vec<DerivationRequest>,
+    /// Strain energies whose constants are fitted to test data after all cards are read.
+    pub rubber_fits: Vec<RubberFit>,
 }
 
 /// A section that has section controls.

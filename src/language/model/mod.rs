@@ -65,6 +65,7 @@ pub mod relisting;
 pub mod remesh;
 pub mod revise;
 mod rubber;
+mod rubber_fit;
 pub mod scene;
 mod sets;
 mod shared;

@@ -8,8 +8,8 @@ use super::types::{
 use super::{
     adaptive, amplitudes, blast, bodies, boundary, clearance, cohesive, cohesive_contact, connectors, contact,
     controls, copies, elements, eos, equations, erosion, expressions, failure, fields, general_contact, heading,
-    heat_loads, interactions, links, loads, mass_scaling, materials, mesh_file, nodes, outputs, parts, rubber, sets,
-    shells, steps, surfaces, targets, user_material,
+    heat_loads, interactions, links, loads, mass_scaling, materials, mesh_file, nodes, outputs, parts, rubber,
+    rubber_fit, sets, shells, steps, surfaces, targets, user_material,
 };
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Span};
@@ -73,7 +73,9 @@ static READERS: &[CardReader] = readers! {
     "ELASTIC" => materials::read_elastic(context);
     "EOS" => eos::read_eos(context);
     "DETONATION POINT" => eos::read_detonation_points(context);
-    "HYPERELASTIC" => rubber::read_hyperelastic(context);
+    "HYPERELASTIC" => rubber::read_hyperelastic(context, materials);
+    "UNIAXIAL TEST DATA" | "BIAXIAL TEST DATA" | "PLANAR TEST DATA" | "VOLUMETRIC TEST DATA"
+    => rubber_fit::read_test_data(context, materials);
     "CRUSHABLE FOAM HARDENING" => rubber::read_foam_hardening(context);
     "SHEAR FAILURE" => failure::read_shear_failure(context);
     "PLASTIC" => materials::read_plastic(context);

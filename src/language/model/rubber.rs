@@ -1,7 +1,9 @@
 //! Rubber, foam and damping: `*HYPERELASTIC`, `*CRUSHABLE FOAM`, `*CRUSHABLE FOAM HARDENING`, `*DAMPING`.
 
 use super::context::Context;
+use super::families::MaterialReader;
 use super::faults::{ValueCheck, is_non_negative, is_positive, require};
+use super::rubber_fit::RubberFit;
 use super::types::{DeviatoricEnergy, HyperelasticLaw};
 use crate::deck::Card;
 use crate::deck::table::materials as cards;
@@ -27,9 +29,12 @@ fn reduced(order: usize) -> Vec<(usize, usize)> {
 type EnergyConstructor = fn(&[f64], usize) -> DeviatoricEnergy;
 
 /// Reads `*HYPERELASTIC`; the default form is the polynomial. A data line has eight constants.
-pub fn read_hyperelastic(context: &mut Context<'_>, card: &Card) {
+pub fn read_hyperelastic(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card) {
     let form = FORMS.into_iter().find(|form| card.has(form)).unwrap_or("POLYNOMIAL");
     let Some(order) = order(context, card, form) else { return };
+    if card.has("TEST DATA INPUT") {
+        return request_fit(context, materials, card, form, order);
+    }
     let (constant_count, shape): (usize, EnergyConstructor) = match form {
         "NEO HOOKE" => (1, |c, _| DeviatoricEnergy::NeoHooke(c[0])),
         "OGDEN" => (2 * order, |c, _| DeviatoricEnergy::Ogden(c.as_chunks::<2>().0.to_vec())),
@@ -43,6 +48,20 @@ pub fn read_hyperelastic(context: &mut Context<'_>, card: &Card) {
     if context.accepts(card, rubber.check()) {
         context.last_material().hyperelastic = Some(rubber);
     }
+}
+
+/// Requests the fit of the constants to the test data that follow.
+fn request_fit(context: &mut Context<'_>, materials: &mut MaterialReader, card: &Card, form: &str, order: usize) {
+    let exponents = match form {
+        "OGDEN" => {
+            let help = "give the constants on the data lines, or use a polynomial form";
+            return context.unsupported(card.span, "test data are fitted for polynomial forms only", help);
+        }
+        "NEO HOOKE" | "YEOH" | "REDUCED POLYNOMIAL" => reduced(order),
+        _ => full(order),
+    };
+    let material = context.model.materials.len() - 1;
+    materials.rubber_fits.push(RubberFit { material, exponents, order, span: card.span, data: Vec::new() });
 }
 
 impl HyperelasticLaw {

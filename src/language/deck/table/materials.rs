@@ -84,7 +84,7 @@ card!(Hyperelastic: "HYPERELASTIC", "Rubber elasticity", (once below "MATERIAL")
     "REDUCED POLYNOMIAL" (FLAG) "C10, C20, ..., then D1, ... up to order N",
     order: Option<usize> = "N" (INTEGER.from(1.0).to(6.0)) "Order of OGDEN, POLYNOMIAL or REDUCED POLYNOMIAL; default 1",
     "POISSON" refused "give D1",
-    "TEST DATA INPUT" refused "test data are not fitted: give the constants on the data lines",
+    "TEST DATA INPUT" (FLAG) "The constants are fitted to the test data cards that follow; not for OGDEN",
     "BETA" refused "applies only to VAN DER WAALS",
     "PROPERTIES" refused "applies only to user-defined strain energies",
 } refused {
@@ -93,6 +93,48 @@ card!(Hyperelastic: "HYPERELASTIC", "Rubber elasticity", (once below "MATERIAL")
     (when "NEO HOOKE" lines ["C10" (NUMBER.required()), "D1" (NOT_NEGATIVE.or(0.0)), "temperature" inert "the constants do not depend on temperature"]),
     (list "constant" (NUMBER) "Eight values per line; with D1 = 0 the bulk modulus is 20 times the shear modulus"),
 ]);
+
+/// Defines the card of the test data of a mode of deformation.
+macro_rules! test_data {
+    ($type:ident, $keyword:literal, $summary:literal, $stress:literal, $strain:literal) => {
+        card!($type: $keyword, $summary, (once below "MATERIAL"), {
+            "SMOOTH" refused "smooth the data before",
+            "DEPENDENCIES" refused "only *ELASTIC and *PLASTIC may depend on field variables",
+        }, rows: Vec<[f64; 2]> = [
+            (rows [$stress (NUMBER.required()), $strain (NUMBER.above(-1.0).required()),
+                "lateral strain" inert "rubber is fitted as incompressible", "temperature" inert "the constants do not depend on temperature"]),
+        ]);
+    };
+}
+
+test_data!(
+    UniaxialTestData,
+    "UNIAXIAL TEST DATA",
+    "Measured tension or compression of rubber, for *HYPERELASTIC, TEST DATA INPUT",
+    "nominal stress",
+    "nominal strain"
+);
+test_data!(
+    BiaxialTestData,
+    "BIAXIAL TEST DATA",
+    "Measured equibiaxial tension of rubber, for *HYPERELASTIC, TEST DATA INPUT",
+    "nominal stress",
+    "nominal strain"
+);
+test_data!(
+    PlanarTestData,
+    "PLANAR TEST DATA",
+    "Measured planar tension (pure shear) of rubber, for *HYPERELASTIC, TEST DATA INPUT",
+    "nominal stress",
+    "nominal strain"
+);
+test_data!(
+    VolumetricTestData,
+    "VOLUMETRIC TEST DATA",
+    "Measured compression of rubber in volume, for *HYPERELASTIC, TEST DATA INPUT",
+    "pressure",
+    "volume ratio"
+);
 
 card!(CrushableFoam: "CRUSHABLE FOAM", "Crushable foam plasticity", (once below "MATERIAL"), {
     isotropic: bool = "HARDENING" (word(&["VOLUMETRIC", "ISOTROPIC"]).or(0.0)),
@@ -403,6 +445,10 @@ pub const CARDS: &[Keyword] = &[
     Viscosity::ROW,
     DetonationPoint::ROW,
     Hyperelastic::ROW,
+    UniaxialTestData::ROW,
+    BiaxialTestData::ROW,
+    PlanarTestData::ROW,
+    VolumetricTestData::ROW,
     CrushableFoam::ROW,
     CrushableFoamHardening::ROW,
     Damping::ROW,

@@ -125,7 +125,6 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Viscoelasticity": "VISCOELASTIC";
     "Two-layer viscoplasticity": "VISCOUS";
     "Water waves": "WAVE";
-    "Test data for material calibration": "UNIAXIAL TEST DATA", "BIAXIAL TEST DATA", "PLANAR TEST DATA", "VOLUMETRIC TEST DATA";
     "Thickness of shells": "NODAL THICKNESS";
     "Normals of shells and surfaces": "NORMAL";
     "Spatial distribution of properties": "DISTRIBUTION", "DISTRIBUTION TABLE";
