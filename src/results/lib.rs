@@ -95,10 +95,8 @@ impl OutputFrame {
         }
         let keeps_cell: Vec<bool> = is_removed.iter().map(|is_removed| !is_removed).collect();
         let mut new_index = vec![0; self.points.len()];
-        let mut count = 0;
-        for (index, _) in new_index.iter_mut().zip(&keeps_point).filter(|(_, keeps)| **keeps) {
-            *index = count;
-            count += 1;
+        for (new, (index, _)) in new_index.iter_mut().zip(&keeps_point).filter(|(_, keeps)| **keeps).enumerate() {
+            *index = new;
         }
         let cells = self.cells.iter().zip(&keeps_cell).filter(|(_, keeps)| **keeps);
         self.cells = cells.map(|(cell, _)| cell.iter().map(|&point| new_index[point as usize]).collect()).collect();

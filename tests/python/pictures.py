@@ -75,20 +75,18 @@ found = {
     "undeformed_differs": apart(deformed, undeformed),
 }
 
-body = solid.extract_surface(algorithm=None).extrude_rotate(
+body = now.extract_surface(algorithm=None).extrude_rotate(
     rotation_axis=(0.0, 1.0, 0.0), angle=270.0, resolution=90, capping=True
 )
 picture("revolved.png", [(body, {**flat, "lighting": True})])
-found["height"] = [body.bounds[2] - solid.bounds[2], body.bounds[3] - solid.bounds[3]]
-found["width"] = [body.bounds[1] / solid.bounds[1], body.bounds[5] / solid.bounds[1]]
+found["height"] = [body.bounds[2] - now.bounds[2], body.bounds[3] - now.bounds[3]]
+found["width"] = [body.bounds[1] / now.bounds[1], body.bounds[5] / now.bounds[1]]
 
 principal = numpy.linalg.eigvalsh(
-    numpy.stack(
-        [numpy.array([[s[0], s[3], s[5]], [s[3], s[1], s[4]], [s[5], s[4], s[2]]]) for s in solid.cell_data["S"]]
-    )
+    numpy.stack([numpy.array([[s[0], s[3], s[5]], [s[3], s[1], s[4]], [s[5], s[4], s[2]]]) for s in now.cell_data["S"]])
 )
-centres = solid.cell_centers()
-width = float(numpy.median(solid.compute_cell_sizes(length=False, volume=False).cell_data["Area"])) ** 0.5
+centres = now.cell_centers()
+width = float(numpy.median(now.compute_cell_sizes(length=False, volume=False).cell_data["Area"])) ** 0.5
 source, tensors = vtkSphereSource(), vtkTensorGlyph()
 source.SetThetaResolution(64)
 source.SetPhiResolution(64)
@@ -102,14 +100,14 @@ tensors.SetScaleFactor(scale)
 tensors.Update()
 shapes = pyvista.wrap(tensors.GetOutput())
 colours = {"scalars": shapes.point_data.keys()[0], "cmap": "turbo"}
-picture("tensors.png", [(solid, {"style": "wireframe", "color": "lightgrey"}), (shapes, colours)], solid.bounds)
+picture("tensors.png", [(now, {"style": "wireframe", "color": "lightgrey"}), (shapes, colours)], now.bounds)
 # The glyph of a sphere of diameter 1 is as long as the largest eigenvalue times the scale.
-each = shapes.points.reshape(solid.n_cells, -1, 3)
+each = shapes.points.reshape(now.n_cells, -1, 3)
 across = each - each.mean(axis=1, keepdims=True)
 found["glyph"] = float(
     max(
         abs(2.0 * numpy.linalg.norm(across[i], axis=1).max() / scale / numpy.abs(principal[i]).max() - 1.0)
-        for i in range(solid.n_cells)
+        for i in range(now.n_cells)
         if numpy.abs(principal[i]).max() > 0.1 * numpy.abs(principal).max()
     )
 )

@@ -7,9 +7,9 @@ from xml.etree import ElementTree
 
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkDataObject
-from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
 from vtkmodules.vtkFiltersGeneral import vtkWarpVector
 from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
+from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 
@@ -37,7 +37,13 @@ sizes.SetInputConnection(current.GetOutputPort())
 sizes.Update()
 cells = current.GetOutput().GetCellData()
 grid = current.GetOutput()
-used = sorted({grid.GetCell(i).GetPointId(k) for i in range(grid.GetNumberOfCells()) for k in range(grid.GetCell(i).GetNumberOfPoints())})
+used = sorted(
+    {
+        grid.GetCell(i).GetPointId(k)
+        for i in range(grid.GetNumberOfCells())
+        for k in range(grid.GetCell(i).GetNumberOfPoints())
+    }
+)
 print(
     json.dumps(
         {

@@ -310,13 +310,15 @@ pub extern "C" fn leave(status: c_int) -> ! {
     unsafe { end(if failed { 1 } else { status }) }
 }
 
+/// Run-time libraries of gfortran.
+pub const FORTRAN_RUNTIMES: [&CStr; 3] = [c"libgfortran.so.5", c"libgfortran.so.4", c"libgfortran.so.3"];
+
 /// Longest time for flushing: a unit stays locked if a routine stopped within a WRITE statement.
 const FLUSH_TIME: Duration = Duration::from_secs(1);
 
 /// Flushes the output of Fortran and C.
 pub fn flush() {
-    let functions: Vec<FlushUnits> =
-        super::library::FORTRAN_RUNTIMES.iter().filter_map(|name| flush_function(name)).collect();
+    let functions: Vec<FlushUnits> = FORTRAN_RUNTIMES.iter().filter_map(|name| flush_function(name)).collect();
     let (ended, ends) = std::sync::mpsc::channel();
     let flush_all = move || {
         // SAFETY: a null unit number means all units; a null stream means all streams of C.

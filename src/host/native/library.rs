@@ -1,7 +1,6 @@
 //! Shared libraries of the user: opens them and finds the subroutines that they define.
 #![allow(unsafe_code)]
 
-use std::ffi::CStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -181,12 +180,9 @@ fn open_copy(library: &SharedLibrary) -> Result<(Library, Vec<LibraryMemory>), D
     Ok((opened, LibraryMemory::of(&copy, file, &library.bytes, &bases_before)))
 }
 
-/// Run-time libraries of gfortran.
-pub(super) const FORTRAN_RUNTIMES: [&CStr; 3] = [c"libgfortran.so.5", c"libgfortran.so.4", c"libgfortran.so.3"];
-
 /// Keeps the Fortran and OpenMP runtimes loaded; otherwise every run of a sweep would load them again.
 fn keep_runtimes() {
-    for name in FORTRAN_RUNTIMES.into_iter().chain([c"libgomp.so.1"]) {
+    for name in guard::FORTRAN_RUNTIMES.into_iter().chain([c"libgomp.so.1"]) {
         // SAFETY: RTLD_NOLOAD only affects loaded libraries, so no initialiser runs. The handle is not closed.
         unsafe { libc::dlopen(name.as_ptr(), RTLD_NOW | libc::RTLD_NOLOAD | libc::RTLD_NODELETE) };
     }

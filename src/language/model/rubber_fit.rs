@@ -42,8 +42,8 @@ pub struct RubberFit {
     pub data: Vec<(RubberTest, [f64; 2])>,
 }
 
-/// Smallest and largest stretch of the test for stability (nominal strains -0.5 to 5), and number of steps.
-const STABILITY_RANGE: [f64; 2] = [0.5, 6.0];
+/// Largest stretch of the test for stability, and number of steps.
+const LARGEST_STRETCH: f64 = 6.0;
 const STABILITY_STEPS: usize = 220;
 
 /// Reads `*UNIAXIAL TEST DATA`, `*BIAXIAL TEST DATA`, `*PLANAR TEST DATA` and `*VOLUMETRIC TEST DATA`.
@@ -185,15 +185,12 @@ fn term_stress(test: RubberTest, stretch: f64, (i, j): (usize, usize)) -> f64 {
 /// Returns the tests in which the energy loses stability (Drucker) in the range of stretches, with the stretch: the
 /// energy as a function of two logarithmic strains is not convex there.
 fn unstable_stretches(law: &DeviatoricEnergy) -> Vec<(&'static str, f64)> {
-    let cases: [(&str, fn(f64) -> [f64; 2]); 3] = [
-        ("uniaxial tension", |l| [l, l.powf(-0.5)]),
-        ("equibiaxial tension", |l| [l, l]),
-        ("planar tension", |l| [l, 1.0]),
-    ];
-    let step = (STABILITY_RANGE[1] - 1.0) / STABILITY_STEPS as f64;
-    let first_of = |(name, stretches): (&'static str, fn(f64) -> [f64; 2])| {
-        let unstable = (0..=STABILITY_STEPS).map(|k| 1.0 + k as f64 * step).find(|l| !is_stable(law, stretches(*l)));
-        unstable.map(|stretch| (name, stretch))
+    // The second stretch is a power of the first.
+    let cases = [("uniaxial tension", -0.5), ("equibiaxial tension", 1.0), ("planar tension", 0.0)];
+    let step = (LARGEST_STRETCH - 1.0) / STABILITY_STEPS as f64;
+    let first_of = |(name, power): (&'static str, f64)| {
+        let mut stretches = (0..=STABILITY_STEPS).map(|k| 1.0 + k as f64 * step);
+        stretches.find(|l| !is_stable(law, [*l, l.powf(power)])).map(|stretch| (name, stretch))
     };
     cases.into_iter().filter_map(first_of).collect()
 }
