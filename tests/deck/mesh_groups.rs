@@ -143,6 +143,8 @@ fn instances_in_a_mesh_file_are_moved_and_rotated() {
         assert_eq!(model.node_sets[set].members, members, "{set}");
     }
     assert_eq!(model.element_sets["ROD"].members, [0, 1]);
+    let (moved, _) = built("parts.inp", PARTS, "*Nset, nset=LOW\n P2.A\n*Elset, elset=E\n P1.ROD\n");
+    assert_eq!((&moved.node_sets["LOW"].members[..], &moved.element_sets["E"].members[..]), (&[4, 6][..], &[0][..]));
     assert_eq!(model.element_sets["SECOND"].members, [1]);
     assert_eq!(model.surfaces.faces["FACE"].faces, [(1, ElementSide::Face(1))]);
 }

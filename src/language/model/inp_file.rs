@@ -283,7 +283,7 @@ impl<'a> InpReader<'a> {
         let index = self.mesh.add_point(label, point);
         if let Some(set) = set {
             self.remember(set, true, &[label]);
-            self.mesh.listed.add_points(set, [index]);
+            self.add_to_groups(set, true, &[index]);
         }
         Ok(())
     }
@@ -301,7 +301,7 @@ impl<'a> InpReader<'a> {
         let cell = self.mesh.add_cell(label, dimension, nodes);
         if let Some(set) = set {
             self.remember(set, false, &[label]);
-            self.mesh.listed.add_cells(set, [cell]);
+            self.add_to_groups(set, false, &[cell]);
         }
         Ok(())
     }
@@ -339,6 +339,18 @@ impl<'a> InpReader<'a> {
             let scope = self.scopes.entry(scope).or_default();
             let sets = if is_node_set { &mut scope.node_sets } else { &mut scope.element_sets };
             sets.entry(name).or_default().extend(members);
+        }
+    }
+
+    /// Adds indices to a group of the mesh, and in an instance to the group `INSTANCE.NAME`.
+    fn add_to_groups(&mut self, set: &str, is_node_set: bool, indices: &[usize]) {
+        let qualified = (!self.scope.is_empty()).then(|| format!("{}.{set}", self.scope));
+        for name in [Some(set.to_owned()), qualified].into_iter().flatten() {
+            if is_node_set {
+                self.mesh.listed.add_points(&name, indices.iter().copied());
+            } else {
+                self.mesh.listed.add_cells(&name, indices.iter().copied());
+            }
         }
     }
 
@@ -390,10 +402,8 @@ impl<'a> InpReader<'a> {
         if known.len() < members.len() {
             *self.mesh.listed.undefined_members.entry(card.name.clone()).or_default() += members.len() - known.len();
         }
-        match (known.is_empty(), card.is_node_set) {
-            (true, _) => {}
-            (false, true) => self.mesh.listed.add_points(&card.name, known),
-            (false, false) => self.mesh.listed.add_cells(&card.name, known),
+        if !known.is_empty() {
+            self.add_to_groups(&card.name, card.is_node_set, &known);
         }
         Ok(())
     }
