@@ -140,10 +140,11 @@ impl Run {
         self.frames.len()
     }
 
-    /// A frame: time, increment, points `(n, 2)`, point indices and start offsets of cells, point fields and cell
+    /// A frame without deleted elements: time, increment, points `(n, 2)`, point indices and start offsets of cells, point fields and cell
     /// fields.
     fn frame<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyDict>> {
         let frame = self.frames.get(index).ok_or_else(|| PyIndexError::new_err("the frame does not exist"))?;
+        let frame = frame.without_deleted();
         let third = |i: usize| frame.third.get(i).copied();
         let points = frame.points.iter().enumerate();
         let points: Vec<f64> = points.flat_map(|(i, p)| p.iter().copied().chain(third(i))).collect();

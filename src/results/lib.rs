@@ -28,6 +28,7 @@ pub mod sums;
 pub mod table;
 pub mod vtu;
 
+use std::borrow::Cow;
 use std::io;
 use std::ops::Index;
 use std::path::PathBuf;
@@ -73,6 +74,8 @@ pub struct OutputFrame {
     pub third_at_start: Vec<f64>,
     /// Cells as point indices: 1 = vertex, 2 = line, 3 = triangle, 4 = quadrilateral.
     pub cells: CellList,
+    /// Whether the element of each cell is deleted; empty if none is.
+    pub deleted: Vec<bool>,
     /// Arrays with one value or vector per point.
     pub point_fields: Vec<FieldArray>,
     /// Arrays with one value or vector per cell.
@@ -86,8 +89,20 @@ pub struct OutputFrame {
 }
 
 impl OutputFrame {
+    /// Returns the frame without the cells of deleted elements, as it is written: filters of VTK that average, measure or
+    /// bound cells count hidden ones.
+    pub fn without_deleted(&self) -> Cow<'_, OutputFrame> {
+        if self.deleted.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut frame = self.clone();
+        let deleted = std::mem::take(&mut frame.deleted);
+        frame.remove_cells(&deleted);
+        Cow::Owned(frame)
+    }
+
     /// Removes cells, and the points that belonged to these only, with their values and labels.
-    pub fn remove_cells(&mut self, is_removed: &[bool]) {
+    fn remove_cells(&mut self, is_removed: &[bool]) {
         let mut keeps_point = vec![true; self.points.len()];
         for keeps in [false, true] {
             let cells = self.cells.iter().zip(is_removed).filter(|(_, is_removed)| **is_removed != keeps);

@@ -72,11 +72,12 @@ impl VtuWriter {
         String::from_utf8(text).unwrap_or_default()
     }
 
-    /// Writes the text of a frame, one array at a time. r becomes x, z becomes y, and direction 3 becomes z.
+    /// Writes the text of a frame without deleted elements, one array at a time. r becomes x, z becomes y, and direction 3 becomes z.
     ///
     /// # Errors
     /// Those of `out`.
     pub fn write(&mut self, frame: &OutputFrame, out: &mut dyn Write) -> io::Result<()> {
+        let frame = &*frame.without_deleted();
         self.text.clear();
         self.line(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \

@@ -259,8 +259,7 @@ impl RunState<'_> {
     }
 }
 
-/// Returns the current frame: deformable bodies without deleted elements, and the facets of all rigid bodies at their
-/// current positions.
+/// Returns the current frame: deformable bodies, and the facets of all rigid bodies at their current positions.
 pub(super) fn frame(run: &RunState<'_>) -> OutputFrame {
     let mesh = &run.plan.mesh;
     let mut frame = OutputFrame { time: run.now.total_time, increment: run.now.increment, ..OutputFrame::default() };
@@ -310,9 +309,8 @@ pub(super) fn frame(run: &RunState<'_>) -> OutputFrame {
     (frame.point_labels, frame.cell_labels) = run.plan.labels.of_frame(mesh, &of_point.nodes(), &elements);
     let is_deleted_element = |&(group, e): &(usize, usize)| run.state.elements.groups[group].is_deleted(e);
     if places.elements.values().any(is_deleted_element) {
-        let mut is_removed: Vec<bool> = places.elements.values().map(is_deleted_element).collect();
-        is_removed.resize(elements.len(), false);
-        frame.remove_cells(&is_removed);
+        frame.deleted = places.elements.values().map(is_deleted_element).collect();
+        frame.deleted.resize(elements.len(), false);
     }
     frame
 }
