@@ -4,8 +4,8 @@
 use revolve::job::{self, PreparedJob};
 use revolve::model::{
     Amplitude, AmplitudeDefinition, AmplitudeId, BoundaryCondition, ElementKind, ElementSide, Load, LoadKind,
-    MaterialDefinition, MaterialId, Model, NodeSetId, OutputInterval, OutputRegion, OutputRequest, SideSelection, Step,
-    TargetId,
+    MaterialDefinition, MaterialId, Model, NodeSetId, OutputInterval, OutputRegion, OutputRequest, RotaryInertia,
+    SideSelection, Step, TargetId,
 };
 use revolve::user::Routines;
 use revolve::variables::{Variable, VariableComponent};
@@ -139,7 +139,7 @@ fn invalid_models_are_rejected_without_panic() {
         ("M110", |m| m.mass(17, 1.0)),
         ("P005", |m| {
             let node = m.node(0.0, 1.0);
-            m.mass(node, 1.0);
+            m.discrete.inertias.push(RotaryInertia { node, moments: [1.0; 3], span: Default::default() });
         }),
         ("M103", |m| m.initial_velocity(&[0], 2, f64::NAN)),
     ];

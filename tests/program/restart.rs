@@ -407,6 +407,26 @@ fn linked() -> String {
         + &step("Two", "*Cload, amplitude=RAMP\n 6, 1, 0.01\n")
 }
 
+/// Masses, springs and dashpots without elements, and a rigid body on a spring.
+#[test]
+fn masses_and_springs_resume() {
+    let step = |name: &str, more: &str| {
+        format!(
+            "*Step, name={name}\n*Dynamic, Explicit\n , 0.2\n*Boundary\n 1, 1, 2\n{more}*Output, field, number interval=3\n*Node Output\n U, V, A, RF\n\
+             *Output, history, number interval=17\n*Node Output, nset=M\n U2, V2\n*Node Output, nset=REF\n U2\n*Energy Output\n ALL\n*End Step\n"
+        )
+    };
+    let deck = "*Node\n 1, 0., 0.\n 2, 0., 0.5\n 3, 0., 1.\n 4, 1., 1.\n*Nset, nset=M\n 2\n*Nset, nset=REF\n 3\n*Element, type=MASS, elset=EM\n 1, 2\n 2, 3\n\
+         *Mass, elset=EM\n 5.\n*Element, type=RAX2, elset=DISC\n 3, 3, 4\n*Rigid Body, ref node=3, elset=DISC\n*Element, type=SPRINGA, elset=K\n 4, 2, 1\n 5, 3, 2\n\
+         *Spring, elset=K\n\n 20000.\n*Element, type=DASHPOT1, elset=C\n 6, 2\n*Dashpot, elset=C\n 2\n 10.\n\
+         *Initial Conditions, type=VELOCITY\n M, 2, -2.\n"
+        .to_owned()
+        + &step("One", "")
+        + &step("Two", "*Cload\n 2, 2, 10.\n");
+    let outcome = assert_resumes("masses", &deck, Routines::none);
+    assert_eq!(outcome.halt, None);
+}
+
 #[test]
 fn links_and_loads_over_two_steps_resume() {
     let outcome = assert_resumes("links", &linked(), Routines::none);

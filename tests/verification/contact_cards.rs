@@ -162,6 +162,10 @@ fn initial_gaps_equal_the_specified_clearance() {
             .replace(&format!("{PAIR} LOWER.J1, UPPER.J0\n"), &cards)
             .replace("*End Step", request);
         let ran = run(&deck).whole();
+        // The change of the gap is listed.
+        let listed = ran.prepared.diagnostics.render(&ran.prepared.deck.sources);
+        let change = gap.map_or_else(String::new, |gap| format!(" {:.3e},", apart - gap));
+        assert!(listed.contains("P125") == gap.is_some() && listed.contains(&change), "{listed}");
         let name = |begin: &str| {
             let named = ran.prepared.plan.columns.iter().map(|c| &c.name).filter(|n| n.starts_with(begin));
             named.max_by_key(|n| ran.column(n).iter().filter(|x| x[1].is_finite()).count()).expect("a column").clone()

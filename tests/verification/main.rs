@@ -71,6 +71,7 @@ mod sliding_faces;
 mod smooth_boundaries;
 mod soft;
 mod solid;
+mod springs;
 mod step_boundaries;
 mod steps;
 mod surfaces;

@@ -8,6 +8,9 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
+use revolve::user::Routines;
+
+use crate::common::prepared;
 use crate::common::solid::{column, grid, last, material, run};
 
 /// Modulus of uniaxial strain; density 1 gives wave speed 2 for height 1 and radius 0.1.
@@ -221,7 +224,7 @@ fn wave_passes_a_tie_of_nonmatching_meshes() {
 }
 
 /// Slave nodes with an initial distance are moved to the master surface without strain, or remain in place; momentum is
-/// conserved in both cases.
+/// conserved in both cases. Moved nodes are listed.
 #[test]
 fn tied_nodes_are_adjusted_and_conserve_momentum() {
     for (gap, tie, place) in [
@@ -233,6 +236,10 @@ fn tied_nodes_are_adjusted_and_conserve_momentum() {
             + "*Initial Conditions, type=VELOCITY\n HIGH, 2, -1.e-3\n HIGH, 1, 1.e-4\n*Step\n*Dynamic, Explicit\n , 5.\n\
                *Bulk Viscosity\n 0., 0.\n*Output, history, number interval=10\n*Node Output, nset=ONE\n COOR2\n\
                *Node Output, nset=LOW\n V2\n*Node Output, nset=HIGH\n V2\n*Energy Output\n ALLSE\n*End Step\n";
+        let job = prepared(&text, &[], &Routines::none());
+        let listed = job.diagnostics.render(&job.deck.sources);
+        let moves = listed.contains("5 nodes of tie T are moved") && listed.contains(&format!(" {gap:.3e},"));
+        assert_eq!((moves, listed.contains("P125")), (place == 1.0, place == 1.0), "{listed}");
         let (outcome, memory) = run(&text);
         assert_eq!(outcome.halt, None);
         // The height of the lowest row of the upper column follows from the adjusted nodes.
@@ -330,7 +337,7 @@ fn invalid_links_are_errors_with_a_remedy() {
     let step =
         "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary\n J0, 2, 2\n*Boundary, type=VELOCITY\n 900, 2, 2, 1.\n*End Step\n";
     let shown = |text: &str| {
-        let prepared = revolve::job::prepare_text("bad.inp", text, &[], &revolve::user::Routines::none());
+        let prepared = revolve::job::prepare_text("bad.inp", text, &[], &Routines::none());
         (prepared.diagnostics.has_errors(), prepared.diagnostics.render(&prepared.deck.sources))
     };
     for (link, from, to, words) in [

@@ -129,8 +129,7 @@ fn run(folder: &Path, name: &str, sums: &Checksums) -> Result<ReportRun, String>
         let series = frames::series(&list)?;
         let scene = run.summary.get("scene").cloned().unwrap_or_default();
         run.meridian = pack::pack(&series, &scene, (&UnitNames::of(&run.summary), sums), &mut run.notes)?;
-    }
-    if run.meridian.is_none() {
+    } else {
         run.notes.push("there are no frames: the deck requests no field output".into());
     }
     Ok(run)

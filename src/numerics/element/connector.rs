@@ -192,6 +192,11 @@ impl Connectors {
         self.bounds.rate(elements)
     }
 
+    /// Returns the bound of the damping rate, per time.
+    pub(super) fn damping_rate(&self) -> f64 {
+        self.bounds.damping
+    }
+
     /// Adds connector forces to the nodal forces. Their work over the previous increment is computed by the trapezoidal
     /// rule, as for all nodal forces; it is strain energy or dissipation and therefore subtracted from the external
     /// work.

@@ -176,6 +176,7 @@ impl Elements {
         }
     }
 
+    /// Returns whether there are no elements. A model of masses, springs and dashpots has none, but has nodes.
     pub fn is_empty(&self) -> bool {
         self.groups.is_empty()
     }
@@ -489,16 +490,22 @@ impl Elements {
         }
     }
 
-    /// Returns group and element that limit the time increment.
-    pub fn limiting(&self) -> (usize, usize) {
-        (self.limit.1, self.limit.0.limiting)
+    /// Returns group and element that limit the time increment; `None` without elements.
+    pub fn limiting(&self) -> Option<(usize, usize)> {
+        (!self.is_empty()).then_some((self.limit.1, self.limit.0.limiting))
     }
 
-    /// Returns the smallest stable time increment of all elements, from the last pass.
+    /// Returns the smallest stable time increment of all elements, springs and dashpots, from the last pass; infinity if
+    /// there are none.
     pub fn stable_increment(&self) -> f64 {
         let elements = self.limit.0.rate;
         let linked = self.connectors.as_ref().map_or(elements, |c| c.rate(elements));
         1.0 / self.damping.as_ref().map_or(linked, |d| d.rate(linked))
+    }
+
+    /// Returns the largest ratio of the coefficients of dashpots to the masses at their ends; 0 without dashpots.
+    pub fn damping_rate(&self) -> f64 {
+        self.connectors.as_ref().map_or(0.0, |connectors| connectors.damping_rate())
     }
 
     /// Returns the bytes of the lists of deletion criteria.

@@ -45,7 +45,8 @@ impl TaskQuiescence {
 /// Chunks of nodes that need an update.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ActiveNodes {
-    /// Groups and tasks of the elements at each chunk of nodes; empty once all are permanently active.
+    /// Groups and tasks of the elements at each chunk of nodes; none for a chunk with a node without elements, which is
+    /// always active. The list is empty once all chunks are.
     touching: Vec<Vec<(u32, u32)>>,
     /// Whether each chunk is active in this increment; empty if all are.
     awake: Vec<bool>,
@@ -55,15 +56,22 @@ impl ActiveNodes {
     /// Creates the lists from the nodes of each group's elements.
     pub fn new(count: usize, groups: &[Box<dyn ElementGroup>]) -> Self {
         let mut touching = vec![Vec::new(); count.div_ceil(FEW)];
+        let mut has_element = vec![false; count];
         for (g, group) in groups.iter().enumerate() {
             for e in 0..group.len() {
                 let task = (g as u32, (e / (TASK * LANES)) as u32);
                 for node in group.nodes(e) {
+                    has_element[node as usize] = true;
                     let list = &mut touching[node as usize / FEW];
                     if list.last() != Some(&task) && !list.contains(&task) {
                         list.push(task);
                     }
                 }
+            }
+        }
+        for (list, has_element) in touching.iter_mut().zip(has_element.chunks(FEW)) {
+            if has_element.contains(&false) {
+                list.clear();
             }
         }
         ActiveNodes { touching, awake: Vec::new() }
@@ -86,7 +94,7 @@ impl ActiveNodes {
         }
         let quiescent = |(group, task): &(u32, u32)| groups[*group as usize].is_quiescent(*task as usize);
         self.awake.clear();
-        self.awake.extend(self.touching.iter().map(|list| !list.iter().all(quiescent)));
+        self.awake.extend(self.touching.iter().map(|list| list.is_empty() || !list.iter().all(quiescent)));
         if self.awake.iter().all(|awake| *awake) {
             self.wake();
             return;

@@ -92,7 +92,7 @@ impl Nodes {
         self.list.len()
     }
 
-    /// Returns whether there are no deformable bodies.
+    /// Returns whether no node is integrated: there are no deformable bodies, no springs and no free masses.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }

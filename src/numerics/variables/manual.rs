@@ -92,13 +92,14 @@ fn by_default(variable: Variable) -> &'static str {
         (_, PreselectRule::AdaptiveMesh, _) => "with adaptive meshes",
         (_, PreselectRule::EulerianBoundary, _) => "with Eulerian boundaries",
         (_, PreselectRule::Damage, _) => "with a material that can be damaged or fail",
-        (VariablePlace::Energy, _, true) | (_, PreselectRule::Deformable, _) => "with deformable bodies",
+        (_, PreselectRule::HeatConduction, _) => "preselected if temperatures are solved for",
+        (VariablePlace::Energy, _, true) => "with deformable bodies, springs or masses",
+        (_, PreselectRule::Deformable, _) => "with deformable bodies",
         (_, PreselectRule::ElementDeletion, _) => "if elements can be deleted",
         (_, PreselectRule::Never, _) => "",
         (_, PreselectRule::SurfaceContact, _) => "with contact",
         (_, PreselectRule::CohesiveContact, _) => "with cohesive surfaces",
         (_, PreselectRule::SixDofBody, _) => "histories of bodies with six degrees of freedom",
-        (_, PreselectRule::HeatConduction, _) => "preselected if temperatures are solved for",
     }
 }
 

@@ -67,6 +67,9 @@ fn parts(overview: &DeckOverview, unit: &dyn Fn([i32; 4]) -> String) -> String {
         "centre z".into(),
         header("velocity", VELOCITY),
     ];
+    if overview.parts.is_empty() {
+        return String::new();
+    }
     let rows: Vec<_> = overview.parts.iter().map(row).collect();
     aligned_table(&header, &rows, false)
 }

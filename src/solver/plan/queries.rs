@@ -16,6 +16,28 @@ pub fn heated_references(model: &Model) -> Vec<usize> {
     model.rigid_bodies.iter().map(|body| body.reference).filter(is_heated).collect()
 }
 
+/// Distances by which nodes are moved or gaps changed at the start.
+pub struct AdjustedNodes {
+    /// Number of nodes.
+    pub count: usize,
+    /// The largest distances with the names of the nodes.
+    pub text: String,
+}
+
+/// Lists the ten largest distances of mesh nodes; `None` if there are none except for rounding errors of coordinates.
+pub fn largest_distances(model: &Model, mut distances: Vec<(usize, f64)>) -> Option<AdjustedNodes> {
+    const LISTED: usize = 10;
+    const ROUNDING: f64 = 1e-12;
+    let extent = model.mesh.points.iter().flatten().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    distances.retain(|(_, distance)| distance.abs() > ROUNDING * extent);
+    distances.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let name = |node: usize| &model.mesh.node_names[node];
+    let listed = distances.iter().take(LISTED).map(|&(node, distance)| format!("node {} {distance:.3e}", name(node)));
+    let more = if distances.len() > LISTED { ", …" } else { "" };
+    let text = listed.collect::<Vec<_>>().join(", ") + more;
+    (!distances.is_empty()).then_some(AdjustedNodes { count: distances.len(), text })
+}
+
 pub fn given_fields(model: &Model) -> usize {
     let start = model.initial_conditions.iter().filter_map(|c| match c.kind {
         InitialKind::Field(variable, _) => Some(variable + 1),

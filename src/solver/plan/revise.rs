@@ -38,9 +38,8 @@ pub fn compile(model: &Model, routines: &Routines, numbers: &[RevisableNumber]) 
     let Compilation { plan, state, diagnostics, bodies, shared, ledger_rows, has_contact } =
         super::compile_with_products(model, None, routines);
     let is_revisable = !diagnostics.has_errors()
-        && state.elements.is_empty()
+        && state.dofs.nodes.is_empty()
         && state.thermal.is_none()
-        && model.discrete.connectors.is_empty()
         && model.constraints.equations.is_empty()
         && model.constraints.links.is_empty()
         && model.constraints.ties.is_empty()

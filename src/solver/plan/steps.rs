@@ -364,6 +364,9 @@ fn increment_rows(places: &SolidPlaces, step: &Step, active: &ActiveEffects, rep
             format!("stable time increment times {}", step.scale_factor)
         }
         IncrementControl::Fixed(dt) => format!("fixed time increment {dt:e} (direct user control)"),
+        IncrementControl::Automatic { accuracy, .. } if !places.nodes.is_empty() => {
+            format!("time increment by error control of springs, dashpots and masses, accuracy {accuracy:e}")
+        }
         IncrementControl::Automatic { accuracy, .. } => {
             format!("no stability limit; time increment by error control, accuracy {accuracy:e}")
         }

@@ -48,7 +48,7 @@ impl BodyForces {
         for (b, body) in state.dofs.bodies.iter_mut().enumerate() {
             // Constraints set these again when they begin.
             (body.reads_velocity, body.prescribed, body.contact) = (false, false, 0.0);
-            body.tied = self.slots[..self.tied].iter().any(|s| s.body == b);
+            body.tied = !state.elements.is_empty() && self.slots[..self.tied].iter().any(|s| s.body == b);
             body.slots = self.slots.iter().filter(|s| s.body == b).count() as u32;
             body.set_resisted(false);
         }

@@ -57,9 +57,7 @@ impl CollapseMonitor {
     /// Checks for a collapse. Returns a warning at the second successive check that finds one that at least doubles the
     /// number of increments.
     pub(super) fn check(&mut self, run: &RunState<'_>) -> Option<String> {
-        if run.state.elements.is_empty() || run.step.is_fixed() {
-            return None;
-        }
+        let limiting = run.state.elements.limiting().filter(|_| !run.step.is_fixed())?;
         let (stable, remaining) = (run.state.elements.stable_increment(), run.step.duration - run.now.step_time);
         self.largest = self.largest.max(stable);
         let (increments_left, undisturbed) = (remaining / (stable * run.step.scale_factor), remaining / self.largest);
@@ -69,7 +67,7 @@ impl CollapseMonitor {
         let is_collapse = collapsed && costly && !again && !run.is_noise() && self.few_are_small(run);
         if std::mem::replace(&mut self.seen, is_collapse) && is_collapse {
             self.reported = stable;
-            return Some(self.describe(run, stable, increments_left));
+            return Some(self.describe(run, limiting, [stable, increments_left]));
         }
         None
     }
@@ -86,7 +84,7 @@ impl CollapseMonitor {
         count as f64 <= (FEW * elements.count() as f64).max(1.0)
     }
 
-    fn describe(&self, run: &RunState<'_>, stable: f64, increments_left: f64) -> String {
+    fn describe(&self, run: &RunState<'_>, limiting: (usize, usize), [stable, increments_left]: [f64; 2]) -> String {
         let (largest, increments) = (self.largest, run.now.increment.max(1) as f64);
         format!(
             "the time increment collapses: at increment {}, time {:e} element {} has reduced it from {largest:.3e} to \
@@ -94,11 +92,11 @@ impl CollapseMonitor {
              pace {increments_left:.1e} increments remain in the step, {:.1} times as many as so far. {}",
             run.now.increment,
             run.now.total_time,
-            name_element(run.plan, run.state.elements.limiting()),
+            name_element(run.plan, limiting),
             largest / stable,
             100.0 * self.count as f64 / increments,
             increments_left / increments,
-            name_remedies(run, run.state.elements.limiting().0, Some(largest / COLLAPSED))
+            name_remedies(run, limiting.0, Some(largest / COLLAPSED))
         )
     }
 

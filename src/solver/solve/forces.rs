@@ -31,7 +31,7 @@ impl SolverRun<'_> {
 
     #[inline(always)]
     pub(super) fn evaluate_forces(&mut self) -> Result<(), HaltReason> {
-        if !self.current.state.elements.is_empty() {
+        if !self.current.state.dofs.nodes.is_empty() {
             self.evaluate_nodes()?;
         }
         let is_at_rest = |body: &BodyState| body.direction == 0.0;
@@ -215,8 +215,8 @@ impl SolverRun<'_> {
                 body_forces.arrest(b);
             }
         }
-        let deforms = !elements.is_empty();
-        if deforms {
+        let has_nodes = !dofs.nodes.is_empty();
+        if has_nodes {
             let row = plan.rows.gather.unwrap_or_default();
             let started = self.timing.start(row);
             accelerate_nodes(elements, dofs, &mut self.kinetic);
@@ -227,7 +227,7 @@ impl SolverRun<'_> {
         }
         dofs.nodes.work_pending = false;
         // A fixed increment ignores the stable time increment.
-        if deforms && now.increment < STARTING && !step.is_fixed() {
+        if has_nodes && now.increment < STARTING && !step.is_fixed() {
             elements.guard_start(&dofs.nodes);
         }
         if dofs.bodies.iter().all(|b| b.acceleration.abs() < f64::INFINITY) {

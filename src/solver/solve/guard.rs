@@ -284,13 +284,13 @@ fn contact_halt(run: &RunState<'_>) -> HaltReason {
     HaltReason::EnergyLimit(HaltDetails::new(name_created_energy(run)))
 }
 
-/// Checks that the step can be completed with the increments of the elements.
+/// Checks that the step can be completed with the increments of the elements, springs and dashpots.
 ///
 /// # Errors
-/// If an element has collapsed so far that it cannot.
+/// If an element has collapsed so far that it cannot, or a spring or dashpot is too stiff.
 #[inline(always)]
 pub(super) fn guard_increment(run: &RunState<'_>) -> Result<(), HaltReason> {
-    if !run.state.elements.is_empty() && run.state.elements.stable_increment() < FLOOR * run.step.duration {
+    if !run.state.dofs.nodes.is_empty() && run.state.elements.stable_increment() < FLOOR * run.step.duration {
         return Err(too_many_increments(run));
     }
     Ok(())
@@ -298,7 +298,15 @@ pub(super) fn guard_increment(run: &RunState<'_>) -> Result<(), HaltReason> {
 
 #[cold]
 fn too_many_increments(run: &RunState<'_>) -> HaltReason {
-    let (stable, (group, element)) = (run.state.elements.stable_increment(), run.state.elements.limiting());
+    let stable = run.state.elements.stable_increment();
+    let Some((group, element)) = run.state.elements.limiting() else {
+        let reason = format!(
+            "the stable time increment of the springs and dashpots is {stable:e} at increment {}, time {:e}; the step would \
+             need more than 1e10 increments. Reduce the stiffness or the coefficient, or increase the masses at the ends",
+            run.now.increment, run.now.total_time
+        );
+        return HaltReason::IncrementTooSmall(HaltDetails::new(reason));
+    };
     let name = run.plan.element_name(group, element);
     let reason = format!(
         "element {name} has collapsed: at increment {}, time {:e} its stable time increment is {stable:e}; the step \

@@ -122,9 +122,9 @@ impl RunState<'_> {
     /// Returns whether rigid bodies at rest are alone with resistances, which vanish at rest.
     #[inline]
     fn stays_at_rest(&self) -> bool {
-        let State { dofs, elements, loads, constraints, user_motions, .. } = &self.state;
+        let State { dofs, loads, constraints, user_motions, .. } = &self.state;
         dofs.bodies.iter().all(BodyState::is_still)
-            && elements.is_empty()
+            && dofs.nodes.is_empty()
             && constraints.is_empty()
             && user_motions.is_empty()
             && loads.iter().all(|load| load.velocity_use() == VelocityUse::Resists)
@@ -165,12 +165,13 @@ pub fn shortened(added: f64, increment: f64) -> f64 {
 
 /// Choice of increments over a step.
 #[derive(Debug, Persist)]
-#[persist(fixed: speed; derived: fixed, factor, most, resolution, largest)]
+#[persist(fixed: speed; derived: fixed, factor, most, accuracy, resolution, largest)]
 pub struct IncrementController {
     fixed: Option<f64>,
     factor: f64,
     /// Largest increment that the deck allows.
     most: f64,
+    accuracy: f64,
     resolution: f64,
     largest: f64,
     free: f64,
@@ -190,6 +191,7 @@ impl IncrementController {
             fixed,
             factor: step.scale_factor,
             most: longest,
+            accuracy,
             resolution: RESOLUTION * accuracy.sqrt(),
             largest,
             free: FIRST * largest / GROWTH,
@@ -222,8 +224,8 @@ impl IncrementController {
                     };
                     next.bound(length * self.factor, IncrementLimiter::Accuracy);
                 }
-                if !state.elements.is_empty() {
-                    next = self.bound_by_elements(next, run);
+                if !state.dofs.nodes.is_empty() {
+                    next = self.bound_by_stability(next, run);
                 }
                 next.bound(self.most, IncrementLimiter::Longest);
                 let view = run.view();
@@ -243,13 +245,26 @@ impl IncrementController {
 
     /// Returns the increment with the limits of stability, and of heat if temperatures are solved for.
     #[inline(never)]
-    fn bound_by_elements(&self, mut next: Increment, run: &RunState<'_>) -> Increment {
-        next.bound(run.stable_increment() * self.factor, run.stability_limiter());
+    fn bound_by_stability(&self, mut next: Increment, run: &RunState<'_>) -> Increment {
+        if run.state.elements.is_empty() {
+            next.bound(self.accurate_increment(run) * self.factor, IncrementLimiter::Accuracy);
+        } else {
+            next.bound(run.stable_increment() * self.factor, run.stability_limiter());
+        }
         if let Some(heat) = run.state.heat() {
             next.bound(heat.stable_increment() * self.factor, IncrementLimiter::Conduction);
             next.shorten(heat.limit(&run.clock()), || IncrementLimiter::Heat);
         }
         next
+    }
+
+    /// Returns the increment that resolves the vibration of masses without elements. Central differences change the
+    /// highest frequency by the fraction (ω dt)²/24, and dashpots, whose velocity is half an increment old, by c dt/(4 m).
+    /// Both are at most `accuracy`.
+    fn accurate_increment(&self, run: &RunState<'_>) -> f64 {
+        let vibration = (6.0 * self.accuracy).sqrt() * run.stable_increment();
+        let damping = 4.0 * self.accuracy / run.state.elements.damping_rate();
+        vibration.min(damping).min(self.largest)
     }
 
     /// Returns the increment from error control: velocity and acceleration may change only by a small fraction. The

@@ -62,7 +62,7 @@ impl MeshQuality {
             if self.increment == 0.0 {
                 self.increment = stable;
             }
-            elements.limiting().0 == body.group && stable < body.increment * self.increment
+            is_limited_by(elements, body.group) && stable < body.increment * self.increment
         };
         is_short || sharpest(&body.quads, |n| nodes[body.nodes[n as usize]].place()) < self.limit
     }
@@ -78,7 +78,7 @@ impl MeshQuality {
         let stable = elements.stable_increment();
         self.increment = self.increment.max(stable);
         self.excess += AutomaticMeshes::INTERVAL as f64 * (1.0 - stable / self.increment);
-        let is_short = elements.limiting().0 == group && stable < limit * self.increment;
+        let is_short = is_limited_by(elements, group) && stable < limit * self.increment;
         is_short && self.excess > self.price && is_squashed(elements)
     }
 
@@ -103,8 +103,14 @@ impl MeshQuality {
 
 /// Returns whether plastic flow has squashed the element that limits the increment.
 pub(super) fn is_squashed(elements: &Elements) -> bool {
-    let (group, element) = elements.limiting();
-    elements.groups[group].value(element, Variable::PlasticStrain.into()).is_some_and(|strain| strain > SQUASHED)
+    let strain =
+        |(group, element): (usize, usize)| elements.groups[group].value(element, Variable::PlasticStrain.into());
+    elements.limiting().and_then(strain).is_some_and(|strain| strain > SQUASHED)
+}
+
+/// Returns whether an element of a group limits the increment.
+fn is_limited_by(elements: &Elements, group: usize) -> bool {
+    elements.limiting().is_some_and(|limiting| limiting.0 == group)
 }
 
 /// Returns the shapes of the quadrilaterals and triangles that are not deleted; `None` without any.

@@ -127,7 +127,7 @@ pub fn run_with(
             }
         };
         let keeping = keeping.get_or_insert_with(|| {
-            let holds = !run.current.state.elements.is_empty() && sink.wants_last_instant() && !plan.routines.any();
+            let holds = !run.current.state.dofs.nodes.is_empty() && sink.wants_last_instant() && !plan.routines.any();
             Checkpointer::new(control, holds)
         });
         match session.run_steps(&mut run, keeping, sink) {

@@ -298,10 +298,10 @@ impl RunOutput {
         Ok(())
     }
 
-    /// Writes the last complete instant before a halt, unless it has been written. With deformable bodies an incomplete
-    /// instant is not written.
+    /// Writes the last complete instant before a halt, unless it has been written. An incomplete instant is not written if
+    /// nodes are integrated.
     pub(super) fn last(&mut self, run: &RunState<'_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
-        if !run.state.elements.is_empty() && !run.complete {
+        if !run.state.dofs.nodes.is_empty() && !run.complete {
             return Ok(());
         }
         let now = Some(run.now.increment);
@@ -341,13 +341,13 @@ impl RunOutput {
 /// Passes step, time, energies and the limiting element to the sink.
 pub(super) fn report_progress(run: &RunState<'_>, frame: bool, is_over: bool, sink: &mut dyn Sink) {
     let total: f64 = run.plan.steps.iter().map(|s| s.duration).sum();
-    let limiting = if run.state.elements.is_empty() { (0, 0) } else { run.limits() };
+    let limiting = run.limits();
     sink.progress(&Progress {
         step: &run.step.name,
         fraction: if total > 0.0 { (run.now.total_time / total).min(1.0) } else { 1.0 },
         now: run.now,
         increment: run.last_increment,
-        limiting: run.plan.element_name(limiting.0, limiting.1),
+        limiting: limiting.map_or("", |(group, element)| run.plan.element_name(group, element)),
         energy: &run.energy(),
         frame,
         ends: is_over,

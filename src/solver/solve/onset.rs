@@ -22,9 +22,9 @@ impl SolverRun<'_> {
     /// Determines for a step whether increments can be repeated: error control chooses them, nothing but rigid bodies and
     /// loads has a state, and no user subroutine counts increments.
     pub(super) fn begin_onsets(&mut self) {
-        let State { elements, constraints, loads, user_motions, amplitude_routines, .. } = &self.current.state;
+        let State { dofs, constraints, loads, user_motions, amplitude_routines, .. } = &self.current.state;
         let is_repeatable = matches!(self.current.step.control, IncrementControl::Automatic { .. })
-            && elements.is_empty()
+            && dofs.nodes.is_empty()
             && constraints.is_empty()
             && user_motions.is_empty()
             && amplitude_routines.is_empty()

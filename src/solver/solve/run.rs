@@ -221,7 +221,7 @@ impl<'a> SolverRun<'a> {
     /// motions.
     pub(super) fn begin_nodes(&mut self, changes: bool) -> Result<(), HaltReason> {
         let run = &mut self.current;
-        if run.state.elements.is_empty() || !changes {
+        if run.state.dofs.nodes.is_empty() || !changes {
             return Ok(());
         }
         if run.now.increment == 0 {
@@ -258,7 +258,7 @@ impl<'a> SolverRun<'a> {
     pub(super) fn make_increment(&mut self, next: Increment) {
         let dt = next.length;
         self.current.state.dofs.bodies.iter_mut().for_each(|body| body.advance(dt));
-        if !self.current.state.elements.is_empty() {
+        if !self.current.state.dofs.nodes.is_empty() {
             self.advance_nodes(dt);
         }
         let RunState { state: State { dofs, constraints, user_amplitudes, .. }, now, .. } = &mut self.current;
@@ -313,7 +313,7 @@ impl<'a> SolverRun<'a> {
     fn record(&mut self, Increment { length, by, .. }: Increment) {
         let (run, RunReport { watch, outcome }) = (&self.current, &mut self.report);
         outcome.increments = run.now.increment;
-        let limiting = (!run.state.elements.is_empty()).then(|| run.limits());
+        let limiting = run.limits();
         if let Some(position) = self.timing.position {
             position.begin(&run.now, limiting);
         }

@@ -31,7 +31,7 @@ pub(super) struct RunState<'a> {
     /// Fraction of the previous increment over which the velocity that loads receive is extrapolated from
     /// mid-increment: a half, or zero.
     pub(super) velocity_extrapolation: f64,
-    /// Stable time increment of the elements at the previous instant, if the deck fixes increments.
+    /// Stable time increment of elements, springs and dashpots at the previous instant, if the deck fixes increments.
     pub(super) previous_stable_increment: f64,
     /// Whether forces, motion and energies belong to the current instant.
     pub(super) complete: bool,
@@ -98,11 +98,11 @@ impl<'a> RunState<'a> {
         Energy { heat: external, internal_heat: internal, removed, added_mass, ..self.balance.energy() }
     }
 
-    /// Returns group and element that limit the increment.
+    /// Returns group and element that limit the increment; `None` without elements.
     #[inline(never)]
-    pub(super) fn limits(&self) -> (usize, usize) {
+    pub(super) fn limits(&self) -> Option<(usize, usize)> {
         let slower = |h: &&TemperatureField| h.stable_increment() < self.state.elements.stable_increment();
-        self.state.heat().filter(slower).map_or_else(|| self.state.elements.limiting(), TemperatureField::limiting)
+        self.state.heat().filter(slower).map(TemperatureField::limiting).or_else(|| self.state.elements.limiting())
     }
 
     /// Returns the length of fixed increments and its ratio to the stable time increment at the previous instant, if they
@@ -145,7 +145,7 @@ impl<'a> RunState<'a> {
 
     #[inline]
     pub(super) fn remember_stable_increment(&mut self) {
-        if !self.state.elements.is_empty() && self.step.is_fixed() {
+        if !self.state.dofs.nodes.is_empty() && self.step.is_fixed() {
             self.previous_stable_increment = self.state.elements.stable_increment();
         }
     }
@@ -155,7 +155,7 @@ impl<'a> RunState<'a> {
             &self.state.dofs,
             &self.body_forces.values,
             self.previous_dt == 0.0,
-            (!self.state.elements.is_empty()).then_some(self.now.total_time),
+            (!self.state.dofs.nodes.is_empty()).then_some(self.now.total_time),
         );
         self.complete = true;
     }

@@ -148,7 +148,7 @@ impl RunMonitor {
     /// Sets the bound for the warning of drift: error control keeps the drift below `accuracy`.
     pub(super) fn begin_drift_bound(&mut self, run: &RunState<'_>) {
         self.drift_bound = match run.step.control {
-            IncrementControl::Automatic { accuracy, .. } if run.state.elements.is_empty() => {
+            IncrementControl::Automatic { accuracy, .. } if run.state.dofs.nodes.is_empty() => {
                 SOUND[0].min(DRIFT_OVER_ACCURACY * accuracy)
             }
             _ => SOUND[0],
@@ -390,8 +390,9 @@ impl RunReport {
         self.watch.slow_reported = true;
         let limiter = match run.step.control {
             IncrementControl::Fixed(_) => "; it is fixed by DIRECT USER CONTROL".into(),
-            IncrementControl::Automatic { .. } if run.state.elements.is_empty() => String::new(),
-            IncrementControl::Automatic { .. } => name_slowest(run),
+            IncrementControl::Automatic { .. } => {
+                run.state.elements.limiting().map_or_else(String::new, |e| name_slowest(run, e))
+            }
         };
         self.outcome.warn("R306", format!(
             "the run advances slowly: at increment {}, time {:e} the increment is {:.3e}, and {increments_left:.1e} increments remain in the \
@@ -519,8 +520,7 @@ pub(super) fn name_created_energy(run: &RunState<'_>) -> String {
     )
 }
 
-fn name_slowest(run: &RunState<'_>) -> String {
-    let (group, element) = run.state.elements.limiting();
+fn name_slowest(run: &RunState<'_>, (group, element): (usize, usize)) -> String {
     format!("; it is limited by element {}. {}", run.plan.element_name(group, element), name_remedies(run, group, None))
 }
 

@@ -410,7 +410,7 @@ card!(SectionControls: "SECTION CONTROLS", "Hourglass, distortion and viscosity 
     length_ratio: Option<f64> = "LENGTH RATIO" (POSITIVE.below(1.0)) "For distortion control: a corner is pushed back if its distance from the line between its neighbours, relative to the initial one, is below this ratio; default 0.1",
     deletes: bool = "ELEMENT DELETION" (YES_NO.or(1.0)) "NO: elements failed by *DAMAGE EVOLUTION remain with the fraction (1 - MAX DEGRADATION) of their stiffness; an error with *SHEAR FAILURE and *TENSILE FAILURE, which delete elements, unless *FAILED MATERIAL keeps them",
     most_damage: Option<f64> = "MAX DEGRADATION" (POSITIVE.to(1.0)) "Damage at which an element is deleted (default 1), or the maximum damage if elements are not deleted (default 0.99)",
-    "SECOND ORDER ACCURACY" only ["NO"] "rotations are integrated to first order",
+    "SECOND ORDER ACCURACY" inert "rotations within a stable time increment are small, and a body of revolution cannot spin in the r-z plane",
     "KINEMATIC SPLIT" only ["AVERAGE STRAIN"] "strains are averaged over the element",
     "DRILL STIFFNESS" inert "applies only to shells",
     "RAMP INITIAL STRESS" inert "applies only to membranes",

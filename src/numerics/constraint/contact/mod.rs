@@ -93,6 +93,24 @@ pub struct SurfaceOverlap {
     pub place: [f64; 2],
 }
 
+/// Gaps of a pair at the start.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct InitialGaps {
+    /// The deepest overlap that is kept.
+    pub overlap: Option<SurfaceOverlap>,
+    /// Points whose gaps are set to the initial clearance.
+    pub adjusted: Vec<AdjustedGap>,
+}
+
+/// A gap at the start that is set to the initial clearance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AdjustedGap {
+    /// Index of the point.
+    pub point: u32,
+    /// Geometric gap; negative for an overlap.
+    pub gap: f64,
+}
+
 impl ContactConstraint {
     /// Creates contact of pairs of curves, and of curves with analytical surfaces.
     pub fn new(
@@ -182,25 +200,26 @@ impl ContactConstraint {
     }
 
     /// Measures the gaps at the start from the coordinates of the points, sets initial clearances and returns the
-    /// deepest overlap of each pair.
-    pub fn start(&mut self, places: &[[f64; 2]]) -> Vec<Option<SurfaceOverlap>> {
+    /// gaps of each pair.
+    pub fn start(&mut self, places: &[[f64; 2]]) -> Vec<InitialGaps> {
         self.surfaces.places.copy_from_slice(places);
         self.search();
         self.measure(0.0);
-        let mut deepest: Vec<Option<SurfaceOverlap>> = vec![None; self.pairs.len()];
+        let mut gaps = vec![InitialGaps::default(); self.pairs.len()];
         let mut offsets = vec![0.0; self.keys.count()];
         for row in &mut self.measured.rows.rows {
             let index = pair_of(&self.pairs, row.key);
             let (pair, mut gap) = (&self.pairs[index], row.gap / row.area);
+            let point = self.surfaces.curves[pair.secondary].points.get((row.key - pair.first_key) as usize).copied();
             if let Some(clearance) = pair.initial_clearance.filter(|c| (c.range[0]..=c.range[1]).contains(&gap)) {
                 offsets[row.key as usize] = gap - clearance.gap;
+                gaps[index].adjusted.extend(point.map(|point| AdjustedGap { point, gap }));
                 gap = clearance.gap;
                 row.gap = gap * row.area;
             }
-            let own_points = &self.surfaces.curves[pair.secondary].points;
-            let Some(&point) = own_points.get((row.key - pair.first_key) as usize) else { continue };
-            if gap < deepest[index].map_or(0.0, |overlap: SurfaceOverlap| -overlap.depth) {
-                deepest[index] = Some(SurfaceOverlap { depth: -gap, place: places[point as usize] });
+            let Some(point) = point else { continue };
+            if gap < gaps[index].overlap.map_or(0.0, |overlap| -overlap.depth) {
+                gaps[index].overlap = Some(SurfaceOverlap { depth: -gap, place: places[point as usize] });
             }
         }
         if offsets.iter().any(|offset| *offset != 0.0) {
@@ -210,7 +229,7 @@ impl ContactConstraint {
         self.update_heat_rows();
         self.bond_new_pairs();
         self.surfaces.listed.clear();
-        deepest
+        gaps
     }
 
     /// Reads positions at the start of the increment and velocities without contact, of near points. Returns whether

@@ -51,7 +51,6 @@ pub fn plan(model: &Model, ties: &[TieEquations], report: &mut Report) -> Bodies
 pub fn start(scene: Scene, report: &mut Report) -> Vec<f64> {
     let velocities = initial_velocities(scene, report);
     refuse_stray_elements(scene, report);
-    refuse_free_masses(scene, report);
     check_masses(scene.model, scene.bodies, report);
     velocities
 }
@@ -245,18 +244,6 @@ fn refuse_stray_elements(scene: Scene, report: &mut Report) {
     };
     let label = format!("element {} and others", element.name);
     report.push(Diagnostic::error("P001", message).at(element.span, label).help(help));
-}
-
-fn refuse_free_masses(scene: Scene, report: &mut Report) {
-    let Scene { model, bodies, places } = scene;
-    for point in &model.discrete.masses {
-        if !bodies.of_node.contains_key(&point.node) && !places.has_node(point.node) {
-            let name = &model.mesh.node_names[point.node];
-            let message = format!("the mass on node {name} belongs to no body");
-            let finding = Diagnostic::error("P005", message).at(point.span, "here");
-            report.push(finding.help("put it on the reference node of a *RIGID BODY"));
-        }
-    }
 }
 
 /// Reports free bodies without mass. A body with prescribed axial motion in every step needs no mass.

@@ -111,7 +111,8 @@ fn check_attitudes(scene: Scene, report: &mut Report) {
         match scene.bodies.of_node.get(&inertia.node).map(|&b| &scene.bodies.list[b]) {
             None => {
                 let message = "the rotary inertia is on a node that belongs to no rigid body";
-                report.push(Diagnostic::error("P005", message).at(inertia.span, "here"));
+                let finding = Diagnostic::error("P005", message).at(inertia.span, "here");
+                report.push(finding.help("put it on the REF NODE of a *RIGID BODY, or delete the card"));
             }
             Some(body) if !body.spatial => {
                 let why = "a rigid body that moves along z only does not rotate";

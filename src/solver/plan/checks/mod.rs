@@ -11,7 +11,7 @@ use crate::plan::{Links, Pairs, Report, Scene, State};
 
 /// Judges a complete plan, and lists cards and user subroutines that it does not use.
 pub fn check_plan(scene: Scene, links: &Links, pairs: &Pairs, state: &State, report: &mut Report) {
-    check_complete(scene.model, !state.elements.is_empty(), report);
+    check_complete(scene.model, !state.dofs.nodes.is_empty(), report);
     overlaps::report_overlaps(scene, links, pairs, report);
     for inert in &scene.model.origin.inert {
         report.add_unused_card(inert.span, format!("*{}", inert.keyword), inert.why.clone());
@@ -21,17 +21,23 @@ pub fn check_plan(scene: Scene, links: &Links, pairs: &Pairs, state: &State, rep
     report.note_uncalled_routines();
 }
 
-fn check_complete(model: &Model, deforms: bool, report: &mut Report) {
+fn check_complete(model: &Model, has_nodes: bool, report: &mut Report) {
     if report.diagnostics.has_errors() {
         return;
     }
-    if model.rigid_bodies.is_empty() && !deforms || model.steps.is_empty() {
-        let missing = if model.steps.is_empty() { "step with *DYNAMIC, EXPLICIT" } else { "rigid or deformable body" };
+    if model.rigid_bodies.is_empty() && !has_nodes || model.steps.is_empty() {
+        let missing = if model.steps.is_empty() {
+            "step with *DYNAMIC, EXPLICIT"
+        } else {
+            "rigid or deformable body, and no mass or spring"
+        };
         let what = if model.origin.last_card.is_some() { "deck" } else { "model" };
         let mut finding = Diagnostic::error("P006", format!("nothing to simulate: the {what} has no {missing}"));
         if let Some(card) = model.origin.last_card {
             finding = finding.at(card, "the deck ends after this card");
         }
-        report.push(finding.help("a run needs a *RIGID BODY or a *SOLID SECTION, and a *STEP with *DYNAMIC, EXPLICIT"));
+        report.push(
+            finding.help("a run needs a *RIGID BODY, a *SOLID SECTION or a *MASS, and a *STEP with *DYNAMIC, EXPLICIT"),
+        );
     }
 }

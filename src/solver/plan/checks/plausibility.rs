@@ -40,6 +40,7 @@ pub fn unit_warning(material: &MaterialDefinition, units: Option<&DeckUnits>) ->
 
 pub fn check_plausibility(scene: Scene, state: &State, report: &mut Report) {
     if state.elements.is_empty() {
+        check_increments_of_springs(scene.model, state.elements.stable_increment(), report);
         return;
     }
     check_units(scene.model, report);
@@ -134,14 +135,25 @@ fn shortest_wave_transit(model: &Model) -> Option<(f64, &Element)> {
 
 /// Warns if a fixed time increment is longer than the shortest time in which a wave crosses an element.
 fn check_given_increments(model: &Model, time: f64, element: &Element, report: &mut Report) {
-    let scaled = model.scales_masses();
-    let fixed_increments = model.steps.iter().filter_map(|s| match s.increment {
+    if !model.scales_masses() {
+        warn_of_long_increment(model, time, format!("a wave crosses element {} in {time:.2e}", element.name), report);
+    }
+}
+
+/// Warns of fixed increments above the stable time increment of springs and dashpots, in a model without elements.
+fn check_increments_of_springs(model: &Model, stable: f64, report: &mut Report) {
+    let reason = format!("the stable time increment of the springs and dashpots is {stable:.4e}");
+    warn_of_long_increment(model, stable, reason, report);
+}
+
+/// Warns of the first fixed increment above `stable`.
+fn warn_of_long_increment(model: &Model, stable: f64, reason: String, report: &mut Report) {
+    let mut fixed_increments = model.steps.iter().filter_map(|s| match s.increment {
         IncrementControl::Fixed(dt) => Some((s.span, dt)),
         IncrementControl::Automatic { .. } => None,
     });
-    let Some((span, dt)) = fixed_increments.into_iter().find(|(_, dt)| *dt > time && !scaled) else { return };
-    let message =
-        format!("the fixed time increment {dt:e} is not stable: a wave crosses element {} in {time:.2e}", element.name);
+    let Some((span, dt)) = fixed_increments.find(|(_, dt)| *dt > stable) else { return };
+    let message = format!("the fixed time increment {dt:e} is not stable: {reason}");
     let finding = Diagnostic::warning("P106", message).at(span, "DIRECT USER CONTROL");
     report.push(finding.help("remove DIRECT USER CONTROL, or give a smaller increment"));
 }

@@ -34,7 +34,9 @@ pub fn connectors(scene: Scene, report: &mut Report) -> Vec<Connector> {
     if let Some(e) = (0..mesh.elements.len()).find(bare) {
         let kind = mesh.elements[e].kind;
         let card = if matches!(kind, ElementKind::SpringA | ElementKind::Spring1) { "*SPRING" } else { "*DASHPOT" };
-        refuse_connector(mesh.elements[e].span, format!("{} element without {card}", kind.name()), report);
+        let message = format!("{} element without {card}", kind.name());
+        let help = format!("give {card}, ELSET= with a set that contains element {}", mesh.elements[e].name);
+        refuse_connector(mesh.elements[e].span, message, help, report);
     }
     connectors
 }
@@ -42,15 +44,12 @@ pub fn connectors(scene: Scene, report: &mut Report) -> Vec<Connector> {
 fn connector(scene: Scene, element: usize, property: &ConnectorProperty, report: &mut Report) -> Option<Connector> {
     let mesh = &scene.model.mesh;
     let element = &mesh.elements[element];
-    let ends: Vec<usize> = element.nodes.iter().filter_map(|n| scene.places.nodes.get(n).copied()).collect();
-    if ends.len() < element.nodes.len() {
-        let message = format!("element {} is in a model without deformable bodies", element.name);
-        refuse_connector(element.span, message, report);
-        return None;
-    }
+    let ends: Vec<usize> = element.nodes.iter().map(|n| scene.places.nodes[n]).collect();
     let places: Vec<[f64; 2]> = element.nodes.iter().map(|&n| mesh.points[n]).collect();
     if places.len() == 2 && places[0] == places[1] {
-        refuse_connector(element.span, format!("the ends of element {} coincide", element.name), report);
+        let message = format!("the ends of element {} coincide", element.name);
+        let help = "it acts along the line between its ends: give them different places";
+        refuse_connector(element.span, message, help.into(), report);
         return None;
     }
     let law = match &property.law {
@@ -63,8 +62,8 @@ fn connector(scene: Scene, element: usize, property: &ConnectorProperty, report:
     Some(Connector::new([ends.first().copied(), ends.get(1).copied()], axis, law))
 }
 
-fn refuse_connector(span: Span, message: String, report: &mut Report) {
-    report.push(Diagnostic::error("P020", message).at(span, "here"));
+fn refuse_connector(span: Span, message: String, help: String, report: &mut Report) {
+    report.push(Diagnostic::error("P020", message).at(span, "here").help(help));
 }
 
 /// Adds the springs and dashpots to the elements of the state.
@@ -82,7 +81,7 @@ pub fn connect(scene: Scene, links: &Links, state: &mut SolidState, report: &mut
             }
         }
     }
-    if !list.is_empty() && !state.elements.is_empty() {
+    if !list.is_empty() {
         state.elements.connectors = Some(Box::new(Connectors::new(list, &state.dofs.nodes, carried)));
     }
 }

@@ -35,18 +35,19 @@ pub fn add_followers_of_body(model: &Model, ties: &[TieEquations], rigid: &Rigid
     *nodes = body_nodes.into_iter().collect();
 }
 
-/// Returns the nodes of links, ties and equations that do not belong to a rigid body, the ends of springs and
+/// Returns the nodes of links, ties, equations and masses that do not belong to a rigid body, the ends of springs and
 /// dashpots, and the reference nodes of rigid bodies with a temperature. They are solver nodes also if they have no element.
 pub fn linked_nodes(model: &Model, bodies: &Bodies, ties: &[TieEquations]) -> Vec<usize> {
     let sprung = model.discrete.connectors.iter().flat_map(|property| &property.elements);
     let ends = sprung.flat_map(|&e| model.mesh.elements[e].nodes.iter());
+    let masses = model.discrete.masses.iter().map(|point| &point.node);
     let linked = model.constraints.links.iter().flat_map(|l| l.nodes.iter().chain([&l.reference]));
     let tied = tied_nodes(ties).map(|t| &t.node);
     let moving = model.constraints.equations.iter().filter(|e| !e.is_thermal());
     let terms = moving.flat_map(|e| e.terms.iter().map(|t| &t.0));
     let free = |n: &&usize| !bodies.of_node.contains_key(*n);
     let heated = heated_references(model);
-    linked.chain(tied).chain(terms).filter(free).chain(ends).chain(&heated).copied().collect()
+    linked.chain(tied).chain(terms).chain(masses).filter(free).chain(ends).chain(&heated).copied().collect()
 }
 
 /// Collects all equations and links, and gives linked nodes the initial velocity of their reference node.

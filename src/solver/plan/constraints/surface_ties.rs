@@ -6,6 +6,7 @@ use crate::deck::{Diagnostic, Diagnostics};
 use crate::kernel::lists::sorted_pair;
 use crate::kernel::sorted_boxes::{SortedBoxes, bounding_box};
 use crate::model::{ElementSide, Model, SurfaceTie};
+use crate::plan::queries::largest_distances;
 use crate::platform::PortableMath as _;
 
 /// A slave node within the tolerance of the master surface, and the nearest point of this surface.
@@ -70,6 +71,7 @@ fn attached_nodes(model: &Model, tie: &SurfaceTie, diagnostics: &mut Diagnostics
     }
     let tied = attached.iter().filter(|a| !a.is_shared).count();
     report_untied_nodes(model, tie, &untied, tied, tolerance, diagnostics);
+    note_moved_nodes(model, tie, &attached, diagnostics);
     attached
 }
 
@@ -185,6 +187,18 @@ fn report_untied_nodes(
     let help =
         format!("give POSITION TOLERANCE={far:.4e} to tie all nodes, or give the nodes as TIED NSET with ADJUST=NO");
     diagnostics.push(severity(code, message).at(tie.span, distances).help(help));
+}
+
+/// Lists the nodes that a tie moves.
+fn note_moved_nodes(model: &Model, tie: &SurfaceTie, attached: &[AttachedNode], diagnostics: &mut Diagnostics) {
+    let distance = |a: &AttachedNode| {
+        let [r, z] = model.mesh.points[a.node];
+        (a.node, (a.place[0] - r).portable_hypot(a.place[1] - z))
+    };
+    let moved = attached.iter().filter(|a| tie.adjust && !a.is_shared).map(distance).collect();
+    let Some(list) = largest_distances(model, moved) else { return };
+    let message = format!("{} nodes of tie {} are moved onto the master surface without strain", list.count, tie.name);
+    diagnostics.push(Diagnostic::note("P125", message).at(tie.span, format!("distances: {}", list.text)));
 }
 
 /// Returns a model in which tied nodes are moved onto their master surfaces without strain (`ADJUST=YES`); `None` if no

@@ -24,7 +24,7 @@ const NEAR_END: f64 = 0.05;
 pub struct ContactGeometry {
     pub points: Vec<SurfacePoint>,
     pub places: Vec<[f64; 2]>,
-    point_of_node: HashMap<usize, u32>,
+    pub point_of_node: HashMap<usize, u32>,
     pub curves: Vec<FacetCurve>,
     /// Element and nodes of each exposed facet, by curve.
     pub facet_elements: Vec<Vec<(usize, [usize; 2])>>,

@@ -8,10 +8,10 @@ pub mod general;
 pub mod penalty;
 pub mod walls;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use crate::constraint::Constraint;
-use crate::constraint::contact::{ContactConstraint, ContactPair, InitialClearance, SurfaceOverlap};
+use crate::constraint::contact::{AdjustedGap, ContactConstraint, ContactPair, InitialClearance, SurfaceOverlap};
 use crate::deck::Diagnostic;
 use crate::kernel::interaction::{GapHeat, InteractionLaw, PressureOverclosure};
 use crate::model::{AnalyticalFront, AnalyticalSide, Model, SideSelection, SurfaceContact};
@@ -22,7 +22,7 @@ use crate::plan::contact::curves::{ContactGeometry, CurveContext, add_curve, sol
 use crate::plan::contact::general::{general_row, pair_name};
 use crate::plan::contact::penalty::{PENALTY_FACTOR, smallest_thickness, spring_laws};
 use crate::plan::contact::walls::spatial_side;
-use crate::plan::queries::heated_references;
+use crate::plan::queries::{heated_references, largest_distances};
 use crate::plan::{Pairs, Report, Scene, StepInput};
 
 /// Initial overlaps up to this fraction of a facet are accepted without a warning: meshes of matching curved surfaces
@@ -81,7 +81,7 @@ pub fn contact_constraint(
     if pairs.is_empty() {
         return None;
     }
-    let ContactGeometry { points, places, curves, analyticals, fronts, .. } = geometry;
+    let ContactGeometry { points, places, point_of_node, curves, analyticals, fronts, .. } = geometry;
     let mut contact =
         ContactConstraint::new(points, curves, analyticals, pairs, laws).with_equal_motions(equal_motions);
     if let Some(heat) = state.heat() {
@@ -98,11 +98,15 @@ pub fn contact_constraint(
         contact = contact.with_heat(|node| heat.temperature(node).is_finite(), of_body);
     }
     contact = cohesion.add_to(contact);
-    let overlaps = contact.start(&places);
+    let gaps = contact.start(&places);
+    let nodes_of_points = point_of_node.into_iter().map(|(node, point)| (point, node)).collect();
     report_cohesion(&cohesion, &contact, step, report);
-    // Pairs with analytical surfaces have been checked when they were created.
-    for ((contact, length), overlap) in spans.into_iter().zip(overlaps).filter(|s| s.0.0.analytical.is_none()) {
-        warn_of_overlap(contact, length, overlap, report);
+    for ((contact, length), gaps) in spans.into_iter().zip(gaps) {
+        note_adjusted_gaps(scene.model, contact, &gaps.adjusted, &nodes_of_points, report);
+        // Pairs with analytical surfaces have been checked when they were created.
+        if contact.analytical.is_none() {
+            warn_of_overlap(contact, length, gaps.overlap, report);
+        }
     }
     Some((Box::new(contact), fronts))
 }
@@ -275,6 +279,27 @@ fn check_damping(contact: &SurfaceContact, report: &mut Report) {
     let message = format!("*CONTACT DAMPING has no effect on the hard contact of `{a}` and `{b}`");
     let finding = Diagnostic::warning("P122", message).at(contact.span, "no overlap, so that there is nothing to damp");
     report.push(finding.help("remove the card, or use PENALTY or a pressure-overclosure relationship"));
+}
+
+/// Lists the initial gaps and overlaps that are set to the clearance of a pair.
+fn note_adjusted_gaps(
+    model: &Model,
+    contact: &SurfaceContact,
+    adjusted: &[AdjustedGap],
+    nodes_of_points: &HashMap<u32, usize>,
+    report: &mut Report,
+) {
+    let Some(clearance) = contact.clearance.map(|clearance| clearance.gap) else { return };
+    let change = |adjusted: &AdjustedGap| Some((*nodes_of_points.get(&adjusted.point)?, adjusted.gap - clearance));
+    let changes = adjusted.iter().filter_map(change).collect();
+    let Some(list) = largest_distances(model, changes) else { return };
+    let [a, b] = [0, 1].map(|i| &contact.sides[i].name);
+    let message = format!(
+        "initial gaps and overlaps of `{a}` and `{b}` are set to the clearance {clearance} without strain, at {} nodes",
+        list.count
+    );
+    let label = format!("change of the gap, negative for overlaps: {}", list.text);
+    report.push(Diagnostic::note("P125", message).at(contact.span, label));
 }
 
 /// Warns of an initial overlap of the surfaces of a pair.

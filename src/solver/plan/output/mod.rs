@@ -622,12 +622,13 @@ fn frame_fields(
 
 /// Returns the variables that this model has as a whole: energies, the time increment and the added mass.
 fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
-    let deforms = !scene.places.elements.is_empty();
+    let has_nodes = !scene.places.nodes.is_empty();
     let (conducts, deletes) = (scene.model.solves_for_temperatures(), deletes(scene));
     let damages = materials_present(scene).any(|material| material.has_failure())
         || damaged_interfaces(scene.model).next().is_some()
         || cohesive_behaviors(scene.model, pairs).any(|cohesion| cohesion.evolution.is_some());
-    let (scales, smooths) = (deforms && scene.model.scales_masses(), scene.model.has_adaptive_mesh());
+    let (scales, smooths) =
+        (!scene.places.elements.is_empty() && scene.model.scales_masses(), scene.model.has_adaptive_mesh());
     let eulerian = |step: &Step| step.adaptive_regions.iter().any(|region| region.kind == RegionType::Eulerian);
     let flows = smooths && scene.model.steps.iter().any(eulerian);
     let adapts = smooths || scene.model.remeshings.iter().any(|card| !card.automatic);
@@ -647,7 +648,7 @@ fn find_model_variables(scene: Scene, pairs: &Pairs) -> Vec<Variable> {
             _ => true,
         };
         let lost = walls && matches!(v, Variable::ConstraintWork | Variable::PenaltyWork);
-        v.place() == VariablePlace::Energy && (deforms || lost || !v.row().deforming) && available
+        v.place() == VariablePlace::Energy && (has_nodes || lost || !v.row().deforming) && available
     };
     let meshes = [Variable::MeshChanges, Variable::SmallestAngle].into_iter().filter(|_| smooths);
     let increments = [Variable::TimeIncrement].into_iter().chain(added).chain(meshes);
@@ -695,7 +696,7 @@ fn is_preselected(scene: Scene, field: &FrameField) -> bool {
     match field.variable().row().preselected {
         PreselectRule::Never => false,
         PreselectRule::Always => true,
-        PreselectRule::Deformable => !scene.places.elements.is_empty(),
+        PreselectRule::Deformable => !scene.places.nodes.is_empty(),
         PreselectRule::ElementDeletion => deletes(scene),
         PreselectRule::HeatConduction
         | PreselectRule::SurfaceContact

@@ -27,8 +27,8 @@ use crate::kernel::topology::ElementTopology;
 use crate::material::PointValue;
 use crate::mesh::gather::NodalAssembly;
 use crate::model::{
-    FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, RayleighCoefficients,
-    SolidSection, Step,
+    FailureCriterion, IncrementControl, InitialCondition, InitialKind, MaterialDefinition, Model, PointMass,
+    RayleighCoefficients, SolidSection, Step,
 };
 use crate::plan::constraints::links::linked_nodes;
 use crate::plan::constraints::tie_equations::TieEquations;
@@ -71,14 +71,14 @@ pub struct Solids {
     pub state: SolidState,
 }
 
-/// Creates the nodes and element groups of all deformable bodies; empty if there are none. Adds the mass of tied nodes
-/// to the rigid bodies.
+/// Creates the nodes and element groups of all deformable bodies, and the nodes of springs, dashpots and free masses; empty
+/// if there are none. Adds the mass of tied nodes to the rigid bodies.
 pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &mut Report) -> Solids {
     let of_section =
         |s| by_topology(model, elements_in_order(model, bodies, s)).into_iter().map(move |elements| (s, elements));
     let sections: Vec<(&SolidSection, Vec<usize>)> = model.sections.iter().flat_map(of_section).collect();
     let (shells, interfaces) = (free_shells(model, bodies), cohesive_sections(model));
-    if sections.is_empty() && shells.is_empty() && interfaces.is_empty() {
+    if sections.is_empty() && shells.is_empty() && interfaces.is_empty() && !has_discrete_nodes(model, bodies) {
         return Solids::default();
     }
     let mut solids = Solids::default();
@@ -124,7 +124,7 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
         groups.push(group);
     }
     check_steps_alike(model, report);
-    point_masses(model, places, &mut mass);
+    point_masses(model, places, &mut mass, report);
     solids.ties = tie_nodes(bodies, places, &mut mass, report);
     let listed = groups.iter().map(|g| (g.topology().force_blocks(), (0..g.len()).map(|e| g.nodes(e))));
     let gather = NodalAssembly::new(nodes.len(), &listed.collect::<Vec<_>>());
@@ -154,6 +154,12 @@ pub fn plan(model: &Model, bodies: &mut Bodies, ties: &[TieEquations], report: &
     note_unused_rate_dependence(model, report);
     solids.state = state;
     solids
+}
+
+/// Returns whether the model has springs, dashpots, or masses on nodes that belong to no rigid body.
+fn has_discrete_nodes(model: &Model, bodies: &Bodies) -> bool {
+    let is_free = |point: &PointMass| !bodies.of_node.contains_key(&point.node);
+    !model.discrete.connectors.is_empty() || model.discrete.masses.iter().any(is_free)
 }
 
 /// Adds the masses of the elements of a group to those of their nodes.
@@ -325,10 +331,14 @@ fn connectivity_of(
     })
 }
 
-fn point_masses(model: &Model, places: &SolidPlaces, mass: &mut [f64]) {
-    for point in &model.discrete.masses {
-        if let Some(n) = places.free_node(point.node) {
-            mass[n] += point.mass;
+/// Adds the point masses on nodes that are not tied to rigid bodies.
+fn point_masses(model: &Model, places: &SolidPlaces, mass: &mut [f64], report: &mut Report) {
+    for points in model.discrete.masses.chunk_by(|a, b| a.span == b.span) {
+        let free = || points.iter().filter_map(|point| Some((places.free_node(point.node)?, point.mass)));
+        free().for_each(|(n, m)| mass[n] += m);
+        if let (count @ 1.., span) = (free().count(), points[0].span) {
+            let sum: f64 = free().map(|(_, m)| m).sum();
+            report.ledger_row(span, "point masses", count, "nodes", format!("mass {sum}"));
         }
     }
 }
