@@ -90,7 +90,7 @@ card!(Hyperelastic: "HYPERELASTIC", "Rubber elasticity", (once below "MATERIAL")
 } refused {
     "use POLYNOMIAL, OGDEN or their special cases": "ARRUDA-BOYCE", "MARLOW", "VAN DER WAALS", "USER";
 }, [
-    (when "TEST DATA INPUT" list "constant of a fit" inert "the constants are fitted to test data"),
+    (when "TEST DATA INPUT" rows ["constant of a fit" refused "the constants are fitted to test data"]),
     (when "NEO HOOKE" lines ["C10" (NUMBER.required()), "D1" (NOT_NEGATIVE.or(0.0)), "temperature" inert "the constants do not depend on temperature"]),
     (list "constant" (NUMBER) "Eight values per line; with D1 = 0 the bulk modulus is 20 times the shear modulus"),
 ]);
