@@ -194,7 +194,7 @@ fn invalid_materials_are_errors() {
         ("P013", deck("*Hyperelastic, neo hooke\n 1., 0.1\n")),
         ("P013", gas("*Hyperelastic, neo hooke\n 1., 0.1\n*Plastic\n 1., 0.\n")),
         ("M104", gas("*Hyperelastic, marlow\n 1., 0.1\n")),
-        ("M104", gas("*Hyperelastic, yeoh, test data input\n")),
+        ("M194", gas("*Hyperelastic, yeoh, test data input\n")),
         ("M103", gas("*Hyperelastic, neo hooke\n 1., -0.1\n")),
         ("M167", gas("*Hyperelastic, neo hooke, yeoh\n 1., 0.1\n")),
         ("M103", gas("*Hyperelastic, mooney-rivlin\n 0.1, -0.1, 0.1\n")),

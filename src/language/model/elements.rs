@@ -39,6 +39,8 @@ const AXISYMMETRIC: &[(&str, &str)] = &[
     ("DASHPOT2", "use DASHPOTA or DASHPOT1"),
 ];
 
+/// Reason of elements of porous media.
+const PORE_PRESSURE: &str = "pore pressures are not simulated; use CAX3, CAX4R or CAX6M";
 /// Families of element types that ABAQUS knows for the r-z plane and that are not supported: prefix, and the reason.
 const FAMILIES: &[(&str, &str)] = &[
     ("CGAX", "it has twist about the axis; use CAX3 or CAX4R, which have none"),
@@ -47,7 +49,17 @@ const FAMILIES: &[(&str, &str)] = &[
     ("CAXA", "its deformation is not axisymmetric"),
     ("SAXA", "its deformation is not axisymmetric"),
     ("CINAX", "infinite elements are not simulated; extend the mesh so that no reflection returns within the step"),
-    ("CAX", "it has pore pressure, a hybrid formulation or second order; use CAX3, CAX4R or CAX6M"),
+    ("CAX3P", PORE_PRESSURE),
+    ("CAX4P", PORE_PRESSURE),
+    ("CAX4RP", PORE_PRESSURE),
+    ("CAX6MP", PORE_PRESSURE),
+    ("CAX8P", PORE_PRESSURE),
+    ("CAX8RP", PORE_PRESSURE),
+    ("CAX4HT", "use CAX4RT"),
+    ("CAX4RHT", "use CAX4RT"),
+    ("CAX4IH", "use CAX4R"),
+    ("CAX6MH", "use CAX6M, which does not lock"),
+    ("CAX8", "use CAX4R or CAX4RT; explicit dynamics requires linear elements"),
     ("ACAX", "acoustic elements are not simulated; model the fluid as CAX4R with *EOS"),
     ("DCAX", "use CAX3T or CAX4RT, which also conduct heat"),
     ("DSAX", "shells do not conduct heat; use CAX4RT"),

@@ -99,8 +99,14 @@ impl<'a> RunState<'a> {
     }
 
     /// Returns group and element that limit the increment; `None` without elements.
-    #[inline(never)]
+    #[inline]
     pub(super) fn limits(&self) -> Option<(usize, usize)> {
+        // Rigid bodies alone have many short increments.
+        if self.state.elements.is_empty() { None } else { self.slowest_element() }
+    }
+
+    #[inline(never)]
+    fn slowest_element(&self) -> Option<(usize, usize)> {
         let slower = |h: &&TemperatureField| h.stable_increment() < self.state.elements.stable_increment();
         self.state.heat().filter(slower).map(TemperatureField::limiting).or_else(|| self.state.elements.limiting())
     }
