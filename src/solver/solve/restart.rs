@@ -114,6 +114,7 @@ impl<'a> Checkpointer<'a> {
             Some(CheckpointInterval::Elapsed(_)) => self.clock.next,
         };
         let next_stored = if self.holds { self.next_held } else { u64::MAX };
+        let next_stored = next_stored.min(self.control.most_increments.unwrap_or(u64::MAX));
         self.next_increment =
             if self.due_at_start { 0 } else { self.schedule.next_increment.min(every).min(next_stored) };
     }
@@ -122,10 +123,7 @@ impl<'a> Checkpointer<'a> {
     #[inline]
     pub(super) fn write_if_due(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink) -> Result<(), HaltReason> {
         let now = &at.run.current.now;
-        let signal = match self.control.most_increments {
-            Some(most) if now.increment >= most => END_OF_TRIAL,
-            _ => self.control.interrupt.map_or(0, |signal| signal.load(Ordering::Relaxed)),
-        };
+        let signal = self.control.interrupt.map_or(0, |signal| signal.load(Ordering::Relaxed));
         if signal == 0 && now.increment < self.next_increment && now.step_time < self.next_time {
             return Ok(());
         }
@@ -135,6 +133,8 @@ impl<'a> Checkpointer<'a> {
     #[cold]
     fn write_now(&mut self, at: &mut RunCursor<'_, '_>, sink: &mut dyn Sink, signal: usize) -> Result<(), HaltReason> {
         let now = at.run.current.now;
+        let is_last = self.control.most_increments.is_some_and(|most| now.increment >= most);
+        let signal = if is_last { END_OF_TRIAL } else { signal };
         if signal != 0 {
             self.control.position.iter().for_each(|position| position.end());
         }
