@@ -60,8 +60,8 @@ struct TrialRun<'a> {
 }
 
 /// Number of increments times elements of the trial run, and of additional elements for the cost of an increment itself:
-/// about .5 s. The same deck thus has the same estimate on each machine.
-const WORK: f64 = 2e7;
+/// .1 to .5 s. The same deck thus has the same estimate on each machine.
+const WORK: f64 = 3e6;
 const WORK_OF_INCREMENT: f64 = 50.0;
 /// Share of the work of `check` that `run` does to count increments.
 pub const COUNTING_SHARE: f64 = 0.06;
