@@ -3,7 +3,7 @@
 use revolve::deck;
 use revolve::model::{self, ElementSide, Model};
 
-/// A square of one quadrilateral and a triangle on top of it; the foot is a group of one edge.
+/// A square of one quadrilateral below a triangle; the foot is a group of one edge.
 const GMSH2: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 7 \"FOOT\"\n2 8 \"BODY\"\n2 9 \"TIP\"\n\
 $EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 2 0\n$EndNodes\n\
 $Elements\n4\n1 1 2 7 1 1 2\n2 3 2 8 1 1 2 3 4\n3 2 2 8 2 4 3 5\n4 2 2 9 2 4 3 5\n$EndElements\n";
@@ -167,6 +167,21 @@ fn names_that_are_filled_with_underscores_are_cut() {
     let filled = format!("{:_<80}", "BODY");
     let (model, _) = built("salome.msh", &GMSH2.replace("BODY", &filled), "");
     assert_eq!(model.element_sets["BODY"].members, [0, 1]);
+}
+
+/// Instances within parts, and files that grow without bound, are refused.
+#[test]
+fn instances_do_not_repeat_parts_without_limit() {
+    let nested = "*Part, name=P\n*Node\n1, 0., 0.\n*Instance, name=A, part=P\n*End Instance\n*End Part\n\
+                  *Instance, name=B, part=P\n*End Instance\n";
+    let (_, messages) = read("nested.inp", nested, "");
+    assert!(messages.contains("*INSTANCE within the instance B"), "{messages}");
+    let mut repeated = String::from("*Part, name=P\n");
+    (0..20_000).for_each(|_| repeated.push_str("**\n"));
+    repeated.push_str("*End Part\n");
+    (0..1000).for_each(|i| repeated.push_str(&format!("*Instance, name=I{i}, part=P\n*End Instance\n")));
+    let (_, messages) = read("repeated.inp", &repeated, "");
+    assert!(messages.contains("the instances repeat more lines of parts than the limit"), "{messages}");
 }
 
 #[test]

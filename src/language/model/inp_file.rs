@@ -10,11 +10,16 @@ use crate::deck::number::parse_number;
 
 pub(super) fn parse(text: &str) -> Result<PlaneMesh, String> {
     let has_instances = text.lines().any(|line| keyword_of(line.trim()).is_some_and(|keyword| keyword == "INSTANCE"));
-    let mut reader =
-        InpReader { largest_member_count: MEMBERS[0] + MEMBERS[1] * text.len(), has_instances, ..InpReader::default() };
+    let mut reader = InpReader {
+        largest_member_count: MEMBERS[0] + MEMBERS[1] * text.len(),
+        remaining_copies: COPIES[0] + COPIES[1] * text.len(),
+        has_instances,
+        ..InpReader::default()
+    };
     for (number, line) in text.lines().enumerate() {
         reader.line(number + 1, line.trim())?;
     }
+    reader.close_section();
     reader.read_deferred_lines()?;
     reader.mesh.in_plane()
 }
@@ -22,6 +27,9 @@ pub(super) fn parse(text: &str) -> Result<PlaneMesh, String> {
 /// Largest number of set members in a file: a constant, plus a number per byte of the file. GENERATE and sets of sets
 /// could otherwise define any number of members in a few bytes.
 const MEMBERS: [usize; 2] = [100_000, 64];
+
+/// Largest number of lines of parts that instances repeat: a constant, plus a number per byte of the file.
+const COPIES: [usize; 2] = [1_000_000, 4];
 
 /// Kind of the current data lines.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,7 +67,7 @@ struct SetCard {
 /// Labels and sets of an instance, or of the lines outside of instances.
 #[derive(Debug, Default)]
 struct LabelScope {
-    /// Labels in the mesh that differ from those of the file.
+    /// Labels in the mesh by those of the file; empty outside of instances.
     nodes: HashMap<i64, i64>,
     elements: HashMap<i64, i64>,
     /// Members of sets: labels in the mesh.
@@ -71,6 +79,8 @@ struct LabelScope {
 struct InpReader<'a> {
     mesh: LabelledMesh,
     section: InpSection,
+    /// Labels and indices of the nodes or elements of the section so far, if it names a set.
+    section_members: Vec<(i64, usize)>,
     /// Values read so far of an element that continues on the next line.
     element_values: Vec<i64>,
     /// Lines of each part with their numbers, and the part whose lines are collected.
@@ -88,6 +98,8 @@ struct InpReader<'a> {
     /// Number of set members so far, and its limit.
     member_count: usize,
     largest_member_count: usize,
+    /// Number of lines of parts that instances may still repeat.
+    remaining_copies: usize,
 }
 
 /// A keyword line: keyword and parameters in capitals.
@@ -156,12 +168,11 @@ impl<'a> InpReader<'a> {
     /// Reads a line of the file; errors have its number.
     fn line(&mut self, number: usize, line: &'a str) -> Result<(), String> {
         let keyword = keyword_of(line);
-        if let Some(part) = self.open_part.clone() {
-            if keyword.as_deref() == Some("END PART") {
-                self.open_part = None;
-            } else {
-                self.parts.entry(part).or_default().push((number, line));
-            }
+        if keyword.as_deref() == Some("END PART") {
+            self.open_part = None;
+        }
+        if let Some(lines) = self.open_part.as_ref().and_then(|part| self.parts.get_mut(part)) {
+            lines.push((number, line));
             return Ok(());
         }
         let result = match keyword {
@@ -174,6 +185,7 @@ impl<'a> InpReader<'a> {
             }
             Some(_) => {
                 let card = InpCard::new(line);
+                self.close_section();
                 self.place_part(&card).and_then(|()| self.begin(&card))
             }
         };
@@ -200,11 +212,17 @@ impl<'a> InpReader<'a> {
                 InpSection::Surface(card.required("NAME")?)
             }
             "PART" if self.has_instances => {
-                self.open_part = Some(card.required("NAME")?);
+                let name = card.required("NAME")?;
+                self.parts.insert(name.clone(), Vec::new());
+                self.open_part = Some(name);
                 InpSection::Ignored
             }
             "INSTANCE" => {
+                if !self.scope.is_empty() {
+                    return Err(format!("*INSTANCE within the instance {}", self.scope));
+                }
                 self.scope = card.required("NAME")?;
+                self.scopes.entry(self.scope.clone()).or_default();
                 self.instance_part = card.optional("PART");
                 InpSection::Instance(Vec::new())
             }
@@ -227,21 +245,34 @@ impl<'a> InpReader<'a> {
         let InpSection::Instance(lines) = std::mem::take(&mut self.section) else { return Ok(()) };
         self.placement = placement(&lines)?;
         let Some(part) = self.instance_part.take() else { return Ok(()) };
-        let known = self.parts.get(&part).cloned();
-        let is_independent = card.keyword == "NODE";
-        let lines = match known {
-            Some(lines) => lines,
-            None if is_independent => return Ok(()),
-            None => return Err(format!("*INSTANCE names the part {part}, which is not defined before it")),
+        let Some(lines) = self.parts.get(&part).cloned() else {
+            // An independent instance has its own mesh.
+            let has_mesh = card.keyword == "NODE";
+            let reason = || format!("*INSTANCE names the part {part}, which is not defined before it");
+            return if has_mesh { Ok(()) } else { Err(reason()) };
         };
-        lines.into_iter().try_for_each(|(number, line)| self.line(number, line))
+        self.remaining_copies = self.remaining_copies.checked_sub(lines.len()).ok_or_else(|| {
+            format!("the instances repeat more lines of parts than the limit for a file of this size, at part {part}")
+        })?;
+        lines.into_iter().try_for_each(|(number, line)| self.line(number, line))?;
+        self.close_section();
+        Ok(())
+    }
+
+    /// Adds the nodes or elements of the section to the set that it names.
+    fn close_section(&mut self) {
+        let (InpSection::Nodes(Some(set)) | InpSection::Elements(_, _, Some(set))) = &self.section else { return };
+        let (set, is_node_set) = (set.clone(), matches!(self.section, InpSection::Nodes(_)));
+        let (labels, indices): (Vec<i64>, Vec<usize>) = self.section_members.drain(..).unzip();
+        self.remember(&set, is_node_set, &labels);
+        self.add_to_groups(&set, is_node_set, &indices);
     }
 
     fn data_line(&mut self, section: &mut InpSection, number: usize, line: &'a str) -> Result<(), String> {
         match section {
             InpSection::Ignored => Ok(()),
-            InpSection::Nodes(set) => self.node(set.as_deref(), line),
-            InpSection::Elements(count, dimension, set) => self.element(*count, *dimension, set.as_deref(), line),
+            InpSection::Nodes(set) => self.node(set.is_some(), line),
+            InpSection::Elements(count, dimension, set) => self.element(*count, *dimension, set.is_some(), line),
             InpSection::Set(_) | InpSection::Surface(_) => {
                 let (scope, card) = (self.scope.clone(), section.clone());
                 self.deferred.push(DeferredLine { number, scope, card, line });
@@ -268,7 +299,7 @@ impl<'a> InpReader<'a> {
         Ok(())
     }
 
-    fn node(&mut self, set: Option<&str>, line: &str) -> Result<(), String> {
+    fn node(&mut self, is_listed: bool, line: &str) -> Result<(), String> {
         let mut fields = line.split(',').map(str::trim);
         let label = whole_number(fields.next().unwrap_or(""))?;
         let mut point = [0.0; 3];
@@ -281,14 +312,13 @@ impl<'a> InpReader<'a> {
         }
         let label = self.mesh_label(label, true);
         let index = self.mesh.add_point(label, point);
-        if let Some(set) = set {
-            self.remember(set, true, &[label]);
-            self.add_to_groups(set, true, &[index]);
+        if is_listed {
+            self.section_members.push((label, index));
         }
         Ok(())
     }
 
-    fn element(&mut self, count: usize, dimension: usize, set: Option<&str>, line: &str) -> Result<(), String> {
+    fn element(&mut self, count: usize, dimension: usize, is_listed: bool, line: &str) -> Result<(), String> {
         for field in data_fields(line) {
             self.element_values.push(whole_number(field)?);
         }
@@ -299,41 +329,34 @@ impl<'a> InpReader<'a> {
         let nodes = values[1..=count].iter().map(|&node| self.known_label(&self.scope, node, true)).collect();
         let label = self.mesh_label(values[0], false);
         let cell = self.mesh.add_cell(label, dimension, nodes);
-        if let Some(set) = set {
-            self.remember(set, false, &[label]);
-            self.add_to_groups(set, false, &[cell]);
+        if is_listed {
+            self.section_members.push((label, cell));
         }
         Ok(())
     }
 
-    /// Returns the label in the mesh for a new label of the current scope. A label that another scope uses is replaced.
+    /// Returns the label in the mesh for a new label of the current scope. In an instance, a label that is used elsewhere is
+    /// replaced.
     fn mesh_label(&mut self, label: i64, is_node: bool) -> i64 {
-        let known = if is_node { self.mesh.point(label) } else { self.mesh.cell(label) }.is_some();
-        let scope = self.scopes.entry(self.scope.clone()).or_default();
+        let Some(scope) = self.scopes.get_mut(&self.scope).filter(|_| !self.scope.is_empty()) else { return label };
         let labels = if is_node { &mut scope.nodes } else { &mut scope.elements };
-        if let Some(label) = labels.get(&label) {
-            return *label;
-        }
-        let is_other = known && !self.scope.is_empty();
-        let mesh_label = if is_other { self.mesh.largest_label() + 1 } else { label };
-        if !self.scope.is_empty() {
-            labels.insert(label, mesh_label);
-        }
-        mesh_label
+        let is_used = if is_node { self.mesh.point(label) } else { self.mesh.cell(label) }.is_some();
+        let new_label = || if is_used { self.mesh.largest_label().saturating_add(1) } else { label };
+        *labels.entry(label).or_insert_with(new_label)
     }
 
     /// Returns the label in the mesh for a label of an instance.
     fn known_label(&self, instance: &str, label: i64, is_node: bool) -> i64 {
-        let scope = self.scopes.get(instance);
+        let scope = self.scopes.get(instance).filter(|_| !instance.is_empty());
         let labels = scope.map(|scope| if is_node { &scope.nodes } else { &scope.elements });
         labels.and_then(|labels| labels.get(&label)).copied().unwrap_or(label)
     }
 
     /// Adds members to a set of the current scope, to which later sets may refer.
     fn remember(&mut self, set: &str, is_node_set: bool, members: &[i64]) {
-        let mut names = vec![(self.scope.clone(), set.to_uppercase())];
+        let mut names = vec![(self.scope.clone(), set.to_owned())];
         if !self.scope.is_empty() {
-            names.push((String::new(), format!("{}.{}", self.scope, set.to_uppercase())));
+            names.push((String::new(), format!("{}.{set}", self.scope)));
         }
         for (scope, name) in names {
             let scope = self.scopes.entry(scope).or_default();

@@ -33,7 +33,7 @@ pub(super) struct ListedMesh {
     pub surfaces: IndexMap<String, Vec<(usize, usize)>>,
     /// Cards or arrays that are not read.
     pub unread: Vec<String>,
-    /// Sets with members that are not defined, and the number of these.
+    /// Sets with members that are not defined, and the number of undefined members.
     pub undefined_members: IndexMap<String, usize>,
     /// Whether the file is a complete model: each cell is an element, and all node sets are listed.
     pub is_complete: bool,
@@ -56,6 +56,9 @@ pub(super) struct PlaneMesh {
     /// Number of cells that repeat another one.
     pub repeated_cells: usize,
 }
+
+/// Largest number of points of a cell.
+const MOST_POINTS: usize = 6;
 
 /// Faces of the elements by the two corners of each.
 struct EdgeMap(HashMap<[usize; 2], EdgeOwner>);
@@ -136,7 +139,9 @@ impl ListedMesh {
         self.check_cells()?;
         let representatives = self.representatives();
         let repeated_cells = representatives.iter().enumerate().filter(|(index, first)| index != *first).count();
-        let edges = EdgeMap::new(&self.cells, |index| representatives[index] == index);
+        let has_groups_of_edges = !self.is_complete && self.cells.iter().any(|cell| cell.dimension == 1);
+        let is_needed = |index| has_groups_of_edges && representatives[index] == index;
+        let edges = EdgeMap::new(&self.cells, is_needed);
         let indices = self.element_indices(&representatives, &edges);
         let element = |cell: usize| indices[representatives[cell]];
         let mut mesh = PlaneMesh {
@@ -180,9 +185,10 @@ impl ListedMesh {
         if self.is_complete {
             return (0..self.cells.len()).collect();
         }
-        let mut first_cells: HashMap<Vec<usize>, usize> = HashMap::with_capacity(self.cells.len());
+        let mut first_cells: HashMap<[usize; MOST_POINTS], usize> = HashMap::with_capacity(self.cells.len());
         let first_of = |(index, cell): (usize, &MeshCell)| {
-            let mut points = cell.points.clone();
+            let mut points = [usize::MAX; MOST_POINTS];
+            points[..cell.points.len()].copy_from_slice(&cell.points);
             points.sort_unstable();
             *first_cells.entry(points).or_insert(index)
         };
@@ -262,6 +268,7 @@ pub(super) struct LabelledMesh {
     pub listed: ListedMesh,
     points_by_label: HashMap<i64, usize>,
     cells_by_label: HashMap<i64, usize>,
+    largest_label: i64,
     /// Point labels of each cell.
     cell_points: Vec<Vec<i64>>,
 }
@@ -273,6 +280,7 @@ impl LabelledMesh {
             self.listed.points[known] = point;
             return known;
         }
+        self.largest_label = self.largest_label.max(label);
         self.points_by_label.insert(label, self.listed.points.len());
         self.listed.point_labels.push(label);
         self.listed.points.push(point);
@@ -282,6 +290,7 @@ impl LabelledMesh {
     /// Adds a cell of points with the given labels.
     pub fn add_cell(&mut self, label: i64, dimension: usize, points: Vec<i64>) -> usize {
         let index = self.listed.cells.len();
+        self.largest_label = self.largest_label.max(label);
         self.cells_by_label.insert(label, index);
         self.listed.cells.push(MeshCell { label, dimension, points: Vec::new() });
         self.cell_points.push(points);
@@ -298,10 +307,9 @@ impl LabelledMesh {
         self.cells_by_label.get(&label).copied()
     }
 
-    /// Returns the largest label of a point or cell.
+    /// Returns the largest label of a point or cell; 0 if there are none.
     pub fn largest_label(&self) -> i64 {
-        let labels = self.points_by_label.keys().chain(self.cells_by_label.keys());
-        labels.copied().max().unwrap_or(0)
+        self.largest_label
     }
 
     /// Returns elements, sets and surfaces.

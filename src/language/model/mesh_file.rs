@@ -84,7 +84,7 @@ fn add_mesh(context: &mut Context<'_>, mesh: &mut MeshReader, file: &PlaneMesh, 
     let node_offset = label_offset(context, SetKind::Nodes, file.point_labels.iter().copied(), span);
     let element_labels = file.elements.iter().map(|cell| cell.label);
     let element_offset = label_offset(context, SetKind::Elements, element_labels, span);
-    let labels = file.point_labels.iter().map(|label| label + node_offset);
+    let labels = file.point_labels.iter().map(|label| label.saturating_add(node_offset));
     let nodes: Vec<usize> =
         file.points.iter().zip(labels).map(|(p, label)| nodes::add_node(context, mesh, label, [p[0], p[1]])).collect();
     let element = |cell| mesh_element(context, cell, element_offset, kind, &nodes, span);
@@ -118,7 +118,7 @@ fn label_offset(context: &mut Context<'_>, kind: SetKind, mut labels: impl Itera
     }
     let (offset, what) = (scope.largest(), if kind == SetKind::Nodes { "node" } else { "element" });
     let message =
-        format!("{what} labels of the mesh file are increased by {offset}: the deck already has some of them");
+        format!("{what} labels of the mesh file are increased by {offset}, because the deck uses some labels already");
     context.diagnostics.push(Diagnostic::note("M143", message).at(span, "this mesh"));
     offset
 }
@@ -191,7 +191,13 @@ fn mesh_element(
     let kind = expected.or(by_shape);
     if let Some(kind) = kind.filter(|k| k.node_count() == cell.points.len()) {
         let corners: Vec<usize> = cell.points.iter().map(|&point| nodes[point]).collect();
-        return elements::add_element(context, cell.label + label_offset, kind, kind.around(&corners), span);
+        return elements::add_element(
+            context,
+            cell.label.saturating_add(label_offset),
+            kind,
+            kind.around(&corners),
+            span,
+        );
     }
     let expected = kind.map_or("an element type", ElementKind::name);
     let count = cell.points.len();

@@ -127,7 +127,7 @@ impl RubberFit {
     }
 }
 
-/// Returns the unknowns with the least sum of squares of `1 - rows x`, and the root mean square of these errors.
+/// Returns the unknowns with the least sum of squares of `1 - rows x`, and the root mean square of the errors.
 ///
 /// # Errors
 /// The reason if there are fewer rows than unknowns, or the rows do not determine them.

@@ -25,9 +25,6 @@ pub struct VtkMesh {
 
 const NODE_LABELS: [&str; 2] = ["NODE_LABEL", "NODE"];
 const ELEMENT_LABELS: [&str; 2] = ["ELEMENT_LABEL", "ELEMENT"];
-/// VTK types of points and of lines.
-const POINT_TYPES: [u8; 1] = [1];
-const LINE_TYPES: [u8; 2] = [3, 21];
 
 /// Returns whether an array defines a set, labels, or hidden cells.
 pub(super) fn is_mesh_array(name: &str) -> bool {
@@ -84,11 +81,11 @@ impl VtkMesh {
     }
 }
 
-/// Returns the dimension of a cell of a type; cells of poly data have only a number of points.
+/// Returns the dimension of a cell of a type: vertices, lines, faces. Cells of poly data have only a number of points.
 fn dimension(kind: Option<&u8>, points: usize) -> usize {
     match kind {
-        Some(kind) if POINT_TYPES.contains(kind) => 0,
-        Some(kind) if LINE_TYPES.contains(kind) => 1,
+        Some(1) => 0,
+        Some(3 | 21) => 1,
         Some(_) => 2,
         None => (points.saturating_sub(1)).min(2),
     }
