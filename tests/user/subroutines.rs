@@ -514,6 +514,8 @@ fn sensors_have_the_values_of_histories() {
         "*Step\n*Dynamic, Explicit, direct user control\n 1.e-5, 1.e-3\n*Boundary\n 1, 1, 2\n 2, 2\n 4, 1\n",
     );
     let mut outputs = String::from("*Output, history, op=ADD, time interval=1.e-5\n");
+    // A sensor that is not written.
+    step += "*Output, history, sensor, name=SILENT, frequency=0\n*Node Output, nset=TOP\n V2\n";
     for (i, (name, region, column)) in sensors.iter().enumerate() {
         let node = 11 + i;
         deck += &format!(

@@ -34,7 +34,7 @@ pub struct Plan {
     pub sets: Vec<Vec<ColumnSource>>,
     /// Expressions of columns that are computed from previous columns.
     pub expressions: Vec<RowExpression>,
-    /// Columns that user amplitudes read.
+    /// Columns that user amplitudes read, in the order of [`Model::sensor_names`](crate::model::Model::sensor_names).
     pub sensors: Vec<HistoryColumn>,
     /// Output arrays of frames.
     pub fields: Vec<FrameField>,

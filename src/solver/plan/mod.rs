@@ -141,7 +141,7 @@ fn compile_with_products(model: &Model, shared_model: Option<&Arc<Model>>, routi
         tracers: columns.tracers,
         sets: columns.sets.into_iter().collect(),
         expressions: columns.expressions,
-        sensors: columns.sensors,
+        sensors: columns.sensors.into_values().collect(),
         fields: columns.fields,
         routines: routines.clone(),
         rows,

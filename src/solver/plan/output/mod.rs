@@ -190,20 +190,21 @@ pub struct Columns {
     /// Members of the sets over which history columns are statistics.
     pub sets: IndexSet<Vec<ColumnSource>>,
     pub expressions: Vec<RowExpression>,
-    /// Columns that user amplitudes read, in the order of the names of sensors.
-    pub sensors: Vec<HistoryColumn>,
+    /// Columns that user amplitudes read, by the names of sensors, in the order of the requests.
+    pub sensors: IndexMap<String, HistoryColumn>,
 }
 
 impl Columns {
-    /// Adds the sensor of a request, of which `first` is the index of the first column.
+    /// Returns the columns that histories and user amplitudes read.
+    fn read(&self) -> impl Iterator<Item = &HistoryColumn> {
+        self.list.iter().chain(self.sensors.values())
+    }
+
+    /// Adds the sensor of a request, of which `first` is the index of the first column. The first request of a name counts.
     fn add_sensor(&mut self, request: &OutputRequest, first: usize, model: &Model, report: &mut Report) {
-        let Some(name) = &request.sensor else { return };
-        let position = model.sensor_names().iter().position(|known| known == name);
-        if position.is_some_and(|position| position < self.sensors.len()) {
-            return;
-        }
+        let Some(name) = request.sensor.as_ref().filter(|name| !self.sensors.contains_key(*name)) else { return };
         match &self.list[first..] {
-            [column] if column.source.pair().is_none() => self.sensors.push(column.clone()),
+            [column] if column.source.pair().is_none() => drop(self.sensors.insert(name.clone(), column.clone())),
             columns if model.amplitudes.iter().any(|a| matches!(a.definition, AmplitudeDefinition::User { .. })) => {
                 let message = format!("sensor `{name}` must be one history column, found {}", columns.len());
                 let help = "request one component at one node or element, or one variable of the whole model";
@@ -241,13 +242,21 @@ pub fn plan(scene: Scene, pairs: &Pairs, state: ErodingState, report: &mut Repor
     let input = OutputInput { scene, pairs, state: &state, model_variables };
     let available = available_fields(input);
     for step in &model.steps {
-        for request in step.outputs.iter().filter(|r| r.interval != OutputInterval::Never) {
+        for request in &step.outputs {
+            let is_written = request.interval != OutputInterval::Never;
             match request.kind {
-                OutputKind::History => {
+                OutputKind::History if is_written || request.sensor.is_some() => {
                     let first = columns.list.len();
-                    history_columns(input, request, &mut columns, report);
+                    add_history_columns(input, request, &mut columns, report);
                     columns.add_sensor(request, first, model, report);
+                    if is_written {
+                        history_row(request, &columns.list[first..], report);
+                    } else {
+                        columns.list.truncate(first);
+                    }
                 }
+                OutputKind::History => {}
+                OutputKind::Field if !is_written => {}
                 OutputKind::Field => frame_fields(scene, request, &available, &mut fields, report),
             }
         }
@@ -261,20 +270,21 @@ pub fn plan(scene: Scene, pairs: &Pairs, state: ErodingState, report: &mut Repor
     dedup(&mut columns.list);
     dedup(&mut fields);
     expression_columns(scene.model, &mut columns, report);
-    let mut parts = fields.iter().flat_map(|f| &f.parts).chain(columns.list.iter().filter_map(|c| c.part.as_ref()));
-    let follows = parts.any(|p| p.variable.row().followed);
+    let is_followed = |part: &VariableComponent| part.variable.row().followed;
+    let follows = fields.iter().flat_map(|f| &f.parts).any(is_followed)
+        || columns.read().filter_map(|c| c.part.as_ref()).any(is_followed);
     if follows && !state.elements.is_empty() {
         state.elements.groups.iter_mut().for_each(|g| g.configure(GroupSetting::Records));
         followed_row(scene.model, state.elements.count(), report);
     }
-    track_deletion(scene.model, &columns.list, &mut state, report);
+    track_deletion(scene.model, &columns, &mut state, report);
     (columns.fields, columns.tracers) = (fields, tracers(scene));
     (columns, RecordingState(state))
 }
 
 /// Enables the sums of deleted mass and energy if `*EROSION` or an output request needs them.
-fn track_deletion(model: &Model, columns: &[HistoryColumn], state: &mut State, report: &mut Report) {
-    let requested = columns.iter().filter_map(|c| c.part).any(|p| is_deletion_total(p.variable));
+fn track_deletion(model: &Model, columns: &Columns, state: &mut State, report: &mut Report) {
+    let requested = columns.read().filter_map(|c| c.part).any(|p| is_deletion_total(p.variable));
     if state.elements.removed.is_none() && !requested {
         return;
     }
@@ -326,8 +336,7 @@ pub fn output_schedules(model: &Model, step: &Step, report: &mut Report) -> Step
     outputs
 }
 
-fn history_columns(input: OutputInput, request: &OutputRequest, columns: &mut Columns, report: &mut Report) {
-    let first = columns.list.len();
+fn add_history_columns(input: OutputInput, request: &OutputRequest, columns: &mut Columns, report: &mut Report) {
     for &selection in &request.variables {
         let previous_count = columns.list.len();
         match &request.region {
@@ -349,7 +358,11 @@ fn history_columns(input: OutputInput, request: &OutputRequest, columns: &mut Co
             report.add_unused_card(request.span, selection.name(), why_absent(selection, request));
         }
     }
-    let names: Vec<_> = columns.list[first..].iter().map(|c| c.name.as_str()).collect();
+}
+
+/// Creates the ledger row of the history columns of a request.
+fn history_row(request: &OutputRequest, columns: &[HistoryColumn], report: &mut Report) {
+    let names: Vec<_> = columns.iter().map(|c| c.name.as_str()).collect();
     let mut detail = names.iter().take(6).copied().collect::<Vec<_>>().join(" ");
     if names.len() > 6 {
         detail += " …";
