@@ -17,7 +17,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 pub type ProgressMessage = (f64, String);
 
 /// Runs `work` on a separate pool of threads. The calling thread meanwhile passes its messages to `receive`, and `None`
-/// after 50 ms without a message. The pool ends with the call: a process that is forked later has no thread of it.
+/// after 50 ms without a message. The pool ends with the call: a process that is forked later contains no thread of the pool.
 ///
 /// # Errors
 /// A message if the threads cannot be started.

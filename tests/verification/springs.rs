@@ -30,7 +30,7 @@ const TO_GROUND: &str = "*Element, type=SPRING1, elset=K\n 2, 2\n*Spring, elset=
 const AUTOMATIC: &str = "*Dynamic, Explicit\n , 0.5";
 
 /// `x(t) = (v/omega) exp(-d t) sin(omega t)` with `d = c/2m`, between two nodes and to the ground. Errors are relative to
-/// the amplitude. Automatic increments have the error `c dt/4m` = 1e-4 per radian from dashpots, those of 1e-5 half of it.
+/// the amplitude. With automatic increments dashpots have the error `c dt/4m` = 1e-4 per radian, with increments of 1e-5 half this error.
 #[test]
 fn damped_oscillation_has_its_closed_form() {
     let (m, k, c): (f64, f64, f64) = (5.0, 20000.0, 100.0);
@@ -133,8 +133,8 @@ fn rigid_bodies_are_joined_by_springs_and_dashpots() {
     assert!(error.abs() < 1e-3, "{error:e}");
 }
 
-/// The stable time increment of one mass on a spring is `2/omega`: fixed increments of 0.99 of it stay bounded, with the
-/// amplitude `1/sqrt(1 - 0.99^2)` = 7.1, if the limit on energies permits it. Those of 1.01 of it grow and halt. Automatic
+/// The stable time increment of one mass on a spring is `2/omega`: with fixed increments of `0.99 * 2/omega` the motion is bounded, with the
+/// amplitude `1/sqrt(1 - 0.99^2)` = 7.1, if the limit on energies permits it. With `1.01 * 2/omega` it grows, and the run halts. Automatic
 /// increments are stable for soft and stiff springs.
 #[test]
 fn increments_are_stable_up_to_two_over_omega() {

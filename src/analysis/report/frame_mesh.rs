@@ -40,7 +40,7 @@ impl FrameMesh {
             return true;
         }
         let Some((points, cells)) = self.places_of(frame) else { return false };
-        // Missing points lie at one that exists.
+        // Missing points have the coordinates of the first point.
         let anywhere = frame.points.first().copied().unwrap_or_default();
         frame.points = scattered(&frame.points, &points, self.points, anywhere);
         frame.nodes.clone_from(&self.nodes);
@@ -56,14 +56,13 @@ impl FrameMesh {
         true
     }
 
-    /// Returns the places of the points and of the cells of a frame in this mesh, if it has all of them in this order.
+    /// Returns the places of the points and of the cells of a frame in this mesh, if it contains all points and cells in this order.
     fn places_of(&self, frame: &FrameData) -> Option<(Vec<usize>, Vec<usize>)> {
-        let points = places(&frame.nodes, self.points, |node, place| self.nodes[place] == *node)?;
+        let points = places(&frame.nodes, &self.nodes)?;
         let place_of = |point: &usize| points.get(*point).copied();
-        let cells = places(&frame.cells, self.corners.len(), |cell, place| {
-            let cell: Option<Vec<usize>> = cell.iter().map(place_of).collect();
-            cell.is_some_and(|cell| corners(&cell) == self.corners[place])
-        })?;
+        let cells_of_mesh = frame.cells.iter().map(|cell| cell.iter().map(place_of).collect::<Option<Vec<usize>>>());
+        let frame_corners: Vec<[u32; 4]> = cells_of_mesh.map(|cell| Some(corners(&cell?))).collect::<Option<_>>()?;
+        let cells = places(&frame_corners, &self.corners)?;
         let same_element = |(place, element): (&usize, &i32)| self.elements[*place] == *element;
         let same_elements = cells.iter().zip(&frame.elements).all(same_element);
         (points.len() == frame.points.len() && frame.elements.len() == cells.len() && same_elements)
@@ -99,15 +98,15 @@ impl FrameMesh {
     }
 }
 
-/// Returns the place of each item among `count` places: the first one behind that of the previous item that fits.
-fn places<T>(items: &[T], count: usize, fits: impl Fn(&T, usize) -> bool) -> Option<Vec<usize>> {
+/// Returns the place of each item in a list that has the items in the same order, and others between them.
+fn places<T: PartialEq>(items: &[T], list: &[T]) -> Option<Vec<usize>> {
     let mut next = 0;
-    let mut place_of = |item: &T| {
-        let place = (next..count).find(|&place| fits(item, place))?;
+    let place_of = |item: &T| {
+        let place = next + list[next..].iter().position(|other| other == item)?;
         next = place + 1;
         Some(place)
     };
-    items.iter().map(&mut place_of).collect()
+    items.iter().map(place_of).collect()
 }
 
 /// Returns a list of `count` values with `values` at `places`, and `missing` elsewhere.

@@ -105,7 +105,7 @@ fn effort(effort: &RunEstimate, unit: &str) -> String {
     // The increment decreases when elements are compressed, so the estimate is a lower bound.
     let least = if effort.looked_at < 1.0 { "at least " } else { "" };
     // One digit: the measured time varies.
-    let time = seconds(one_digit(effort.seconds));
+    let time = seconds(to_digits(effort.seconds, 1));
     let looked = if effort.looked_at < 1.0 {
         format!("extrapolated from {} of the run", percent(effort.looked_at))
     } else {
@@ -122,19 +122,15 @@ fn percent(fraction: f64) -> String {
     if fraction < 1e-3 { "0.1 %".into() } else { format!("{:.1} %", 100.0 * fraction) }
 }
 
-/// Rounds to one digit.
-fn one_digit(value: f64) -> f64 {
-    let unit = 10.0_f64.powi(value.max(f64::MIN_POSITIVE).log10().floor() as i32);
-    (value / unit).round() * unit
+/// Rounds an estimate of a number of increments to two digits; small numbers are exact.
+fn round(count: f64) -> f64 {
+    if count < 100.0 { count } else { to_digits(count, 2) }
 }
 
-/// Rounds an estimate to two digits.
-fn round(count: f64) -> f64 {
-    if count < 100.0 {
-        return count;
-    }
-    let step = 10f64.powi(count.log10().floor() as i32 - 1);
-    (count / step).round() * step
+/// Rounds a value to a number of digits.
+fn to_digits(value: f64, digits: i32) -> f64 {
+    let unit = 10f64.powi(value.max(f64::MIN_POSITIVE).log10().floor() as i32 + 1 - digits);
+    (value / unit).round() * unit
 }
 
 #[cfg(test)]

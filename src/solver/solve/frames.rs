@@ -290,6 +290,11 @@ pub(super) fn frame(run: &RunState<'_>) -> OutputFrame {
     }
     drop(point_of_node);
     add_surfaces(run, &mut frame, &mut elements, &mut of_point);
+    let is_deleted_element = |&(group, e): &(usize, usize)| run.state.elements.groups[group].is_deleted(e);
+    if places.elements.values().any(is_deleted_element) {
+        frame.deleted = places.elements.values().map(is_deleted_element).collect();
+        frame.deleted.resize(elements.len(), false);
+    }
     for field in &run.plan.fields {
         let values = match (field.variable().place(), field.position) {
             (VariablePlace::Node, _) => of_nodes(run, field, &of_point),
@@ -307,11 +312,6 @@ pub(super) fn frame(run: &RunState<'_>) -> OutputFrame {
     let start = of_point.in_plane.iter().map(|(node, _)| mesh.points[*node as usize]);
     frame.start = start.chain(std::mem::take(&mut frame.start)).collect();
     (frame.point_labels, frame.cell_labels) = run.plan.labels.of_frame(mesh, &of_point.nodes(), &elements);
-    let is_deleted_element = |&(group, e): &(usize, usize)| run.state.elements.groups[group].is_deleted(e);
-    if places.elements.values().any(is_deleted_element) {
-        frame.deleted = places.elements.values().map(is_deleted_element).collect();
-        frame.deleted.resize(elements.len(), false);
-    }
     frame
 }
 

@@ -215,7 +215,7 @@ const GUARDS: usize = 16 * MAX_MATERIAL_BLOCK;
 pub struct AnswerLists {
     data: Vec<f64>,
     lengths: Vec<usize>,
-    /// Whether the guard values after the lists of these lengths are unchanged.
+    /// Whether the guard values are valid for the present lengths of the lists.
     is_guarded: bool,
 }
 

@@ -19,7 +19,7 @@ const GUARD: usize = 8;
 /// Number of guard values per point after stresses and state variables: components that do not exist, which a subroutine
 /// can write if it declares the array with `*`.
 const GUARD_COMPONENTS: usize = 16;
-/// Number of these components of which all values are checked; two values are checked of each other one.
+/// Number of guard components whose values are all checked; of the other guard components two values each are checked.
 pub(super) const CHECKED_COMPONENTS: usize = 4;
 /// Number of tensor components of three-dimensional solids that axisymmetric solids lack. They are allocated, so that a
 /// subroutine for three dimensions only is detected without damage.
