@@ -116,6 +116,79 @@ fn thick_cylinder_thermal_stress_matches_closed_form() {
     assert!(errors[2] < 5e-3, "{errors:?}");
 }
 
+/// Returns a body of CAX4R whose nodal temperatures `*TEMPERATURE` prescribes.
+fn prescribed_body(n: usize, m: usize, place: impl Fn(usize, usize) -> [f64; 2], material: &str) -> String {
+    grid(n, m, false, place) + "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n" + material
+}
+
+fn prescribed_step(duration: f64, cards: &str) -> String {
+    format!(
+        "*Step\n*Dynamic, Explicit\n , {duration}\n{cards}*Output, field, number interval=1\n\
+         *Node Output\n U, NT\n*Element Output\n S, TEMP\n*Output, history, number interval=40\n*Energy Output\n\
+         ALLIE, ETOTAL\n*End Step\n"
+    )
+}
+
+/// Prescribed temperatures of a constrained body, from 20 to 80 in the first step: -E alpha dT/(1 - 2 nu). In the second
+/// they return to 20 (OP=NEW), in the third they jump to 50. Exact to rounding, with `NT` of the nodes.
+#[test]
+fn prescribed_temperatures_have_the_closed_form_stress_in_each_step() {
+    let place = |i: usize, j: usize| [i as f64 + 0.1 * (j % 2) as f64 * (i as f64), j as f64];
+    let elastic = "*Density\n 1.,\n*Elastic\n 1., 0.3\n*Expansion\n 1e-5,\n";
+    let plastic = "*Density\n 1.,\n*Elastic\n 1., 0.3\n*Expansion\n 1e-5,\n*Plastic\n 1., 0., 0.\n 0.5, 0., 1000.\n";
+    for material in [elastic, plastic] {
+        let steps =
+            ["*Temperature, amplitude=RAMP\n ALL, 80.\n", "*Temperature, op=NEW\n", "*Temperature\n ALL, 50.\n"];
+        let held = |cards: &str| format!("*Boundary\n ALL, 1, 2\n{cards}");
+        let deck = prescribed_body(3, 3, place, material)
+            + "*Initial Conditions, type=TEMPERATURE\n ALL, 20.\n*Amplitude, name=RAMP\n 0., 0.25, 6., 1.\n"
+            + &steps.map(|cards| prescribed_step(6.0, &held(cards))).concat();
+        let (outcome, memory) = run(&deck);
+        assert!(outcome.halt.is_none());
+        assert!(outcome.energy.drift < 1e-12, "{}", outcome.energy.drift);
+        for (frame, temperature) in memory.frames[memory.frames.len() - 3..].iter().zip([80.0, 20.0, 50.0]) {
+            let cells = |name: &str| &frame.cell_fields.iter().find(|f| f.name == name).expect("a field").values;
+            let nodes = &frame.point_fields.iter().find(|f| f.name == "NT11").expect("NT").values;
+            let is_given = |t: &f64| (t / temperature - 1.0).abs() < 1e-12;
+            assert!(cells("TEMP").iter().chain(nodes).all(is_given), "{:?}", cells("TEMP"));
+            for s in cells("S").chunks(4) {
+                let expected = -1e-5 * (temperature - 20.0) / (1.0 - 0.6);
+                assert!(s[..3].iter().all(|s| (s - expected).abs() < 1e-15), "{s:?} {expected}");
+            }
+        }
+    }
+}
+
+/// A shrink fit: a ring at 1 < r < 2 of the same material as the shaft is cooled by 100. The temperature between nodes is
+/// linear, so it falls from 0 to -100 at 1 - h < r < 1. Stress at the axis without axial strain (Timoshenko and Goodier, art.
+/// 151): E alpha / (1 - nu) times the mean of T over the section, halved. Second order.
+#[test]
+fn shrink_fit_has_the_closed_form_stress_of_the_shaft() {
+    let exact = |h: f64| {
+        // Integral of r from 1 to 2, and of r (r - 1 + h)/h from 1 - h to 1.
+        let sum = 1.5 + (0.5 * h - h * h / 6.0);
+        -1e-6 * 100.0 * sum / 4.0 / 0.7
+    };
+    let errors = [4, 8].map(|n| {
+        let place = |i: usize, j: usize| [2.0 * i as f64 / (2 * n) as f64, j as f64 / n as f64];
+        let ring = (n..=2 * n).flat_map(|i| [1 + i, 2 + i + 2 * n]);
+        let rings: Vec<String> = ring.map(|node| format!(" {node}, -100.\n")).collect();
+        let deck = prescribed_body(2 * n, 1, place, "*Density\n 1.,\n*Elastic\n 1., 0.3\n*Expansion\n 1e-6,\n")
+            + "*Amplitude, name=SLOW, definition=SMOOTH STEP\n 0., 0., 200., 1.\n"
+            + &prescribed_step(
+                320.0,
+                &format!("*Boundary\n ALL, 2, 2\n*Temperature, amplitude=SLOW\n{}", rings.concat()),
+            );
+        let (outcome, memory) = run(&deck);
+        assert!(outcome.halt.is_none());
+        let frame = memory.frames.last().expect("a frame");
+        let radial = &frame.cell_fields.iter().find(|f| f.name == "S").expect("S").values;
+        (radial[0] / exact(1.0 / n as f64) - 1.0).abs()
+    });
+    println!("shrink fit: errors {errors:?}");
+    assert!(errors[1] < 5e-3 && errors[1] < 0.3 * errors[0], "{errors:?}");
+}
+
 const METAL: &str = "*Density\n 7800.,\n*Elastic\n 200.e9, 0.3\n*Plastic\n 500.e6, 0.\n 600.e6, 1.\n*Specific Heat\n 500.,\n\
      *Inelastic Heat Fraction\n 0.9\n";
 

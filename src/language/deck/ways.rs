@@ -24,7 +24,6 @@ pub fn alternative(name: &str) -> &'static str {
         "RESTART" => "to continue a halted run, use `revolve run --resume`",
         "KINEMATIC COUPLING" => "use *COUPLING and below it *KINEMATIC",
         "DISTRIBUTING COUPLING" => "use *COUPLING and below it *DISTRIBUTING",
-        "TEMPERATURE" => "initial temperatures are given by *INITIAL CONDITIONS, TYPE=TEMPERATURE",
         "SUBMODEL" | "IMPORT" | "MAP SOLUTION" => "initial states are given by *INITIAL CONDITIONS",
         _ if begins(&["INCIDENT WAVE", "UNDEX"]) => {
             "blasts in air are given by *INCIDENT WAVE INTERACTION, CONWEP; for others give the pressure history as *DSLOAD, P with *AMPLITUDE, or as PNU with a VDLOAD user subroutine"

@@ -11,8 +11,8 @@ use super::targets::no_resistance;
 use super::types::{
     AdaptiveControls, AmplitudeId, AnalyticalSide, BoundaryCondition, ConnectorProperty, CoulombFriction, ElementKind,
     ElementSide, ErosionCriteria, IncrementControl, InitialKind, InteractionId, LinkKind, Load, LoadKind, LoadRegion,
-    MaterialId, Model, OutputInterval, OutputRegion, OutputRequest, PrescribedClearance, Remeshing, ShellSection,
-    SideSelection, Step, SurfaceContact, SurfaceTraction, TargetLayer, TargetStack,
+    MaterialId, Model, OutputInterval, OutputRegion, OutputRequest, PredefinedVariable, PrescribedClearance, Remeshing,
+    ShellSection, SideSelection, Step, SurfaceContact, SurfaceTraction, TargetLayer, TargetStack,
 };
 use crate::deck::keywords::InputRule;
 use crate::deck::table::{adaptive, constraints, materials, steps};
@@ -404,7 +404,8 @@ impl ConsistencyCheck<'_> {
         for field in &step.fields {
             self.nodes(field.span, &field.nodes);
             self.amplitude(field.span, field.amplitude);
-            let is_valid = field.value.is_finite() && field.variable < MOST_FIELDS && is_ascending(&field.nodes);
+            let is_known = !matches!(field.variable, PredefinedVariable::Field(variable) if variable >= MOST_FIELDS);
+            let is_valid = field.value.is_finite() && is_known && is_ascending(&field.nodes);
             self.value(is_valid, field.span, "a field requires a finite value and nodes in ascending order");
         }
         step.outputs.iter().for_each(|o| self.output(o));

@@ -1,27 +1,35 @@
-//! Field variables: `*FIELD`, their propagation over steps, and material tables that depend on them (`DEPENDENCIES=`).
+//! Predefined fields: `*FIELD` and `*TEMPERATURE`, their propagation over steps, and material tables that depend on field
+//! variables (`DEPENDENCIES=`).
 
 use super::amplitudes;
 use super::context::Context;
 use super::families::StepReader;
 use super::history::{StepHistory, StepTiming};
 use super::refinement::listed;
-use super::types::{Model, PrescribedField};
+use super::types::{Model, PredefinedVariable, PrescribedField};
 use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine};
 
 /// Largest number of field variables.
 pub const MOST_FIELDS: usize = 100;
 
-/// Reads `*FIELD`. A value without amplitude is applied at once (ABAQUS Analysis User's Guide 34.6.1, "Predefined
+/// Reads `*FIELD` or `*TEMPERATURE`. A value without amplitude is applied at once (ABAQUS Analysis User's Guide 34.6.1, "Predefined
 /// fields", and 34.1.2, "Amplitude curves").
 pub fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Ok(amplitude) = amplitudes::amplitude_of(context, card, "AMPLITUDE") else { return };
     if steps.current.as_ref().is_some_and(|s| s.ramp) && amplitude.is_none() {
-        return context.unsupported(card.span, "*STEP, AMPLITUDE=RAMP with *FIELD is not supported", "give AMPLITUDE=");
+        let message = format!("*STEP, AMPLITUDE=RAMP with *{} is not supported", card.keyword.name);
+        return context.unsupported(card.span, message, "give AMPLITUDE=");
     }
-    let variable = card.read::<usize>("VARIABLE") - 1;
-    if steps.operation(card, "FIELD") {
-        steps.state().history.fields.clear();
+    let is_temperature = card.keyword.name == "TEMPERATURE";
+    let variable = if is_temperature {
+        PredefinedVariable::Temperature
+    } else {
+        PredefinedVariable::Field(card.read::<usize>("VARIABLE") - 1)
+    };
+    if steps.operation(card, card.keyword.name) {
+        let given = &mut steps.state().history.fields;
+        given.retain(|field| (field.variable == PredefinedVariable::Temperature) != is_temperature);
     }
     let from = steps.state().fields.len();
     for (at, line) in card.lines.iter().enumerate() {
@@ -57,7 +65,7 @@ pub fn rows_over_fields(context: &mut Context<'_>, card: &Card, values: usize, f
 }
 
 impl StepHistory {
-    /// Returns the field variables in force in a step that prescribes `given`, and stores those that continue in the
+    /// Returns the predefined fields in force in a step that prescribes `given`, and stores those that continue in the
     /// next step. A field that is no longer prescribed returns to its initial value.
     pub fn fields(
         &mut self,

@@ -138,7 +138,7 @@ static READERS: &[CardReader] = readers! {
     "INCIDENT WAVE INTERACTION PROPERTY" => blast::read_blast_property(context, conditions);
     "CONWEP CHARGE PROPERTY" => blast::read_blast_charge(context, conditions);
     "INCIDENT WAVE INTERACTION" => blast::read_incident_wave(context, conditions, steps);
-    "FIELD" => fields::read_prescribed_fields(context, steps);
+    "FIELD" | "TEMPERATURE" => fields::read_prescribed_fields(context, steps);
     "CFLUX" | "DFLUX" | "DSFLUX" | "FILM" | "SFILM" => heat_loads::read_heat_loads(context, steps);
     always "OUTPUT" => outputs::read_output(context, steps, output);
     "NODE OUTPUT" | "ELEMENT OUTPUT" | "ENERGY OUTPUT" | "INCREMENTATION OUTPUT" | "CONTACT OUTPUT" | "INTEGRATED OUTPUT"

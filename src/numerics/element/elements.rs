@@ -80,7 +80,7 @@ pub struct Elements {
     pub damping: Option<Box<RayleighDamping>>,
     /// Elements whose characteristic length a user subroutine defines.
     pub lengths: Vec<UserLengthElements>,
-    /// Field variables prescribed at nodes; `None` without any.
+    /// Temperatures and field variables prescribed at nodes; `None` without any.
     pub fields: Option<Box<PredefinedFields>>,
     /// Elements under distortion control; `None` without any.
     pub distortion: Option<Box<DistortionControl>>,
@@ -243,11 +243,16 @@ impl Elements {
         self.pending = true;
     }
 
-    /// Sets the field variables prescribed at this instant.
+    /// Sets the temperatures and field variables prescribed at this instant.
     pub fn give_fields(&mut self, clock: &AmplitudeClock<'_>) {
         if let Some(fields) = &mut self.fields {
             fields.give(&mut self.groups, clock);
         }
+    }
+
+    /// Returns the prescribed temperature of an element; `None` if it has none.
+    pub fn prescribed_temperature(&self, group: usize, element: usize) -> Option<f64> {
+        Some(self.fields.as_ref()?.temperatures_of(group)?[element])
     }
 
     /// Returns whether the strains of the previous increment have not been computed yet.

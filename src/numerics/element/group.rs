@@ -258,7 +258,7 @@ pub trait SolidElements {
 }
 
 /// Variable of nodes that elements use.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodalVariable {
     Temperature,
     /// Field variable, by its index below [`GroupProperties::fields`].

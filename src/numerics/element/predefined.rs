@@ -1,4 +1,5 @@
-//! Field variables prescribed at nodes over time (`*FIELD`), and their transfer to elements.
+//! Temperatures and field variables prescribed at nodes over time (`*TEMPERATURE`, `*FIELD`), and their transfer to
+//! elements.
 
 use crate::kernel::lists::Memory;
 use std::sync::Arc;
@@ -8,78 +9,106 @@ use crate::kernel::topology::ElementNodes;
 use crate::state::EffectId;
 use crate::state::magnitude::{AmplitudeClock, Magnitude};
 
-/// Prescribed value of a field variable at some nodes in a step.
+/// Prescribed value of a variable at some nodes in a step.
 #[derive(Clone, Debug)]
 pub struct NodalFieldValue {
-    /// Index of the field variable, from 0.
-    pub variable: usize,
+    pub variable: NodalVariable,
     pub nodes: Vec<usize>,
     /// Value over time.
     pub magnitude: Magnitude,
+}
+
+/// Elements of a group that take the means of their nodes.
+#[derive(Clone)]
+pub struct FieldGroup {
+    pub group: usize,
+    /// Boundaries of all elements of the group.
+    pub boundaries: Vec<ElementNodes>,
+}
+
+/// A variable with prescribed values, and its groups.
+#[derive(Clone)]
+pub struct PredefinedField {
+    pub variable: NodalVariable,
+    /// Initial values at the nodes.
+    pub start: Vec<f64>,
+    pub groups: Vec<FieldGroup>,
+}
+
+/// Current values of a variable: at the nodes, and at the elements of each group.
+#[derive(Clone)]
+struct FieldValues {
+    nodal: Vec<f64>,
+    means: Vec<Vec<f64>>,
 }
 
 /// Predefined fields of all steps. They depend on the time only and are not part of the saved state.
 #[derive(Clone)]
 pub struct PredefinedFields {
     pub id: EffectId,
-    /// Initial nodal values of each variable.
-    start: Arc<Vec<Vec<f64>>>,
+    list: Arc<Vec<PredefinedField>>,
     /// Prescribed values of each step; steps that continue a list share it.
     steps: Arc<Vec<Arc<[NodalFieldValue]>>>,
-    /// Groups with field variables, and the boundaries of their elements.
-    groups: Arc<Vec<(usize, Vec<ElementNodes>)>>,
-    /// Values of one variable: at the nodes, and for the elements of a group.
-    nodal: Vec<f64>,
-    means: Vec<f64>,
+    values: Vec<FieldValues>,
 }
 
 impl PredefinedFields {
-    /// Creates the fields from the initial nodal values by variable and the prescribed values of each step.
-    pub fn new(
-        id: EffectId,
-        start: Vec<Vec<f64>>,
-        steps: Vec<Arc<[NodalFieldValue]>>,
-        groups: &[Box<dyn ElementGroup>],
-    ) -> Self {
-        let holding = groups.iter().enumerate().filter(|(_, g)| g.properties().fields > 0);
-        let boundaries = |g: &dyn ElementGroup| (0..g.len()).map(|e| g.boundary(e)).collect::<Vec<_>>();
-        let groups: Vec<_> = holding.map(|(i, g)| (i, boundaries(&**g))).collect();
-        PredefinedFields {
-            id,
-            nodal: vec![0.0; start.first().map_or(0, Vec::len)],
-            means: Vec::with_capacity(groups.iter().map(|g| g.1.len()).max().unwrap_or(0)),
-            start: Arc::new(start),
-            steps: Arc::new(steps),
-            groups: Arc::new(groups),
-        }
+    /// Creates the fields from their initial values and the prescribed values of each step.
+    pub fn new(id: EffectId, list: Vec<PredefinedField>, steps: Vec<Arc<[NodalFieldValue]>>) -> Self {
+        let start = |field: &PredefinedField| {
+            let means = |group: &FieldGroup| group.boundaries.iter().map(|nodes| mean(nodes, &field.start)).collect();
+            FieldValues { nodal: field.start.clone(), means: field.groups.iter().map(means).collect() }
+        };
+        let values = list.iter().map(start).collect();
+        PredefinedFields { id, list: Arc::new(list), steps: Arc::new(steps), values }
     }
 
-    /// Sets the field variables of elements at this instant to the means of their nodes.
+    /// Sets the variables of elements at this instant to the means of their nodes.
     pub(super) fn give(&mut self, groups: &mut [Box<dyn ElementGroup>], clock: &AmplitudeClock<'_>) {
         let Some(step) = (clock.now.step as usize).checked_sub(1).and_then(|s| self.steps.get(s)) else { return };
-        for (variable, start) in self.start.iter().enumerate() {
-            self.nodal.copy_from_slice(start);
-            for field in step.iter().filter(|f| f.variable == variable) {
-                let value = field.magnitude.at(clock);
-                field.nodes.iter().for_each(|&n| self.nodal[n] = value);
+        for (field, FieldValues { nodal, means }) in self.list.iter().zip(&mut self.values) {
+            nodal.copy_from_slice(&field.start);
+            for given in step.iter().filter(|given| given.variable == field.variable) {
+                let value = given.magnitude.at(clock);
+                given.nodes.iter().for_each(|&n| nodal[n] = value);
             }
-            for (group, boundaries) in self.groups.iter() {
-                let group = &mut groups[*group];
-                if variable < group.properties().fields
-                    && let Some(solid) = group.as_solid()
-                {
-                    self.means.clear();
-                    self.means.extend(boundaries.iter().map(|nodes| mean(nodes, &self.nodal)));
-                    solid.set_means(NodalVariable::Field(variable), &self.means);
+            for (FieldGroup { group, boundaries }, means) in field.groups.iter().zip(means) {
+                means.iter_mut().zip(boundaries).for_each(|(value, nodes)| *value = mean(nodes, nodal));
+                if let Some(solid) = groups[*group].as_solid() {
+                    solid.set_means(field.variable, means);
                 }
             }
         }
     }
 
+    fn temperatures(&self) -> Option<(&PredefinedField, &FieldValues)> {
+        self.list.iter().zip(&self.values).find(|field| field.0.variable == NodalVariable::Temperature)
+    }
+
+    /// Returns whether `*TEMPERATURE` prescribes temperatures.
+    pub fn prescribes_temperatures(&self) -> bool {
+        self.temperatures().is_some()
+    }
+
+    /// Returns the prescribed temperatures last given to the elements of a group; `None` if it has none.
+    pub fn temperatures_of(&self, group: usize) -> Option<&[f64]> {
+        let (field, values) = self.temperatures()?;
+        let index = field.groups.iter().position(|of_group| of_group.group == group)?;
+        Some(&values.means[index])
+    }
+
+    /// Returns the temperature of a node; `None` if no temperatures are prescribed.
+    pub fn temperature(&self, node: usize) -> Option<f64> {
+        Some(self.temperatures()?.1.nodal[node])
+    }
+
     pub fn bytes(&self) -> usize {
-        let PredefinedFields { id: _, start, steps, groups, nodal, means } = self;
-        let numbers = start.iter().map(Vec::capacity).sum::<usize>() + nodal.capacity() + means.capacity();
-        let corners: usize = groups.iter().map(|g| size_of_val(&*g.1)).sum();
+        let PredefinedFields { id: _, list, steps, values } = self;
+        let numbers =
+            |values: &FieldValues| values.nodal.capacity() + values.means.iter().map(Vec::capacity).sum::<usize>();
+        let numbers =
+            list.iter().map(|field| field.start.capacity()).sum::<usize>() + values.iter().map(numbers).sum::<usize>();
+        let corners: usize = list.iter().flat_map(|f| &f.groups).map(|g| size_of_val(&*g.boundaries)).sum();
         let bytes_of = |f: &NodalFieldValue| size_of_val(f) + size_of_val(&*f.nodes) + f.magnitude.bytes();
         let lists = steps.iter().enumerate().filter(|(i, list)| *i == 0 || !Arc::ptr_eq(list, &steps[i - 1]));
         size_of::<f64>() * numbers + corners + lists.flat_map(|list| list.1.iter()).map(bytes_of).sum::<usize>()

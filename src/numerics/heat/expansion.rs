@@ -58,7 +58,8 @@ impl ThermalStrains {
         for (expanding, strains) in self.list.iter().zip(&mut self.strains) {
             let Some(group) = elements.groups[expanding.group].as_solid() else { continue };
             let (temperatures, increments) = (&mut temperatures[..strains.len()], &mut increments[..strains.len()]);
-            match heat.and_then(|h| h.given_to(expanding.group)) {
+            let prescribed = || elements.fields.as_ref()?.temperatures_of(expanding.group);
+            match heat.and_then(|h| h.given_to(expanding.group)).or_else(prescribed) {
                 Some(given) => temperatures.copy_from_slice(given),
                 None => group.temperatures(temperatures),
             }

@@ -131,7 +131,7 @@ variables! {
     Reaction: node("RF", &["RF1", "RF2"], "Reaction force of prescribed motions; of a rigid body at its reference node")
         .preselected(PreselectRule::Deformable).dimension(FORCE),
     Coordinate: node("COORD", &["COOR1", "COOR2"], "Current coordinates, which frames have as their points").dimension(LENGTH),
-    NodalTemperature: node("NT", &["NT11"], "Nodal temperature, if it is solved for").with(PreselectRule::HeatConduction).dimension(TEMPERATURE),
+    NodalTemperature: node("NT", &["NT11"], "Nodal temperature, if it is solved for or prescribed").with(PreselectRule::HeatConduction).dimension(TEMPERATURE),
     ReactionFlux: node("RFL", &["RFL11"], "Reaction heat rate of prescribed temperatures, positive into the body").with(PreselectRule::HeatConduction).dimension(POWER),
     Rotation: node("UR", &["UR3"], "Rotation of nodes of shells in the r-z plane, counter-clockwise, radians")
         .preselected(PreselectRule::Always),

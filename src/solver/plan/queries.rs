@@ -1,6 +1,8 @@
 //! Questions about the model that several passes ask.
 
-use crate::model::{BoundaryCondition, InitialCondition, InitialKind, MaterialDefinition, Model, PlasticityModel};
+use crate::model::{
+    BoundaryCondition, InitialCondition, InitialKind, MaterialDefinition, Model, PlasticityModel, PredefinedVariable,
+};
 
 /// Returns the reference nodes of rigid bodies whose temperature the deck gives.
 pub fn heated_references(model: &Model) -> Vec<usize> {
@@ -43,7 +45,10 @@ pub fn given_fields(model: &Model) -> usize {
         InitialKind::Field(variable, _) => Some(variable + 1),
         _ => None,
     });
-    let prescribed = model.steps.iter().flat_map(|s| &s.fields).map(|f| f.variable + 1);
+    let prescribed = model.steps.iter().flat_map(|s| &s.fields).filter_map(|f| match f.variable {
+        PredefinedVariable::Field(variable) => Some(variable + 1),
+        PredefinedVariable::Temperature => None,
+    });
     start.chain(prescribed).max().unwrap_or(0)
 }
 

@@ -80,8 +80,8 @@ impl SolverRun<'_> {
         self.scale_masses();
         let is_fresh = self.current.state.elements.is_pending();
         if is_fresh {
-            self.apply_temperatures();
             self.give_fields();
+            self.apply_temperatures();
         }
         let State { elements, dofs, .. } = &mut self.current.state;
         elements.update(dofs, &self.current.now, self.threads, self.user.routines.at_points(), self.timing.groups());
@@ -117,7 +117,7 @@ impl SolverRun<'_> {
         }
     }
 
-    /// Sets prescribed field variables of elements.
+    /// Sets prescribed temperatures and field variables of elements.
     #[inline(never)]
     fn give_fields(&mut self) {
         let State { elements, user_amplitudes, .. } = &mut self.current.state;

@@ -205,6 +205,9 @@ impl RunState<'_> {
     fn node_value(&self, node: usize, part: VariableComponent) -> f64 {
         match (part.variable, self.state.heat()) {
             (Variable::NodalTemperature, Some(heat)) => heat.temperature(node),
+            (Variable::NodalTemperature, None) => {
+                self.state.elements.fields.as_ref().and_then(|fields| fields.temperature(node)).unwrap_or(f64::NAN)
+            }
             (Variable::ReactionFlux, Some(heat)) => heat.reaction(node),
             (v, _) if v.is_of_contact_nodes() => self.contact_value(PointCarrier::Node(node), part),
             _ => node_value(&self.state.dofs, &self.state.constraints, node, part),
@@ -219,13 +222,15 @@ impl RunState<'_> {
     }
 
     /// Returns a value of an element; NaN if its group does not have the variable. The temperature of an element with
-    /// heat conduction is that of its nodes.
+    /// heat conduction or prescribed temperatures is that of its nodes.
     fn element_value(&self, (group, e): (usize, usize), part: VariableComponent) -> f64 {
         let thermal = self.state.heat().and_then(|heat| match part.variable {
             Variable::Temperature => heat.element_temperature(group, e),
             Variable::HeatFlux => Some(heat.flux(group, e, &self.state.dofs)?[part.component]),
             _ => None,
         });
+        let prescribed = || self.state.elements.prescribed_temperature(group, e);
+        let thermal = thermal.or_else(|| if part.variable == Variable::Temperature { prescribed() } else { None });
         if let Some(value) = thermal {
             return value;
         }

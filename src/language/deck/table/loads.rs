@@ -108,6 +108,16 @@ pub const CARDS: &[Keyword] = &[
             "ABSOLUTE EXTERIOR TOLERANCE", "EXTERIOR TOLERANCE";
         "applies only to USER": "NUMBER", "BLOCKING";
     }, [(rows ["node or set", "field variable" (NUMBER.required())])]),
+    row!("TEMPERATURE", "Temperatures at nodes over time, for steps that do not solve for them", (step), {
+        "OP" (word(&["MOD", "NEW"]).or(0.0)) "NEW: temperatures of earlier steps return to their initial values",
+        "AMPLITUDE" read "Amplitude of the temperatures; without it they apply at once",
+        "INPUT" read "File with the data lines",
+        "USER" refused "user-defined temperatures are unsupported; give an amplitude",
+        "FILE" refused "results of another job cannot be read",
+    } refused {
+        "applies only to FILE": "BSTEP", "BINC", "ESTEP", "EINC", "INTERPOLATE", "MIDSIDE", "DRIVING ELSETS", "ABSOLUTE EXTERIOR TOLERANCE",
+            "EXTERIOR TOLERANCE", "INSTANCE";
+    }, [(rows ["node or set", "temperature" (NUMBER.required())])]),
     load!("CFLUX", "Concentrated heat fluxes at nodes", (step), {}, [(rows ["node or set", "degree of freedom" only ["11"] "11 is the temperature", "heat per time" (NUMBER.required())])]),
     load!("DFLUX", "Heat fluxes into elements: S1 ... S4 through faces, BF per volume", (step), {}, [(rows ["element or set", "label" read "S1 ... S4, BF", "heat flux" (NUMBER.required()) "Heat per time and area, or per time and volume"])]),
     load!("DSFLUX", "Heat fluxes through surfaces", (step), {}, [(rows ["surface", "label" only ["S"] "only uniform fluxes are supported", "heat flux" (NUMBER.required())])]),

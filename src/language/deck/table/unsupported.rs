@@ -116,7 +116,6 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Substructures": "SUBSTRUCTURE PATH", "SUBSTRUCTURE GENERATE";
     "Swelling": "SWELLING";
     "Model generation by symmetry": "SYMMETRIC MODEL GENERATION";
-    "Prescribed temperatures": "TEMPERATURE";
     "Torques": "TORQUE";
     "Soil tests": "TRIAXIAL TEST DATA";
     "Temperature shift of viscoelasticity": "TRS";

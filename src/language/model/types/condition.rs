@@ -109,11 +109,20 @@ impl BoundaryCondition {
     }
 }
 
-/// A field variable prescribed at nodes (`*FIELD`).
+/// Quantity prescribed at nodes that materials read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PredefinedVariable {
+    /// Temperature (`*TEMPERATURE`).
+    Temperature,
+    /// Field variable (`*FIELD`), counted from 0.
+    Field(usize),
+}
+
+/// A temperature or field variable prescribed at nodes (`*TEMPERATURE`, `*FIELD`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PrescribedField {
-    /// Field variable, counted from 0.
-    pub variable: usize,
+    /// Prescribed quantity.
+    pub variable: PredefinedVariable,
     /// Node indices, ascending.
     pub nodes: Vec<usize>,
     /// Name of the node set, or the node, as written in the deck.

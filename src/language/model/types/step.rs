@@ -33,7 +33,7 @@ pub struct Step {
     pub boundaries: Vec<BoundaryCondition>,
     /// Loads in force, each in the region that no load of a later step replaces.
     pub loads: Vec<Load>,
-    /// Prescribed field variables in force, each with the nodes that no later value overrides.
+    /// Prescribed temperatures and field variables in force, each with the nodes that no later value overrides.
     pub fields: Vec<PrescribedField>,
     /// Contact pairs in force.
     pub surface_contacts: Vec<SurfaceContact>,

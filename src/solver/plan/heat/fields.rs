@@ -1,15 +1,20 @@
-//! Field variables of the plan: initial nodal values, `*FIELD` of each step, and material tables over field variables.
+//! Predefined fields of the plan: initial nodal values, and `*FIELD` and `*TEMPERATURE` of each step.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use crate::element::predefined::{NodalFieldValue, PredefinedFields, mean};
+use crate::deck::{Diagnostic, Span};
+use crate::element::group::NodalVariable;
+use crate::element::predefined::{FieldGroup, NodalFieldValue, PredefinedField, PredefinedFields, mean};
 use crate::material::PointValue;
-use crate::model::{InitialKind, MaterialDefinition, Model};
+use crate::model::{InitialKind, MaterialDefinition, Model, PredefinedVariable, SolidSection};
+use crate::plan::heat::initial_temperatures;
 use crate::plan::loads::magnitude;
 use crate::plan::queries::{dependencies, given_fields};
 use crate::plan::solids::user_material::materials_present;
 use crate::plan::state::SolidState;
 use crate::plan::{Report, Scene, SolidPlaces};
+use crate::variables::Variable;
 
 /// Returns the number of field variables that a material reads: all with user subroutines, else those of its tables.
 fn fields_read(material: &MaterialDefinition) -> usize {
@@ -45,52 +50,120 @@ pub fn start_fields(model: &Model, places: &SolidPlaces, state: &mut SolidState)
     }
 }
 
-/// Creates the values of `*FIELD`; `None` if no material depends on field variables.
+/// Creates the values of `*FIELD` and `*TEMPERATURE`; `None` if no material depends on them.
 pub fn plan(scene: Scene, state: &SolidState, report: &mut Report) -> Option<Box<PredefinedFields>> {
-    let model = scene.model;
-    let cards = || model.steps.iter().flat_map(|s| &s.fields);
-    let groups = &state.elements.groups;
     let most_read = materials_present(scene).map(fields_read).max().unwrap_or(0);
-    if most_read == 0 {
-        for field in cards() {
-            let what = format!("*FIELD, VARIABLE={}", field.variable + 1);
-            report.add_unused_card(field.span, what, "no material depends on field variables");
-        }
-        for condition in model.initial_conditions.iter().filter(|c| matches!(c.kind, InitialKind::Field(..))) {
-            let what = "*INITIAL CONDITIONS, TYPE=FIELD";
-            report.add_unused_card(condition.span, what, "no material depends on field variables");
-        }
-        return None;
-    }
     note_unused_variables(scene.model, most_read, report);
+    let warmed = warmed_groups(scene, state, report);
+    let is_read = |variable: PredefinedVariable| match variable {
+        PredefinedVariable::Temperature => !warmed.is_empty(),
+        PredefinedVariable::Field(variable) => variable < most_read,
+    };
     let mut id = None;
     let mut steps: Vec<Arc<[NodalFieldValue]>> = Vec::new();
-    for (index, step) in model.steps.iter().enumerate() {
-        if index > 0 && model.steps[index - 1].fields == step.fields {
+    for (index, step) in scene.model.steps.iter().enumerate() {
+        if index > 0 && scene.model.steps[index - 1].fields == step.fields {
             steps.extend(steps.last().cloned());
             continue;
         }
         let mut list = Vec::new();
-        for field in &step.fields {
+        for field in step.fields.iter().filter(|field| is_read(field.variable)) {
             let nodes: Vec<usize> = field.nodes.iter().filter_map(|n| scene.places.nodes.get(n).copied()).collect();
-            let detail = format!("variable {} on {}: {}", field.variable + 1, field.set, field.value);
+            let (name, variable) = match field.variable {
+                PredefinedVariable::Temperature => ("temperature".into(), NodalVariable::Temperature),
+                PredefinedVariable::Field(at) => (format!("variable {}", at + 1), NodalVariable::Field(at)),
+            };
+            let detail = format!("{name} on {}: {}", field.set, field.value);
             let row = report.ledger_row(field.span, "predefined fields", nodes.len(), "nodes", detail);
             id = id.or(Some(row));
             let magnitude = magnitude(scene, field.value, field.amplitude, report);
-            list.push(NodalFieldValue { variable: field.variable, nodes, magnitude });
+            list.push(NodalFieldValue { variable, nodes, magnitude });
         }
         steps.push(list.into());
     }
+    Some(Box::new(PredefinedFields::new(id?, fields_of_groups(scene, state, warmed), steps)))
+}
+
+/// Returns the temperature and the field variables with the groups of elements that have them.
+fn fields_of_groups(scene: Scene, state: &SolidState, warmed: BTreeSet<usize>) -> Vec<PredefinedField> {
+    let groups = &state.elements.groups;
+    let with_boundaries = |group: usize| {
+        let boundaries = (0..groups[group].len()).map(|e| groups[group].boundary(e)).collect();
+        FieldGroup { group, boundaries }
+    };
     let start = fields_at_start(scene.model, scene.places, state.dofs.nodes.len());
-    Some(Box::new(PredefinedFields::new(id?, start, steps, groups)))
+    let of_variable = |(variable, start): (usize, Vec<f64>)| {
+        let holding = (0..groups.len()).filter(|&group| variable < groups[group].properties().fields);
+        PredefinedField {
+            variable: NodalVariable::Field(variable),
+            start,
+            groups: holding.map(with_boundaries).collect(),
+        }
+    };
+    let temperature = (!warmed.is_empty()).then(|| PredefinedField {
+        variable: NodalVariable::Temperature,
+        start: initial_temperatures(scene, state),
+        groups: warmed.into_iter().map(with_boundaries).collect(),
+    });
+    start.into_iter().enumerate().map(of_variable).chain(temperature).collect()
+}
+
+/// Returns whether `*TEMPERATURE` prescribes the temperature of a node of a section.
+pub fn has_prescribed_temperature(model: &Model, section: &SolidSection) -> bool {
+    let prescribed = model.steps.iter().flat_map(|step| &step.fields);
+    let mut lists = prescribed.filter(|f| f.variable == PredefinedVariable::Temperature).map(|f| &f.nodes);
+    lists.any(|list| {
+        let mut nodes = section.elements.iter().flat_map(|e| &model.mesh.elements[*e].nodes);
+        nodes.any(|n| list.binary_search(n).is_ok())
+    })
+}
+
+/// Returns the groups of elements with prescribed temperatures that depend on them, and reports those without effect.
+fn warmed_groups(scene: Scene, state: &SolidState, report: &mut Report) -> BTreeSet<usize> {
+    let model = scene.model;
+    let cards = model.steps.iter().flat_map(|s| &s.fields).filter(|f| f.variable == PredefinedVariable::Temperature);
+    let mut spans: Vec<Span> = cards.map(|field| field.span).collect();
+    spans.dedup();
+    let Some(first) = spans.first() else { return BTreeSet::new() };
+    let solved = if model.solves_for_temperatures() {
+        Some(("*DYNAMIC TEMPERATURE-DISPLACEMENT", "prescribe temperatures by *BOUNDARY on degree of freedom 11"))
+    } else {
+        model.is_adiabatic().then_some(("ADIABATIC", "remove ADIABATIC from *DYNAMIC, or *TEMPERATURE"))
+    };
+    if let Some((procedure, help)) = solved {
+        let message = format!("*TEMPERATURE prescribes temperatures that a step with {procedure} computes");
+        report.push(Diagnostic::error("P074", message).at(*first, "here").help(help));
+        return BTreeSet::new();
+    }
+    let mut warmed = BTreeSet::new();
+    for section in &model.sections {
+        let material = &model.materials[section.material];
+        let (expands, follows_energy) = (material.thermal.expansion.is_some(), material.eos.is_some());
+        if follows_energy || !has_prescribed_temperature(model, section) {
+            continue;
+        }
+        for (group, e) in section.elements.iter().filter_map(|e| scene.places.elements.get(e)) {
+            let elements = &state.elements.groups[*group];
+            let depends = expands || elements.value(*e, Variable::Temperature.into()).is_some();
+            warmed.extend((depends && elements.is_solid()).then_some(*group));
+        }
+    }
+    if warmed.is_empty() {
+        let why = "no solid element with these nodes depends on a temperature that can be prescribed";
+        spans.into_iter().for_each(|span| report.add_unused_card(span, "*TEMPERATURE", why));
+    }
+    warmed
 }
 
 /// Lists field variables from number `most` on, from 0, as unused.
 fn note_unused_variables(model: &Model, most: usize, report: &mut Report) {
     let why = |variable: usize| format!("no material depends on field variable {}", variable + 1);
-    for field in model.steps.iter().flat_map(|s| &s.fields).filter(|field| field.variable >= most) {
-        let what = format!("*FIELD, VARIABLE={}", field.variable + 1);
-        report.add_unused_card(field.span, what, why(field.variable));
+    for field in model.steps.iter().flat_map(|s| &s.fields) {
+        if let PredefinedVariable::Field(variable) = field.variable
+            && variable >= most
+        {
+            report.add_unused_card(field.span, format!("*FIELD, VARIABLE={}", variable + 1), why(variable));
+        }
     }
     for condition in &model.initial_conditions {
         if let InitialKind::Field(variable, _) = condition.kind

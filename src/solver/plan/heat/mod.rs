@@ -16,6 +16,7 @@ use crate::kernel::hardening::LinearTable;
 use crate::kernel::quad::corner_masses;
 use crate::mesh::hidden::InteriorFaces;
 use crate::model::{BoundaryCondition, Load, LoadKind, MaterialDefinition, Model, SolidSection, Step};
+use crate::plan::heat::fields::has_prescribed_temperature;
 use crate::plan::heat::ties::tie_temperatures;
 use crate::plan::loads::{amplitude_name, has_effect, kind_name, magnitude};
 use crate::plan::meshes::surfaces::load_surface;
@@ -229,7 +230,7 @@ fn conduction_properties(
 }
 
 /// Returns the initial nodal temperatures, 0 by default.
-fn initial_temperatures(scene: Scene, state: &SolidState) -> Vec<f64> {
+pub fn initial_temperatures(scene: Scene, state: &SolidState) -> Vec<f64> {
     let mut temperatures = vec![0.0; state.dofs.nodes.len()];
     for condition in &scene.model.initial_conditions {
         if let Some(value) = condition.kind.temperature() {
@@ -340,7 +341,8 @@ fn group_expansion(
 ) -> Option<GroupExpansion> {
     let expansion = material.thermal.expansion.as_ref()?;
     let (conducts, elements) = (model.conducts_heat(section), &state.elements.groups[group]);
-    let warms = model.is_adiabatic() && !heating(material, 1.0).is_none() && material.plastic.is_some();
+    let warms = (model.is_adiabatic() && !heating(material, 1.0).is_none() && material.plastic.is_some())
+        || (material.eos.is_none() && has_prescribed_temperature(model, section));
     let idle = |coefficient: f64| coefficient == 0.0;
     let why = if elements.is_empty() || expansion.rows.iter().all(|r| idle(r[0])) {
         Some("its coefficient is zero")

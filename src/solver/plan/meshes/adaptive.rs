@@ -168,8 +168,11 @@ fn unsupported_domain(
         return Some((message, "remove DISTORTION CONTROL from *SECTION CONTROLS; the mesh stays undistorted"));
     }
     if state.elements.fields.is_some() {
-        let message = "adaptive meshes cannot be combined with prescribed field variables".into();
-        return Some((message, "remove *FIELD: field variables of nodes do not follow a mesh that moves"));
+        let message = "adaptive meshes cannot be combined with prescribed temperatures or field variables".into();
+        return Some((
+            message,
+            "remove *TEMPERATURE and *FIELD: values prescribed at nodes do not follow a mesh that moves",
+        ));
     }
     None
 }

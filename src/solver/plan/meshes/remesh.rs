@@ -179,7 +179,7 @@ fn excluded_by_model(model: &Model, pairs: &Pairs, state: &State, report: &Repor
         (heats && scales, "mass scaling together with nodal temperatures"),
         (elements.distortion.is_some(), "DISTORTION CONTROL"),
         (elements.rings.is_some(), "WEIGHTING=AREA"),
-        (elements.fields.is_some(), "field variables"),
+        (elements.fields.is_some(), "prescribed temperatures or field variables"),
         (!model.cohesive_sections.is_empty(), "cohesive elements"),
         (cohesive_behaviors(model, pairs).next().is_some(), "*COHESIVE BEHAVIOR"),
         (!model.constraints.ties.is_empty(), "*TIE"),

@@ -514,9 +514,12 @@ fn pair_columns(input: OutputInput, selection: VariableRequest, which: &ContactP
 
 /// Returns whether nodes of this model have a nodal variable.
 fn nodes_have(input: OutputInput, variable: Variable) -> bool {
-    let OutputInput { scene, pairs, .. } = input;
+    let OutputInput { scene, pairs, state, .. } = input;
     match variable.row().preselected {
-        PreselectRule::HeatConduction => scene.model.solves_for_temperatures(),
+        PreselectRule::HeatConduction => {
+            let prescribed = state.elements.fields.as_ref().is_some_and(|fields| fields.prescribes_temperatures());
+            scene.model.solves_for_temperatures() || (prescribed && variable == Variable::NodalTemperature)
+        }
         PreselectRule::SurfaceContact => !pairs.names.is_empty(),
         PreselectRule::CohesiveContact => has_cohesive_variable(scene.model, pairs, variable),
         PreselectRule::SixDofBody => scene.bodies.list.iter().any(|b| b.spatial),
@@ -734,6 +737,7 @@ fn element_has(input: OutputInput, (group, element): (usize, usize), part: Varia
         {
             true
         }
+        Variable::Temperature if state.elements.prescribed_temperature(group, element).is_some() => true,
         _ => values::has(&*state.elements.groups[group], state.dofs.nodes.as_slice(), element, part),
     }
 }
