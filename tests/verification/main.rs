@@ -41,6 +41,7 @@ mod finite_targets;
 mod fronts;
 mod general_contact;
 mod hourglass;
+mod infinite;
 mod large_motion;
 mod links;
 mod loads;

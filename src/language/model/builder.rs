@@ -8,7 +8,7 @@ use super::readers::find_reader;
 use super::refinement::pass::ReadPass;
 use super::relisting::edits::DeckEdits;
 use super::types::Model;
-use super::{completion, contact, copies, elements, links, materials, order, steps};
+use super::{completion, contact, copies, elements, infinite, links, materials, order, steps};
 use crate::deck::keywords::KeywordTier;
 use crate::deck::{Card, Deck, Diagnostic, Diagnostics};
 
@@ -104,6 +104,7 @@ impl<'a> ModelBuilder<'a> {
         copies::check_transforms(context, &mut self.mesh);
         materials::apply_controls(context, &mut self.sections);
         contact::apply_interactions(context);
+        infinite::add_absorbing_loads(context);
         completion::complete(context, &mut self.materials, &mut self.conditions);
         context.reduce_output_sets();
         let mesh = &mut *context.model.mesh;

@@ -530,6 +530,7 @@ impl ConsistencyCheck<'_> {
                 self.value(is_unit, span, "the direction of a traction must be a unit vector");
             }
             SurfaceTraction::Viscous { reference } => self.nodes(span, reference.as_slice()),
+            SurfaceTraction::Absorbing { .. } => {}
         }
     }
 

@@ -48,7 +48,7 @@ const FAMILIES: &[(&str, &str)] = &[
     ("SFM", "surface elements are not simulated"),
     ("CAXA", "its deformation is not axisymmetric"),
     ("SAXA", "its deformation is not axisymmetric"),
-    ("CINAX", "infinite elements are not simulated; extend the mesh so that no reflection returns within the step"),
+    ("CINAX", "use CINAX4; explicit dynamics requires linear elements"),
     ("CAX3P", PORE_PRESSURE),
     ("CAX4P", PORE_PRESSURE),
     ("CAX4RP", PORE_PRESSURE),
@@ -140,9 +140,10 @@ impl ElementKind {
         matches!(self, Dashpot1 | DashpotA | Spring1 | SpringA)
     }
 
-    /// Returns whether the type has no volume and no surface: point mass, rotary inertia, spring or dashpot.
+    /// Returns whether the type is no part of the mesh of a body: point mass, rotary inertia, spring, dashpot or infinite
+    /// element.
     pub fn is_discrete(self) -> bool {
-        matches!(self, ElementKind::Mass | ElementKind::RotaryInertia) || self.is_connector()
+        matches!(self, ElementKind::Mass | ElementKind::RotaryInertia | ElementKind::Cinax4) || self.is_connector()
     }
 }
 

@@ -85,7 +85,7 @@ impl LoadFamily {
         match law {
             SurfaceTraction::Vector { .. } => LoadFamily::VectorTraction,
             SurfaceTraction::Shear { .. } => LoadFamily::ShearTraction,
-            SurfaceTraction::Viscous { .. } => LoadFamily::ViscousPressure,
+            SurfaceTraction::Viscous { .. } | SurfaceTraction::Absorbing { .. } => LoadFamily::ViscousPressure,
         }
     }
 }

@@ -5,8 +5,8 @@ use super::families::{MaterialReader, SectionIndex, SectionReader};
 use super::faults::{ValueCheck, ValueFault, is_non_negative, is_positive, require};
 use super::names::upper;
 use super::types::{
-    CavityExpansion, Element, ElementKind, MaterialDefinition, MaterialId, PlasticityModel, RateDependence,
-    SectionControls, SolidSection,
+    CavityExpansion, Element, ElementKind, InfiniteSection, MaterialDefinition, MaterialId, PlasticityModel,
+    RateDependence, SectionControls, SolidSection,
 };
 use super::{cohesive, derive, fields, user_material};
 use crate::deck::table::materials as cards;
@@ -227,7 +227,16 @@ pub fn read_cavity_expansion(context: &mut Context<'_>, materials: &mut Material
 }
 
 pub fn read_solid_section(context: &mut Context<'_>, sections: &mut SectionReader, card: &Card) {
-    let Some((elements, material)) = section_of(context, sections, card, ElementKind::is_solid) else { return };
+    let fits = |kind: ElementKind| kind.is_solid() || kind == ElementKind::Cinax4;
+    let Some((elements, material)) = section_of(context, sections, card, fits) else { return };
+    let is_infinite = |e: &usize| context.model.mesh.elements[*e].kind == ElementKind::Cinax4;
+    let (infinite, elements): (Vec<usize>, Vec<usize>) = elements.into_iter().partition(is_infinite);
+    if !infinite.is_empty() {
+        context.model.discrete.infinite.push(InfiniteSection { elements: infinite, material, span: card.span });
+        if elements.is_empty() {
+            return;
+        }
+    }
     let named = card.value("CONTROLS").cloned();
     sections.controls_used.extend(named.map(|word| (SectionIndex::Solid(context.model.sections.len()), word)));
     let (controls, span) = (SectionControls::default(), card.span);
@@ -257,7 +266,7 @@ pub fn section_of(
         let Element { name, kind, .. } = &mesh.elements[other];
         let (kind, section) = (kind.name(), card.keyword.name);
         let message = format!("element {name} of type {kind} cannot have a *{section}");
-        let help = "*SOLID SECTION is for CAX3, CAX4R and CAX6M, *SHELL SECTION for SAX1, *COHESIVE SECTION for COHAX4";
+        let help = "*SOLID SECTION is for CAX3, CAX4R, CAX6M and CINAX4, *SHELL SECTION for SAX1, *COHESIVE SECTION for COHAX4";
         return context.diagnostics.refuse(Diagnostic::error("M180", message).at(card.span, "this section").help(help));
     }
     Some((elements, MaterialId::new(index)))

@@ -40,6 +40,7 @@ mod gmsh_file;
 mod heading;
 mod heat_loads;
 mod history;
+mod infinite;
 mod inp_file;
 mod interactions;
 mod links;

@@ -1,5 +1,5 @@
-//! Tractions on a surface that are no pressures: in a direction (`TRVEC`), along the surface (`TRSHR`), and viscous
-//! pressure against the normal velocity (`VP`); ABAQUS Analysis User's Guide 34.4.3, "Surface tractions" and "Viscous
+//! Tractions on a surface that are no pressures: in a direction (`TRVEC`), along the surface (`TRSHR`), viscous
+//! pressure against the normal velocity (`VP`), and those of infinite elements, which absorb waves; ABAQUS Analysis User's Guide 34.4.3, "Surface tractions" and "Viscous
 //! pressure loads".
 
 use super::prescribed::LoadDistribution;
@@ -24,6 +24,9 @@ pub enum TractionLaw {
     Shear([f64; 2]),
     /// Against the normal velocity, which is relative to a rigid body or a node. The magnitude is pressure per velocity.
     Viscous(ReferenceMotion),
+    /// Against the velocity, which absorbs waves. The magnitude is traction per normal velocity; `shear_ratio` times it
+    /// that per velocity along the face.
+    Absorbing { shear_ratio: f64 },
 }
 
 /// Motion to which a viscous pressure refers.
@@ -57,6 +60,16 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 impl TractionLaw {
+    /// Returns whether the traction is proportional to a velocity.
+    fn is_damping(&self) -> bool {
+        matches!(self, TractionLaw::Viscous(_) | TractionLaw::Absorbing { .. })
+    }
+
+    /// Returns the velocity to which a traction refers.
+    fn reference_velocity(&self, dofs: &Dofs) -> [f64; 2] {
+        if let TractionLaw::Viscous(reference) = self { reference.velocity(dofs) } else { [0.0; 2] }
+    }
+
     /// Returns the force along z on a facet of a rigid body that moves along z, for unit magnitude (and unit velocity).
     fn on_facet(&self, facet: &Facet) -> f64 {
         let [n_r, n_z] = facet.normal;
@@ -67,6 +80,7 @@ impl TractionLaw {
                 if along == 0.0 { 0.0 } else { n_r * along.signum() }
             }
             TractionLaw::Viscous(_) => -n_z * n_z,
+            TractionLaw::Absorbing { shear_ratio } => -n_z * n_z - shear_ratio * n_r * n_r,
         };
         facet.area * along_z
     }
@@ -94,6 +108,11 @@ impl TractionLaw {
                 let normal = dot(velocity, face.normal);
                 face.normal.inline_map(|n| -n * normal)
             }
+            TractionLaw::Absorbing { shear_ratio } => {
+                let velocity = face.mean(|n| [dofs.nodes[n].v_r, dofs.nodes[n].v_z]);
+                let [normal, along] = [dot(velocity, face.normal), shear_ratio * dot(velocity, tangent)];
+                [0, 1].inline_map(|k: usize| -(face.normal[k] * normal + tangent[k] * along))
+            }
         };
         unit.inline_map(|t| t * magnitude)
     }
@@ -107,7 +126,7 @@ pub struct TractionField {
     /// Force along z on the facets of each rigid body for unit magnitude.
     of_bodies: Vec<f64>,
     law: TractionLaw,
-    /// Damping rate of the nodes by a viscous pressure, 1/time.
+    /// Damping rate of the nodes by a traction against the velocity, 1/time.
     damping: f64,
 }
 
@@ -125,7 +144,7 @@ impl LoadDistribution for TractionField {
     }
 
     fn velocity_use(&self) -> VelocityUse {
-        if matches!(self.law, TractionLaw::Viscous(_)) { VelocityUse::Reads } else { VelocityUse::None }
+        if self.law.is_damping() { VelocityUse::Reads } else { VelocityUse::None }
     }
 
     fn on_nodes(&mut self, magnitude: f64, scene: &SceneView<'_>, forces: &mut [[f64; 2]]) {
@@ -144,7 +163,7 @@ impl LoadDistribution for TractionField {
             };
             for (node, area) in nodes.into_iter().zip(areas) {
                 forces[node] = [forces[node][0] + area * traction[0], forces[node][1] + area * traction[1]];
-                if matches!(self.law, TractionLaw::Viscous(_)) {
+                if self.law.is_damping() {
                     // Row sum of the damping matrix; a node belongs to at most two faces.
                     self.damping = self.damping.max(2.0 * magnitude.abs() * area * dofs.nodes.inverse_mass[node]);
                 }
@@ -155,8 +174,8 @@ impl LoadDistribution for TractionField {
     fn on_bodies(&mut self, magnitude: f64, scene: &SceneView<'_>, forces: &mut [f64]) {
         for ((force, patch), sum) in forces.iter_mut().zip(&self.surface.patches).zip(&self.of_bodies) {
             *force = magnitude * sum;
-            if let TractionLaw::Viscous(reference) = self.law {
-                *force *= scene.dofs.bodies[patch.body].velocity_load - reference.velocity(scene.dofs)[1];
+            if self.law.is_damping() {
+                *force *= scene.dofs.bodies[patch.body].velocity_load - self.law.reference_velocity(scene.dofs)[1];
             }
         }
     }

@@ -1,8 +1,9 @@
-//! Rigid bodies, point masses, rotary inertias, springs and dashpots.
+//! Rigid bodies, point masses, rotary inertias, springs, dashpots and infinite elements.
 
+use super::handle::MaterialId;
 use crate::deck::Span;
 
-/// Properties of point masses, rotary inertias, springs and dashpots.
+/// Properties of point masses, rotary inertias, springs, dashpots and infinite elements.
 #[derive(Clone, Debug, Default)]
 pub struct DiscreteElements {
     /// Masses of nodes (`*MASS`).
@@ -11,6 +12,19 @@ pub struct DiscreteElements {
     pub inertias: Vec<RotaryInertia>,
     /// Properties of springs and dashpots (`*SPRING`, `*DASHPOT`).
     pub connectors: Vec<ConnectorProperty>,
+    /// Sections of infinite elements, until their loads are part of all steps.
+    pub infinite: Vec<InfiniteSection>,
+}
+
+/// Infinite elements and their material (`*SOLID SECTION`).
+#[derive(Clone, Debug)]
+pub struct InfiniteSection {
+    /// Indices of the elements.
+    pub elements: Vec<usize>,
+    /// Material that fills the space outside the mesh.
+    pub material: MaterialId,
+    /// Source position of the keyword line.
+    pub span: Span,
 }
 
 /// A rigid body, defined by `*RIGID BODY`: reference node, elements and analytical surface.

@@ -228,6 +228,12 @@ pub enum SurfaceTraction {
         /// Node to whose motion the velocity refers (`REF NODE`); `None` is at rest.
         reference: Option<usize>,
     },
+    /// Infinite elements: against the normal velocity and the velocity along the face; the magnitude is the impedance of
+    /// pressure waves.
+    Absorbing {
+        /// Impedance of shear waves over that of pressure waves.
+        shear_ratio: f64,
+    },
 }
 
 /// Direction of a body force and meaning of its magnitude.

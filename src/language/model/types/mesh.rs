@@ -125,6 +125,7 @@ element_kinds! {
     "SPRING1" Spring1 1 None, "Spring between a node and the ground.";
     "DASHPOTA" DashpotA 2 None, "Dashpot along the line between two nodes.";
     "DASHPOT1" Dashpot1 1 None, "Dashpot between a node and the ground.";
+    "CINAX4" Cinax4 4 None, "Infinite element: absorbs waves on the face of the mesh that has its first two nodes.";
 }
 
 /// An element of the mesh: type, label and nodes.

@@ -286,9 +286,14 @@ fn traction_load(input: &LoadInput, sides: &SideSelection, law: &SurfaceTraction
         SurfaceTraction::Viscous { reference } => {
             (TractionLaw::Viscous(reference_motion(input, reference, report)?), "against the normal velocity".into())
         }
+        SurfaceTraction::Absorbing { shear_ratio } => (
+            TractionLaw::Absorbing { shear_ratio },
+            format!("against the normal velocity, {} along the face", load.magnitude * shear_ratio),
+        ),
     };
     let detail = format!("on {}, {} {how}{}", sides.name, load.magnitude, amplitude_name(scene.model, load));
-    let id = report.ledger_row(load.span, "surface traction", surface.count(), "facets", detail);
+    let effect = if matches!(law, TractionLaw::Absorbing { .. }) { "infinite elements" } else { "surface traction" };
+    let id = report.ledger_row(load.span, effect, surface.count(), "facets", detail);
     prescribed_load(input, id, TractionField::new(surface, law), report)
 }
 
@@ -485,6 +490,7 @@ pub fn kind_name(kind: &LoadKind) -> &'static str {
             SurfaceTraction::Vector { .. } => "TRVEC",
             SurfaceTraction::Shear { .. } => "TRSHR",
             SurfaceTraction::Viscous { .. } => "VP",
+            SurfaceTraction::Absorbing { .. } => "infinite elements",
         },
         LoadKind::Blast { .. } => "CONWEP",
         LoadKind::Body { law, .. } => match law {
