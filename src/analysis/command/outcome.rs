@@ -48,8 +48,8 @@ pub fn print(summary: &RunSummary, job: &output::JobFiles, frames: FrameOutput, 
         print_profile(summary);
     }
     print_out!("digest {}", summary.digest);
-    let ending = if frames == FrameOutput::Absent { HISTORY } else { ".pvd" };
-    print_out!("results in {}", job.path(ending).display());
+    let has_frames = frames != FrameOutput::Absent && job.path(".pvd").is_file();
+    print_out!("results in {}", job.path(if has_frames { ".pvd" } else { HISTORY }).display());
 }
 
 fn verdict(summary: &RunSummary) -> String {
