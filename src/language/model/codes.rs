@@ -21,7 +21,7 @@ pub const CODES: &[DiagnosticCode] = codes! {
     "M116" "unknown section controls" "No *SECTION CONTROLS has this name."
     "M117" "unknown time points" "No *TIME POINTS has this name."
     "M120" "unknown element type" "ABAQUS has no element type with this name."
-    "M121" "element type not supported" "The type is known, but this code is axisymmetric and supports RAX2, SAX1, CAX3, CAX4R, CAX3T, CAX4RT, CAX6M, COHAX4, MASS, ROTARYI, SPRINGA, SPRING1, DASHPOTA and DASHPOT1."
+    "M121" "element type not supported" "The type is known, but this code is axisymmetric and supports RAX2, SAX1, CAX3, CAX4R, CAX3T, CAX4RT, CAX6M, COHAX4, MASS, ROTARYI, SPRINGA, SPRING1, DASHPOTA, DASHPOT1 and CINAX4."
     "M122" "element with a missing node" "The element refers to a node that is not defined. Nodes must be defined before their elements."
     "M123" "degenerate element" "The nodes coincide, or the element has no area, is clockwise, is concave, or crosses the axis. For cohesive elements: the mid-surface has no area, or the top face is below the bottom face."
     "M124" "duplicate element label" "Two elements have the same label."

@@ -86,7 +86,7 @@ impl TractionLaw {
     }
 
     /// Returns the traction on a face for a magnitude. Viscous pressure uses the velocity in the middle of the previous
-    /// increment.
+    /// increment, as do infinite elements: Equation (16.5).
     #[inline]
     fn on_face(&self, face: &CurrentFace, magnitude: f64, dofs: &Dofs) -> [f64; 2] {
         // The outward normal is on the right of the direction from the first to the second node.
