@@ -26,9 +26,9 @@ card!(Dynamic: "DYNAMIC", "Explicit dynamics", (once step), {
         "largest of given increments" only ["0"] "the time increment is given",
     ]),
     (lines [
-        "first field" only ["0"] "the time increment is automatic: leave it empty, or give DIRECT USER CONTROL",
+        "first field" inert "the time increment is automatic; for a given one use DIRECT USER CONTROL",
         "length of the step" (POSITIVE.required()),
-        "third field" only ["0"] "ABAQUS leaves it empty",
+        "third field" inert "there is no smallest increment",
         "largest increment" (NOT_NEGATIVE.or(0.0)),
     ]),
 ]);
