@@ -534,3 +534,52 @@ fn surplus_and_repeated_input_is_reported() {
     }
     assert!(rendered(&solid).is_empty(), "{:?}", rendered(&solid));
 }
+
+/// Returns what the ledger of a deck lists as unused, without places.
+fn unused_input(text: &str) -> Vec<String> {
+    let (deck, _) = deck::read_text("pair.inp", text, &[]);
+    let plan = revolve::plan::compile(&revolve::model::build(&deck).0, &Routines::none()).plan;
+    plan.ledger.unused.iter().map(|card| format!("{}: {}", card.what, card.why)).collect()
+}
+
+/// Returns the text of a card with its data lines.
+fn block<'t>(text: &'t str, deck: &Deck, index: usize) -> &'t str {
+    let line = |at: u32| text[..at as usize].rfind('\n').map_or(0, |newline| newline + 1);
+    let start = line(deck.cards[index].span.start);
+    let end = deck.cards.get(index + 1).map_or(text.len(), |next| line(next.span.start));
+    &text[start..end]
+}
+
+/// Two cards with different values are both in effect, or there is a message: in neither order does only the first, or only
+/// the second, determine all results and messages.
+#[test]
+fn a_second_card_is_never_ignored_silently() {
+    let folder = tempfile::tempdir().expect("a folder");
+    files(folder.path());
+    let (mut faults, mut count) = (Vec::new(), 0);
+    for pair in pairs() {
+        let keyword = pair.name.split(", ").next().expect("a keyword");
+        // It applies to the nodes that follow.
+        if keyword == "SYSTEM" {
+            continue;
+        }
+        let decks = pair.texts.each_ref().map(|text| deck::read_text("pair.inp", text, &[]).0);
+        let blocks = [0, 1].map(|of| {
+            let of_keyword = (0..decks[of].cards.len()).filter(|&c| decks[of].cards[c].keyword.name == keyword);
+            of_keyword.map(|card| block(&pair.texts[of], &decks[of], card)).collect::<Vec<_>>()
+        });
+        let Some((first, second)) = blocks[0].iter().zip(&blocks[1]).find(|(a, b)| a != b) else { continue };
+        let told = |text: &str| (results(folder.path(), text), unused_input(text));
+        let [alone, other] = pair.texts.each_ref().map(|text| told(text));
+        let together = |blocks: String| told(&pair.texts[0].replacen(first, &blocks, 1));
+        let both = [together(format!("{first}{second}")), together(format!("{second}{first}"))];
+        count += 1;
+        for (which, of_order) in [("first", [&other, &alone]), ("second", [&alone, &other])] {
+            if both.each_ref() == of_order {
+                faults.push(format!("{}: the {which} of two cards has no effect without a message", pair.name));
+            }
+        }
+    }
+    println!("{count} cards given twice");
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}

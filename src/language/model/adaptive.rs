@@ -41,8 +41,9 @@ pub fn read_adaptive_mesh(context: &mut Context<'_>, steps: &mut StepReader, car
     if steps.operation(card, "ADAPTIVE MESH") {
         steps.state().adaptive.clear();
     }
-    let state = steps.state();
     let set = upper(&word.text);
+    steps.note_value(context, card, format!("`{set}`"), card.span);
+    let state = steps.state();
     state.adaptive.retain(|domain| domain.set != set);
     if let Some(word) = named {
         state.adaptive_controls_used.push((set.clone(), word));
@@ -84,6 +85,11 @@ pub fn read_remesh(context: &mut Context<'_>, card: &Card) {
     }
     let (span, set, angle, frequency) = (card.span, upper(&word.text), angle.to_radians(), frequency as u64);
     let elements = sorted_unique(elements);
+    let shares = |card: &&Remeshing| card.elements.iter().any(|e| elements.binary_search(e).is_ok());
+    if let Some(first) = context.model.remeshings.iter().find(shares) {
+        let (message, first) = (format!("elements of `{set}` have two *REMESH cards"), first.span);
+        return context.refuse_second(message, [first, span]);
+    }
     let curvature_angle = curvature_angle.map(f64::to_radians);
     let limits = SizeLimits { curvature_angle, strain_change, smallest: minimum_size };
     context.accepts(card, check_size_limits(&limits));

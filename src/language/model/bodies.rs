@@ -109,7 +109,7 @@ pub fn read_attitude(context: &mut Context<'_>, card: &Card) {
 pub fn read_initial_conditions(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let kind: usize = card.read("TYPE");
     if kind == SOLUTION {
-        return user_material::initial_state(context, card);
+        return user_material::initial_state(context, conditions, card);
     }
     if let Some(word) = card.value("VARIABLE").filter(|_| kind != FIELD) {
         return context.unsupported(word.span, "VARIABLE is allowed with TYPE=FIELD only", "remove it");
@@ -139,7 +139,11 @@ pub fn read_initial_conditions(context: &mut Context<'_>, conditions: &mut Condi
 }
 
 /// Warns if an earlier condition of the same kind has the same members: it has no effect.
-fn warn_of_repeated_condition(context: &mut Context<'_>, conditions: &mut ConditionReader, added: &InitialCondition) {
+pub fn warn_of_repeated_condition(
+    context: &mut Context<'_>,
+    conditions: &mut ConditionReader,
+    added: &InitialCondition,
+) {
     let InitialCondition { kind, members, span } = added;
     let same = |other: &InitialKind| match (kind, other) {
         (InitialKind::Velocity(dof, _), InitialKind::Velocity(other, _)) => dof == other,
@@ -153,7 +157,6 @@ fn warn_of_repeated_condition(context: &mut Context<'_>, conditions: &mut Condit
     first.push(context.model.initial_conditions.len());
     if let Some(earlier) = repeated {
         let message = "this initial condition replaces an earlier one of the same kind on the same members";
-        let diagnostic = Diagnostic::warning("M160", message).at(*span, "second definition");
-        context.diagnostics.push(diagnostic.at(earlier, "has no effect").help("remove one definition"));
+        context.warn_replaced(message, [earlier, *span]);
     }
 }

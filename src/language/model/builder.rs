@@ -70,7 +70,7 @@ impl<'a> ModelBuilder<'a> {
         let name = card.keyword.name;
         let is_of_output = name.ends_with(" OUTPUT") || name == "OUTPUT EXPRESSION";
         if card.keyword.tier == KeywordTier::Used && !is_of_output {
-            self.output.request = None;
+            self.output.close(&mut self.context);
         }
         self.mesh.current_card = card.span;
         let faulty = card.faulty || self.context.missing.faulty.contains(&card.span);
@@ -89,6 +89,7 @@ impl<'a> ModelBuilder<'a> {
 
     /// Completes the model after all cards are read.
     pub fn finish(mut self) -> (Model, Diagnostics) {
+        self.output.close(&mut self.context);
         let context = &mut self.context;
         for block in std::mem::take(&mut self.parts.blocks) {
             let message = format!("this *{} is not closed", block.kind);

@@ -22,6 +22,7 @@ pub fn read_pair_clearance(context: &mut Context<'_>, steps: &mut StepReader, ca
     let Some(set) = context.required(card, "CPSET").cloned() else { return };
     let cards::Clearance { gap } = card.values();
     let [above, below] = [Some(f64::INFINITY); 2];
+    steps.note_value(context, card, format!("`{}`", upper(&set.text)), card.span);
     steps.state().pair_clearances.push((set, PrescribedClearance { gap, above, below }));
 }
 
@@ -29,6 +30,9 @@ pub fn read_pair_clearance(context: &mut Context<'_>, steps: &mut StepReader, ca
 pub fn read_contact_controls(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
     let Some(set) = context.required(card, "CPSET").cloned() else { return };
     let cards::ContactControls { penalty, reset } = card.values();
+    if penalty.is_some() {
+        steps.note_value(context, card, format!("`{}`", upper(&set.text)), card.span);
+    }
     let factors = &mut steps.state().penalty_factors;
     if reset {
         factors.push((set.clone(), 1.0));

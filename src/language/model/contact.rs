@@ -67,8 +67,8 @@ pub fn analytical_surface(context: &mut Context<'_>, mesh: &mut MeshReader, card
     let first = context.model.surfaces.analytical.get(&key);
     if let Some(first) = first.filter(|_| !context.missing.faulty.contains(&card.span)) {
         let message = format!("the surface {} is defined twice", name.text);
-        let diagnostic = Diagnostic::error("M160", message).at(card.span, "second definition");
-        return context.diagnostics.push(diagnostic.at(first.span, "first definition").help("remove one definition"));
+        let spans = [first.span, card.span];
+        return context.refuse_second(message, spans);
     }
     context.model.surfaces.analytical.insert(key, surface);
 }

@@ -208,6 +208,18 @@ impl<'a> Context<'a> {
         self.diagnostics.push(Diagnostic::warning(code, message).at(span, label).help(help));
     }
 
+    /// Warns of a definition that replaces an earlier one.
+    pub fn warn_replaced(&mut self, message: impl Into<String>, [earlier, later]: [Span; 2]) {
+        let diagnostic = Diagnostic::warning("M160", message).at(later, "second definition");
+        self.diagnostics.push(diagnostic.at(earlier, "has no effect").help("remove one definition"));
+    }
+
+    /// Refuses a definition because of an earlier one.
+    pub fn refuse_second(&mut self, message: impl Into<String>, [earlier, later]: [Span; 2]) {
+        let diagnostic = Diagnostic::error("M160", message).at(later, "second definition");
+        self.diagnostics.push(diagnostic.at(earlier, "first definition").help("remove one definition"));
+    }
+
     pub fn unsupported(&mut self, span: Span, message: impl Into<String>, help: &str) {
         let diagnostic = Diagnostic::error("M104", message).at(span, "not supported");
         self.diagnostics.push(if help.is_empty() { diagnostic } else { diagnostic.help(help) });

@@ -231,6 +231,8 @@ pub struct ConditionReader {
     pub rotational: Vec<RotationalCondition>,
     /// The `*COUPLING` card whose `*KINEMATIC` or `*DISTRIBUTING` card follows.
     pub coupling: Option<PendingCoupling>,
+    /// The `*KINEMATIC` or `*DISTRIBUTING` card of the last `*COUPLING`.
+    pub coupled: Option<Span>,
     /// Blast waves.
     pub blasts: Vec<BlastProperty>,
 }
@@ -276,6 +278,8 @@ pub struct StepState {
     pub restart: Option<RestartRequest>,
     /// Families of cards for which `OP=NEW` has removed the conditions of earlier steps.
     pub cleared: Vec<&'static str>,
+    /// Values that a later definition in this step would replace, by keyword and what they apply to.
+    pub given: HashMap<(&'static str, String), Span>,
     /// Whether the `*BOUNDARY` cards of this step have OP=NEW; `None` before the first one.
     pub new_boundaries: Option<bool>,
 }
@@ -295,6 +299,16 @@ impl StepReader {
     /// Returns the state that a card extends: that of the open step, or that of the model data.
     pub fn state(&mut self) -> &mut StepState {
         self.current.as_mut().unwrap_or(&mut self.carried)
+    }
+
+    /// Warns if the step has already given a value that this one replaces: a card with the same keyword for the same `target`.
+    pub fn note_value(&mut self, context: &mut Context<'_>, card: &Card, target: String, span: Span) {
+        let keyword = card.keyword.name;
+        let message =
+            format!("*{keyword} is given twice for {target} in the step; the second definition replaces the first");
+        if let Some(earlier) = self.state().given.insert((keyword, target), span) {
+            context.warn_replaced(message, [earlier, span]);
+        }
     }
 
     /// Returns whether a card removes the conditions of its family from earlier steps: the first one of a step with
@@ -317,6 +331,18 @@ impl StepReader {
 pub struct OutputReader {
     /// The `*OUTPUT` card whose variables follow.
     pub request: Option<OutputRequest>,
+    /// Place of this card until variables follow; `None` if it has variables itself.
+    pub empty: Option<Span>,
     /// Surfaces of `*INTEGRATED OUTPUT SECTION`, by section name.
     pub integrated_sections: HashMap<String, SurfaceId>,
+}
+
+impl OutputReader {
+    /// Ends the requests of an `*OUTPUT` card, which is listed as unused if it requests no variables.
+    pub fn close(&mut self, context: &mut Context<'_>) {
+        self.request = None;
+        if let Some(span) = self.empty.take() {
+            context.ignore("OUTPUT", span, "it requests no variables, and no card with variables follows");
+        }
+    }
 }

@@ -5,6 +5,7 @@ use super::amplitudes;
 use super::context::Context;
 use super::families::StepReader;
 use super::history::{StepHistory, StepTiming};
+use super::names::upper;
 use super::refinement::listed;
 use super::types::{Model, PredefinedVariable, PrescribedField};
 use crate::deck::read::FromValue;
@@ -36,6 +37,11 @@ pub fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader,
         let Some(set) = line.field(0) else { continue };
         let value = f64::from_value(card.given_field(at, 1));
         let Some(nodes) = context.node_members(set) else { continue };
+        let target = match variable {
+            PredefinedVariable::Temperature => format!("`{}`", upper(&set.text)),
+            PredefinedVariable::Field(variable) => format!("variable {} of `{}`", variable + 1, upper(&set.text)),
+        };
+        steps.note_value(context, card, target, line.span);
         let value = amplitudes::scaled(context, value, amplitude);
         let (set, span) = (set.text.clone(), line.span);
         steps.state().fields.push(PrescribedField { variable, nodes, set, value, amplitude, span });

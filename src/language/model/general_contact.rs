@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::families::StepReader;
+use super::names::upper;
 use super::types::{AssignedInteraction, ContactDomain, GeneralContact, InteractionLaw};
 use super::{clearance, contact, surface_contact};
 use crate::deck::read::FromValue;
@@ -18,9 +19,13 @@ pub fn read_contact(steps: &mut StepReader, card: &Card) {
 
 /// Reads a card that follows `*CONTACT`.
 pub fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepReader, card: &Card) {
-    let Some(general) = &mut steps.state().general_contact else {
+    if steps.state().general_contact.is_none() {
         return context.misplaced(card, format!("*{} must follow a *CONTACT", card.keyword.name), "CONTACT");
-    };
+    }
+    if card.has("NODAL EROSION") {
+        steps.note_value(context, card, "NODAL EROSION".into(), card.span);
+    }
+    let Some(general) = &mut steps.state().general_contact else { return };
     general.all |= card.has("ALL EXTERIOR");
     // NODAL EROSION=NO, the default, keeps the nodes of completely eroded elements in contact as point masses; YES
     // removes them (ABAQUS Keywords Reference Guide, *CONTACT CONTROLS ASSIGNMENT).
@@ -29,6 +34,10 @@ pub fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepRe
     }
     for (at, line) in card.lines.iter().enumerate() {
         let Some(domains) = domains(context, line) else { continue };
+        if !matches!(card.keyword.name, "CONTACT INCLUSIONS" | "CONTACT EXCLUSIONS") {
+            steps.note_value(context, card, names_of_pair(line), line.span);
+        }
+        let Some(general) = &mut steps.state().general_contact else { return };
         let third_field = || card.given_field(at, 2);
         match (card.keyword.name, line.field(2)) {
             ("CONTACT INCLUSIONS", _) if domains.iter().all(|d| matches!(d, ContactDomain::Analytical(_))) => {
@@ -49,6 +58,19 @@ pub fn read_general_contact_option(context: &mut Context<'_>, steps: &mut StepRe
                 general.clearances.extend(clearance.map(|clearance| (domains, clearance)));
             }
         }
+    }
+}
+
+/// Returns the names of the two surfaces of a data line, in any order, for a message.
+fn names_of_pair(line: &DataLine) -> String {
+    let mut names = [0, 1].map(|at| line.field(at).map_or(String::new(), |word| upper(&word.text)));
+    if names[1].is_empty() {
+        names[1] = names[0].clone();
+    }
+    names.sort();
+    match &names {
+        [_, second] if second.is_empty() => "ALL EXTERIOR".into(),
+        [first, second] => format!("`{first}` and `{second}`"),
     }
 }
 

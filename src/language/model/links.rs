@@ -85,6 +85,7 @@ pub fn read_coupling(context: &mut Context<'_>, conditions: &mut ConditionReader
         return context.error("M103", message, surface.span, "no node within the influence radius");
     }
     let areas = areas(context, surface, &members);
+    conditions.coupled = None;
     conditions.coupling = Some(PendingCoupling { name, reference: node, nodes: members, areas, span: card.span });
 }
 
@@ -116,9 +117,12 @@ pub fn read_coupling_kind(context: &mut Context<'_>, conditions: &mut ConditionR
         // After an invalid *COUPLING this message would be a consequential error.
         if !context.deck.cards.iter().any(|c| c.keyword.name == "COUPLING") {
             context.misplaced(card, format!("*{} must follow a *COUPLING", card.keyword.name), "COUPLING");
+        } else if let Some(first) = conditions.coupled {
+            context.refuse_second("a *COUPLING has one *KINEMATIC or *DISTRIBUTING card", [first, card.span]);
         }
         return;
     };
+    conditions.coupled = Some(card.span);
     let kind = match card.keyword.name {
         "KINEMATIC" => coupled_degrees(context, card),
         _ => distributing(context, card, &coupling),

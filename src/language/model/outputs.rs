@@ -45,7 +45,10 @@ pub fn read_output(context: &mut Context<'_>, steps: &mut StepReader, output: &m
         sensor,
         span: card.span,
     };
-    if !request.variables.is_empty() {
+    output.close(context);
+    if request.variables.is_empty() {
+        output.empty = Some(card.span);
+    } else {
         steps.state().outputs.push(request.clone());
     }
     output.request = Some(request);
@@ -162,6 +165,7 @@ pub fn read_output_variables(
     let Some(request) = output.request.clone() else {
         return context.misplaced(card, format!("*{} must follow an *OUTPUT", card.keyword.name), "OUTPUT");
     };
+    output.empty = None;
     let Some(region) = output_region(context, output, card) else { return };
     let output_card = match card.keyword.name {
         "NODE OUTPUT" => OutputCard::Node,

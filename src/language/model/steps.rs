@@ -1,5 +1,7 @@
 //! `*STEP` to `*END STEP`, `*DYNAMIC`, `*BULK VISCOSITY`, `*ENERGY LIMIT`.
 
+use std::collections::HashMap;
+
 use super::context::Context;
 use super::families::{PartReader, StepReader, StepState};
 use super::faults::{ValueCheck, require_line};
@@ -31,7 +33,15 @@ pub fn read_step(context: &mut Context<'_>, parts: &mut PartReader<'_>, steps: &
     if !carried.boundaries.is_empty() {
         carried.history.model_data(std::mem::take(&mut carried.boundaries), &mut context.diagnostics);
     }
-    let fresh = StepState { name, span: card.span, ramp, procedure: None, cleared: Vec::new(), ..carried };
+    let fresh = StepState {
+        name,
+        span: card.span,
+        ramp,
+        procedure: None,
+        cleared: Vec::new(),
+        given: HashMap::new(),
+        ..carried
+    };
     steps.current = Some(StepState { new_boundaries: None, ..fresh });
 }
 

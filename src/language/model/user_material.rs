@@ -1,7 +1,9 @@
 //! Material data of user subroutines: `*USER MATERIAL`, `*PLASTIC, HARDENING=USER`, `*USER DEFINED FIELD`, `*DEPVAR`,
 //! and initial state variables.
 
+use super::bodies::warn_of_repeated_condition;
 use super::context::Context;
+use super::families::ConditionReader;
 use super::types::{InitialCondition, InitialKind, PlasticityModel, StateVariables};
 use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine};
@@ -94,7 +96,7 @@ fn state_name(context: &mut Context<'_>, line: &DataLine, count: usize) -> Optio
 
 /// Reads `*INITIAL CONDITIONS, TYPE=SOLUTION`: a set with seven state variables, then eight per line. A line of
 /// numbers continues the previous one until all variables are given; other lines start a new set.
-pub fn initial_state(context: &mut Context<'_>, card: &Card) {
+pub fn initial_state(context: &mut Context<'_>, conditions: &mut ConditionReader, card: &Card) {
     let cards = context.deck.cards.iter().filter(|c| c.keyword.name == "DEPVAR");
     let counts = cards.filter_map(|c| c.lines.first()?.field(0)?.text.parse::<usize>().ok());
     let largest_count = counts.max().unwrap_or(0);
@@ -120,7 +122,9 @@ pub fn initial_state(context: &mut Context<'_>, card: &Card) {
         }
         if let Some(members) = context.element_members(set) {
             let kind = InitialKind::State(values);
-            context.model.initial_conditions.push(InitialCondition { kind, members, span: line.span });
+            let condition = InitialCondition { kind, members, span: line.span };
+            warn_of_repeated_condition(context, conditions, &condition);
+            context.model.initial_conditions.push(condition);
         }
     }
 }
