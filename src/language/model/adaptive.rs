@@ -2,6 +2,7 @@
 //! and the region types of boundaries.
 
 use super::amplitudes;
+use super::budget::BudgetedItem;
 use super::context::Context;
 use super::families::StepReader;
 use super::faults::{ValueCheck, require};
@@ -11,8 +12,10 @@ use super::types::{
     RegionType, Remeshing,
 };
 use crate::deck::table::adaptive as cards;
-use crate::deck::{Card, DataLine, Diagnostic};
+use crate::deck::{Card, DataLine, Diagnostic, Span};
 use crate::kernel::lists::sorted_unique;
+use crate::kernel::shape::twice_area;
+use crate::remesh::MOST_NEW_ELEMENTS;
 use crate::remesh::sizes::SizeLimits;
 
 /// Reads the controls of adaptive meshes. Weights are normalised to the sum 1.
@@ -53,6 +56,22 @@ pub fn read_adaptive_mesh(context: &mut Context<'_>, steps: &mut StepReader, car
     state.adaptive.push(AdaptiveMesh { span, set, elements, frequency, sweeps, initial_sweeps, controls });
 }
 
+/// Returns whether a body has an acceptable number of elements of a size, or reports it.
+fn fits_size(context: &mut Context<'_>, elements: &[usize], size: f64, span: Span) -> bool {
+    let mesh = &context.model.mesh;
+    let corners = |e: &usize| mesh.cells(*e).map(|cell| cell.map(|n| mesh.points[n]));
+    let area = |[a, b, c, d]: [[f64; 2]; 4]| 0.5 * (twice_area([a, b, c]) + twice_area([a, c, d])).abs();
+    let is_solid = |e: &&usize| mesh.elements[**e].kind.is_solid();
+    let count = elements.iter().filter(is_solid).flat_map(corners).map(area).sum::<f64>() / (size * size);
+    if count > MOST_NEW_ELEMENTS {
+        let message =
+            format!("elements of the size {size} would be {count:.1e}; at most {MOST_NEW_ELEMENTS:.0e} are allowed");
+        context.error("M125", message, span, "limit exceeded here");
+        return false;
+    }
+    context.fits_budget(BudgetedItem::Elements, count as u128, span)
+}
+
 /// Reads a body that is remeshed.
 pub fn read_remesh(context: &mut Context<'_>, card: &Card) {
     let cards::Remesh { keeps_mesh, .. } = card.values();
@@ -89,6 +108,11 @@ pub fn read_remesh(context: &mut Context<'_>, card: &Card) {
     if let Some(first) = context.model.remeshings.iter().find(shares) {
         let (message, first) = (format!("elements of `{set}` have two *REMESH cards"), first.span);
         return context.refuse_second(message, [first, span]);
+    }
+    if let (Some(size), Some(word)) = (size, card.value("SIZE"))
+        && !fits_size(context, &elements, size, word.span)
+    {
+        return;
     }
     let curvature_angle = curvature_angle.map(f64::to_radians);
     let limits = SizeLimits { curvature_angle, strain_change, smallest: minimum_size };

@@ -25,7 +25,7 @@ pub const CODES: &[DiagnosticCode] = codes! {
     "M122" "element with a missing node" "The element refers to a node that is not defined. Nodes must be defined before their elements."
     "M123" "degenerate element" "The nodes coincide, or the element has no area, is clockwise, is concave, or crosses the axis. For cohesive elements: the mid-surface has no area, or the top face is below the bottom face."
     "M124" "duplicate element label" "Two elements have the same label."
-    "M125" "model too large" "A model may have 20 million nodes, 20 million elements, and 20 million entries in sets and lists plus 40 for each node and element; it must also fit into the memory of the machine. The message names the card that exceeds the limit; nothing was generated from that card."
+    "M125" "model too large" "A model may have 20 million nodes, 20 million elements, and 20 million entries in sets and lists plus 40 for each node and element; it must also fit into the memory of the machine. A new mesh of a body (*REMESH, SIZE) may have 5 million elements. The message names the card that exceeds the limit; nothing was generated from that card."
     "M126" "node out of the plane or beyond the axis" "An axisymmetric model must be in the r-z plane with r >= 0."
     "M130" "surface side is missing" "RAX2 and SAX1 elements have two sides. In contact a surface without sides has both; a load requires SPOS or SNEG."
     "M131" "invalid element side" "RAX2 and SAX1 elements have the sides SPOS and SNEG; solid elements have S1 to S3 (triangles) or S1 to S4 (quadrilaterals). Cohesive elements have S1 and S3, which can only be tied; loads on faces or per volume do not act on them."

@@ -90,5 +90,9 @@ pub fn read_cohesive_stabilization(context: &mut Context<'_>, card: &Card) {
         }
         return;
     }
+    if cohesion.viscosity != 0.0 {
+        let message = "a surface interaction has one *DAMAGE STABILIZATION";
+        return context.unsupported(card.span, message, "remove one of the cards");
+    }
     cohesion.viscosity = viscosity;
 }

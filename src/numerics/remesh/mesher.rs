@@ -9,7 +9,7 @@ use super::pairing::elements;
 use super::sizes::{SizeField, graded_sizes};
 use super::splitting::split;
 use super::triangulation::fill;
-use super::{BodyMesh, INSIDE, MeshRevision, RevisedSide};
+use super::{BodyMesh, INSIDE, MOST_NEW_ELEMENTS, MeshRevision, RevisedSide};
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::{corner_shape, middle, share_between, smallest_sine};
 
@@ -54,13 +54,16 @@ pub struct OutlineRules<'a> {
 }
 
 /// Remeshes a body. `limited` are the sizes that elements should have in this mesh only
-/// ([`SizeLimits`](super::sizes::SizeLimits)). Returns `None` if the outline touches itself, or if no mesh with valid
-/// elements is found.
+/// ([`SizeLimits`](super::sizes::SizeLimits)). Returns `None` if the outline touches itself, if the sizes demand more than
+/// [`MOST_NEW_ELEMENTS`], or if no mesh with valid elements is found.
 pub fn new_mesh(old: &BodyMesh, rules: &OutlineRules<'_>, limited: Option<Vec<f64>>) -> Option<MeshRevision> {
     let middles: Vec<[f64; 2]> = old.quads.iter().map(|quad| middle(old.corners(quad))).collect();
     let lasting = graded_sizes(old, &old.sizes, &middles);
     let sizes = limited.map_or_else(|| lasting.clone(), |limited| graded_sizes(old, &limited, &middles));
     let mut graded = BodyMesh { sizes, ..old.clone() };
+    if graded.expected_elements() > MOST_NEW_ELEMENTS {
+        return None;
+    }
     // Nodes of a closing cavity may have passed the axis by a little.
     graded.points.iter_mut().for_each(|p| p[0] = p[0].max(0.0));
     let mut loops = loops(old)?;

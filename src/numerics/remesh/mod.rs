@@ -16,6 +16,7 @@ pub mod transfer;
 mod triangulation;
 
 use crate::kernel::lanes::InlineMap;
+use crate::kernel::shape::twice_area;
 use crate::remesh::interpolation::TracerPoint;
 use crate::state::archive::Persist;
 
@@ -30,7 +31,19 @@ pub struct BodyMesh {
     pub sizes: Vec<f64>,
 }
 
+/// Largest number of elements of a new mesh of a body.
+pub const MOST_NEW_ELEMENTS: f64 = 5e6;
+
 impl BodyMesh {
+    /// Returns the number of squares of the wanted sizes that have the area of the mesh.
+    pub fn expected_elements(&self) -> f64 {
+        let squares = |(quad, size): (&[u32; 4], &f64)| {
+            let [a, b, c, d] = self.corners(quad);
+            0.5 * (twice_area([a, b, c]) + twice_area([a, c, d])).abs() / (size * size)
+        };
+        self.quads.iter().zip(&self.sizes).map(squares).sum()
+    }
+
     /// Returns the corners of an element.
     pub fn corners(&self, quad: &[u32; 4]) -> [[f64; 2]; 4] {
         quad.inline_map(|n| self.points[n as usize])
