@@ -583,3 +583,33 @@ fn a_second_card_is_never_ignored_silently() {
     println!("{count} cards given twice");
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }
+
+/// Cards and parameters that nothing in a deck uses are listed with the reason.
+#[test]
+fn input_that_nothing_uses_is_listed() {
+    let base = std::fs::read_to_string(common::project("tests/deck/words/solid.inp")).expect("a deck");
+    let with = |mark: &str, lines: &str| base.replacen(&format!("**{mark}\n"), &format!("**{mark}\n{lines}\n"), 1);
+    for (text, what) in [
+        (with("model", "*Amplitude, name=A9\n 0., 0., 1., 1."), "*AMPLITUDE"),
+        (with("model", "*Section Controls, name=S9, hourglass=STIFFNESS"), "*SECTION CONTROLS"),
+        (with("model", "*Surface Interaction, name=I9"), "*SURFACE INTERACTION"),
+        (with("model", "*Time Points, name=T9\n 0.1,"), "*TIME POINTS"),
+        (with("model", "*Contact Clearance, name=C9, clearance=0.1"), "*CONTACT CLEARANCE"),
+        (with("model", "*Adaptive Mesh Controls, name=M9"), "*ADAPTIVE MESH CONTROLS"),
+        (
+            with("model", "*Incident Wave Interaction Property, name=W9, type=AIR BLAST"),
+            "*INCIDENT WAVE INTERACTION PROPERTY",
+        ),
+        (with("model", "*Physical Constants, absolute zero=-273."), "*PHYSICAL CONSTANTS, ABSOLUTE ZERO"),
+        (with("material", "*Characteristic Length"), "*CHARACTERISTIC LENGTH"),
+        (with("step", "*Output, field"), "*OUTPUT"),
+        (base.replacen("*Dynamic, Explicit", "*Dynamic, Explicit, global=NO", 1), "*DYNAMIC, GLOBAL"),
+    ] {
+        let (deck, found) = deck::read_text("card.inp", &text, &[]);
+        assert!(!found.has_errors(), "{}\n{text}", found.render(&deck.sources));
+        let (model, found) = revolve::model::build(&deck);
+        assert!(!found.has_errors(), "{}", found.render(&deck.sources));
+        let plan = revolve::plan::compile(&model, &Routines::none()).plan;
+        assert!(plan.ledger.unused.iter().any(|card| card.what == what), "{what}: {:?}", plan.ledger.unused);
+    }
+}

@@ -8,7 +8,7 @@ use super::readers::find_reader;
 use super::refinement::pass::ReadPass;
 use super::relisting::edits::DeckEdits;
 use super::types::Model;
-use super::{completion, contact, copies, elements, infinite, links, materials, order, steps};
+use super::{completion, contact, copies, elements, infinite, links, materials, order, steps, unused};
 use crate::deck::keywords::KeywordTier;
 use crate::deck::{Card, Deck, Diagnostic, Diagnostics};
 
@@ -107,6 +107,7 @@ impl<'a> ModelBuilder<'a> {
         contact::apply_interactions(context);
         infinite::add_absorbing_loads(context);
         completion::complete(context, &mut self.materials, &mut self.conditions);
+        unused::list_unused(context);
         context.reduce_output_sets();
         let mesh = &mut *context.model.mesh;
         mesh.points.shrink_to_fit();

@@ -77,6 +77,7 @@ mod surfaces;
 mod targets;
 pub mod types;
 mod units;
+mod unused;
 mod user_material;
 #[cfg(feature = "mesh-files")]
 pub mod vtk_file;

@@ -31,7 +31,9 @@ pub fn read_user_fields(context: &mut Context<'_>, card: &Card) {
 
 /// Reads `*CHARACTERISTIC LENGTH`: the square root of the area (default) or a user subroutine.
 pub fn read_characteristic_length(context: &mut Context<'_>, card: &Card) {
-    if card.read("DEFINITION") {
+    if !card.read::<bool>("DEFINITION") {
+        context.inert(card, "the square root of the area is the default");
+    } else {
         context.last_material().user.lengths = constants(context, card, "PROPERTIES").map(|list| (list, card.span));
     }
 }

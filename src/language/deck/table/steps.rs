@@ -8,7 +8,7 @@ card!(Dynamic: "DYNAMIC", "Explicit dynamics", (once step), {
     explicit: bool = "EXPLICIT" (FLAG) "Required",
     adiabatic: bool = "ADIABATIC" (FLAG) "Adiabatic heating by plastic work",
     element_by_element: bool = "ELEMENT BY ELEMENT" (FLAG) "Stable time increment estimated element by element",
-    "GLOBAL" (FLAG) "Stable time increment from the highest frequency of the model (default)",
+    "GLOBAL" inert "the stable time increment follows from the highest frequency of the model by default",
     "FIXED TIME INCREMENTATION" refused "give DIRECT USER CONTROL",
     direct: bool = "DIRECT USER CONTROL" (FLAG) "The time increment is given on the data line",
     scale_factor: f64 = "SCALE FACTOR" (POSITIVE.or(1.0)) "Factor on the stable time increment",

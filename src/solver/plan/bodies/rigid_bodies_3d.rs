@@ -103,6 +103,11 @@ fn check_attitudes(scene: Scene, report: &mut Report) {
             "the body already has an attitude"
         } else {
             seen.push(attitude.reference);
+            let moves_straight =
+                scene.bodies.of_node.get(&attitude.reference).is_some_and(|&body| !scene.bodies.list[body].spatial);
+            if moves_straight {
+                report.add_unused_card(attitude.span, "*ATTITUDE", "the body moves along its axis, without rotation");
+            }
             continue;
         };
         report.push(Diagnostic::error("P130", message).at(attitude.span, "here"));

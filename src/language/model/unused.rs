@@ -1,0 +1,149 @@
+//! Lists input that nothing in the deck uses: named definitions, and values that depend on other cards.
+
+use std::collections::HashSet;
+
+use super::context::Context;
+use super::names::upper;
+use super::types::{IncrementControl, MaterialDefinition};
+use crate::deck::{Card, Span};
+
+/// Cards that define something by NAME that other cards refer to. Sets and surfaces, which programs write in great number, and
+/// materials of libraries are not listed.
+const DEFINITIONS: [&str; 9] = [
+    "ADAPTIVE MESH CONTROLS",
+    "AMPLITUDE",
+    "CONTACT CLEARANCE",
+    "CONTACT INITIALIZATION DATA",
+    "INCIDENT WAVE INTERACTION PROPERTY",
+    "INTEGRATED OUTPUT SECTION",
+    "SECTION CONTROLS",
+    "SURFACE INTERACTION",
+    "TIME POINTS",
+];
+
+/// Parameters of `*SECTION CONTROLS` that cohesive elements have.
+const OF_COHESIVE: [&str; 4] = ["NAME", "ELEMENT DELETION", "MAX DEGRADATION", "VISCOSITY"];
+
+/// Lists what nothing uses, after all cards are read without errors.
+pub fn list_unused(context: &mut Context<'_>) {
+    if context.diagnostics.has_errors() {
+        return;
+    }
+    let words = words_that_refer(context);
+    let cards = context.deck.cards.iter().filter(|card| !card.faulty);
+    for card in cards {
+        let name = card.value("NAME").map(|word| upper(&word.text));
+        match card.keyword.name {
+            keyword if DEFINITIONS.contains(&keyword) && name.as_ref().is_some_and(|name| !words.contains(name)) => {
+                context.ignore(keyword, card.span, "no other card names it");
+            }
+            "SECTION CONTROLS" => controls_without_effect(context, card, &name.unwrap_or_default()),
+            "CONTACT PROPERTY ASSIGNMENT" => assignments_without_interaction(context, card),
+            "CONTACT INCLUSIONS" if card.has("ALL EXTERIOR") => {
+                for line in card.lines.iter().filter(|line| line.field(0).is_some()) {
+                    context.ignore("CONTACT INCLUSIONS, surfaces", line.span, "ALL EXTERIOR includes all surfaces");
+                }
+            }
+            "CONTACT PAIR" => {
+                let between = |word: &&crate::deck::Word| !matches!(word.text.parse(), Ok(0.0_f64 | 1.0));
+                if let Some(word) = card.value("WEIGHT").filter(between) {
+                    let why = "the side that carries the pressures is chosen automatically unless it is 0 or 1";
+                    context.ignore("CONTACT PAIR, WEIGHT", word.span, why);
+                }
+            }
+            "PHYSICAL CONSTANTS" => {
+                let is_unread = !context.model.materials.iter().any(MaterialDefinition::is_ideal_gas);
+                if let Some(word) = card.value("ABSOLUTE ZERO").filter(|_| is_unread) {
+                    let why = "only the pressure of an ideal gas depends on the absolute temperature";
+                    context.ignore("PHYSICAL CONSTANTS, ABSOLUTE ZERO", word.span, why);
+                }
+            }
+            "RIGID BODY" if !card.has("DENSITY") => {
+                if let Some(word) = card.lines.first().and_then(|line| line.field(0)) {
+                    context.ignore("RIGID BODY, thickness", word.span, "there is no DENSITY");
+                }
+            }
+            _ => {}
+        }
+    }
+    accuracy_of_given_increments(context);
+}
+
+/// Returns all words by which cards refer to others, in capitals: values of parameters except NAME, and fields of data lines.
+fn words_that_refer(context: &Context<'_>) -> HashSet<String> {
+    let mut words = HashSet::new();
+    let mut add = |text: &str| {
+        if text.starts_with(|first: char| first.is_ascii_digit() || matches!(first, '-' | '+' | '.')) {
+            return;
+        }
+        let word = upper(text);
+        words.extend(word.split('.').next_back().map(str::to_owned));
+        words.insert(word);
+    };
+    for card in &context.deck.cards {
+        let values = card.parameters.iter().filter(|parameter| parameter.name != "NAME");
+        values.filter_map(|parameter| parameter.value.as_ref()).for_each(|word| add(&word.text));
+        card.lines.iter().flat_map(|line| &line.fields).for_each(|word| add(&word.text));
+    }
+    words
+}
+
+/// Lists parameters of section controls that the sections that name them do not have.
+fn controls_without_effect(context: &mut Context<'_>, card: &Card, name: &str) {
+    let sections = context.deck.cards.iter().filter(|section| {
+        section.keyword.name.ends_with(" SECTION") && section.value("CONTROLS").is_some_and(|w| upper(&w.text) == *name)
+    });
+    let keywords: Vec<&str> = sections.map(|section| section.keyword.name).collect();
+    let is_of_solids = keywords.contains(&"SOLID SECTION");
+    let is_of_cohesive = keywords.contains(&"COHESIVE SECTION");
+    for parameter in &card.parameters {
+        let why = match parameter.name {
+            "VISCOSITY" if !is_of_cohesive => {
+                "only cohesive elements have it, and no *COHESIVE SECTION names the controls"
+            }
+            other if !is_of_solids && !OF_COHESIVE.contains(&other) => "no *SOLID SECTION names the controls",
+            _ => continue,
+        };
+        context.ignore(format!("SECTION CONTROLS, {}", parameter.name), parameter.span, why);
+    }
+    let fails = |material: &MaterialDefinition| {
+        !material.failures.is_empty()
+            || material.tensile_failure.is_some()
+            || material.failed.is_some()
+            || material.user.material.is_some()
+    };
+    let keeping =
+        context.model.sections.iter().filter(|section| section.controls.keep_failed_elements == Some(card.span));
+    let mut keeping = keeping.peekable();
+    if !is_of_cohesive
+        && keeping.peek().is_some()
+        && keeping.all(|section| !fails(&context.model.materials[section.material]))
+    {
+        let why = "the materials of its sections have no failure criterion";
+        context.ignore("SECTION CONTROLS, ELEMENT DELETION", card.span, why);
+    }
+}
+
+/// Lists the lines of `*CONTACT PROPERTY ASSIGNMENT` that name no interaction.
+fn assignments_without_interaction(context: &mut Context<'_>, card: &Card) {
+    for line in card.lines.iter().filter(|line| line.field(2).is_none()) {
+        let why = "the line names no interaction: the pairs have contact without friction";
+        context.ignore("CONTACT PROPERTY ASSIGNMENT", line.span, why);
+    }
+}
+
+/// Lists ACCURACY of steps with given increments.
+fn accuracy_of_given_increments(context: &mut Context<'_>) {
+    let fixed: Vec<Span> = context
+        .model
+        .steps
+        .iter()
+        .filter(|step| matches!(step.increment, IncrementControl::Fixed(_)))
+        .map(|step| step.span)
+        .collect();
+    for card in context.deck.cards.iter().filter(|card| fixed.contains(&card.span)) {
+        if let Some(word) = card.value("ACCURACY") {
+            context.ignore("DYNAMIC, ACCURACY", word.span, "the time increment is given");
+        }
+    }
+}
