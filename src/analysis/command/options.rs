@@ -104,7 +104,7 @@ pub struct FolderOption {
 /// Suppression of informational output.
 #[derive(Args, Clone, Copy)]
 pub struct QuietOption {
-    /// Print errors only.
+    /// Print errors only, and warnings that results may be wrong (R301 to R304).
     #[arg(short, long)]
     pub quiet: bool,
 }

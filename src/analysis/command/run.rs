@@ -279,7 +279,7 @@ impl RunCommand {
         let mut bar = RunBar::new(quiet);
         let above = bar.handle();
         let warn = |text: &str| {
-            if !quiet {
+            if !quiet || DOUBTS.iter().any(|code| text.starts_with(code)) {
                 above.suspend(|| print_err!("warning: {text}"));
             }
         };
@@ -334,6 +334,10 @@ impl RunCommand {
         print_findings(&notes, &prepared.deck.sources);
     }
 }
+
+/// Warnings that `--quiet` prints as well, because the results may be wrong: drift of the energy, hourglass energy, energies
+/// out of bounds, contact that creates energy.
+const DOUBTS: [&str; 4] = ["R301", "R302", "R303", "R304"];
 
 /// Value or error of each quantity.
 type QuantityValues = IndexMap<String, Result<f64, String>>;

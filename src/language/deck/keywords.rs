@@ -15,11 +15,11 @@ pub enum NameLookup<T: 'static> {
     /// The text is an abbreviation of several names.
     Ambiguous(Vec<&'static T>),
     /// No name was found.
-    Unknown {
-        /// The most similar name, if there is one.
-        nearest: Option<&'static T>,
-    },
+    Unknown,
 }
+
+/// Length from which a text is no name.
+const LONGEST: usize = 256;
 
 /// Iterates over all keywords, in the order of the manual.
 pub fn keywords() -> impl Iterator<Item = &'static Keyword> + Clone {
@@ -36,6 +36,16 @@ pub fn find_parameter(keyword: &Keyword, text: &str) -> NameLookup<InputRule> {
     find(text, keyword.parameters.iter(), |p| p.name)
 }
 
+/// Returns the name of the keyword that is most similar to a text.
+pub fn nearest_keyword(text: &str) -> Option<&'static str> {
+    names::nearest(text, keywords().map(|keyword| keyword.name))
+}
+
+/// Returns the name of the parameter of a keyword that is most similar to a text.
+pub fn nearest_parameter(keyword: &Keyword, text: &str) -> Option<&'static str> {
+    names::nearest(text, keyword.parameters.iter().map(|parameter| parameter.name))
+}
+
 /// Returns whether the text is the full name of a parameter, ignoring case and blanks.
 pub fn is_parameter(keyword: &Keyword, text: &str) -> bool {
     let folded = names::fold(text);
@@ -43,16 +53,16 @@ pub fn is_parameter(keyword: &Keyword, text: &str) -> bool {
 }
 
 fn find<T>(text: &str, table: impl Iterator<Item = &'static T> + Clone, name: fn(&T) -> &'static str) -> NameLookup<T> {
+    if text.len() > LONGEST {
+        return NameLookup::Unknown;
+    }
     let folded = names::fold(text);
     if let Some(row) = table.clone().find(|row| same(&folded, name(row))) {
         return NameLookup::Found(row);
     }
     let begun: Vec<&T> = table.clone().filter(|row| !folded.is_empty() && begins(&folded, name(row))).collect();
     match begun.as_slice() {
-        [] => {
-            let nearest = names::nearest(&folded, table.clone().map(name));
-            NameLookup::Unknown { nearest: nearest.and_then(|n| table.clone().find(|row| name(row) == n)) }
-        }
+        [] => NameLookup::Unknown,
         [row] => NameLookup::Found(row),
         _ => NameLookup::Ambiguous(begun),
     }
@@ -77,7 +87,7 @@ mod tests {
         match find_keyword(text) {
             NameLookup::Found(k) => k.name,
             NameLookup::Ambiguous(_) => "ambiguous",
-            NameLookup::Unknown { nearest } => nearest.map_or("unknown", |k| k.name),
+            NameLookup::Unknown => nearest_keyword(text).unwrap_or("unknown"),
         }
     }
 
@@ -86,7 +96,7 @@ mod tests {
         match find_parameter(k, text) {
             NameLookup::Found(p) => p.name,
             NameLookup::Ambiguous(_) => "ambiguous",
-            NameLookup::Unknown { nearest } => nearest.map_or("unknown", |p| p.name),
+            NameLookup::Unknown => nearest_parameter(k, text).unwrap_or("unknown"),
         }
     }
 

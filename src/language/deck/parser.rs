@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::diagnostic::{Diagnostic, Diagnostics};
-use super::keywords::{self, InputRule, InputUsage, Keyword, KeywordTier, NameLookup};
+use super::keywords::{
+    self, InputRule, InputUsage, Keyword, KeywordTier, NameLookup, nearest_keyword, nearest_parameter,
+};
 use super::lexer::{self, LineFields, LineIterator, LineKind, LineRange};
 use super::parameters::Parameters;
 use super::rows::is_listing;
@@ -45,6 +47,21 @@ pub struct Parser<'a> {
     bytes: u64,
     /// Whether a comment line of another program has been reported.
     has_foreign_comment: bool,
+    /// Number of unknown words for which a similar one was searched.
+    searches: usize,
+}
+
+/// Number of unknown words for which a similar one is searched: each search compares all names, and only the first messages
+/// are read.
+const SEARCHES: usize = 50;
+
+/// Returns the beginning of a word, for a message.
+fn beginning(word: &str) -> String {
+    const SHOWN: usize = 80;
+    match word.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &word[..end]),
+        None => word.to_owned(),
+    }
 }
 
 /// Returns the program whose input file a text is, from its first line that is no comment; `None` for a deck.
@@ -69,6 +86,7 @@ impl<'a> Parser<'a> {
             chain: Vec::new(),
             bytes: 0,
             has_foreign_comment: false,
+            searches: 0,
         }
     }
 
@@ -283,6 +301,12 @@ impl<'a> Parser<'a> {
         }
     }
 
+    /// Returns the result of a search for a similar word; `None` after many searches.
+    fn suggestion(&mut self, search: impl FnOnce() -> Option<&'static str>) -> Option<&'static str> {
+        self.searches += 1;
+        if self.searches > SEARCHES { None } else { search() }
+    }
+
     fn keyword(&mut self, text: &str, span: Span) -> Option<&'static Keyword> {
         let name = text.trim();
         let finding = match keywords::find_keyword(text) {
@@ -292,16 +316,14 @@ impl<'a> Parser<'a> {
                 let what = Diagnostic::error("D102", format!("*{name} is an abbreviation of several keywords"));
                 what.at(span, "ambiguous").help(format!("write one of {}", names.join(", ")))
             }
-            NameLookup::Unknown { .. } if name.is_empty() => {
-                Diagnostic::error("D101", "the keyword line has no keyword")
-                    .at(span, "nothing after the star")
-                    .help("comments begin with `**`")
-            }
-            NameLookup::Unknown { nearest } => {
-                let what = Diagnostic::error("D101", format!("unknown keyword *{name}"));
-                what.at(span, "not in the keyword table").help(match nearest {
+            NameLookup::Unknown if name.is_empty() => Diagnostic::error("D101", "the keyword line has no keyword")
+                .at(span, "nothing after the star")
+                .help("comments begin with `**`"),
+            NameLookup::Unknown => {
+                let what = Diagnostic::error("D101", format!("unknown keyword *{}", beginning(name)));
+                what.at(span, "not in the keyword table").help(match self.suggestion(|| nearest_keyword(name)) {
                     _ if text.starts_with(char::is_whitespace) => "if this is a comment, begin it with `**`".into(),
-                    Some(like) => format!("did you mean *{}?", like.name),
+                    Some(like) => format!("did you mean *{like}?"),
                     None => "docs/abaqus.md lists the keywords of ABAQUS/Explicit and their support".to_owned(),
                 })
             }
@@ -354,7 +376,10 @@ impl<'a> Parser<'a> {
                 );
                 what.at(span, "ambiguous").help(format!("write one of {}", names.join(", ")))
             }
-            NameLookup::Unknown { nearest } if strict => unknown_parameter(keyword, text, span, nearest),
+            NameLookup::Unknown if strict => {
+                let nearest = self.suggestion(|| nearest_parameter(keyword, text));
+                unknown_parameter(keyword, text, span, nearest)
+            }
             _ => return None,
         };
         self.diagnostics.push(finding);
@@ -473,12 +498,12 @@ fn given_twice(keyword: &Keyword, second: &Parameter, first: &Parameter) -> Diag
     what.at(second.span, "again here").at(first.span, "first here")
 }
 
-fn unknown_parameter(keyword: &Keyword, text: &str, span: Span, nearest: Option<&InputRule>) -> Diagnostic {
-    let message = format!("*{} has no parameter {text}", keyword.name);
+fn unknown_parameter(keyword: &Keyword, text: &str, span: Span, nearest: Option<&str>) -> Diagnostic {
+    let message = format!("*{} has no parameter {}", keyword.name, beginning(text));
     let what = Diagnostic::error("D103", message);
     let known: Vec<&str> = keyword.parameters.iter().map(|r| r.name).take(12).collect();
     what.at(span, "unknown parameter").help(match nearest {
-        Some(rule) => format!("did you mean {}?", rule.name),
+        Some(like) => format!("did you mean {like}?"),
         None if known.is_empty() => format!("*{} has no parameters", keyword.name),
         None => format!("its parameters are {}", known.join(", ")),
     })
