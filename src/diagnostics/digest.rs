@@ -12,6 +12,13 @@ pub fn hash<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> String {
     hexadecimal(hash)
 }
 
+/// Returns the hexadecimal SHA-256 of bytes, as `sha256sum` prints it.
+pub fn sha256(bytes: &[u8]) -> String {
+    let mut hash = Hash::new();
+    hash.update(bytes);
+    hexadecimal(hash)
+}
+
 /// Returns the digits of a finished hash.
 pub fn hexadecimal(hash: Hash) -> String {
     hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()

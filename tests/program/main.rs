@@ -24,6 +24,7 @@ mod mesh;
 mod new_meshes;
 mod packaging;
 mod parts;
+mod provenance;
 mod python;
 mod report;
 mod reproducibility;

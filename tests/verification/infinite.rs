@@ -24,14 +24,14 @@ fn bar(absorbs: bool, boundary: &str) -> String {
     format!("{mesh}{outer}*Solid Section, elset=SOLID, material=M\n{section}{material}{pulse}{STEP}{boundary}{OUTPUT}")
 }
 
-/// Returns the energy left in the bar, of that put in by the pulse.
+/// Returns the kinetic energy left in the bar, of the energy put in by the pulse.
 fn energy_left(deck: &str, settings: &[(&str, &str)]) -> f64 {
     let (outcome, memory) = common::run(deck, settings, &Routines::none());
     assert!(outcome.halt.is_none() && outcome.energy.drift < 3e-3, "{:?} {}", outcome.halt, outcome.energy.drift);
     let history = |name: &str| column(deck, &memory, name);
     let most = history("ALLWK").iter().fold(0.0, |most: f64, row| most.max(row.1));
     let end = |name: &str| history(name).last().expect("a row").1;
-    (end("ALLKE") + end("ALLIE")) / most
+    end("ALLKE") / most
 }
 
 /// A pressure wave, with radial displacements fixed. The traction follows from the velocity half an increment earlier, so
@@ -39,16 +39,17 @@ fn energy_left(deck: &str, settings: &[(&str, &str)]) -> f64 {
 #[test]
 fn pressure_waves_leave_the_mesh() {
     let push = "*Boundary\n ALL, 1, 1\n*Dload, amplitude=PULSE\n 1, P1, 1e-4\n";
-    assert!(energy_left(&bar(false, push), &[]) > 0.9);
+    assert!(energy_left(&bar(false, push), &[]) > 0.3);
     let left = [1, 2].map(|n: i32| energy_left(&bar(true, push), &[("mesh", &n.to_string())]));
     assert!(left[0] < 1e-4 && left[1] < 0.35 * left[0], "{left:?}");
 }
 
-/// A shear wave: nodes move along r only, driven at the lower end. At a radius of 1000 it is nearly plane.
+/// A shear wave: nodes move along r only, driven at the lower end. At a radius of 1000 it is nearly plane; the
+/// hoop strain of the displacement that stays is no motion.
 #[test]
 fn shear_waves_leave_the_mesh() {
     let shake = "*Boundary\n ALL, 2, 2\n*Dload, amplitude=PULSE\n 1, TRSHR1, 1e-4, 1., 0.\n";
-    assert!(energy_left(&bar(false, shake), &[]) > 0.9);
+    assert!(energy_left(&bar(false, shake), &[]) > 0.3);
     let left = [1, 2].map(|n: i32| energy_left(&bar(true, shake), &[("mesh", &n.to_string())]));
-    assert!(left[0] < 3e-4 && left[1] < 0.35 * left[0], "{left:?}");
+    assert!(left[0] < 1e-4 && left[1] < 0.35 * left[0], "{left:?}");
 }

@@ -6,6 +6,7 @@ pub mod chart;
 pub mod check;
 pub mod explain;
 pub mod identify;
+pub mod info;
 pub mod limit;
 pub mod line;
 pub mod lsp;
@@ -79,7 +80,7 @@ pub struct UserFiles {
     /// User subroutines (VDLOAD, VUAMP, VDISP, VUMAT, VUHARD, VUSDFLD, VUCHARLENGTH, VEXTERNALDB): a Fortran or C file
     /// or a shared library; can be repeated.
     #[arg(short = 'u', long = "user", value_name = "FILE")]
-    files: Vec<PathBuf>,
+    pub files: Vec<PathBuf>,
     /// Compile the user subroutines with array bounds checks (slower).
     #[arg(long, requires = "files")]
     check_user: bool,

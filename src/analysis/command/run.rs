@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use crate::deck::{self, Diagnostic, Diagnostics, untrusted};
 use crate::job::{
-    self, FrameOutput, Instructions, JobError, JobOptions, ParameterOverrides, PreparedJob, RestartRequirement,
-    RunSummary,
+    self, FrameOutput, Instructions, JobError, JobOptions, ParameterOverrides, PreparedJob, Provenance,
+    RestartRequirement, RunSummary,
 };
 use crate::model::Model;
 use crate::output::checkpoint::Checkpoint;
@@ -26,6 +26,7 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
+use super::line;
 use super::options::{DeckOptions, FolderOption, OutputOptions, ThreadOption, start_threads};
 use super::progress::{self, RunBar};
 use super::slurm;
@@ -107,6 +108,15 @@ pub fn duration(text: &str) -> Option<Duration> {
 }
 
 impl RunCommand {
+    /// Returns the command for copies of its files: the deck, the result folder and the files of user subroutines. It starts at
+    /// time 0 and shows nothing in the browser.
+    pub fn moved(mut self, deck: PathBuf, out: PathBuf, user: Vec<PathBuf>) -> RunCommand {
+        self.deck = deck;
+        self.folder.out = Some(out);
+        self.options.user.files = user;
+        RunCommand { resume: false, resume_anyway: false, view: ViewOption::default(), ..self }
+    }
+
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
         // Before any thread starts: with --isolate the process is forked here.
         let (routines, user) = self.options.user.routines(self.is_silent(), self.isolate)?;
@@ -129,6 +139,7 @@ impl RunCommand {
         let job = job::default_job(&self.deck, self.folder.out.clone())?;
         let from = self.checkpoint(&prepared, &job, &user)?;
         self.note_missing_grace_period(&prepared);
+        let provenance = Provenance::of(&prepared, line::words_of_command(), &self.options.user.files);
         prepared.release_texts();
         if !self.is_silent() {
             print_out!("{}", prepared.plan.ledger.render(false));
@@ -145,6 +156,7 @@ impl RunCommand {
             from,
             state,
             user,
+            provenance: Some(provenance),
             frames,
             ..JobOptions::default()
         };

@@ -41,7 +41,7 @@ pub struct ViewCommand {
 }
 
 /// Option of `revolve run` to show the run in the browser.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct ViewOption {
     /// Show the run in the browser. After the run the page is served until it is closed, or until Ctrl+C.
     #[arg(long)]

@@ -65,7 +65,10 @@ pub fn read_mesh_file(context: &mut Context<'_>, mesh: &mut MeshReader, card: &C
         return context.diagnostics.push(finding.help(help));
     }
     match read_any(&path) {
-        Ok(file) => add_mesh(context, mesh, &file, kind, card.span),
+        Ok(file) => {
+            context.model.origin.mesh_files.push(path);
+            add_mesh(context, mesh, &file, kind, card.span);
+        }
         Err((why, help)) => {
             let message = format!("cannot read the mesh file `{}`: {why}", input.text);
             context.diagnostics.push(Diagnostic::error("M150", message).at(input.span, "this file").help(help));

@@ -1,6 +1,7 @@
 //! The pipeline from a deck to results: text to deck, deck to model, model to plan, plan to results.
 
 mod memory;
+mod provenance;
 mod setup;
 mod status;
 
@@ -40,6 +41,7 @@ use crate::solve::{
 use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
 pub use memory::run_kept;
+pub use provenance::{InputFile, Provenance};
 use status::StatusFile;
 
 /// Codes of planning errors on elements, sections and materials. They are reported even if the deck has errors
@@ -70,6 +72,8 @@ pub struct PreparedJob {
     pub scene: SceneOutline,
     /// Names of the units, if the deck has `*UNITS`.
     pub units: Option<DeckUnits>,
+    /// Mesh files that the deck reads (`*MESH`).
+    mesh_files: Vec<PathBuf>,
     /// Whether user subroutines are present.
     has_routines: bool,
     /// Hash of a model that is composed in Rust, or of a deck whose texts are released.
@@ -215,7 +219,8 @@ fn planned(deck: Deck, model: &Arc<Model>, mut diagnostics: Diagnostics, routine
     diagnostics.merge_repeats();
     let (title, scene, has_routines) = (model.settings.title.clone(), SceneOutline::of(model), routines.any());
     let units = model.settings.units.clone();
-    PreparedJob { title, scene, units, deck, plan, state, diagnostics, has_routines, known_hash: None }
+    let mesh_files = model.origin.mesh_files.clone();
+    PreparedJob { title, scene, units, deck, plan, state, diagnostics, mesh_files, has_routines, known_hash: None }
 }
 
 /// Summary of a run, the contents of `<job>.json`. The keys are stable.
@@ -290,6 +295,9 @@ pub struct RunSummary {
     pub deck: DeckSummary,
     /// Version of the program that wrote the summary.
     pub version: &'static str,
+    /// Program, command, machine and input; `None` for runs without a command.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub provenance: Option<Provenance>,
     /// Whether a signal ended the run.
     #[serde(skip)]
     pub interrupted: bool,
@@ -372,6 +380,8 @@ pub struct JobOptions<'a> {
     pub state: Option<State>,
     /// Hash of the user subroutines ([`crate::user::compile::Compiled::identity`]); empty without any.
     pub user: String,
+    /// What produces the results; its copies of the input are written.
+    pub provenance: Option<Provenance>,
     /// Callback that receives each warning when it is issued.
     pub warn: Option<&'a (dyn Fn(&str) + Sync)>,
     /// Whether frames are written, and with which coordinates.
@@ -662,6 +672,8 @@ pub fn run_with<'a>(
         }
     };
     let frames = frames.map_err(JobError::Folder)?;
+    let mut provenance = options.provenance;
+    provenance.as_mut().map_or(Ok(()), |provenance| provenance.write_copies(job)).map_err(JobError::Folder)?;
     // Only the live view reads it. Where it cannot be written, the first result file that cannot halts the run.
     setup::write_setup(prepared, job).ok();
     let status = StatusFile::open(job, goes_on).map_err(JobError::Folder)?;
@@ -694,6 +706,8 @@ pub fn run_with<'a>(
     }
     status.note(&format!("THE ANALYSIS HAS {}", summary.status.to_uppercase()));
     status.failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
+    provenance.iter_mut().for_each(Provenance::end);
+    summary.provenance = provenance;
     finish_files(job, &mut summary, sums);
     Ok(summary)
 }
@@ -805,6 +819,7 @@ fn summarise(prepared: &PreparedJob, outcome: Outcome, history: RunHistory) -> R
         },
         deck: DeckSummary::of(prepared),
         version: env!("CARGO_PKG_VERSION"),
+        provenance: None,
     }
 }
 

@@ -14,6 +14,7 @@ mod output;
 mod section;
 mod step;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use indexmap::IndexMap;
@@ -156,6 +157,8 @@ pub struct ModelOrigin {
     pub bodies_read: bool,
     /// Cards that were read but have no effect in this deck.
     pub inert: Vec<IgnoredCard>,
+    /// Mesh files that were read.
+    pub mesh_files: Vec<PathBuf>,
 }
 
 /// Settings that hold in all steps.

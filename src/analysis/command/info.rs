@@ -1,0 +1,215 @@
+//! The commands `revolve info`, which prints what produced a result, and `revolve rerun`, which produces it again.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Deserialize;
+
+use super::CommandStatus;
+use super::line::{ProgramArguments, ProgramCommand};
+use super::options::OutputOptions;
+use super::words::{self, print_out};
+use crate::deck::digest::sha256;
+use crate::deck::files;
+use crate::output::columns::aligned_table;
+use clap::Parser as _;
+
+/// Show what produced a result: program, command, machine and input with hashes.
+#[derive(Args)]
+pub struct InfoCommand {
+    /// Result folder, or a file in it, for example a frame.
+    results: PathBuf,
+    #[command(flatten)]
+    output: OutputOptions,
+}
+
+/// Repeat a run from its result folder alone, and compare the digests. The exit status is 1 if they differ.
+#[derive(Args)]
+pub struct RerunCommand {
+    /// Result folder, or a file in it.
+    results: PathBuf,
+    /// Folder for the input and the new results (default: <job>_rerun in the result folder).
+    #[arg(short, long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+}
+
+/// A file that a run has read, as in `<job>.json`.
+#[derive(Clone, Debug, Deserialize)]
+struct RecordedFile {
+    file: String,
+    kind: String,
+    sha256: String,
+    bytes: u64,
+    copy: Option<String>,
+}
+
+/// What produced a run, as in `<job>.json`.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+struct RecordedProvenance {
+    commit: Option<String>,
+    target: String,
+    command: Vec<String>,
+    started: String,
+    ended: String,
+    processor: Option<String>,
+    threads: usize,
+    input: Vec<RecordedFile>,
+}
+
+/// The parts of `<job>.json` that the commands use.
+#[derive(Clone, Debug, Deserialize)]
+struct RecordedRun {
+    status: String,
+    digest: String,
+    version: String,
+    provenance: RecordedProvenance,
+}
+
+/// A run in a result folder.
+struct FoundRun {
+    folder: PathBuf,
+    job: String,
+    run: RecordedRun,
+}
+
+/// Returns the runs in a folder, or the one to which a file belongs.
+///
+/// # Errors
+/// If there is none with a record of what produced it.
+fn find_runs(results: &Path) -> Result<Vec<FoundRun>, String> {
+    let is_folder = results.is_dir();
+    let folder = if is_folder { results } else { results.parent().unwrap_or(Path::new("")) };
+    let listed = std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    let listed = listed.map_err(|error| format!("cannot read {}: {error}", folder.display()))?;
+    let mut names: Vec<String> = listed
+        .filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().strip_suffix(".json")?.to_owned()))
+        .collect();
+    names.sort();
+    if !is_folder {
+        let file = last_part(&results.to_string_lossy());
+        let longest = names.iter().filter(|name| file.starts_with(name.as_str())).max_by_key(|name| name.len());
+        names = longest.cloned().into_iter().collect();
+    }
+    let read = |job: String| {
+        let bytes = files::read(&folder.join(format!("{job}.json"))).ok()?;
+        Some(FoundRun { folder: folder.to_owned(), run: serde_json::from_slice(&bytes).ok()?, job })
+    };
+    let runs: Vec<FoundRun> = names.into_iter().filter_map(read).collect();
+    if runs.is_empty() {
+        let place = results.display();
+        return Err(format!("{place} has no summary (<job>.json) of `revolve run` that states what produced it"));
+    }
+    Ok(runs)
+}
+
+impl InfoCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
+        for FoundRun { folder, job, run } in find_runs(&self.results)? {
+            if self.output.json {
+                let bytes = files::read(&folder.join(format!("{job}.json")))?;
+                let summary: serde_json::Value = serde_json::from_slice(&bytes)?;
+                self.output.print_json(&summary["provenance"])?;
+                continue;
+            }
+            let origin = &run.provenance;
+            let commit = origin.commit.as_ref().map_or(String::new(), |commit| format!(", commit {commit}"));
+            let machine = origin.processor.as_deref().unwrap_or(&origin.target);
+            print_out!("{job}: {}, digest {}", run.status, run.digest);
+            print_out!("program  revolve {}{commit}, {}", run.version, origin.target);
+            print_out!("command  revolve {}", origin.command.join(" "));
+            print_out!("time     {} to {}", origin.started, origin.ended);
+            print_out!("machine  {machine}, {} threads", origin.threads);
+            let rows: Vec<Vec<String>> = origin.input.iter().map(row).collect();
+            words::write(format_args!("{}", aligned_table(&["input", "file", "bytes", "sha256"], &rows, false)), false);
+        }
+        Ok(CommandStatus::SUCCESS)
+    }
+}
+
+fn row(file: &RecordedFile) -> Vec<String> {
+    vec![file.kind.clone(), file.file.clone(), file.bytes.to_string(), file.sha256.clone()]
+}
+
+/// Returns the name of a file without its folders.
+fn last_part(path: &str) -> String {
+    Path::new(path).file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Files of a run that have been put in place again.
+struct RestoredInput {
+    deck: PathBuf,
+    user: Vec<PathBuf>,
+}
+
+impl FoundRun {
+    /// Writes the copies of the input below a folder, with the relative places that the deck expects.
+    ///
+    /// # Errors
+    /// If a file has no copy and is not where it was, or does not have the hash of the run.
+    fn restore(&self, folder: &Path) -> Result<RestoredInput, Box<dyn Error>> {
+        let upward =
+            |file: &RecordedFile| Path::new(&file.file).components().filter(|part| part.as_os_str() == "..").count();
+        let input = &self.run.provenance.input;
+        let depth = input.iter().map(upward).max().unwrap_or(0);
+        let base = (0..depth).fold(folder.to_owned(), |base, level| base.join(format!("level{level}")));
+        std::fs::create_dir_all(&base)?;
+        let mut restored = RestoredInput { deck: PathBuf::new(), user: Vec::new() };
+        for (at, file) in input.iter().enumerate() {
+            let is_user = file.kind == "user";
+            let place = match is_user {
+                true => folder.join("user").join(format!("{at}_{}", last_part(&file.file))),
+                false => base.join(&file.file),
+            };
+            // A deck names other files by paths; joined to a folder, an absolute path remains what it is.
+            let is_elsewhere = !is_user && Path::new(&file.file).is_absolute();
+            let source = match &file.copy {
+                Some(copy) if !is_elsewhere => self.folder.join(copy),
+                _ => PathBuf::from(&file.file),
+            };
+            let contents =
+                files::read(&source).map_err(|error| format!("cannot read {}: {error}", source.display()))?;
+            if sha256(&contents) != file.sha256 {
+                return Err(format!("{} is not the file that the run has read", source.display()).into());
+            }
+            if !is_elsewhere {
+                std::fs::create_dir_all(place.parent().unwrap_or(folder))?;
+                std::fs::write(&place, &contents)?;
+            }
+            match file.kind.as_str() {
+                "deck" => restored.deck = place,
+                "user" => restored.user.push(place),
+                _ => {}
+            }
+        }
+        Ok(restored)
+    }
+
+    /// Repeats the run; returns the new digest.
+    fn repeat(&self, out: &Path) -> Result<String, Box<dyn Error>> {
+        let restored = self.restore(&out.join("input"))?;
+        let words = std::iter::once("revolve".to_owned()).chain(self.run.provenance.command.iter().cloned());
+        let ProgramCommand::Run(command) = ProgramArguments::try_parse_from(words)?.command else {
+            return Err("only runs of `revolve run` can be repeated".into());
+        };
+        command.moved(restored.deck, out.to_owned(), restored.user).execute()?;
+        let run = find_runs(out)?.into_iter().next().ok_or("the run has no summary")?;
+        Ok(run.run.digest)
+    }
+}
+
+impl RerunCommand {
+    pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
+        let runs = find_runs(&self.results)?;
+        let [found] = &runs[..] else {
+            let names: Vec<String> = runs.iter().map(|run| format!("{}.json", run.job)).collect();
+            return Err(format!("several runs are in the folder; name one: {}", names.join(", ")).into());
+        };
+        let out = self.out.unwrap_or_else(|| found.folder.join(format!("{}_rerun", found.job)));
+        let digest = found.repeat(&out)?;
+        let is_same = digest == found.run.digest;
+        print_out!("rerun: the digest is {}", if is_same { "that of the run" } else { "another one" });
+        Ok(CommandStatus::of(is_same))
+    }
+}

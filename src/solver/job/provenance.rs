@@ -1,0 +1,169 @@
+//! What produced a result: program, command, machine and input, and copies of all files that were read.
+
+use std::io;
+use std::path::{Component, Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::Serialize;
+
+use super::PreparedJob;
+use crate::deck::digest::sha256;
+use crate::deck::files;
+use crate::output::{JobFiles, write_whole};
+
+/// Folder of the copies, after the name of the job.
+const COPIES: &str = "_input";
+/// Largest file that is copied, bytes; of larger ones only the hash is stored.
+const LARGEST_COPY: u64 = 64 << 20;
+
+/// A file that a run has read.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct InputFile {
+    /// Path as given, or relative to the folder of the deck.
+    pub file: String,
+    /// `deck`, `include`, `mesh` or `user`.
+    pub kind: &'static str,
+    /// SHA-256 of the contents.
+    pub sha256: String,
+    /// Size, bytes.
+    pub bytes: u64,
+    /// Path of the copy in the result folder; `None` for files above 64 MiB.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub copy: Option<String>,
+    /// Contents until the copy is written.
+    #[serde(skip)]
+    contents: Vec<u8>,
+}
+
+/// What produced a result, part of `<job>.json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Provenance {
+    /// Commit of the source; `None` unless the program was built with the variable `REVOLVE_COMMIT`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub commit: Option<&'static str>,
+    /// Operating system and architecture for which the program was built.
+    pub target: String,
+    /// Words of the command line after the name of the program; empty for runs from Rust and Python.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub command: Vec<String>,
+    /// Instant at which the run began, UTC.
+    pub started: String,
+    /// Instant at which the summary was written, UTC.
+    pub ended: String,
+    /// Name of the processor, if the operating system states it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub processor: Option<String>,
+    /// Number of threads.
+    pub threads: usize,
+    /// The deck, then the files that it reads and those of user subroutines.
+    pub input: Vec<InputFile>,
+}
+
+/// A file that a run reads: kind, path, and the text that has been read.
+type ReadFile<'a> = (&'static str, &'a Path, &'a str);
+
+impl Provenance {
+    /// Returns what is known before a run, from texts that have not been released. `command` are the words of the command
+    /// line, `user` the files of user subroutines.
+    pub fn of(prepared: &PreparedJob, command: Vec<String>, user: &[PathBuf]) -> Provenance {
+        let sources = prepared.deck.sources.files();
+        let kinds = std::iter::once("deck").chain(std::iter::repeat("include"));
+        let texts = kinds.zip(sources).map(|(kind, file)| -> ReadFile { (kind, &file.path, &file.text) });
+        let meshes = prepared.mesh_files.iter().map(|path| -> ReadFile { ("mesh", path, "") });
+        let all = texts.chain(meshes).chain(user.iter().map(|path| -> ReadFile { ("user", path, "") }));
+        let folder = sources.first().and_then(|deck| deck.path.parent()).unwrap_or(Path::new(""));
+        Provenance {
+            commit: option_env!("REVOLVE_COMMIT"),
+            target: format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
+            command,
+            started: now(),
+            ended: String::new(),
+            processor: processor(),
+            threads: rayon::current_num_threads(),
+            input: all.enumerate().map(|(at, file)| InputFile::of(file, folder, at)).collect(),
+        }
+    }
+
+    /// Writes the copies of the input to the folder of a job.
+    ///
+    /// # Errors
+    /// If a copy cannot be written.
+    pub(super) fn write_copies(&mut self, job: &JobFiles) -> io::Result<()> {
+        let folder = format!("{}{COPIES}", job.name);
+        let copies =
+            self.input.iter_mut().filter_map(|file| Some((file.copy.as_mut()?, std::mem::take(&mut file.contents))));
+        for (copy, contents) in copies {
+            *copy = format!("{folder}/{copy}");
+            let path = job.folder.join(&*copy);
+            std::fs::create_dir_all(path.parent().unwrap_or(&job.folder))?;
+            write_whole(&path, &contents)?;
+        }
+        Ok(())
+    }
+
+    /// Sets the instant of the end.
+    pub(super) fn end(&mut self) {
+        self.ended = now();
+    }
+}
+
+impl InputFile {
+    /// Reads a file, number `at` of the input; a deck from standard input has its text only.
+    fn of((kind, path, text): ReadFile, folder: &Path, at: usize) -> InputFile {
+        let contents = files::read(path).unwrap_or_else(|_| text.as_bytes().to_vec());
+        let inside = path.strip_prefix(folder).unwrap_or(path);
+        let is_inside = inside.components().all(|part| matches!(part, Component::Normal(_)));
+        let name = path.file_name().map_or("deck".into(), |name| name.to_string_lossy());
+        let file = inside.to_string_lossy().replace('\\', "/");
+        let copy = if is_inside { file.clone() } else { format!("outside/{at}/{name}") };
+        let bytes = contents.len() as u64;
+        let is_copied = bytes <= LARGEST_COPY;
+        InputFile {
+            file,
+            kind,
+            sha256: sha256(&contents),
+            bytes,
+            copy: is_copied.then_some(copy),
+            contents: if is_copied { contents } else { Vec::new() },
+        }
+    }
+}
+
+/// Returns the current instant as text.
+fn now() -> String {
+    utc(SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs())
+}
+
+/// Returns an instant as text: `2026-11-29T20:15:00Z`. Dates follow from days since 1 March of year 0, in cycles of 400 years.
+fn utc(seconds: u64) -> String {
+    let (days, of_day) = (seconds / 86_400 + 719_468, seconds % 86_400);
+    let (cycle, of_cycle) = (days / 146_097, days % 146_097);
+    let year = (of_cycle - of_cycle / 1_460 + of_cycle / 36_524 - of_cycle / 146_096) / 365;
+    let of_year = of_cycle - (365 * year + year / 4 - year / 100);
+    let month = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * month + 2) / 5 + 1;
+    let (month, next) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
+    let [hour, minute, second] = [of_day / 3600, of_day / 60 % 60, of_day % 60];
+    format!("{:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z", 400 * cycle + year + next)
+}
+
+/// Returns the name of the processor on Linux.
+fn processor() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::utc;
+
+    /// From `date -u -d @N`.
+    #[test]
+    fn instants_are_dates() {
+        let dates = [0, 951_782_400, 1_709_251_199, 4_107_542_399, 1_795_983_300].map(utc);
+        let known = ["1970-01-01T00:00:00Z", "2000-02-29T00:00:00Z", "2024-02-29T23:59:59Z", "2100-02-28T23:59:59Z"];
+        assert_eq!(dates[..4], known);
+        assert_eq!(dates[4], "2026-11-29T20:15:00Z");
+    }
+}
