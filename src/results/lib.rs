@@ -42,6 +42,8 @@ pub use revolve_diagnostics::whole::{self, AtomicFile, unnamed_file, write_durab
 pub const HISTORY: &str = "_history.csv";
 /// Suffix of the status file.
 pub const STATUS: &str = ".sta";
+/// Suffix of the archive with copies of the files that a run has read.
+pub const INPUT: &str = ".input.tar";
 /// Suffix of the file with the setup of a run, which exists until the summary is written.
 pub const SETUP: &str = ".setup";
 

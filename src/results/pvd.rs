@@ -8,10 +8,10 @@ use super::checkpoint::CHECKPOINT;
 use super::sums::{Checksums, SUMS, SummedWriter};
 use super::vtu::{VtuWriter, escape};
 use super::whole::{AtomicFile, remove, unfinished};
-use super::{FramePoints, HISTORY, JobFiles, OutputFrame, SETUP, STATUS, write_whole};
+use super::{FramePoints, HISTORY, INPUT, JobFiles, OutputFrame, SETUP, STATUS, write_whole};
 
 /// Files of a job other than frames.
-const OTHERS: [&str; 7] = [SUMS, ".pvd", ".json", HISTORY, CHECKPOINT, STATUS, SETUP];
+const OTHERS: [&str; 8] = [SUMS, ".pvd", ".json", HISTORY, CHECKPOINT, STATUS, SETUP, INPUT];
 
 /// Time of a frame that has been written, and the checksum of its file.
 pub type WrittenFrame = (f64, u32);

@@ -33,6 +33,7 @@ fn run_writes_complete_files_with_stable_keys() {
         "timing",
         "deck",
         "version",
+        "provenance",
     ];
     assert_eq!(keys, expected);
     assert_eq!(summary["status"], "completed");

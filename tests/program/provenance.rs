@@ -59,8 +59,11 @@ fn a_run_is_repeated_from_its_folder_alone() {
 fn a_changed_copy_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let results = run_of_many_files(folder.path());
-    let copy = results.join("bar_input/start.inc");
-    std::fs::write(&copy, "*Initial Conditions, type=VELOCITY\n N, 2, -0.2\n").expect("written");
+    let archive = results.join("bar.input.tar");
+    let mut bytes = std::fs::read(&archive).expect("an archive");
+    let at = bytes.windows(8).position(|part| part == b"N, 2, -0").expect("the velocity");
+    bytes[at + 9] = b'2';
+    std::fs::write(&archive, bytes).expect("written");
     let again = revolve(&["rerun", &results.display().to_string()]);
     assert!(
         !again.status.success() && text(&again).contains("is not the file that the run has read"),

@@ -12,6 +12,8 @@ use super::options::OutputOptions;
 use super::words::{self, print_out};
 use crate::deck::digest::sha256;
 use crate::deck::files;
+use crate::job::read_copies;
+use crate::output::INPUT;
 use crate::output::columns::aligned_table;
 use clap::Parser as _;
 
@@ -155,6 +157,7 @@ impl FoundRun {
         let depth = input.iter().map(upward).max().unwrap_or(0);
         let base = (0..depth).fold(folder.to_owned(), |base, level| base.join(format!("level{level}")));
         std::fs::create_dir_all(&base)?;
+        let copies = read_copies(&self.folder.join(format!("{}{INPUT}", self.job)))?;
         let mut restored = RestoredInput { deck: PathBuf::new(), user: Vec::new() };
         for (at, file) in input.iter().enumerate() {
             let is_user = file.kind == "user";
@@ -164,14 +167,15 @@ impl FoundRun {
             };
             // A deck names other files by paths; joined to a folder, an absolute path remains what it is.
             let is_elsewhere = !is_user && Path::new(&file.file).is_absolute();
-            let source = match &file.copy {
-                Some(copy) if !is_elsewhere => self.folder.join(copy),
-                _ => PathBuf::from(&file.file),
+            let copy = file.copy.as_ref().and_then(|name| copies.get(name)).filter(|_| !is_elsewhere);
+            let contents = match copy {
+                Some(copy) => copy.clone(),
+                None => {
+                    files::read(Path::new(&file.file)).map_err(|error| format!("cannot read {}: {error}", file.file))?
+                }
             };
-            let contents =
-                files::read(&source).map_err(|error| format!("cannot read {}: {error}", source.display()))?;
             if sha256(&contents) != file.sha256 {
-                return Err(format!("{} is not the file that the run has read", source.display()).into());
+                return Err(format!("{} is not the file that the run has read", file.file).into());
             }
             if !is_elsewhere {
                 std::fs::create_dir_all(place.parent().unwrap_or(folder))?;

@@ -2,12 +2,11 @@
 
 use std::error::Error;
 use std::ffi::OsString;
-use std::sync::OnceLock;
 
 use crate::deck::untrusted;
 use clap::{Parser, Subcommand};
 
-use super::words::print_err;
+use super::words::{print_err, record_command};
 use super::{
     CommandStatus, chart, check, explain, identify, info, limit, lsp, material, mesh, new, print_error, report,
     resistance, run, scatter, shell, study, sweep, view,
@@ -67,21 +66,11 @@ program_commands! {
     Man: shell::ManCommand,
 }
 
-/// Words of the command line after the name of the program.
-static WORDS: OnceLock<Vec<String>> = OnceLock::new();
-
-/// Returns the words of the command line after the name of the program.
-pub fn words_of_command() -> Vec<String> {
-    WORDS.get().cloned().unwrap_or_default()
-}
-
 /// Runs a command line, whose first argument is the program name, with the output of the program, and returns its exit
 /// status. It installs signal handlers; call it at most once per process.
 pub fn command_line(arguments: impl IntoIterator<Item = OsString>) -> CommandStatus {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
-    let words = arguments.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
-    // A second call would be an error of the caller, and keeps the first words.
-    let _ = WORDS.set(words);
+    record_command(arguments.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect());
     let command = match ProgramArguments::try_parse_from(arguments) {
         Ok(arguments) => {
             if (arguments.untrusted || untrusted::is_requested())

@@ -26,7 +26,6 @@ use clap::Args;
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use super::line;
 use super::options::{DeckOptions, FolderOption, OutputOptions, ThreadOption, start_threads};
 use super::progress::{self, RunBar};
 use super::slurm;
@@ -139,7 +138,7 @@ impl RunCommand {
         let job = job::default_job(&self.deck, self.folder.out.clone())?;
         let from = self.checkpoint(&prepared, &job, &user)?;
         self.note_missing_grace_period(&prepared);
-        let provenance = Provenance::of(&prepared, line::words_of_command(), &self.options.user.files);
+        let provenance = Provenance::of(&prepared, words::words_of_command(), &self.options.user.files);
         prepared.release_texts();
         if !self.is_silent() {
             print_out!("{}", prepared.plan.ledger.render(false));

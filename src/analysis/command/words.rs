@@ -1,7 +1,9 @@
-//! Text on standard output and standard error. A run continues if the output cannot be written.
+//! Text on standard output and standard error, and the words of the command line. A run continues if the output cannot be
+//! written.
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, IsTerminal as _, Write};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::deck::printable;
@@ -66,4 +68,17 @@ pub fn is_coloured() -> bool {
 /// Returns whether no write to standard output has failed; a pipe closed by its reader counts as success.
 pub fn output_succeeded() -> bool {
     STATE.load(Ordering::Relaxed) != FULL
+}
+
+/// Words of the command line after the name of the program.
+static WORDS: OnceLock<Vec<String>> = OnceLock::new();
+
+/// Records the words of the command line; those of a second command in the process are ignored.
+pub fn record_command(words: Vec<String>) {
+    let _ = WORDS.set(words);
+}
+
+/// Returns the words of the command line after the name of the program.
+pub fn words_of_command() -> Vec<String> {
+    WORDS.get().cloned().unwrap_or_default()
 }

@@ -56,6 +56,11 @@ pub fn memory_of_machine() -> Option<u128> {
     None
 }
 
+/// Returns the name of the processor: `None`, it is not determined here.
+pub fn processor_name() -> Option<String> {
+    None
+}
+
 /// Returns `None`: the free disk space is not determined on these platforms.
 #[cfg(feature = "disk-space")]
 pub fn free_space(_folder: &Path) -> Option<u64> {

@@ -79,6 +79,13 @@ pub fn memory_of_machine() -> Option<u128> {
     Some(1024 * kilobytes.trim().parse::<u128>().ok()?)
 }
 
+/// Returns the name of the processor, on Linux.
+pub fn processor_name() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
 /// Returns the command that opens an address in the user's browser; `None` without a display.
 pub fn browser_command(address: &str) -> Option<Command> {
     let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());

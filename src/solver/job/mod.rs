@@ -27,7 +27,7 @@ use crate::output::lock::{FolderLock, LockError};
 use crate::output::pvd::{FrameWriter, WrittenFrame, missing_frames};
 use crate::output::sums::{Checksums, SUMS, sum};
 use crate::output::{
-    FramePoints, HISTORY, HistorySummary, JobFiles, OutputFrame, RunHistory, SETUP, unnamed_file, write_summary,
+    FramePoints, HISTORY, HistorySummary, INPUT, JobFiles, OutputFrame, RunHistory, SETUP, unnamed_file, write_summary,
     write_whole, write_with_sums,
 };
 use crate::overview::DeckOverview;
@@ -41,7 +41,7 @@ use crate::solve::{
 use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
 pub use memory::run_kept;
-pub use provenance::{InputFile, Provenance};
+pub use provenance::{InputFile, Provenance, read_copies};
 use status::StatusFile;
 
 /// Codes of planning errors on elements, sections and materials. They are reported even if the deck has errors
@@ -673,7 +673,8 @@ pub fn run_with<'a>(
     };
     let frames = frames.map_err(JobError::Folder)?;
     let mut provenance = options.provenance;
-    provenance.as_mut().map_or(Ok(()), |provenance| provenance.write_copies(job)).map_err(JobError::Folder)?;
+    let of_copies = provenance.as_mut().map(|provenance| provenance.write_copies(job)).transpose();
+    let of_copies = of_copies.map_err(JobError::Folder)?;
     // Only the live view reads it. Where it cannot be written, the first result file that cannot halts the run.
     setup::write_setup(prepared, job).ok();
     let status = StatusFile::open(job, goes_on).map_err(JobError::Folder)?;
@@ -692,7 +693,8 @@ pub fn run_with<'a>(
     let state = options.state.unwrap_or_else(|| prepared.state.clone());
     let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(checkpoint_mismatch)?;
     let checkpoint_seconds = outcome.checkpoint_seconds;
-    let (sums, history_failed) = files.end();
+    let (mut sums, history_failed) = files.end();
+    of_copies.into_iter().for_each(|sum| sums.add_sum(job, INPUT, sum));
     let FileSink { mut status, history, .. } = files;
     let mut summary = summarise(prepared, outcome, history);
     let forgotten = lost_state_notes(prepared, options.from.as_ref(), &summary.lost);

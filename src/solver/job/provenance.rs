@@ -1,6 +1,7 @@
 //! What produced a result: program, command, machine and input, and copies of all files that were read.
 
-use std::io;
+use std::collections::HashMap;
+use std::io::{self, Read as _};
 use std::path::{Component, Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -9,10 +10,10 @@ use serde::Serialize;
 use super::PreparedJob;
 use crate::deck::digest::sha256;
 use crate::deck::files;
-use crate::output::{JobFiles, write_whole};
+use crate::output::sums::sum;
+use crate::output::{INPUT, JobFiles, write_whole};
+use crate::platform::processor_name;
 
-/// Folder of the copies, after the name of the job.
-const COPIES: &str = "_input";
 /// Largest file that is copied, bytes; of larger ones only the hash is stored.
 const LARGEST_COPY: u64 = 64 << 20;
 
@@ -27,7 +28,7 @@ pub struct InputFile {
     pub sha256: String,
     /// Size, bytes.
     pub bytes: u64,
-    /// Path of the copy in the result folder; `None` for files above 64 MiB.
+    /// Name of the copy in `<job>.input.tar`; `None` for files above 64 MiB.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub copy: Option<String>,
     /// Contents until the copy is written.
@@ -59,8 +60,13 @@ pub struct Provenance {
     pub input: Vec<InputFile>,
 }
 
-/// A file that a run reads: kind, path, and the text that has been read.
-type ReadFile<'a> = (&'static str, &'a Path, &'a str);
+/// A file that a run reads.
+struct ReadFile<'a> {
+    kind: &'static str,
+    path: &'a Path,
+    /// The text that has been read; empty for files that are not part of the deck.
+    text: &'a str,
+}
 
 impl Provenance {
     /// Returns what is known before a run, from texts that have not been released. `command` are the words of the command
@@ -68,9 +74,9 @@ impl Provenance {
     pub fn of(prepared: &PreparedJob, command: Vec<String>, user: &[PathBuf]) -> Provenance {
         let sources = prepared.deck.sources.files();
         let kinds = std::iter::once("deck").chain(std::iter::repeat("include"));
-        let texts = kinds.zip(sources).map(|(kind, file)| -> ReadFile { (kind, &file.path, &file.text) });
-        let meshes = prepared.mesh_files.iter().map(|path| -> ReadFile { ("mesh", path, "") });
-        let all = texts.chain(meshes).chain(user.iter().map(|path| -> ReadFile { ("user", path, "") }));
+        let texts = kinds.zip(sources).map(|(kind, file)| ReadFile { kind, path: &file.path, text: &file.text });
+        let meshes = prepared.mesh_files.iter().map(|path| ReadFile { kind: "mesh", path, text: "" });
+        let all = texts.chain(meshes).chain(user.iter().map(|path| ReadFile { kind: "user", path, text: "" }));
         let folder = sources.first().and_then(|deck| deck.path.parent()).unwrap_or(Path::new(""));
         Provenance {
             commit: option_env!("REVOLVE_COMMIT"),
@@ -78,27 +84,29 @@ impl Provenance {
             command,
             started: now(),
             ended: String::new(),
-            processor: processor(),
+            processor: processor_name(),
             threads: rayon::current_num_threads(),
-            input: all.enumerate().map(|(at, file)| InputFile::of(file, folder, at)).collect(),
+            input: all.enumerate().map(|(at, file)| InputFile::of(&file, folder, at)).collect(),
         }
     }
 
-    /// Writes the copies of the input to the folder of a job.
+    /// Writes the archive with the copies of the input to the folder of a job. Returns its checksum.
     ///
     /// # Errors
-    /// If a copy cannot be written.
-    pub(super) fn write_copies(&mut self, job: &JobFiles) -> io::Result<()> {
-        let folder = format!("{}{COPIES}", job.name);
-        let copies =
-            self.input.iter_mut().filter_map(|file| Some((file.copy.as_mut()?, std::mem::take(&mut file.contents))));
-        for (copy, contents) in copies {
-            *copy = format!("{folder}/{copy}");
-            let path = job.folder.join(&*copy);
-            std::fs::create_dir_all(path.parent().unwrap_or(&job.folder))?;
-            write_whole(&path, &contents)?;
+    /// If it cannot be written.
+    pub(super) fn write_copies(&mut self, job: &JobFiles) -> io::Result<u32> {
+        let mut archive = tar::Builder::new(Vec::new());
+        for file in &mut self.input {
+            let contents = std::mem::take(&mut file.contents);
+            let Some(name) = &file.copy else { continue };
+            let mut header = tar::Header::new_gnu();
+            header.set_size(contents.len() as u64);
+            header.set_mode(0o644);
+            archive.append_data(&mut header, name, &contents[..])?;
         }
-        Ok(())
+        let bytes = archive.into_inner()?;
+        write_whole(&job.path(INPUT), &bytes)?;
+        Ok(sum(&bytes))
     }
 
     /// Sets the instant of the end.
@@ -109,7 +117,7 @@ impl Provenance {
 
 impl InputFile {
     /// Reads a file, number `at` of the input; a deck from standard input has its text only.
-    fn of((kind, path, text): ReadFile, folder: &Path, at: usize) -> InputFile {
+    fn of(&ReadFile { kind, path, text }: &ReadFile<'_>, folder: &Path, at: usize) -> InputFile {
         let contents = files::read(path).unwrap_or_else(|_| text.as_bytes().to_vec());
         let inside = path.strip_prefix(folder).unwrap_or(path);
         let is_inside = inside.components().all(|part| matches!(part, Component::Normal(_)));
@@ -147,11 +155,21 @@ fn utc(seconds: u64) -> String {
     format!("{:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z", 400 * cycle + year + next)
 }
 
-/// Returns the name of the processor on Linux.
-fn processor() -> Option<String> {
-    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("model name"))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
+/// Returns the contents of the copies in the archive of a job, by name.
+///
+/// # Errors
+/// If the archive cannot be read.
+pub fn read_copies(archive: &Path) -> io::Result<HashMap<String, Vec<u8>>> {
+    let bytes = files::read(archive)?;
+    let mut copies = HashMap::new();
+    for entry in tar::Archive::new(&bytes[..]).entries()? {
+        let mut entry = entry?;
+        let name = entry.path()?.to_string_lossy().into_owned();
+        let mut contents = Vec::new();
+        entry.read_to_end(&mut contents)?;
+        copies.insert(name, contents);
+    }
+    Ok(copies)
 }
 
 #[cfg(test)]
