@@ -92,6 +92,7 @@ fn check(folder: &Path, what: &str, command: &str, whole: &BTreeMap<String, Vec<
             Some("json" | "setup") => serde_json::from_slice::<serde_json::Value>(&bytes).is_ok(),
             Some("html") => bytes.trim_ascii_end().ends_with(b"</html>"),
             Some("svg") => bytes.trim_ascii_end().ends_with(b"</svg>"),
+            Some("tar") => bytes.len().is_multiple_of(512) && bytes.ends_with(&[0; 1024]),
             Some("png") => bytes.ends_with(b"IEND\xaeB`\x82"),
             _ => bytes.ends_with(b"\n"),
         };

@@ -29,7 +29,7 @@ pub fn list_unused(context: &mut Context<'_>) {
     if context.diagnostics.has_errors() {
         return;
     }
-    let words = words_that_refer(context);
+    let (words, used) = (words_that_refer(context), UsedControls::of(context));
     let cards = context.deck.cards.iter().filter(|card| !card.faulty);
     for card in cards {
         let name = card.value("NAME").map(|word| upper(&word.text));
@@ -37,7 +37,7 @@ pub fn list_unused(context: &mut Context<'_>) {
             keyword if DEFINITIONS.contains(&keyword) && name.as_ref().is_some_and(|name| !words.contains(name)) => {
                 context.ignore(keyword, card.span, "no other card names it");
             }
-            "SECTION CONTROLS" => controls_without_effect(context, card, &name.unwrap_or_default()),
+            "SECTION CONTROLS" => controls_without_effect(context, card, (&name.unwrap_or_default(), &used)),
             "CONTACT PROPERTY ASSIGNMENT" => assignments_without_interaction(context, card),
             "CONTACT INCLUSIONS" if card.has("ALL EXTERIOR") => {
                 for line in card.lines.iter().filter(|line| line.field(0).is_some()) {
@@ -88,40 +88,57 @@ fn words_that_refer(context: &Context<'_>) -> HashSet<String> {
     words
 }
 
+/// Sections that use section controls.
+struct UsedControls {
+    /// Names of the controls of `*SOLID SECTION` and of `*COHESIVE SECTION`.
+    of_solids: HashSet<String>,
+    of_cohesive: HashSet<String>,
+    /// Places of ELEMENT DELETION=NO for materials that fail.
+    keeping_failed: HashSet<Span>,
+}
+
+impl UsedControls {
+    fn of(context: &Context<'_>) -> UsedControls {
+        let named_by = |keyword: &str| {
+            let sections = context.deck.cards.iter().filter(|card| card.keyword.name == keyword);
+            sections.filter_map(|card| Some(upper(&card.value("CONTROLS")?.text))).collect()
+        };
+        let fails = |material: &MaterialDefinition| {
+            !material.failures.is_empty()
+                || material.tensile_failure.is_some()
+                || material.failed.is_some()
+                || material.user.material.is_some()
+        };
+        let failing = context.model.sections.iter().filter(|section| fails(&context.model.materials[section.material]));
+        UsedControls {
+            of_solids: named_by("SOLID SECTION"),
+            of_cohesive: named_by("COHESIVE SECTION"),
+            keeping_failed: failing.filter_map(|section| section.controls.keep_failed_elements).collect(),
+        }
+    }
+}
+
 /// Lists parameters of section controls that the sections that name them do not have.
-fn controls_without_effect(context: &mut Context<'_>, card: &Card, name: &str) {
-    let sections = context.deck.cards.iter().filter(|section| {
-        section.keyword.name.ends_with(" SECTION") && section.value("CONTROLS").is_some_and(|w| upper(&w.text) == *name)
-    });
-    let keywords: Vec<&str> = sections.map(|section| section.keyword.name).collect();
-    let is_of_solids = keywords.contains(&"SOLID SECTION");
-    let is_of_cohesive = keywords.contains(&"COHESIVE SECTION");
+fn controls_without_effect(context: &mut Context<'_>, card: &Card, (name, used): (&str, &UsedControls)) {
+    let (is_of_solids, is_of_cohesive) = (used.of_solids.contains(name), used.of_cohesive.contains(name));
     for parameter in &card.parameters {
         let why = match parameter.name {
             "VISCOSITY" if !is_of_cohesive => {
                 "only cohesive elements have it, and no *COHESIVE SECTION names the controls"
             }
             other if !is_of_solids && !OF_COHESIVE.contains(&other) => "no *SOLID SECTION names the controls",
+            "ELEMENT DELETION" if is_of_solids && !is_of_cohesive && keeps_nothing(card, used) => {
+                "the materials of its sections have no failure criterion"
+            }
             _ => continue,
         };
         context.ignore(format!("SECTION CONTROLS, {}", parameter.name), parameter.span, why);
     }
-    let fails = |material: &MaterialDefinition| {
-        !material.failures.is_empty()
-            || material.tensile_failure.is_some()
-            || material.failed.is_some()
-            || material.user.material.is_some()
-    };
-    let keeping =
-        context.model.sections.iter().filter(|section| section.controls.keep_failed_elements == Some(card.span));
-    let mut keeping = keeping.peekable();
-    if !is_of_cohesive
-        && keeping.peek().is_some()
-        && keeping.all(|section| !fails(&context.model.materials[section.material]))
-    {
-        let why = "the materials of its sections have no failure criterion";
-        context.ignore("SECTION CONTROLS, ELEMENT DELETION", card.span, why);
-    }
+}
+
+/// Returns whether ELEMENT DELETION=NO is given for materials that do not fail.
+fn keeps_nothing(card: &Card, used: &UsedControls) -> bool {
+    !card.read::<bool>("ELEMENT DELETION") && !used.keeping_failed.contains(&card.span)
 }
 
 /// Lists the lines of `*CONTACT PROPERTY ASSIGNMENT` that name no interaction.

@@ -673,8 +673,7 @@ pub fn run_with<'a>(
     };
     let frames = frames.map_err(JobError::Folder)?;
     let mut provenance = options.provenance;
-    let of_copies = provenance.as_mut().map(|provenance| provenance.write_copies(job)).transpose();
-    let of_copies = of_copies.map_err(JobError::Folder)?;
+    let of_copies = provenance.as_mut().map(|provenance| provenance.write_copies(job));
     // Only the live view reads it. Where it cannot be written, the first result file that cannot halts the run.
     setup::write_setup(prepared, job).ok();
     let status = StatusFile::open(job, goes_on).map_err(JobError::Folder)?;
@@ -694,14 +693,19 @@ pub fn run_with<'a>(
     let (outcome, _) = solve::run_with(&prepared.plan, state, &mut files, control).map_err(checkpoint_mismatch)?;
     let checkpoint_seconds = outcome.checkpoint_seconds;
     let (mut sums, history_failed) = files.end();
-    of_copies.into_iter().for_each(|sum| sums.add_sum(job, INPUT, sum));
+    if let Some(Ok(sum)) = &of_copies {
+        sums.add_sum(job, INPUT, *sum);
+    }
     let FileSink { mut status, history, .. } = files;
     let mut summary = summarise(prepared, outcome, history);
     let forgotten = lost_state_notes(prepared, options.from.as_ref(), &summary.lost);
     summary.diagnostics.extend(forgotten.findings(&prepared.deck.sources));
     summary.timing.resumed_at = options.from.map(|c| c.now.increment);
     summary.timing.checkpoint_seconds = (checkpoint_seconds > 0.0).then_some(checkpoint_seconds);
-    history_failed.into_iter().for_each(|why| summary.mark_unwritten(why.to_string()));
+    history_failed
+        .into_iter()
+        .chain(of_copies.and_then(Result::err))
+        .for_each(|why| summary.mark_unwritten(why.to_string()));
     summary.halt.iter().for_each(|halt| status.note(&format!("***ERROR: {halt}")));
     if let Some(MeshShape { smallest_angle, turned_corners }) = summary.mesh_shape {
         status.note(&format!("SMALLEST ANGLE {smallest_angle:.1}, ELEMENTS WITH A TURNED CORNER {turned_corners}"));
