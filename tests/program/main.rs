@@ -32,6 +32,7 @@ mod same_bits;
 mod searches;
 mod slurm;
 mod soak;
+mod staged_shots;
 mod study;
 mod study_cases;
 mod study_effects;
