@@ -10,6 +10,7 @@ mod diagram;
 mod evaluate;
 mod extending;
 mod faults;
+mod fragments;
 mod fuzz;
 mod growth;
 mod hostile;
