@@ -20,6 +20,8 @@ pub struct RunHistory {
     /// Summaries of the columns over all rows.
     pub summary: HistorySummary,
     keeps_rows: bool,
+    /// Whether the summaries are those of removed rows, to be replaced by the next row.
+    is_cleared: bool,
     /// Total time of each stored row.
     times: Vec<f64>,
     /// Step number, from 1, of each stored row.
@@ -39,9 +41,9 @@ impl RunHistory {
         RunHistory { columns, ..RunHistory::default() }
     }
 
-    /// Removes all rows and summaries.
+    /// Removes all rows. The next row replaces the summaries.
     pub fn clear(&mut self) {
-        self.summary.0.clear();
+        self.is_cleared = true;
         self.times.clear();
         self.steps.clear();
         self.values.clear();
@@ -49,7 +51,11 @@ impl RunHistory {
 
     /// Adds a row: one value for each column.
     pub fn push(&mut self, now: &Instant, values: &[f64]) {
-        self.summary.observe(&self.columns, now.total_time, values);
+        if std::mem::take(&mut self.is_cleared) {
+            self.summary.begin(&self.columns, now.total_time, values);
+        } else {
+            self.summary.observe(&self.columns, now.total_time, values);
+        }
         if self.keeps_rows {
             self.times.push(now.total_time);
             self.steps.push(now.step);
@@ -144,13 +150,19 @@ impl ColumnSummary {
 pub struct HistorySummary(pub IndexMap<String, ColumnSummary>);
 
 impl HistorySummary {
+    /// Takes the first row; names that exist are not allocated again.
+    fn begin(&mut self, columns: &[String], time: f64, values: &[f64]) {
+        let first = |v: f64| ColumnSummary { last: v, min: v, max: v, time_min: time, time_max: time };
+        if self.0.len() == values.len() {
+            self.0.values_mut().zip(values).for_each(|(summary, value)| *summary = first(*value));
+        } else {
+            self.0 = columns.iter().zip(values).map(|(name, value)| (name.clone(), first(*value))).collect();
+        }
+    }
+
     fn observe(&mut self, columns: &[String], time: f64, values: &[f64]) {
         if self.0.is_empty() {
-            let first = |(name, &v): (&String, &f64)| {
-                (name.clone(), ColumnSummary { last: v, min: v, max: v, time_min: time, time_max: time })
-            };
-            self.0 = columns.iter().zip(values).map(first).collect();
-            return;
+            return self.begin(columns, time, values);
         }
         for (summary, &value) in self.0.values_mut().zip(values) {
             summary.last = value;
@@ -177,7 +189,7 @@ impl HistorySummary {
 
 impl Persist for RunHistory {
     fn persist(&mut self, archive: &mut StateArchive<'_>) {
-        let RunHistory { columns, summary, keeps_rows: _, times, steps, values } = self;
+        let RunHistory { columns, summary, keeps_rows: _, is_cleared: _, times, steps, values } = self;
         persist_fields!(archive; times, steps, values);
         let rows = values.len().checked_div(columns.len());
         if rows.is_some_and(|rows| rows != times.len()) || steps.len() != times.len() {

@@ -1,7 +1,8 @@
 //! Evaluations: tables of quantities over samples of parameters.
 //!
 //! Source: single runs. Each sample has the bits of a run that reads and plans the deck again, for any parameter, any
-//! number of threads and any distribution of samples over calls.
+//! number of threads and any distribution of samples over calls, if it is integrated in increments (shots by stages are in
+//! `staged_shots.rs`).
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -207,7 +208,7 @@ fn agree(source: &DeckSource, texts: &[&str]) {
             quantities.clone(),
             UserRoutines::Absent,
         );
-        let evaluator = evaluator.expect("an evaluator");
+        let evaluator = evaluator.expect("an evaluator").in_increments();
         for threads in [1, 3] {
             assert_eq!(table(&evaluator, &samples, texts.len(), threads), expected, "{name}, {threads} threads");
         }

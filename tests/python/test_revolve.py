@@ -233,6 +233,7 @@ def test_evaluate_matches_single_runs(deck: rv.Deck) -> None:
     assert table.shape == (40, 2)
     assert table.ok.all()
     runs = [deck.run(V=v, friction=f, frames=False) for v, f in zip(speeds, friction)]
+    # The minimum needs the increments.
     assert np.array_equal(table, [[run.quantity(q) for q in quantities] for run in runs])
     for threads in (1, 2, 5):
         again = deck.evaluate({"V": speeds, "friction": friction}, quantities, threads=threads)
@@ -241,9 +242,9 @@ def test_evaluate_matches_single_runs(deck: rv.Deck) -> None:
     assert np.array_equal(table, np.vstack(halves))
     # With parameters of the geometry, and with scalars for all samples.
     shapes = deck.evaluate({"CRH": [2.0, 3.0, 4.5], "V": 700, "n": 12}, quantities[0])
-    assert shapes.values[:, 0].tolist() == [
-        deck.run(CRH=c, V=700, n=12).quantity(quantities[0]) for c in (2.0, 3.0, 4.5)
-    ]
+    runs = [deck.run(CRH=c, V=700, n=12).quantity(quantities[0]) for c in (2.0, 3.0, 4.5)]
+    # Final values of rigid shots are solved by stages.
+    assert np.allclose(shapes.values[:, 0], runs, rtol=1e-4, atol=0.0)
 
 
 def test_failed_samples_are_nan_with_a_reason(deck: rv.Deck) -> None:

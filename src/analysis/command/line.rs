@@ -8,8 +8,8 @@ use clap::{Parser, Subcommand};
 
 use super::words::{print_err, record_command};
 use super::{
-    CommandStatus, chart, check, explain, identify, info, limit, lsp, material, mesh, new, print_error, report,
-    resistance, run, scatter, shell, study, sweep, view,
+    CommandStatus, chart, check, explain, fragments, identify, info, limit, lsp, material, mesh, new, print_error,
+    report, resistance, run, scatter, shell, study, sweep, view,
 };
 
 /// Axisymmetric explicit finite-element code for ABAQUS-style decks with user subroutines.
@@ -53,6 +53,7 @@ program_commands! {
     Limit: limit::LimitCommand,
     Identify: identify::IdentifyCommand,
     Report: report::ReportCommand,
+    Fragments: fragments::FragmentsCommand,
     Info: info::InfoCommand,
     Rerun: info::RerunCommand,
     Resistance: resistance::ResistanceCommand,

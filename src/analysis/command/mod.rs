@@ -5,6 +5,7 @@
 pub mod chart;
 pub mod check;
 pub mod explain;
+pub mod fragments;
 pub mod identify;
 pub mod info;
 pub mod limit;

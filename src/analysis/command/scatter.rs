@@ -8,7 +8,7 @@ use crate::study::inputs::RandomInputs;
 use crate::study::quantity::Quantity;
 use crate::study::scatter::{self, ScatterRequest, ScatterResults};
 use crate::study::statistics::design::SamplingScheme;
-use crate::study::statistics::summary::{SampleStatistic, estimate};
+use crate::study::statistics::summary::{SampleStatistic, estimate_sorted, sorted};
 use crate::study::table::TextTable;
 use clap::Args;
 use serde_json::{Value, json};
@@ -104,8 +104,9 @@ impl ScatterCommand {
             let mut row = |what: &str, found| {
                 rows.push([quantity.clone(), what.to_owned()].into_iter().chain(format.cells(found)).collect());
             };
+            let sorted = sorted(values);
             for (what, statistic) in &statistics {
-                if let Some(found) = estimate(values, &results.sets, *statistic) {
+                if let Some(found) = estimate_sorted(values, &sorted, &results.sets, *statistic) {
                     row(what, found);
                 }
             }

@@ -27,6 +27,10 @@ pub struct SearchArguments {
     set: SetOption,
     #[command(flatten)]
     user: UserFiles,
+    /// Integrate every run in time increments, with the bits of `revolve run`. By default, shots of rigid bodies into
+    /// unbounded layers are solved by stages.
+    #[arg(long)]
+    in_increments: bool,
     #[command(flatten)]
     pub results: ResultOptions,
     #[command(flatten)]
@@ -68,7 +72,8 @@ impl SearchArguments {
             return Err(format!("--set {name}: another option gives the values of this parameter").into());
         }
         let user = routines.clone().map_or(UserRoutines::Absent, UserRoutines::Files);
-        Ok(SampleEvaluator::new(DeckSource::File(self.deck.clone()), fixed, names, quantities, user)?)
+        let evaluator = SampleEvaluator::new(DeckSource::File(self.deck.clone()), fixed, names, quantities, user)?;
+        Ok(if self.in_increments { evaluator.in_increments() } else { evaluator })
     }
 
     /// Prints a table and the lines below it, unless output is suppressed.

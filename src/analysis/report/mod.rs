@@ -8,6 +8,8 @@ mod compare;
 pub mod data;
 pub mod filter;
 mod find;
+#[cfg(feature = "cli")]
+pub(crate) mod fragments;
 pub(crate) mod frame_mesh;
 pub(crate) mod frames;
 mod history;

@@ -20,7 +20,7 @@ use crate::model::{self, Model};
 use crate::output::RunHistory;
 use crate::plan::revise::{PlanReviser, RevisablePlan};
 use crate::plan::{self, CompiledModel, Plan, State, WriteSchedule};
-use crate::solve::{self, Instant, Outcome, Progress, RunControl, Sink, SinkError};
+use crate::solve::{self, Instant, Progress, RunControl, RunEnd, Sink, SinkError, StagedShots};
 use crate::user::compile::Compiled;
 use crate::user::{Routines, thread_pool};
 
@@ -76,6 +76,8 @@ pub struct SampleEvaluator {
     most_threads: usize,
     /// Whether the quantities need only the last history row.
     only_last_row: bool,
+    /// Whether all runs are integrated in increments.
+    stepped: bool,
     /// Idle workers, reused by later calls.
     idle: Mutex<Vec<SampleWorker>>,
     /// Present if the samples are shots: the last step is extended while a body moves in a target, and the end of the
@@ -139,6 +141,7 @@ impl SampleEvaluator {
             user,
             most_threads,
             only_last_row: ends_alone,
+            stepped: false,
             idle,
             shots,
             still_moving,
@@ -151,6 +154,13 @@ impl SampleEvaluator {
     #[must_use]
     pub fn with_selections(self, selections: Vec<Vec<usize>>) -> SampleEvaluator {
         if selections.is_empty() { self } else { SampleEvaluator { selections, ..self } }
+    }
+
+    /// Integrates all runs in increments, as [`solve::run`] does, with the same bits. By default, shots of rigid bodies
+    /// are solved by [stages](StagedShots) where the plan and the quantities allow it.
+    #[must_use]
+    pub fn in_increments(self) -> SampleEvaluator {
+        SampleEvaluator { stepped: true, ..self }
     }
 
     /// Makes an evaluator of [`shots`](SampleEvaluator::shots). The first quantity, if there is one, is the residual
@@ -261,6 +271,16 @@ impl SampleEvaluator {
         self.shots.is_some() && !self.quantities.is_empty() && !plan.places.elements.is_empty()
     }
 
+    /// Returns the shots of a plan by stages; `None` if the plan or a quantity does not allow it.
+    fn staged(&self, plan: &Plan, start: &State) -> Option<StagedShots> {
+        if self.stepped || !self.only_last_row {
+            return None;
+        }
+        let staged = StagedShots::new(plan, start)?;
+        let mut columns = self.quantities.iter().flat_map(Quantity::columns);
+        columns.all(|name| staged.has_column(name, plan)).then_some(staged)
+    }
+
     /// Creates a history that stores the data needed for all quantities and for the ends of shots.
     fn history(&self, plan: &Plan) -> RunHistory {
         if self.needs_rows(plan) {
@@ -273,11 +293,11 @@ impl SampleEvaluator {
     /// Evaluates the row of a run that began from the state `start`. Returns the remaining time of a shot: zero if it has
     /// ended, infinite if it is unknown.
     fn finish(&self, run: EndedRun<'_>, start: &State, out: &mut [f64]) -> Result<f64, StudyError> {
-        let EndedRun { row, plan, history, outcome, state } = run;
-        let end = Some((outcome.total_time(), state));
-        let recorded = shot::end(&outcome, &start.dofs.bodies);
-        outcome.halt.map_or(Ok(()), |halt| Err(StudyError::Halted(halt)))?;
-        if outcome.still_moving > 0 {
+        let EndedRun { row, plan, history, end: run_end, state } = run;
+        let end = Some((run_end.total_time, state));
+        let recorded = shot::end(&run_end.impacts, &start.dofs.bodies);
+        run_end.halt.map_or(Ok(()), |halt| Err(StudyError::Halted(halt)))?;
+        if run_end.still_moving > 0 {
             self.still_moving.fetch_add(1, Ordering::Relaxed);
         }
         out.fill(f64::NAN);
@@ -306,7 +326,8 @@ struct EndedRun<'a> {
     row: usize,
     plan: &'a Plan,
     history: &'a RunHistory,
-    outcome: Outcome,
+    end: RunEnd,
+    /// State at the end. Of shots by stages, which have no nodes, that at the start.
     state: &'a State,
 }
 
@@ -414,16 +435,19 @@ impl SampleBatch<'_> {
         let read = evaluator.source.read(&evaluator.overrides(sample));
         let mut prepared = accepted(job::prepare_read(read, &routines))?;
         evaluator.reduce_output(&mut prepared.plan);
+        let mut staged = evaluator.staged(&prepared.plan, &prepared.state);
         evaluator.run_extended(last_duration(&prepared.plan), &mut |duration| {
             prepared.plan.set_last_duration(duration);
-            let mut history = evaluator.history(&prepared.plan);
+            let (plan, start) = (&prepared.plan, &prepared.state);
+            let mut history = evaluator.history(plan);
             let mut sink = HistorySink { history: &mut history, look };
+            let staged = staged.as_mut().filter(|_| !self.is_interrupted());
+            if let Some(end) = staged.and_then(|staged| staged.run(plan, start, &mut sink)) {
+                return evaluator.finish(EndedRun { row, plan, history: &history, end, state: start }, start, out);
+            }
             let (outcome, state) = job::run_until(&prepared, &mut sink, self.interrupt);
-            evaluator.finish(
-                EndedRun { row, plan: &prepared.plan, history: &history, outcome, state: &state },
-                &prepared.state,
-                out,
-            )
+            let ended = EndedRun { row, plan, history: &history, end: outcome.into(), state: &state };
+            evaluator.finish(ended, start, out)
         })
     }
 }
@@ -451,6 +475,8 @@ struct ReusablePlan {
     state: State,
     /// `None` if the plan must be compiled for each sample.
     reviser: Option<PlanReviser>,
+    /// `None` if the motion must be integrated in increments.
+    staged: Option<StagedShots>,
     history: RunHistory,
     /// Work arrays: parameter values, and the numbers of deck words that contain parameters.
     values: Vec<f64>,
@@ -473,19 +499,24 @@ impl ReusablePlan {
         let RevisablePlan { mut plan, state, reviser } = plan::revise::compile(&model, &routines, &places);
         evaluator.reduce_output(&mut plan);
         let history = evaluator.history(&plan);
+        let staged = evaluator.staged(&plan, &state);
         let (values, numbers) = (Vec::new(), Vec::new());
-        Some(ReusablePlan { template, places, model, routines, plan, state, reviser, history, values, numbers })
+        Some(ReusablePlan { template, places, model, routines, plan, state, reviser, staged, history, values, numbers })
     }
 
     /// Changes the plan to the values of a sample; returns whether this is possible.
     fn revise(&mut self, evaluator: &SampleEvaluator, sample: &[f64]) -> bool {
         let changed = self.template.numbers(sample, &mut self.values, &mut self.numbers)
             && self.places.iter().zip(&self.numbers).all(|(place, value)| revise::set(&mut self.model, *place, *value));
-        match &mut self.reviser {
+        let is_valid = match &mut self.reviser {
             _ if !changed => false,
             Some(reviser) => reviser.revise(&self.model, &self.routines, &mut self.plan, &mut self.state),
             None => self.compile(evaluator),
+        };
+        if is_valid && self.reviser.as_ref().is_none_or(PlanReviser::changes_forces) {
+            self.staged = evaluator.staged(&self.plan, &self.state);
         }
+        is_valid
     }
 
     /// Compiles the plan of the changed model; returns whether it has no errors.
@@ -505,15 +536,19 @@ impl ReusablePlan {
         out: &mut [f64],
         look: &mut dyn FnMut(),
     ) -> Result<(), StudyError> {
-        let ReusablePlan { plan, state: start, history, .. } = self;
+        let ReusablePlan { plan, state: start, staged, history, .. } = self;
         let duration = last_duration(plan);
         let result = batch.evaluator.run_extended(duration, &mut |duration| {
             plan.set_last_duration(duration);
             history.clear();
             let mut sink = HistorySink { history, look };
+            let staged = staged.as_mut().filter(|_| !batch.is_interrupted());
+            if let Some(end) = staged.and_then(|staged| staged.run(plan, start, &mut sink)) {
+                return batch.evaluator.finish(EndedRun { row, plan, history, end, state: start }, start, out);
+            }
             let control = RunControl { interrupt: Some(batch.interrupt), ..RunControl::default() };
             let (outcome, state) = solve::run_with(plan, start.clone(), &mut sink, control).unwrap_or_default();
-            batch.evaluator.finish(EndedRun { row, plan, history, outcome, state: &state }, start, out)
+            batch.evaluator.finish(EndedRun { row, plan, history, end: outcome.into(), state: &state }, start, out)
         });
         plan.set_last_duration(duration);
         result

@@ -18,6 +18,8 @@ mod error;
 pub mod evaluate;
 pub mod expansion;
 mod field;
+#[cfg(feature = "cli")]
+pub(crate) mod fragments;
 pub mod grid;
 pub mod identify;
 #[cfg(feature = "cli")]

@@ -94,6 +94,17 @@ impl Quantity {
         expression.raw_arguments().all(|(function, _)| function == "final" || STATE_FUNCTIONS.contains(&function))
     }
 
+    /// Returns the names of the history columns in the expression.
+    pub fn columns(&self) -> impl Iterator<Item = &str> {
+        let expression = match &self.kind {
+            QuantityKind::Number(expression) => Some(expression),
+            QuantityKind::Field(_) => None,
+        };
+        let of_columns = |&(function, _): &(&str, &str)| !STATE_FUNCTIONS.contains(&function);
+        let arguments = expression.into_iter().flat_map(Expression::raw_arguments).filter(of_columns);
+        arguments.map(|(_, argument)| argument.split(',').next().unwrap_or_default().trim())
+    }
+
     /// Returns the quantity with the time average between two times in place of final values and values at a time;
     /// `None` if it has neither.
     pub fn averaged(&self, from: f64, to: f64) -> Option<Quantity> {

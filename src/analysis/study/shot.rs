@@ -6,7 +6,7 @@ use super::StudyError;
 use super::quantity::{FinishedRun, Quantity};
 use crate::load::PenetrationOutcome;
 use crate::output::RunHistory;
-use crate::solve::{ImpactEnd, Instant, Outcome};
+use crate::solve::{ImpactEnd, Instant};
 use crate::state::BodyState;
 
 /// End of a shot.
@@ -151,15 +151,12 @@ pub(super) fn decode(row: &[f64]) -> FiredShot {
 
 /// Returns the end of a shot and the smallest speed of the bodies with this end; `None` if no body can meet a target.
 /// `bodies` have their motion at the start.
-pub(super) fn end(outcome: &Outcome, bodies: &[BodyState]) -> Option<(ShotEnd, f64)> {
+pub(super) fn end(impacts: &[ImpactEnd], bodies: &[BodyState]) -> Option<(ShotEnd, f64)> {
     let striking = |body: usize| bodies.get(body).map_or(0.0, |body| body.velocity.abs());
-    let ends: Vec<(ShotEnd, f64)> = outcome
-        .impacts
-        .iter()
-        .map(|impact| (end_of(impact, &outcome.impacts, striking(impact.body)), impact.speed))
-        .collect();
-    let decisive = ends.iter().map(|end| end.0).max()?;
-    let speed = ends.iter().filter(|end| end.0 == decisive).map(|end| end.1).fold(f64::INFINITY, f64::min);
+    let end = |impact: &ImpactEnd| end_of(impact, impacts, striking(impact.body));
+    let decisive = impacts.iter().map(end).max()?;
+    let deciding = impacts.iter().filter(|impact| end(impact) == decisive);
+    let speed = deciding.map(|impact| impact.speed).fold(f64::INFINITY, f64::min);
     Some((decisive, speed))
 }
 
@@ -187,7 +184,7 @@ mod tests {
 
     fn ended(impacts: &[ImpactEnd]) -> Option<ShotEnd> {
         let bodies = [500.0, 300.0].map(|velocity| BodyState { velocity, ..BodyState::default() });
-        end(&Outcome { impacts: impacts.to_vec(), ..Outcome::default() }, &bodies).map(|found| found.0)
+        end(impacts, &bodies).map(|found| found.0)
     }
 
     #[test]

@@ -33,6 +33,7 @@ pub mod return_mapping;
 pub mod rotation;
 pub mod shape;
 pub mod shell;
+pub mod shot_stages;
 pub mod six_node_triangle;
 pub mod solid;
 pub mod sorted_boxes;

@@ -60,6 +60,11 @@ pub fn compile(model: &Model, routines: &Routines, numbers: &[RevisableNumber]) 
 }
 
 impl PlanReviser {
+    /// Returns whether the revised numbers change masses or loads.
+    pub fn changes_forces(&self) -> bool {
+        self.masses || self.loads
+    }
+
     /// Updates a plan and its initial state from a model with other numbers. Returns `false` if there are errors.
     /// Details in the ledger remain those of the first model.
     pub fn revise(&mut self, model: &Model, routines: &Routines, plan: &mut Plan, state: &mut State) -> bool {

@@ -29,6 +29,7 @@ mod restart;
 mod routines;
 mod run;
 mod run_state;
+mod staged_shots;
 mod timing;
 mod volumes;
 mod watch;
@@ -49,7 +50,7 @@ pub use limits::{IncrementLimits, LimitsOverTime};
 use observe::RunOutput;
 pub use observe::{Progress, Sink, SinkError};
 pub use outcome::{
-    AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, MeshShape, Outcome, PenetrationSummary, StepSummary,
+    AddedMassPlaces, BodyExit, BodyRest, ImpactEnd, MeshShape, Outcome, PenetrationSummary, RunEnd, StepSummary,
 };
 pub use position::RunPosition;
 use remesh::{DetachedRun, NextMesh, next_mesh, plan_of_revisions};
@@ -57,6 +58,7 @@ pub use restart::{CheckpointInterval, END_OF_TRIAL, LOST, RunControl, lost};
 use restart::{Checkpointer, RunCursor, begin_step, restore, saved_revisions};
 use run::SolverRun;
 use run_state::RunState;
+pub use staged_shots::StagedShots;
 use watch::RunReport;
 
 /// Runs a plan from its initial state to the end; rows and frames are passed to `sink`.

@@ -105,6 +105,26 @@ impl Outcome {
     }
 }
 
+/// End of a run, as far as searches and samples need it.
+#[derive(Clone, Debug, Default)]
+pub struct RunEnd {
+    /// Reason for an early end, if any.
+    pub halt: Option<HaltReason>,
+    /// Total time reached.
+    pub total_time: f64,
+    /// End of each impact of a rigid body on a target.
+    pub impacts: Vec<ImpactEnd>,
+    /// Number of bodies that still move in a target.
+    pub still_moving: usize,
+}
+
+impl From<Outcome> for RunEnd {
+    fn from(outcome: Outcome) -> RunEnd {
+        let total_time = outcome.total_time();
+        RunEnd { halt: outcome.halt, total_time, impacts: outcome.impacts, still_moving: outcome.still_moving }
+    }
+}
+
 /// End of the impact of a rigid body on a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactEnd {

@@ -25,16 +25,25 @@ const FEWEST: usize = 2;
 /// (Efron and Tibshirani, An Introduction to the Bootstrap, section 11.5), quantiles by the fraction of each set below
 /// the quantile (Woodruff, J. Am. Stat. Assoc. 47 (1952) 635).
 pub fn estimate(values: &[f64], sets: &[usize], statistic: SampleStatistic) -> Option<IntervalEstimate> {
-    let sorted = sorted(values);
+    estimate_sorted(values, &sorted(values), sets, statistic)
+}
+
+/// Estimates a statistic as [`estimate`] does, from values that are also given [`sorted`].
+pub fn estimate_sorted(
+    values: &[f64],
+    sorted: &[f64],
+    sets: &[usize],
+    statistic: SampleStatistic,
+) -> Option<IntervalEstimate> {
     if sorted.len() < FEWEST {
         return None;
     }
-    let value = statistic.of(&sorted);
+    let value = statistic.of(sorted);
     if sets.len() <= 2 {
-        return Some(statistic.alone(&sorted, value));
+        return Some(statistic.alone(sorted, value));
     }
     if let SampleStatistic::Quantile(part) = statistic {
-        return Some(by_shares(values, sets, &sorted, value, part));
+        return Some(by_shares(values, sets, sorted, value, part));
     }
     let without = |ends: &[usize]| self::sorted(&[&values[..ends[0]], &values[ends[1]..]].concat());
     let leave_one_out: Vec<f64> =
@@ -58,7 +67,8 @@ fn by_shares(values: &[f64], sets: &[usize], sorted: &[f64], value: f64, part: f
     IntervalEstimate { value, low: between(sorted, shares.low), high: between(sorted, shares.high) }
 }
 
-fn sorted(values: &[f64]) -> Vec<f64> {
+/// Returns the finite values in ascending order.
+pub fn sorted(values: &[f64]) -> Vec<f64> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
     sorted

@@ -13,6 +13,7 @@ mod rings;
 mod shadow;
 mod skin;
 mod stack;
+mod stages;
 mod tunnel;
 
 use std::any::Any;
@@ -38,6 +39,7 @@ use oblique::ObliqueResistance;
 pub use oblique::StackTilt;
 use skin::SkinResistance;
 pub use stack::LayerStack;
+pub use stages::{AxialResistance, force_stages};
 
 /// Resistance of one stack of layers on a surface.
 #[derive(Clone, Debug, Persist)]
@@ -80,6 +82,14 @@ impl CavityExpansion {
         self.noses.iter_mut().for_each(NoseResistance::ignore_opened_tunnel);
         self.skin.ignore_opened_tunnel(nodes);
         self
+    }
+
+    /// Returns the resistances on rigid bodies that move along z; `None` if there are others, or if the layers are
+    /// bounded.
+    pub fn axial_resistances(&self) -> Option<impl Iterator<Item = AxialResistance<'_>>> {
+        let is_axial = self.skin.is_empty() && self.oblique.is_empty() && self.stack.bounds.is_none();
+        let of_nose = |nose| AxialResistance { nose, stack: &self.stack, friction: self.friction };
+        is_axial.then(|| self.noses.iter().map(of_nose))
     }
 
     fn forces_of_a_body(&self) -> usize {

@@ -199,6 +199,21 @@ impl NoseResistance {
         self.idle.iter().for_each(|e| fields.push(*e, 0.0, 0.0));
     }
 
+    /// Returns the facets that are loaded in a direction of motion.
+    pub(super) fn facets(&self, direction: f64) -> &[Facet] {
+        &self.front(direction).facets
+    }
+
+    /// Returns these facets in order along z; `None` if they overlap along z.
+    pub(super) fn profile(&self, direction: f64) -> Option<&NoseProfile> {
+        self.front(direction).profile.as_ref()
+    }
+
+    /// Returns the tolerance of distances for rounding errors.
+    pub(super) fn rounding(&self) -> f64 {
+        self.rounding
+    }
+
     fn front(&self, direction: f64) -> &NoseFront {
         &self.fronts[usize::from(direction > 0.0)]
     }

@@ -5,6 +5,7 @@ use super::plug::plus;
 use super::stack::{LayerStack, is_level};
 use crate::kernel::cavity::CavityResistance;
 use crate::kernel::facet::Facet;
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 
 /// Sums over the facets of one orientation inside one material. With the body velocity V, the normal velocity is v_n =
@@ -27,7 +28,7 @@ impl FacetSums {
     }
 
     #[inline]
-    fn add(&mut self, facet: &Facet, area: f64) {
+    pub(super) fn add(&mut self, facet: &Facet, area: f64) {
         let n = facet.normal[1].abs();
         let t = facet.normal[0].abs();
         let powers = [1.0, n, n * n];
@@ -42,6 +43,12 @@ impl FacetSums {
     fn less(&self, other: &FacetSums) -> FacetSums {
         let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
         FacetSums { normal: minus(self.normal, other.normal), tangential: minus(self.tangential, other.tangential) }
+    }
+
+    /// Returns the factors of V⁰, V¹ and V² of the axial force with a friction coefficient. Equation (2.3).
+    pub(super) fn factors(&self, law: &CavityResistance, friction: f64) -> [f64; 3] {
+        let constants = [law.c0, law.c1, law.c2];
+        [0, 1, 2].inline_map(|k| constants[k] * (self.normal[k] + friction * self.tangential[k]))
     }
 
     /// Returns the magnitudes of the axial normal force and the axial tangential force (for a friction coefficient of
@@ -120,6 +127,27 @@ impl NoseProfile {
             cut(&self.facets[end]);
         }
         if start < end { plus(total, self.sums[end].less(&self.sums[start]).forces(law, speed)) } else { total }
+    }
+
+    /// Returns the facets normal to the axis.
+    pub(super) fn level(&self) -> &[Facet] {
+        &self.level
+    }
+
+    /// Returns the sums of the facets between two planes, given in the initial position of the nose, without facets normal
+    /// to the axis; facets that a plane cuts are passed to `cut`.
+    pub(super) fn whole_between(&self, from: f64, to: f64, cut: &mut impl FnMut(&Facet)) -> FacetSums {
+        let mut start = self.facets.partition_point(|f| f.high[1] <= from);
+        let mut end = self.facets.partition_point(|f| f.low[1] < to);
+        if start < end && self.facets[start].low[1] < from {
+            cut(&self.facets[start]);
+            start += 1;
+        }
+        if start < end && self.facets[end - 1].high[1] > to {
+            end -= 1;
+            cut(&self.facets[end]);
+        }
+        if start < end { self.sums[end].less(&self.sums[start]) } else { FacetSums::default() }
     }
 }
 

@@ -27,6 +27,11 @@ impl RowExpression {
         Ok(RowExpression { expression, columns })
     }
 
+    /// Returns the indices of the columns in the expression.
+    pub fn columns(&self) -> impl Iterator<Item = usize> {
+        self.columns.iter().map(|column| column.1)
+    }
+
     /// Returns the value for a row of column values at a total time; NaN if it has none.
     pub fn value(&self, time: f64, row: &[f64]) -> f64 {
         let find = |name: &str| self.columns.iter().find(|c| c.0 == name).map(|c| row[c.1]);
