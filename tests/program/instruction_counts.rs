@@ -83,29 +83,32 @@ fn scenes() -> Vec<Scene> {
 
 /// Returns the instructions of the whole program for a deck, and its number of increments.
 fn count(folder: &Path, deck: &str) -> (f64, f64) {
-    let (path, counts) = (folder.join("scene.inp"), folder.join("counts"));
+    let (path, out) = (folder.join("scene.inp"), folder.join("out"));
     std::fs::write(&path, deck).expect("the deck is written");
+    let (path, out) = (path.to_str().expect("a path"), out.to_str().expect("a path"));
+    let run = ["run", "--threads", "1", "--instructions", "avx2", "--no-frames", "--json", path, "--out", out];
+    let (total, output) = instructions(folder, &run);
+    let summary: serde_json::Value = serde_json::from_slice(&output).expect("a summary");
+    let increments = summary["steps"][0]["increments"].as_f64().expect("increments");
+    (total, increments)
+}
+
+/// Returns the instructions of the program with these arguments, and what it prints.
+///
+/// # Panics
+/// If the program fails.
+pub fn instructions(folder: &Path, arguments: &[&str]) -> (f64, Vec<u8>) {
+    let counts = folder.join("counts");
     let output = Command::new("valgrind")
         .args(["--tool=cachegrind", "--cache-sim=no", &format!("--cachegrind-out-file={}", counts.display())])
-        .args([
-            env!("CARGO_BIN_EXE_revolve"),
-            "run",
-            "--threads",
-            "1",
-            "--instructions",
-            "avx2",
-            "--no-frames",
-            "--json",
-        ])
-        .args([path.as_os_str(), "--out".as_ref(), folder.join("out").as_os_str()])
+        .arg(env!("CARGO_BIN_EXE_revolve"))
+        .args(arguments)
         .output()
         .expect("valgrind runs");
-    assert!(output.status.success(), "{}\n{deck}", String::from_utf8_lossy(&output.stderr));
-    let summary: serde_json::Value = serde_json::from_slice(&output.stdout).expect("a summary");
-    let increments = summary["steps"][0]["increments"].as_f64().expect("increments");
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     let text = std::fs::read_to_string(counts).expect("counts");
     let total = text.lines().find_map(|line| line.strip_prefix("summary: ")).expect("a sum");
-    (total.trim().parse().expect("a number"), increments)
+    (total.trim().parse().expect("a number"), output.stdout)
 }
 
 /// Returns the instructions per increment: start and end of the program cancel in the difference of two durations.
@@ -115,7 +118,8 @@ fn per_increment(folder: &Path, scene: &Scene) -> f64 {
     (long.0 - short.0) / (long.1 - short.1)
 }
 
-fn can_count() -> bool {
+/// Returns whether instructions can be counted; otherwise the test prints that it was left out. CI requires valgrind.
+pub fn can_count() -> bool {
     let found = Command::new("valgrind").arg("--version").output().is_ok_and(|o| o.status.success());
     assert!(found || std::env::var_os("CI").is_none(), "in CI valgrind must be installed");
     #[cfg(target_arch = "x86_64")]

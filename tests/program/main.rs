@@ -17,6 +17,7 @@ mod hostile;
 mod identify;
 mod instruction_counts;
 mod language;
+mod list_cost;
 mod manual;
 mod material;
 mod matrix;

@@ -510,3 +510,25 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let one = digest(1);
     assert!([2, 5].iter().all(|&threads| digest(threads) == one));
 }
+
+/// The motion has 50 000 increments in the stable increment of conduction, so that heat flows are held over 24 of them.
+#[test]
+fn held_conduction_changes_temperatures_by_less_than_a_thousandth_and_conserves_heat() {
+    let place = |i: usize, j: usize| [10.0 + 0.1 * i as f64, 0.1 * j as f64];
+    let slab = conducting_grid(1, 10, false, place).replace("0.01, 0.3", "2e10, 0.3");
+    let deck = slab + &step(0.02, "*Boundary\n J1, 11, 11, 1.\n");
+    let run_of = |deck: &str| {
+        let (outcome, memory) = run(deck);
+        assert!(outcome.halt.is_none(), "{:?}", outcome.halt);
+        for (time, row) in &memory.rows {
+            let [supplied, stored] = [row[0], row[1]];
+            assert!((supplied - stored).abs() <= 1e-11 * supplied.abs(), "{time}: {supplied} {stored}");
+        }
+        temperatures(&memory)
+    };
+    let (held, current) = (run_of(&deck), run_of(&deck.replace("Explicit\n", "Explicit, conduction=CURRENT\n")));
+    let changes = held.iter().zip(&current).map(|(held, current)| (held.1 - current.1).abs());
+    let largest = changes.fold(0.0, f64::max);
+    println!("held conduction: temperatures change by {largest:.1e} of the range");
+    assert!(largest > 0.0 && largest < 1e-3, "{largest}");
+}

@@ -146,7 +146,17 @@ pub fn read_dynamic(context: &mut Context<'_>, steps: &mut StepReader, card: &Ca
     let load_velocity = if values.lagged { LoadVelocity::Lagged } else { LoadVelocity::Predicted };
     let (scale_factor, adiabatic) = (values.scale_factor, values.adiabatic);
     let begun = Step::new("", values.times[1]);
-    let procedure = Step { span: card.span, increment, scale_factor, load_velocity, adiabatic, coupled, ..begun };
+    let current_conduction = card.read("CONDUCTION");
+    let procedure = Step {
+        span: card.span,
+        increment,
+        scale_factor,
+        load_velocity,
+        adiabatic,
+        coupled,
+        current_conduction,
+        ..begun
+    };
     steps.state().procedure = Some(procedure);
 }
 

@@ -7,6 +7,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::system::{EquationSystem, EquationUnknown, change_velocity, load};
+use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::{Memory, sorted_unique};
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
@@ -77,11 +78,15 @@ pub enum LinkConflict {
 
 /// Equations and groups of nodes with equal motion, ready to be solved.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: systems, followers)]
+#[persist(fixed: systems, followers; derived: unknowns, loaded)]
 pub struct LinkSystem {
     /// Independent systems, groups of nodes with equal motion included.
     pub systems: Vec<EquationSystem>,
     pub(super) followers: Vec<MasslessFollower>,
+    /// Node and axis of each member of an unknown, with the indices of its system and in the system, ascending.
+    unknowns: Vec<((usize, usize), [u32; 2])>,
+    /// Node and axis of each prescribed motion that takes a part of the load of a follower, with the follower, ascending.
+    loaded: Vec<((usize, usize), u32)>,
 }
 
 /// Nodes without mass along one axis. Their motion is a weighted sum of other degrees of freedom.
@@ -133,7 +138,53 @@ impl LinkSystem {
         }
         let systems = systems(&unknowns, &rows, equations).map_err(LinkConflict::Dependent)?;
         let followers = followers.into_iter().map(|f| f.over_nodes(&unknowns, mass)).collect();
-        Ok(LinkSystem { systems, followers })
+        Ok(LinkSystem { systems, followers, ..LinkSystem::default() }.with_lists())
+    }
+
+    /// Lists the degrees of freedom.
+    fn with_lists(mut self) -> LinkSystem {
+        for (index, system) in (0..).zip(&self.systems) {
+            self.unknowns.extend(system.members().map(|(place, unknown)| (place, [index, unknown])));
+        }
+        for (index, follower) in (0..).zip(&self.followers) {
+            let prescribed = follower.terms.iter().filter(|term| term.is_prescribed);
+            self.loaded.extend(prescribed.map(|term| ((term.node, term.axis), index)));
+        }
+        self.unknowns.sort_unstable();
+        self.loaded.sort_unstable();
+        self.loaded.dedup();
+        self
+    }
+
+    /// Returns the indices of the system to which a degree of freedom belongs and of its unknown; `None` without one.
+    fn unknown(&self, place: (usize, usize)) -> Option<[usize; 2]> {
+        let from = self.unknowns.partition_point(|known| known.0 < place);
+        self.unknowns.get(from).filter(|known| known.0 == place).map(|known| known.1.inline_map(|index| index as usize))
+    }
+
+    /// Iterates over the followers whose loads act on a degree of freedom with a prescribed motion.
+    fn loads(&self, place: (usize, usize)) -> impl Iterator<Item = &MasslessFollower> {
+        let from = self.loaded.partition_point(|known| known.0 < place);
+        let of_place = self.loaded[from..].iter().take_while(move |known| known.0 == place);
+        of_place.map(|known| &self.followers[known.1 as usize])
+    }
+
+    /// Returns the force of the equations on a degree of freedom.
+    pub(super) fn constraint_force(&self, (node, axis): (usize, usize)) -> f64 {
+        let unknown = self.unknown((node, axis));
+        let of_system = unknown.map_or(0.0, |[system, index]| self.systems[system].constraint_force(index, node));
+        self.loads((node, axis)).fold(of_system, |sum, follower| sum + follower.constraint_force(node, axis))
+    }
+
+    /// Returns the impulse on a degree of freedom by which the equations corrected velocities in the previous increment.
+    pub(super) fn velocity_impulse(&self, (node, axis): (usize, usize)) -> f64 {
+        let unknown = self.unknown((node, axis));
+        unknown.map_or(0.0, |[system, index]| self.systems[system].velocity_impulse(index, node))
+    }
+
+    /// Returns whether the equations act on a degree of freedom.
+    pub(super) fn acts_on(&self, place: (usize, usize)) -> bool {
+        self.unknown(place).is_some() || self.loads(place).next().is_some()
     }
 }
 
@@ -365,11 +416,6 @@ impl MasslessFollower {
     pub fn constraint_force(&self, node: usize, axis: usize) -> f64 {
         let terms = self.terms.iter().filter(|t| t.is_prescribed && (t.node, t.axis) == (node, axis));
         terms.map(|t| t.weight * self.load).sum()
-    }
-
-    /// Returns whether a part of the load acts on a degree of freedom with a prescribed motion.
-    pub fn loads(&self, node: usize, axis: usize) -> bool {
-        self.terms.iter().any(|t| t.is_prescribed && (t.node, t.axis) == (node, axis))
     }
 }
 

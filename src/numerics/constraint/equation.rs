@@ -83,21 +83,17 @@ impl Constraint for EquationConstraint {
 impl ConstraintForces for EquationConstraint {
     fn constraint_force(&self, dof: Dof) -> f64 {
         let Dof::Node(node, axis) = dof else { return 0.0 };
-        let of_system = self.bonds.systems.iter().find_map(|s| s.constraint_force(node, axis)).unwrap_or(0.0);
-        self.bonds.followers.iter().fold(of_system, |sum, f| sum + f.constraint_force(node, axis))
+        self.bonds.constraint_force((node, axis))
     }
 
     fn index_of(&self, dof: Dof) -> Option<usize> {
         let Dof::Node(node, axis) = dof else { return None };
-        let LinkSystem { systems, followers } = &self.bonds;
-        let acts = systems.iter().any(|s| s.has(node, axis)) || followers.iter().any(|f| f.loads(node, axis));
-        acts.then_some(0)
+        self.bonds.acts_on((node, axis)).then_some(0)
     }
 
     fn impulse(&self, dof: Dof, _index: usize, half: f64) -> f64 {
         let Dof::Node(node, axis) = dof else { return 0.0 };
-        half * self.constraint_force(dof)
-            + self.bonds.systems.iter().map(|s| s.velocity_impulse(node, axis)).sum::<f64>()
+        half * self.constraint_force(dof) + self.bonds.velocity_impulse((node, axis))
     }
 
     fn current_force(&self, dof: Dof, _index: usize) -> f64 {

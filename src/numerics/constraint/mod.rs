@@ -13,7 +13,7 @@ pub mod user_motion;
 
 use std::any::Any;
 
-pub use self::queries::{area_of_pair, forces_of_pair, prescribed_motions, reaction};
+pub use self::queries::{ConstraintIndex, area_of_pair, forces_of_pair, prescribed_motions, reaction};
 use crate::kernel::lists::Memory;
 use crate::state::EffectId;
 use crate::state::archive::Persist;

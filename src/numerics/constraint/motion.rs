@@ -59,7 +59,7 @@ impl PrescribedQuantity {
 
 /// Prescribed motion of a list of degrees of freedom.
 #[derive(Clone, Debug, Persist, Memory)]
-#[persist(fixed: bodies, nodes; derived: id, kind, magnitudes, has_begun)]
+#[persist(fixed: bodies, nodes; derived: id, kind, magnitudes, order, has_begun)]
 pub struct PrescribedMotion {
     id: EffectId,
     kind: PrescribedQuantity,
@@ -67,6 +67,8 @@ pub struct PrescribedMotion {
     magnitudes: Vec<Magnitude>,
     bodies: Vec<BodyMotion>,
     nodes: Vec<NodeMotion>,
+    /// Indices in `nodes`, sorted by node and axis.
+    order: Vec<u32>,
     /// Whether the motion was in force in a previous step, so that the origins of its displacements are known.
     has_begun: bool,
 }
@@ -93,6 +95,13 @@ struct NodeMotion {
     travel: f64,
 }
 
+impl NodeMotion {
+    /// Returns node and axis.
+    fn place(&self) -> (usize, usize) {
+        (self.node, self.axis)
+    }
+}
+
 impl PrescribedMotion {
     /// Prescribes one magnitude for all of `dofs`, or one for each: bodies first, then nodes.
     pub fn new(id: EffectId, kind: PrescribedQuantity, magnitudes: Vec<Magnitude>, dofs: &[Dof]) -> Self {
@@ -105,7 +114,9 @@ impl PrescribedMotion {
                 }
             }
         }
-        PrescribedMotion { id, kind, magnitudes, bodies, nodes, has_begun: false }
+        let mut order: Vec<u32> = (0..nodes.len() as u32).collect();
+        order.sort_by_key(|index| nodes[*index as usize].place());
+        PrescribedMotion { id, kind, magnitudes, bodies, nodes, order, has_begun: false }
     }
 
     /// Corrects velocities of rigid bodies at the current instant.
@@ -118,12 +129,17 @@ impl PrescribedMotion {
 
     /// Returns node and axis of each motion of a node.
     pub(super) fn node_axes(&self) -> impl Iterator<Item = (usize, usize)> {
-        self.nodes.iter().map(|motion| (motion.node, motion.axis))
+        self.nodes.iter().map(NodeMotion::place)
     }
 
     /// Returns the force of elements and loads on a degree of freedom of a node; `None` if its motion is not prescribed.
     pub fn free_force(&self, dof: Dof) -> Option<f64> {
         self.index_of(dof).map(|index| self.nodes[index].force)
+    }
+
+    /// Returns the position of the first motion in the order whose node and axis are not below these.
+    fn position_in_order(&self, place: (usize, usize)) -> usize {
+        self.order.partition_point(|index| self.nodes[*index as usize].place() < place)
     }
 
     /// Returns whether it prescribes a zero displacement or a zero velocity.
@@ -222,7 +238,9 @@ impl Constraint for PrescribedMotion {
     /// Excludes the gained kinetic energy from the work of the motion, which is computed from changes of kinetic
     /// energy.
     fn masses_changed(&mut self, node: usize, gained: [f64; 2]) {
-        for motion in self.nodes.iter_mut().filter(|m| m.node == node) {
+        let [from, to] = [node, node + 1].inline_map(|node| self.position_in_order((node, 0)));
+        for &index in &self.order[from..to] {
+            let motion = &mut self.nodes[index as usize];
             motion.kinetic += gained[motion.axis];
         }
     }
@@ -234,7 +252,9 @@ impl Constraint for PrescribedMotion {
 
 impl ConstraintForces for PrescribedMotion {
     fn index_of(&self, dof: Dof) -> Option<usize> {
-        self.nodes.iter().position(|m| Dof::Node(m.node, m.axis) == dof)
+        let Dof::Node(node, axis) = dof else { return None };
+        let index = *self.order.get(self.position_in_order((node, axis)))? as usize;
+        (self.nodes[index].place() == (node, axis)).then_some(index)
     }
 
     fn impulse(&self, dof: Dof, index: usize, half: f64) -> f64 {

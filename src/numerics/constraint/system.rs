@@ -291,24 +291,25 @@ impl EquationSystem {
         }
     }
 
-    /// Returns the force of the equations on a degree of freedom.
-    pub(super) fn constraint_force(&self, node: usize, axis: usize) -> Option<f64> {
-        let f = self.unknown(node, axis)?;
-        Some(if f.members[0] == node { f.constraint_force + f.inertia } else { 0.0 })
+    /// Returns the force of the equations on a node of an unknown.
+    pub(super) fn constraint_force(&self, unknown: usize, node: usize) -> f64 {
+        let f = &self.unknowns[unknown];
+        if f.members[0] == node { f.constraint_force + f.inertia } else { 0.0 }
     }
 
-    /// Returns the impulse on a degree of freedom by which the equations corrected velocities in the previous increment.
-    pub(super) fn velocity_impulse(&self, node: usize, axis: usize) -> f64 {
-        self.unknown(node, axis).filter(|f| f.members[0] == node).map_or(0.0, |f| f.change)
+    /// Returns the impulse on a node of an unknown by which the equations corrected velocities in the previous increment.
+    pub(super) fn velocity_impulse(&self, unknown: usize, node: usize) -> f64 {
+        let f = &self.unknowns[unknown];
+        if f.members[0] == node { f.change } else { 0.0 }
     }
 
-    /// Returns whether a degree of freedom belongs to the system.
-    pub(super) fn has(&self, node: usize, axis: usize) -> bool {
-        self.unknown(node, axis).is_some()
-    }
-
-    fn unknown(&self, node: usize, axis: usize) -> Option<&EquationUnknown> {
-        self.unknowns.iter().find(|f| f.axis == axis && f.members.contains(&node))
+    /// Iterates over node and axis of each member of the unknowns, with the index of the unknown.
+    pub(super) fn members(&self) -> impl Iterator<Item = ((usize, usize), u32)> {
+        let of_unknown = |(index, f): (u32, &EquationUnknown)| {
+            let axis = f.axis;
+            f.members.clone().into_iter().map(move |node| ((node, axis), index))
+        };
+        (0..).zip(&self.unknowns).flat_map(of_unknown)
     }
 }
 

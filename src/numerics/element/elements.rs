@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::time::Instant as Stopwatch;
 
 use pulp::Arch;
 
@@ -124,6 +125,23 @@ pub struct GroupTiming<'a> {
     pub seconds: Option<&'a mut [f64]>,
     /// Ledger row of the group that is updated, for other threads.
     pub mark: Option<&'a AtomicUsize>,
+}
+
+impl GroupTiming<'_> {
+    /// Records that a row is evaluated. Returns the start time, if times are measured.
+    pub(super) fn start(&self, row: EffectId) -> Option<Stopwatch> {
+        if let Some(mark) = self.mark {
+            mark.store(row, Relaxed);
+        }
+        self.seconds.as_ref().map(|_| Stopwatch::now())
+    }
+
+    /// Adds the time since `started` to a row.
+    pub(super) fn stop(&mut self, started: Option<Stopwatch>, row: EffectId) {
+        if let (Some(started), Some(seconds)) = (started, &mut self.seconds) {
+            seconds[row] += started.elapsed().as_secs_f64();
+        }
+    }
 }
 
 impl Elements {
@@ -267,25 +285,21 @@ impl Elements {
         now: &Instant,
         threads: bool,
         mut user: PointRoutines<'_>,
-        timing: GroupTiming<'_>,
+        mut timing: GroupTiming<'_>,
     ) {
         if !std::mem::take(&mut self.pending) {
             return;
         }
         if self.erosion.is_some() {
-            self.erode(dofs, threads);
+            self.erode(dofs, threads, &mut timing);
         }
         let mut first = 0;
         self.limit = (GroupTotals::default(), 0);
         let mut interface = (GroupTotals::default(), 0);
         self.deformed = 0.0;
-        let GroupTiming { mut seconds, mark } = timing;
-        let started = self.prefetch.start();
+        let prefetch_started = self.prefetch.start();
         for (i, group) in self.groups.iter_mut().enumerate() {
-            if let Some(mark) = mark {
-                mark.store(self.ids[i], Relaxed);
-            }
-            let clock = seconds.as_ref().map(|_| std::time::Instant::now());
+            let started = timing.start(self.ids[i]);
             let blocks = group.force_blocks();
             let all_blocks = first..first + blocks;
             let corners = self.corners.slots(stored_among(self.tiles.as_deref(), all_blocks));
@@ -316,11 +330,9 @@ impl Elements {
             if is_larger(totals.rate, limit.0.rate) {
                 *limit = (totals, i);
             }
-            if let (Some(clock), Some(seconds)) = (clock, &mut seconds) {
-                seconds[self.ids[i]] += clock.elapsed().as_secs_f64();
-            }
+            timing.stop(started, self.ids[i]);
         }
-        self.prefetch.stop(started);
+        self.prefetch.stop(prefetch_started);
         self.add_interface_limit(interface);
         self.count_removed();
         if let Some(rings) = &mut self.rings {

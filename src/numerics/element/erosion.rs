@@ -8,30 +8,19 @@
 use rayon::prelude::*;
 
 use super::block::{TASK, larger};
-use super::elements::Elements;
+use super::criteria::DeletionCriteria;
+use super::elements::{Elements, GroupTiming};
 use super::group::{ElementGroup, GroupSetting, PARALLEL};
 use crate::kernel::corners::{is_distorted, largest_shell_strain, largest_strain};
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::lists::{Memory, sorted_unique};
 use crate::kernel::quad;
 use crate::kernel::topology::ElementTopology;
+use crate::state::EffectId;
 use crate::state::archive::Persist;
 use crate::state::dofs::Dofs;
 use crate::state::nodes::Nodes;
 use crate::variables::Variable;
-
-/// Deletion criteria of an element; one is sufficient.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct DeletionCriteria {
-    /// Scaled Jacobian less than or equal to this value.
-    pub distortion: Option<f64>,
-    /// Equivalent plastic strain greater than or equal to this value; for shells at the middle point.
-    pub plastic: Option<f64>,
-    /// Largest principal logarithmic strain greater than or equal to this value.
-    pub strain: Option<f64>,
-    /// Own stable time increment less than or equal to this value.
-    pub increment: Option<f64>,
-}
 
 impl DeletionCriteria {
     /// Returns whether an element meets a criterion. NaN does not delete an element, so that the error is found.
@@ -64,33 +53,106 @@ impl DeletionCriteria {
 
 /// Elements with the same criteria.
 #[derive(Clone, Debug, Persist, Memory)]
-#[persist(fixed: due; derived: criteria, elements)]
+#[persist(fixed: due; derived: id, criteria, elements, blocks, marks)]
 struct MonitoredElements {
+    /// Row of the ledger.
+    id: EffectId,
     criteria: DeletionCriteria,
     elements: Vec<(usize, usize)>,
     /// Whether each element has met the criteria; includes deleted elements.
     due: Vec<bool>,
+    /// Elements by blocks of their groups, in their order.
+    blocks: Vec<MonitoredBlock>,
+    /// Lanes of each block that meet the criteria for the first time.
+    marks: Vec<u32>,
+}
+
+/// Consecutive elements in the same block of a group, in the order of their lanes.
+#[derive(Clone, Copy, Debug)]
+struct MonitoredBlock {
+    group: u32,
+    block: u32,
+    /// Lanes of the elements, as bits.
+    lanes: u32,
+    /// Index of the first element.
+    first: u32,
+}
+
+impl MonitoredBlock {
+    /// Collects elements into blocks.
+    fn of_elements(elements: &[(usize, usize)]) -> Vec<MonitoredBlock> {
+        let mut blocks: Vec<MonitoredBlock> = Vec::new();
+        for (first, &(group, element)) in (0..).zip(elements) {
+            let (group, block, lane) = (group as u32, (element / LANES) as u32, 1 << (element % LANES));
+            match blocks.last_mut().filter(|last| (last.group, last.block) == (group, block) && last.lanes < lane) {
+                Some(last) => last.lanes |= lane,
+                None => blocks.push(MonitoredBlock { group, block, lanes: lane, first }),
+            }
+        }
+        blocks
+    }
+
+    /// Returns the index of the element in a lane.
+    fn index_of(&self, lane: u32) -> usize {
+        (self.first + (self.lanes & ((1 << lane) - 1)).count_ones()) as usize
+    }
+
+    /// Returns the lanes whose elements meet criteria and are not due yet.
+    fn judge(&self, criteria: &DeletionCriteria, groups: &[Box<dyn ElementGroup>], nodes: &Nodes, due: &[bool]) -> u32 {
+        let (group, block) = (&*groups[self.group as usize], self.block as usize);
+        // Quiescent elements have not deformed.
+        if group.is_quiescent(block / TASK) {
+            return 0;
+        }
+        let possible = self.lanes & group.may_meet(criteria, block, nodes.as_slice());
+        let is_met =
+            |lane: u32| !due[self.index_of(lane)] && criteria.are_met(group, block * LANES + lane as usize, nodes);
+        lanes_of(possible).filter(|lane| is_met(*lane)).fold(0, |lanes, lane| lanes | 1 << lane)
+    }
+}
+
+/// Iterates over the positions of the bits of a number, ascending.
+fn lanes_of(mut bits: u32) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let lane = (bits != 0).then(|| bits.trailing_zeros())?;
+        bits &= bits - 1;
+        Some(lane)
+    })
 }
 
 impl MonitoredElements {
+    fn new(id: EffectId, criteria: DeletionCriteria, elements: Vec<(usize, usize)>) -> MonitoredElements {
+        let blocks = MonitoredBlock::of_elements(&elements);
+        let (due, marks) = (vec![false; elements.len()], vec![0; blocks.len()]);
+        MonitoredElements { id, criteria, elements, due, blocks, marks }
+    }
+
+    /// Finds the elements that meet the criteria for the first time.
     fn evaluate(&mut self, groups: &[Box<dyn ElementGroup>], nodes: &Nodes, threads: bool) {
-        let criteria = self.criteria;
-        let judge = |(elements, due): (&[(usize, usize)], &mut [bool])| {
-            for (&(group, element), due) in elements.iter().zip(due) {
-                let group = &*groups[group];
-                // Quiescent elements have not deformed.
-                if !*due && !group.is_quiescent(element / (TASK * LANES)) {
-                    *due = criteria.are_met(group, element, nodes);
-                }
-            }
+        let MonitoredElements { criteria, elements, due, blocks, marks, .. } = self;
+        let judge = |(blocks, marks): (&[MonitoredBlock], &mut [u32])| {
+            let judged = blocks.iter().map(|block| block.judge(criteria, groups, nodes, due));
+            marks.iter_mut().zip(judged).for_each(|(mark, lanes)| *mark = lanes);
         };
-        let MonitoredElements { elements, due, .. } = self;
         if threads && elements.len() >= PARALLEL {
-            let tasks = elements.par_chunks(TASK * LANES).zip(due.par_chunks_mut(TASK * LANES));
-            tasks.for_each(judge);
+            blocks.par_chunks(TASK).zip(marks.par_chunks_mut(TASK)).for_each(judge);
         } else {
-            judge((elements, due));
+            judge((blocks, marks));
         }
+    }
+
+    /// Marks the elements that the last evaluation found as due.
+    fn take_found(&mut self) {
+        let MonitoredElements { due, blocks, marks, .. } = self;
+        for (block, marks) in blocks.iter().zip(marks).filter(|(_, marks)| **marks != 0) {
+            lanes_of(std::mem::take(marks)).for_each(|lane| due[block.index_of(lane)] = true);
+        }
+    }
+
+    /// Iterates over the indices of the elements that the last evaluation found.
+    fn found(&self) -> impl Iterator<Item = usize> {
+        let marked = self.blocks.iter().zip(&self.marks).filter(|(_, marks)| **marks != 0);
+        marked.flat_map(|(block, marks)| lanes_of(*marks).map(|lane| block.index_of(lane)))
     }
 }
 
@@ -102,9 +164,9 @@ pub struct ErosionControl {
 }
 
 impl ErosionControl {
-    /// Adds criteria for elements, given by group and element of the group.
-    pub fn watch(&mut self, criteria: DeletionCriteria, elements: Vec<(usize, usize)>) {
-        self.list.push(MonitoredElements { criteria, due: vec![false; elements.len()], elements });
+    /// Adds criteria for elements, given by group and element of the group; `id` is their row of the ledger.
+    pub fn watch(&mut self, id: EffectId, criteria: DeletionCriteria, elements: Vec<(usize, usize)>) {
+        self.list.push(MonitoredElements::new(id, criteria, elements));
     }
 
     /// Returns the groups with deletion criteria.
@@ -133,21 +195,26 @@ impl Elements {
         self.count_deletions(nodes.len());
     }
 
-    /// Deletes the elements that meet their criteria, at the end of an increment, before its strains are computed.
-    pub(super) fn erode(&mut self, dofs: &mut Dofs, threads: bool) {
+    /// Deletes the elements that meet their criteria, at the end of an increment, before its strains are computed, and
+    /// records the run time.
+    pub(super) fn erode(&mut self, dofs: &mut Dofs, threads: bool, timing: &mut GroupTiming<'_>) {
         if dofs.nodes.previous_dt == 0.0 {
             return;
         }
         let Some(mut erosion) = self.erosion.take() else { return };
         for watched in &mut erosion.list {
+            let started = timing.start(watched.id);
             watched.evaluate(&self.groups, &dofs.nodes, threads);
+            timing.stop(started, watched.id);
         }
-        for watched in &erosion.list {
-            for (&(group, element), _) in watched.elements.iter().zip(&watched.due).filter(|e| *e.1) {
+        for watched in &mut erosion.list {
+            for index in watched.found() {
+                let (group, element) = watched.elements[index];
                 if !self.groups[group].is_deleted(element) {
                     self.delete(group, element, dofs);
                 }
             }
+            watched.take_found();
         }
         self.erosion = Some(erosion);
     }

@@ -4,6 +4,7 @@ use pulp::Arch;
 
 use super::cohesive::CohesiveGroup;
 use super::constants::ElementConstants;
+use super::criteria::DeletionFilter;
 use super::tiles::TilePass;
 use crate::kernel::cohesive;
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, Pack};
@@ -64,7 +65,7 @@ pub struct GroupProperties {
 
 /// Elements of one topology and one material.
 #[allow(clippy::len_without_is_empty)] // `is_empty` is a method of `dyn ElementGroup`.
-pub trait ElementGroup: Persist + Send + Sync {
+pub trait ElementGroup: DeletionFilter + Persist + Send + Sync {
     /// Returns the number of elements.
     fn len(&self) -> usize;
     /// Returns the properties that all elements share.

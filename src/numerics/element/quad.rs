@@ -5,16 +5,19 @@ use std::iter::once;
 use std::ops::Range;
 use std::slice;
 
+use pulp::Arch;
+
 use super::block::{CornerNodes, ElementBlock, StoredTask, TASK, TaskWorkspace};
 use super::calls::CallPass;
 use super::constants::ElementConstants;
+use super::distorted::DistortedLanes;
 use super::eroded::ErodedLanes;
 use super::group::{ElementStiffness, ElementTransfer};
 use super::solid::{
     BlockPass, BlockPlace, InitialBlock, PointExpansion, SolidBlock, SolidGroup, SolidIncrement, SolidTask,
 };
 use super::subzonal::SubzonalPressures;
-use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes};
+use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES, Lanes, dispatch_outlined};
 use crate::kernel::prefetch::{request, request_entry};
 use crate::kernel::quad;
 use crate::kernel::topology::{ElementTopology, PerNode};
@@ -190,6 +193,10 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for E
     fn is_deleted<M: Material<State = S>>(&self, material: &M, lane: usize, eroded: Option<&ErodedLanes>) -> bool {
         let status = material.value(&self.state, lane, Variable::Status.into());
         status == Some(0.0) || self.is_eroded(lane, eroded)
+    }
+
+    fn may_be_distorted(&self, least: f64, nodes: &[Node], arch: Arch) -> u32 {
+        dispatch_outlined(arch, DistortedLanes { corners: &self.nodes, nodes, least })
     }
 
     fn erode(&mut self, lanes: Range<usize>, volume: f64, eroded: Option<&mut ErodedLanes>) {

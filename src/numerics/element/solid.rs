@@ -10,6 +10,8 @@ use rayon::prelude::*;
 use super::block::{ElementBlock, StoredTask, TASK, TaskWorkspace, across, is_larger};
 use super::calls::{CallPass, UserCallBuffers, persist_called_moduli};
 use super::constants::{ElementConstants, damped};
+use super::criteria::{DeletionCriteria, DeletionFilter};
+use super::distorted::lanes_with;
 use super::eroded::ErodedLanes;
 use super::group::{
     ElementGroup, ElementPass, ElementStiffness, ElementTransfer, ExpansionWork, GroupProperties, GroupSetting,
@@ -137,6 +139,10 @@ pub trait SolidBlock: Clone + Persist + Send + Sync + 'static {
         eroded: Option<&ErodedLanes>,
     ) -> bool {
         self.is_eroded(lane, eroded)
+    }
+    /// Returns the lanes whose elements may have a scaled Jacobian of at most `least`, as bits.
+    fn may_be_distorted(&self, _least: f64, _nodes: &[Node], _arch: Arch) -> u32 {
+        u32::MAX
     }
     /// Deletes an element with this initial volume in all lanes that hold it.
     fn erode(&mut self, lanes: Range<usize>, volume: f64, eroded: Option<&mut ErodedLanes>);
@@ -591,6 +597,23 @@ impl<M: Material, B: SolidBlock<State = M::State>> ElementGroup for SolidGroup<M
 
     fn copy(&self) -> Box<dyn ElementGroup> {
         Box::new(self.clone())
+    }
+}
+
+impl<M: Material, B: SolidBlock<State = M::State>> DeletionFilter for SolidGroup<M, B> {
+    fn may_meet(&self, criteria: &DeletionCriteria, block: usize, nodes: &[Node]) -> u32 {
+        let DeletionCriteria { distortion, plastic, strain, increment } = *criteria;
+        if strain.is_some() || increment.is_some() || B::POINTS > 1 {
+            return u32::MAX;
+        }
+        let (of_block, first) = (&self.blocks[block], block * LANES);
+        let is_strained = |lane: usize, most: f64| {
+            let strain = self.material.value(&of_block.points()[0].state, lane, Variable::PlasticStrain.into());
+            let strain = strain.or_else(|| self.recorded(first + lane, 0, Variable::PlasticStrain.into()));
+            strain.is_some_and(|strain| strain >= most)
+        };
+        let strained = plastic.map_or(0, |most| lanes_with(|lane| is_strained(lane, most)));
+        strained | distortion.map_or(0, |least| of_block.may_be_distorted(least, nodes, self.arch))
     }
 }
 

@@ -1,10 +1,12 @@
 //! Nodal temperatures: forward differences in time with lumped capacities.
 
 use crate::kernel::lanes::InlineMap;
+use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::conduction_times::ConductionTimes;
 use super::conductors::{ConductingElements, LargestRate, at};
-use super::sources::{HeatSource, PrescribedTemperature};
+use super::sources::{HeatSource, PrescribedTemperature, TemperatureNode};
 use crate::constraint::bonds::LinkSystem;
 use crate::constraint::contact::ContactConstraint;
 use crate::constraint::{Constraint, of_kind};
@@ -30,6 +32,33 @@ pub struct ThermalConditions {
     pub bonds: LinkSystem,
 }
 
+impl ThermalConditions {
+    /// Returns a node by the indices of its condition and in the list of the condition.
+    fn held_node(&self, [condition, index]: [u32; 2]) -> &TemperatureNode {
+        &self.held[condition as usize].nodes[index as usize]
+    }
+
+    /// Returns the nodes of prescribed temperatures, ascending, with their indices.
+    fn held_nodes(&self) -> Vec<(usize, [u32; 2])> {
+        let of_condition = |(condition, held): (u32, &PrescribedTemperature)| {
+            let indexed = (0..).zip(&held.nodes).map(move |(index, node)| (node.node, [condition, index]));
+            indexed.collect::<Vec<_>>()
+        };
+        let mut nodes: Vec<_> = (0..).zip(&self.held).flat_map(of_condition).collect();
+        nodes.sort_unstable();
+        nodes
+    }
+}
+
+/// Conditions and settings of all steps.
+#[derive(Clone, Debug, Default)]
+pub struct ThermalSteps {
+    /// Conditions from each step on; `None` if those of the previous step continue.
+    pub conditions: Vec<Option<ThermalConditions>>,
+    /// Whether heat rates of conduction are held over several increments of each step.
+    pub holds_conduction: Vec<bool>,
+}
+
 /// Heat since the start of the analysis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Persist)]
 pub struct HeatEnergies {
@@ -45,6 +74,9 @@ pub struct HeatEnergies {
 /// rise per increment.
 const PASSES: usize = 3;
 
+/// Time over which heat rates of conduction are held, as a part of the stable time increment of conduction.
+const HELD_SHARE: f64 = 5e-4;
+
 /// Most steps of Newton's method for the temperature of a heat content.
 const NEWTON_STEPS: usize = 20;
 
@@ -56,17 +88,20 @@ const BESIDE: f64 = 2.2;
 #[derive(Clone, Persist)]
 // The step determines the conditions.
 #[persist(
-    fixed: temperature, power, means;
-    derived: id, conductors, adaptive, steps, masses, capacity, sinks, exchange, trial_temperatures, corners, warmed, largest
+    fixed: temperature, power, means, conduction;
+    derived: id, conductors, adaptive, steps, held_nodes, masses, capacity, sinks, exchange, trial_temperatures, corners, warmed,
+        largest
 )]
 pub struct TemperatureField {
     pub id: EffectId,
     conductors: Arc<ConductingElements>,
     /// Element groups with an adaptive mesh: their masses are those of the elements.
     adaptive: Vec<usize>,
-    /// Conditions from each step on; `None` if those of the previous step continue.
-    steps: Arc<Vec<Option<ThermalConditions>>>,
+    /// Conditions of each step.
+    steps: Arc<ThermalSteps>,
     now: ThermalConditions,
+    /// Nodes of prescribed temperatures, ascending, with their indices among the conditions and in their lists.
+    held_nodes: Vec<(usize, [u32; 2])>,
     /// Mass of each node by material, for capacities that depend on the temperature; empty if none does.
     masses: Vec<Vec<f64>>,
     /// Capacity of each node at its initial temperature; 0 at nodes without conducting elements.
@@ -74,6 +109,9 @@ pub struct TemperatureField {
     temperature: Vec<f64>,
     /// Heat rate into each node, without the reactions of prescribed temperatures.
     power: Vec<f64>,
+    /// Heat rate of conduction into each node, and when it is evaluated.
+    conduction: Vec<f64>,
+    conduction_times: ConductionTimes,
     /// External part of the heat rates.
     given: f64,
     /// Nodes of rigid bodies with a prescribed temperature; they store no heat.
@@ -98,21 +136,26 @@ impl TemperatureField {
     pub fn new(
         id: EffectId,
         conductors: ConductingElements,
-        steps: Vec<Option<ThermalConditions>>,
+        steps: ThermalSteps,
         temperature: Vec<f64>,
-        sinks: Vec<usize>,
+        mut sinks: Vec<usize>,
         meets: bool,
     ) -> Self {
         let (nodes, count) = (temperature.len(), conductors.list.len());
         let varies = conductors.parts.iter().any(|p| p.properties.capacity.rows.len() > 1);
         let masses = masses(&conductors, nodes);
         let capacity = capacities(&conductors, &masses, &temperature);
-        let bound = steps.iter().flatten().any(|s| !s.bonds.systems.is_empty());
-        let films = steps.iter().flatten().flat_map(|s| &s.sources).any(HeatSource::is_film);
+        let conditions = || steps.conditions.iter().flatten();
+        sinks.sort_unstable();
+        let bound = conditions().any(|s| !s.bonds.systems.is_empty());
+        let films = conditions().flat_map(|s| &s.sources).any(HeatSource::is_film);
         TemperatureField {
             id,
             adaptive: Vec::new(),
             now: ThermalConditions::default(),
+            held_nodes: Vec::new(),
+            conduction: vec![0.0; nodes],
+            conduction_times: ConductionTimes::default(),
             masses: if varies { masses } else { Vec::new() },
             capacity,
             power: vec![0.0; nodes],
@@ -134,12 +177,16 @@ impl TemperatureField {
 
     /// Begins a step, counted from 0. Returns whether its conditions differ from those of the previous step.
     pub fn begin(&mut self, step: usize) -> bool {
-        let Some(conditions) = &self.steps[step] else { return false };
+        self.conduction_times.share = if self.steps.holds_conduction[step] { HELD_SHARE } else { 0.0 };
+        let Some(conditions) = &self.steps.conditions[step] else { return false };
         let previous = std::mem::replace(&mut self.now, conditions.clone());
+        let known = std::mem::take(&mut self.held_nodes);
         for node in self.now.held.iter_mut().flat_map(|h| &mut h.nodes) {
-            let known = previous.held.iter().flat_map(|h| &h.nodes).find(|n| n.node == node.node);
-            *node = known.copied().unwrap_or(*node);
+            let place = known.binary_search_by_key(&node.node, |known| known.0).ok();
+            *node = place.map_or(*node, |place| *previous.held_node(known[place].1));
         }
+        self.held_nodes = self.now.held_nodes();
+        self.conduction_times.is_due = true;
         true
     }
 
@@ -237,10 +284,11 @@ impl TemperatureField {
         threads: bool,
     ) {
         self.apply_prescribed(clock);
-        let TemperatureField { conductors, temperature, corners, largest, power, exchange, .. } = self;
-        self.rate = conductors.conduct(temperature, elements, &dofs.nodes, corners, largest, threads);
-        power.fill(0.0);
-        conductors.gather(corners, power);
+        if self.conduction_times.begin(clock.now.total_time, dofs.nodes.previous_dt, elements.deleted()) {
+            self.evaluate_conduction(elements, dofs, threads);
+        }
+        let TemperatureField { conductors, temperature, power, exchange, .. } = self;
+        power.copy_from_slice(&self.conduction);
         exchange.fill(0.0);
         self.given = 0.0;
         for source in &self.now.sources {
@@ -255,7 +303,15 @@ impl TemperatureField {
         let largest_rate = rates.map(|(n, e)| e / self.capacity(n, self.temperature[n])).fold(0.0, f64::max);
         self.exchange = exchange;
         // The highest eigenvalue of a sum is at most the sum of the highest eigenvalues.
-        self.rate.0 += largest_rate;
+        self.rate = (self.conduction_times.rate.0 + largest_rate, self.conduction_times.rate.1);
+    }
+
+    /// Computes the heat rates of conduction into nodes.
+    fn evaluate_conduction(&mut self, elements: &Elements, dofs: &Dofs, threads: bool) {
+        let TemperatureField { conductors, temperature, corners, largest, conduction, conduction_times, .. } = self;
+        conduction_times.rate = conductors.conduct(temperature, elements, &dofs.nodes, corners, largest, threads);
+        conduction.fill(0.0);
+        conductors.gather(corners, conduction);
     }
 
     /// Adds heat exchanges between nodes such that the temperatures after the time `dt` satisfy the linear equations,
@@ -367,7 +423,11 @@ impl TemperatureField {
 
     /// Returns the temperature of a node; NaN at a node without temperature.
     pub fn temperature(&self, node: usize) -> f64 {
-        if self.capacity[node] > 0.0 || self.sinks.contains(&node) { self.temperature[node] } else { f64::NAN }
+        if self.capacity[node] > 0.0 || self.sinks.binary_search(&node).is_ok() {
+            self.temperature[node]
+        } else {
+            f64::NAN
+        }
     }
 
     pub fn temperatures(&self) -> &[f64] {
@@ -376,8 +436,8 @@ impl TemperatureField {
 
     /// Returns the reaction heat rate of a prescribed temperature in the previous increment; 0 at other nodes.
     pub fn reaction(&self, node: usize) -> f64 {
-        let prescribed = self.now.held.iter().flat_map(|h| &h.nodes).find(|n| n.node == node);
-        prescribed.map_or(0.0, |n| n.reaction)
+        let place = self.held_nodes.binary_search_by_key(&node, |known| known.0);
+        place.map_or(0.0, |place| self.now.held_node(self.held_nodes[place].1).reaction)
     }
 
     /// Returns the current mean temperature of an element; `None` if it does not conduct.
@@ -439,14 +499,17 @@ impl TemperatureField {
 
     /// Takes the masses of all groups with adaptive meshes from their elements, after a restart.
     pub fn restore_masses(&mut self, elements: &Elements) {
+        let is_due = self.conduction_times.is_due;
         for i in 0..self.adaptive.len() {
             self.take_masses(self.adaptive[i], &*elements.groups[self.adaptive[i]]);
         }
+        self.conduction_times.is_due = is_due;
     }
 
     /// Takes the masses of the elements of a group, which an adaptive mesh has changed, and the capacities of all nodes.
     pub fn take_masses(&mut self, index: usize, group: &dyn ElementGroup) {
-        let TemperatureField { conductors, masses, capacity, .. } = self;
+        let TemperatureField { conductors, masses, capacity, conduction_times, .. } = self;
+        conduction_times.is_due = true;
         let conductors = Arc::make_mut(conductors);
         capacity.fill(0.0);
         for (at_part, part) in conductors.parts.iter().enumerate() {
@@ -515,9 +578,10 @@ impl TemperatureField {
         for (n, temperature) in self.temperature.iter_mut().enumerate() {
             node(n).into_iter().for_each(|before| *temperature = previous.temperature[before]);
         }
-        let known = || previous.now.held.iter().flat_map(|held| &held.nodes);
+        let known: HashMap<usize, &TemperatureNode> =
+            previous.now.held.iter().flat_map(|held| &held.nodes).map(|known| (known.node, known)).collect();
         for held in self.now.held.iter_mut().flat_map(|held| &mut held.nodes) {
-            if let Some(before) = node(held.node).and_then(|n| known().find(|known| known.node == n)) {
+            if let Some(before) = node(held.node).and_then(|n| known.get(&n)) {
                 (held.made, held.reaction) = (before.made, before.reaction);
             }
         }
@@ -535,6 +599,7 @@ impl TemperatureField {
             capacity,
             temperature,
             power,
+            conduction,
             exchange,
             trial_temperatures: aims,
             corners,
@@ -543,9 +608,9 @@ impl TemperatureField {
             largest,
             ..
         } = self;
-        let singles = [capacity, temperature, power, exchange, aims, means, warmed];
+        let singles = [capacity, temperature, power, conduction, exchange, aims, means, warmed];
         let singles = singles.into_iter().chain(masses).map(heap_bytes).sum::<usize>();
-        let conditions = self.steps.iter().flatten().chain([&self.now]);
+        let conditions = self.steps.conditions.iter().flatten().chain([&self.now]);
         let sources: usize = conditions.clone().flat_map(|s| &s.sources).map(|s| size_of_val(s) + s.bytes()).sum();
         let bonds: usize = conditions.clone().map(|s| s.bonds.bytes()).sum();
         let prescribed: usize =

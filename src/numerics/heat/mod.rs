@@ -4,6 +4,7 @@
 //! with lumped capacities, `C dT/dt = P - K T`, parallel to the central differences of the motion. These data exist
 //! only if a step solves for temperatures or elements expand.
 
+mod conduction_times;
 pub mod conductors;
 pub mod expansion;
 pub mod field;

@@ -3,10 +3,19 @@
 use super::lanes::InlineMap;
 
 /// Returns the cross product of the two sides at a corner, and the product of their squared lengths.
-#[inline]
+#[inline(always)]
 fn corner_products(at: [f64; 2], next: [f64; 2], before: [f64; 2]) -> [f64; 2] {
     let (a, b) = ([next[0] - at[0], next[1] - at[1]], [before[0] - at[0], before[1] - at[1]]);
     [a[0] * b[1] - a[1] * b[0], (a[0] * a[0] + a[1] * a[1]) * (b[0] * b[0] + b[1] * b[1])]
+}
+
+/// Returns whether the scaled Jacobian at a corner is above `least`, by a margin for rounding; `places` are those of the
+/// corner, of the next and of the previous one.
+#[inline(always)]
+pub fn is_clear([at, next, before]: [[f64; 2]; 3], least: f64) -> bool {
+    let limit = 1.0001 * least.max(0.0);
+    let [cross, squares] = corner_products(at, next, before);
+    (cross > 0.0) & (cross * cross > limit * limit * squares)
 }
 
 /// Returns the scaled Jacobian of an element: the smallest sine of its corner angles, for triangles divided by that of
@@ -37,12 +46,7 @@ pub fn scaled_jacobian(places: [[f64; 2]; 4]) -> f64 {
 /// Returns whether the scaled Jacobian of an element is at most `least`, mostly without roots and divisions.
 #[inline]
 pub fn is_distorted(places: [[f64; 2]; 4], least: f64) -> bool {
-    // With a margin for rounding.
-    let limit = 1.0001 * least.max(0.0);
-    let clear = |i: usize| {
-        let [cross, squares] = corner_products(places[i], places[(i + 1) % 4], places[(i + 3) % 4]);
-        cross > 0.0 && cross * cross > limit * limit * squares
-    };
+    let clear = |i: usize| is_clear([places[i], places[(i + 1) % 4], places[(i + 3) % 4]], least);
     // Corners that coincide are not clear.
     !(clear(0) && clear(1) && clear(2) && clear(3)) && scaled_jacobian(places) <= least
 }

@@ -11,11 +11,24 @@ pub fn bounding_box([a, b]: [[f64; 2]; 2]) -> BoundingBox {
     [[a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]]
 }
 
+/// The box of no points.
+pub const NO_BOX: BoundingBox = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+
+/// Returns the box around two boxes.
+#[inline]
+pub fn box_around(a: BoundingBox, b: BoundingBox) -> BoundingBox {
+    [[a[0][0].min(b[0][0]), a[0][1].min(b[0][1])], [a[1][0].max(b[1][0]), a[1][1].max(b[1][1])]]
+}
+
 /// Returns the box of several points.
 pub fn box_of(points: &[[f64; 2]]) -> BoundingBox {
-    points.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], p| {
-        [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
-    })
+    points.iter().fold(NO_BOX, |all, p| box_around(all, [*p; 2]))
+}
+
+/// Returns whether the distance of two boxes along r or z is more than `margin`.
+#[inline]
+pub fn are_apart([low, high]: BoundingBox, [l, h]: BoundingBox, margin: f64) -> bool {
+    (0..2).any(|i| l[i] > high[i] + margin || h[i] < low[i] - margin)
 }
 
 /// Boxes with an index each, sorted by their lower end along r or z: the direction in which the boxes extend farther.
@@ -32,13 +45,16 @@ impl SortedBoxes {
         SortedBoxes { boxes: Vec::with_capacity(count), ..SortedBoxes::default() }
     }
 
+    /// Reserves memory for a total number of boxes.
+    pub fn reserve(&mut self, count: usize) {
+        self.boxes.reserve_exact(count.saturating_sub(self.boxes.len()));
+    }
+
     /// Sorts these boxes. Does not allocate within the capacity.
     pub fn sort(&mut self, boxes: impl Iterator<Item = (BoundingBox, u32)>) {
         self.boxes.clear();
         self.boxes.extend(boxes);
-        let [low, high] = self.boxes.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |all, (b, _)| {
-            [[all[0][0].min(b[0][0]), all[0][1].min(b[0][1])], [all[1][0].max(b[1][0]), all[1][1].max(b[1][1])]]
-        });
+        let [low, high] = self.boxes.iter().fold(NO_BOX, |all, (b, _)| box_around(all, *b));
         let axis = usize::from(high[1] - low[1] > high[0] - low[0]);
         self.axis = axis;
         self.longest = self.boxes.iter().map(|(b, _)| b[1][axis] - b[0][axis]).fold(0.0, f64::max);
@@ -50,8 +66,8 @@ impl SortedBoxes {
     pub fn near(&self, [low, high]: BoundingBox, margin: f64, mut add: impl FnMut(u32)) {
         let axis = self.axis;
         let from = self.boxes.partition_point(|b| b.0[0][axis] < low[axis] - margin - self.longest);
-        for ([l, h], index) in self.boxes[from..].iter().take_while(|b| b.0[0][axis] <= high[axis] + margin) {
-            if (0..2).all(|i| l[i] <= high[i] + margin && h[i] >= low[i] - margin) {
+        for (other, index) in self.boxes[from..].iter().take_while(|b| b.0[0][axis] <= high[axis] + margin) {
+            if !are_apart([low, high], *other, margin) {
                 add(*index);
             }
         }

@@ -5,6 +5,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::shape::{distance, share_between, twice_area};
+use crate::kernel::sorted_boxes::{SortedBoxes, bounding_box};
 
 /// Circumradius, in units of the wanted edge, above which a triangle is divided; that of an equilateral one is 0.577.
 const LARGE: f64 = 0.72;
@@ -29,30 +30,42 @@ pub(super) struct TriangleMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
+/// Factor on the distance of boxes, for rounding.
+const ROUNDING: f64 = 1.0 + 1e-9;
+
 /// Edges of closed polygons.
-struct Boundary<'a> {
-    points: &'a [[f64; 2]],
-    edges: &'a [[u32; 2]],
+struct Boundary {
+    ends: Vec<[[f64; 2]; 2]>,
+    sorted: SortedBoxes,
 }
 
-impl Boundary<'_> {
-    fn ends(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
-        self.edges.iter().map(|edge| edge.inline_map(|n| self.points[n as usize]))
+impl Boundary {
+    fn new(points: &[[f64; 2]], edges: &[[u32; 2]]) -> Boundary {
+        let ends: Vec<_> = edges.iter().map(|edge| edge.inline_map(|n| points[n as usize])).collect();
+        let mut sorted = SortedBoxes::default();
+        sorted.sort(ends.iter().map(|edge| bounding_box(*edge)).zip(0..));
+        Boundary { ends, sorted }
     }
 
     /// Returns whether a point is inside, by the even-odd rule along r.
     fn encloses(&self, p: [f64; 2]) -> bool {
-        let crosses = |[a, b]: &[[f64; 2]; 2]| {
-            (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-        };
-        self.ends().filter(crosses).count() % 2 == 1
+        let mut crossings = 0;
+        self.sorted.near([[f64::NEG_INFINITY, p[1]], [f64::INFINITY, p[1]]], 0.0, |edge| {
+            let [a, b] = self.ends[edge as usize];
+            let crosses = (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+            crossings += usize::from(crosses);
+        });
+        crossings % 2 == 1
     }
 
     fn is_near(&self, p: [f64; 2], reach: f64) -> bool {
-        self.ends().any(|[a, b]| {
+        let mut is_near = false;
+        self.sorted.near([p; 2], ROUNDING * reach, |edge| {
+            let [a, b] = self.ends[edge as usize];
             let share = share_between([a, b], p);
-            distance([0, 1].inline_map(|i: usize| a[i] + share * (b[i] - a[i])), p) < reach
-        })
+            is_near |= distance([0, 1].inline_map(|i: usize| a[i] + share * (b[i] - a[i])), p) < reach;
+        });
+        is_near
     }
 }
 
@@ -61,7 +74,7 @@ type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
 /// Fills closed polygons with triangles whose edges have about the length `size` of a place; `None` if the polygons
 /// touch or cross each other.
 pub(super) fn fill(boundary: &[[f64; 2]], edges: &[[u32; 2]], size: &dyn Fn([f64; 2]) -> f64) -> Option<TriangleMesh> {
-    let polygon = Boundary { points: boundary, edges };
+    let polygon = Boundary::new(boundary, edges);
     let mut points = boundary.to_vec();
     let mut delaunay = triangulated(&points, edges)?;
     for _ in 0..ROUNDS {
@@ -106,7 +119,7 @@ fn triangulated(points: &[[f64; 2]], edges: &[[u32; 2]]) -> Option<Delaunay> {
     Some(delaunay)
 }
 
-fn triangles(delaunay: &Delaunay, points: &[[f64; 2]], polygon: &Boundary<'_>) -> Vec<[u32; 3]> {
+fn triangles(delaunay: &Delaunay, points: &[[f64; 2]], polygon: &Boundary) -> Vec<[u32; 3]> {
     let faces = delaunay.inner_faces().map(|face| face.vertices().map(|v| v.fix().index() as u32));
     faces
         .filter(|t| {
@@ -143,7 +156,7 @@ struct PointCandidate {
 fn wanted_points(
     delaunay: &Delaunay,
     points: &[[f64; 2]],
-    polygon: &Boundary<'_>,
+    polygon: &Boundary,
     size: &dyn Fn([f64; 2]) -> f64,
 ) -> Vec<[f64; 2]> {
     let mut candidates = Vec::new();
@@ -162,11 +175,15 @@ fn wanted_points(
         let by_place = a.centre[0].total_cmp(&b.centre[0]).then(a.centre[1].total_cmp(&b.centre[1]));
         b.relative_radius.total_cmp(&a.relative_radius).then(by_place)
     });
+    let mut sorted = SortedBoxes::default();
+    sorted.sort(points.iter().map(|p| [*p; 2]).zip(0..));
     let mut added: Vec<[f64; 2]> = Vec::new();
     for PointCandidate { centre, length, .. } in candidates {
-        let is_free = |list: &[[f64; 2]]| list.iter().all(|p| distance(*p, centre) > APART * length);
-        if is_free(&added)
-            && is_free(points)
+        let is_apart = |p: &[f64; 2]| distance(*p, centre) > APART * length;
+        let mut is_free = true;
+        sorted.near([centre; 2], ROUNDING * APART * length, |n| is_free &= is_apart(&points[n as usize]));
+        if is_free
+            && added.iter().all(is_apart)
             && polygon.encloses(centre)
             && !polygon.is_near(centre, FROM_BOUNDARY * length)
         {

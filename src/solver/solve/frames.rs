@@ -8,7 +8,7 @@ use super::energy::Energy;
 use super::reaction_means::ReactionMeans;
 use super::run_state::RunState;
 use crate::constraint::contact::curve::PointCarrier;
-use crate::constraint::{Constraint, reaction};
+use crate::constraint::{Constraint, ConstraintIndex, reaction};
 use crate::element::parts::PartTotals;
 use crate::element::values;
 use crate::model::OutputPosition;
@@ -421,13 +421,19 @@ fn array(field: &FrameField, values: Vec<f64>) -> FieldArray {
 
 /// Returns a nodal variable over points. The reaction force of a rigid body belongs to its reference node.
 fn of_nodes(run: &RunState<'_>, field: &FrameField, of_point: &PointOwners) -> Vec<f64> {
+    let is_reaction = matches!(field.variable(), Variable::Reaction | Variable::ReactionMoment);
+    let reactions = is_reaction.then(|| ConstraintIndex::new(&run.state.constraints));
+    let of_node = |node: usize, part: VariableComponent| match &reactions {
+        Some(reactions) => reactions.reaction(&run.state.dofs, (node, part.component)),
+        None => run.node_value(node, part),
+    };
     let value = |owner: PointOwner, part: VariableComponent| match owner {
         PointOwner::Body(b, node) if part.variable == Variable::Reaction && node != run.plan.bodies[b].reference => 0.0,
         PointOwner::Body(b, node) => run.body_value(b, node, part),
         PointOwner::Node(_, rotation) if part.variable.is_of_rotations() => {
-            rotation.map_or(f64::NAN, |n| run.node_value(n, part))
+            rotation.map_or(f64::NAN, |n| of_node(n, part))
         }
-        PointOwner::Node(n, _) => run.node_value(n, part),
+        PointOwner::Node(n, _) => of_node(n, part),
         PointOwner::Space(point) => point_value(run, &point, part),
     };
     let mut values = Vec::with_capacity((of_point.in_plane.len() + of_point.on_surfaces.len()) * field.parts.len());

@@ -5,8 +5,7 @@
 //! output velocity. So the impulse of a row belongs to the change of momentum by the velocities of the rows.
 
 use super::run_state::RunState;
-use crate::constraint::motion::PrescribedMotion;
-use crate::constraint::of_kind;
+use crate::constraint::ConstraintIndex;
 use crate::plan::{ColumnSource, Plan};
 use crate::state::archive::Persist;
 use crate::state::dofs::Dof;
@@ -58,15 +57,13 @@ impl ReactionMeans {
 
     /// Finds the constraints of the step that act on each degree of freedom.
     pub(super) fn begin_step(&mut self, run: &RunState<'_>) {
+        let index = ConstraintIndex::new(&run.state.constraints);
         for reaction in &mut self.reactions {
-            let forces = || run.state.constraints.iter().enumerate().filter_map(|(i, c)| Some((i, c.forces()?)));
-            let dof = reaction.dof;
-            reaction.constraints = forces().filter_map(|(i, c)| Some((i, c.index_of(dof)?))).collect();
-            reaction.prescribed = match dof {
+            let (constraints, is_prescribed) = index.acting_on(reaction.dof);
+            reaction.constraints = constraints;
+            reaction.prescribed = match reaction.dof {
                 Dof::Body(b) => run.state.dofs.bodies[b].prescribed && run.state.dofs.bodies[b].stations().is_none(),
-                Dof::Node(..) => {
-                    of_kind::<PrescribedMotion>(&run.state.constraints).any(|motion| motion.free_force(dof).is_some())
-                }
+                Dof::Node(..) => is_prescribed,
             };
         }
     }

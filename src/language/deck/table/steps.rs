@@ -45,6 +45,7 @@ const COUPLED_DYNAMIC: Keyword = Keyword {
         "DIRECT USER CONTROL" (FLAG) "The time increment is given on the data line",
         "SCALE FACTOR" (POSITIVE.or(1.0)) "Factor on the stable time increment",
         "IMPROVED DT METHOD" inert "applies only to three-dimensional elements",
+        "CONDUCTION" extension (word(&["HELD", "CURRENT"]).or(0.0)) "HELD: heat rates of conduction are evaluated at intervals of at most 5e-4 of its stable time increment; CURRENT: in each increment",
     ),
     ..Dynamic::ROW
 };

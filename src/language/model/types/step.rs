@@ -29,6 +29,8 @@ pub struct Step {
     pub adiabatic: bool,
     /// Whether nodal temperatures are solved for (`*DYNAMIC TEMPERATURE-DISPLACEMENT`).
     pub coupled: bool,
+    /// Whether heat rates of conduction are evaluated in each increment (`CONDUCTION=CURRENT`), not held over several ones.
+    pub current_conduction: bool,
     /// Prescribed motions in force, each with the nodes that no later condition overrides.
     pub boundaries: Vec<BoundaryCondition>,
     /// Loads in force, each in the region that no load of a later step replaces.

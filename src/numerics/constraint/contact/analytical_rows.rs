@@ -77,6 +77,7 @@ impl ContactConstraint {
             let zeros = [zero_of(key), zero_of(key + secondary.points.len() as u32)];
             if start_gap < pair.search.reach() && !nearest.beyond {
                 keys.opening[key as usize] = start_gap;
+                keys.are_clear[0] = false;
             }
             if nearest.beyond || is_far {
                 continue;
@@ -160,7 +161,7 @@ impl ContactConstraint {
 
     /// Adds the forces of pressure and of friction on the own surface of a pair with an analytical one.
     pub(super) fn add_forces_of_rows(&self, pair: &ContactPair, sum: &mut SurfaceForces) {
-        let (keys, MeasuredGaps { rows, closest, .. }) = (self.surfaces.keys_in(pair), &self.measured);
+        let (keys, MeasuredGaps { rows, closest, .. }) = (pair.keys(), &self.measured);
         for row in rows.rows.iter().filter(|row| keys.contains(&(row.key as usize)) && row.acts()) {
             let [pressure, shear] = self.stresses(row.key as usize);
             let Some(closest) = row.closest_point.map(|index| closest[index as usize]) else { continue };

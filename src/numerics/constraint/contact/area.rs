@@ -20,6 +20,9 @@ type OpenPoints = [(f64, f64); 4];
 impl ContactConstraint {
     /// Returns the area in contact of a pair.
     pub(super) fn contact_area(&self, pair: &ContactPair) -> f64 {
+        if !pair.is_active {
+            return 0.0;
+        }
         let secondary = &self.surfaces.curves[pair.secondary];
         let areas = secondary.exposed.iter().map(|&k| {
             let covered = match pair.analytical {

@@ -183,6 +183,9 @@ impl ContactConstraint {
             cohesive.first = count;
             count += self.surfaces.curves[self.pairs[cohesive.pair].secondary].points.len();
         }
+        // Bonds act at any distance.
+        let indices = pairs.iter().map(|cohesive| cohesive.pair);
+        self.surfaces.active.activate(indices, &mut self.pairs, &self.surfaces.curves);
         self.cohesion = Some(Box::new(CohesiveSurfaces {
             laws,
             pairs,

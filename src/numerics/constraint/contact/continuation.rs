@@ -35,15 +35,16 @@ impl ContactConstraint {
         let (areas, previous_areas) = (self.areas_of_keys(), previous.areas_of_keys());
         let stored = &previous.keys.stored_energy.stored;
         let density = |key: usize| if stored[key] > 0.0 { stored[key] / previous_areas[key] } else { 0.0 };
+        let continued = self.active_pairs_of(previous);
         let energies = &mut self.keys.stored_energy.stored;
         for (key, place) in places {
             energies[key as usize] = place.value(density) * areas[key as usize];
         }
-        for pair in &self.pairs {
-            let Some(previous_pair) = previous.pairs.iter().find(|previous| pair.continues(previous)) else { continue };
+        for (index, previous_index) in continued {
+            let (pair, previous_pair) = (&self.pairs[index], &previous.pairs[previous_index]);
             let sum = |energies: &[f64]| energies.iter().filter(|energy| !energy.is_nan()).sum::<f64>();
-            let energies = &mut energies[self.surfaces.keys_in(pair)];
-            let sums = [sum(&stored[previous.surfaces.keys_in(previous_pair)]), sum(energies)];
+            let energies = &mut energies[pair.keys()];
+            let sums = [sum(&stored[previous_pair.keys()]), sum(energies)];
             let part = if sums[1] > 0.0 { sums[0] / sums[1] } else { 0.0 };
             energies.iter_mut().for_each(|energy| *energy *= part);
         }
@@ -66,8 +67,11 @@ impl ContactConstraint {
         }
         self.surfaces.list_points();
         let mut places = Vec::new();
-        for pair in &mut self.pairs {
-            let Some(previous_pair) = previous.pairs.iter().find(|previous| pair.continues(previous)) else { continue };
+        let continued = self.active_pairs_of(previous);
+        let indices = continued.iter().map(|continued| continued.0);
+        self.surfaces.active.activate(indices, &mut self.pairs, &self.surfaces.curves);
+        for (index, previous_index) in continued {
+            let (pair, previous_pair) = (&mut self.pairs[index], &previous.pairs[previous_index]);
             let known: HashMap<_, _> = key_owners(&previous.surfaces, previous_pair).collect();
             for ((is_own, point), key) in key_owners(&self.surfaces, pair) {
                 let Some((ends, share)) = ends_of(point) else { continue };
@@ -95,6 +99,15 @@ impl ContactConstraint {
         places
     }
 
+    /// Returns the indices of the pairs that continue active pairs of a previous contact, and those of the latter.
+    fn active_pairs_of(&self, previous: &ContactConstraint) -> Vec<(usize, usize)> {
+        let active = previous.surfaces.active.list.iter().map(|index| *index as usize);
+        // If the previous contact has several pairs of this kind, the first one continues.
+        let known: HashMap<_, _> = active.map(|index| (previous.pairs[index].identity(), index)).rev().collect();
+        let continued = |(index, pair): (usize, &ContactPair)| Some((index, *known.get(&pair.identity())?));
+        self.pairs.iter().enumerate().filter_map(continued).collect()
+    }
+
     /// Returns the areas of the hat functions of all keys; 1 for single points.
     fn areas_of_keys(&self) -> Vec<f64> {
         let mut areas = vec![1.0; self.keys.count()];
@@ -116,6 +129,6 @@ fn key_owners<'s>(
 ) -> impl Iterator<Item = ((bool, PointIdentity), u32)> + use<'s> {
     let (secondary, other) = surfaces.sides(pair);
     let points = secondary.points.iter().map(|point| (true, point)).chain(other.points.iter().map(|p| (false, p)));
-    let keys = pair.first_key..pair.first_key + surfaces.keys_of(pair);
+    let keys = pair.first_key..pair.end_key;
     points.map(|(is_own, point)| (is_own, surfaces.identity(*point))).zip(keys)
 }

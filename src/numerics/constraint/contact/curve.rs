@@ -5,7 +5,7 @@ use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 use crate::kernel::lists::sorted_unique;
 use crate::kernel::shape::distance;
-use crate::kernel::sorted_boxes::{BoundingBox, bounding_box};
+use crate::kernel::sorted_boxes::{BoundingBox, NO_BOX, bounding_box, box_around};
 use crate::kernel::topology::ElementNodes;
 use crate::state::archive::{Persist, StateArchive};
 
@@ -116,6 +116,22 @@ impl FacetShape {
     #[inline]
     pub fn in_front(&self, place: [f64; 2]) -> bool {
         (place[0] - self.from[0]) * self.normal[0] + (place[1] - self.from[1]) * self.normal[1] > 0.0
+    }
+
+    /// Returns whether a point does not come farther than `depth` behind the facet while its distances from both ends change
+    /// by at most `motion`, or projects beyond an end.
+    pub fn stays_in_front_or_beside(&self, place: [f64; 2], depth: f64, motion: f64) -> bool {
+        let (sine, unit) = (motion / self.length, self.along.inline_map(|part| part / self.length));
+        if sine >= 1.0 {
+            return false;
+        }
+        let cosine = (1.0 - sine * sine).sqrt();
+        let way = [place[0] - self.from[0], place[1] - self.from[1]];
+        let (along, height) = (way[0] * unit[0] + way[1] * unit[1], way[0] * self.normal[0] + way[1] * self.normal[1]);
+        // The nearer end is the origin; the facet extends to negative values.
+        let beyond = if along > 0.5 * self.length { along - self.length } else { -along };
+        let is_beside = beyond * cosine - height.abs() * sine > motion;
+        is_beside || height.min(height * cosine) - beyond.abs() * sine - motion > -depth
     }
 
     /// Returns the lower and the upper corner of the bounding box.
@@ -459,6 +475,14 @@ impl FacetCurve {
         for at in 0..self.exposed.len() {
             self.shape_one(self.exposed[at], places);
         }
+    }
+
+    /// Returns the box of the exposed facets and of all points that may be in contact.
+    pub fn bounds(&self, places: &[[f64; 2]]) -> BoundingBox {
+        let facets = self.exposed.iter().map(|&k| self.shapes[k as usize].bounds());
+        let points = self.exposed_points.iter().chain(&self.orphans);
+        let places = points.map(|&index| [places[self.points[index as usize] as usize]; 2]);
+        facets.chain(places).fold(NO_BOX, box_around)
     }
 
     /// Updates the shape of one facet.

@@ -15,12 +15,14 @@ use crate::state::energies::EnergyTotals;
 
 /// Degrees of freedom of the points of a contact.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: impulses, bodies; derived: of_points, list, merged, motion, means)]
+#[persist(fixed: impulses, bodies; derived: of_points, list, prescribed_nodes, merged, motion, means)]
 pub(super) struct ContactDofs {
     /// Degrees of freedom of each point along r and z; [`NONE`] where it has none.
     pub(super) of_points: Vec<[u32; 2]>,
     /// The degrees of freedom of the points, and whether their motion is prescribed.
     pub(super) list: Vec<(Dof, bool)>,
+    /// Nodes, axes and indices of the prescribed degrees of freedom of nodes, ascending.
+    prescribed_nodes: Vec<([usize; 2], u32)>,
     /// Degrees of freedom of several nodes with equal motion.
     pub(super) merged: Vec<MergedContactDof>,
     pub(super) motion: ContactVelocities,
@@ -85,6 +87,7 @@ impl ContactDofs {
         let of_points = points.iter().map(number).collect();
         let count = list.len();
         ContactDofs {
+            prescribed_nodes: prescribed_nodes(&list),
             of_points,
             list,
             means: vec![0.0; count],
@@ -96,6 +99,21 @@ impl ContactDofs {
 
     pub(super) fn count(&self) -> usize {
         self.list.len()
+    }
+
+    /// Returns the index of a degree of freedom whose motion is prescribed; `None` if it does not take part in contact.
+    pub(super) fn index_of_prescribed(&self, dof: Dof) -> Option<usize> {
+        match dof {
+            Dof::Body(_) => self
+                .bodies
+                .iter()
+                .find(|known| known.prescribed && self.list[known.dof].0 == dof)
+                .map(|known| known.dof),
+            Dof::Node(node, axis) => {
+                let from = self.prescribed_nodes.partition_point(|known| known.0 < [node, axis]);
+                self.prescribed_nodes.get(from).filter(|known| known.0 == [node, axis]).map(|known| known.1 as usize)
+            }
+        }
     }
 
     /// Gives the points of each set of nodes with equal motion one common degree of freedom.
@@ -116,6 +134,7 @@ impl ContactDofs {
                 *dof = dof_of_set[set];
             }
         }
+        self.prescribed_nodes = prescribed_nodes(&self.list);
         let used = sets.into_iter().zip(dof_of_set).filter(|(_, dof)| *dof != NONE);
         self.merged = used.map(|(nodes, dof)| MergedContactDof { dof: dof as usize, nodes }).collect();
     }
@@ -336,4 +355,15 @@ impl ImpulseWork {
         self.of_impulses[0] += normal * mean;
         self.of_impulses[1] += slip * mean;
     }
+}
+
+/// Returns nodes, axes and indices of the prescribed degrees of freedom of nodes, ascending.
+fn prescribed_nodes(list: &[(Dof, bool)]) -> Vec<([usize; 2], u32)> {
+    let prescribed = |(index, (dof, prescribed)): (u32, &(Dof, bool))| match *dof {
+        Dof::Node(node, axis) if *prescribed => Some(([node, axis], index)),
+        _ => None,
+    };
+    let mut nodes: Vec<_> = (0..).zip(list).filter_map(prescribed).collect();
+    nodes.sort_unstable();
+    nodes
 }

@@ -10,6 +10,7 @@
 
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
+use crate::kernel::sorted_boxes::are_apart;
 
 use super::curve::{FacetCurve, FacetNeighbor, FacetShape};
 use super::sweeps::{most_rows, reserve_total};
@@ -296,9 +297,7 @@ impl GapIntegrator {
         let near_enough = |j: u32| reach + own.lift[k] + other.lift[j as usize];
         for &j in candidates {
             let near = &other.shapes[j as usize];
-            let ([l, h], reach) = (near.bounds(), near_enough(j));
-            let is_near = l[0] <= high[0] + reach && h[0] >= low[0] - reach;
-            if is_near && l[1] <= high[1] + reach && h[1] >= low[1] - reach && cosine(&shape.normal, near) < FACING {
+            if cosine(&shape.normal, near) < FACING && !are_apart([low, high], near.bounds(), near_enough(j)) {
                 self.facing.push(FacingFacet::new(j, shape, other));
             }
         }

@@ -31,8 +31,13 @@ impl ContactConstraint {
     /// Limits the next increments by the surfaces that are about to touch after an increment of length `dt`; with 0, by all
     /// surfaces closer than the thickness of their elements. Equation (10.18).
     pub(super) fn limit_impacts(&mut self, dt: f64) {
-        let open = self.pairs.iter().filter(|pair| !pair.has_touched);
-        let thinnest = open.fold(f64::INFINITY, |thinnest, pair| thinnest.min(SOFT * pair.thickness));
+        if self.surfaces.near.dofs.is_empty() {
+            return;
+        }
+        let active = self.surfaces.active.list.iter().map(|index| &self.pairs[*index as usize]);
+        let of_inactive = SOFT * self.surfaces.active.thinnest_inactive;
+        let open = active.filter(|pair| !pair.has_touched);
+        let thinnest = open.fold(of_inactive, |thinnest, pair| thinnest.min(SOFT * pair.thickness));
         if thinnest == f64::INFINITY {
             return;
         }
@@ -41,8 +46,9 @@ impl ContactConstraint {
         if !self.surfaces.near.dofs.iter().any(|&dof| self.dofs.motion.velocity[dof as usize].abs() > slow) {
             return;
         }
-        for index in 0..self.pairs.len() {
-            self.pairs[index].has_touched |= self.touches(&self.pairs[index]);
+        for &index in &self.surfaces.active.list {
+            let pair = &mut self.pairs[index as usize];
+            pair.has_touched |= touches(pair, &self.keys.pressures);
         }
         for row in self.measured.rows.rows.iter().filter(|row| !row.is_single_point && row.closest_point.is_none()) {
             let pair = &self.pairs[pair_of(&self.pairs, row.key)];
@@ -50,17 +56,12 @@ impl ContactConstraint {
                 self.impact.add_if_near(self.approach_of(row), self.thickness_of(pair), dt);
             }
         }
-        for index in 0..self.pairs.len() {
-            if !self.pairs[index].has_touched {
-                self.limit_analytical_impacts(index, dt);
+        for index in 0..self.surfaces.active.analytical.len() {
+            let pair = self.surfaces.active.analytical[index] as usize;
+            if !self.pairs[pair].has_touched {
+                self.limit_analytical_impacts(pair, dt);
             }
         }
-    }
-
-    /// Returns whether surfaces of a pair press or hold each other. From then on new points of a surface that erodes or
-    /// slides are no impact.
-    fn touches(&self, pair: &ContactPair) -> bool {
-        self.keys.pressures[self.surfaces.keys_in(pair)].iter().any(|pressure| pressure[0] != 0.0)
     }
 
     /// Returns the thickness that limits the increment of a pair.
@@ -98,4 +99,10 @@ impl ContactConstraint {
             impact.add_if_near(approach, thickness, dt);
         }
     }
+}
+
+/// Returns whether surfaces of a pair press or hold each other. From then on new points of a surface that erodes or slides
+/// are no impact.
+fn touches(pair: &ContactPair, pressures: &[[f64; 2]]) -> bool {
+    pressures[pair.keys()].iter().any(|pressure| pressure[0] != 0.0)
 }

@@ -1,6 +1,7 @@
 //! Values of the keys of a contact: one key for each point that may carry a pressure. They are the memory of contact from
 //! increment to increment.
 
+use super::active_pairs::ActivePairs;
 use super::mesh_continuation::{KeyPlace, MeshContinuation};
 use super::slip_damping::SlipDamping;
 use super::stored_energy::StoredEnergy;
@@ -12,7 +13,7 @@ use crate::state::archive::Persist;
 
 /// Values of all keys.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: pressures, gap_offsets, opening, slip)]
+#[persist(fixed: pressures, gap_offsets, opening, slip; derived: are_clear)]
 pub(super) struct KeyValues {
     /// Pressure and shear stress of each key over the previous increment.
     pub(super) pressures: Vec<[f64; 2]>,
@@ -22,6 +23,8 @@ pub(super) struct KeyValues {
     pub(super) slip_damping: SlipDamping,
     /// Difference that is subtracted from the gap of each key; empty if all are zero.
     pub(super) gap_offsets: Vec<f64>,
+    /// Whether no key has an opening, and whether none has a pressure.
+    pub(super) are_clear: [bool; 2],
     /// Gap of each key, for output; NaN if no surface is near.
     pub(super) opening: Vec<f64>,
     /// Accumulated slip of each key while in contact, for output.
@@ -56,11 +59,18 @@ impl KeyValues {
         self.gap_offsets.get(key).copied().unwrap_or(0.0)
     }
 
+    /// Returns whether a key has a value: its pair has been near or in contact.
+    pub(super) fn has_value(&self, key: usize) -> bool {
+        let is_shown = !self.opening[key].is_nan() || self.slip[key] != 0.0;
+        is_shown || self.pressures[key] != [0.0; 2] || self.stored_energy.stored.get(key).is_some_and(|e| *e > 0.0)
+    }
+
     /// Takes the values of a key from a place among those of a previous contact.
     pub(super) fn take_over(&mut self, key: usize, previous: &KeyValues, place: KeyPlace) {
         self.pressures[key] = [0, 1].inline_map(|part: usize| place.value(|other| previous.pressures[other][part]));
         self.stored_energy.take_over(key, &previous.stored_energy, place);
         self.slip_damping.take_over(key, &previous.slip_damping, place);
+        self.are_clear = [false; 2];
         self.opening[key] = place.value(|other| previous.opening[other]);
         self.slip[key] = place.value(|other| previous.slip[other]);
         let offset = place.value(|other| previous.gap_offset(other));
@@ -82,10 +92,20 @@ impl KeyValues {
     }
 
     /// Stores the pressures of rows whose impulses have acted over the time `half`.
-    pub(super) fn store_pressures(&mut self, rows: &ContactRows, half: f64) {
-        self.pressures.fill([0.0; 2]);
+    pub(super) fn store_pressures(&mut self, rows: &ContactRows, half: f64, active: &ActivePairs) {
+        if !std::mem::replace(&mut self.are_clear[1], true) {
+            active.fill(&mut self.pressures, [0.0; 2]);
+        }
         for row in rows.rows.iter().filter(|row| row.acts()) {
             self.pressures[row.key as usize] = [row.normal_impulse / half, row.shear_impulse / half];
+            self.are_clear[1] = false;
+        }
+    }
+
+    /// Removes the openings of the previous increment.
+    pub(super) fn clear_openings(&mut self, active: &ActivePairs) {
+        if !std::mem::replace(&mut self.are_clear[0], true) {
+            active.fill(&mut self.opening, f64::NAN);
         }
     }
 
@@ -93,6 +113,7 @@ impl KeyValues {
     pub(super) fn store_openings(&mut self, rows: &[ContactRow]) {
         for row in rows.iter().filter(|row| row.closest_point.is_none()) {
             self.opening[row.key as usize] = row.gap / row.area;
+            self.are_clear[0] = false;
         }
     }
 

@@ -34,7 +34,7 @@ impl MeshContinuation {
     /// Finds the new places of the keys between those at the start.
     fn find_shares(&mut self, contact: &ContactConstraint) {
         self.shares.clear();
-        for pair in mesh_pairs(contact) {
+        for pair in mesh_pairs(contact).filter(|pair| pair.is_active) {
             let points = contact.surfaces.curves[pair.secondary].exposed_points.iter();
             self.shares.extend(points.filter_map(|index| key_share(contact, pair, *index, &self.starts)));
         }
@@ -108,8 +108,9 @@ impl MeshContinuation {
             let density = self.at_new_place(row.key, |key| per_area(energies, key));
             self.stored[row.key as usize] = density * row.area;
         }
-        for pair in pairs.iter().filter(|pair| pair.analytical.is_none()) {
-            let keys = surfaces.keys_in(pair);
+        let active = surfaces.active.list.iter().map(|index| &pairs[*index as usize]);
+        for pair in active.filter(|pair| pair.analytical.is_none()) {
+            let keys = pair.keys();
             replace_energies(&mut energies[keys.clone()], &self.stored[keys]);
         }
     }
@@ -207,7 +208,8 @@ impl ContactConstraint {
     pub fn keeps_gaps(&self, carrier: PointCarrier) -> bool {
         let Some(point) = self.surfaces.point_on(carrier) else { return false };
         let mut keeps = false;
-        for (index, pair) in self.pairs.iter().enumerate() {
+        for index in self.surfaces.active.list.iter().map(|index| *index as usize) {
+            let pair = &self.pairs[index];
             let index_in = |curve: usize| self.surfaces.curves[curve].points.binary_search(&point).ok();
             let own_index = index_in(pair.secondary);
             let is_pressed = |index: usize| self.keys.pressures[pair.first_key as usize + index][0] > 0.0;

@@ -7,6 +7,7 @@
 //! and friction is within Coulomb's cone ([`sweeps`]). An existing overlap is kept and not pushed apart. In front of an
 //! analytical surface each point has a separate gap ([`analytical`]). Contact does not limit the time increment.
 
+mod active_pairs;
 pub mod analytical;
 mod analytical_rows;
 mod area;
@@ -40,7 +41,7 @@ use self::analytical::AnalyticalSurface;
 use self::cohesion::CohesiveSurfaces;
 use self::curve::{FacetCurve, SurfacePoint};
 use self::dofs::ContactDofs;
-use self::gaps::{FacetGap, GapIntegrator};
+use self::gaps::GapIntegrator;
 use self::heat::{ContactHeat, HeatKey};
 use self::impact_limit::ImpactLimit;
 use self::keys::KeyValues;
@@ -48,7 +49,6 @@ use self::measured_gaps::{GapSources, MeasuredGaps};
 use self::mesh_continuation::MeshContinuation;
 use self::pairs::pair_of;
 pub use self::pairs::{ContactPair, InitialClearance};
-use self::search::ContactSearch;
 use self::surfaces::ContactSurfaces;
 use self::sweeps::{ContactInterval, ContactRow, ContactStep};
 use super::bonds::MergedDofs;
@@ -121,21 +121,7 @@ impl ContactConstraint {
         laws: Vec<InteractionLaw>,
     ) -> ContactConstraint {
         let mut surfaces = ContactSurfaces::new(points, curves, analyticals);
-        let mut keys = 0;
-        for pair in &mut pairs {
-            pair.first_key = keys;
-            keys += surfaces.keys_of(pair);
-            if let Some(surface) = pair.analytical {
-                let secondary = &surfaces.curves[pair.secondary];
-                surfaces.analyticals[surface].lift =
-                    (0..secondary.points.len()).map(|i| secondary.lift_of(i)).collect();
-                continue;
-            }
-            let (secondary, other) = surfaces.sides(pair);
-            let lift = secondary.highest() + other.highest();
-            pair.search = ContactSearch::new(pair.search.length, lift, secondary.facets.len(), other.facets.len());
-            pair.facet_gaps = vec![FacetGap::default(); secondary.facets.len()];
-        }
+        let keys = surfaces.list_pairs(&mut pairs);
         let dofs = ContactDofs::new(&surfaces.points);
         let facets: usize = pairs.iter().map(|pair| pair.facet_gaps.len()).sum();
         let on_analyticals = pairs.iter().filter(|pair| pair.analytical.is_some());
@@ -235,7 +221,7 @@ impl ContactConstraint {
     /// Reads positions at the start of the increment and velocities without contact, of near points. Returns whether
     /// candidates must be searched again, because there are none or a point has moved too far; all points are then read.
     fn read_motion(&mut self, dofs: &Dofs, dt: f64) -> bool {
-        let ContactConstraint { surfaces, pairs, dofs: own_dofs, .. } = self;
+        let ContactConstraint { surfaces, dofs: own_dofs, .. } = self;
         let mut read_points = |surfaces: &mut ContactSurfaces, points: &[u32]| {
             for &point in points {
                 surfaces.places[point as usize] = surfaces.place_of(point, dofs, dt);
@@ -247,7 +233,7 @@ impl ContactConstraint {
             let near = std::mem::take(&mut surfaces.near.points);
             read_points(surfaces, &near);
             surfaces.near.points = near;
-            searches = surfaces.has_moved_far(pairs, dofs, dt);
+            searches = surfaces.has_moved_far(dofs, dt);
         }
         if searches {
             let active_points = std::mem::take(&mut surfaces.active_points);
@@ -263,23 +249,40 @@ impl ContactConstraint {
         let ContactConstraint { surfaces, pairs, dofs, cohesion, .. } = self;
         let is_cohesive = |pair: usize| cohesion.as_ref().is_some_and(|cohesion| cohesion.index_of(pair).is_some());
         surfaces.search(pairs, is_cohesive, &dofs.of_points);
+        self.begin_added_pairs();
+    }
+
+    /// Begins the pairs that the search has made active. In a run, soft contact of new pairs has stored no energy.
+    fn begin_added_pairs(&mut self) {
+        if self.dofs.half != 0.0 {
+            for &index in &self.surfaces.active.added {
+                self.keys.stored_energy.begin_keys(self.pairs[index as usize].keys());
+            }
+        }
+    }
+
+    /// Activates the pairs with values: those of a previous contact or of a restart file.
+    fn activate_pairs_with_values(&mut self) {
+        let has_values = |pair: &ContactPair| pair.has_touched || pair.keys().any(|key| self.keys.has_value(key));
+        let indices: Vec<usize> = (0..self.pairs.len()).filter(|index| has_values(&self.pairs[*index])).collect();
+        self.surfaces.active.activate(indices.into_iter(), &mut self.pairs, &self.surfaces.curves);
     }
 
     /// Measures the gaps of all pairs as rows, for an increment of length `dt`.
     fn measure(&mut self, dt: f64) {
         self.measured.clear();
-        self.keys.opening.fill(f64::NAN);
+        self.keys.clear_openings(&self.surfaces.active);
         self.measure_curves();
-        for pair in 0..self.pairs.len() {
-            self.measure_analytical(pair, dt);
+        for index in 0..self.surfaces.active.analytical.len() {
+            self.measure_analytical(self.surfaces.active.analytical[index] as usize, dt);
         }
     }
 
     fn measure_curves(&mut self) {
         let ContactConstraint { surfaces, pairs, laws, dofs, keys, measured, .. } = self;
         let sources = GapSources { surfaces, laws, keys, dofs_of: &dofs.of_points };
-        for pair in pairs.iter_mut().filter(|pair| pair.analytical.is_none()) {
-            measured.measure_pair(pair, sources);
+        for &index in &surfaces.active.near {
+            measured.measure_pair(&mut pairs[index as usize], sources);
         }
     }
 
@@ -290,7 +293,7 @@ impl ContactConstraint {
             return;
         }
         self.surfaces.find_neighbors();
-        for pair in &self.pairs {
+        for pair in self.surfaces.active.list.iter().map(|index| &self.pairs[*index as usize]) {
             for &index in &self.surfaces.curves[pair.secondary].orphans {
                 self.keys.pressures[(pair.first_key + index) as usize] = [0.0; 2];
             }
@@ -354,7 +357,7 @@ impl ContactConstraint {
         let Some(exchange) = heat else { return };
         exchange.update_rows(&measured.rows, laws, &keys.pressures);
         // Points near analytical surfaces have rows only while they approach.
-        for pair in pairs.iter().filter(|pair| pair.analytical.is_some()) {
+        for pair in surfaces.active.analytical.iter().map(|index| &pairs[*index as usize]) {
             let secondary = &surfaces.curves[pair.secondary];
             for &index in &secondary.exposed_points {
                 let key = pair.first_key + index;
@@ -371,21 +374,31 @@ impl ContactConstraint {
     /// Solves for the impulses of the rows in an increment of length `dt`.
     fn solve(&mut self, dofs: &mut Dofs, dt: f64) {
         let span = ContactInterval { dt, half: self.dofs.half };
-        let ContactConstraint { laws, dofs: own_dofs, keys, measured, .. } = self;
+        let ContactConstraint {
+            surfaces: ContactSurfaces { active, .. }, laws, dofs: own_dofs, keys, measured, ..
+        } = self;
         let (rows, motion) = (&mut measured.rows, &mut own_dofs.motion);
-        dofs.energies.initial_overlap += keys.stored_energy.limit_overlaps(rows, laws);
+        dofs.energies.initial_overlap += keys.stored_energy.limit_overlaps(rows, laws, active);
         let step = ContactStep { laws, pressures: &keys.pressures, span };
-        keys.slip_damping.begin();
+        keys.slip_damping.begin(active);
         if let Some(reference) = rows.begin(motion, step) {
             keys.slip_damping.apply(rows, motion, step);
             rows.solve(motion, reference, step);
             self.correct_arc_gaps(reference, span);
         }
-        let ContactConstraint { pairs, laws, dofs: own_dofs, keys, measured, .. } = self;
+        let ContactConstraint {
+            surfaces: ContactSurfaces { active, .. },
+            pairs,
+            laws,
+            dofs: own_dofs,
+            keys,
+            measured,
+            ..
+        } = self;
         let (rows, motion) = (&measured.rows, &own_dofs.motion);
-        keys.slip_damping.update(rows, motion, (laws, span.half), |key| pair_of(pairs, key));
+        keys.slip_damping.update(rows, motion, (laws, span.half), |key| pair_of(pairs, key), active);
         keys.stored_energy.add_work(rows, laws, motion, span);
-        keys.store_pressures(rows, span.half);
+        keys.store_pressures(rows, span.half, active);
         own_dofs.gather_impulses(rows);
     }
 
@@ -398,6 +411,8 @@ impl ContactConstraint {
     fn list_again(&mut self, archive: &mut StateArchive<'_>) {
         if archive.reads() {
             self.surfaces.list_points();
+            self.activate_pairs_with_values();
+            self.keys.are_clear = [false; 2];
             self.check_bonds(archive);
         }
     }
@@ -420,6 +435,7 @@ impl Constraint for ContactConstraint {
         self.dofs.begin(&mut self.measured.rows, dofs);
         self.measured.rows.reserve(keys, self.dofs.count());
         self.surfaces.reserve_near(self.dofs.count());
+        self.surfaces.active.reserve(&mut self.pairs, &self.surfaces.curves);
         self.measured.facets.reserve(keys);
         if self.laws.iter().any(|law| law.is_soft()) {
             self.measured.facets.reserve_edges(keys);
@@ -487,7 +503,7 @@ impl ConstraintForces for ContactConstraint {
     }
 
     fn index_of(&self, dof: Dof) -> Option<usize> {
-        self.dofs.list.iter().position(|d| *d == (dof, true))
+        self.dofs.index_of_prescribed(dof)
     }
 
     fn impulse(&self, _dof: Dof, index: usize, _half: f64) -> f64 {

@@ -1,5 +1,7 @@
 //! Contact pairs: two surfaces that may come into contact, or one with self-contact.
 
+use std::ops::Range;
+
 use super::curve::FacetCurve;
 use super::gaps::FacetGap;
 use super::search::ContactSearch;
@@ -12,7 +14,7 @@ use crate::state::archive::Persist;
 /// Two surfaces that may come into contact, or one with self-contact.
 #[derive(Clone, Debug, Default, Persist, Memory)]
 #[persist(derived: id, number, name, secondary, other, analytical, law, springs, of_points, first, thickness,
-    initial_clearance, search, facet_gaps, first_key)]
+    initial_clearance, is_near, is_active, search, facet_gaps, first_key, end_key)]
 #[memory(uncounted: name)]
 pub struct ContactPair {
     /// Row of the ledger.
@@ -48,10 +50,16 @@ pub struct ContactPair {
     pub largest_release: (f64, [f64; 2]),
     /// Whether the surfaces have been in contact: then their impacts no longer limit the increment.
     pub(super) has_touched: bool,
+    /// Whether the last search found candidates; otherwise there are no gaps.
+    pub(super) is_near: bool,
+    /// Whether the surfaces have been near each other; only then the pair has lists and gaps.
+    pub(super) is_active: bool,
     pub(super) search: ContactSearch,
     pub(super) facet_gaps: Vec<FacetGap>,
     /// First key of the pair; each point of the own curve has one.
     pub(super) first_key: u32,
+    /// End of the keys of the pair.
+    pub(super) end_key: u32,
 }
 
 impl ContactPair {
@@ -65,7 +73,7 @@ impl ContactPair {
             other: (secondary != other).then_some(other),
             first: true,
             thickness: f64::INFINITY,
-            search: ContactSearch::new(length, 0.0, 0, 0),
+            search: ContactSearch::new(length),
             ..ContactPair::default()
         }
     }
@@ -75,9 +83,43 @@ impl ContactPair {
         ContactPair { analytical: Some(analytical), ..ContactPair::new(id, number, [secondary, secondary], length) }
     }
 
+    /// Makes the pair active: allocates its candidates and gaps.
+    pub(super) fn activate(&mut self, curves: &[FacetCurve]) {
+        self.is_active = true;
+        if self.analytical.is_none() {
+            self.reserve(curves);
+            self.facet_gaps = vec![FacetGap::default(); curves[self.secondary].facets.len()];
+        }
+    }
+
+    /// Allocates the candidates.
+    pub(super) fn reserve(&mut self, curves: &[FacetCurve]) {
+        let other = self.other.unwrap_or(self.secondary);
+        self.search.reserve(curves[self.secondary].facets.len(), curves[other].facets.len());
+    }
+
+    /// Completes a search: a pair without candidates has no gaps, and is not measured. Returns whether it has candidates.
+    pub(super) fn end_search(&mut self) -> bool {
+        let was_near = std::mem::replace(&mut self.is_near, self.search.has_candidates());
+        if was_near && !self.is_near {
+            self.facet_gaps.fill(FacetGap::default());
+        }
+        self.is_near
+    }
+
+    /// Returns the keys of the pair.
+    pub(super) fn keys(&self) -> Range<usize> {
+        self.first_key as usize..self.end_key as usize
+    }
+
+    /// Returns the identity of the pair in the deck: its number, and whether the own curve is its first surface.
+    pub(super) fn identity(&self) -> (usize, bool) {
+        (self.number, self.first)
+    }
+
     /// Returns whether the pair and one of a previous contact are the same pair of the deck.
     pub(super) fn continues(&self, previous: &ContactPair) -> bool {
-        (self.number, self.first) == (previous.number, previous.first)
+        self.identity() == previous.identity()
     }
 
     /// Returns the key of a point of the own curve; [`NONE`] for other points.

@@ -1,15 +1,21 @@
 //! Search for contact candidates: lists of facets that may come into contact, valid until a point has moved too far.
 
 use crate::kernel::lists::Memory;
-use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes};
+use crate::kernel::sorted_boxes::{BoundingBox, SortedBoxes, are_apart};
 
 use super::curve::FacetCurve;
+use super::sweeps::reserve_total;
 
 /// Reach of contact as a fraction of the facet length of a pair; points at a larger distance are not in contact.
 const REACH: f64 = 0.5;
 /// Displacement of a point after which the lists are built again, as a fraction of the facet length. Both surfaces may
 /// move by this distance, so boxes are enlarged by the reach and twice the distance.
 const SLACK: f64 = 0.5;
+
+/// Factor on displacements, for rounding.
+const ROUNDING: f64 = 1.001;
+/// Displacement of a point up to which surfaces may be known to be out of reach, as a fraction of the facet length.
+const QUIET_SLACK: f64 = 0.2;
 
 /// Contact candidates: for each exposed facet and each single point of one curve, the facets of the other curve,
 /// ascending.
@@ -44,6 +50,12 @@ impl CandidateLists {
         }
     }
 
+    /// Allocates for a number of lists and of all indices. Copies of the lists have no reserve.
+    fn reserve(&mut self, count: usize, indices: usize) {
+        reserve_total(&mut self.first, count);
+        reserve_total(&mut self.list, indices);
+    }
+
     fn clear(&mut self) {
         self.first.clear();
         self.list.clear();
@@ -58,20 +70,17 @@ impl CandidateLists {
 }
 
 impl ContactSearch {
+    /// Creates a search without lists.
+    pub fn new(length: f64) -> ContactSearch {
+        ContactSearch { length, ..ContactSearch::default() }
+    }
+
     /// Allocates lists for curves with this number of facets.
-    pub fn new(length: f64, lift: f64, facets: usize, others: usize) -> ContactSearch {
-        let with_capacity_for = |count: usize, list: usize| CandidateLists {
-            first: Vec::with_capacity(count),
-            list: Vec::with_capacity(list),
-        };
-        ContactSearch {
-            length,
-            lift,
-            facets: with_capacity_for(facets + 1, 16 * (facets + others)),
-            orphans: with_capacity_for(facets + 1, 4 * facets),
-            others: with_capacity_for(others + 1, 4 * others),
-            sorted: SortedBoxes::with_capacity(facets.max(others)),
-        }
+    pub fn reserve(&mut self, facets: usize, others: usize) {
+        self.facets.reserve(facets + 1, 16 * (facets + others));
+        self.orphans.reserve(facets + 1, 4 * facets);
+        self.others.reserve(others + 1, 4 * others);
+        self.sorted.reserve(facets.max(others));
     }
 
     /// Returns the displacement of a point at which lists are built again.
@@ -79,15 +88,36 @@ impl ContactSearch {
         SLACK * self.length
     }
 
+    /// Returns the displacement of a point at which lists are built again if no surfaces are within reach
+    /// ([`Self::is_out_of_reach`]).
+    pub fn quiet_slack(&self) -> f64 {
+        QUIET_SLACK * self.length
+    }
+
     /// Returns the distance from a surface within which gaps are measured.
     pub fn reach(&self) -> f64 {
         REACH * self.length
     }
 
+    /// Returns the distance within which facets are candidates.
+    pub fn margin(&self) -> f64 {
+        self.reach() + self.lift + 2.0 * self.slack()
+    }
+
+    /// Returns whether a list has a candidate.
+    pub fn has_candidates(&self) -> bool {
+        [&self.facets, &self.orphans, &self.others].iter().any(|lists| !lists.list.is_empty())
+    }
+
+    /// Empties the lists.
+    pub fn clear(&mut self) {
+        [&mut self.facets, &mut self.orphans, &mut self.others].into_iter().for_each(CandidateLists::clear);
+    }
+
     /// Builds the lists. In self-contact (`other` is `None`) a pair of facets is listed once, under the lower index.
     /// Facets with a common point are not candidates.
     pub fn build(&mut self, own: &FacetCurve, other: Option<&FacetCurve>, places: &[[f64; 2]]) {
-        let (against, margin) = (other.unwrap_or(own), self.reach() + self.lift + 2.0 * self.slack());
+        let (against, margin) = (other.unwrap_or(own), self.margin());
         let ContactSearch { facets, orphans, others, sorted, .. } = self;
         sorted.sort(boxes_of(against));
         facets.clear();
@@ -107,6 +137,43 @@ impl ContactSearch {
             sorted.sort(boxes_of(own));
             list_points(others, (other, other.single_points().map(|point| point.0)), sorted, places, margin);
         }
+    }
+}
+
+impl ContactSearch {
+    /// Returns whether no candidates come within reach of each other while each point moves by at most `motion`.
+    pub fn is_out_of_reach(
+        &self,
+        own: &FacetCurve,
+        other: Option<&FacetCurve>,
+        places: &[[f64; 2]],
+        motion: f64,
+    ) -> bool {
+        let opposite = other.unwrap_or(own);
+        let limit = self.reach() + self.lift + 2.0 * motion * ROUNDING;
+        let are_far = |at: usize, k: u32| {
+            let bounds = own.shapes[k as usize].bounds();
+            self.facets.of(at).iter().all(|j| are_apart(bounds, opposite.shapes[*j as usize].bounds(), limit))
+        };
+        let facets_are_far = own.exposed.iter().enumerate().all(|(at, &k)| are_far(at, k));
+        facets_are_far
+            && (0..own.orphans.len()).all(|at| self.orphans.of(at).is_empty())
+            && other.is_none_or(|other| self.points_are_out_of_reach(own, other, places, motion))
+    }
+
+    /// Returns whether no single point of the other curve comes within reach of its candidates. Only a corner can be in front
+    /// of a facet without being in contact with it.
+    fn points_are_out_of_reach(&self, own: &FacetCurve, other: &FacetCurve, places: &[[f64; 2]], motion: f64) -> bool {
+        let limit = self.reach() + self.lift + 2.0 * motion * ROUNDING;
+        other.single_points().enumerate().all(|(at, (index, is_corner))| {
+            let position = places[other.points[index as usize] as usize];
+            self.others.of(at).iter().all(|&j| {
+                let shape = &own.shapes[j as usize];
+                is_corner
+                    && are_apart([position; 2], shape.bounds(), limit)
+                    && shape.stays_in_front_or_beside(position, self.reach(), 2.0 * motion * ROUNDING)
+            })
+        })
     }
 }
 

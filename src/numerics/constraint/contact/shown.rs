@@ -29,6 +29,9 @@ impl ContactConstraint {
             self.add_forces_of_rows(pair, &mut sum);
             return sum;
         }
+        if !pair.is_active {
+            return sum;
+        }
         for &k in &secondary.exposed {
             let (facet, gaps) = (&secondary.facets[k as usize], &pair.facet_gaps[k as usize]);
             if gaps.area == [0.0; 2] {
@@ -58,7 +61,7 @@ impl ContactConstraint {
     fn add_forces_of_points(&self, pair: &ContactPair, sum: &mut SurfaceForces) {
         let ContactConstraint { surfaces, dofs, measured, .. } = self;
         let first = pair.first_key as usize + surfaces.curves[pair.secondary].points.len();
-        let keys = first..surfaces.keys_in(pair).end;
+        let keys = first..pair.keys().end;
         let (_, other) = surfaces.sides(pair);
         for row in measured.rows.rows.iter().filter(|row| keys.contains(&(row.key as usize)) && row.acts()) {
             let [force, shear] = self.stresses(row.key as usize);
@@ -75,7 +78,8 @@ impl ContactConstraint {
     /// Returns the value at a point of a surface; `None` if the point belongs to no contact surface.
     pub fn value_at_point(&self, carrier: PointCarrier, part: VariableComponent) -> Option<f64> {
         let point = self.surfaces.point_on(carrier)?;
-        let keys = self.pairs.iter().flat_map(|pair| {
+        let keys = self.surfaces.own_pairs(point).flat_map(|index| {
+            let pair = &self.pairs[index];
             let own_points = &self.surfaces.curves[pair.secondary].points;
             let key = own_points.binary_search(&point).ok().map(|index| pair.first_key as usize + index);
             let second = key.filter(|_| self.surfaces.has_two_keys(pair)).map(|key| key + own_points.len());
@@ -113,7 +117,7 @@ impl ContactConstraint {
 
     /// Returns the forces of a contact pair over the previous increment; `None` if the pair is not in force.
     pub fn forces_of_pair(&self, number: usize) -> Option<PairForces> {
-        let pair = self.pairs.iter().find(|p| p.number == number)?;
+        let pair = self.pair_of_number(number)?;
         // The forces on the two surfaces are opposite.
         let sign = if pair.first { 1.0 } else { -1.0 };
         let SurfaceForces { pressure, friction } = self.forces(pair);
@@ -123,6 +127,11 @@ impl ContactConstraint {
 
     /// Returns the area in contact of a pair; `None` if the pair is not in force.
     pub fn area_of_pair(&self, number: usize) -> Option<f64> {
-        self.pairs.iter().find(|p| p.number == number).map(|pair| self.contact_area(pair))
+        self.pair_of_number(number).map(|pair| self.contact_area(pair))
+    }
+
+    /// Returns the pair with a number among the pairs of all steps.
+    fn pair_of_number(&self, number: usize) -> Option<&ContactPair> {
+        self.surfaces.first_of_number(number).map(|index| &self.pairs[index])
     }
 }

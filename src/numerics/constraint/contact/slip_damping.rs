@@ -8,6 +8,7 @@
 //! pressure with a delay of some increments (as measured by Prakash and Clifton; a regularization after Cochard and Rice
 //! 2000, J. Geophys. Res. 105, 25891), so that friction does not drive waves of the length of an element.
 
+use super::active_pairs::ActivePairs;
 use super::mesh_continuation::{KeyPlace, MeshContinuation};
 use super::sweeps::{ContactRow, ContactRows, ContactStep, ContactVelocities};
 use crate::kernel::interaction::InteractionLaw;
@@ -79,8 +80,8 @@ impl SlipDamping {
     }
 
     /// Begins an increment without damping.
-    pub(super) fn begin(&mut self) {
-        self.stress.fill(0.0);
+    pub(super) fn begin(&mut self, active: &ActivePairs) {
+        active.fill(&mut self.stress, 0.0);
     }
 
     /// Applies the impulses of the damping to the velocities, before the contact impulses are solved for. Their limit is
@@ -107,8 +108,8 @@ impl SlipDamping {
     }
 
     /// Updates the slow parts of the pressures; `half` is the time over which the impulses act. Equation (10.5b).
-    fn update_pressures(&mut self, rows: &ContactRows, laws: &[InteractionLaw], half: f64) {
-        self.next_pressure.fill([f64::NAN; 2]);
+    fn update_pressures(&mut self, rows: &ContactRows, laws: &[InteractionLaw], half: f64, active: &ActivePairs) {
+        active.fill(&mut self.next_pressure, [f64::NAN; 2]);
         let is_damped = |row: &&ContactRow| !row.is_single_point && laws[row.law as usize].friction.damps();
         for row in rows.rows.iter().filter(is_damped).filter(|row| row.normal_impulse > 0.0) {
             let ([slow, slower], pressure) = (self.pressure[row.key as usize], row.normal_impulse / half);
@@ -130,13 +131,14 @@ impl SlipDamping {
         motion: &ContactVelocities,
         (laws, half): (&[InteractionLaw], f64),
         pair_of: impl Fn(u32) -> usize,
+        active: &ActivePairs,
     ) {
         if self.slow.is_empty() {
             return;
         }
-        self.update_pressures(rows, laws, half);
-        self.next.fill(f64::NAN);
-        self.impulse.fill(0.0);
+        self.update_pressures(rows, laws, half, active);
+        active.fill(&mut self.next, f64::NAN);
+        active.fill(&mut self.impulse, 0.0);
         // Single points have no facets on which a wave could travel.
         let is_damped = |row: &&ContactRow| {
             !row.is_single_point

@@ -4,6 +4,9 @@
 //! impulses of a row have absorbed, its area `A`, and the energy `W(o)` per area of the law, the overlap is limited to
 //! `A W(o) <= E`. Contact therefore releases at most what it has stored, for any change of area or geometry.
 
+use std::ops::Range;
+
+use super::active_pairs::ActivePairs;
 use super::mesh_continuation::KeyPlace;
 use super::sweeps::{ContactInterval, ContactRow, ContactRows, ContactVelocities, closed_overlap};
 use crate::kernel::interaction::{InteractionLaw, PressureOverclosure};
@@ -26,6 +29,13 @@ impl StoredEnergy {
         StoredEnergy { stored: vec![f64::NAN; keys], next: vec![0.0; keys] }
     }
 
+    /// Begins keys in a run: they have stored no energy.
+    pub(super) fn begin_keys(&mut self, keys: Range<usize>) {
+        if let Some(stored) = self.stored.get_mut(keys) {
+            stored.fill(0.0);
+        }
+    }
+
     /// Takes the energy of a key from the previous contact.
     pub(super) fn take_over(&mut self, key: usize, previous: &StoredEnergy, place: KeyPlace) {
         if let Some(own) = self.stored.get_mut(key).filter(|_| !previous.stored.is_empty()) {
@@ -35,11 +45,16 @@ impl StoredEnergy {
 
     /// Limits the overlaps of soft rows to those that work has been done for. Returns the energy of the overlaps with
     /// which soft contact begins.
-    pub(super) fn limit_overlaps(&mut self, rows: &mut ContactRows, laws: &[InteractionLaw]) -> f64 {
+    pub(super) fn limit_overlaps(
+        &mut self,
+        rows: &mut ContactRows,
+        laws: &[InteractionLaw],
+        active: &ActivePairs,
+    ) -> f64 {
         if self.stored.is_empty() {
             return 0.0;
         }
-        self.next.fill(0.0);
+        active.fill(&mut self.next, 0.0);
         let mut initial = 0.0;
         for row in &mut rows.rows {
             let law = &laws[row.law as usize].overclosure;

@@ -1,10 +1,12 @@
 //! The surfaces of a contact: points, curves and analytical surfaces, their places, and the parts that are near another
 //! surface.
 
+use super::active_pairs::ActivePairs;
 use super::analytical::AnalyticalSurface;
 use super::curve::{FacetCurve, PointCarrier, SurfacePoint};
 use super::near::NearParts;
 use super::pairs::ContactPair;
+use super::search::ContactSearch;
 use crate::kernel::lanes::InlineMap;
 use crate::kernel::lists::Memory;
 use crate::kernel::topology::ElementNodes;
@@ -13,15 +15,25 @@ use crate::state::dofs::Dofs;
 
 /// Surfaces in contact and their current places.
 #[derive(Clone, Debug, Default, Persist, Memory)]
-#[persist(fixed: curves; derived: points, points_of_nodes, points_on_bodies, analyticals, places, active_points, near, listed)]
+#[persist(fixed: curves; derived: points, active, curves_of_points, numbers, slacks, slack, points_of_nodes, points_on_bodies, analyticals, places, active_points, near, listed)]
 #[memory(flat: analyticals)]
 pub(super) struct ContactSurfaces {
     pub(super) points: Vec<SurfacePoint>,
     pub(super) curves: Vec<FacetCurve>,
     pub(super) analyticals: Vec<AnalyticalSurface>,
+    pub(super) active: ActivePairs,
+    /// Points and their curves, ascending.
+    curves_of_points: Vec<[u32; 2]>,
+    /// Number among the pairs of all steps and index of each pair, ascending.
+    numbers: Vec<[u32; 2]>,
+    /// Displacements of a point after which candidates are searched again: generally, if no surfaces are within reach, and
+    /// since the last search.
+    slacks: [f64; 2],
+    slack: f64,
     /// Nodes and their points, ascending by node.
     points_of_nodes: Vec<(usize, u32)>,
-    points_on_bodies: Vec<(PointCarrier, u32)>,
+    /// Bodies, bits of the places and points on bodies, ascending.
+    points_on_bodies: Vec<([u64; 3], u32)>,
     pub(super) places: Vec<[f64; 2]>,
     /// Points that may be in contact: those of exposed facets and those without elements.
     pub(super) active_points: Vec<u32>,
@@ -53,10 +65,15 @@ impl ContactSurfaces {
         for (point, number) in surfaces.points.iter().zip(0..) {
             match point.carrier {
                 PointCarrier::Node(node) => surfaces.points_of_nodes.push((node, number)),
-                carrier => surfaces.points_on_bodies.push((carrier, number)),
+                PointCarrier::Body(body, place) => surfaces.points_on_bodies.push((bits_of(body, place), number)),
             }
         }
         surfaces.points_of_nodes.sort_unstable();
+        surfaces.points_on_bodies.sort_unstable();
+        for (curve, number) in surfaces.curves.iter().zip(0..) {
+            surfaces.curves_of_points.extend(curve.points.iter().map(|&point| [point, number]));
+        }
+        surfaces.curves_of_points.sort_unstable();
         surfaces.list_points();
         surfaces
     }
@@ -82,11 +99,6 @@ impl ContactSurfaces {
         pair.analytical.is_some_and(|surface| self.analyticals[surface].has_corners())
     }
 
-    /// Returns the range of the keys of a pair.
-    pub(super) fn keys_in(&self, pair: &ContactPair) -> std::ops::Range<usize> {
-        pair.first_key as usize..(pair.first_key + self.keys_of(pair)) as usize
-    }
-
     /// Returns the identity of the carrier of a point.
     pub(super) fn identity(&self, point: u32) -> PointIdentity {
         match self.points[point as usize].carrier {
@@ -107,8 +119,20 @@ impl ContactSurfaces {
             PointCarrier::Node(node) => {
                 of_nodes.binary_search_by_key(&node, |known| known.0).ok().map(|i| of_nodes[i].1)
             }
-            carrier => on_bodies.iter().find(|known| known.0 == carrier).map(|known| known.1),
+            PointCarrier::Body(body, place) => {
+                let bits = bits_of(body, place);
+                let from = on_bodies.partition_point(|known| known.0 < bits);
+                on_bodies.get(from).filter(|known| known.0 == bits).map(|known| known.1)
+            }
         }
+    }
+
+    /// Iterates over the pairs in which a point carries pressures, ascending: the active ones, and the first pair of each
+    /// of its curves.
+    pub(super) fn own_pairs(&self, point: u32) -> impl Iterator<Item = usize> {
+        let from = self.curves_of_points.partition_point(|known| known[0] < point);
+        let curves = self.curves_of_points[from..].iter().take_while(move |known| known[0] == point);
+        self.active.pairs_of_curves(curves.map(|known| known[1]))
     }
 
     /// Returns the points of an element's nodes; `None` if one has no contact.
@@ -142,6 +166,36 @@ impl ContactSurfaces {
             PointCarrier::Body(body, _) => Some(body),
             PointCarrier::Node(_) => None,
         }
+    }
+
+    /// Numbers the keys of the pairs and lists the active ones. Returns the number of keys.
+    pub(super) fn list_pairs(&mut self, pairs: &mut [ContactPair]) -> u32 {
+        let mut keys = 0;
+        for pair in pairs.iter_mut() {
+            pair.first_key = keys;
+            keys += self.keys_of(pair);
+            pair.end_key = keys;
+            let secondary = &self.curves[pair.secondary];
+            if let Some(surface) = pair.analytical {
+                self.analyticals[surface].lift = (0..secondary.points.len()).map(|i| secondary.lift_of(i)).collect();
+            } else {
+                pair.search.lift = secondary.highest() + self.sides(pair).1.highest();
+            }
+        }
+        let searched = || pairs.iter().filter(|pair| pair.analytical.is_none()).map(|pair| &pair.search);
+        let least = |slacks: &mut dyn Iterator<Item = f64>| slacks.fold(f64::INFINITY, f64::min);
+        self.slacks =
+            [least(&mut searched().map(ContactSearch::slack)), least(&mut searched().map(ContactSearch::quiet_slack))];
+        self.active = ActivePairs::new(pairs, &self.curves);
+        self.numbers = (0..).zip(pairs.iter()).map(|(index, pair)| [pair.number as u32, index]).collect();
+        self.numbers.sort_unstable();
+        keys
+    }
+
+    /// Returns the index of the first pair with a number among the pairs of all steps.
+    pub(super) fn first_of_number(&self, number: usize) -> Option<usize> {
+        let from = self.numbers.partition_point(|known| (known[0] as usize) < number);
+        self.numbers.get(from).filter(|known| known[0] as usize == number).map(|known| known[1] as usize)
     }
 
     /// Allocates the lists of near parts; `dofs` is the number of degrees of freedom.
@@ -181,9 +235,8 @@ impl ContactSurfaces {
     }
 
     /// Returns whether a point has moved too far since candidates were searched.
-    pub(super) fn has_moved_far(&self, pairs: &[ContactPair], dofs: &Dofs, dt: f64) -> bool {
-        let searched = pairs.iter().filter(|pair| pair.analytical.is_none());
-        let slack = searched.map(|pair| pair.search.slack()).fold(f64::INFINITY, f64::min);
+    pub(super) fn has_moved_far(&self, dofs: &Dofs, dt: f64) -> bool {
+        let slack = self.slack;
         let is_far = |place: [f64; 2], point: u32| {
             let listed = self.listed[point as usize];
             let d = [place[0] - listed[0], place[1] - listed[1]];
@@ -201,21 +254,51 @@ impl ContactSurfaces {
         is_cohesive: impl Fn(usize) -> bool,
         dofs_of: &[[u32; 2]],
     ) {
-        let ContactSurfaces { curves, places, listed, .. } = self;
+        let ContactSurfaces { curves, active, places, listed, .. } = self;
         curves.iter_mut().for_each(|curve| curve.shape(places));
         listed.clear();
         listed.extend_from_slice(places);
-        for pair in pairs.iter_mut().filter(|pair| pair.analytical.is_none()) {
-            pair.search.build(&curves[pair.secondary], pair.other.map(|other| &curves[other]), places);
+        active.update(pairs, curves, places);
+        for &index in &active.list {
+            let pair = &mut pairs[index as usize];
+            if active.are_apart(pair) {
+                pair.search.clear();
+            } else if pair.analytical.is_none() {
+                pair.search.build(&curves[pair.secondary], pair.other.map(|other| &curves[other]), places);
+            }
         }
+        self.slack = self.slacks[0];
+        if self.is_quiet(pairs, &is_cohesive) {
+            self.slack = self.slacks[1];
+            let active = self.active.list.iter().map(|index| *index as usize);
+            active.filter(|index| !is_cohesive(*index)).for_each(|index| pairs[index].search.clear());
+        }
+        let ActivePairs { list, near, .. } = &mut self.active;
+        near.clear();
+        near.extend(list.iter().copied().filter(|index| pairs[*index as usize].end_search()));
         self.list_near(pairs, is_cohesive, dofs_of);
+    }
+
+    /// Returns whether no surfaces of pairs without bonds are within reach before the next search, in which case they need
+    /// not be measured.
+    fn is_quiet(&self, pairs: &[ContactPair], is_cohesive: impl Fn(usize) -> bool) -> bool {
+        let ContactSurfaces { curves, active, places, slacks, .. } = self;
+        active.list.iter().map(|index| *index as usize).all(|index| {
+            let pair = &pairs[index];
+            let other = pair.other.map(|other| &curves[other]);
+            pair.analytical.is_some()
+                || is_cohesive(index)
+                || active.are_apart(pair)
+                || pair.search.is_out_of_reach(&curves[pair.secondary], other, places, slacks[1])
+        })
     }
 
     /// Lists what is near another surface, or belongs to a pair whose bonds act at any distance.
     fn list_near(&mut self, pairs: &[ContactPair], is_cohesive: impl Fn(usize) -> bool, dofs_of: &[[u32; 2]]) {
-        let ContactSurfaces { curves, analyticals, active_points, near, .. } = self;
+        let ContactSurfaces { curves, analyticals, active, active_points, near, .. } = self;
         near.begin();
-        for (index, pair) in pairs.iter().enumerate() {
+        for index in active.list.iter().map(|index| *index as usize) {
+            let pair = &pairs[index];
             let (secondary, other) = (&curves[pair.secondary], pair.other.map(|other| &curves[other]));
             if let Some(surface) = pair.analytical {
                 near.mark_point(analyticals[surface].point);
@@ -246,4 +329,9 @@ impl ContactSurfaces {
             self.places[point as usize] = moved.unwrap_or_else(|| self.place_of(point, dofs, 0.0));
         }
     }
+}
+
+/// Returns a body and the bits of a place on it, for comparisons; -0 and 0 are the same.
+fn bits_of(body: usize, [r, z]: [f64; 2]) -> [u64; 3] {
+    [body as u64, (r + 0.0).to_bits(), (z + 0.0).to_bits()]
 }

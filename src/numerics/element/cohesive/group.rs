@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use crate::element::block::is_larger;
+use crate::element::criteria::DeletionFilter;
 use crate::element::group::{ElementGroup, ElementPass, GroupProperties, GroupSetting, GroupTotals};
 use crate::kernel::cohesive::{self, MidSurface};
 use crate::kernel::lanes::{BlockCornerForces, InlineMap, LANES};
@@ -229,6 +230,8 @@ impl CohesiveGroup {
         self.criterion.filter(|own| shown.is_none_or(|shown| shown == *own)).map(|_| value)
     }
 }
+
+impl DeletionFilter for CohesiveGroup {}
 
 impl ElementGroup for CohesiveGroup {
     fn len(&self) -> usize {

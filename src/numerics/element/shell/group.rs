@@ -13,6 +13,7 @@ use super::block::ShellBlockUpdate;
 use super::record::{PointStrains, ShellRecord};
 use super::section::ShellProperties;
 use crate::element::block::is_larger;
+use crate::element::criteria::DeletionFilter;
 use crate::element::group::{ElementGroup, ElementPass, GroupProperties, GroupSetting, GroupTotals};
 use crate::kernel::lanes::{InlineMap, LANES};
 use crate::kernel::plane_stress::PlaneElastic;
@@ -155,6 +156,8 @@ impl ShellGroup {
 fn frame(ends: &[u32; 4], nodes: &[Node]) -> ShellFrame {
     ShellFrame::new([ends[0], ends[1]].inline_map(|n| nodes[n as usize].place()))
 }
+
+impl DeletionFilter for ShellGroup {}
 
 impl ElementGroup for ShellGroup {
     fn len(&self) -> usize {

@@ -97,7 +97,7 @@ pub fn analytical_contact(
                 surface.overlap = surface.overlap.max(geometry.deepest(curve));
             }
             if let Some(general) = context.general.filter(|_| pair.general) {
-                let id = general_row(general, context.pairs, report);
+                let id = general_row(general, context, report);
                 geometry.analyticals.push(surface);
                 return Some(([curve, geometry.analyticals.len() - 1], id));
             }

@@ -1,6 +1,7 @@
 //! Contact curves: the exposed facets of a surface, the interior facets that element deletion may expose, their points,
 //! and the penetration depth up to which a facet is in contact.
 
+use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet};
 
 use crate::constraint::contact::analytical::AnalyticalSurface;
@@ -49,6 +50,8 @@ pub struct CurveContext<'a> {
     /// General contact of the step, and all contact pairs of the step.
     pub general: Option<&'a GeneralContact>,
     pub pairs: &'a [SurfaceContact],
+    /// Ledger row of general contact.
+    pub general_row: OnceCell<usize>,
 }
 
 /// Reason why a node cannot be in contact.

@@ -4,11 +4,14 @@
 use std::collections::HashSet;
 use std::rc::Rc;
 
+use indexmap::IndexSet;
+
 use crate::kernel::lists::sorted_unique;
 use crate::model::{
     AnalyticalSide, ContactDomain, ElementSide, GeneralContact, Model, RigidSurfaceId, SideSelection, Step,
     SurfaceContact,
 };
+use crate::plan::contact::curves::CurveContext;
 use crate::plan::meshes::pieces::{SetsOfParts, exterior_faces_of, parts_in_contact};
 use crate::plan::{Pairs, Report, Scene};
 
@@ -364,19 +367,21 @@ fn split(surface: &PairedSurface, domain: &ContactDomain) -> (PairedSurface, Pai
     }
 }
 
-/// Creates the ledger row of general contact, which lists all surfaces of the contact domain.
-pub fn general_row(general: &GeneralContact, pairs: &[SurfaceContact], report: &mut Report) -> usize {
+/// Returns the ledger row of general contact, which lists all surfaces of the contact domain.
+pub fn general_row(general: &GeneralContact, context: &CurveContext, report: &mut Report) -> usize {
+    *context.general_row.get_or_init(|| add_general_row(general, context.pairs, report))
+}
+
+fn add_general_row(general: &GeneralContact, pairs: &[SurfaceContact], report: &mut Report) -> usize {
     let general_pairs = || pairs.iter().filter(|p| p.general);
-    let mut names: Vec<String> = Vec::new();
+    let mut surfaces = IndexSet::new();
     for pair in general_pairs() {
         for (at, side) in pair.sides.iter().enumerate() {
             let is_analytical = pair.analytical.as_ref().is_some_and(|a| a.side == at);
-            let name = format!("{}{}", side.name, if is_analytical { " (analytical)" } else { "" });
-            if !names.contains(&name) {
-                names.push(name);
-            }
+            surfaces.insert((&side.name, if is_analytical { " (analytical)" } else { "" }));
         }
     }
+    let names: Vec<String> = surfaces.into_iter().map(|(name, kind)| format!("{name}{kind}")).collect();
     let mut detail = format!("surfaces {}", names.join(", "));
     if general.excludes_detached_nodes {
         detail += "; without nodes of deleted elements";

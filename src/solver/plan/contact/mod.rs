@@ -8,6 +8,7 @@ pub mod general;
 pub mod penalty;
 pub mod walls;
 
+use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet};
 
 use crate::constraint::Constraint;
@@ -56,6 +57,7 @@ pub fn contact_constraint(
         skin: &solid_skin(scene.model),
         general: scene.model.steps[step].general_contact.as_ref(),
         pairs: all_pairs,
+        general_row: OnceCell::new(),
     };
     for contact in surface_pairs {
         let pair = match &contact.analytical {
@@ -134,7 +136,7 @@ fn pair_of_curves(
     let curves = order_curves(scene.model, contact, [first, second], geometry, report);
     let length = geometry.lengths[first][0].min(geometry.lengths[second][0]);
     let id = match general {
-        Some(general) => general_row(general, context.pairs, report),
+        Some(general) => general_row(general, context, report),
         None => contact_row(contact, geometry, curves[0], report),
     };
     let contacting = ContactingCurves {

@@ -10,7 +10,7 @@ use crate::element::group::ElementGroup;
 use crate::heat::ThermalState;
 use crate::heat::conductors::{ConductingElement, ConductingElements, ConductionProperties, ConductorGroup};
 use crate::heat::expansion::{GroupExpansion, ThermalStrains};
-use crate::heat::field::{TemperatureField, ThermalConditions};
+use crate::heat::field::{TemperatureField, ThermalConditions, ThermalSteps};
 use crate::heat::sources::{HeatSource, HeatSourceKind, PrescribedTemperature, TemperatureNode};
 use crate::kernel::hardening::LinearTable;
 use crate::kernel::quad::corner_masses;
@@ -152,8 +152,10 @@ fn temperature_field(
             [[value, _]] => format!("{value}"),
             rows => format!("{} rows", rows.len()),
         };
+        let holds = model.steps.iter().any(|step| !step.current_conduction);
+        let held = if holds { ", rates held over 5e-4 of the stable increment" } else { "" };
         let detail = format!(
-            "material {}, conductivity {}, specific heat {}, lumped capacity, forward differences",
+            "material {}, conductivity {}, specific heat {}, lumped capacity, forward differences{held}",
             material.name,
             rows(&properties.conductivity),
             rows(&properties.capacity)
@@ -193,6 +195,8 @@ fn temperature_field(
     }
     tie_temperatures(input, links, &mut steps, &start, report);
     let meets = model.steps.iter().any(Step::has_contact);
+    let holds_conduction = model.steps.iter().map(|step| !step.current_conduction).collect();
+    let steps = ThermalSteps { conditions: steps, holds_conduction };
     Some(TemperatureField::new(id, conductors, steps, start, sinks, meets))
 }
 

@@ -1,7 +1,8 @@
 //! `*EROSION` of the plan: selects the elements and checks the criteria.
 
 use crate::deck::Diagnostic;
-use crate::element::erosion::{DeletionCriteria, ErosionControl};
+use crate::element::criteria::DeletionCriteria;
+use crate::element::erosion::ErosionControl;
 use crate::model::ErosionCriteria as Card;
 use crate::plan::{Report, Scene, SolidPlaces, State};
 use crate::state::nodes::Nodes;
@@ -24,8 +25,8 @@ pub fn plan(scene: Scene, mut state: State, report: &mut Report) -> ErodingState
         let Card { distortion, plastic, strain, increment, .. } = *card;
         let criteria = DeletionCriteria { distortion, plastic, strain, increment };
         check_start(scene, card, &criteria, &elements, &state, report);
-        report.ledger_row(card.span, "erosion", elements.len(), "elements", detail(card));
-        erosion.watch(criteria, elements);
+        let id = report.ledger_row(card.span, "erosion", elements.len(), "elements", detail(card));
+        erosion.watch(id, criteria, elements);
     }
     if !erosion.groups().is_empty() {
         state.elements.watch(erosion, &state.dofs.nodes);
