@@ -35,6 +35,7 @@ fn results(user_dir: &UserFolder) -> String {
 fn results_of(user_dir: &UserFolder, job: &str) -> String {
     let mut summary = user_dir.summary(job);
     summary["timing"] = serde_json::Value::Null;
+    summary["provenance"] = serde_json::Value::Null;
     for row in summary["ledger"]["effects"].as_array_mut().expect("rows") {
         row.as_object_mut().expect("a row").remove("share");
     }

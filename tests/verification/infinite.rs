@@ -14,7 +14,7 @@ const OUTPUT: &str = "*Output, history, number interval=60\n*Energy Output\n ALL
 /// A bar along z at 1000 < r < 1001 with 100 elements over the length of 10, density 1, Young's modulus 1, ratio 0.25; its
 /// upper end has an infinite element if `absorbs`.
 fn bar(absorbs: bool, boundary: &str) -> String {
-    let mesh = grid(1, 100, false, |i, j| [100.0 + i as f64, 0.1 * j as f64]);
+    let mesh = grid(1, 100, false, |i, j| [1000.0 + i as f64, 0.1 * j as f64]);
     let outer =
         "*Node\n 901, 1000., 20.\n 902, 1001., 20.\n*Element, type=CINAX4, elset=FAR\n 901, 201, 202, 902, 901\n";
     let section = "*Solid Section, elset=FAR, material=M\n";
@@ -52,4 +52,19 @@ fn shear_waves_leave_the_mesh() {
     assert!(energy_left(&bar(false, shake), &[]) > 0.3);
     let left = [1, 2].map(|n: i32| energy_left(&bar(true, shake), &[("mesh", &n.to_string())]));
     assert!(left[0] < 1e-4 && left[1] < 0.35 * left[0], "{left:?}");
+}
+
+/// Infinite elements without a section, twice on a face, or inside the body are errors.
+#[test]
+fn infinite_elements_without_effect_are_errors() {
+    let push = "*Boundary\n ALL, 1, 1\n*Dload, amplitude=PULSE\n 1, P1, 1e-4\n";
+    let good = bar(true, push);
+    for (from, to) in [
+        ("*Solid Section, elset=FAR, material=M\n", ""),
+        ("901, 201, 202, 902, 901\n", "901, 201, 202, 902, 901\n 903, 202, 201, 901, 902\n"),
+        ("901, 201, 202, 902, 901\n", "901, 101, 102, 902, 901\n"),
+    ] {
+        let found = revolve::job::prepare_text("a.inp", &good.replace(from, to), &[], &Routines::none()).diagnostics;
+        assert!(found.iter().any(|finding| finding.code == "M195"), "{from}");
+    }
 }

@@ -159,6 +159,54 @@ fn prescribed_temperatures_have_the_closed_form_stress_in_each_step() {
     }
 }
 
+/// A temperature that differs from the initial one at the start: -E alpha dT/(1 - 2 nu) with constant moduli, with moduli from
+/// a table, and with initial temperatures at some nodes of the element, where the others have 0.
+#[test]
+fn temperature_jump_at_the_start_has_its_stress() {
+    let corner = |i: usize, j: usize| [i as f64, j as f64];
+    let heads = ["*Density\n 1.,\n*Expansion\n 1e-5,\n", "*Density\n 1.,\n*Expansion, zero=10.\n 1e-5,\n"];
+    for (elastic, start, rise) in [
+        ("*Elastic\n 1., 0.3\n", "ALL, 20.", 60.0),
+        ("*Elastic\n 1., 0.3, 0.\n 1., 0.3, 1000.\n", "ALL, 20.", 60.0),
+        ("*Elastic\n 1., 0.3, 0.\n 1., 0.3, 1000.\n", "J0, 20.", 70.0),
+    ] {
+        for head in heads {
+            let deck = prescribed_body(1, 1, corner, &format!("{head}{elastic}"))
+                + &format!("*Initial Conditions, type=TEMPERATURE\n {start}\n")
+                + &prescribed_step(6.0, "*Boundary\n ALL, 1, 2\n*Temperature\n ALL, 80.\n");
+            let (outcome, memory) = run(&deck);
+            assert!(outcome.halt.is_none());
+            let frame = memory.frames.last().expect("a frame");
+            let stress = &frame.cell_fields.iter().find(|f| f.name == "S").expect("S").values;
+            let expected = -1e-5 * rise / 0.4;
+            assert!(
+                stress[..3].iter().all(|s| (s / expected - 1.0).abs() < 1e-11),
+                "{elastic}{start}: {stress:?} {expected}"
+            );
+        }
+    }
+}
+
+/// Temperatures given by sets at both ends: nodes of a refined mesh between them have the interpolated temperature; with two
+/// amplitudes the deck is refused.
+#[test]
+fn refined_meshes_interpolate_temperatures_of_sets() {
+    let corner = |i: usize, j: usize| [1.0 + i as f64, j as f64];
+    let body = prescribed_body(1, 1, corner, "*Density\n 1.,\n*Elastic\n 1., 0.3\n*Expansion\n 1e-5,\n")
+        + "*Amplitude, name=A\n 0., 1., 9., 1.\n";
+    let deck = body.clone() + &prescribed_step(1.0, "*Boundary\n ALL, 1, 2\n*Temperature\n I0, 10.\n I1, 20.\n");
+    let (_, memory) = common::run(&deck, &[("mesh", "2")], &Routines::none());
+    let frame = memory.frames.last().expect("a frame");
+    let temperatures = &frame.point_fields.iter().find(|f| f.name == "NT11").expect("NT11").values;
+    assert_eq!(frame.points.len(), 9);
+    for (place, temperature) in frame.points.iter().zip(temperatures) {
+        assert!((temperature - 10.0 * place[0]).abs() < 1e-12, "{place:?} {temperature}");
+    }
+    let deck = body + &prescribed_step(1.0, "*Temperature\n I0, 10.\n*Temperature, amplitude=A\n I1, 20.\n");
+    let prepared = revolve::job::prepare_text("a.inp", &deck, &common::pairs(&[("mesh", "2")]), &Routines::none());
+    assert!(prepared.diagnostics.iter().any(|finding| finding.code == "M190"));
+}
+
 /// A shrink fit: a ring at 1 < r < 2 of the same material as the shaft is cooled by 100. The temperature between nodes is
 /// linear, so it falls from 0 to -100 at 1 - h < r < 1. Stress at the axis without axial strain (Timoshenko and Goodier, art.
 /// 151): E alpha / (1 - nu) times the mean of T over the section, halved. Second order.

@@ -64,6 +64,7 @@ struct RecordedProvenance {
 #[derive(Clone, Debug, Deserialize)]
 struct RecordedRun {
     status: String,
+    reason: Option<String>,
     digest: String,
     version: String,
     provenance: RecordedProvenance,
@@ -197,7 +198,8 @@ impl FoundRun {
         let ProgramCommand::Run(command) = ProgramArguments::try_parse_from(words)?.command else {
             return Err("only runs of `revolve run` can be repeated".into());
         };
-        command.moved(restored.deck, out.to_owned(), restored.user).execute()?;
+        let words = self.run.provenance.command.clone();
+        command.moved(words, (restored.deck, out.to_owned()), restored.user).execute()?;
         let run = find_runs(out)?.into_iter().next().ok_or("the run has no summary")?;
         Ok(run.run.digest)
     }
@@ -210,7 +212,14 @@ impl RerunCommand {
             let names: Vec<String> = runs.iter().map(|run| format!("{}.json", run.job)).collect();
             return Err(format!("several runs are in the folder; name one: {}", names.join(", ")).into());
         };
+        if found.run.reason.as_ref().is_some_and(|reason| reason.starts_with("R207")) {
+            return Err("the run was interrupted (R207); continue it with `revolve run --resume`".into());
+        }
         let out = self.out.unwrap_or_else(|| found.folder.join(format!("{}_rerun", found.job)));
+        let is_folder = |path: &Path| path.canonicalize().ok();
+        if is_folder(&out).is_some() && is_folder(&out) == is_folder(&found.folder) {
+            return Err("the results would be replaced; choose another folder with --out".into());
+        }
         let digest = found.repeat(&out)?;
         let is_same = digest == found.run.digest;
         print_out!("rerun: the digest is {}", if is_same { "that of the run" } else { "another one" });

@@ -87,6 +87,9 @@ pub struct RunCommand {
     profile: bool,
     #[command(flatten)]
     view: ViewOption,
+    /// Words of the command line; `None` for those of the process.
+    #[arg(skip)]
+    words: Option<Vec<String>>,
 }
 
 /// Parses a checkpoint interval in seconds, minutes, hours or increments.
@@ -107,9 +110,10 @@ pub fn duration(text: &str) -> Option<Duration> {
 }
 
 impl RunCommand {
-    /// Returns the command for copies of its files: the deck, the result folder and the files of user subroutines. It starts at
-    /// time 0 and shows nothing in the browser.
-    pub fn moved(mut self, deck: PathBuf, out: PathBuf, user: Vec<PathBuf>) -> RunCommand {
+    /// Returns the command, with the words of the original one, for copies of its files: the deck, the result folder and the
+    /// files of user subroutines. It starts at time 0 and shows nothing in the browser.
+    pub fn moved(mut self, words: Vec<String>, (deck, out): (PathBuf, PathBuf), user: Vec<PathBuf>) -> RunCommand {
+        self.words = Some(words);
         self.deck = deck;
         self.folder.out = Some(out);
         self.options.user.files = user;
@@ -138,7 +142,8 @@ impl RunCommand {
         let job = job::default_job(&self.deck, self.folder.out.clone())?;
         let from = self.checkpoint(&prepared, &job, &user)?;
         self.note_missing_grace_period(&prepared);
-        let provenance = Provenance::of(&prepared, words::words_of_command(), &self.options.user.files);
+        let words = self.words.clone().unwrap_or_else(words::words_of_command);
+        let provenance = Provenance::of(&prepared, words, &self.options.user.files);
         prepared.release_texts();
         if !self.is_silent() {
             print_out!("{}", prepared.plan.ledger.render(false));

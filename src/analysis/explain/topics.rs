@@ -53,6 +53,12 @@ pub(super) const TOPICS: &[HelpTopic] = &[
                and the ground, with *SPRING and *DASHPOT.\n",
     },
     HelpTopic {
+        words: &["CINAX4", "infinite element", "quiet boundary"],
+        text: "CINAX4: four-node infinite element. Its first two nodes are those of a free face of CAX4R or CAX3 elements, the others\n\
+               are outside. It absorbs pressure and shear waves that reach the face, with the density and the moduli of the material\n\
+               of its *SOLID SECTION. It has no stiffness, mass or output (docs/theory/loads.md).\n",
+    },
+    HelpTopic {
         words: &[
             "C3D8R", "C3D4", "C3D6", "C3D10M", "S4R", "S3R", "CPE4R", "CPS4R", "CAX4", "CAX8R", "CAX6MT", "CAX3H",
             "B31", "T3D2", "R3D4",

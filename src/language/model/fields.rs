@@ -6,7 +6,6 @@ use super::context::Context;
 use super::families::StepReader;
 use super::history::{StepHistory, StepTiming};
 use super::names::upper;
-use super::refinement::listed;
 use super::types::{Model, PredefinedVariable, PrescribedField};
 use crate::deck::read::FromValue;
 use crate::deck::{Card, DataLine};
@@ -32,7 +31,6 @@ pub fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader,
         let given = &mut steps.state().history.fields;
         given.retain(|field| (field.variable == PredefinedVariable::Temperature) != is_temperature);
     }
-    let from = steps.state().fields.len();
     for (at, line) in card.lines.iter().enumerate() {
         let Some(set) = line.field(0) else { continue };
         let value = f64::from_value(card.given_field(at, 1));
@@ -46,7 +44,6 @@ pub fn read_prescribed_fields(context: &mut Context<'_>, steps: &mut StepReader,
         let (set, span) = (set.text.clone(), line.span);
         steps.state().fields.push(PrescribedField { variable, nodes, set, value, amplitude, span });
     }
-    listed::complete_fields(context, steps, from);
 }
 
 /// Reads rows of `values` values, the temperature and `fields` field variables. If no row has a temperature, it is

@@ -4,7 +4,7 @@
 //! along the normal and `-rho c_s v_t` along the face absorbs plane waves that arrive along the normal (J. Lysmer and
 //! R. L. Kuhlemeyer, J. Eng. Mech. Div. ASCE 95 (1969) 859; ABAQUS Analysis User's Guide 28.3.1, "Infinite elements").
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::context::Context;
 use super::types::{
@@ -61,19 +61,36 @@ fn is_on_segment(point: [f64; 2], [from, to]: [[f64; 2]; 2]) -> bool {
 /// Adds absorbing tractions to all steps, one load for each section of infinite elements.
 pub fn add_absorbing_loads(context: &mut Context<'_>) {
     let sections = std::mem::take(&mut context.model.discrete.infinite);
-    if sections.is_empty() || context.missing.bodies || context.missing.nodes {
+    if context.missing.bodies || context.missing.nodes {
         return;
     }
+    let in_section: HashSet<usize> = sections.iter().flat_map(|section| section.elements.iter().copied()).collect();
+    let elements = context.model.mesh.elements.iter().enumerate();
+    let mut infinite = elements.filter(|(_, element)| element.kind == ElementKind::Cinax4);
+    if let Some((_, element)) = infinite.find(|(index, _)| !in_section.contains(index)) {
+        let message = format!("the infinite element {} has no section", element.name);
+        let finding = Diagnostic::error("M195", message).at(element.span, "this element");
+        return context.diagnostics.push(finding.help("give its element set on *SOLID SECTION"));
+    }
+    if sections.is_empty() {
+        return;
+    }
+    let mut taken = HashSet::new();
     let faces = exposed_faces(&context.model.mesh);
     for section in &sections {
-        if let Some(load) = absorbing_load(context, section, &faces) {
+        if let Some(load) = absorbing_load(context, section, &faces, &mut taken) {
             context.model.steps.iter_mut().for_each(|step| step.loads.push(load.clone()));
         }
     }
 }
 
-/// Returns the load of a section of infinite elements.
-fn absorbing_load(context: &mut Context<'_>, section: &InfiniteSection, faces: &[ExposedFace]) -> Option<Load> {
+/// Returns the load of a section of infinite elements. `taken` are the faces that have an infinite element.
+fn absorbing_load(
+    context: &mut Context<'_>,
+    section: &InfiniteSection,
+    faces: &[ExposedFace],
+    taken: &mut HashSet<(usize, ElementSide)>,
+) -> Option<Load> {
     let material = &context.model.materials[section.material];
     let Some([magnitude, shear_ratio]) = impedances(material) else {
         let message = format!("the infinite elements need density and elastic moduli of `{}`", material.name);
@@ -105,6 +122,11 @@ fn absorbing_load(context: &mut Context<'_>, section: &InfiniteSection, faces: &
                 "the first two nodes of CINAX4 are on the boundary of the mesh of CAX4R or CAX3, the other two outside";
             return context.diagnostics.refuse(finding.help(help));
         }
+    }
+    if let Some((element, _)) = selected.iter().find(|face| !taken.insert(**face)) {
+        let message = format!("a face of element {} has two infinite elements", mesh.elements[*element].name);
+        let finding = Diagnostic::error("M195", message).at(section.span, "in this section");
+        return context.diagnostics.refuse(finding.help("remove one of them"));
     }
     let kind = ElementKind::Cinax4.name();
     let name = format!("{} {kind}", section.elements.len());

@@ -6,6 +6,7 @@ use super::context::Context;
 use super::families::{PartReader, StepReader, StepState};
 use super::faults::{ValueCheck, require_line};
 use super::history::StepTiming;
+use super::refinement::listed;
 use super::types::{EnergyLimit, IncrementControl, LoadVelocity, OutputKind, OutputRequest, Step};
 use super::{adaptive, clearance};
 use crate::deck::table::steps as cards;
@@ -76,6 +77,7 @@ pub fn close_step(context: &mut Context<'_>, steps: &mut StepReader) {
         return;
     };
     ended_outputs(context, steps, &state);
+    listed::complete_fields(context, &mut state.fields);
     let time = StepTiming { duration: procedure.duration, ramp: state.ramp };
     let Context { model, diagnostics, .. } = context;
     let added = std::mem::take(&mut state.boundaries);

@@ -50,6 +50,9 @@ pub fn read_surface(context: &mut Context<'_>, mesh: &mut MeshReader, steps: &mu
     }
     interior.iter().for_each(|(elements, side)| interior_sides(context, elements, side, &whole));
     let name = name.text.clone();
+    // Merged elements of a coarser mesh are named once for each of their parts.
+    let mut seen = HashSet::new();
+    faces.retain(|face| seen.insert(*face));
     add_faces(context, steps, card, ElementSurface { name, faces, free_face_elements: whole, span: card.span });
 }
 

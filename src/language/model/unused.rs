@@ -73,7 +73,7 @@ pub fn list_unused(context: &mut Context<'_>) {
 fn words_that_refer(context: &Context<'_>) -> HashSet<String> {
     let mut words = HashSet::new();
     let mut add = |text: &str| {
-        if text.starts_with(|first: char| first.is_ascii_digit() || matches!(first, '-' | '+' | '.')) {
+        if text.parse::<f64>().is_ok() {
             return;
         }
         let word = upper(text);

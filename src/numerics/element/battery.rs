@@ -315,6 +315,7 @@ impl<'m, M: Material> Specimen<'m, M> {
             gradient: Some(&self.gradient),
             corners: &|_| CORNERS,
             nodes: &|_| unreachable!("no characteristic lengths"),
+            starts: false,
         };
         calls.gather(&mut points, 0, &mut self.state, &kinematics);
         let now = Instant { step: 1, total_time: self.time, step_time: self.time, ..Instant::default() };

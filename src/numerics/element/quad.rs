@@ -254,7 +254,8 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for E
         let corners = |l: usize| nodes.places(l);
         let around = |l: usize| [0, 1, 2, 3].inline_map(|c: usize| nodes.0[c][l].place()).into();
         let StrainIncrement { strain, spin, volume, .. } = work.strain;
-        let kinematics = BlockKinematics { strain, spin, volume, gradient: None, corners: &corners, nodes: &around };
+        let (gradient, starts) = (None, increment.dt == 0.0);
+        let kinematics = BlockKinematics { strain, spin, volume, gradient, corners: &corners, nodes: &around, starts };
         gather(0, &mut self.state, &kinematics);
     }
 

@@ -97,7 +97,7 @@ pub const CARDS: &[Keyword] = &[
     }, [(lines
         ["r of a", "z of a", "third coordinate of a", "r of b", "z of b", "third coordinate of b"])]),
     row!("ELEMENT", "Defines elements", (), {
-        "TYPE" read "RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, COHAX4, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1",
+        "TYPE" read "RAX2, SAX1, CAX3, CAX4R, CAX6M, CAX3T, CAX4RT, COHAX4, MASS, SPRINGA, SPRING1, DASHPOTA, DASHPOT1, CINAX4",
         "ELSET" read "Element set to which they are added",
         "INPUT" read "File with the data lines",
         "OFFSET" refused "give all nodes of each element",

@@ -6,9 +6,10 @@ use std::hash::Hash;
 
 use indexmap::IndexMap;
 
-use crate::deck::{Span, Word};
+use super::mesh::RefinedMesh;
+use crate::deck::{Diagnostic, Span, Word};
 use crate::kernel::lists::sorted_unique;
-use crate::model::types::{BoundaryCondition, InitialCondition, InitialKind, PrescribedField};
+use crate::model::types::{BoundaryCondition, InitialCondition, InitialKind, PredefinedVariable, PrescribedField};
 
 /// Nodes of the deck with their values, in the order of the deck.
 type NodeValues = IndexMap<usize, f64>;
@@ -84,22 +85,63 @@ pub fn complete_boundaries(context: &mut Context<'_>, steps: &mut StepReader, fr
     steps.state().boundaries.extend(made);
 }
 
-/// Completes the prescribed fields of a card.
-pub fn complete_fields(context: &mut Context<'_>, steps: &mut StepReader, from: usize) {
-    if context.scaling.refined.is_none() {
-        return;
+/// Completes the prescribed fields of a step, given by nodes and by sets.
+pub fn complete_fields(context: &mut Context<'_>, fields: &mut Vec<PrescribedField>) {
+    let Some(refined) = &context.scaling.refined else { return };
+    match fields_between(refined, fields) {
+        Ok(single) => {
+            let made = merged_by_value(single);
+            for field in &made {
+                context.add_node_line(field.span, &field.nodes, &format!(" {:?}", field.value));
+            }
+            fields.extend(made);
+        }
+        Err(finding) => context.diagnostics.push(*finding),
     }
-    let listed_value = |f: &PrescribedField| {
-        let node = is_label(&f.set).then(|| f.nodes[0])?;
-        Some(ListedValue { key: (f.variable, f.amplitude), node, value: f.value })
-    };
-    let with = |f: &mut PrescribedField, nodes, value| (f.nodes, f.value) = (nodes, value);
-    let listed = steps.state().fields[from..].to_vec();
-    let made = completed(context, &listed, listed_value, with);
-    for f in &made {
-        context.add_node_line(listed[listed.len() - 1].span, &f.nodes, &format!(" {:?}", f.value));
+}
+
+/// Returns the interpolated values of new nodes between nodes with values.
+///
+/// # Errors
+/// If new nodes are between nodes whose values have different amplitudes.
+fn fields_between(refined: &RefinedMesh, fields: &[PrescribedField]) -> Result<Vec<PrescribedField>, Box<Diagnostic>> {
+    let mut variables: IndexMap<PredefinedVariable, IndexMap<usize, &PrescribedField>> = IndexMap::new();
+    for field in fields {
+        let values = variables.entry(field.variable).or_default();
+        values.extend(field.nodes.iter().map(|node| (*node, field)));
     }
-    steps.state().fields.extend(made);
+    let mut made: Vec<PrescribedField> = Vec::new();
+    for given in variables.values() {
+        let nodes: Vec<usize> = given.keys().copied().collect();
+        for node in refined.selection(&nodes).nodes(refined).into_iter().filter(|node| !given.contains_key(node)) {
+            let parents = refined.weights(node).map(|(parent, weight)| (given[&parent], weight));
+            let like = parents[0].0;
+            if let Some((other, _)) = parents.iter().find(|(parent, _)| parent.amplitude != like.amplitude) {
+                let message = "new nodes of the refined mesh are between nodes whose values have different amplitudes";
+                let finding =
+                    Diagnostic::error("M190", message).at(like.span, "this value").at(other.span, "and this one");
+                return Err(Box::new(finding.help("give one amplitude, or sets whose elements share no nodes")));
+            }
+            let change: f64 = parents.iter().map(|(parent, weight)| weight * (parent.value - like.value)).sum();
+            made.push(PrescribedField { nodes: vec![node], value: like.value + change, ..like.clone() });
+        }
+    }
+    Ok(made)
+}
+
+/// Returns fields of single nodes with one entry for all nodes that have the same value.
+fn merged_by_value(single: Vec<PrescribedField>) -> Vec<PrescribedField> {
+    let mut merged: IndexMap<(PredefinedVariable, Span, u64), PrescribedField> = IndexMap::new();
+    for field in single {
+        let key = (field.variable, field.span, field.value.to_bits());
+        match merged.get_mut(&key) {
+            Some(same) => same.nodes.extend(field.nodes),
+            None => drop(merged.insert(key, field)),
+        }
+    }
+    let sorted =
+        |field: PrescribedField| PrescribedField { nodes: sorted_unique(field.nodes.iter().copied()), ..field };
+    merged.into_values().map(sorted).collect()
 }
 
 /// Completes the initial conditions of a card at nodes.

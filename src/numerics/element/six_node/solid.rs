@@ -190,8 +190,9 @@ impl<S: Clone + Send + Sync + Persist + CarriedState + 'static> SolidBlock for T
             };
             let gradient = work.deformation(p, &self.start);
             let StrainIncrement { strain, spin, volume, .. } = scratch.strain;
-            let gradient = Some(&gradient);
-            let kinematics = BlockKinematics { strain, spin, volume, gradient, corners: &corners, nodes: &nodes };
+            let (gradient, starts) = (Some(&gradient), pass.blocks.increment.dt == 0.0);
+            let kinematics =
+                BlockKinematics { strain, spin, volume, gradient, corners: &corners, nodes: &nodes, starts };
             gather(p, &mut self.points[p].state, &kinematics);
         }
     }

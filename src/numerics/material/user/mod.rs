@@ -107,6 +107,8 @@ pub struct BlockKinematics<'a> {
     pub corners: &'a dyn Fn(usize) -> [[f64; 4]; 2],
     /// Returns the nodes of the element of a lane, in the order of its topology.
     pub nodes: &'a dyn Fn(usize) -> PerNode<[f64; 2]>,
+    /// Whether the update is that at the start, in which no routine is called.
+    pub starts: bool,
 }
 
 /// Instant and increment length, as arguments of a call.
@@ -406,9 +408,13 @@ impl UserState {
         self.turn.iter_mut().zip(rotation).for_each(|(list, value)| list[l] = value);
     }
 
-    /// Returns the strain increments of a lane without thermal strain, which they subtract once.
+    /// Returns the strain increments of a lane without thermal strain, which they subtract once. That of a temperature which
+    /// differs from the initial one at the start is subtracted in the first increment.
     fn mechanical_strain(&mut self, l: usize, kinematics: &BlockKinematics<'_>) -> [f64; 4] {
         let mut increment = column(&kinematics.strain, l);
+        if kinematics.starts {
+            return increment;
+        }
         increment[..3].iter_mut().for_each(|strain| *strain -= self.thermal[l]);
         self.thermal[l] = 0.0;
         increment

@@ -7,7 +7,7 @@ use crate::deck::{Diagnostic, Span};
 use crate::element::group::NodalVariable;
 use crate::element::predefined::{FieldGroup, NodalFieldValue, PredefinedField, PredefinedFields, mean};
 use crate::material::PointValue;
-use crate::model::{InitialKind, MaterialDefinition, Model, PredefinedVariable, SolidSection};
+use crate::model::{InitialKind, MaterialDefinition, Model, PredefinedVariable, ShellSection};
 use crate::plan::heat::initial_temperatures;
 use crate::plan::loads::magnitude;
 use crate::plan::queries::{dependencies, given_fields};
@@ -108,14 +108,25 @@ fn fields_of_groups(scene: Scene, state: &SolidState, warmed: BTreeSet<usize>) -
     start.into_iter().enumerate().map(of_variable).chain(temperature).collect()
 }
 
-/// Returns whether `*TEMPERATURE` prescribes the temperature of a node of a section.
-pub fn has_prescribed_temperature(model: &Model, section: &SolidSection) -> bool {
+/// Returns whether `*TEMPERATURE` prescribes the temperature of a node of elements.
+pub fn has_prescribed_temperature(model: &Model, elements: &[usize]) -> bool {
     let prescribed = model.steps.iter().flat_map(|step| &step.fields);
     let mut lists = prescribed.filter(|f| f.variable == PredefinedVariable::Temperature).map(|f| &f.nodes);
     lists.any(|list| {
-        let mut nodes = section.elements.iter().flat_map(|e| &model.mesh.elements[*e].nodes);
+        let mut nodes = elements.iter().flat_map(|e| &model.mesh.elements[*e].nodes);
         nodes.any(|n| list.binary_search(n).is_ok())
     })
+}
+
+/// Refuses prescribed temperatures of shells that would expand.
+fn refuse_warm_shells(model: &Model, at: Span, report: &mut Report) {
+    let expands = |section: &&ShellSection| model.materials[section.material].thermal.expansion.is_some();
+    let mut expanding = model.shell_sections.iter().filter(expands);
+    if let Some(section) = expanding.find(|section| has_prescribed_temperature(model, &section.elements)) {
+        let message = "*TEMPERATURE is not supported for shells with *EXPANSION: they have no thermal strain";
+        let finding = Diagnostic::error("P074", message).at(at, "here").at(section.span, "these shells");
+        report.push(finding.help("model the thickness with CAX4R, or remove the temperature of the shells"));
+    }
 }
 
 /// Returns the groups of elements with prescribed temperatures that depend on them, and reports those without effect.
@@ -139,7 +150,7 @@ fn warmed_groups(scene: Scene, state: &SolidState, report: &mut Report) -> BTree
     for section in &model.sections {
         let material = &model.materials[section.material];
         let (expands, follows_energy) = (material.thermal.expansion.is_some(), material.eos.is_some());
-        if follows_energy || !has_prescribed_temperature(model, section) {
+        if follows_energy || !has_prescribed_temperature(model, &section.elements) {
             continue;
         }
         for (group, e) in section.elements.iter().filter_map(|e| scene.places.elements.get(e)) {
@@ -148,8 +159,15 @@ fn warmed_groups(scene: Scene, state: &SolidState, report: &mut Report) -> BTree
             warmed.extend((depends && elements.is_solid()).then_some(*group));
         }
     }
+    refuse_warm_shells(model, *first, report);
     if warmed.is_empty() {
-        let why = "no solid element with these nodes depends on a temperature that can be prescribed";
+        let has_eos = model.sections.iter().any(|section| {
+            model.materials[section.material].eos.is_some() && has_prescribed_temperature(model, &section.elements)
+        });
+        let why = match has_eos {
+            true => "the temperature of a material with *EOS follows from its energy",
+            false => "no solid element with these nodes depends on the temperature",
+        };
         spans.into_iter().for_each(|span| report.add_unused_card(span, "*TEMPERATURE", why));
     }
     warmed

@@ -60,10 +60,11 @@ pub fn plan(scene: Scene, links: &Links, state: &SolidState, report: &mut Report
         let material = &model.materials[section.material];
         if let Some(expansion) = group_expansion(scene.model, section, group, material, state, report) {
             let elements = &state.elements.groups[group];
+            let is_prescribed = has_prescribed_temperature(model, &section.elements);
             let strain_temperature = |e: usize| {
                 let element_temperature = elements.value(e, Variable::Temperature.into());
                 element_temperature
-                    .filter(|_| heat.is_none())
+                    .filter(|_| heat.is_none() && !is_prescribed)
                     .unwrap_or_else(|| mean(&**elements, e, &start, &state.dofs.nodes))
             };
             expanding.push((expansion, (0..elements.len()).map(strain_temperature).collect()));
@@ -346,7 +347,7 @@ fn group_expansion(
     let expansion = material.thermal.expansion.as_ref()?;
     let (conducts, elements) = (model.conducts_heat(section), &state.elements.groups[group]);
     let warms = (model.is_adiabatic() && !heating(material, 1.0).is_none() && material.plastic.is_some())
-        || (material.eos.is_none() && has_prescribed_temperature(model, section));
+        || (material.eos.is_none() && has_prescribed_temperature(model, &section.elements));
     let idle = |coefficient: f64| coefficient == 0.0;
     let why = if elements.is_empty() || expansion.rows.iter().all(|r| idle(r[0])) {
         Some("its coefficient is zero")
