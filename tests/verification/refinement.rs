@@ -508,3 +508,24 @@ fn bad_factors_are_errors() {
     assert_eq!(model_of(&own, &[("mesh", "0.25")]).mesh.elements.len(), 1);
     assert_eq!(model_of(&own, &[("mesh-refine", "2")]).mesh.elements.len(), 4);
 }
+
+/// A surface that lists its faces element by element: in a coarser mesh a merged element is named once for each of its parts,
+/// and has the pressure once. The force of the pressure is that of the area.
+#[test]
+fn coarser_meshes_have_the_pressure_of_listed_faces_once() {
+    let faces: String = (1..=4).map(|e| format!(" {e}, S1\n")).collect();
+    let text = grid(4, 4, false, |i, j| [1.0 + 0.25 * i as f64, 0.25 * j as f64])
+        + "*Solid Section, elset=SOLID, material=M\n*Material, name=M\n*Density\n 1.,\n*Elastic\n 1., 0.25\n*Surface, name=FOOT\n"
+        + &faces
+        + "*Step\n*Dynamic, Explicit\n , 1.\n*Boundary\n J1, 2, 2\n*Dsload\n FOOT, P, 1e-4\n*Output, history, number interval=10\n\
+           *Node Output, nset=J1\n RF2\n*Energy Output\n ALLWK\n*End Step\n";
+    let work = |mesh: &str| {
+        let (outcome, memory) = common::run(&text, &[("mesh", mesh)], &Routines::none());
+        assert!(outcome.halt.is_none());
+        let columns = common::prepared(&text, &[("mesh", mesh)], &Routines::none()).plan.columns;
+        let at = columns.iter().position(|column| column.name == "ALLWK").expect("ALLWK");
+        memory.rows.last().expect("a row").1[at]
+    };
+    let (coarse, fine) = (work("1/2"), work("1"));
+    assert!((coarse / fine - 1.0).abs() < 0.2, "{coarse} {fine}");
+}

@@ -359,7 +359,12 @@ fn group_expansion(
         None
     };
     if let Some(why) = why {
-        report.add_unused_card(expansion.span, "*EXPANSION", why);
+        let is_warmed = |other: &SolidSection| {
+            other.material == section.material && has_prescribed_temperature(model, &other.elements)
+        };
+        if !model.sections.iter().any(is_warmed) {
+            report.add_unused_card(expansion.span, "*EXPANSION", why);
+        }
         return None;
     }
     if material.hyperelastic.is_some() {
