@@ -130,20 +130,20 @@ impl Deck {
         ran.map_err(|why| why.raise(py))
     }
 
-    /// Creates an evaluator of quantities over parameters.
+    /// Creates an evaluator of quantities over parameters; `in_increments`: no shots by stages.
     fn evaluator(
         &self,
         py: Python<'_>,
         names: Vec<String>,
         fixed: ParameterSettings,
         quantities: Vec<String>,
-        user: Option<Py<User>>,
-        load: Option<PythonLoad>,
+        routines: (Option<Py<User>>, Option<PythonLoad>),
+        in_increments: bool,
     ) -> PyResult<Evaluator> {
         let parsed = quantities.iter().map(|q| Quantity::parse(q)).collect::<Result<Vec<_>, _>>();
         let parsed = parsed.map_err(|why| errors::study(py, &why))?;
         let (width, raised) = (parsed.len(), RaisedException::default());
-        let routines = match (user, load) {
+        let routines = match routines {
             (None, None) => UserRoutines::Absent,
             (Some(user), None) => UserRoutines::Files(Arc::clone(&user.get().compiled)),
             (_, Some(load)) => {
@@ -153,7 +153,9 @@ impl Deck {
         };
         let source = self.source.clone();
         let evaluator = py.detach(|| SampleEvaluator::new(source, fixed, names, parsed, routines));
-        Ok(Evaluator { evaluator: evaluator.map_err(|why| errors::study(py, &why))?, width, raised })
+        let evaluator = evaluator.map_err(|why| errors::study(py, &why))?;
+        let evaluator = if in_increments { evaluator.in_increments() } else { evaluator };
+        Ok(Evaluator { evaluator, width, raised })
     }
 }
 

@@ -18,10 +18,15 @@ const LARGEST_RUN: f64 = 1.5;
 /// Cells of the grid along r.
 const CELLS: usize = 20;
 
+/// Returns a set of one node.
+fn node_set(i: usize) -> String {
+    format!("*Nset, nset=N{i}\n {i},\n")
+}
+
 /// A body with many entries of one kind.
 struct DeckList {
     name: &'static str,
-    /// Number of entries, and four times of it.
+    /// Number of entries; the larger deck has four times as many.
     count: usize,
     model: fn(usize) -> String,
     step: fn(usize) -> String,
@@ -174,38 +179,24 @@ const LISTS: [DeckList; 31] = [
     DeckList::of_grid("held temperatures, with reactions", nothing, |i| format!("*Boundary\n {i}, 11, 11, 20.\n"))
         .with_end("*Output, field, number interval=1\n*Node Output\n NT, RFL\n"),
     DeckList::of_grid("heat fluxes", nothing, |i| format!("*Cflux\n {i}, 11, 20.\n")),
-    DeckList::of_grid(
-        "node sets and element sets",
-        |i| format!("*Nset, nset=N{i}\n {i},\n*Elset, elset=S{i}\n {i},\n"),
-        nothing,
-    ),
+    DeckList::of_grid("node sets and element sets", |i| node_set(i) + &format!("*Elset, elset=S{i}\n {i},\n"), nothing),
     DeckList::of_grid("surfaces", |i| format!("*Surface, name=F{i}\n {i}, S1\n"), nothing),
-    DeckList::of_grid(
-        "histories of node sets",
-        |i| format!("*Nset, nset=N{i}\n {i},\n"),
-        |i| format!("{}*Node Output, nset=N{i}\n U2\n", if i == 1 { HISTORY } else { "" }),
-    ),
-    DeckList::of_grid(
-        "histories of reactions",
-        |i| format!("*Nset, nset=N{i}\n {i},\n"),
-        |i| {
-            let head = if i == 1 { "*Boundary\n ALL, 2, 2\n*Output, history, number interval=2\n" } else { "" };
-            format!("{head}*Node Output, nset=N{i}\n RF2\n")
-        },
-    ),
+    DeckList::of_grid("histories of node sets", node_set, |i| {
+        format!("{}*Node Output, nset=N{i}\n U2\n", if i == 1 { HISTORY } else { "" })
+    }),
+    DeckList::of_grid("histories of reactions", node_set, |i| {
+        let head = if i == 1 { "*Boundary\n ALL, 2, 2\n*Output, history, number interval=2\n" } else { "" };
+        format!("{head}*Node Output, nset=N{i}\n RF2\n")
+    }),
     DeckList::of_grid(
         "histories of element sets",
         |i| format!("*Elset, elset=S{i}\n {i},\n"),
         |i| format!("{}*Element Output, elset=S{i}\n MISES\n", if i == 1 { HISTORY } else { "" }),
     ),
-    DeckList::of_grid(
-        "field output of node sets",
-        |i| format!("*Nset, nset=N{i}\n {i},\n"),
-        |i| {
-            let head = if i == 1 { "*Output, field, number interval=1\n" } else { "" };
-            format!("{head}*Node Output, nset=N{i}\n U\n")
-        },
-    ),
+    DeckList::of_grid("field output of node sets", node_set, |i| {
+        let head = if i == 1 { "*Output, field, number interval=1\n" } else { "" };
+        format!("{head}*Node Output, nset=N{i}\n U\n")
+    }),
     DeckList {
         name: "steps",
         count: 4,

@@ -11,7 +11,8 @@ fn text(output: &std::process::Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr)
 }
 
-/// Writes a deck that reads a file of the folder above, a file of its own folder and a mesh, and runs it with a parameter.
+/// Writes a deck that reads a file of the folder above, a file of the folder of the deck and a mesh, and runs it with a
+/// parameter.
 fn run_of_many_files(folder: &Path) -> PathBuf {
     let decks = folder.join("decks");
     std::fs::create_dir_all(&decks).expect("a folder");

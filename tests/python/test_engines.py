@@ -328,7 +328,7 @@ def test_dakota_example_is_the_documented_one(folder: Path, deck: rv.Deck) -> No
     output = dakota("examples/dakota.in")
     table = dakota_table()
     assert table.shape == (200, 3)
-    computed = rv.sampler(deck, ["V", "friction"], DEPTH)(table[:, :2])[:, 0]
+    computed = rv.sampler(deck, ["V", "friction"], DEPTH, in_increments=True)(table[:, :2])[:, 0]
     assert np.allclose(table[:, 2], computed, rtol=1e-11)
     assert dakota_mean(output) == pytest.approx(computed.mean(), rel=1e-11)
 
@@ -389,7 +389,7 @@ def test_dakota_captures_failed_cases(folder: Path, deck: rv.Deck) -> None:
     failed = table[:, 1] < 0
     assert 0 < failed.sum() == output.count("Failure captured") < 4
     assert np.array_equal(np.isnan(table[:, 2]), failed)
-    expected = rv.sampler(deck, ["V", "mass"], DEPTH)(table[:, :2])[:, 0]
+    expected = rv.sampler(deck, ["V", "mass"], DEPTH, in_increments=True)(table[:, :2])[:, 0]
     assert np.allclose(table[:, 2], expected, rtol=1e-11, equal_nan=True)
     assert dakota_mean(output) == pytest.approx(expected[~failed].mean(), rel=1e-11)
 

@@ -233,7 +233,6 @@ def test_evaluate_matches_single_runs(deck: rv.Deck) -> None:
     assert table.shape == (40, 2)
     assert table.ok.all()
     runs = [deck.run(V=v, friction=f, frames=False) for v, f in zip(speeds, friction)]
-    # The minimum needs the increments.
     assert np.array_equal(table, [[run.quantity(q) for q in quantities] for run in runs])
     for threads in (1, 2, 5):
         again = deck.evaluate({"V": speeds, "friction": friction}, quantities, threads=threads)
@@ -241,10 +240,13 @@ def test_evaluate_matches_single_runs(deck: rv.Deck) -> None:
     halves = [deck.evaluate({"V": speeds[s], "friction": friction[s]}, quantities) for s in (slice(7), slice(7, None))]
     assert np.array_equal(table, np.vstack(halves))
     # With parameters of the geometry, and with scalars for all samples.
-    shapes = deck.evaluate({"CRH": [2.0, 3.0, 4.5], "V": 700, "n": 12}, quantities[0])
+    samples = {"CRH": [2.0, 3.0, 4.5], "V": 700, "n": 12}
     runs = [deck.run(CRH=c, V=700, n=12).quantity(quantities[0]) for c in (2.0, 3.0, 4.5)]
+    shapes = deck.evaluate(samples, quantities[0], in_increments=True)
+    assert shapes.values[:, 0].tolist() == runs
     # Final values of rigid shots are solved by stages.
-    assert np.allclose(shapes.values[:, 0], runs, rtol=1e-4, atol=0.0)
+    staged = deck.evaluate(samples, quantities[0])
+    assert np.allclose(staged.values[:, 0], runs, rtol=1e-4, atol=0.0)
 
 
 def test_failed_samples_are_nan_with_a_reason(deck: rv.Deck) -> None:

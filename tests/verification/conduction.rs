@@ -511,7 +511,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     assert!([2, 5].iter().all(|&threads| digest(threads) == one));
 }
 
-/// The motion has 50 000 increments in the stable increment of conduction, so that heat flows are held over 24 of them.
+/// The motion has 50 000 increments in the stable increment of conduction, so that heat flows are held over 24 increments.
 #[test]
 fn held_conduction_changes_temperatures_by_less_than_a_thousandth_and_conserves_heat() {
     let place = |i: usize, j: usize| [10.0 + 0.1 * i as f64, 0.1 * j as f64];

@@ -12,7 +12,7 @@ use super::options::OutputOptions;
 use super::words::{self, print_out};
 use crate::deck::digest::sha256;
 use crate::deck::files;
-use crate::job::read_copies;
+use crate::job::{InputFile, InputKind, Provenance, read_copies};
 use crate::output::INPUT;
 use crate::output::columns::aligned_table;
 use clap::Parser as _;
@@ -36,30 +36,6 @@ pub struct RerunCommand {
     out: Option<PathBuf>,
 }
 
-/// A file that a run has read, as in `<job>.json`.
-#[derive(Clone, Debug, Deserialize)]
-struct RecordedFile {
-    file: String,
-    kind: String,
-    sha256: String,
-    bytes: u64,
-    copy: Option<String>,
-}
-
-/// What produced a run, as in `<job>.json`.
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(default)]
-struct RecordedProvenance {
-    commit: Option<String>,
-    target: String,
-    command: Vec<String>,
-    started: String,
-    ended: String,
-    processor: Option<String>,
-    threads: usize,
-    input: Vec<RecordedFile>,
-}
-
 /// The parts of `<job>.json` that the commands use.
 #[derive(Clone, Debug, Deserialize)]
 struct RecordedRun {
@@ -67,7 +43,7 @@ struct RecordedRun {
     reason: Option<String>,
     digest: String,
     version: String,
-    provenance: RecordedProvenance,
+    provenance: Provenance,
 }
 
 /// A run in a result folder.
@@ -109,14 +85,12 @@ fn find_runs(results: &Path) -> Result<Vec<FoundRun>, String> {
 
 impl InfoCommand {
     pub fn execute(self) -> Result<CommandStatus, Box<dyn Error>> {
-        for FoundRun { folder, job, run } in find_runs(&self.results)? {
+        for FoundRun { job, run, .. } in find_runs(&self.results)? {
+            let origin = &run.provenance;
             if self.output.json {
-                let bytes = files::read(&folder.join(format!("{job}.json")))?;
-                let summary: serde_json::Value = serde_json::from_slice(&bytes)?;
-                self.output.print_json(&summary["provenance"])?;
+                self.output.print_json(origin)?;
                 continue;
             }
-            let origin = &run.provenance;
             let commit = origin.commit.as_ref().map_or(String::new(), |commit| format!(", commit {commit}"));
             let machine = origin.processor.as_deref().unwrap_or(&origin.target);
             print_out!("{job}: {}, digest {}", run.status, run.digest);
@@ -131,8 +105,9 @@ impl InfoCommand {
     }
 }
 
-fn row(file: &RecordedFile) -> Vec<String> {
-    vec![file.kind.clone(), file.file.clone(), file.bytes.to_string(), file.sha256.clone()]
+fn row(file: &InputFile) -> Vec<String> {
+    let kind = format!("{:?}", file.kind).to_lowercase();
+    vec![kind, file.file.clone(), file.bytes.to_string(), file.sha256.clone()]
 }
 
 /// Returns the name of a file without its folders.
@@ -153,7 +128,7 @@ impl FoundRun {
     /// If a file has no copy and is not where it was, or does not have the hash of the run.
     fn restore(&self, folder: &Path) -> Result<RestoredInput, Box<dyn Error>> {
         let upward =
-            |file: &RecordedFile| Path::new(&file.file).components().filter(|part| part.as_os_str() == "..").count();
+            |file: &InputFile| Path::new(&file.file).components().filter(|part| part.as_os_str() == "..").count();
         let input = &self.run.provenance.input;
         let depth = input.iter().map(upward).max().unwrap_or(0);
         let base = (0..depth).fold(folder.to_owned(), |base, level| base.join(format!("level{level}")));
@@ -161,7 +136,7 @@ impl FoundRun {
         let copies = read_copies(&self.folder.join(format!("{}{INPUT}", self.job)))?;
         let mut restored = RestoredInput { deck: PathBuf::new(), user: Vec::new() };
         for (at, file) in input.iter().enumerate() {
-            let is_user = file.kind == "user";
+            let is_user = file.kind == InputKind::User;
             let place = match is_user {
                 true => folder.join("user").join(format!("{at}_{}", last_part(&file.file))),
                 false => base.join(&file.file),
@@ -182,10 +157,10 @@ impl FoundRun {
                 std::fs::create_dir_all(place.parent().unwrap_or(folder))?;
                 std::fs::write(&place, &contents)?;
             }
-            match file.kind.as_str() {
-                "deck" => restored.deck = place,
-                "user" => restored.user.push(place),
-                _ => {}
+            match file.kind {
+                InputKind::Deck => restored.deck = place,
+                InputKind::User => restored.user.push(place),
+                InputKind::Include | InputKind::Mesh => {}
             }
         }
         Ok(restored)
@@ -194,11 +169,11 @@ impl FoundRun {
     /// Repeats the run; returns the new digest.
     fn repeat(&self, out: &Path) -> Result<String, Box<dyn Error>> {
         let restored = self.restore(&out.join("input"))?;
-        let words = std::iter::once("revolve".to_owned()).chain(self.run.provenance.command.iter().cloned());
-        let ProgramCommand::Run(command) = ProgramArguments::try_parse_from(words)?.command else {
+        let words = self.run.provenance.command.clone();
+        let line = std::iter::once("revolve").chain(words.iter().map(String::as_str));
+        let ProgramCommand::Run(command) = ProgramArguments::try_parse_from(line)?.command else {
             return Err("only runs of `revolve run` can be repeated".into());
         };
-        let words = self.run.provenance.command.clone();
         command.moved(words, (restored.deck, out.to_owned()), restored.user).execute()?;
         let run = find_runs(out)?.into_iter().next().ok_or("the run has no summary")?;
         Ok(run.run.digest)
@@ -216,8 +191,8 @@ impl RerunCommand {
             return Err("the run was interrupted (R207); continue it with `revolve run --resume`".into());
         }
         let out = self.out.unwrap_or_else(|| found.folder.join(format!("{}_rerun", found.job)));
-        let is_folder = |path: &Path| path.canonicalize().ok();
-        if is_folder(&out).is_some() && is_folder(&out) == is_folder(&found.folder) {
+        let place = |path: &Path| path.canonicalize().ok();
+        if place(&out).is_some() && place(&out) == place(&found.folder) {
             return Err("the results would be replaced; choose another folder with --out".into());
         }
         let digest = found.repeat(&out)?;

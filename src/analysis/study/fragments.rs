@@ -157,7 +157,7 @@ const POINTS: usize = 60;
 /// Range of masses of a curve, in units of the mean mass.
 const RANGE: [f64; 2] = [1e-3, 30.0];
 
-/// Returns the chart of the number of fragments over their mass, beside counted masses in ascending order.
+/// Returns the chart of the number of fragments over their mass, with the counted masses, which are in ascending order.
 pub fn chart(title: &str, sets: &[FragmentSet], counted: &[f64]) -> Chart {
     let curve = |set: &FragmentSet| {
         let ratio = RANGE[1] / RANGE[0];

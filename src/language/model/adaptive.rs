@@ -14,7 +14,7 @@ use super::types::{
 use crate::deck::table::adaptive as cards;
 use crate::deck::{Card, DataLine, Diagnostic, Span};
 use crate::kernel::lists::sorted_unique;
-use crate::kernel::shape::twice_area;
+use crate::kernel::shape::quad_area;
 use crate::remesh::MOST_NEW_ELEMENTS;
 use crate::remesh::sizes::SizeLimits;
 
@@ -59,10 +59,9 @@ pub fn read_adaptive_mesh(context: &mut Context<'_>, steps: &mut StepReader, car
 /// Returns whether a body has an acceptable number of elements of a size, or reports it.
 fn fits_size(context: &mut Context<'_>, elements: &[usize], size: f64, span: Span) -> bool {
     let mesh = &context.model.mesh;
-    let corners = |e: &usize| mesh.cells(*e).map(|cell| cell.map(|n| mesh.points[n]));
-    let area = |[a, b, c, d]: [[f64; 2]; 4]| 0.5 * (twice_area([a, b, c]) + twice_area([a, c, d])).abs();
-    let is_solid = |e: &&usize| mesh.elements[**e].kind.is_solid();
-    let count = elements.iter().filter(is_solid).flat_map(corners).map(area).sum::<f64>() / (size * size);
+    let solids = elements.iter().filter(|e| mesh.elements[**e].kind.is_solid());
+    let areas = solids.flat_map(|e| mesh.initial_cells(*e)).map(|corners| quad_area(corners).abs());
+    let count = areas.sum::<f64>() / (size * size);
     if count > MOST_NEW_ELEMENTS {
         let message =
             format!("elements of the size {size} would be {count:.1e}; at most {MOST_NEW_ELEMENTS:.0e} are allowed");

@@ -6,6 +6,7 @@ use super::types::{EosKind, EquationOfState, MaterialDefinition};
 use super::user_material::constants;
 use crate::deck::table::materials as cards;
 use crate::deck::{Card, Diagnostic};
+use crate::kernel::moduli::ElasticModuli;
 use crate::material::user_eos::EOS_TYPES;
 
 pub fn read_eos(context: &mut Context<'_>, card: &Card) {
@@ -63,6 +64,24 @@ impl MaterialDefinition {
             EosKind::Jwl([speed, .., before]) => before.max(0.75 * density * speed * speed),
         };
         (modulus > 0.0).then_some(modulus)
+    }
+
+    /// Returns the small-strain moduli at an absolute temperature, on which those of an ideal gas depend; `None` if a user
+    /// subroutine defines them.
+    pub fn small_strain_moduli(&self, absolute_temperature: Option<f64>) -> Option<ElasticModuli> {
+        if let Some([modulus, ratio]) = self.elastic.filter(|_| self.eos.is_none()) {
+            return Some(ElasticModuli::from_young(modulus, ratio));
+        }
+        if let Some(rubber) = &self.hyperelastic {
+            let shear = rubber.shape.shear();
+            let compressibility = rubber.compressibility.first().filter(|d| **d > 0.0);
+            // Without D1 Poisson's ratio is 0.475 (ABAQUS Analysis User's Guide, "Hyperelastic behavior",
+            // "Compressibility").
+            let bulk = compressibility.map_or(shear * 2.0 * 1.475 / (3.0 * 0.05), |d| 2.0 / d);
+            return Some(ElasticModuli { bulk, shear });
+        }
+        let bulk = self.bulk_modulus(absolute_temperature)?;
+        Some(ElasticModuli { bulk, shear: self.shear_modulus.unwrap_or(0.0) })
     }
 }
 

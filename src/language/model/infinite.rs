@@ -4,58 +4,44 @@
 //! along the normal and `-rho c_s v_t` along the face absorbs plane waves that arrive along the normal (J. Lysmer and
 //! R. L. Kuhlemeyer, J. Eng. Mech. Div. ASCE 95 (1969) 859; ABAQUS Analysis User's Guide 28.3.1, "Infinite elements").
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
+
+use indexmap::IndexMap;
 
 use super::context::Context;
 use super::types::{
     ElementKind, ElementSide, InfiniteSection, Load, LoadKind, MaterialDefinition, Mesh, SideSelection, SurfaceTraction,
 };
 use crate::deck::Diagnostic;
+use crate::kernel::lists::sorted_pair;
+use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::shape::{distance, share_between};
 
 /// Impedances of a material: density times the speed of pressure waves, and the ratio of the speeds of shear and
-/// pressure waves. `None` without density or moduli.
+/// pressure waves. `None` for rubber, and without density or moduli.
 fn impedances(material: &MaterialDefinition) -> Option<[f64; 2]> {
-    let density = material.density?;
-    let [bulk, shear] = match (material.elastic, material.shear_modulus) {
-        (Some([modulus, ratio]), _) => [modulus / (3.0 * (1.0 - 2.0 * ratio)), modulus / (2.0 * (1.0 + ratio))],
-        (None, shear) => [material.bulk_modulus(None)?, shear.unwrap_or(0.0)],
-    };
+    if material.hyperelastic.is_some() {
+        return None;
+    }
+    let (density, ElasticModuli { bulk, shear }) = (material.density?, material.small_strain_moduli(None)?);
     let longitudinal = bulk + 4.0 / 3.0 * shear;
     Some([(density * longitudinal).sqrt(), (shear / longitudinal).sqrt()])
 }
 
-/// An exposed face of a solid element with its nodes.
-#[derive(Clone, Copy)]
-struct ExposedFace {
-    element: usize,
-    side: ElementSide,
-    nodes: [usize; 2],
-}
+/// Exterior faces of solid elements, by their nodes in ascending order.
+type ExteriorFaces = IndexMap<[usize; 2], (usize, ElementSide)>;
 
-/// Returns the faces of solid elements that belong to one element only.
-fn exposed_faces(mesh: &Mesh) -> Vec<ExposedFace> {
-    let mut faces: HashMap<[usize; 2], Option<ExposedFace>> = HashMap::new();
-    for (element, solid) in mesh.elements.iter().enumerate().filter(|(_, element)| element.kind.is_solid()) {
-        for (at, first) in solid.nodes.iter().enumerate() {
-            let nodes = [*first, solid.nodes[(at + 1) % solid.nodes.len()]];
-            let face = ExposedFace { element, side: ElementSide::Face(at as u8 + 1), nodes };
-            let [a, b] = nodes;
-            faces.entry([a.min(b), a.max(b)]).and_modify(|known| *known = None).or_insert(Some(face));
-        }
-    }
-    let mut list: Vec<ExposedFace> = faces.into_values().flatten().collect();
-    list.sort_by_key(|face| (face.element, face.nodes));
-    list
+fn exterior_faces(mesh: &Mesh) -> ExteriorFaces {
+    let with_nodes = |face: (usize, ElementSide)| Some((sorted_pair(mesh.side_nodes(face.0, face.1)?), face));
+    mesh.exterior_faces().into_iter().filter_map(with_nodes).collect()
 }
 
 /// Returns whether a point is on a segment.
-fn is_on_segment(point: [f64; 2], [from, to]: [[f64; 2]; 2]) -> bool {
+fn is_on_segment(point: [f64; 2], ends: [[f64; 2]; 2]) -> bool {
     const TOLERANCE: f64 = 1e-6;
-    let (along, offset) = ([to[0] - from[0], to[1] - from[1]], [point[0] - from[0], point[1] - from[1]]);
-    let square = along[0] * along[0] + along[1] * along[1];
-    let share = (along[0] * offset[0] + along[1] * offset[1]) / square;
-    let distance = (along[0] * offset[1] - along[1] * offset[0]) / square;
-    distance.abs() < TOLERANCE && (-TOLERANCE..=1.0 + TOLERANCE).contains(&share)
+    let ([from, to], share) = (ends, share_between(ends, point));
+    let nearest = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+    distance(nearest, point) < TOLERANCE * distance(from, to)
 }
 
 /// Adds absorbing tractions to all steps, one load for each section of infinite elements.
@@ -76,7 +62,7 @@ pub fn add_absorbing_loads(context: &mut Context<'_>) {
         return;
     }
     let mut taken = HashSet::new();
-    let faces = exposed_faces(&context.model.mesh);
+    let faces = exterior_faces(&context.model.mesh);
     for section in &sections {
         if let Some(load) = absorbing_load(context, section, &faces, &mut taken) {
             context.model.steps.iter_mut().for_each(|step| step.loads.push(load.clone()));
@@ -88,7 +74,7 @@ pub fn add_absorbing_loads(context: &mut Context<'_>) {
 fn absorbing_load(
     context: &mut Context<'_>,
     section: &InfiniteSection,
-    faces: &[ExposedFace],
+    faces: &ExteriorFaces,
     taken: &mut HashSet<(usize, ElementSide)>,
 ) -> Option<Load> {
     let material = &context.model.materials[section.material];
@@ -99,18 +85,16 @@ fn absorbing_load(
     };
     let mesh = &context.model.mesh;
     let refined = context.scaling.refined.is_some();
-    let by_nodes: HashMap<[usize; 2], &ExposedFace> =
-        faces.iter().map(|face| ([face.nodes[0].min(face.nodes[1]), face.nodes[0].max(face.nodes[1])], face)).collect();
     let mut selected = Vec::new();
     for &element in &section.elements {
-        let [a, b] = [mesh.elements[element].nodes[0], mesh.elements[element].nodes[1]];
-        let ends = [mesh.points[a], mesh.points[b]];
+        let attached = [0, 1].map(|at| mesh.elements[element].nodes[at]);
         let before = selected.len();
-        if let Some(face) = by_nodes.get(&[a.min(b), a.max(b)]) {
-            selected.push((face.element, face.side));
+        if let Some(face) = faces.get(&sorted_pair(attached)) {
+            selected.push(*face);
         } else if refined {
-            let is_part = |face: &&ExposedFace| face.nodes.iter().all(|n| is_on_segment(mesh.points[*n], ends));
-            selected.extend(faces.iter().filter(is_part).map(|face| (face.element, face.side)));
+            let ends = attached.map(|node| mesh.points[node]);
+            let is_part = |nodes: &[usize; 2]| nodes.iter().all(|node| is_on_segment(mesh.points[*node], ends));
+            selected.extend(faces.iter().filter(|(nodes, _)| is_part(nodes)).map(|(_, face)| *face));
         }
         if selected.len() == before {
             let message = format!(
@@ -126,7 +110,7 @@ fn absorbing_load(
     if let Some((element, _)) = selected.iter().find(|face| !taken.insert(**face)) {
         let message = format!("a face of element {} has two infinite elements", mesh.elements[*element].name);
         let finding = Diagnostic::error("M195", message).at(section.span, "in this section");
-        return context.diagnostics.refuse(finding.help("remove one of them"));
+        return context.diagnostics.refuse(finding.help("remove one of the two infinite elements"));
     }
     let kind = ElementKind::Cinax4.name();
     let name = format!("{} {kind}", section.elements.len());

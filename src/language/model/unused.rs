@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::context::Context;
 use super::names::upper;
 use super::types::{IncrementControl, MaterialDefinition};
-use crate::deck::{Card, Span};
+use crate::deck::{Card, Span, Word};
 
 /// Cards that define something by NAME that other cards refer to. Sets and surfaces, which programs write in great number, and
 /// materials of libraries are not listed.
@@ -29,12 +29,12 @@ pub fn list_unused(context: &mut Context<'_>) {
     if context.diagnostics.has_errors() {
         return;
     }
-    let (words, used) = (words_that_refer(context), UsedControls::of(context));
+    let (unused, used) = (unused_names(context), UsedControls::of(context));
     let cards = context.deck.cards.iter().filter(|card| !card.faulty);
     for card in cards {
         let name = card.value("NAME").map(|word| upper(&word.text));
         match card.keyword.name {
-            keyword if DEFINITIONS.contains(&keyword) && name.as_ref().is_some_and(|name| !words.contains(name)) => {
+            keyword if DEFINITIONS.contains(&keyword) && name.as_ref().is_some_and(|name| unused.contains(name)) => {
                 context.ignore(keyword, card.span, "no other card names it");
             }
             "SECTION CONTROLS" => controls_without_effect(context, card, (&name.unwrap_or_default(), &used)),
@@ -45,7 +45,7 @@ pub fn list_unused(context: &mut Context<'_>) {
                 }
             }
             "CONTACT PAIR" => {
-                let between = |word: &&crate::deck::Word| !matches!(word.text.parse(), Ok(0.0_f64 | 1.0));
+                let between = |word: &&Word| !matches!(word.text.parse(), Ok(0.0_f64 | 1.0));
                 if let Some(word) = card.value("WEIGHT").filter(between) {
                     let why = "the side that carries the pressures is chosen automatically unless it is 0 or 1";
                     context.ignore("CONTACT PAIR, WEIGHT", word.span, why);
@@ -69,23 +69,25 @@ pub fn list_unused(context: &mut Context<'_>) {
     accuracy_of_given_increments(context);
 }
 
-/// Returns all words by which cards refer to others, in capitals: values of parameters except NAME, and fields of data lines.
-fn words_that_refer(context: &Context<'_>) -> HashSet<String> {
-    let mut words = HashSet::new();
-    let mut add = |text: &str| {
-        if text.parse::<f64>().is_ok() {
-            return;
-        }
-        let word = upper(text);
-        words.extend(word.split('.').next_back().map(str::to_owned));
-        words.insert(word);
-    };
+/// Returns the names of definitions that no card mentions, in capitals: neither as the value of a parameter except NAME, nor in a
+/// data line.
+fn unused_names(context: &Context<'_>) -> HashSet<String> {
+    let definitions = context.deck.cards.iter().filter(|card| DEFINITIONS.contains(&card.keyword.name));
+    let mut unused: HashSet<String> = definitions.filter_map(|card| Some(upper(&card.value("NAME")?.text))).collect();
     for card in &context.deck.cards {
         let values = card.parameters.iter().filter(|parameter| parameter.name != "NAME");
-        values.filter_map(|parameter| parameter.value.as_ref()).for_each(|word| add(&word.text));
-        card.lines.iter().flat_map(|line| &line.fields).for_each(|word| add(&word.text));
+        let values = values.filter_map(|parameter| parameter.value.as_ref());
+        for word in values.chain(card.lines.iter().flat_map(|line| &line.fields)) {
+            if unused.is_empty() {
+                return unused;
+            }
+            let word = upper(&word.text);
+            let without_instance = word.rsplit('.').next().unwrap_or_default();
+            unused.remove(without_instance);
+            unused.remove(&word);
+        }
     }
-    words
+    unused
 }
 
 /// Sections that use section controls.

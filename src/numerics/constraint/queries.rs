@@ -62,7 +62,7 @@ impl<'a> ConstraintIndex<'a> {
     }
 
     /// Returns the indices of the constraints with an impulse on a degree of freedom, ascending, each with the index of the
-    /// degree of freedom in the constraint, and whether a prescribed motion is one of them.
+    /// degree of freedom in the constraint, and whether the motion is prescribed.
     pub fn acting_on(&self, dof: Dof) -> (Vec<(usize, usize)>, bool) {
         let mut indices = self.others.clone();
         if let Dof::Node(node, axis) = dof {

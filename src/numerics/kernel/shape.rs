@@ -82,6 +82,11 @@ pub fn twice_area([a, b, c]: [[f64; 2]; 3]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
+/// Returns the area of a quadrilateral, positive for corners that run counter-clockwise.
+pub fn quad_area([a, b, c, d]: [[f64; 2]; 4]) -> f64 {
+    0.5 * (twice_area([a, b, c]) + twice_area([a, c, d]))
+}
+
 /// Returns the distance from the first of two ends to the point between both that is nearest to a place, as a fraction of the
 /// distance between the ends; 0 if the ends are the same point.
 pub fn share_between([from, to]: [[f64; 2]; 2], place: [f64; 2]) -> f64 {

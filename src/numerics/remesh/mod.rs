@@ -16,7 +16,7 @@ pub mod transfer;
 mod triangulation;
 
 use crate::kernel::lanes::InlineMap;
-use crate::kernel::shape::twice_area;
+use crate::kernel::shape::quad_area;
 use crate::remesh::interpolation::TracerPoint;
 use crate::state::archive::Persist;
 
@@ -37,10 +37,7 @@ pub const MOST_NEW_ELEMENTS: f64 = 5e6;
 impl BodyMesh {
     /// Returns the number of squares of the wanted sizes that have the area of the mesh.
     pub fn expected_elements(&self) -> f64 {
-        let squares = |(quad, size): (&[u32; 4], &f64)| {
-            let [a, b, c, d] = self.corners(quad);
-            0.5 * (twice_area([a, b, c]) + twice_area([a, c, d])).abs() / (size * size)
-        };
+        let squares = |(quad, size): (&[u32; 4], &f64)| quad_area(self.corners(quad)).abs() / (size * size);
         self.quads.iter().zip(&self.sizes).map(squares).sum()
     }
 

@@ -128,16 +128,18 @@ class Deck:
         threads: int | None = 0,
         user: User = None,
         load: Load | None = None,
+        in_increments: bool = False,
         progress: Progress = None,
     ) -> Evaluation:
         """Evaluate ``k`` quantities for samples: arrays of ``N`` values per parameter give a table ``(N, k)``.
 
         A single number applies to all samples. Rows do not depend on the number of threads or on other rows. A failed
-        run gives NaN, and its error in ``reasons``. A load function in Python must not depend on earlier calls.
+        run gives NaN, and its error in ``reasons``. A load function in Python must not depend on earlier calls. With
+        ``in_increments`` every run has the bits of ``run``; by default, rigid shots are solved by stages.
         """
         wanted = (quantities,) if isinstance(quantities, str) else tuple(quantities)
         samples = sorted_out(parameters)
-        evaluator = self._evaluator(samples.names, samples.fixed, wanted, user, load)
+        evaluator = self._evaluator(samples.names, samples.fixed, wanted, user, load, in_increments)
         told = _progress.resolved(progress)
         try:
             values, reasons = evaluator.run(samples.table, _threads.resolved(threads), told)
@@ -152,14 +154,16 @@ class Deck:
         wanted: tuple[str, ...],
         user: User,
         load: Load | None,
+        in_increments: bool,
     ) -> _revolve.Evaluator:
-        key = (names, fixed, wanted, load) if user is None else None
+        key = (names, fixed, wanted, load, in_increments) if user is None else None
         try:
             known = self._evaluators.get(key) if key is not None else None
         except TypeError:
             key = known = None
         if known is None:
-            known = self._deck.evaluator(list(names), list(fixed), list(wanted), _compiled(user), _load.resolved(load))
+            routines = (_compiled(user), _load.resolved(load))
+            known = self._deck.evaluator(list(names), list(fixed), list(wanted), routines, in_increments)
             if key is not None:
                 while len(self._evaluators) >= _KNOWN:
                     self._evaluators.pop(next(iter(self._evaluators)))

@@ -74,8 +74,8 @@ class Deck:
         names: Sequence[str],
         fixed: _Settings,
         quantities: Sequence[str],
-        user: User | None,
-        load: _Load,
+        routines: tuple[User | None, _Load],
+        in_increments: bool,
     ) -> Evaluator: ...
 
 class Evaluator:

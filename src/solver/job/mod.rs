@@ -41,7 +41,7 @@ use crate::solve::{
 use crate::state::archive::{Persist, StateArchive};
 use crate::user::{Routines, host};
 pub use memory::run_kept;
-pub use provenance::{InputFile, Provenance, read_copies};
+pub use provenance::{InputFile, InputKind, Provenance, read_copies};
 use status::StatusFile;
 
 /// Codes of planning errors on elements, sections and materials. They are reported even if the deck has errors

@@ -5,7 +5,7 @@ use std::io::{self, Read as _};
 use std::path::{Component, Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::PreparedJob;
 use crate::deck::digest::sha256;
@@ -17,13 +17,27 @@ use crate::platform::processor_name;
 /// Largest file that is copied, bytes; of larger ones only the hash is stored.
 const LARGEST_COPY: u64 = 64 << 20;
 
+/// Use of a file that a run has read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum InputKind {
+    /// The deck.
+    Deck,
+    /// File that the deck includes, or data lines of a card.
+    Include,
+    /// Mesh file.
+    Mesh,
+    /// User subroutines.
+    User,
+}
+
 /// A file that a run has read.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InputFile {
     /// Path as given, or relative to the folder of the deck.
     pub file: String,
-    /// `deck`, `include`, `mesh` or `user`.
-    pub kind: &'static str,
+    /// What the file is used for.
+    pub kind: InputKind,
     /// SHA-256 of the contents.
     pub sha256: String,
     /// Size, bytes.
@@ -37,11 +51,12 @@ pub struct InputFile {
 }
 
 /// What produced a result, part of `<job>.json`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Provenance {
     /// Commit of the source; `None` unless the program was built with the variable `REVOLVE_COMMIT`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub commit: Option<&'static str>,
+    pub commit: Option<String>,
     /// Operating system and architecture for which the program was built.
     pub target: String,
     /// Words of the command line after the name of the program; empty for runs from Rust and Python.
@@ -62,7 +77,7 @@ pub struct Provenance {
 
 /// A file that a run reads.
 struct ReadFile<'a> {
-    kind: &'static str,
+    kind: InputKind,
     path: &'a Path,
     /// The text that has been read; empty for files that are not part of the deck.
     text: &'a str,
@@ -73,13 +88,13 @@ impl Provenance {
     /// line, `user` the files of user subroutines.
     pub fn of(prepared: &PreparedJob, command: Vec<String>, user: &[PathBuf]) -> Provenance {
         let sources = prepared.deck.sources.files();
-        let kinds = std::iter::once("deck").chain(std::iter::repeat("include"));
+        let kinds = std::iter::once(InputKind::Deck).chain(std::iter::repeat(InputKind::Include));
         let texts = kinds.zip(sources).map(|(kind, file)| ReadFile { kind, path: &file.path, text: &file.text });
-        let meshes = prepared.mesh_files.iter().map(|path| ReadFile { kind: "mesh", path, text: "" });
-        let all = texts.chain(meshes).chain(user.iter().map(|path| ReadFile { kind: "user", path, text: "" }));
+        let meshes = prepared.mesh_files.iter().map(|path| ReadFile { kind: InputKind::Mesh, path, text: "" });
+        let all = texts.chain(meshes).chain(user.iter().map(|path| ReadFile { kind: InputKind::User, path, text: "" }));
         let folder = sources.first().and_then(|deck| deck.path.parent()).unwrap_or(Path::new(""));
         Provenance {
-            commit: option_env!("REVOLVE_COMMIT"),
+            commit: option_env!("REVOLVE_COMMIT").map(str::to_owned),
             target: format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
             command,
             started: now(),

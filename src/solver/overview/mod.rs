@@ -92,25 +92,9 @@ impl DeckOverview {
 /// Returns the wave speeds of a material at an absolute temperature, which is given if it is uniform.
 fn waves(material: &MaterialDefinition, temperature: Option<f64>) -> Option<WaveSpeeds> {
     let density = material.density.or_else(|| Some(material.densities.first()?[0]))?;
-    let [bulk, shear] = moduli(material, temperature)?;
+    let ElasticModuli { bulk, shear } = material.small_strain_moduli(temperature)?;
     let longitudinal = ((bulk + 4.0 / 3.0 * shear) / density).sqrt();
     Some(WaveSpeeds { material: material.name.clone(), density, longitudinal, shear: (shear / density).sqrt() })
-}
-
-/// Returns the small-strain bulk and shear moduli; `None` if they are defined by a user subroutine.
-fn moduli(material: &MaterialDefinition, temperature: Option<f64>) -> Option<[f64; 2]> {
-    if let Some([modulus, ratio]) = material.elastic.filter(|_| material.eos.is_none()) {
-        let ElasticModuli { bulk, shear } = ElasticModuli::from_young(modulus, ratio);
-        return Some([bulk, shear]);
-    }
-    if let Some(rubber) = &material.hyperelastic {
-        let shear = rubber.shape.shear();
-        let compressibility = rubber.compressibility.first().filter(|d| **d > 0.0);
-        // Without D1 Poisson's ratio is 0.475 (ABAQUS Analysis User's Guide, "Hyperelastic behavior",
-        // "Compressibility").
-        return Some([compressibility.map_or(shear * 2.0 * 1.475 / (3.0 * 0.05), |d| 2.0 / d), shear]);
-    }
-    Some([material.bulk_modulus(temperature)?, material.shear_modulus.unwrap_or(0.0)])
 }
 
 fn temperatures(model: &Model) -> Option<[f64; 2]> {

@@ -16,7 +16,7 @@ const ALL_ACTIVE: usize = 32;
 pub(super) struct ActivePairs {
     /// Indices of the active pairs, ascending.
     pub(super) list: Vec<u32>,
-    /// Indices of the active pairs with analytical surfaces, and of those for which the last search found candidates,
+    /// Indices of the active pairs with analytical surfaces, and of the pairs for which the last search found candidates,
     /// ascending.
     pub(super) analytical: Vec<u32>,
     pub(super) near: Vec<u32>,
@@ -165,7 +165,7 @@ impl ActivePairs {
         self.by_own_curve.get(from).filter(|known| known[0] == curve).map(|known| known[1])
     }
 
-    /// Iterates over the pairs with one of these own curves, ascending: the active ones, and the first pair of each curve.
+    /// Iterates over the pairs whose own curve is in a list, ascending: the active pairs, and the first pair of each curve.
     pub(super) fn pairs_of_curves(&self, curves: impl Iterator<Item = u32> + Clone) -> impl Iterator<Item = usize> {
         let after =
             move |last: Option<u32>| curves.clone().filter_map(|curve| self.pair_of_curve_after(curve, last)).min();

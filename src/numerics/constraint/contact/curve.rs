@@ -118,7 +118,7 @@ impl FacetShape {
         (place[0] - self.from[0]) * self.normal[0] + (place[1] - self.from[1]) * self.normal[1] > 0.0
     }
 
-    /// Returns whether a point does not come farther than `depth` behind the facet while its distances from both ends change
+    /// Returns whether a point does not penetrate the facet by more than `depth` while its distances from both ends change
     /// by at most `motion`, or projects beyond an end.
     pub fn stays_in_front_or_beside(&self, place: [f64; 2], depth: f64, motion: f64) -> bool {
         let (sine, unit) = (motion / self.length, self.along.inline_map(|part| part / self.length));

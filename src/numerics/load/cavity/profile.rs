@@ -112,21 +112,9 @@ impl NoseProfile {
     /// Returns the forces on the parts between two planes, given in the initial position of the nose.
     fn forces_in_layer(&self, from: f64, to: f64, law: &CavityResistance, speed: f64) -> [f64; 2] {
         let mut total = [0.0; 2];
-        let facets = &self.facets[..];
-        let starts_inside = facets.first().is_some_and(|f| from <= f.low[1]);
-        let ends_inside = facets.last().is_some_and(|f| f.high[1] <= to);
-        let mut start = if starts_inside { 0 } else { facets.partition_point(|f| f.high[1] <= from) };
-        let mut end = if ends_inside { facets.len() } else { facets.partition_point(|f| f.low[1] < to) };
         let mut cut = |facet: &Facet| total = plus(total, force_on(facet, law, facet.area_between(from, to), speed));
-        if start < end && self.facets[start].low[1] < from {
-            cut(&self.facets[start]);
-            start += 1;
-        }
-        if start < end && self.facets[end - 1].high[1] > to {
-            end -= 1;
-            cut(&self.facets[end]);
-        }
-        if start < end { plus(total, self.sums[end].less(&self.sums[start]).forces(law, speed)) } else { total }
+        let whole = self.whole_between(from, to, &mut cut);
+        whole.map_or(total, |sums| plus(total, sums.forces(law, speed)))
     }
 
     /// Returns the facets normal to the axis.
@@ -135,10 +123,13 @@ impl NoseProfile {
     }
 
     /// Returns the sums of the facets between two planes, given in the initial position of the nose, without facets normal
-    /// to the axis; facets that a plane cuts are passed to `cut`.
-    pub(super) fn whole_between(&self, from: f64, to: f64, cut: &mut impl FnMut(&Facet)) -> FacetSums {
-        let mut start = self.facets.partition_point(|f| f.high[1] <= from);
-        let mut end = self.facets.partition_point(|f| f.low[1] < to);
+    /// to the axis; facets that a plane cuts are passed to `cut`. `None` if no whole facet is between the planes.
+    pub(super) fn whole_between(&self, from: f64, to: f64, cut: &mut impl FnMut(&Facet)) -> Option<FacetSums> {
+        let facets = &self.facets[..];
+        let starts_inside = facets.first().is_some_and(|f| from <= f.low[1]);
+        let ends_inside = facets.last().is_some_and(|f| f.high[1] <= to);
+        let mut start = if starts_inside { 0 } else { facets.partition_point(|f| f.high[1] <= from) };
+        let mut end = if ends_inside { facets.len() } else { facets.partition_point(|f| f.low[1] < to) };
         if start < end && self.facets[start].low[1] < from {
             cut(&self.facets[start]);
             start += 1;
@@ -147,7 +138,7 @@ impl NoseProfile {
             end -= 1;
             cut(&self.facets[end]);
         }
-        if start < end { self.sums[end].less(&self.sums[start]) } else { FacetSums::default() }
+        (start < end).then(|| self.sums[end].less(&self.sums[start]))
     }
 }
 

@@ -63,7 +63,7 @@ impl AxialResistance<'_> {
                 });
             };
             let whole = match profile {
-                Some(profile) => profile.whole_between(from, to, &mut cut),
+                Some(profile) => profile.whole_between(from, to, &mut cut).unwrap_or_default(),
                 None => whole_between(facets, from, to, &mut cut),
             };
             force.add_whole(whole.factors(law, self.friction));
