@@ -134,7 +134,13 @@ pub fn obstacle(material: &MaterialDefinition) -> Option<&'static str> {
         _ if material.is_explosive() => Some("an explosive (*EOS, TYPE=JWL) has no strength"),
         (Some(_), None) => Some("a fluid (*EOS without *ELASTIC, TYPE=SHEAR) has no strength"),
         (Some(_), Some(_)) => None,
-        _ if material.elastic.is_some() || material.hyperelastic.is_some() || material.user.material.is_some() => None,
+        _ if material.elastic.is_some()
+            || material.hyperelastic.is_some()
+            || material.has_strength_law()
+            || material.user.material.is_some() =>
+        {
+            None
+        }
         _ if material.cavity.is_some() => Some("it is the resistance of a target without a mesh (*CAVITY EXPANSION)"),
         _ => Some("it has no elasticity (*ELASTIC, *HYPERELASTIC or *USER MATERIAL)"),
     }

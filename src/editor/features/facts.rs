@@ -116,6 +116,7 @@ fn material_text(material: &MaterialDefinition) -> String {
         (material.hyperelastic.is_some(), "hyperelastic"),
         (material.eos.is_some(), "equation of state"),
         (material.plastic.is_some(), "plastic"),
+        (material.has_strength_law(), "strength that depends on pressure, porosity or direction"),
         (material.rate.is_some(), "rate-dependent"),
         (!material.failures.is_empty(), "failure"),
         (material.cavity.is_some(), "cavity expansion"),

@@ -26,12 +26,9 @@ pub fn tier_findings(deck: &Deck, diagnostics: &mut Diagnostics) {
 /// keyword itself if there is none.
 fn head<'n>(name: &'n str, there: &[&'n str]) -> &'n str {
     let parent = match name {
-        "CAP HARDENING" => Some("CAP PLASTICITY"),
         "CLAY HARDENING" => Some("CLAY PLASTICITY"),
-        _ if name.starts_with("CONCRETE ") => Some("CONCRETE DAMAGED PLASTICITY"),
         _ if name.starts_with("CAST IRON ") => Some("CAST IRON PLASTICITY"),
         "BRITTLE SHEAR" | "BRITTLE FAILURE" => Some("BRITTLE CRACKING"),
-        "VOID NUCLEATION" | "POROUS FAILURE CRITERIA" => Some("POROUS METAL PLASTICITY"),
         _ => None,
     };
     let is_begun = |other: &str| name.strip_prefix(other).is_some_and(|rest| rest.starts_with(' '));

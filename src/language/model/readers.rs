@@ -11,7 +11,7 @@ use super::{
     heat_loads, interactions, links, loads, mass_scaling, materials, mesh_file, nodes, outputs, parts, rubber,
     rubber_fit, sets, shells, steps, surfaces, targets, user_material,
 };
-use crate::deck::table::materials as cards;
+use crate::deck::table::{materials as cards, strength};
 use crate::deck::{Card, Span};
 
 /// Reader of the cards of some keywords.
@@ -34,16 +34,16 @@ pub fn find_reader(keyword: &str) -> Option<&'static CardReader> {
 macro_rules! readers {
     ($($block:literal)|+ => $read_block:path;
     $($($always:ident)? $($keyword:literal)|+ => $module:ident::$function:ident($($family:ident),+);)+
-    { $($card:ident => $set:expr;)+ }) => {
+    { $($card:ty => $set:expr;)+ }) => {
         &[CardReader { keywords: &[$($block),+], always: true, read: $read_block }, $(CardReader {
             keywords: &[$($keyword),+],
             always: stringify!($($always)?).len() > 0,
             read: |builder, card| $module::$function($(&mut builder.$family,)+ card),
         },)+ $(CardReader {
-            keywords: &[cards::$card::ROW.name],
+            keywords: &[<$card>::ROW.name],
             always: false,
             read: |builder, card| {
-                let set: fn(&mut MaterialDefinition, cards::$card, Span) = $set;
+                let set: fn(&mut MaterialDefinition, $card, Span) = $set;
                 set(builder.context.last_material(), card.values(), card.span);
             },
         }),+]
@@ -148,25 +148,40 @@ static READERS: &[CardReader] = readers! {
     "TIME POINTS" => outputs::read_time_points(context);
     "RESTART" => outputs::read_restart(context, steps);
     {
-        Viscosity => |material, values, span| material.viscosity = Some((values.viscosity[0], span));
-        InelasticHeatFraction => |material, values, _| material.thermal.inelastic_heat_fraction = Some(values.fraction[0]);
-        SpecificHeat => |material, values, _| material.thermal.specific_heat = Some(values.rows);
-        Conductivity => |material, values, span| material.thermal.conductivity = Some((values.rows, span));
-        Expansion => |material, cards::Expansion { zero, rows }, span| {
+        cards::Viscosity => |material, values, span| material.viscosity = Some((values.viscosity[0], span));
+        cards::InelasticHeatFraction => |material, values, _| material.thermal.inelastic_heat_fraction = Some(values.fraction[0]);
+        cards::SpecificHeat => |material, values, _| material.thermal.specific_heat = Some(values.rows);
+        cards::Conductivity => |material, values, span| material.thermal.conductivity = Some((values.rows, span));
+        cards::Expansion => |material, cards::Expansion { zero, rows }, span| {
             material.thermal.expansion = Some(ThermalExpansion { rows, zero, span });
         };
-        TensileFailure => |material, cards::TensileFailure { deletes, cutoff: [cutoff] }, span| {
+        cards::TensileFailure => |material, cards::TensileFailure { deletes, cutoff: [cutoff] }, span| {
             material.tensile_failure = Some(TensileFailure { cutoff, deletes, span });
         };
-        FailedMaterial => |material, cards::FailedMaterial { values: [residual, crossings] }, span| {
+        cards::FailedMaterial => |material, cards::FailedMaterial { values: [residual, crossings] }, span| {
             material.failed = Some(FailedMaterial { residual, crossings, span });
         };
-        CrushableFoam => |material, cards::CrushableFoam { isotropic, ratios }, span| {
+        cards::CrushableFoam => |material, cards::CrushableFoam { isotropic, ratios }, span| {
             let shape = if isotropic { FoamYieldSurface::Isotropic } else { FoamYieldSurface::Volumetric };
             material.foam.shape = Some((shape(ratios), span));
         };
+        strength::DruckerPrager => |material, card, span| material.strength.drucker_prager = Some((card, span));
+        strength::DruckerPragerHardening => |material, card, span| material.strength.drucker_prager_hardening = Some((card, span));
+        strength::CapPlasticity => |material, card, span| material.strength.cap = Some((card, span));
+        strength::CapHardening => |material, card, span| material.strength.cap_hardening = Some((card, span));
+        strength::ConcreteDamagedPlasticity => |material, card, span| material.strength.concrete = Some((card, span));
+        strength::ConcreteCompressionHardening => |material, card, span| material.strength.compression_hardening = Some((card, span));
+        strength::ConcreteTensionStiffening => |material, card, span| material.strength.tension_stiffening = Some((card, span));
+        strength::ConcreteCompressionDamage => |material, card, span| material.strength.compression_damage = Some((card, span));
+        strength::ConcreteTensionDamage => |material, card, span| material.strength.tension_damage = Some((card, span));
+        strength::ConcreteFailure => |material, card, span| material.strength.concrete_failure = Some((card, span));
+        strength::HolmquistJohnsonCook => |material, card, span| material.strength.holmquist_johnson_cook = Some((card, span));
+        strength::Potential => |material, card, span| material.strength.potential = Some((card, span));
+        strength::PorousMetalPlasticity => |material, card, span| material.strength.porous_metal = Some((card, span));
+        strength::VoidNucleation => |material, card, span| material.strength.void_nucleation = Some((card, span));
+        strength::PorousFailureCriteria => |material, card, span| material.strength.porous_failure = Some((card, span));
         // Coefficients of zero mean no damping.
-        Damping => |material, cards::Damping { alpha, beta }, span| {
+        cards::Damping => |material, cards::Damping { alpha, beta }, span| {
             material.damping = (alpha > 0.0 || beta > 0.0).then_some(RayleighCoefficients { alpha, beta, span });
         };
     }

@@ -109,6 +109,10 @@ impl UsedControls {
             !material.failures.is_empty()
                 || material.tensile_failure.is_some()
                 || material.failed.is_some()
+                || material.strength.johnson_holmquist.is_some()
+                || material.strength.holmquist_johnson_cook.is_some()
+                || material.strength.porous_failure.is_some()
+                || material.strength.concrete_failure.is_some()
                 || material.user.material.is_some()
         };
         let failing = context.model.sections.iter().filter(|section| fails(&context.model.materials[section.material]));

@@ -13,10 +13,26 @@ const ROW: usize = 8;
 
 /// Reads `*USER MATERIAL, CONSTANTS=n`.
 pub fn read_user_material(context: &mut Context<'_>, card: &Card) {
-    if context.required(card, "CONSTANTS").is_some() {
-        context.last_material().user.material = constants(context, card, "CONSTANTS");
+    if context.required(card, "CONSTANTS").is_none() {
+        return;
+    }
+    let values = constants(context, card, "CONSTANTS");
+    let material = context.last_material();
+    if material.name.starts_with(JOHNSON_HOLMQUIST) {
+        material.strength.johnson_holmquist = values.map(|values| (values, card.span));
+    } else if ["ABQ_JH1", "ABQ_JHB"].iter().any(|name| material.name.starts_with(name)) {
+        context.unsupported(
+            card.span,
+            "the laws JH-1 and JHB of ABAQUS are not supported",
+            "give the constants of JH-2 under a name that begins with ABQ_JH2, or write a VUMAT with another name",
+        );
+    } else {
+        material.user.material = values;
     }
 }
+
+/// Beginning of the names of materials for which ABAQUS reads `*USER MATERIAL` as the second law of Johnson and Holmquist.
+const JOHNSON_HOLMQUIST: &str = "ABQ_JH2";
 
 /// Reads `*PLASTIC, HARDENING=USER, PROPERTIES=n`.
 pub fn user_hardening(context: &mut Context<'_>, card: &Card) {

@@ -18,6 +18,7 @@ use crate::material::kinematic::KinematicHardening;
 use crate::material::kinematic_rate::RateKinematicHardening;
 use crate::material::plasticity::{ElasticOnly, PiecewiseLinearHardening, RateDependentHardening};
 use crate::material::point_law::PointLaw;
+use crate::material::returns::ReturnMaterial;
 use crate::material::strain_energy::{OgdenEnergy, PolynomialEnergy};
 use crate::material::user::SubroutineMaterial;
 use crate::material::volumetric::{ConstantBulkModulus, VolumetricLaw};
@@ -103,6 +104,8 @@ pub enum SolidMaterial {
     Ogden(HyperelasticMaterial<OgdenEnergy>),
     /// Crushable foam with a strain-dependent yield surface.
     Foam(FoamMaterial),
+    /// Strength that depends on pressure, porosity or direction.
+    Return(ReturnMaterial),
     /// Law in Rust, evaluated point by point.
     Point(PointLaw<false>),
     /// Law in Rust that uses more than strain and stress, or sets its moduli.
@@ -156,6 +159,7 @@ impl SolidMaterial {
             SolidMaterial::Polynomial(law) => visitor.visit(law),
             SolidMaterial::Ogden(law) => visitor.visit(law),
             SolidMaterial::Foam(law) => visitor.visit(law),
+            SolidMaterial::Return(law) => visitor.visit(law),
             SolidMaterial::Point(law) => visitor.visit(law),
             SolidMaterial::DetailedPoint(law) => visitor.visit(law),
             SolidMaterial::UserStress(law) => visitor.visit(law),

@@ -17,6 +17,7 @@ pub mod kinematic;
 pub mod kinematic_rate;
 pub mod plasticity;
 pub mod point_law;
+pub mod returns;
 pub mod strain_energy;
 pub mod user;
 pub mod user_eos;

@@ -7,6 +7,7 @@ pub mod materials;
 mod mesh;
 mod output;
 pub mod steps;
+pub mod strength;
 mod unsupported;
 
 use super::keywords::Keyword;
@@ -15,6 +16,7 @@ use super::keywords::Keyword;
 pub static ALL: &[&[Keyword]] = &[
     mesh::CARDS,
     materials::CARDS,
+    strength::CARDS,
     constraints::CARDS,
     steps::CARDS,
     adaptive::CARDS,

@@ -44,13 +44,10 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Failure of cracked concrete": "BRITTLE FAILURE";
     "Shear of cracked concrete": "BRITTLE SHEAR";
     "Buckling procedure": "BUCKLE";
-    "Cap model of soils": "CAP PLASTICITY", "CAP HARDENING";
     "Heat capacity of gases": "CAPACITY";
     "Friction changed in a step": "CHANGE FRICTION";
     "Clay model of soils": "CLAY PLASTICITY";
     "Smeared cracking of concrete": "CONCRETE";
-    "Damaged plasticity of concrete": "CONCRETE DAMAGED PLASTICITY", "CONCRETE COMPRESSION HARDENING",
-        "CONCRETE COMPRESSION DAMAGE", "CONCRETE TENSION STIFFENING", "CONCRETE TENSION DAMAGE";
     "Connectors": "CONNECTOR SECTION", "CONNECTOR BEHAVIOR", "CONNECTOR ELASTICITY", "CONNECTOR DAMPING", "CONNECTOR MOTION",
         "CONNECTOR LOAD", "CONNECTOR STOP", "CONNECTOR LOCK", "CONNECTOR FAILURE", "CONNECTOR FRICTION", "CONNECTOR PLASTICITY",
         "CONNECTOR HARDENING", "CONNECTOR POTENTIAL";
@@ -63,7 +60,6 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Cyclic procedure": "DIRECT CYCLIC";
     "Particles": "DISCRETE SECTION";
     "Bodies for display only": "DISPLAY BODY";
-    "Soil and polymer plasticity": "DRUCKER PRAGER", "DRUCKER PRAGER HARDENING";
     "Elements embedded in others": "EMBEDDED ELEMENT";
     "Compaction of porous materials": "EOS COMPACTION";
     "Eulerian elements": "EULERIAN SECTION";
@@ -97,8 +93,6 @@ pub const PHYSICS: &[Keyword] = unread!(UnsupportedPhysics:
     "Added mass": "NONSTRUCTURAL MASS";
     "ORNL hardening of steels": "ORNL";
     "Periodic analyses": "PERIODIC MEDIA";
-    "Porous metals": "POROUS METAL PLASTICITY", "POROUS FAILURE CRITERIA", "VOID NUCLEATION";
-    "Anisotropic yield": "POTENTIAL";
     "Pre-tensioned sections": "PRE-TENSION SECTION";
     "Pressure penetration into gaps": "PRESSURE PENETRATION";
     "Composite failure": "PROGRESSIVE FAILURE";
@@ -170,7 +164,6 @@ pub const ELSEWHERE: &[Keyword] = unread!(UnsupportedPhysics:
     "Co-simulation with another program": "CO-SIMULATION", "CO-SIMULATION CONTROLS", "CO-SIMULATION REGION";
     "Test data for material calibration": "COMBINED TEST DATA", "SHEAR TEST DATA", "SIMPLE SHEAR TEST DATA";
     "Modal procedure": "COMPOSITE MODAL DAMPING", "SELECT EIGENMODES";
-    "Deletion of damaged concrete": "CONCRETE FAILURE";
     "Connectors": "CONNECTOR CONSTITUTIVE REFERENCE", "CONNECTOR DAMAGE EVOLUTION", "CONNECTOR DAMAGE INITIATION",
         "CONNECTOR DERIVED COMPONENT", "CONNECTOR UNIAXIAL BEHAVIOR";
     "Flow across contact": "CONTACT PERMEABILITY";

@@ -1,5 +1,6 @@
 //! Materials as defined by their cards. The plan combines the material laws.
 
+use super::strength::StrengthCards;
 use crate::deck::Span;
 pub use crate::kernel::traction_separation::{InterfaceSoftening, ModeDependence, ModeMixRatio};
 use crate::resistance::CavityShape;
@@ -34,6 +35,8 @@ pub struct MaterialDefinition {
     pub plastic: Option<PlasticityModel>,
     /// Crushable foam (`*CRUSHABLE FOAM` and its hardening).
     pub foam: FoamDefinition,
+    /// Strength that depends on pressure, porosity or direction.
+    pub strength: StrengthCards,
     /// Rayleigh damping (`*DAMPING`); `None` if both coefficients are zero.
     pub damping: Option<RayleighCoefficients>,
     /// Whether the yield stress is extrapolated linearly beyond the last row of the table (`EXTRAPOLATION=LINEAR`).
@@ -60,6 +63,11 @@ impl MaterialDefinition {
     /// Returns whether the material can be damaged or fail by its own criteria.
     pub fn has_failure(&self) -> bool {
         !self.failures.is_empty() || self.tensile_failure.is_some() || self.failed.is_some()
+    }
+
+    /// Returns whether the strength depends on pressure, porosity or direction.
+    pub fn has_strength_law(&self) -> bool {
+        self.strength.cards().next().is_some()
     }
 
     /// Returns whether the equation of state is that of an ideal gas.

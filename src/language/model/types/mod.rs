@@ -13,6 +13,7 @@ mod mesh;
 mod output;
 mod section;
 mod step;
+mod strength;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -37,6 +38,7 @@ pub use mesh::*;
 pub use output::*;
 pub use section::*;
 pub use step::*;
+pub use strength::*;
 
 /// A complete model, built from a deck or composed in Rust. `job::prepare_model` reports the errors of a composed
 /// model.

@@ -27,7 +27,11 @@ pub fn dilation_averaging(
         Some("the section has no CAX3 elements")
     } else if section.controls.by_area {
         Some("not supported with WEIGHTING=AREA")
-    } else if material.eos.is_some() || material.foam.shape.is_some() || calls_routines_at_points(material) {
+    } else if material.eos.is_some()
+        || material.foam.shape.is_some()
+        || material.has_strength_law()
+        || calls_routines_at_points(material)
+    {
         Some("it applies only to linear elasticity and rubber")
     } else {
         None

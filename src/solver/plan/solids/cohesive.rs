@@ -330,6 +330,7 @@ fn refusal(material: &MaterialDefinition) -> Option<(&'static str, &'static str)
         || material.eos.is_some()
         || material.hyperelastic.is_some()
         || material.foam.shape.is_some()
+        || material.has_strength_law()
         || material.user.material.is_some();
     if other {
         return Some((

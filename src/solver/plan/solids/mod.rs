@@ -7,6 +7,7 @@ pub mod mass_scaling;
 pub mod shells;
 pub mod soft_material;
 pub mod solid_material;
+pub mod strength;
 pub mod user_material;
 
 use std::collections::{BTreeMap, HashMap};
@@ -173,7 +174,7 @@ fn add_masses(group: &dyn ElementGroup, mass: &mut [f64]) {
 
 /// Lists `*RATE DEPENDENT` of materials without a yield stress as unused.
 fn note_unused_rate_dependence(model: &Model, report: &mut Report) {
-    let yields = |m: &MaterialDefinition| m.plastic.is_some() || m.foam.shape.is_some();
+    let yields = |m: &MaterialDefinition| m.plastic.is_some() || m.foam.shape.is_some() || m.has_strength_law();
     for material in model.materials.iter().filter(|m| m.rate.is_some() && !yields(m) && m.user.material.is_none()) {
         report.add_unused_card(material.span, "*RATE DEPENDENT", "the material has no *PLASTIC");
     }

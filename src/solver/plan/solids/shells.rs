@@ -165,6 +165,9 @@ fn refusal(material: &MaterialDefinition, warms: bool) -> Option<&'static str> {
     if material.eos.is_some() || material.hyperelastic.is_some() || material.shear_modulus.is_some() {
         return Some("shells need *ELASTIC with Young's modulus and Poisson's ratio");
     }
+    if material.has_strength_law() {
+        return Some("a yield surface of shells that depends on pressure, porosity or direction is not supported");
+    }
     if material.foam.shape.is_some() || material.user.fields.is_some() || material.has_user_hardening() {
         return Some("*CRUSHABLE FOAM and user subroutines on shells are not supported");
     }

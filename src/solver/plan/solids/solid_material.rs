@@ -26,6 +26,7 @@ use crate::model::{
     PlasticityModel, RateDependence, SectionControls, SolidSection, StrainAtFailure,
 };
 use crate::plan::solids::soft_material::{explosive_law, foam_law, rubber_law};
+use crate::plan::solids::strength::{moduli_of_law, strength_law};
 use crate::plan::solids::user_material::{calls_routines_at_points, law_group, require_length_routine, user_group};
 use crate::plan::{GroupInput, Report};
 
@@ -51,6 +52,7 @@ struct MaterialRow {
 const MATERIALS: &[MaterialRow] = &[
     MaterialRow { applies: |m| m.hyperelastic.is_some(), law: rubber_law },
     MaterialRow { applies: |m| m.foam.shape.is_some() || !m.foam.hardening.is_empty(), law: foam_law },
+    MaterialRow { applies: MaterialDefinition::has_strength_law, law: strength_law },
     MaterialRow { applies: |m| m.eos.is_some(), law: law_with_equation_of_state },
     MaterialRow { applies: |_| true, law: |solid, report| von_mises_law(solid, None, report) },
 ];
@@ -146,6 +148,11 @@ pub fn hourglass_control(input: &GroupInput, moduli: ElasticModuli, report: &mut
 
 /// Returns the elastic moduli of a material. Missing or contradictory cards are errors.
 pub fn elastic_moduli(material: &MaterialDefinition, span: Span, report: &mut Report) -> Option<ElasticModuli> {
+    if material.density.is_some()
+        && let Some(moduli) = moduli_of_law(material)
+    {
+        return Some(moduli);
+    }
     let refusal = match material {
         MaterialDefinition { density: None, .. } => format!("material `{}` has no *DENSITY", material.name),
         MaterialDefinition {
@@ -363,8 +370,12 @@ fn check_by_area(input: &GroupInput, report: &mut Report) -> Option<()> {
     let triangles = matches!(connectivity, Connectivity::SixNodeTriangles(_));
     let refusal = if triangles {
         Some("WEIGHTING=AREA of CAX6M is not supported")
-    } else if material.eos.is_some() || material.hyperelastic.is_some() || material.foam.shape.is_some() {
-        Some("WEIGHTING=AREA needs *ELASTIC, and no foam")
+    } else if material.eos.is_some()
+        || material.hyperelastic.is_some()
+        || material.foam.shape.is_some()
+        || material.has_strength_law()
+    {
+        Some("WEIGHTING=AREA needs *ELASTIC, and neither foam nor a yield surface that depends on pressure")
     } else if material.failed.is_some() {
         Some("WEIGHTING=AREA with *FAILED MATERIAL is not supported")
     } else if model.steps.iter().any(|s| s.bulk_viscosity.linear <= 0.0) {

@@ -1,0 +1,64 @@
+//! Cards of materials whose strength depends on pressure, porosity or direction.
+
+use crate::deck::Span;
+pub use crate::deck::table::strength::{
+    CapHardening, CapPlasticity, ConcreteCompressionDamage, ConcreteCompressionHardening, ConcreteDamagedPlasticity,
+    ConcreteFailure, ConcreteTensionDamage, ConcreteTensionStiffening, DruckerPrager, DruckerPragerHardening,
+    HolmquistJohnsonCook, PorousFailureCriteria, PorousMetalPlasticity, Potential, VoidNucleation,
+};
+
+/// Declares a field for each card, and the functions that visit them.
+macro_rules! strength_cards {
+    ($($(#[$doc:meta])* $field:ident: $card:ident,)+) => {
+        /// Cards of a material that define its strength, with their source positions. The plan combines them to a law.
+        #[derive(Clone, Debug, Default)]
+        pub struct StrengthCards {
+            /// Constants of `*USER MATERIAL` of a material whose name begins with `ABQ_JH2`: the second law of Johnson and
+            /// Holmquist.
+            pub johnson_holmquist: Option<(Vec<f64>, Span)>,
+            $($(#[$doc])* pub $field: Option<($card, Span)>,)+
+        }
+
+        impl StrengthCards {
+            /// Returns keyword and source position of each card.
+            pub fn cards(&self) -> impl Iterator<Item = (&'static str, Span)> {
+                let user = self.johnson_holmquist.as_ref().map(|(_, span)| ("USER MATERIAL", *span));
+                let others = [$(self.$field.as_ref().map(|(_, span)| ($card::ROW.name, *span))),+];
+                user.into_iter().chain(others.into_iter().flatten())
+            }
+        }
+    };
+}
+
+strength_cards! {
+    /// `*DRUCKER PRAGER`.
+    drucker_prager: DruckerPrager,
+    /// `*DRUCKER PRAGER HARDENING`.
+    drucker_prager_hardening: DruckerPragerHardening,
+    /// `*CAP PLASTICITY`.
+    cap: CapPlasticity,
+    /// `*CAP HARDENING`.
+    cap_hardening: CapHardening,
+    /// `*CONCRETE DAMAGED PLASTICITY`.
+    concrete: ConcreteDamagedPlasticity,
+    /// `*CONCRETE COMPRESSION HARDENING`.
+    compression_hardening: ConcreteCompressionHardening,
+    /// `*CONCRETE TENSION STIFFENING`.
+    tension_stiffening: ConcreteTensionStiffening,
+    /// `*CONCRETE COMPRESSION DAMAGE`.
+    compression_damage: ConcreteCompressionDamage,
+    /// `*CONCRETE TENSION DAMAGE`.
+    tension_damage: ConcreteTensionDamage,
+    /// `*CONCRETE FAILURE`.
+    concrete_failure: ConcreteFailure,
+    /// `*HOLMQUIST JOHNSON COOK`.
+    holmquist_johnson_cook: HolmquistJohnsonCook,
+    /// `*POTENTIAL`.
+    potential: Potential,
+    /// `*POROUS METAL PLASTICITY`.
+    porous_metal: PorousMetalPlasticity,
+    /// `*VOID NUCLEATION`.
+    void_nucleation: VoidNucleation,
+    /// `*POROUS FAILURE CRITERIA`.
+    porous_failure: PorousFailureCriteria,
+}

@@ -1,0 +1,311 @@
+//! Extended Drucker-Prager plasticity (ABAQUS Analysis User's Guide, "Extended Drucker-Prager models").
+
+use super::law::{ReturnPoint, StressReturn, TrialStress, determinant, raised};
+use super::root::bracketed_root;
+use crate::kernel::hardening::{LinearTable, RateFactor};
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::stress::mises;
+use crate::variables::{Variable, VariableComponent};
+
+/// Shape of the yield surface in the plane of pressure p and von Mises stress q. Equation (6.30).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DruckerPragerShape {
+    /// t - p tan(beta) = d, where t is q in triaxial compression and q/K in triaxial tension.
+    Linear {
+        /// Friction: tan(beta).
+        friction: f64,
+        /// K, ratio of the flow stresses in triaxial tension and compression.
+        ratio: f64,
+    },
+    /// sqrt(l0² + q²) - p tan(beta) = d.
+    Hyperbolic {
+        /// Friction: tan(beta).
+        friction: f64,
+        /// Distance l0 between the apex of the asymptote and the surface, as a stress.
+        apex: f64,
+    },
+    /// a q^b - p = pt.
+    Exponent {
+        /// Factor a.
+        factor: f64,
+        /// Exponent b.
+        exponent: f64,
+    },
+}
+
+/// Test that gives the yield stresses of the hardening table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum YieldTest {
+    /// Uniaxial compression.
+    Compression,
+    /// Uniaxial tension.
+    Tension,
+    /// Pure shear.
+    Shear,
+}
+
+impl YieldTest {
+    /// All tests, in the order of the values of TYPE.
+    pub const ALL: [YieldTest; 3] = [YieldTest::Compression, YieldTest::Tension, YieldTest::Shear];
+
+    /// Returns the invariants of the test for a stress.
+    fn invariants(self, stress: f64) -> Invariants {
+        match self {
+            YieldTest::Compression => Invariants { pressure: stress / 3.0, mises: stress, third: -1.0 },
+            YieldTest::Tension => Invariants { pressure: -stress / 3.0, mises: stress, third: 1.0 },
+            YieldTest::Shear => Invariants { pressure: 0.0, mises: 3.0_f64.sqrt() * stress, third: 0.0 },
+        }
+    }
+}
+
+/// Invariants of a stress.
+#[derive(Clone, Copy)]
+struct Invariants {
+    pressure: f64,
+    mises: f64,
+    /// 27/2 det(s)/q³: -1 in triaxial compression, 1 in triaxial tension.
+    third: f64,
+}
+
+impl Invariants {
+    fn of(pressure: f64, deviator: [f64; 4]) -> Invariants {
+        let mises = mises(deviator);
+        let third = if mises > 0.0 { 13.5 * determinant(deviator) / (mises * mises * mises) } else { 0.0 };
+        Invariants { pressure, mises, third }
+    }
+
+    /// Returns the measure t of the deviator.
+    fn measure(self, ratio: f64) -> f64 {
+        0.5 * self.mises * ((1.0 + 1.0 / ratio) - (1.0 - 1.0 / ratio) * self.third)
+    }
+}
+
+/// Material with a yield stress that increases with pressure.
+#[derive(Clone, Debug)]
+pub struct DruckerPrager {
+    /// Shape of the yield surface.
+    pub shape: DruckerPragerShape,
+    /// Tangent of the dilation angle psi.
+    pub dilatancy: f64,
+    /// Eccentricity of the hyperbolic flow potential; not used by the linear form.
+    pub eccentricity: f64,
+    /// Yield stress of the test over its plastic strain.
+    pub hardening: LinearTable,
+    /// Test that gives the table.
+    pub test: YieldTest,
+    /// Rate factor on the yield stress.
+    pub rate: Option<RateFactor>,
+    /// Elastic moduli.
+    pub moduli: ElasticModuli,
+}
+
+/// State on the path of the return.
+#[derive(Clone, Copy)]
+struct PathState {
+    pressure: f64,
+    deviator: [f64; 4],
+    /// Equivalent plastic strain.
+    strain: f64,
+    /// Yield function.
+    outside: f64,
+}
+
+/// Trial stress of an increment, with what is constant on its path of return.
+struct Increment<'a> {
+    law: &'a DruckerPrager,
+    trial: TrialStress,
+    strain_before: f64,
+    dt: f64,
+    /// Direction of the deviatoric flow of the linear form, and the plastic multiplier at the end of the path.
+    direction: [f64; 4],
+    longest: f64,
+}
+
+/// Only state: equivalent plastic strain.
+const STRAIN: usize = 0;
+
+impl DruckerPrager {
+    /// Returns the distance l0 of a hyperbolic surface with a strength in hydrostatic tension, from the first yield stress
+    /// of its table; `None` if no surface has both strengths.
+    pub fn apex(friction: f64, tension: f64, test: YieldTest, yield_stress: f64) -> Option<f64> {
+        // sqrt(l0² + q²) - p tan(beta) = l0 + pt tan(beta) with p and q of the test.
+        let Invariants { pressure, mises, .. } = test.invariants(yield_stress);
+        let sum = (tension + pressure) * friction;
+        let apex = (mises * mises - sum * sum) / (2.0 * sum);
+        (apex >= 0.0 && apex.is_finite()).then_some(apex)
+    }
+
+    /// Returns the part of the yield function that depends on the stress; it equals [`Self::strength`] on the surface.
+    /// Equation (6.30).
+    fn measure(&self, stress: Invariants) -> f64 {
+        let Invariants { pressure, mises, .. } = stress;
+        match self.shape {
+            DruckerPragerShape::Linear { friction, ratio } => stress.measure(ratio) - pressure * friction,
+            DruckerPragerShape::Hyperbolic { friction, apex } => {
+                (apex * apex + mises * mises).sqrt() - pressure * friction
+            }
+            DruckerPragerShape::Exponent { factor, exponent } => factor * raised(mises, exponent) - pressure,
+        }
+    }
+
+    /// Returns the measure of the test at an equivalent plastic strain and its rate.
+    pub fn strength(&self, strain: f64, rate: f64) -> f64 {
+        let factor = self.rate.as_ref().map_or(1.0, |factor| factor.at(rate, 0.0));
+        self.measure(self.test.invariants(factor * self.hardening.value(strain)))
+    }
+
+    /// Returns the pressure of the apex, where the deviator is zero.
+    fn apex_pressure(&self, strength: f64) -> f64 {
+        match self.shape {
+            DruckerPragerShape::Linear { friction, .. } => -strength / friction,
+            DruckerPragerShape::Hyperbolic { friction, apex } => (apex - strength) / friction,
+            DruckerPragerShape::Exponent { .. } => -strength,
+        }
+    }
+
+    /// Returns the rounding of the flow potential at its apex: zero for the linear form.
+    fn rounding(&self) -> f64 {
+        match self.shape {
+            DruckerPragerShape::Linear { .. } => 0.0,
+            _ => self.eccentricity * self.hardening.value(0.0) * self.dilatancy,
+        }
+    }
+
+    /// Returns the increment of the equivalent plastic strain for a plastic multiplier. Equation (6.31).
+    fn hardening_strain(&self, before: f64, stress: Invariants, multiplier: f64) -> f64 {
+        if let DruckerPragerShape::Linear { ratio, .. } = self.shape {
+            // The strain of the test along its stress.
+            let unit = self.test.invariants(1.0);
+            let deviatoric = if unit.third == 0.0 { 0.5 * (1.0 + 1.0 / ratio) } else { unit.measure(ratio) };
+            return multiplier * (deviatoric - unit.pressure * self.dilatancy);
+        }
+        let Invariants { pressure, mises, .. } = stress;
+        let rounding = self.rounding();
+        let potential = (rounding * rounding + mises * mises).sqrt();
+        let along = if potential > 0.0 { mises * mises / potential } else { 0.0 };
+        let work = (multiplier * (along - pressure * self.dilatancy)).max(0.0);
+        // Work over the yield stress in the middle of the increment.
+        let estimate = work / self.hardening.value(before);
+        work / self.hardening.value(before + 0.5 * estimate)
+    }
+}
+
+impl Increment<'_> {
+    fn new(law: &DruckerPrager, trial: TrialStress, strain_before: f64, dt: f64) -> Increment<'_> {
+        let mut increment = Increment { law, trial, strain_before, dt, direction: [0.0; 4], longest: 0.0 };
+        if let (DruckerPragerShape::Linear { ratio, .. }, true) = (law.shape, trial.mises > 0.0) {
+            let (s, q) = (trial.deviator, trial.mises);
+            let (sum, difference) = (0.5 * (1.0 + 1.0 / ratio), 0.5 * (1.0 - 1.0 / ratio));
+            // Derivatives of q and of 27/2 det(s)/q² by the deviator.
+            let of_third = 13.5 * determinant(s) / (q * q * q);
+            let squared = [s[0] * s[0] + s[3] * s[3], s[1] * s[1] + s[3] * s[3], s[2] * s[2], s[3] * (s[0] + s[1])];
+            let part = |i: usize| {
+                let cofactor = 13.5 * (squared[i] - if i < 3 { 2.0 / 9.0 * q * q } else { 0.0 }) / (q * q);
+                (sum + 2.0 * difference * of_third) * 1.5 * s[i] / q - difference * cofactor
+            };
+            increment.direction = [0, 1, 2, 3].inline_map(part);
+            let measure = Invariants::of(trial.pressure, s).measure(ratio);
+            increment.longest = q * q / (3.0 * law.moduli.shear * measure);
+        }
+        increment
+    }
+
+    /// Returns the state at a share of the path that is left: 1 for the trial. Equation (6.31).
+    fn along(&self, share: f64) -> PathState {
+        let Increment { law, trial, direction, .. } = self;
+        let ElasticModuli { bulk, shear } = law.moduli;
+        let (multiplier, deviator) = if let DruckerPragerShape::Linear { .. } = law.shape {
+            let multiplier = (1.0 - share) * self.longest;
+            (multiplier, [0, 1, 2, 3].inline_map(|i| trial.deviator[i] - 2.0 * shear * multiplier * direction[i]))
+        } else {
+            let (mises, rounding) = (trial.mises * share, law.rounding());
+            // The derivative of the potential by the von Mises stress.
+            let slope = if rounding > 0.0 { mises / (rounding * rounding + mises * mises).sqrt() } else { 1.0 };
+            let multiplier = (trial.mises - mises) / (3.0 * shear * slope);
+            (multiplier, trial.deviator.inline_map(|part| share * part))
+        };
+        self.state(trial.pressure + bulk * multiplier * law.dilatancy, deviator, multiplier)
+    }
+
+    fn state(&self, pressure: f64, deviator: [f64; 4], multiplier: f64) -> PathState {
+        let stress = Invariants::of(pressure, deviator);
+        let hardening = self.law.hardening_strain(self.strain_before, stress, multiplier);
+        let strain = self.strain_before + hardening;
+        let outside = self.law.measure(stress) - self.law.strength(strain, self.rate(hardening));
+        PathState { pressure, deviator, strain, outside }
+    }
+
+    fn rate(&self, hardening: f64) -> f64 {
+        if self.dt > 0.0 { hardening / self.dt } else { 0.0 }
+    }
+
+    /// Returns the state at the apex: the pressure alone returns.
+    fn at_apex(&self) -> PathState {
+        let Increment { law, trial, .. } = self;
+        let state = |pressure: f64| {
+            let slope = law.moduli.bulk * law.dilatancy;
+            let multiplier = if slope > 0.0 { (pressure - trial.pressure) / slope } else { 0.0 };
+            self.state(pressure, [0.0; 4], multiplier)
+        };
+        let outside = |pressure: f64| {
+            let strain = state(pressure).strain;
+            law.apex_pressure(law.strength(strain, self.rate(strain - self.strain_before))) - pressure
+        };
+        let distance = outside(trial.pressure).max(0.0);
+        let mut end = trial.pressure + distance;
+        // Softening moves the apex further.
+        for _ in 0..60 {
+            if outside(end) <= 0.0 {
+                break;
+            }
+            end += distance;
+        }
+        let size = 1e-13 * law.strength(self.strain_before, 0.0).abs();
+        state(bracketed_root(trial.pressure, end, size, outside))
+    }
+}
+
+impl StressReturn for DruckerPrager {
+    fn describe(&self) -> String {
+        let form = match self.shape {
+            DruckerPragerShape::Linear { .. } => "linear",
+            DruckerPragerShape::Hyperbolic { .. } => "hyperbolic",
+            DruckerPragerShape::Exponent { .. } => "exponent form",
+        };
+        format!("Drucker-Prager, {form}")
+    }
+
+    fn moduli(&self) -> ElasticModuli {
+        self.moduli
+    }
+
+    fn initial_state(&self) -> Vec<f64> {
+        vec![0.0]
+    }
+
+    fn output(&self, part: VariableComponent) -> Option<usize> {
+        (part.variable == Variable::PlasticStrain).then_some(STRAIN)
+    }
+
+    fn update(&self, point: &mut ReturnPoint<'_>) {
+        let trial = TrialStress::of(point.elastic(point.carried, self.moduli));
+        let increment = Increment::new(self, trial, point.state[STRAIN], point.dt);
+        let first = increment.along(1.0).outside;
+        let size = self.strength(point.state[STRAIN], 0.0).abs() + trial.pressure.abs() + trial.mises;
+        // A NaN is not returned, so that the run halts.
+        if first.is_nan() || first <= 1e-14 * size {
+            return point.return_to(&trial, trial.pressure, trial.mises, 0.0);
+        }
+        // The smooth potential reaches all pressures before the von Mises stress vanishes, the linear one does not.
+        let smallest = if self.rounding() > 0.0 { 1e-12 } else { 0.0 };
+        let ends_at_apex = trial.mises <= 1e-12 * size || increment.along(smallest).outside > 0.0;
+        let PathState { pressure, deviator, strain, .. } = if ends_at_apex {
+            increment.at_apex()
+        } else {
+            increment.along(bracketed_root(1.0, smallest, 1e-13 * size, |share| increment.along(share).outside))
+        };
+        point.state[STRAIN] = strain;
+        point.return_to_deviator(&trial, pressure, deviator, (pressure - trial.pressure) / self.moduli.bulk);
+    }
+}

@@ -1,0 +1,149 @@
+//! Interface of laws that return an elastic trial stress to a yield surface, evaluated one material point at a time.
+
+use crate::kernel::lanes::InlineMap;
+use crate::kernel::moduli::ElasticModuli;
+use crate::kernel::stress::{mises, pressure};
+use crate::variables::VariableComponent;
+
+/// A law with elastic moduli and a yield surface. It knows neither elements nor blocks; the state of a point is a list of
+/// scalars.
+pub trait StressReturn: Send + Sync {
+    /// Returns the name of the law for the ledger, with its options.
+    fn describe(&self) -> String;
+
+    /// Returns upper bounds of the moduli. They also give the elastic trial stress of hourglass control.
+    fn moduli(&self) -> ElasticModuli;
+
+    /// Returns the state of a point at the start of the analysis.
+    fn initial_state(&self) -> Vec<f64>;
+
+    /// Returns the index of the state that is an output variable; `None` if the law does not have the variable.
+    fn output(&self, part: VariableComponent) -> Option<usize>;
+
+    /// Returns whether the law deletes elements.
+    fn deletes(&self) -> bool {
+        false
+    }
+
+    /// Updates state and stress over an increment.
+    fn update(&self, point: &mut ReturnPoint<'_>);
+}
+
+/// A material point in one increment. Tensors have the components rr, zz, hoop, rz (tensor shear) along the global axes.
+#[derive(Debug)]
+pub struct ReturnPoint<'a> {
+    /// Strain increment.
+    pub strain: [f64; 4],
+    /// Previous stress, rotated with the spin of the material (Jaumann rate).
+    pub carried: [f64; 4],
+    /// Angle in the (r, z) plane by which the material has rotated since the start, radians.
+    pub angle: f64,
+    /// Length of the increment.
+    pub dt: f64,
+    /// Characteristic length: the square root of the initial section area of the element.
+    pub length: f64,
+    /// State of the point; the law updates it.
+    pub state: &'a mut [f64],
+    /// Moduli for the stable time increment, on entry those of [`StressReturn::moduli`].
+    pub moduli: ElasticModuli,
+    /// Result: stress.
+    pub stress: [f64; 4],
+    /// Result: plastic strain increment, whose work is dissipated.
+    pub plastic: [f64; 4],
+    /// Result: energy per current volume that compaction dissipates, less what bulking stores. It counts as plastic
+    /// dissipation.
+    pub compacted: f64,
+    /// Result: elastic energy per current volume that damage removes; negative when stiffness recovers.
+    pub lost: f64,
+    /// Result: whether the element is deleted.
+    pub deleted: bool,
+}
+
+/// Elastic trial stress, split into its invariants.
+#[derive(Clone, Copy, Debug)]
+pub struct TrialStress {
+    /// Pressure, positive in compression.
+    pub pressure: f64,
+    /// Deviator.
+    pub deviator: [f64; 4],
+    /// Von Mises stress.
+    pub mises: f64,
+}
+
+impl TrialStress {
+    /// Splits a stress.
+    pub fn of(stress: [f64; 4]) -> TrialStress {
+        let pressure = pressure(stress);
+        let deviator = [stress[0] + pressure, stress[1] + pressure, stress[2] + pressure, stress[3]];
+        TrialStress { pressure, deviator, mises: mises(stress) }
+    }
+}
+
+impl ReturnPoint<'_> {
+    /// Returns the volumetric strain increment, positive for expansion.
+    pub fn dilation(&self) -> f64 {
+        self.strain[0] + self.strain[1] + self.strain[2]
+    }
+
+    /// Returns the rate of the equivalent deviatoric strain, sqrt(2/3 e:e) over the length of the increment.
+    pub fn deviatoric_rate(&self) -> f64 {
+        let mean = self.dilation() / 3.0;
+        let [rr, zz, hoop] = [0, 1, 2].inline_map(|i| self.strain[i] - mean);
+        let square = rr * rr + zz * zz + hoop * hoop + 2.0 * self.strain[3] * self.strain[3];
+        if self.dt > 0.0 { (2.0 / 3.0 * square).sqrt() / self.dt } else { 0.0 }
+    }
+
+    /// Returns a previous stress plus the elastic stress increment.
+    pub fn elastic(&self, previous: [f64; 4], moduli: ElasticModuli) -> [f64; 4] {
+        let mean = (moduli.bulk - 2.0 / 3.0 * moduli.shear) * self.dilation();
+        let change = |i: usize| 2.0 * moduli.shear * self.strain[i] + if i < 3 { mean } else { 0.0 };
+        [0, 1, 2, 3].inline_map(|i| previous[i] + change(i))
+    }
+
+    /// Sets the stress to a pressure and a von Mises stress along the deviator of the trial. The plastic strain has the
+    /// deviator that returns the trial, and the given dilation.
+    pub fn return_to(&mut self, trial: &TrialStress, pressure: f64, mises: f64, dilation: f64) {
+        let share = if trial.mises > 0.0 { mises / trial.mises } else { 1.0 };
+        self.return_to_deviator(trial, pressure, trial.deviator.inline_map(|part| share * part), dilation);
+    }
+
+    /// Sets the stress to a pressure and a deviator. The plastic strain has the deviator that returns the trial, and the
+    /// given dilation.
+    pub fn return_to_deviator(&mut self, trial: &TrialStress, pressure: f64, deviator: [f64; 4], dilation: f64) {
+        for (i, part) in deviator.into_iter().enumerate() {
+            let (mean, volumetric) = if i < 3 { (-pressure, dilation / 3.0) } else { (0.0, 0.0) };
+            self.stress[i] = mean + part;
+            self.plastic[i] = (trial.deviator[i] - part) / (2.0 * self.moduli.shear) + volumetric;
+        }
+    }
+
+    /// Replaces the recoverable energy of the pressure (per initial volume, a state). The work of the pressure beyond its
+    /// change is dissipated by compaction. `volume` is the ratio of volumes before the increment.
+    pub fn dissipate_volumetric_work(&mut self, energy: usize, recoverable: f64, volume: f64) {
+        let work = 0.5 * (pressure(self.carried) + pressure(self.stress)) * -self.dilation();
+        // The ratio of volumes in the middle of the increment.
+        let middle = volume * (1.0 + 0.5 * self.dilation());
+        self.compacted += work - (recoverable - self.state[energy]) / middle;
+        self.state[energy] = recoverable;
+    }
+}
+
+/// Returns the determinant of a tensor rr, zz, hoop, rz.
+pub fn determinant(tensor: [f64; 4]) -> f64 {
+    tensor[2] * (tensor[0] * tensor[1] - tensor[3] * tensor[3])
+}
+
+/// Returns x^n, 0 unless x is positive.
+pub fn raised(x: f64, n: f64) -> f64 {
+    if x > 0.0 { libm::exp(n * libm::log(x)) } else { 0.0 }
+}
+
+/// Returns the factor 1 + C ln(rate/reference) of Johnson and Cook, not below 1, from C and the reference rate.
+pub fn rate_factor([factor, reference]: [f64; 2], rate: f64) -> f64 {
+    if factor != 0.0 && rate > reference { 1.0 + factor * libm::log(rate / reference) } else { 1.0 }
+}
+
+/// Returns the double contraction of two tensors rr, zz, hoop, rz.
+pub fn contraction(a: [f64; 4], b: [f64; 4]) -> f64 {
+    (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + 2.0 * a[3] * b[3])
+}

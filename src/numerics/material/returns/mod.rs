@@ -1,0 +1,165 @@
+//! Laws with elastic moduli and a yield surface that depends on more than the von Mises stress: soil, rock, concrete, ceramics,
+//! porous metals, sheet. Each law is one file, evaluated point by point ([`law::StressReturn`]); this file is the material of
+//! all of them.
+#![allow(clippy::needless_range_loop)] // Loops over lanes, with one array per quantity.
+
+pub mod compression;
+pub mod drucker_prager;
+pub mod holmquist_johnson_cook;
+pub mod johnson_holmquist;
+pub mod law;
+pub mod root;
+
+use super::carried::CarriedState;
+use super::increment::{StrainIncrement, StressUpdate};
+use super::{BlockStart, Material, PlasticFlow, PointValue};
+use crate::kernel::lanes::{LANES, Lanes, column};
+use crate::kernel::stress::mises;
+use crate::state::archive::Persist;
+use crate::variables::{Variable, VariableComponent};
+use law::{ReturnPoint, StressReturn, TrialStress, contraction};
+
+/// Material of a law that returns an elastic trial stress.
+pub struct ReturnMaterial(pub Box<dyn StressReturn>);
+
+/// State of a block of points.
+#[derive(Clone, Debug, Persist)]
+#[persist(fixed: states; derived: length, volume)]
+pub struct ReturnState {
+    /// States of the law, one list each.
+    states: Vec<Lanes>,
+    /// Angle in the (r, z) plane by which the material has rotated, radians.
+    angle: Lanes,
+    /// 1 for an active element, 0 for a deleted one.
+    active: Lanes,
+    /// Characteristic lengths.
+    length: Lanes,
+    /// Initial volumes.
+    volume: Lanes,
+}
+
+impl Material for ReturnMaterial {
+    type State = ReturnState;
+    const FLOW: PlasticFlow = PlasticFlow::Coupled;
+    const MODULI_VARY: bool = true;
+    const FAILS: bool = true;
+    const USES_SPIN: bool = true;
+
+    fn initial_state(&self, start: &BlockStart) -> ReturnState {
+        let states = self.0.initial_state().into_iter().map(|value| [value; LANES]).collect();
+        let length = start.area.map(f64::sqrt);
+        ReturnState { states, angle: [0.0; LANES], active: [1.0; LANES], length, volume: start.volume }
+    }
+
+    fn initial_bulk(&self) -> f64 {
+        self.0.moduli().bulk
+    }
+
+    /// Updates each point of a block; an increment of zero length changes nothing.
+    fn update(
+        &self,
+        state: &mut ReturnState,
+        stress: &mut [Lanes; 4],
+        strain: &StrainIncrement,
+        update: &mut StressUpdate,
+    ) {
+        let moduli = self.0.moduli();
+        (update.bulk, update.shear) = ([moduli.bulk; LANES], [moduli.shear; LANES]);
+        if strain.dt == 0.0 {
+            return;
+        }
+        let mut values = [0.0; MOST_STATES];
+        let count = state.states.len();
+        for l in 0..strain.count {
+            if state.active[l] == 0.0 {
+                continue;
+            }
+            for (value, list) in values.iter_mut().zip(&state.states) {
+                *value = list[l];
+            }
+            state.angle[l] += strain.spin[l];
+            let carried = column(&strain.carried, l);
+            let mut point = ReturnPoint {
+                strain: column(&strain.strain, l),
+                carried,
+                angle: state.angle[l],
+                dt: strain.dt,
+                length: state.length[l],
+                state: &mut values[..count],
+                moduli,
+                stress: carried,
+                plastic: [0.0; 4],
+                compacted: 0.0,
+                lost: 0.0,
+                deleted: false,
+            };
+            self.0.update(&mut point);
+            let ReturnPoint { strain: increment, moduli, stress: new, plastic, compacted, lost, deleted, .. } = point;
+            for (list, value) in state.states.iter_mut().zip(values) {
+                list[l] = value;
+            }
+            let both = std::array::from_fn(|i| 0.5 * (carried[i] + new[i]));
+            let volume = strain.volume[l];
+            update.internal[l] += volume * contraction(both, increment);
+            update.dissipated[l] += volume * (contraction(both, plastic) + compacted + lost);
+            update.damaged[l] += volume * lost;
+            update.flow[l] = contraction(plastic, plastic);
+            let trial = mises(column(&update.deviator, l));
+            let deviator = TrialStress::of(new).deviator;
+            for i in 0..4 {
+                (update.plastic[i][l], update.deviator[i][l]) = (plastic[i], deviator[i]);
+                stress[i][l] = if deleted { 0.0 } else { new[i] };
+            }
+            let ratio = if trial > 0.0 { mises(new) / trial } else { 1.0 };
+            update.returned[l] = if ratio < 1.0 - 1e-12 { ratio } else { 1.0 };
+            // The constants of the elements contain the shear modulus.
+            update.bulk[l] = moduli.bulk + 4.0 / 3.0 * (moduli.shear - strain.moduli.shear);
+            update.shear[l] = moduli.shear;
+            if deleted {
+                state.active[l] = 0.0;
+                update.deleted += 1;
+            }
+        }
+    }
+
+    fn share(&self, state: &ReturnState, lane: usize) -> f64 {
+        state.active[lane]
+    }
+
+    fn can_delete(&self) -> bool {
+        self.0.deletes()
+    }
+
+    fn initial_volume(&self, state: &ReturnState, lane: usize) -> f64 {
+        state.volume[lane]
+    }
+
+    fn value(&self, state: &ReturnState, lane: usize, part: VariableComponent) -> Option<f64> {
+        if part.variable == Variable::Status {
+            return self.0.deletes().then(|| state.active[lane]);
+        }
+        self.0.output(part).map(|index| state.states[index][lane])
+    }
+
+    fn set(&self, state: &mut ReturnState, lane: usize, value: PointValue) -> bool {
+        let PointValue::PlasticStrain(strain) = value else { return false };
+        let Some(index) = self.0.output(Variable::PlasticStrain.into()) else { return false };
+        state.states[index][lane] = strain;
+        true
+    }
+
+    fn bytes(&self, state: &ReturnState) -> usize {
+        size_of_val(&*state.states)
+    }
+}
+
+/// Largest number of states of a law.
+const MOST_STATES: usize = 16;
+
+impl CarriedState for ReturnState {
+    fn carry(&mut self, visit: &mut dyn FnMut(&mut Lanes)) {
+        let ReturnState { states, angle, active: _, length: _, volume: _ } = self;
+        states.carry(visit);
+        angle.carry(visit);
+    }
+}
